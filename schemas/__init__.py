@@ -1,0 +1,1 @@
+"""Data that crosses a package border or the disk: models, evidence, diagnostics. Standard library, pydantic, numpy."""

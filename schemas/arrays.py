@@ -1,0 +1,59 @@
+"""Save and load frozen dataclasses that hold numpy arrays and bytes: one `.npz`, the same bytes every time."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import TypeAdapter
+
+T = TypeVar("T")
+_TREE = "tree"
+
+
+def save(value: Any, type_: type[T], path: Path) -> None:
+    """Write `value` (an instance of `type_`, a dataclass or pydantic model) to `path`, atomically."""
+    arrays: list[np.ndarray] = []
+    tree = _detach(TypeAdapter(type_).dump_python(value), arrays)
+    text = np.frombuffer(json.dumps(tree, sort_keys=True, default=str).encode(), dtype=np.uint8)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    with temporary.open("wb") as file:
+        np.savez(file, **{_TREE: text}, **{f"a{i}": a for i, a in enumerate(arrays)})
+    temporary.replace(path)
+
+
+def load(type_: type[T], path: Path) -> T:
+    """The value written by `save`. Raises ValueError or OSError when the file is not one."""
+    with np.load(path, allow_pickle=False) as file:
+        tree = json.loads(file[_TREE].tobytes())
+        return TypeAdapter(type_).validate_python(_attach(tree, file))
+
+
+def _detach(tree: Any, arrays: list[np.ndarray]) -> Any:
+    """`tree` with arrays and bytes replaced by references into `arrays`, which grows."""
+    if isinstance(tree, np.ndarray):
+        arrays.append(tree)
+        return {"$array": len(arrays) - 1}
+    if isinstance(tree, bytes):
+        arrays.append(np.frombuffer(tree, dtype=np.uint8))
+        return {"$bytes": len(arrays) - 1}
+    if isinstance(tree, dict):
+        return {k: _detach(v, arrays) for k, v in tree.items()}
+    if isinstance(tree, list | tuple):
+        return [_detach(v, arrays) for v in tree]
+    return tree
+
+
+def _attach(tree: Any, file: Any) -> Any:
+    if isinstance(tree, dict):
+        if "$array" in tree:
+            return file[f"a{tree['$array']}"]
+        if "$bytes" in tree:
+            return file[f"a{tree['$bytes']}"].tobytes()
+        return {k: _attach(v, file) for k, v in tree.items()}
+    if isinstance(tree, list):
+        return [_attach(v, file) for v in tree]
+    return tree

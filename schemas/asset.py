@@ -1,0 +1,191 @@
+"""AssetRecord: everything known about one released asset, each value with its evidence (design: asset package)."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from schemas.diagnostics import Diagnostic
+from schemas.evidence import Evidence
+from schemas.outcome import ItemOutcome, Repair
+from schemas.physics import Contact, Fidelity
+
+SCHEMA_VERSION = "1.0"
+Vec3 = tuple[float, float, float]
+Matrix3 = tuple[Vec3, Vec3, Vec3]
+Role = Literal["manipulated", "receptacle", "tool", "fixture", "mechanism", "support", "distractor"]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+
+class SourceFile(_Section):
+    """One file the asset was read from, relative to the asset's root."""
+
+    path: str
+    sha256: str
+    bytes: int
+
+
+class SourceSection(_Section):
+    """Where the asset comes from. The licence is never invented: unknown is `default` with confidence 0."""
+
+    format: str
+    files: tuple[SourceFile, ...]
+    meters_per_unit: Evidence[float]
+    up_axis: Evidence[str]
+    license: Evidence[str]
+    author: Evidence[str]
+    generator: str = ""
+    nodes: int = 0
+    source_names: dict[str, str] = Field(default_factory=dict, description="prim name -> name in the source")
+
+
+class Topology(_Section):
+    """What was counted on a triangle mesh after welding equal points. Lengths in metres (or source units before
+    canonicalisation), areas and volumes accordingly.
+    """
+
+    name: str
+    points: int
+    triangles: int
+    extent: Vec3
+    components: int
+    degenerate_faces: int
+    duplicate_faces: int
+    boundary_edges: int
+    non_manifold_edges: int
+    non_manifold_vertices: int
+    inconsistent_edges: int
+    inverted: bool
+    watertight: bool
+    duplicate_shells: int = 0
+    inner_shells: int = 0
+    fragments: int = 0
+    thin_parts: int = 0
+    area: float = 0.0
+    volume: float | None = None
+
+
+class AnnotationFrame(_Section):
+    """Centring and scaling used for annotation views only; it never changes the metric asset.
+
+    A point p in the asset frame (metres) appears at `(p - centre_m) / scale_m` in the annotation frame.
+    """
+
+    centre_m: Vec3
+    scale_m: float
+
+
+class GeometrySection(_Section):
+    """Size, frame and topology of the canonical asset (metres, z-up, origin at the bottom centre)."""
+
+    extent_m: Evidence[Vec3]
+    origin_offset_m: Vec3 = Field(description="source origin, seen from the asset frame, in metres")
+    annotation_frame: AnnotationFrame
+    observed: tuple[Topology, ...] = Field(description="per mesh as read, then `merged`")
+    reobserved: Topology
+    solid_kind: Literal["closed", "shell", "hull"]
+    volume_m3: Evidence[float]
+    surface_area_m2: float
+
+
+class AppearanceSection(_Section):
+    """Render materials as authored, and what the source held that UsdPreviewSurface cannot say."""
+
+    materials: tuple[str, ...]
+    textures: tuple[str, ...]
+    unmapped: dict[str, dict[str, Any]] = {}
+
+
+class SemanticsSection(_Section):
+    """Meaning. Until the semantics stage knows better, values are `default` with confidence 0."""
+
+    name: str
+    category: Evidence[str]
+    roles: tuple[Evidence[str], ...]
+    qcode: Evidence[str]
+
+
+class MaterialClass(_Section):
+    """A physical-material class with the densities (kg/m3) it stands for."""
+
+    name: str
+    density_kgm3: float
+    density_bounds_kgm3: tuple[float, float]
+
+
+class PhysicsSection(_Section):
+    """Mass properties about the mass centre in the asset frame, contact records, collider choice."""
+
+    material: Evidence[str]
+    density_kgm3: Evidence[float]
+    mass_kg: Evidence[float]
+    centre_of_mass_m: Evidence[Vec3]
+    inertia_kgm2: Evidence[Matrix3]
+    contacts: tuple[Evidence[Contact], ...]
+    collision_method: str
+    candidates: tuple[Fidelity, ...]
+    joints: tuple[Evidence[dict[str, Any]], ...] = ()
+
+
+class StablePose(_Section):
+    """A resting orientation found by drop-settle trials.
+
+    `quat_wxyz` is the asset frame in the world; `support_offset_m` the height of the asset origin above the support;
+    `probability` the share of the trials that ended there.
+    """
+
+    quat_wxyz: tuple[float, float, float, float]
+    support_offset_m: float
+    probability: float
+
+
+class Check(_Section):
+    """One acceptance figure against its bound."""
+
+    name: str
+    value: float
+    bound: float
+    unit: str
+    passed: bool
+
+
+class AcceptanceSection(_Section):
+    """What the simulator found on the package as re-read from disk."""
+
+    simulator: str
+    checks: tuple[Check, ...]
+    stable_poses: tuple[Evidence[StablePose], ...]
+    validators: tuple[Check, ...] = ()
+
+
+class StageEntry(_Section):
+    """One line of the stage history: which stage ran, in which version, under which key."""
+
+    name: str
+    version: int
+    key: str
+
+
+class AssetRecord(_Section):
+    """The machine-readable truth about one asset. No clock time and no absolute path ever appear in it."""
+
+    schema_version: str = SCHEMA_VERSION
+    asset_id: str
+    outcome: ItemOutcome
+    source: SourceSection
+    geometry: GeometrySection
+    appearance: AppearanceSection
+    semantics: SemanticsSection
+    parts: tuple[Evidence[dict[str, Any]], ...] = ()
+    affordances: tuple[Evidence[dict[str, Any]], ...] = ()
+    anchors: tuple[Evidence[dict[str, Any]], ...] = ()
+    physics: PhysicsSection
+    acceptance: AcceptanceSection
+    diagnostics: tuple[Diagnostic, ...] = ()
+    repairs: tuple[Repair, ...] = ()
+    history: tuple[StageEntry, ...] = ()
+    hashes: dict[str, str] = Field(default_factory=dict, description="package file -> sha256")

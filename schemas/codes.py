@@ -1,0 +1,382 @@
+"""Every diagnostic code, in one explicit table. Each has a page under `docs/diagnostics/` made from its row
+(`python -m cli.docs`) and a smallest bad input in `tests/bad_inputs.py`; one test proves that the three agree.
+
+A code names the pattern found, never the remedy. Codes are stable: extend, never rename.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+
+class CodeInfo(NamedTuple):
+    """What one code means: its default severity, one-line title, why it matters and what to do."""
+
+    severity: Literal["error", "warning", "info"]
+    title: str
+    why: str
+    help: str
+
+
+CODES: dict[str, CodeInfo] = {
+    # Intake: the file itself.
+    "asset/format-unsupported": CodeInfo(
+        "error",
+        "The file type is not one Mana reads",
+        "Only GLB, glTF, OBJ, STL, PLY, DAE and USD files become assets; anything else is reported, not guessed at.",
+        "convert the file to GLB or USD and ingest that",
+    ),
+    "asset/format-unsupported-yet": CodeInfo(
+        "error",
+        "The file type is planned but not read yet",
+        "URDF, MJCF and .blend carry joints or node graphs that a mesh import would silently drop.",
+        "export the geometry as GLB or USD, or wait for the articulated-asset release",
+    ),
+    "asset/wrong-content": CodeInfo(
+        "error",
+        "The bytes are not what the file name says",
+        "An HTML error page or another format under this extension would be misread as geometry.",
+        "download the file again or give it its true extension",
+    ),
+    "asset/lfs-pointer": CodeInfo(
+        "error",
+        "The file is a git-LFS pointer, not the asset",
+        "The real bytes were never fetched, so there is no geometry to read.",
+        "run `git lfs pull` in the source repository and ingest again",
+    ),
+    "asset/parse-error": CodeInfo(
+        "error",
+        "The file cannot be parsed",
+        "A parser that guesses past a syntax error invents geometry.",
+        "open the file in the tool that wrote it and export it again",
+    ),
+    "asset/schema-error": CodeInfo(
+        "error",
+        "A value has the wrong type for its format",
+        "The file parses but breaks the rules of its format, so its meaning is unknown.",
+        "validate the file with its format's own checker and export it again",
+    ),
+    "asset/truncated": CodeInfo(
+        "error",
+        "The file ends before its content does",
+        "Part of the geometry is missing; what remains is not the object.",
+        "download or copy the file again",
+    ),
+    "asset/accessor-out-of-bounds": CodeInfo(
+        "error",
+        "An accessor reads past the end of its buffer",
+        "The declared count does not fit the data; following it would read foreign memory or allocate without limit.",
+        "export the file again; the declared counts are wrong",
+    ),
+    "asset/index-out-of-range": CodeInfo(
+        "error",
+        "A face refers to a point that does not exist",
+        "The face has no defined position. Single stray faces are dropped; more reject the file.",
+        "export the mesh again or remove the faces named",
+    ),
+    "asset/missing-dependency": CodeInfo(
+        "error",
+        "A file that holds geometry is absent",
+        "Without the referenced buffer or layer there is nothing to build.",
+        "put the missing file beside the asset",
+    ),
+    "asset/cyclic-reference": CodeInfo(
+        "error",
+        "The hierarchy or a reference contains itself",
+        "A cycle has no finite expansion.",
+        "break the cycle at the location named",
+    ),
+    "asset/unsupported-required-extension": CodeInfo(
+        "error",
+        "The file requires an extension Mana does not know",
+        "The author states that the file cannot be read correctly without it.",
+        "export without the extension",
+    ),
+    "asset/path-escape": CodeInfo(
+        "error",
+        "A reference leads out of the asset's folder",
+        "Following it could read any file on the machine; it is never opened.",
+        "move the referenced file into the asset's folder, or widen the root with --root",
+    ),
+    "asset/remote-reference": CodeInfo(
+        "error",
+        "A reference is a network address",
+        "Ingestion works offline and never fetches what an asset names.",
+        "download the file, put it beside the asset and change the reference",
+    ),
+    "asset/resource-limit": CodeInfo(
+        "error",
+        "Reading the file would exceed a resource limit",
+        "Decompression, entity and texture bombs take the whole batch down; limits stop them.",
+        "make the named item smaller, or raise the limit if you trust the source",
+    ),
+    "asset/worker-crashed": CodeInfo(
+        "error",
+        "The worker process died",
+        "A native library aborted on this input; the batch goes on without it.",
+        "see the last lines in the report; simplify or clean the mesh and ingest again",
+    ),
+    "asset/worker-timeout": CodeInfo(
+        "error",
+        "The worker ran past its time limit",
+        "A stage hung or the asset is too heavy for the limit; the worker was stopped.",
+        "raise --timeout or reduce the asset",
+    ),
+    "asset/worker-out-of-memory": CodeInfo(
+        "error",
+        "The worker ran past its memory limit",
+        "The asset needs more memory than one worker may use.",
+        "raise --memory or reduce the asset",
+    ),
+    # Intake: the content.
+    "asset/empty-geometry": CodeInfo(
+        "error",
+        "The file holds no geometry",
+        "There is nothing to simulate.",
+        "check that the export included the mesh",
+    ),
+    "asset/no-faces": CodeInfo(
+        "error",
+        "The file has points or lines but no faces",
+        "Points and lines have no surface; a surface would have to be invented.",
+        "reconstruct a surface first, then ingest the mesh",
+    ),
+    "asset/nonfinite-vertices": CodeInfo(
+        "error",
+        "A coordinate is NaN or infinite",
+        "One such point poisons bounds, mass and collision.",
+        "find and fix the vertex named",
+    ),
+    "asset/degenerate-geometry": CodeInfo(
+        "error",
+        "Every face has zero area",
+        "No surface remains once degenerate faces are removed.",
+        "export the mesh again; its faces have collapsed",
+    ),
+    "asset/triangle-soup": CodeInfo(
+        "error",
+        "The triangles share no edges",
+        "Unconnected random triangles bound no object.",
+        "weld or reconstruct the surface first",
+    ),
+    "asset/scale-implausible": CodeInfo(
+        "error",
+        "The size is impossible for a robot-simulation asset",
+        "No unit hypothesis gives an object between 0.1 mm and 10 km.",
+        "say the unit with --units mm|cm|m|in",
+    ),
+    "asset/several-objects": CodeInfo(
+        "warning",
+        "The file seems to hold several separate objects",
+        "Far-apart pieces are usually a scene; one rigid body would tie them together.",
+        "split the file into one object each, or confirm that it is one object",
+    ),
+    "asset/articulated-source": CodeInfo(
+        "warning",
+        "The source declares joints, which this release does not carry over",
+        "One rigid body would silently lock them.",
+        "wait for the articulated-asset release, or ingest the links one by one",
+    ),
+    # Units and axes.
+    "asset/unit-mismatch": CodeInfo(
+        "warning",
+        "The numbers are not in the unit the format implies",
+        "Named evidence (comment, file name, size) shows another unit; the asset was rescaled.",
+        "check the size in the report; override with --units",
+    ),
+    "asset/scale-unverified": CodeInfo(
+        "warning",
+        "Nothing confirms the metric size",
+        "The format declares no unit, or the declared size is unusual; the size is provisional.",
+        "say the unit with --units mm|cm|m|in",
+    ),
+    "asset/up-axis-mismatch": CodeInfo(
+        "warning",
+        "The object stands along another axis than the format implies",
+        "Named evidence shows another up axis; the asset was turned.",
+        "check the pictures in the report",
+    ),
+    "asset/invalid-unit-value": CodeInfo(
+        "error",
+        "The declared unit is not a positive number",
+        "A zero, negative or unreadable unit gives no size.",
+        "correct the unit in the source file",
+    ),
+    "asset/invalid-up-axis": CodeInfo(
+        "warning",
+        "The declared up axis is not allowed by the format",
+        "USD allows Y and Z only; other tools will read the file differently.",
+        "set upAxis to Y or Z in the source file",
+    ),
+    "asset/invalid-default-prim": CodeInfo(
+        "warning",
+        "defaultPrim names a prim that does not exist",
+        "References to the file would bring in nothing; the whole stage was read instead.",
+        "correct defaultPrim in the source file",
+    ),
+    # Geometry, repaired.
+    "asset/far-from-origin": CodeInfo(
+        "warning",
+        "The object lies far from its origin",
+        "In single precision its shape would be rounded away; it was moved home in double precision.",
+        "nothing; the frame now sits at the object's bottom centre",
+    ),
+    "asset/inverted-winding": CodeInfo(
+        "warning",
+        "Faces are wound inside out",
+        "Volume, mass and lighting come out wrong.",
+        "nothing; the faces were turned to point outwards",
+    ),
+    "asset/degenerate-faces": CodeInfo(
+        "warning",
+        "Faces have zero area or occur twice",
+        "They break normals, volume and collision libraries.",
+        "nothing; they were removed",
+    ),
+    "asset/small-holes": CodeInfo(
+        "warning",
+        "A nearly closed surface has holes",
+        "An open surface has no volume, so mass and collision would be guesses.",
+        "nothing; the holes were filled, compare the pictures",
+    ),
+    "asset/non-manifold-edge": CodeInfo(
+        "warning",
+        "More than two faces share an edge",
+        "Inside and outside are undefined there.",
+        "nothing; the surplus faces were removed from the physical surface",
+    ),
+    "asset/non-manifold-vertex": CodeInfo(
+        "warning",
+        "Two surfaces touch in a single point",
+        "The point belongs to two solids, which topology tools reject.",
+        "nothing; the point was split",
+    ),
+    "asset/duplicate-shell": CodeInfo(
+        "warning",
+        "The same closed surface occurs more than once",
+        "Volume and mass would count it each time.",
+        "nothing; the copies were removed",
+    ),
+    "asset/overlapping-bodies": CodeInfo(
+        "warning",
+        "Closed parts overlap",
+        "The shared volume would be counted twice.",
+        "nothing; mass uses the union of the parts",
+    ),
+    "asset/open-shell": CodeInfo(
+        "warning",
+        "The surface is a thin sheet with a large opening",
+        "Closing it would turn a container into a block, so it stays a shell of assumed wall thickness.",
+        "give the walls a thickness in the source, or accept the assumed one",
+    ),
+    "asset/dirty-mesh": CodeInfo(
+        "warning",
+        "The mesh has several topological defects at once",
+        "Duplicate, degenerate or crossing faces together make single repairs meaningless; it was rebuilt.",
+        "nothing; compare the distance figures in the record",
+    ),
+    "asset/too-many-triangles": CodeInfo(
+        "warning",
+        "The mesh is heavier than the budget",
+        "Simulators and viewers slow down far below this size.",
+        "nothing; it was reduced, the surface error is in the record",
+    ),
+    "asset/bad-normals": CodeInfo(
+        "warning",
+        "Normals are zero, not unit length or not finite",
+        "Shading would be black or random.",
+        "nothing; normals were recomputed from the faces",
+    ),
+    "asset/empty-face": CodeInfo(
+        "warning",
+        "A face record has fewer than three corners",
+        "The face was meant to exist, so the surface has a gap there.",
+        "export the mesh again; check the line named",
+    ),
+    "asset/nonfinite-colors": CodeInfo(
+        "warning",
+        "A vertex colour is NaN or infinite",
+        "Renderers show it as black or noise.",
+        "nothing; vertex colours were dropped or replaced",
+    ),
+    # Appearance.
+    "asset/missing-texture": CodeInfo(
+        "warning",
+        "A texture file is absent",
+        "The surface loses its picture; its scalar colour is used instead.",
+        "put the file named beside the asset",
+    ),
+    "asset/corrupt-texture": CodeInfo(
+        "warning",
+        "A texture cannot be decoded",
+        "The surface loses its picture; its scalar colour is used instead.",
+        "replace the image named",
+    ),
+    "asset/unsupported-texture": CodeInfo(
+        "warning",
+        "A texture is in a format that cannot be decoded here",
+        "KTX2 and similar containers need a GPU transcoder; a fallback image or the scalar colour is used.",
+        "add a PNG or JPEG fallback",
+    ),
+    "asset/missing-material": CodeInfo(
+        "warning",
+        "A material library or material is absent",
+        "The surface has no stated look; a neutral grey is used.",
+        "put the .mtl file beside the asset",
+    ),
+    "asset/invalid-material-value": CodeInfo(
+        "warning",
+        "A material value cannot be read or is out of range",
+        "Shaders give undefined results outside the allowed range.",
+        "nothing; the value was replaced by the default or clamped",
+    ),
+    "asset/material-extension-fallback": CodeInfo(
+        "info",
+        "A material feature has no counterpart in UsdPreviewSurface",
+        "The look may differ; the source values are kept in the record.",
+        "nothing; see `appearance.unmapped` in the record",
+    ),
+    "asset/name-sanitised": CodeInfo(
+        "info",
+        "Names were changed to be valid identifiers",
+        "USD prim names allow letters, digits and underscores only, each once per parent.",
+        "nothing; the source names are kept beside the new ones",
+    ),
+    "asset/animation-dropped": CodeInfo(
+        "info",
+        "The source is animated",
+        "An asset is static; its first frame was taken.",
+        "nothing, or export the pose you want",
+    ),
+    # Physics and acceptance.
+    "asset/collision-fallback": CodeInfo(
+        "warning",
+        "The collision shape is coarser than wanted",
+        "Every finer candidate failed or missed its tolerance.",
+        "see the candidate table in the record; clean the mesh for a better fit",
+    ),
+    "asset/render-collision-misaligned": CodeInfo(
+        "error",
+        "Collision and visible surface do not coincide",
+        "Contacts would happen where nothing is seen.",
+        "see the figures; clean the mesh and ingest again",
+    ),
+    "asset/unstable-settling": CodeInfo(
+        "warning",
+        "The object does not come to rest where it should",
+        "It penetrates, drifts or keeps moving after being set down.",
+        "check collision shape and mass centre in the record",
+    ),
+    "asset/package-invalid": CodeInfo(
+        "error",
+        "The written package fails validation",
+        "Nothing is released that an outside validator rejects.",
+        "this is a defect of Mana or an unusual input: please report it with the rule named",
+    ),
+    "asset/internal-error": CodeInfo(
+        "error",
+        "A stage failed unexpectedly",
+        "This is a defect of Mana, not of your file; the batch goes on without it.",
+        "please report it with the traceback in report.json",
+    ),
+}

@@ -1,0 +1,105 @@
+"""Diagnostics are data; only `cli` turns them into text.
+
+InvalidInput            raised inside a reader to stop at a fatal finding; carries the Diagnostic.
+                        Stages catch it at their border and return it as data.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from pydantic import BaseModel, ConfigDict
+
+from schemas.codes import CODES
+
+
+class Severity(StrEnum):
+    """How much a finding matters: an `error` rejects the item, a `warning` or `info` does not."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    INFO = "info"
+
+
+class Location(BaseModel):
+    """Where something was found. `file` is relative to the asset's root, never absolute."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    file: str | None = None
+    line: int | None = None
+    column: int | None = None
+    prim: str | None = None
+    mesh: str | None = None
+
+    def __str__(self) -> str:
+        position = ":".join(str(p) for p in (self.file, self.line, self.column) if p is not None)
+        return " ".join(p for p in (position, self.prim, self.mesh) if p) or "(whole asset)"
+
+
+class Label(BaseModel):
+    """A remark on a second location."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    where: Location
+    text: str
+
+
+class Diagnostic(BaseModel):
+    """One finding: what, where, the value against the bound with units, and what to do.
+
+    `value` and `bound` are in `unit`. `because` is the cause tree, nearest cause first.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    code: str
+    severity: Severity
+    headline: str
+    where: Location = Location()
+    value: float | str | None = None
+    bound: float | str | None = None
+    unit: str = ""
+    labels: tuple[Label, ...] = ()
+    because: tuple[Diagnostic, ...] = ()
+    help: str = ""
+
+
+class InvalidInput(Exception):
+    """The user's file cannot be used; `diagnostic` says why."""
+
+    def __init__(self, diagnostic: Diagnostic) -> None:
+        super().__init__(diagnostic.headline)
+        self.diagnostic = diagnostic
+
+
+def finding(
+    code: str,
+    headline: str,
+    *,
+    where: Location | None = None,
+    value: float | str | None = None,
+    bound: float | str | None = None,
+    unit: str = "",
+    labels: tuple[Label, ...] = (),
+    because: tuple[Diagnostic, ...] = (),
+    severity: Severity | None = None,
+) -> Diagnostic:
+    """A diagnostic with the severity and help of its code's entry in `schemas.codes`.
+
+    Raises KeyError for an unknown code, so that a code cannot exist without its page.
+    """
+    info = CODES[code]
+    return Diagnostic(
+        code=code,
+        severity=severity or Severity(info.severity),
+        headline=headline,
+        where=where or Location(),
+        value=value,
+        bound=bound,
+        unit=unit,
+        labels=labels,
+        because=because,
+        help=info.help,
+    )

@@ -1,0 +1,142 @@
+"""The internal representation every format is read into: meshes, materials, textures, hierarchy, evidence.
+
+All values are immutable; editing means `dataclasses.replace`. Arrays are not copied: treat them as read-only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from pydantic import ConfigDict
+
+from schemas.evidence import Evidence
+
+FloatArray: TypeAlias = np.ndarray
+IntArray: TypeAlias = np.ndarray
+Axis = Literal["x", "y", "z"]
+Channel = Literal["r", "g", "b", "a", "rgb"]
+AlphaMode = Literal["opaque", "mask", "blend"]
+
+
+@dataclass(frozen=True)
+class Texture:
+    """An image file, byte for byte as the source holds it (PNG or JPEG; other formats are converted to PNG)."""
+
+    name: str  # unique within the model, without extension
+    data: bytes
+    extension: Literal["png", "jpg"]
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class TextureUse:
+    """One sampling of a texture by a material input; the sampled value is `texel * scale + bias`."""
+
+    texture: str  # Texture.name
+    channel: Channel = "rgb"
+    uv_set: int = 0
+    wrap_s: Literal["repeat", "clamp", "mirror", "black"] = "repeat"
+    wrap_t: Literal["repeat", "clamp", "mirror", "black"] = "repeat"
+    # UV transform in the USD order (scale, then rotate, then translate), with v pointing up.
+    uv_scale: tuple[float, float] = (1.0, 1.0)
+    uv_rotation_rad: float = 0.0
+    uv_offset: tuple[float, float] = (0.0, 0.0)
+    scale: float = 1.0
+    bias: float = 0.0
+
+
+@dataclass(frozen=True)
+class Material:
+    """Metallic-roughness PBR. Colours are linear RGB in 0..1; a texture multiplies the scalar beside it.
+
+    `unmapped` keeps every source property that has no field here, as plain JSON, so that nothing is lost silently.
+    """
+
+    name: str
+    base_color: tuple[float, float, float] = (0.8, 0.8, 0.8)
+    base_color_texture: TextureUse | None = None
+    metallic: float = 0.0
+    metallic_texture: TextureUse | None = None
+    roughness: float = 0.5
+    roughness_texture: TextureUse | None = None
+    normal_texture: TextureUse | None = None
+    normal_scale: float = 1.0
+    occlusion_texture: TextureUse | None = None
+    emissive: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    emissive_texture: TextureUse | None = None
+    opacity: float = 1.0
+    opacity_texture: TextureUse | None = None
+    alpha_mode: AlphaMode = "opaque"
+    alpha_cutoff: float = 0.5
+    double_sided: bool = False
+    ior: float = 1.5
+    clearcoat: float = 0.0
+    clearcoat_roughness: float = 0.0
+    transmission: float = 0.0
+    unmapped: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles with per-corner attributes, so that welding points never harms UV seams or hard edges.
+
+    points     (n, 3) float64, in the frame of the model (node transforms already applied), source units and axes
+               until canonicalisation, metres and z-up after it.
+    triangles  (m, 3) int32, counter-clockwise seen from outside.
+    normals    (m, 3, 3) float32 unit corner normals, or None.
+    uvs        one (m, 3, 2) float32 array per UV set, v pointing up (USD convention).
+    colors     (m, 3, 4) float32 linear RGBA, or None.
+    material   index into Model.materials, or None.
+    source_path  where the mesh stood in the source hierarchy, e.g. "/scene/handle/mesh_0".
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    name: str
+    points: FloatArray
+    triangles: IntArray
+    normals: FloatArray | None = None
+    uvs: tuple[FloatArray, ...] = ()
+    colors: FloatArray | None = None
+    material: int | None = None
+    source_path: str = ""
+
+
+@dataclass(frozen=True)
+class Node:
+    """One node of the source hierarchy, kept for provenance and part proposals; `X_PN` is row-major 4x4."""
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    path: str
+    X_PN: FloatArray
+    meshes: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Model:
+    """A source asset in memory.
+
+    `meters_per_unit` and `up_axis` are Evidence: `declared` when the format or file states them, `default` when
+    it does not. `hints` are texts that may tell units or axes (comments, generator names), verbatim.
+    `metadata` holds what the file says about itself (author, licence, copyright, generator).
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    meshes: tuple[Mesh, ...]
+    materials: tuple[Material, ...]
+    textures: tuple[Texture, ...]
+    nodes: tuple[Node, ...]
+    meters_per_unit: Evidence[float]
+    up_axis: Evidence[Axis]
+    hints: tuple[str, ...] = ()
+    metadata: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles over all meshes."""
+        return sum(len(m.triangles) for m in self.meshes)

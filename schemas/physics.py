@@ -1,0 +1,80 @@
+"""What the simulator needs of an asset: convex collision shapes, mass properties, contact material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from schemas.model import FloatArray, IntArray
+
+ShapeKind = Literal["box", "sphere", "capsule", "cylinder", "hull"]
+
+
+@dataclass(frozen=True)
+class CollisionShape:
+    """One convex collision shape, posed in the asset frame (metres).
+
+    size_m   box: full edge lengths (x, y, z); sphere: (radius,); capsule and cylinder: (radius, height) along local
+             z, a capsule's height without its caps; hull: ().
+    X_AS     (4, 4) pose of the shape in the asset frame; identity for hulls.
+    points, triangles  hulls only: (n, 3) float64 and (m, 3) int32, closed, outward, n <= 64.
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    kind: ShapeKind
+    size_m: tuple[float, ...]
+    X_AS: FloatArray
+    points: FloatArray | None = None
+    triangles: IntArray | None = None
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """Mass, mass centre and inertia about the mass centre, axes of the asset frame.
+
+    `inertia_kgm2` is (3, 3) symmetric positive definite and fulfils the triangle inequality of its eigenvalues.
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    mass_kg: float
+    centre_of_mass_m: FloatArray
+    inertia_kgm2: FloatArray
+
+
+class Contact(BaseModel):
+    """Contact parameters of one body against a class of counterparts (`any` = all others)."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    counterpart: str = "any"
+    static_friction: float
+    dynamic_friction: float
+    restitution: float
+    combine: Literal["average", "multiply", "minimum", "maximum"] = "average"
+
+
+class Fidelity(BaseModel):
+    """How well a set of collision shapes represents the solid; distances are fractions of the box diagonal.
+
+    `outside_p95` measures collider surface -> solid, `missing_p95` solid surface -> collider union.
+    `volume_ratio` is union of shapes / solid, None where the solid has no volume of its own.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    method: str
+    shapes: int
+    vertices: int
+    volume_ratio: float | None
+    outside_p95: float
+    outside_max: float
+    missing_p95: float
+    missing_max: float
+    cavity_kept: bool | None
+    accepted: bool
+    reason: str = ""
+    seconds: float = 0.0
