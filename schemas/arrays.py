@@ -21,7 +21,7 @@ def save(value: Any, type_: type[T], path: Path) -> None:
     text = np.frombuffer(json.dumps(tree, sort_keys=True, default=str).encode(), dtype=np.uint8)
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     with temporary.open("wb") as file:
-        np.savez(file, **{_TREE: text}, **{f"a{i}": a for i, a in enumerate(arrays)})
+        np.savez(file, allow_pickle=False, **{_TREE: text}, **{f"a{i}": a for i, a in enumerate(arrays)})
     temporary.replace(path)
 
 

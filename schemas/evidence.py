@@ -33,9 +33,7 @@ def declared(value: T, method: str, *, inputs: tuple[str, ...] = (), confidence:
     return Evidence(value=value, source="declared", method=method, inputs=inputs, confidence=confidence)
 
 
-def measured(
-    value: T, method: str, *, confidence: float = 1.0, bounds: tuple[T, T] | None = None
-) -> Evidence[T]:
+def measured(value: T, method: str, *, confidence: float = 1.0, bounds: tuple[T, T] | None = None) -> Evidence[T]:
     """Evidence for what was computed from the asset itself."""
     return Evidence(value=value, source="measured", method=method, confidence=confidence, bounds=bounds)
 
@@ -49,9 +47,7 @@ def inferred(
     inputs: tuple[str, ...] = (),
 ) -> Evidence[T]:
     """Evidence for a conclusion from indirect signs; `confidence` is mandatory."""
-    return Evidence(
-        value=value, source="inferred", method=method, confidence=confidence, bounds=bounds, inputs=inputs
-    )
+    return Evidence(value=value, source="inferred", method=method, confidence=confidence, bounds=bounds, inputs=inputs)
 
 
 def default(value: T, method: str = "no evidence", *, bounds: tuple[T, T] | None = None) -> Evidence[T]:

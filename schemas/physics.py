@@ -78,3 +78,32 @@ class Fidelity(BaseModel):
     accepted: bool
     reason: str = ""
     seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Solid:
+    """The physical surface of an asset (metres, asset frame), on which mass and collision are based.
+
+    kind  `closed`: watertight, outward, overlaps united, inner cavities kept as inward shells.
+          `shell`: an open sheet with a significant opening; `wall_thickness_m` is the assumed thickness.
+          `hull`: neither; the convex hull stands in, with low confidence.
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    points: FloatArray  # (n, 3) float64
+    triangles: IntArray  # (m, 3) int32
+    kind: Literal["closed", "shell", "hull"]
+    wall_thickness_m: float | None = None
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """One rigid body as a simulator takes it; everything in the asset frame, metres and kilograms."""
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    name: str
+    shapes: tuple[CollisionShape, ...]
+    mass: MassProperties
+    contact: Contact

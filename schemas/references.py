@@ -24,9 +24,7 @@ def resolve_reference(uri: str, *, base: Path, root: Path, where: Location | Non
     scheme = urlsplit(text).scheme.lower()
     if scheme in {"http", "https", "ftp", "s3", "omniverse"}:
         raise InvalidInput(
-            finding(
-                "asset/remote-reference", f"'{uri}' is a network address; nothing is fetched", where=where
-            )
+            finding("asset/remote-reference", f"'{uri}' is a network address; nothing is fetched", where=where)
         )
     if scheme == "file":
         rest = text[len("file:") :]

@@ -1,0 +1,1 @@
+"""Raw assets in, accepted simulation packages out, in seven explicit stages."""

@@ -1,0 +1,1 @@
+"""Pictures of assets, made on the CPU in a child process."""

@@ -1,0 +1,34 @@
+"""What the USD writer needs to author one package."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import ConfigDict
+
+from schemas.model import Model
+from schemas.physics import CollisionShape, Contact, MassProperties
+
+
+@dataclass(frozen=True)
+class PackageContent:
+    """One asset ready to be written: canonical model (metres, z-up, bottom-centre origin) and its physics.
+
+    `thumbnail_png` is a 256x256 PNG. Texts are "unknown" where nothing is known; they are never invented.
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    asset_id: str
+    model: Model
+    shapes: tuple[CollisionShape, ...]
+    mass: MassProperties
+    contact: Contact
+    physical_material: str
+    density_kgm3: float
+    category: str
+    qcode: str
+    license: str
+    author: str
+    source_file: str
+    thumbnail_png: bytes

@@ -1,0 +1,1 @@
+"""The only importer of pxr: read stages, write packages, judge them."""
