@@ -1,0 +1,113 @@
+"""Distances between two triangle surfaces, measured at sampled points against the exact other surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.spatial  # noqa: F401  # Loaded before Open3D and CoACD, which otherwise clash when CoACD comes first.
+
+from schemas.model import FloatArray, IntArray
+
+P95 = 95.0
+
+
+@dataclass(frozen=True)
+class SurfaceDistance:
+    """One-sided distances both ways, in the unit of the points (metres after canonicalisation).
+
+    `p95` and `mean` are over area-weighted samples; `max` is over samples and vertices, a lower bound of the one-sided
+    Hausdorff distance.
+    """
+
+    a_to_b_mean: float
+    a_to_b_p95: float
+    a_to_b_max: float
+    b_to_a_mean: float
+    b_to_a_p95: float
+    b_to_a_max: float
+    samples: int
+
+    @property
+    def hausdorff(self) -> float:
+        """The larger of the two one-sided maxima."""
+        return max(self.a_to_b_max, self.b_to_a_max)
+
+
+def two_way(
+    points_a: FloatArray,
+    triangles_a: IntArray,
+    points_b: FloatArray,
+    triangles_b: IntArray,
+    samples: int = 4000,
+    seed: int = 0,
+) -> SurfaceDistance:
+    """Sampled distances between surfaces A and B; the same arguments always give the same figures.
+
+    Points (n, 3) and triangles (m, 3) of both. Raises ValueError when a surface has no area.
+    """
+    a_mean, a_p95, a_max = _one_way(points_a, triangles_a, points_b, triangles_b, samples, seed)
+    b_mean, b_p95, b_max = _one_way(points_b, triangles_b, points_a, triangles_a, samples, seed)
+    return SurfaceDistance(a_mean, a_p95, a_max, b_mean, b_p95, b_max, samples)
+
+
+def sample_surface(points: FloatArray, triangles: IntArray, samples: int, seed: int) -> tuple[FloatArray, IntArray]:
+    """`samples` points (k, 3) uniform over the area, and the triangle (k,) each lies on.
+
+    Stratified along the cumulative area (one draw per equal share), which halves the spread of plain sampling;
+    inside a triangle by the square-root map (Osada et al. 2002, "Shape distributions", eq. 1).
+    Raises ValueError when the surface has no area.
+    """
+    corners = points[triangles]
+    areas = triangle_areas(corners)
+    total = float(areas.sum())
+    if not total > 0.0:
+        raise ValueError("the surface has no area to sample")
+    rng = np.random.default_rng(seed)
+    strata = (np.arange(samples) + rng.random(samples)) / samples * total
+    index = np.minimum(np.searchsorted(np.cumsum(areas), strata, side="right"), len(areas) - 1)
+    root, share = np.sqrt(rng.random(samples)), rng.random(samples)
+    weights = np.stack([1.0 - root, root * (1.0 - share), root * share], axis=1)
+    return np.einsum("kc,kcx->kx", weights, corners[index]), index
+
+
+def triangle_areas(corners: FloatArray) -> FloatArray:
+    """Areas (m,) of triangles given by their corners (m, 3, 3)."""
+    return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+
+
+def closest_on_surface(queries: FloatArray, points: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
+    """For each query (k, 3): the nearest point of the surface (k, 3) and the triangle (k,) it lies on.
+
+    Exact up to single precision of the shapes' common extent: both are centred and scaled to unit size first, so the
+    place in the world does not matter. Raises ValueError when the surface has no area.
+    """
+    import open3d as o3d  # Costs a second and 200 MB: loaded only when distances are asked for.
+
+    kept = np.flatnonzero(triangle_areas(points[triangles]) > 0.0)  # A zero-area triangle yields NaN.
+    if kept.size == 0:
+        raise ValueError("the surface has no area to measure against")
+    used = points[triangles[kept]].reshape(-1, 3)
+    low, high = np.minimum(used.min(0), queries.min(0)), np.maximum(used.max(0), queries.max(0))
+    centre, scale = 0.5 * (low + high), float(np.max(high - low)) or 1.0
+    scene = o3d.t.geometry.RaycastingScene()
+    scene.add_triangles(
+        o3d.core.Tensor.from_numpy(((points - centre) / scale).astype(np.float32)),
+        o3d.core.Tensor.from_numpy(triangles[kept].astype(np.uint32)),
+    )
+    answer = scene.compute_closest_points(o3d.core.Tensor.from_numpy(((queries - centre) / scale).astype(np.float32)))
+    nearest = answer["points"].numpy().astype(np.float64) * scale + centre
+    return nearest, kept[answer["primitive_ids"].numpy().astype(np.int64)]
+
+
+def _one_way(
+    points_a: FloatArray, triangles_a: IntArray, points_b: FloatArray, triangles_b: IntArray, samples: int, seed: int
+) -> tuple[float, float, float]:
+    """Mean and 95th percentile over samples of A, and the maximum over samples and vertices, against B."""
+    spread, _ = sample_surface(points_a, triangles_a, samples, seed)
+    vertices = points_a[np.unique(triangles_a)]
+    queries = np.concatenate([spread, vertices])
+    nearest, _ = closest_on_surface(queries, points_b, triangles_b)
+    distances = np.linalg.norm(queries - nearest, axis=1)
+    sampled = distances[:samples]
+    return float(sampled.mean()), float(np.percentile(sampled, P95)), float(distances.max())
