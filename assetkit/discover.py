@@ -1,0 +1,176 @@
+"""Which files are assets, which are their parts, what each asset is called and which folder it may not leave."""
+
+from __future__ import annotations
+
+import os
+import re
+import unicodedata
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+import networkx as nx
+
+from assetkit.source import SourceFile
+from jobs.cache import content_key, file_sha256
+
+MESH_FORMATS = {
+    ".obj": "obj",
+    ".glb": "glb",
+    ".gltf": "gltf",
+    ".stl": "stl",
+    ".ply": "ply",
+    ".dae": "dae",
+    ".usd": "usd",
+    ".usda": "usd",
+    ".usdc": "usd",
+    ".usdz": "usdz",
+}
+PLANNED_FORMATS = {".urdf": "urdf", ".xml": "mjcf", ".mjcf": "mjcf", ".blend": "blend"}
+UNREAD_FORMATS = {".fbx", ".3mf", ".3ds", ".step", ".stp", ".iges", ".igs", ".off", ".x3d", ".wrl", ".abc", ".sdf"}
+_TEXT_WITH_REFERENCES = {".gltf", ".dae", ".usda", ".usd", ".urdf", ".xml", ".mjcf"}
+_SEARCHES_FOLDERS = {".urdf", ".xml", ".mjcf"}  # These name meshes relative to a mesh folder or a package.
+_HAS_GEOMETRY_OR_ARC = re.compile(
+    r"def (?:Mesh|Cube|Sphere|Cylinder|Cone|Capsule|Plane)|references =|payload =|subLayers ="
+)
+_REFERENCE_SCAN_BYTES = 4_000_000
+_TOKEN = re.compile(r"""[^\s"'@<>|*?=]+?\.(?:obj|glb|gltf|stl|ply|dae|usd[acz]?|xml)(?![a-z0-9])""", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One asset to ingest. `given` is its path as the user gave it, joined with the path below it."""
+
+    given: str
+    file: SourceFile
+    format: str
+    asset_id: str
+
+
+def discover(sources: Sequence[Path], *, root: Path | None = None) -> tuple[Candidate, ...]:
+    """Every asset among `sources`, in the order of their paths; a path that does not exist raises FileNotFoundError.
+
+    An explicit file is one asset whatever its type. A folder is walked (hidden folders left out, links not followed);
+    files that another source refers to are its parts, unsupported model files are kept so that they are reported.
+    """
+    found: list[tuple[Path, Path]] = []  # (file, root)
+    for source in sources:
+        if source.is_dir():
+            found += _walk(source, root)
+        elif source.exists():
+            found.append((source, root or _package_root(source.parent)))
+        else:
+            raise FileNotFoundError(source)
+    unique = sorted({(str(path), path, folder) for path, folder in found})
+    ids = _asset_ids([path for _, path, _ in unique])
+    return tuple(
+        Candidate(given, SourceFile(path, folder), format_of(path), ids[path]) for given, path, folder in unique
+    )
+
+
+def format_of(path: Path) -> str:
+    """The format by extension, or the bare extension when Mana does not read it."""
+    suffix = path.suffix.lower()
+    return MESH_FORMATS.get(suffix) or PLANNED_FORMATS.get(suffix) or suffix.lstrip(".") or "none"
+
+
+def slug(stem: str) -> str:
+    """A stable identifier: ASCII letters, digits and underscores, never empty, never starting with a digit."""
+    ascii_ = unicodedata.normalize("NFKD", stem).encode("ascii", "ignore").decode()
+    text = re.sub(r"[^A-Za-z0-9]+", "_", ascii_).strip("_").lower()
+    return f"a_{text}" if not text or text[0].isdigit() else text
+
+
+def _asset_ids(paths: Sequence[Path]) -> dict[Path, str]:
+    """Slug of the stem; where several share it, each gets 6 hex of its content (and of its path if that is equal)."""
+    slugs = {path: slug(path.stem) for path in paths}
+    clashes = Counter(slugs.values())
+    ids = {p: s if clashes[s] == 1 else f"{s}-{file_sha256(p)[:6]}" for p, s in slugs.items()}
+    twins = Counter(ids.values())
+    parents = {p: os.path.relpath(p, os.path.commonpath([q.parent for q in paths])) for p in paths} if paths else {}
+    return {
+        p: i if twins[i] == 1 else f"{slugs[p]}-{content_key(file_sha256(p), parents[p])[:6]}" for p, i in ids.items()
+    }
+
+
+def _walk(folder: Path, root: Path | None) -> list[tuple[Path, Path]]:
+    """The sources below a folder, each with the largest folder that holds it and no other source."""
+    known = {*MESH_FORMATS, *PLANNED_FORMATS, *UNREAD_FORMATS}
+    files = sorted(
+        Path(parent) / name
+        for parent, folders, names in os.walk(folder)
+        if not any(part.startswith(".") for part in Path(parent).relative_to(folder).parts)
+        for name in names
+        if Path(name).suffix.lower() in known and not name.startswith(".")
+    )
+    files = [f for f in files if f.suffix.lower() != ".xml" or _is_mjcf(f)]
+    parts = _parts(files)
+    sources = [f for f in files if f not in parts]
+    below = Counter(folder for f in sources if not _is_look_library(f) for folder in f.parents)
+    return [(f, root or _own_folder(f, folder, below)) for f in sources]
+
+
+def _is_mjcf(path: Path) -> bool:
+    with path.open("rb") as file:
+        return b"<mujoco" in file.read(4096)
+
+
+def _parts(files: Sequence[Path]) -> set[Path]:
+    """The files that another file needs. In a reference cycle nobody is a part: all its members are reported.
+
+    Nothing is parsed here, only names are looked for: a false match costs one asset its own row in the report, so
+    only existing files at the named place count.
+    """
+    by_name: dict[str, list[Path]] = {}
+    for file in files:
+        by_name.setdefault(file.name.lower(), []).append(file)
+    graph: nx.DiGraph[Path] = nx.DiGraph()
+    graph.add_nodes_from(files)
+    for file in files:
+        if file.suffix.lower() in _TEXT_WITH_REFERENCES:
+            graph.add_edges_from((file, target) for target in _named_by(file, by_name))
+    condensed = nx.condensation(graph)
+    return {f for n in condensed for f in condensed.nodes[n]["members"] if condensed.in_degree(n) > 0}
+
+
+def _named_by(file: Path, by_name: dict[str, list[Path]]) -> set[Path]:
+    """The known files that the text of `file` names."""
+    searches = file.suffix.lower() in _SEARCHES_FOLDERS
+    targets: set[Path] = set()
+    for token in set(_TOKEN.findall(_head(file))):
+        parts = PurePosixPath(token.replace("\\", "/")).parts
+        named = Path(os.path.normpath(file.parent.joinpath(*parts)))
+        for target in by_name.get(parts[-1].lower(), ()):
+            if target != file and (target == named or (searches and target.is_relative_to(file.parent))):
+                targets.add(target)
+    return targets
+
+
+def _is_look_library(path: Path) -> bool:
+    """Whether a text USD layer holds materials only: reported as empty, but no reason to split an asset's folder."""
+    if path.suffix.lower() != ".usda":
+        return False
+    text = _head(path)
+    return "def Material" in text and not _HAS_GEOMETRY_OR_ARC.search(text)
+
+
+def _head(path: Path) -> str:
+    with path.open("rb") as file:
+        return file.read(_REFERENCE_SCAN_BYTES).decode("utf-8", "ignore")
+
+
+def _package_root(folder: Path) -> Path:
+    """The nearest folder upwards that holds a `package.xml`, else the folder itself."""
+    return next((p for p in (folder, *folder.absolute().parents) if (p / "package.xml").is_file()), folder)
+
+
+def _own_folder(file: Path, top: Path, sources_below: Counter[Path]) -> Path:
+    """The asset's root: upwards from the file, within `top`, as long as no other source lies below."""
+    package = _package_root(file.parent)
+    if package != file.parent:
+        return package
+    own = file.parent
+    while own != top and sources_below[own.parent] == 1:
+        own = own.parent
+    return own

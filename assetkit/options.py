@@ -1,0 +1,24 @@
+"""What the user may say about a batch; part of every cache key."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+UnitName = Literal["mm", "cm", "m", "in", "auto"]
+METERS_PER_UNIT: dict[str, float] = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
+
+
+class Options(BaseModel):
+    """Statements about the assets (they become `declared` evidence) and the budgets of their processing."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    units: UnitName = "auto"
+    role: str | None = None
+    category: str | None = None
+    license: str | None = None
+    author: str | None = None
+    max_triangles: int = Field(default=200_000, description="visual triangles above which a mesh is reduced")
+    max_objects: int = Field(default=24, description="separate objects in one file above which a person decides")

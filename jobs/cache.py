@@ -1,0 +1,42 @@
+"""A content-addressed store: the key says what went in, so a result is found or rebuilt, never stale."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+
+def content_key(*parts: Any) -> str:
+    """A SHA-256 hex key over JSON-serialisable parts; equal parts give equal keys in every process."""
+    text = json.dumps(parts, sort_keys=True, default=str, ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def file_sha256(path: Path) -> str:
+    """SHA-256 of a file's bytes."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@dataclass(frozen=True)
+class Cache:
+    """A folder of results, two levels deep so that no folder grows past a few thousand entries."""
+
+    folder: Path
+
+    def path(self, kind: str, key: str, suffix: str) -> Path:
+        """Where the result of `kind` under `key` lies or would lie; its folder exists afterwards."""
+        path = self.folder / kind / key[:2] / f"{key}{suffix}"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Write `data` so that a reader sees the old file or the whole new one, never a part."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.part")
+    temporary.write_bytes(data)
+    temporary.replace(path)
