@@ -1,0 +1,69 @@
+"""The textures of one model while it is being read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from assetkit.readers.images import load_texture
+from assetkit.source import SourceFile
+from schemas.diagnostics import Diagnostic, Location, finding
+from schemas.model import Texture
+from schemas.outcome import Repair
+
+STAGE = "intake"
+
+
+class TextureTable:
+    """Reads each referenced image once and collects what was found on the way.
+
+    A missing or unreadable image is dropped with a warning and one repair per file; the material keeps its scalar.
+    """
+
+    def __init__(self, source: SourceFile) -> None:
+        self._source = source
+        self._by_reference: dict[tuple[Path, str], str | None] = {}
+        self._by_path: dict[Path, str | None] = {}
+        self.textures: list[Texture] = []
+        self.diagnostics: list[Diagnostic] = []
+        self.repairs: list[Repair] = []
+
+    def add(self, uri: str, *, base: Path, where: Location) -> str | None:
+        """The name of the texture `uri` refers to, seen from folder `base`; None when it cannot be had.
+
+        Raises InvalidInput as `SourceFile.resolve` does when the reference leaves the asset's root or the machine,
+        and as `load_texture` does for images too large to decode.
+        """
+        key = (base, uri)
+        if key not in self._by_reference:
+            self._by_reference[key] = self._load(uri, base, where)
+        return self._by_reference[key]
+
+    def get(self, name: str) -> Texture:
+        """The texture called `name`."""
+        return next(t for t in self.textures if t.name == name)
+
+    def _load(self, uri: str, base: Path, where: Location) -> str | None:
+        path = self._source.resolve(uri, where=where, base=base)
+        if path is None:
+            self._drop(finding("asset/missing-texture", f"texture '{uri}' is absent", where=where, value=uri))
+            return None
+        if path not in self._by_path:
+            texture, diagnostics = load_texture(path.read_bytes(), self._free_name(path.stem), where=where)
+            for diagnostic in diagnostics:
+                self._drop(diagnostic)
+            if texture is not None:
+                self.textures.append(texture)
+            self._by_path[path] = texture.name if texture else None
+        return self._by_path[path]
+
+    def _drop(self, diagnostic: Diagnostic) -> None:
+        name = diagnostic.code.removeprefix("asset/").replace("-", "_")
+        self.diagnostics.append(diagnostic)
+        self.repairs.append(
+            Repair(name=name, code=diagnostic.code, stage=STAGE, before={"texture": str(diagnostic.value)})
+        )
+
+    def _free_name(self, stem: str) -> str:
+        taken = {t.name for t in self.textures}
+        stem = stem or "texture"
+        return next(name for name in (stem, *(f"{stem}_{i}" for i in range(2, len(taken) + 3))) if name not in taken)

@@ -1,0 +1,70 @@
+"""Cut polygons into triangles."""
+
+from __future__ import annotations
+
+import manifold3d
+import numpy as np
+
+
+def triangulate_polygons(points: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles of polygons given as runs of corners.
+
+    points   (n, 3) float64; corners (c,) indices into points; counts (f,) corners per polygon, each >= 3, sum c.
+    Returns  (m, 3) int64 positions *in `corners`*, so that any per-corner attribute can follow, and (m,) int64 the
+             polygon of each triangle, in polygon order. A polygon of k corners gives k - 2 triangles, same winding.
+
+    Convex polygons become fans. Others, such as L-shapes and holes joined by a bridge edge, are projected along
+    their Newell normal and cut by ear clipping (`manifold3d.triangulate`, which tolerates touching edges).
+    """
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64) if len(counts) else np.zeros(0, np.int64)
+    triangles: list[np.ndarray] = []
+    owners: list[np.ndarray] = []
+    for k in np.unique(counts):
+        faces = np.flatnonzero(counts == k)
+        rings = starts[faces, None] + np.arange(k)
+        convex = np.ones(len(faces), dtype=bool) if k == 3 else _convex(points[corners[rings]])
+        fan = np.stack([np.zeros(k - 2, np.int64), np.arange(1, k - 1), np.arange(2, k)], axis=1)
+        triangles.append(rings[convex][:, fan].reshape(-1, 3))
+        owners.append(np.repeat(faces[convex], k - 2))
+        for face, ring in zip(faces[~convex], rings[~convex], strict=True):
+            cut = _ear_clip(points[corners[ring]])
+            triangles.append(ring[fan if cut is None else cut])
+            owners.append(np.full(k - 2, face))
+    if not triangles:
+        return np.zeros((0, 3), np.int64), np.zeros(0, np.int64)
+    owner = np.concatenate(owners)
+    order = np.argsort(owner, kind="stable")
+    return np.concatenate(triangles)[order], owner[order]
+
+
+def newell_normals(rings: np.ndarray) -> np.ndarray:
+    """(f, 3) area-weighted normals (twice the vector area) of (f, k, 3) polygons, after Newell."""
+    centred = rings - rings.mean(axis=1, keepdims=True)
+    return np.cross(centred, np.roll(centred, -1, axis=1)).sum(axis=1)
+
+
+def _convex(rings: np.ndarray) -> np.ndarray:
+    """(f,) True where every corner of the (f, k, 3) polygons turns the same way and the ring goes round once."""
+    normals = newell_normals(rings)
+    edges = np.roll(rings, -1, axis=1) - rings
+    turns = np.einsum("fki,fi->fk", np.cross(np.roll(edges, 1, axis=1), edges), normals)
+    scale = np.einsum("fi,fi->f", normals, normals)
+    # A fan from corner 0 must not fold either: that also excludes rings that wind round twice.
+    spokes = rings[:, 1:] - rings[:, :1]
+    sweeps = np.einsum("fki,fi->fk", np.cross(spokes[:, :-1], spokes[:, 1:]), normals)
+    tolerance = -1e-9 * scale[:, None]
+    return np.asarray((turns >= tolerance).all(axis=1) & (sweeps >= tolerance).all(axis=1))
+
+
+def _ear_clip(ring: np.ndarray) -> np.ndarray | None:
+    """(k - 2, 3) triangles of one (k, 3) polygon, or None where it has no area to project on."""
+    normal = newell_normals(ring[None])[0]
+    length = float(np.linalg.norm(normal))
+    if not np.isfinite(length) or length == 0.0:
+        return None
+    normal = normal / length
+    u = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    u /= np.linalg.norm(u)
+    flat = (ring - ring.mean(axis=0)) @ np.stack([u, np.cross(normal, u)], axis=1)
+    cut = np.asarray(manifold3d.triangulate([flat / np.abs(flat).max()]), dtype=np.int64).reshape(-1, 3)
+    return cut if len(cut) == len(ring) - 2 else None
