@@ -1,0 +1,109 @@
+"""The edge-connected components of a mesh, measured: area, volume, extent, closedness, nesting."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geom.edges import Edges, edges_of, face_components
+from geom.surface_distance import triangle_areas
+from geom.winding_number import winding_numbers
+from schemas.model import FloatArray, IntArray
+
+INSIDE_PROBES = 8
+
+
+@dataclass(frozen=True)
+class Components:
+    """`k` components of a triangle mesh, in order of their first face.
+
+    label      (m,) component of each face.
+    faces      (k,) number of faces.
+    area       (k,) surface area.
+    volume     (k,) signed volume about the component's own centre; meaningful where `closed` and `consistent`.
+    low, high  (k, 3) bounding boxes.
+    closed     (k,) every edge has an even number of faces.
+    consistent (k,) no edge with two faces is run through twice in the same direction, and closed ones cancel.
+    boundary   (k,) boundary edges.
+    """
+
+    label: IntArray
+    faces: IntArray
+    area: FloatArray
+    volume: FloatArray
+    low: FloatArray
+    high: FloatArray
+    closed: FloatArray
+    consistent: FloatArray
+    boundary: IntArray
+
+    @property
+    def count(self) -> int:
+        """Number of components."""
+        return len(self.faces)
+
+    @property
+    def solid(self) -> FloatArray:
+        """(k,) closed and consistently wound, so that `volume` has a meaning."""
+        return self.closed & self.consistent
+
+    @property
+    def extent(self) -> FloatArray:
+        """(k,) bounding-box diagonals."""
+        return np.linalg.norm(self.high - self.low, axis=1)
+
+
+def components_of(points: FloatArray, triangles: IntArray, edges: Edges | None = None) -> Components:
+    """Measure the components of welded triangles, none of which may repeat an index."""
+    edges = edges or edges_of(triangles)
+    count, label = face_components(edges)
+    edge_label = np.zeros(len(edges.uses), dtype=np.int64)
+    edge_label[edges.of_face.reshape(-1)] = np.repeat(label, 3)
+    corners = points[triangles]
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, label, corners.min(axis=1))
+    np.maximum.at(high, label, corners.max(axis=1))
+    centred = corners - (0.5 * (low + high))[label][:, None, :]
+    volumes = np.einsum("ij,ij->i", centred[:, 0], np.cross(centred[:, 1], centred[:, 2])) / 6.0
+
+    def per_component(marked_edges: FloatArray) -> IntArray:
+        return np.bincount(edge_label[marked_edges], minlength=count)
+
+    closed = per_component(edges.uses % 2 == 1) == 0
+    crossed = (edges.uses == 2) & (edges.net != 0)
+    unbalanced = (edges.uses % 2 == 0) & (edges.net != 0)
+    return Components(
+        label=label,
+        faces=np.bincount(label, minlength=count),
+        area=np.bincount(label, triangle_areas(corners), count),
+        volume=np.bincount(label, volumes, count),
+        low=low,
+        high=high,
+        closed=closed,
+        consistent=np.where(closed, per_component(unbalanced) == 0, per_component(crossed) == 0),
+        boundary=per_component(edges.uses == 1),
+    )
+
+
+def opposite_container(points: FloatArray, triangles: IntArray, parts: Components) -> IntArray:
+    """For each component (k,): the smallest closed component that contains it and is oppositely wound, or -1.
+
+    This is what makes an inner shell a cavity: solid outside, turned-in inside. Containment is bounding box first, then
+    the winding number of up to eight of its points.
+    """
+    parent = np.full(parts.count, -1, dtype=np.int64)
+    solids = np.flatnonzero(parts.solid)
+    for outer in solids[np.argsort(-np.abs(parts.volume[solids]), kind="stable")]:
+        inside_box = (parts.low[solids] > parts.low[outer]).all(1) & (parts.high[solids] < parts.high[outer]).all(1)
+        opposite = np.sign(parts.volume[solids]) == -np.sign(parts.volume[outer])
+        candidates = solids[inside_box & opposite]
+        if candidates.size == 0:
+            continue
+        shell = points[triangles[parts.label == outer]]
+        for inner in candidates:
+            own = np.unique(triangles[parts.label == inner])
+            probes = points[own[np.linspace(0, len(own) - 1, min(INSIDE_PROBES, len(own))).astype(np.int64)]]
+            if (np.abs(winding_numbers(probes, shell)) > 0.5).all():
+                parent[inner] = outer
+    return parent

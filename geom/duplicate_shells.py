@@ -1,0 +1,66 @@
+"""Find closed shells that occur more than once in the same place."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from geom.components import Components
+from schemas.model import FloatArray, IntArray
+
+# Copies may differ by export rounding: this share of the shell's own diagonal.
+COPY_TOLERANCE = 1e-4
+
+
+def surplus_shells(points: FloatArray, triangles: IntArray, parts: Components) -> tuple[int, FloatArray]:
+    """How many copies of closed shells are surplus, and the faces (m,) that belong to them; the first copy stays.
+
+    Two cases: copies whose points were welded, so that every face of a closed component occurs k times, wound the same
+    way; and separate closed components whose points coincide within 1e-4 of their diagonal and whose volumes have the
+    same sign. A shell and its reverse (drawn for double-sided rendering) are not copies.
+    """
+    welded_count, welded = _welded_copies(triangles, parts)
+    apart = _separate_copies(points, triangles, parts)
+    return welded_count + int(apart.sum()), welded | apart[parts.label]
+
+
+def later_copies(keys: IntArray) -> FloatArray:
+    """(m,) True where an earlier row of `keys` (m, k) is equal."""
+    later = np.ones(len(keys), dtype=bool)
+    later[np.unique(keys, axis=0, return_index=True)[1]] = False
+    return later
+
+
+def oriented_keys(triangles: IntArray) -> IntArray:
+    """Each face (m, 3) turned so that its smallest index comes first; equal rows are equal faces, same side up."""
+    turn = triangles.argmin(axis=1)[:, None] + np.arange(3)
+    return np.take_along_axis(triangles, turn % 3, axis=1)
+
+
+def _welded_copies(triangles: IntArray, parts: Components) -> tuple[int, FloatArray]:
+    later = later_copies(oriented_keys(triangles))
+    extra = np.bincount(parts.label[later], minlength=parts.count)
+    first = parts.faces - extra
+    whole = parts.closed & (extra > 0) & (extra % np.maximum(first, 1) == 0)
+    return int((extra // np.maximum(first, 1))[whole].sum()), later & whole[parts.label]
+
+
+def _separate_copies(points: FloatArray, triangles: IntArray, parts: Components) -> FloatArray:
+    surplus = np.zeros(parts.count, dtype=bool)
+    solids = np.flatnonzero(parts.solid)
+    tolerance = COPY_TOLERANCE * parts.extent
+    for i, first in enumerate(solids):
+        if surplus[first]:
+            continue
+        others = solids[i + 1 :]
+        alike = (
+            (np.abs(parts.low[others] - parts.low[first]).max(1) <= tolerance[first])
+            & (np.abs(parts.high[others] - parts.high[first]).max(1) <= tolerance[first])
+            & (parts.volume[others] * parts.volume[first] > 0.0)
+            & (np.abs(parts.area[others] - parts.area[first]) <= 1e-3 * parts.area[first])
+        )
+        for other in others[alike]:
+            mine, theirs = (points[np.unique(triangles[parts.label == part])] for part in (first, other))
+            apart = max(KDTree(mine).query(theirs)[0].max(), KDTree(theirs).query(mine)[0].max())
+            surplus[other] |= bool(apart <= tolerance[first])
+    return surplus
