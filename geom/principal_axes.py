@@ -1,0 +1,43 @@
+"""Principal moments and axes of an inertia tensor."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from schemas.model import FloatArray
+
+
+def principal_axes(inertia_kgm2: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Principal moments (3,) ascending and `quat_wxyz` (4,) of the principal frame, w >= 0.
+
+    With R the rotation matrix of the quaternion, `inertia = R diag(moments) R^T`. A tensor that is already diagonal
+    keeps its axes (identity, moments in axis order), so that symmetric bodies do not get arbitrary rotated frames.
+    The tensor (3, 3) must be symmetric; its antisymmetric rounding residue is ignored.
+    """
+    symmetric = 0.5 * (inertia_kgm2 + inertia_kgm2.T)
+    off_diagonal = np.abs(symmetric - np.diag(np.diag(symmetric))).max()
+    if off_diagonal <= 1e-12 * np.abs(np.diag(symmetric)).max():
+        return np.diag(symmetric).copy(), np.array([1.0, 0.0, 0.0, 0.0])
+    moments, axes = np.linalg.eigh(symmetric)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] = -axes[:, 0]  # A reflection has no quaternion; either sign of an axis is principal.
+    return moments, quat_wxyz_of(axes)
+
+
+def quat_wxyz_of(rotation: FloatArray) -> FloatArray:
+    """Unit quaternion (4,) in w, x, y, z order with w >= 0 of a (3, 3) rotation matrix."""
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat(canonical=True)
+    return np.array([w, x, y, z])
+
+
+def rotation_of(quat_wxyz: FloatArray) -> FloatArray:
+    """(3, 3) rotation matrix of a quaternion in w, x, y, z order; it is normalised first."""
+    w, x, y, z = quat_wxyz
+    return Rotation.from_quat([x, y, z, w]).as_matrix()
+
+
+def inertia_from_principal(moments: FloatArray, quat_wxyz: FloatArray) -> FloatArray:
+    """(3, 3) tensor `R diag(moments) R^T`, the inverse of `principal_axes`."""
+    axes = rotation_of(quat_wxyz)
+    return axes @ np.diag(moments) @ axes.T

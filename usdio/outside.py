@@ -1,0 +1,91 @@
+"""Ask outside judges about a released package: NVIDIA's SimReady Foundation and OpenUSD's own validators."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import logging
+import tempfile
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pxr import UsdUtils, UsdValidation
+
+from usdio.stage import open_stage
+
+SIMREADY_PROFILE, SIMREADY_VERSION = "Robotics-Prop", "4.0.0"
+
+
+class Verdict(NamedTuple):
+    """What a judge says. `findings` are sorted lines `rule: message`; `passed` iff none of them is a failure."""
+
+    judge: str
+    passed: bool
+    findings: tuple[str, ...]
+
+
+def outside_verdicts(main_file: Path) -> tuple[Verdict, ...]:
+    """Every outside judge on the package with this main file, silently."""
+    return simready(main_file), usd_validation(main_file)
+
+
+def simready(main_file: Path) -> Verdict:
+    """The same answer as `simready-validate --profile Robotics-Prop --version 4.0.0 FILE`.
+
+    Findings are the blocking failures; failures of optional features (joints, grasps, runtime variants) are not
+    listed. The package is judged under a link in a plain temporary folder, because NP.003 and NP.004 test every folder
+    name up to the disk root and would blame the package for where its user keeps it.
+    """
+    with _silence(), tempfile.TemporaryDirectory(prefix="mana") as place:
+        validate = _simready()
+        package = main_file.resolve().parent.parent
+        link = Path(place) / package.name
+        link.symlink_to(package, target_is_directory=True)
+        linked = link / main_file.resolve().relative_to(package)
+        result = validate.validate_stage(open_stage(linked), SIMREADY_PROFILE, SIMREADY_VERSION)
+    if result is None:
+        return Verdict("simready", False, ("simready: the profile could not be loaded",))
+    findings = {_issue_line(issue).replace(str(link), package.name) for issue in result.issues}
+    return Verdict("simready", validate.features_summary_passed(result.features_summary), tuple(sorted(findings)))
+
+
+def usd_validation(main_file: Path) -> Verdict:
+    """Every validator of `pxr.UsdValidation` on the composed stage but the USDZ ones; errors fail, warnings are listed."""
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()  # Takes USD's own console warnings while it lives.
+    stage = open_stage(main_file)
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    chosen = [v for v in validators if "UsdzValidators" not in v.GetMetadata().GetKeywords()]
+    context = UsdValidation.ValidationContext(chosen)
+    errors = [error for error in context.Validate(stage) if not error.HasNoError()]
+    lines = {f"{error.GetIdentifier()}: {error.GetMessage()}" for error in errors}
+    failed = any(error.GetType() == UsdValidation.ValidationErrorType.Error for error in errors)
+    del delegate
+    return Verdict("usd-validation", not failed, tuple(sorted(lines)))
+
+
+@cache
+def _simready() -> Any:
+    """The SimReady module with its rules loaded (about 1 s, once per process)."""
+    import simready.validate
+
+    simready.validate.initialize(rules_and_requirements_paths=[], features_paths=[], profiles_paths=[])
+    return simready.validate
+
+
+def _issue_line(issue: Any) -> str:
+    code = issue.requirement.code if issue.requirement is not None else "unnamed"
+    return f"{code}: {issue.message}"
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """No console output: SimReady logs to the root logger and prints from some rules."""
+    previous = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            yield
+    finally:
+        logging.disable(previous)
