@@ -88,20 +88,24 @@ def unit_normals(
 ) -> tuple[np.ndarray, Notes]:
     """(m, 3, 3) float32 unit corner normals; zero or non-finite ones become the normal of their triangle.
 
-    None of OBJ, PLY and COLLADA asks for unit length, so other lengths are normalised without a word.
+    None of OBJ, PLY and COLLADA asks for unit length, so other lengths are normalised without a word; nor is
+    anything lost where a triangle has no area and hence no normal.
     """
     with np.errstate(all="ignore"):
         lengths = np.linalg.norm(normals, axis=2, keepdims=True)
         unit = normals / lengths
-    bad = ~(np.isfinite(unit).all(axis=2) & (lengths[..., 0] > 1e-12))
+    bad = np.logical_not(np.isfinite(unit).all(axis=2) & (lengths[..., 0] > 1e-12))
     if not bad.any():
         return unit.astype(np.float32), Notes()
     a, b, c = (points[triangles[:, i]] for i in range(3))
     faces = np.cross(b - a, c - a)
     area = np.linalg.norm(faces, axis=1, keepdims=True)
-    faces = np.where(area > 0, faces / np.where(area > 0, area, 1.0), [0.0, 0.0, 1.0])
-    unit = np.where(bad[..., None], faces[:, None], unit)
-    count, total = int(bad.sum()), bad.size
+    flat = area[:, 0] <= 1e-12 * np.maximum(np.sum((b - a) ** 2, axis=1), np.sum((c - a) ** 2, axis=1))
+    faces = np.where(flat[:, None], [0.0, 0.0, 1.0], faces / np.where(area > 0, area, 1.0))
+    unit = np.where(bad[..., None], faces[:, None], unit).astype(np.float32)
+    count, total = int((bad & ~flat[:, None]).sum()), bad.size
+    if count == 0:
+        return unit, Notes()
     diagnostic = finding(
         "asset/bad-normals",
         f"{count} of {total} corner normals are zero or not finite",
@@ -110,12 +114,12 @@ def unit_normals(
         bound=0,
         unit="corners",
     )
-    return unit.astype(np.float32), repaired(diagnostic, "bad_normals", corners=total, bad_corners=count)
+    return unit, repaired(diagnostic, "bad_normals", corners=total, bad_corners=count)
 
 
 def usable_colors(rgba: np.ndarray, where: Location) -> tuple[np.ndarray, Notes]:
     """Linear (n, 4) float64 colours from display values in 0..1; colours that are not finite become white."""
-    bad = ~np.isfinite(rgba).all(axis=1)
+    bad = np.logical_not(np.isfinite(rgba).all(axis=1))
     linear = np.where(bad[:, None], 1.0, rgba)
     linear = np.concatenate([srgb_to_linear(linear[:, :3]), np.clip(linear[:, 3:], 0.0, 1.0)], axis=1)
     if not bad.any():

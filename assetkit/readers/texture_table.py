@@ -45,23 +45,21 @@ class TextureTable:
     def _load(self, uri: str, base: Path, where: Location) -> str | None:
         path = self._source.resolve(uri, where=where, base=base)
         if path is None:
-            self._drop(finding("asset/missing-texture", f"texture '{uri}' is absent", where=where, value=uri))
+            self._drop(uri, finding("asset/missing-texture", f"texture '{uri}' is absent", where=where, value=uri))
             return None
         if path not in self._by_path:
             texture, diagnostics = load_texture(path.read_bytes(), self._free_name(path.stem), where=where)
             for diagnostic in diagnostics:
-                self._drop(diagnostic)
+                self._drop(uri, diagnostic)
             if texture is not None:
                 self.textures.append(texture)
             self._by_path[path] = texture.name if texture else None
         return self._by_path[path]
 
-    def _drop(self, diagnostic: Diagnostic) -> None:
+    def _drop(self, uri: str, diagnostic: Diagnostic) -> None:
         name = diagnostic.code.removeprefix("asset/").replace("-", "_")
         self.diagnostics.append(diagnostic)
-        self.repairs.append(
-            Repair(name=name, code=diagnostic.code, stage=STAGE, before={"texture": str(diagnostic.value)})
-        )
+        self.repairs.append(Repair(name=name, code=diagnostic.code, stage=STAGE, before={"texture": uri}))
 
     def _free_name(self, stem: str) -> str:
         taken = {t.name for t in self.textures}
