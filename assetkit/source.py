@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from schemas.diagnostics import Location
@@ -11,10 +11,16 @@ from schemas.references import resolve_reference
 
 @dataclass(frozen=True)
 class SourceFile:
-    """The main file of an asset and the folder no reference may leave."""
+    """The main file of an asset and the folder no reference may leave.
+
+    `visited` and `missing` log which references were found and which were not; a cached result is valid as long as
+    the found ones have not changed and the missing ones have not appeared.
+    """
 
     path: Path
     root: Path
+    visited: set[Path] = field(default_factory=set, compare=False, repr=False)
+    missing: set[str] = field(default_factory=set, compare=False, repr=False)
 
     @property
     def relative(self) -> str:
@@ -23,4 +29,9 @@ class SourceFile:
 
     def resolve(self, uri: str, *, where: Location | None = None, base: Path | None = None) -> Path | None:
         """The file `uri` names, or None when absent; see `schemas.references.resolve_reference`."""
-        return resolve_reference(uri, base=base or self.path.parent, root=self.root, where=where)
+        found = resolve_reference(uri, base=base or self.path.parent, root=self.root, where=where)
+        if found is None:
+            self.missing.add(uri)
+        else:
+            self.visited.add(found)
+        return found

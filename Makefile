@@ -1,0 +1,45 @@
+# Every target works on a fresh machine: it makes .venv, installs what constraints.txt pins, and adds missing system
+# packages when it may. PYTHON can be set to any Python 3.11.
+PYTHON ?= python3.11
+BIN := .venv/bin
+STAMP := .venv/.installed
+DEMO_OUT ?= demo_out
+
+.PHONY: demo test check lint types layers bench docs clean system
+
+demo: $(STAMP)
+	$(BIN)/mana demo --out $(DEMO_OUT)
+
+test: check
+	$(BIN)/python -m pytest
+
+check: lint types layers
+
+lint: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(STAMP)
+	$(BIN)/pyright
+
+layers: $(STAMP)
+	$(BIN)/lint-imports
+
+bench: $(STAMP)
+	$(BIN)/python -m benchmarks.ingest
+
+docs: $(STAMP)
+	$(BIN)/python -m cli.docs docs/diagnostics
+
+system:
+	@sh tools/system-packages.sh
+
+$(STAMP): pyproject.toml constraints.txt tools/system-packages.sh
+	@sh tools/system-packages.sh
+	@command -v $(PYTHON) >/dev/null || { echo "Python 3.11 is needed: install it or set PYTHON=/path/to/python3.11"; exit 2; }
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"
+	touch $(STAMP)
+
+clean:
+	rm -rf .venv $(DEMO_OUT)

@@ -1,0 +1,147 @@
+"""The batch: discover sources, run one cell per source, keep every result, never stop for one bad item."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from assetkit import memory
+from assetkit.discover import Candidate
+from assetkit.options import Options
+from assetkit.source import SourceFile
+from jobs.cache import content_key, file_sha256, write_atomically
+from jobs.cell import CellResult, Limits, run_cell
+from jobs.schedule import run_all
+from schemas.diagnostics import finding
+from schemas.outcome import ItemOutcome
+from schemas.report import ReportItem
+
+_CODES = {
+    "timeout": "asset/worker-timeout",
+    "out_of_memory": "asset/worker-out-of-memory",
+    "crashed": "asset/worker-crashed",
+    "failed": "asset/worker-crashed",
+}
+
+
+@dataclass(frozen=True)
+class Batch:
+    """One run of `ingest`: where to, how many at a time, under which limits.
+
+    `worker` is the command that runs one request file; the caller chooses it, and with it the simulator.
+    """
+
+    out: Path
+    options: Options
+    worker: tuple[str, ...]
+    jobs: int = 1
+    limits: Limits = Limits(seconds=300.0, memory_mb=8192)
+    resume: bool = False
+    fresh: bool = False
+
+
+def ingest(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem]:
+    """Yield one report item per source as it finishes; every item is on disk before it is yielded.
+
+    A source whose files, options and libraries are unchanged and whose packages are intact is taken from the store
+    (`cached = ("item",)`). Crashes and time-outs are tried again unless `resume` is set.
+    """
+    batch.out.mkdir(parents=True, exist_ok=True)
+    for _, item in run_all(lambda c: _one(c, batch), candidates, jobs=batch.jobs):
+        yield item
+
+
+def collect(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem]:
+    """The stored items of these sources in their order, finished ones only."""
+    for candidate in candidates:
+        stored = memory.recall(memory.file_of(candidate, batch.out, batch.options))
+        if stored is not None:
+            yield stored.item
+
+
+def _one(candidate: Candidate, batch: Batch) -> ReportItem:
+    """The item of one source: remembered, or made in a cell."""
+    note = memory.file_of(candidate, batch.out, batch.options)
+    stored = None if batch.fresh else memory.recall(note)
+    if stored is not None and memory.is_current(stored, candidate, batch.out):
+        transient = set(stored.item.codes) & {*_CODES.values(), "asset/internal-error"}
+        if batch.resume or not transient:
+            item = stored.item.model_copy(update={"cached": ("item",)})
+            memory.remember(note, stored.model_copy(update={"item": item}))
+            return item
+    return _in_cell(candidate, batch, note)
+
+
+def _in_cell(candidate: Candidate, batch: Batch, note: Path) -> ReportItem:
+    work = batch.out / ".work" / content_key(candidate.given)[:16]
+    shutil.rmtree(work, ignore_errors=True)
+    work.mkdir(parents=True)
+    request = work / "request.json"
+    write_atomically(request, json.dumps(_request(candidate, batch, note, work)).encode())
+    note.unlink(missing_ok=True)
+    result = run_cell([*batch.worker, str(request)], batch.limits, env={"OMP_NUM_THREADS": "1", "PYTHONHASHSEED": "0"})
+    stored = memory.recall(note)
+    if stored is None:
+        stored = memory.Stored(
+            item=_lost(candidate, result, batch.limits), main_sha256=file_sha256(candidate.file.path)
+        )
+        memory.remember(note, stored)
+    shutil.rmtree(work, ignore_errors=True)
+    return stored.item
+
+
+def _request(candidate: Candidate, batch: Batch, note: Path, work: Path) -> dict[str, object]:
+    return {
+        "given": candidate.given,
+        "path": str(candidate.file.path.absolute()),
+        "root": str(candidate.file.root.absolute()),
+        "format": candidate.format,
+        "asset_id": candidate.asset_id,
+        "options": batch.options.model_dump(),
+        "out": str(batch.out.absolute()),
+        "work_dir": str(work.absolute()),
+        "note": str(note.absolute()),
+    }
+
+
+def candidate_of(request: dict[str, str]) -> Candidate:
+    """The candidate a request file speaks of."""
+    source = SourceFile(Path(request["path"]), Path(request["root"]))
+    return Candidate(request["given"], source, request["format"], request["asset_id"])
+
+
+def _lost(candidate: Candidate, result: CellResult, limits: Limits) -> ReportItem:
+    """The item of a worker that died without a word."""
+    bound = {"timeout": (result.seconds, limits.seconds, "s"), "out_of_memory": (None, limits.memory_mb, "MiB")}
+    value, limit, unit = bound.get(result.status, (result.returncode, 0, "exit status"))
+    tail = result.output.strip().splitlines()[-1:] or ["no output"]
+    diagnostic = finding(
+        _CODES[result.status] if result.status in _CODES else "asset/worker-crashed",
+        f"worker {result.status.replace('_', ' ')}: {tail[0][:200]}",
+        value=None if value is None else round(value, 1),
+        bound=limit,
+        unit=unit,
+    )
+    return ReportItem(
+        source=candidate.given,
+        outcome=ItemOutcome.REJECTED,
+        codes=(diagnostic.code,),
+        diagnostics=(diagnostic,),
+        seconds={"cell": round(result.seconds, 3)},
+        traceback=result.output[-2000:],
+    )
+
+
+def default_jobs() -> int:
+    """Worker processes when the user does not say: one per core, leaving none idle."""
+    return max(1, len(os.sched_getaffinity(0)))
+
+
+def python_module(name: str) -> tuple[str, ...]:
+    """The command that runs a module of this installation."""
+    return (sys.executable, "-m", name)

@@ -1,0 +1,89 @@
+"""What became of each source, on disk: lets a later run skip what has not changed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict
+
+from assetkit.discover import Candidate
+from assetkit.options import Options
+from assetkit.release import RECORD
+from assetkit.versions import library_versions
+from jobs.cache import content_key, file_sha256, write_atomically
+from schemas.asset import AssetRecord
+from schemas.diagnostics import InvalidInput
+from schemas.report import ReportItem
+
+
+class Stored(BaseModel):
+    """A finished item with what it depended on.
+
+    `references` maps each file read (relative to the asset's root) to its hash; `missing` lists references that led
+    nowhere; `records` maps each package to the hash of its record.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    item: ReportItem
+    main_sha256: str
+    references: dict[str, str] = {}
+    missing: tuple[str, ...] = ()
+    records: dict[str, str] = {}
+
+
+def file_of(candidate: Candidate, out: Path, options: Options) -> Path:
+    """Where the result of a source under these options and libraries is remembered."""
+    identity = (candidate.given, candidate.asset_id, options.model_dump(), library_versions())
+    return out / ".cache" / "items" / f"{content_key(identity)}.json"
+
+
+def recall(note: Path) -> Stored | None:
+    """What is remembered, or None; an unreadable note counts as none."""
+    try:
+        return Stored.model_validate_json(note.read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def remember(note: Path, stored: Stored) -> None:
+    """Write a note atomically."""
+    write_atomically(note, stored.model_dump_json().encode())
+
+
+def stored_from(item: ReportItem, candidate: Candidate, out: Path) -> Stored:
+    """The note for an item that has just been made."""
+    root = candidate.file.root.resolve()
+    visited = {p for p in candidate.file.visited if p != candidate.file.path.resolve()}
+    return Stored(
+        item=item,
+        main_sha256=file_sha256(candidate.file.path),
+        references={p.relative_to(root).as_posix(): file_sha256(p) for p in sorted(visited)},
+        missing=tuple(sorted(candidate.file.missing)),
+        records={name: file_sha256(out / name / RECORD) for name in item.packages},
+    )
+
+
+def is_current(stored: Stored, candidate: Candidate, out: Path) -> bool:
+    """Whether the source files are as they were and every package is still there, byte for byte."""
+    root = candidate.file.root
+    if file_sha256(candidate.file.path) != stored.main_sha256:
+        return False
+    for name, sha in stored.references.items():
+        path = root / name
+        if not path.is_file() or file_sha256(path) != sha:
+            return False
+    try:
+        if any(candidate.file.resolve(uri) is not None for uri in stored.missing):
+            return False
+    except InvalidInput:
+        return False
+    return all(_is_intact(out / name, sha) for name, sha in stored.records.items())
+
+
+def _is_intact(package: Path, record_sha256: str) -> bool:
+    record = package / RECORD
+    if not record.is_file() or file_sha256(record) != record_sha256:
+        return False
+    hashes = AssetRecord.model_validate_json(record.read_bytes()).hashes
+    return all((package / f).is_file() and file_sha256(package / f) == sha for f, sha in hashes.items())

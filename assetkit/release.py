@@ -1,0 +1,126 @@
+"""From a finished draft to a self-contained package folder (design: asset package)."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from assetkit.stage import Draft, need
+from assetkit.urdf import write_urdf
+from jobs.cache import file_sha256
+from schemas.asset import AssetRecord, SourceSection
+from schemas.evidence import Evidence, declared, default
+from schemas.package import PackageContent
+from usdio.reread import reread_body
+from usdio.write_package import write_package
+
+if TYPE_CHECKING:
+    from assetkit.pipeline import Journal
+
+UNKNOWN = "unknown"
+RECORD = "record.json"
+
+
+def author(draft: Draft, work_dir: Path) -> Path:
+    """Write USD and the URDF twin of a draft below `work_dir` and return the main USD file.
+
+    The twin is made from the body as re-read from the USD, so both hold the same numbers.
+    """
+    folder = package_folder(draft, work_dir)
+    shutil.rmtree(folder, ignore_errors=True)
+    content = _content(draft)
+    main_file = write_package(content, folder)
+    write_urdf(reread_body(main_file), content, folder)
+    return main_file
+
+
+def package_folder(draft: Draft, work_dir: Path) -> Path:
+    """Where the package of a draft is prepared."""
+    return work_dir / "package" / draft.asset_id
+
+
+def finish(draft: Draft, journal: Journal, work_dir: Path) -> Path:
+    """Complete the prepared package with previews and record; returns its folder.
+
+    When acceptance came from the cache the package is written anew: same draft, same bytes.
+    """
+    folder = package_folder(draft, work_dir)
+    if not folder.is_dir():
+        author(draft, work_dir)
+    previews = folder / "previews"
+    previews.mkdir(exist_ok=True)
+    for name, data in sorted(need(draft.previews, "previews").images.items()):
+        (previews / f"{name}.png").write_bytes(data)
+    hashes = {p.relative_to(folder).as_posix(): file_sha256(p) for p in sorted(folder.rglob("*")) if p.is_file()}
+    record = _record(draft, journal, hashes)
+    (folder / RECORD).write_text(record.model_dump_json(indent=1) + "\n")
+    return folder
+
+
+def publish(folder: Path, target: Path) -> None:
+    """Move a finished package into place; a reader sees the old package or the new one."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    old = target.with_name(f".{target.name}.old")
+    shutil.rmtree(old, ignore_errors=True)
+    if target.exists():
+        target.rename(old)
+    folder.rename(target)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def _content(draft: Draft) -> PackageContent:
+    physics = need(draft.physics, "physics")
+    semantics = need(draft.semantics, "semantics").section
+    stated = draft.intake.model.metadata
+    return PackageContent(
+        asset_id=draft.asset_id,
+        model=draft.model,
+        shapes=physics.shapes,
+        mass=physics.mass,
+        contact=physics.contact,
+        physical_material=physics.section.material.value,
+        density_kgm3=physics.section.density_kgm3.value,
+        category=semantics.category.value,
+        qcode=semantics.qcode.value,
+        license=stated.get("license", UNKNOWN),
+        author=stated.get("author", UNKNOWN),
+        source_file=draft.source_name,
+        thumbnail_png=need(draft.previews, "previews").images["thumbnail"],
+    )
+
+
+def _record(draft: Draft, journal: Journal, hashes: dict[str, str]) -> AssetRecord:
+    source = draft.intake.model
+    canonical = need(draft.canonicalize, "canonicalize")
+    return AssetRecord(
+        asset_id=draft.asset_id,
+        outcome=journal.outcome,
+        source=SourceSection(
+            format=draft.intake.format,
+            files=draft.intake.files,
+            meters_per_unit=canonical.meters_per_unit,
+            up_axis=canonical.up_axis,
+            license=_stated(source.metadata, "license"),
+            author=_stated(source.metadata, "author"),
+            generator=source.metadata.get("generator", ""),
+            nodes=len(source.nodes),
+        ),
+        geometry=canonical.section,
+        appearance=need(draft.appearance, "appearance").section,
+        semantics=need(draft.semantics, "semantics").section,
+        parts=need(draft.interaction, "interaction").parts,
+        physics=need(draft.physics, "physics").section,
+        acceptance=need(draft.acceptance, "acceptance").section,
+        diagnostics=tuple(journal.diagnostics),
+        repairs=tuple(journal.repairs),
+        history=tuple(journal.history),
+        hashes=hashes,
+    )
+
+
+def _stated(metadata: dict[str, str], key: str) -> Evidence[str]:
+    """What the file or the user says about its origin; silence stays unknown."""
+    return (
+        declared(metadata[key], metadata.get(f"{key}_from", "source file")) if metadata.get(key) else default(UNKNOWN)
+    )

@@ -1,0 +1,60 @@
+"""The report of a batch: JSON for tools, a contact sheet for people."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from assetkit.release import RECORD
+from jobs.cache import write_atomically
+from schemas.asset import AssetRecord
+from schemas.outcome import ItemOutcome
+from schemas.report import IngestReport, ReportItem
+
+
+def build_report(items: Iterable[ReportItem], *, wall_seconds: float, interrupted: bool) -> IngestReport:
+    """The report over all items; `totals` counts outcomes, packages, cached items and seconds per stage."""
+    items = tuple(items)
+    outcomes = Counter(i.outcome for i in items)
+    seconds: Counter[str] = Counter()
+    for item in items:
+        seconds.update(item.seconds)
+    totals: dict[str, float] = {
+        "items": len(items),
+        **{o.value: outcomes[o] for o in ItemOutcome},
+        "packages": sum(len(i.packages) for i in items),
+        "cached": sum(bool(i.cached == ("item",)) for i in items),
+        "wall_seconds": round(wall_seconds, 2),
+        **{f"{stage}_seconds": round(spent, 2) for stage, spent in sorted(seconds.items())},
+    }
+    return IngestReport(items=items, totals=totals, interrupted=interrupted)
+
+
+def write_report(report: IngestReport, out: Path) -> None:
+    """Write `report.json` and `report.html` into `out`."""
+    write_atomically(out / "report.json", report.model_dump_json(indent=1).encode())
+    write_atomically(out / "report.html", _html(report, out).encode())
+
+
+def _html(report: IngestReport, out: Path) -> str:
+    loader = PackageLoader("assetkit", "templates")
+    page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("report.html")
+    rows = [(item, [_card(out, name) for name in item.packages]) for item in report.items]
+    return page.render(report=report, rows=rows, outcomes=[o.value for o in ItemOutcome])
+
+
+def _card(out: Path, name: str) -> dict[str, object]:
+    """What the contact sheet shows of one package."""
+    record = AssetRecord.model_validate_json((out / name / RECORD).read_bytes())
+    chosen = next((c for c in record.physics.candidates if c.accepted), None)
+    return {
+        "name": name,
+        "record": record,
+        "extent_cm": [round(100 * e, 1) for e in record.geometry.extent_m.value],
+        "collider": record.physics.collision_method,
+        "shapes": chosen.shapes if chosen else 0,
+        "poses": len(record.acceptance.stable_poses),
+    }

@@ -1,0 +1,161 @@
+"""The contract every stage keeps, and the value that travels through them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from pydantic import ConfigDict
+
+from assetkit.options import Options
+from schemas.asset import (
+    AcceptanceSection,
+    AppearanceSection,
+    GeometrySection,
+    PhysicsSection,
+    SemanticsSection,
+    SourceFile,
+)
+from schemas.diagnostics import Diagnostic
+from schemas.evidence import Evidence
+from schemas.model import Axis, Material, Mesh, Model
+from schemas.outcome import Outcome
+from schemas.physics import CollisionShape, Contact, MassProperties, Solid
+from sim.port import Simulator
+
+
+@dataclass(frozen=True)
+class Intake:
+    """One object as read: the model in source units and axes, and the files it came from."""
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    format: str
+    files: tuple[SourceFile, ...]
+    model: Model
+
+
+@dataclass(frozen=True)
+class Canonical:
+    """Repaired meshes in metres, z-up, bottom-centre origin, and the physical surface built from them."""
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    meshes: tuple[Mesh, ...]
+    solid: Solid
+    meters_per_unit: Evidence[float]
+    up_axis: Evidence[Axis]
+    section: GeometrySection
+
+
+@dataclass(frozen=True)
+class Appearance:
+    """Materials ready to be written; meshes refer to them by index as before."""
+
+    materials: tuple[Material, ...]
+    section: AppearanceSection
+
+
+@dataclass(frozen=True)
+class Semantics:
+    """What the object is, as far as anyone said or can tell."""
+
+    section: SemanticsSection
+
+
+@dataclass(frozen=True)
+class Interaction:
+    """Parts of the object, each a JSON object with its evidence."""
+
+    parts: tuple[Evidence[dict[str, Any]], ...] = ()
+
+
+@dataclass(frozen=True)
+class Physics:
+    """Collision shapes, mass properties and contact parameters."""
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    shapes: tuple[CollisionShape, ...]
+    mass: MassProperties
+    contact: Contact
+    section: PhysicsSection
+
+
+@dataclass(frozen=True)
+class Previews:
+    """PNG pictures by name; `thumbnail` is 256x256."""
+
+    images: dict[str, bytes]
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """What simulator and validators found on the package as re-read from disk."""
+
+    section: AcceptanceSection
+
+
+@dataclass(frozen=True)
+class Draft:
+    """One asset on its way. Each field is the result of the stage of that name, None until it has run."""
+
+    asset_id: str
+    source_name: str
+    intake: Intake
+    canonicalize: Canonical | None = None
+    appearance: Appearance | None = None
+    semantics: Semantics | None = None
+    interaction: Interaction | None = None
+    physics: Physics | None = None
+    previews: Previews | None = None
+    acceptance: Acceptance | None = None
+    excluded_colliders: tuple[str, ...] = ()
+
+    @property
+    def model(self) -> Model:
+        """The model as far as it has come: canonical meshes and final materials where they exist."""
+        source = self.intake.model
+        return Model(
+            meshes=self.canonicalize.meshes if self.canonicalize else source.meshes,
+            materials=self.appearance.materials if self.appearance else source.materials,
+            textures=source.textures,
+            nodes=source.nodes,
+            meters_per_unit=source.meters_per_unit,
+            up_axis=source.up_axis,
+            hints=source.hints,
+            metadata=source.metadata,
+        )
+
+
+@dataclass(frozen=True)
+class Tools:
+    """What stages may use: the simulator, a scratch folder, the user's statements."""
+
+    simulator: Simulator
+    work_dir: Path
+    options: Options
+
+
+class Stage(Protocol):
+    """One step. `version` is bumped whenever the output for the same input may change."""
+
+    name: str
+    version: int
+    result: type[Any]
+
+    def accepts(self, draft: Draft) -> list[Diagnostic]:
+        """Cheap findings that forbid running; empty when the stage may run. No side effects."""
+        ...
+
+    def run(self, draft: Draft, tools: Tools) -> Outcome[Any]:
+        """The stage's result, an instance of `result`."""
+        ...
+
+
+def need(value: Any, stage: str) -> Any:
+    """`value`, or a RuntimeError naming the stage that should have made it: an ordering bug, never bad input."""
+    if value is None:
+        raise RuntimeError(f"stage '{stage}' has not run")
+    return value

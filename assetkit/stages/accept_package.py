@@ -1,0 +1,53 @@
+"""Stage 7, acceptance: write the package, read it back from disk, let validators and the simulator judge that."""
+
+from __future__ import annotations
+
+from assetkit import release
+from assetkit.stage import Acceptance, Draft, Tools
+from assetkit.stages.acceptance import accept
+from schemas.asset import Check
+from schemas.diagnostics import Diagnostic, Location, Severity, finding
+from schemas.outcome import Outcome
+from usdio.gate import gate
+from usdio.outside import outside_verdicts
+from usdio.reread import reread_body, reread_visual
+
+
+class AcceptPackage:
+    """Nothing is released on the strength of what is in memory: the bytes judged are the bytes shipped."""
+
+    name = "acceptance"
+    version = 1
+    result = Acceptance
+
+    def accepts(self, draft: Draft) -> list[Diagnostic]:
+        """Nothing forbids running."""
+        return []
+
+    def run(self, draft: Draft, tools: Tools) -> Outcome[Acceptance]:
+        """Validator verdicts, gate findings and simulator figures of the package on disk."""
+        main_file = release.author(draft, tools.work_dir)
+        verdicts = outside_verdicts(main_file)
+        gate_findings = gate(main_file)
+        errors = [d for d in gate_findings if d.severity is Severity.ERROR]
+        validators = tuple(_check(v.judge, len(v.findings)) for v in verdicts)
+        validators += (_check("mana gate", len(errors)),)
+        judged = accept(main_file, tools.simulator, body=reread_body(main_file), visual=reread_visual(main_file))
+        section = judged.section.model_copy(update={"validators": validators})
+        refused = tuple(_refused(v.judge, v.findings) for v in verdicts if not v.passed)
+        return Outcome(Acceptance(section), (*refused, *gate_findings, *judged.diagnostics))
+
+
+def _check(name: str, errors: int) -> Check:
+    return Check(name=name, value=errors, bound=0, unit="errors", passed=errors == 0)
+
+
+def _refused(name: str, found: tuple[str, ...]) -> Diagnostic:
+    return finding(
+        "asset/package-invalid",
+        f"{name} refuses the package: {found[0]}",
+        where=Location(),
+        value=len(found),
+        bound=0,
+        unit="errors",
+    )

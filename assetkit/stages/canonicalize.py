@@ -1,0 +1,187 @@
+"""Stage 2, canonicalize: metres, z-up, bottom-centre origin; observe, repair, observe again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from assetkit.discover import slug
+from assetkit.stage import Canonical, Draft, Tools
+from assetkit.stages.repair_geometry import repair_geometry
+from assetkit.units import decide_unit
+from assetkit.up_axis import TO_Z_UP, decide_up_axis
+from geom.decimate import decimate_mesh
+from geom.solid import solidify
+from schemas.asset import AnnotationFrame, GeometrySection, Vec3
+from schemas.diagnostics import Diagnostic, InvalidInput, finding
+from schemas.evidence import Evidence, inferred, measured
+from schemas.model import FloatArray, Mesh
+from schemas.outcome import Outcome, Repair
+from schemas.physics import Solid
+
+FAR_DIAGONALS = 100.0  # Beyond this distance from its origin, float32 keeps fewer than five digits of the shape.
+
+
+class Canonicalize:
+    """Brings an object into its metric frame and mends what is broken; every edit has figures before and after."""
+
+    name = "canonicalize"
+    version = 1
+    result = Canonical
+
+    def accepts(self, draft: Draft) -> list[Diagnostic]:
+        """Nothing forbids running: intake has screened the model."""
+        return []
+
+    def run(self, draft: Draft, tools: Tools) -> Outcome[Canonical]:
+        """Canonical meshes, the physical surface and the geometry section."""
+        model = draft.intake.model
+        points = np.concatenate([m.points for m in model.meshes])
+        low, high = points.min(axis=0), points.max(axis=0)
+        try:
+            unit = decide_unit(
+                stated=model.meters_per_unit,
+                chosen=tools.options.units,
+                extent=_vec3(high - low),
+                format_=draft.intake.format,
+                stem=slug(Path(draft.source_name).stem),
+                hints=model.hints,
+            )
+        except InvalidInput as refused:
+            return Outcome(None, (refused.diagnostic,))
+        up = decide_up_axis(model.up_axis, model.hints)
+        R_AS = TO_Z_UP[up.axis.value]
+        far = _recentred(low, high)
+        centred = [replace(m, points=m.points - far.shift) for m in model.meshes]
+        posed = [_posed(m, R_AS, unit.meters_per_unit.value) for m in centred]
+        mended = repair_geometry(posed)
+        reduced, reductions, notes = _within_budget(mended.meshes, tools.options.max_triangles)
+        homed, p_origin = _at_bottom_centre(reduced)
+        solid, figures = solidify(homed)
+        offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
+        section = _section(homed, solid, figures, unit.meters_per_unit, mended, offset)
+        return Outcome(
+            Canonical(tuple(homed), solid, unit.meters_per_unit, up.axis, section),
+            (*unit.diagnostics, *up.diagnostics, *far.diagnostics, *mended.diagnostics, *notes),
+            (*unit.repairs, *up.repairs, *far.repairs, *mended.repairs, *reductions),
+        )
+
+
+class _Recentring:
+    """How far the object is moved before anything else, in double precision."""
+
+    def __init__(self, shift: FloatArray, diagnostics: tuple[Diagnostic, ...], repairs: tuple[Repair, ...]) -> None:
+        self.shift = shift
+        self.diagnostics = diagnostics
+        self.repairs = repairs
+
+
+def _recentred(low: FloatArray, high: FloatArray) -> _Recentring:
+    """Always centre; only an object far from its origin counts as repaired."""
+    centre = (low + high) / 2
+    ratio = float(np.linalg.norm(centre) / max(float(np.linalg.norm(high - low)), 1e-300))
+    if ratio <= FAR_DIAGONALS:
+        return _Recentring(centre, (), ())
+    note = finding(
+        "asset/far-from-origin",
+        f"the object lies {ratio:.3g} times its own size from its origin",
+        value=ratio,
+        bound=FAR_DIAGONALS,
+        unit="diagonals",
+    )
+    repair = Repair(
+        name="recentre",
+        code="asset/far-from-origin",
+        stage="canonicalize",
+        before={"distance_diagonals": ratio},
+        after={"distance_diagonals": 0.0},
+    )
+    return _Recentring(centre, (note,), (repair,))
+
+
+def _posed(mesh: Mesh, R_AS: FloatArray, meters_per_unit: float) -> Mesh:
+    """The mesh turned z-up and scaled to metres; a rotation, so winding stays."""
+    normals = mesh.normals
+    return replace(
+        mesh,
+        points=(mesh.points @ R_AS.T) * meters_per_unit,
+        normals=None if normals is None else (normals @ R_AS.T).astype(np.float32),
+    )
+
+
+def _within_budget(meshes: Sequence[Mesh], budget: int) -> tuple[list[Mesh], list[Repair], list[Diagnostic]]:
+    """Meshes reduced in proportion when together they exceed the triangle budget."""
+    total = sum(len(m.triangles) for m in meshes)
+    if total <= budget:
+        return list(meshes), [], []
+    reduced, worst = [], 0.0
+    for mesh in meshes:
+        light, figures = decimate_mesh(mesh, max(64, len(mesh.triangles) * budget // total))
+        worst = max(worst, float(figures["surface_distance_max_m"]))
+        reduced.append(light)
+    after = sum(len(m.triangles) for m in reduced)
+    note = finding(
+        "asset/too-many-triangles",
+        f"{total} triangles were reduced to {after}",
+        value=total,
+        bound=budget,
+        unit="triangles",
+    )
+    repair = Repair(
+        name="decimate",
+        code="asset/too-many-triangles",
+        stage="canonicalize",
+        before={"triangles": total},
+        after={"triangles": after, "surface_distance_max_m": worst},
+    )
+    return reduced, [repair], [note]
+
+
+def _at_bottom_centre(meshes: Sequence[Mesh]) -> tuple[list[Mesh], FloatArray]:
+    """Meshes with the origin at the bottom centre of their bounding box, and where that point was before."""
+    points = np.concatenate([m.points[np.unique(m.triangles)] for m in meshes])
+    low, high = points.min(axis=0), points.max(axis=0)
+    origin = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
+    return [replace(m, points=m.points - origin) for m in meshes], origin
+
+
+def _section(
+    meshes: Sequence[Mesh], solid: Solid, figures: dict, unit: Evidence[float], mended, offset: FloatArray
+) -> GeometrySection:
+    points = np.concatenate([m.points for m in meshes])
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = _vec3(high - low)
+    bounds = None
+    if unit.bounds is not None:
+        factors = [b / unit.value for b in unit.bounds]
+        bounds = (_vec3((high - low) * factors[0]), _vec3((high - low) * factors[1]))
+    volume = float(figures["volume_m3"])
+    return GeometrySection(
+        extent_m=Evidence(
+            value=extent,
+            source="measured" if unit.source == "declared" else unit.source,
+            method=f"bounding box of the render mesh; unit: {unit.method}",
+            confidence=unit.confidence,
+            bounds=bounds,
+        ),
+        origin_offset_m=_vec3(offset),
+        annotation_frame=AnnotationFrame(
+            centre_m=_vec3((low + high) / 2), scale_m=float(np.linalg.norm(high - low)) or 1.0
+        ),
+        observed=mended.observed,
+        reobserved=mended.reobserved,
+        solid_kind=solid.kind,
+        volume_m3=(
+            measured(volume, str(figures["method"]))
+            if solid.kind == "closed"
+            else inferred(volume, str(figures["method"]), 0.3 if solid.kind == "shell" else 0.1)
+        ),
+        surface_area_m2=float(figures["area_m2"]),
+    )
+
+
+def _vec3(v: FloatArray) -> Vec3:
+    return (float(v[0]), float(v[1]), float(v[2]))

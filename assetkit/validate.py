@@ -1,0 +1,32 @@
+"""Judge any USD asset, also ones Mana did not make."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from schemas.diagnostics import Diagnostic, Location, Severity, finding
+from usdio.gate import gate
+from usdio.outside import Verdict, outside_verdicts
+
+_USD = {".usd", ".usda", ".usdc", ".usdz"}
+
+
+def main_usd_files(path: Path) -> list[Path]:
+    """The asset files at `path`: itself, the main file of a package, or those of every package of a library."""
+    if path.is_file():
+        return [path]
+    own = sorted(p for p in path.glob("*/*") if p.suffix in _USD)
+    return own or sorted(p for p in path.glob("*/*/*") if p.suffix in _USD)
+
+
+def validate_file(file: Path) -> tuple[Diagnostic, ...]:
+    """All findings of the outside validators and of the gate, errors first."""
+    outside = [_outside(verdict, text, file) for verdict in outside_verdicts(file) for text in verdict.findings]
+    return tuple(sorted([*outside, *gate(file)], key=lambda d: d.severity is not Severity.ERROR))
+
+
+def _outside(verdict: Verdict, text: str, file: Path) -> Diagnostic:
+    """A judge's line; only a failing judge makes it an error."""
+    severity = Severity.WARNING if verdict.passed else Severity.ERROR
+    where = Location(file=file.name)
+    return finding("asset/package-invalid", f"{verdict.judge}: {text}", where=where, severity=severity)

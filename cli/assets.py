@@ -1,0 +1,193 @@
+"""`mana assets`: ingest files, look at the result."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import Annotated, cast
+
+import typer
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from assetkit import catalog
+from assetkit.discover import Candidate, discover
+from assetkit.ingest import Batch, collect, default_jobs, ingest, python_module
+from assetkit.options import Options, UnitName
+from assetkit.release import RECORD
+from assetkit.report import build_report, write_report
+from assetkit.validate import main_usd_files, validate_file
+from cli import text
+from jobs.cell import Limits
+from schemas.diagnostics import Severity
+from schemas.outcome import ItemOutcome
+from schemas.report import IngestReport
+
+app = typer.Typer(help="Raw asset files in, accepted simulation packages out.", no_args_is_help=True)
+WORKER = python_module("cli.cell")
+AsJson = Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")]
+Library = Annotated[Path, typer.Argument(help="An output folder of `mana assets ingest`.", exists=True)]
+
+
+@app.command("ingest")
+def ingest_command(
+    sources: Annotated[list[Path], typer.Argument(help="Files, or folders that are walked.")],
+    out: Annotated[Path, typer.Option("--out", help="Where packages, report and catalog go.")],
+    jobs: Annotated[int, typer.Option("--jobs", min=1, help="Assets at a time.")] = default_jobs(),
+    root: Annotated[Path | None, typer.Option("--root", help="Folder that references may not leave.")] = None,
+    role: Annotated[str | None, typer.Option(help="Declared role, e.g. manipulated or receptacle.")] = None,
+    category: Annotated[str | None, typer.Option(help="Declared category, e.g. mug.")] = None,
+    units: Annotated[str, typer.Option(help="mm, cm, m, in or auto.")] = "auto",
+    license_: Annotated[str | None, typer.Option("--license", help="Licence, e.g. CC-BY-4.0.")] = None,
+    author: Annotated[str | None, typer.Option(help="Author of the source assets.")] = None,
+    timeout: Annotated[float, typer.Option(help="Seconds one asset may take.")] = 300.0,
+    memory: Annotated[int, typer.Option(help="Address space of one worker in MiB.")] = 8192,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Also keep crashed and timed-out items as they are.")
+    ] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Make every item anew.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Take files through every stage and release a package for each object.
+
+    Unchanged sources are not made again, so an interrupted run simply continues. Exit code 1 when an asset was
+    rejected, 2 when the command could not run.
+
+    Example: `mana assets ingest scans/ extra/mug.glb --out library --jobs 4 --license CC-BY-4.0`
+    """
+    if units not in {"mm", "cm", "m", "in", "auto"}:
+        raise typer.BadParameter("must be mm, cm, m, in or auto", param_hint="--units")
+    options = Options(units=cast(UnitName, units), role=role, category=category, license=license_, author=author)
+    batch = Batch(
+        out=out,
+        options=options,
+        worker=WORKER,
+        jobs=jobs,
+        limits=Limits(timeout, memory),
+        resume=resume,
+        fresh=fresh,
+    )
+    report = run_batch(discover(sources, root=root), batch, quiet=as_json)
+    if as_json:
+        print(report.model_dump_json(indent=1))
+    else:
+        text.show_summary(report)
+        text.console.print(f"report: {out / 'report.html'}", soft_wrap=True)
+    if report.interrupted:
+        raise typer.Exit(2)
+    raise typer.Exit(1 if report.totals[ItemOutcome.REJECTED.value] else 0)
+
+
+def run_batch(candidates: tuple[Candidate, ...], batch: Batch, *, quiet: bool) -> IngestReport:
+    """Ingest with a progress bar, then write report and catalog, also after Ctrl-C."""
+    started = time.monotonic()
+    interrupted = False
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[tally]}"),
+    )
+    with Progress(*columns, console=text.console, disable=quiet, transient=not text.console.is_terminal) as progress:
+        task = progress.add_task("ingest", total=len(candidates), tally="")
+        tally = dict.fromkeys(ItemOutcome, 0)
+        try:
+            for item in ingest(candidates, batch):
+                tally[item.outcome] += 1
+                shown = " ".join(f"[{text.STYLE[o]}]{n} {o.value}[/]" for o, n in tally.items() if n)
+                progress.update(task, advance=1, tally=shown)
+        except KeyboardInterrupt:
+            interrupted = True
+    report = build_report(collect(candidates, batch), wall_seconds=time.monotonic() - started, interrupted=interrupted)
+    write_report(report, batch.out)
+    catalog.rebuild(batch.out)
+    return report
+
+
+@app.command("list")
+def list_command(library: Library, as_json: AsJson = False) -> None:
+    """List the packages of a library.
+
+    Example: `mana assets list library`
+    """
+    _rows(catalog.listing(library), as_json)
+
+
+@app.command("search")
+def search_command(
+    words: Annotated[str, typer.Argument(help="Words that name, category, material or parts contain.")],
+    library: Annotated[Path, typer.Option("--in", help="An output folder of `mana assets ingest`.")] = Path("."),
+    as_json: AsJson = False,
+) -> None:
+    """Find packages by words.
+
+    Example: `mana assets search "red mug" --in library`
+    """
+    _rows(catalog.search(library, words), as_json)
+
+
+@app.command("show")
+def show_command(
+    package: Annotated[Path, typer.Argument(help="A package folder.", exists=True)], as_json: AsJson = False
+) -> None:
+    """Show what is known about one package and how sure it is.
+
+    Example: `mana assets show library/mug`
+    """
+    record = json.loads((package / RECORD).read_text())
+    if as_json:
+        print(json.dumps(record, indent=1))
+        return
+    text.console.print(f"[bold]{record['asset_id']}[/bold]  {record['outcome']}")
+    text.show_rows(_evidence_rows(record), {"what": "what", "value": "value", "source": "source", "sure": "sure"})
+
+
+@app.command("validate")
+def validate_command(
+    path: Annotated[Path, typer.Argument(help="A USD file, a package or a library.", exists=True)],
+    as_json: AsJson = False,
+) -> None:
+    """Judge any USD asset: SimReady Robotics-Prop 4.0.0, UsdValidation and Mana's own plausibility gate.
+
+    Example: `mana assets validate library/mug`
+    """
+    results = {str(file): validate_file(file) for file in main_usd_files(path)}
+    if not results:
+        raise FileNotFoundError(f"no USD file in {path}")
+    failed = any(d.severity is Severity.ERROR for found in results.values() for d in found)
+    if as_json:
+        print(json.dumps({f: [d.model_dump(mode="json") for d in found] for f, found in results.items()}, indent=1))
+    else:
+        for file, found in results.items():
+            text.console.print(f"[bold]{file}[/bold]: {len(found) or 'no'} finding{'s' * (len(found) != 1)}")
+            for diagnostic in found:
+                text.show_diagnostic(diagnostic, "  ")
+    raise typer.Exit(1 if failed else 0)
+
+
+def _rows(rows: list[dict[str, object]], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(rows, indent=1))
+        return
+    columns = ("asset_id", "outcome", "category", "size_x_m", "size_y_m", "size_z_m", "mass_kg", "material", "collider")
+    text.show_rows(rows, {c: c.replace("_", " ") for c in columns})
+
+
+def _evidence_rows(record: dict) -> list[dict[str, object]]:
+    """The headline values of a record, one row each."""
+    found: list[dict[str, object]] = []
+    for section in ("geometry", "semantics", "physics", "source"):
+        for key, value in record[section].items():
+            if isinstance(value, dict) and "confidence" in value:
+                sure = f"{100 * value['confidence']:.0f} %"
+                source = f"{value['source']}: {value['method']}"
+                found.append({"what": key, "value": _short(value["value"]), "source": source, "sure": sure})
+    return found
+
+
+def _short(value: object) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(_short(v) for v in value) + "]"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,36 @@
+"""The entry point of a cell: one request file, one source asset. Chooses PyBullet as the simulator."""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+from pathlib import Path
+
+from assetkit import memory
+from assetkit.ingest import candidate_of
+from assetkit.options import Options
+from assetkit.pipeline import process_source
+from sim.bullet import BulletSimulator
+
+
+def main(request_file: str) -> None:
+    """Process the source named by the request and leave its note where the request says."""
+    request = json.loads(Path(request_file).read_text())
+    candidate = candidate_of(request)
+    out = Path(request["out"])
+    with BulletSimulator() as simulator:
+        item = process_source(
+            candidate,
+            options=Options.model_validate(request["options"]),
+            simulator=simulator,
+            out=out,
+            work_dir=Path(request["work_dir"]),
+        )
+    peak_mb = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) / 1024
+    item = item.model_copy(update={"peak_memory_mb": round(peak_mb, 1)})
+    memory.remember(Path(request["note"]), memory.stored_from(item, candidate, out))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

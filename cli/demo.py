@@ -1,0 +1,63 @@
+"""`mana demo`: the main job end to end on real objects that the installed packages bring."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from assetkit.discover import discover
+from assetkit.ingest import Batch, default_jobs
+from assetkit.options import Options
+from assetkit.validate import main_usd_files, validate_file
+from cli import text
+from cli.assets import WORKER, run_batch
+from cli.demo_page import write_page
+from schemas.diagnostics import Severity
+
+OBJECTS = (
+    "duck.obj",
+    "teddy2_VHACD_CHs.obj",
+    "cube.obj",
+    "objects/mug.obj",
+    "table_square/table_square.obj",
+    "tray/tray_textured.obj",
+    "lego/lego.obj",
+    "stone.obj",
+    "soccerball.obj",
+    "domino/domino.obj",
+)
+
+
+def demo(
+    out: Annotated[Path, typer.Option("--out", help="Where the page and packages go.")] = Path("demo_out"),
+    jobs: Annotated[int, typer.Option("--jobs", min=1, help="Assets at a time.")] = default_jobs(),
+) -> None:
+    """Ingest real objects from pybullet_data, validate every package and write a page of pictures.
+
+    Example: `mana demo --out demo_out`
+    """
+    data = data_folder()
+    found = [data / name for name in OBJECTS if (data / name).is_file()]
+    if not found:
+        raise FileNotFoundError(data)
+    batch = Batch(
+        out=out / "library", options=Options(license="Zlib", author="Bullet contributors"), worker=WORKER, jobs=jobs
+    )
+    report = run_batch(discover(found), batch, quiet=False)
+    verdicts = {file: validate_file(file) for file in main_usd_files(batch.out)}
+    page = write_page(report, verdicts, out)
+    text.show_summary(report)
+    text.console.print(f"page: {page}", soft_wrap=True)
+    failed = any(d.severity is Severity.ERROR for found_ in verdicts.values() for d in found_)
+    raise typer.Exit(1 if failed or not verdicts else 0)
+
+
+def data_folder() -> Path:
+    """The data folder of the installed PyBullet. Raises FileNotFoundError when it is not there."""
+    spec = importlib.util.find_spec("pybullet_data")
+    if spec is None or spec.origin is None:
+        raise FileNotFoundError("pybullet_data")
+    return Path(spec.origin).parent

@@ -1,0 +1,37 @@
+"""`mana schema`: the JSON Schema of what Mana writes, for editors and other tools."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+from pydantic import BaseModel
+
+from schemas.asset import AssetRecord
+from schemas.report import IngestReport
+
+app = typer.Typer(help="Print the JSON Schema of a file Mana writes.", no_args_is_help=True)
+_MODELS: dict[str, type[BaseModel]] = {"asset": AssetRecord, "report": IngestReport}
+
+
+def _print(name: str) -> None:
+    print(json.dumps(_MODELS[name].model_json_schema(), indent=1, sort_keys=True))
+
+
+@app.command("asset")
+def asset(as_json: Annotated[bool, typer.Option("--json", help="The output is JSON in any case.")] = True) -> None:
+    """The schema of `record.json`.
+
+    Example: `mana schema asset > record.schema.json`
+    """
+    _print("asset")
+
+
+@app.command("report")
+def report(as_json: Annotated[bool, typer.Option("--json", help="The output is JSON in any case.")] = True) -> None:
+    """The schema of `report.json`.
+
+    Example: `mana schema report > report.schema.json`
+    """
+    _print("report")

@@ -1,0 +1,79 @@
+"""How diagnostics and tables look in a terminal; the only place that formats them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from schemas.diagnostics import Diagnostic
+from schemas.outcome import ItemOutcome
+from schemas.report import IngestReport
+
+console = Console()
+STYLE = {
+    ItemOutcome.ACCEPTED: "green",
+    ItemOutcome.REPAIRED: "blue",
+    ItemOutcome.REVIEW: "yellow",
+    ItemOutcome.REJECTED: "red",
+}
+_SEVERITY = {"error": "red", "warning": "yellow", "info": "cyan"}
+
+
+def show_diagnostic(diagnostic: Diagnostic, indent: str = "") -> None:
+    """Print one finding: headline, place, value against bound, causes, help."""
+    style = _SEVERITY[diagnostic.severity.value]
+    console.print(
+        f"{indent}[{style}]{diagnostic.severity.value}[/{style}] [bold]{diagnostic.code}[/bold]: "
+        f"{escape(diagnostic.headline)}",
+        soft_wrap=True,
+    )
+    where = str(diagnostic.where)
+    if where != "(whole asset)":
+        console.print(f"{indent}  at {escape(where)}", soft_wrap=True)
+    if diagnostic.value is not None:
+        bound = "" if diagnostic.bound is None else f", bound {_figure(diagnostic.bound)}"
+        unit = f" {diagnostic.unit}" if diagnostic.unit else ""
+        console.print(f"{indent}  found {escape(_figure(diagnostic.value) + bound + unit)}", soft_wrap=True)
+    for cause in diagnostic.because:
+        console.print(f"{indent}  because", soft_wrap=True)
+        show_diagnostic(cause, indent + "    ")
+    if diagnostic.help:
+        console.print(f"{indent}  [dim]help: {escape(diagnostic.help)}[/dim]", soft_wrap=True)
+
+
+def show_summary(report: IngestReport) -> None:
+    """Print the outcome counts and, for what was not accepted, the reason."""
+    table = Table(title="Outcomes", title_justify="left")
+    for outcome in ItemOutcome:
+        table.add_column(outcome.value, justify="right", style=STYLE[outcome])
+    table.add_column("packages", justify="right")
+    table.add_column("unchanged", justify="right")
+    table.add_column("seconds", justify="right")
+    totals = report.totals
+    counts = [str(int(totals[o.value])) for o in ItemOutcome]
+    table.add_row(*counts, str(int(totals["packages"])), str(int(totals["cached"])), f"{totals['wall_seconds']:.1f}")
+    console.print(table)
+    for item in report.items:
+        if item.outcome in {ItemOutcome.REVIEW, ItemOutcome.REJECTED}:
+            style = STYLE[item.outcome]
+            console.print(f"[{style}]{item.outcome.value}[/{style}] {escape(item.source)}", soft_wrap=True)
+            for diagnostic in item.diagnostics:
+                if diagnostic.severity.value != "info":
+                    show_diagnostic(diagnostic, "  ")
+
+
+def show_rows(rows: Iterable[dict[str, object]], columns: dict[str, str]) -> None:
+    """Print a table; `columns` maps keys of the rows to headings."""
+    table = Table()
+    for heading in columns.values():
+        table.add_column(heading)
+    for row in rows:
+        table.add_row(*(escape(_figure(row[key])) for key in columns))
+    console.print(table)
+
+
+def _figure(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

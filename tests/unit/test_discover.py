@@ -1,0 +1,74 @@
+from pathlib import Path
+
+import pytest
+
+from assetkit.discover import discover, slug
+
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+
+
+def ids(*paths: Path) -> dict[str, str]:
+    return {c.file.path.name: c.asset_id for c in discover(list(paths))}
+
+
+@pytest.mark.parametrize(
+    ("stem", "expected"),
+    [("Coffee Mug #2", "coffee_mug_2"), ("Küchen stuhl", "kuchen_stuhl"), ("3d-scan", "a_3d_scan"), ("日本", "a_")],
+)
+def test_slugs_are_identifiers(stem: str, expected: str):
+    assert slug(stem) == expected
+
+
+def test_folder_walk_lists_assets_and_leaves_their_parts_out(tmp_path: Path):
+    (tmp_path / "a.obj").write_text(TRIANGLE)
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "layer.usda").write_text('#usda 1.0\ndef Mesh "m" {}\n')
+    (tmp_path / "sub" / "top.usda").write_text("#usda 1.0\n(subLayers = [@./layer.usda@])\n")
+    (tmp_path / "notes.txt").write_text("not an asset")
+    (tmp_path / "model.fbx").write_bytes(b"fbx")
+    (tmp_path / ".hidden").mkdir()
+    (tmp_path / ".hidden" / "b.obj").write_text(TRIANGLE)
+    found = discover([tmp_path])
+    assert [Path(c.given).relative_to(tmp_path).as_posix() for c in found] == ["a.obj", "model.fbx", "sub/top.usda"]
+
+
+def test_files_that_name_each_other_are_all_kept(tmp_path: Path):
+    (tmp_path / "a.usda").write_text("#usda 1.0\n(subLayers = [@./b.usda@])\n")
+    (tmp_path / "b.usda").write_text("#usda 1.0\n(subLayers = [@./a.usda@])\n")
+    assert len(discover([tmp_path])) == 2
+
+
+def test_root_is_the_largest_folder_of_one_asset(tmp_path: Path):
+    (tmp_path / "car" / "deep").mkdir(parents=True)
+    (tmp_path / "car" / "deep" / "car.usda").write_text("#usda 1.0\n")
+    (tmp_path / "mug.obj").write_text(TRIANGLE)
+    roots = {c.file.path.name: c.file.root for c in discover([tmp_path])}
+    assert roots == {"car.usda": tmp_path / "car", "mug.obj": tmp_path}
+
+
+def test_root_of_an_explicit_file_is_its_folder_unless_a_package_or_the_user_says_otherwise(tmp_path: Path):
+    folder = tmp_path / "pkg" / "meshes"
+    folder.mkdir(parents=True)
+    (folder / "m.obj").write_text(TRIANGLE)
+    assert discover([folder / "m.obj"])[0].file.root == folder
+    assert discover([folder / "m.obj"], root=tmp_path)[0].file.root == tmp_path
+    (tmp_path / "pkg" / "package.xml").write_text("<package/>")
+    assert discover([folder / "m.obj"])[0].file.root == tmp_path / "pkg"
+
+
+def test_ids_on_a_clash_depend_on_content_not_on_order(tmp_path: Path):
+    for name, text in (("x", TRIANGLE), ("y", TRIANGLE + "# other\n"), ("z", TRIANGLE)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "part.obj").write_text(text)
+    files = [tmp_path / n / "part.obj" for n in "xyz"]
+    forward = {c.given: c.asset_id for c in discover(files)}
+    backward = {c.given: c.asset_id for c in discover(files[::-1])}
+    assert forward == backward
+    assert len(set(forward.values())) == 3
+    assert all(i.startswith("part-") for i in forward.values())
+    assert ids(files[0]) == {"part.obj": "part"}
+
+
+def test_a_missing_source_raises(tmp_path: Path):
+    with pytest.raises(FileNotFoundError):
+        discover([tmp_path / "none.obj"])

@@ -1,0 +1,36 @@
+import threading
+import time
+
+import pytest
+
+from jobs.schedule import run_all
+
+
+def test_every_item_once_and_never_more_than_jobs_at_a_time():
+    running, peak, lock = 0, 0, threading.Lock()
+
+    def work(n: int) -> int:
+        nonlocal running, peak
+        with lock:
+            running += 1
+            peak = max(peak, running)
+        time.sleep(0.01)
+        with lock:
+            running -= 1
+        return n * n
+
+    assert sorted(run_all(work, range(20), jobs=3)) == [(n, n * n) for n in range(20)]
+    assert peak <= 3
+
+
+def test_an_exception_ends_the_run_and_starts_nothing_new():
+    started = []
+
+    def work(n: int) -> None:
+        started.append(n)
+        if n == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(run_all(work, range(1000), jobs=1))
+    assert len(started) < 10
