@@ -15,9 +15,9 @@ def corner_normals(points: FloatArray, triangles: IntArray, crease_rad: float = 
     """(m, 3, 3) float32 unit normals per triangle corner, smooth across edges flatter than `crease_rad`.
 
     Corners at one position belong together when a chain of faces around it is joined by edges shared by exactly two
-    faces with a smaller angle between them; each group gets the area-weighted mean of its faces (weightings are compared
-    by Jin, Lewis and West 2005, "A comparison of algorithms for vertex normal computation"). Points at equal positions
-    count as one, so UV seams do not show. Faces without area take the normal of their group, or +z when it has none.
+    faces with a smaller angle between them; each group gets the area-weighted mean of its faces (weightings: Jin, Lewis
+    and West 2005, "A comparison of algorithms for vertex normal computation"). Points at equal positions count as one,
+    so UV seams do not show. Faces without area take the normal of their group, or +z when it has none.
     """
     count = len(triangles)
     if count == 0:

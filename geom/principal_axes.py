@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from geom.pose import matrix_of, quat_of
 from schemas.model import FloatArray
 
 
@@ -22,22 +22,10 @@ def principal_axes(inertia_kgm2: FloatArray) -> tuple[FloatArray, FloatArray]:
     moments, axes = np.linalg.eigh(symmetric)
     if np.linalg.det(axes) < 0.0:
         axes[:, 0] = -axes[:, 0]  # A reflection has no quaternion; either sign of an axis is principal.
-    return moments, quat_wxyz_of(axes)
-
-
-def quat_wxyz_of(rotation: FloatArray) -> FloatArray:
-    """Unit quaternion (4,) in w, x, y, z order with w >= 0 of a (3, 3) rotation matrix."""
-    x, y, z, w = Rotation.from_matrix(rotation).as_quat(canonical=True)
-    return np.array([w, x, y, z])
-
-
-def rotation_of(quat_wxyz: FloatArray) -> FloatArray:
-    """(3, 3) rotation matrix of a quaternion in w, x, y, z order; it is normalised first."""
-    w, x, y, z = quat_wxyz
-    return Rotation.from_quat([x, y, z, w]).as_matrix()
+    return moments, quat_of(axes)
 
 
 def inertia_from_principal(moments: FloatArray, quat_wxyz: FloatArray) -> FloatArray:
     """(3, 3) tensor `R diag(moments) R^T`, the inverse of `principal_axes`."""
-    axes = rotation_of(quat_wxyz)
+    axes = matrix_of(quat_wxyz)
     return axes @ np.diag(moments) @ axes.T

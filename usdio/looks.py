@@ -30,10 +30,10 @@ def looks_per_mesh(model: Model) -> tuple[Look, ...]:
     keys = [_key(model, index) for index in range(len(model.meshes))]
     unique = sorted(set(keys), key=lambda key: (len(model.materials) if key[0] is None else key[0], key[1]))
     materials = [_material(model, *key) for key in unique]
-    names = prim_names((m.name + ("_vertex_colors" if k[1] else "") for m, k in zip(materials, unique, strict=True)), MATERIAL_FALLBACK)
-    looks = {
-        key: Look(name, material, key[1]) for key, name, material in zip(unique, names, materials, strict=True)
-    }
+    names = prim_names(
+        (m.name + ("_vertex_colors" if k[1] else "") for m, k in zip(materials, unique, strict=True)), MATERIAL_FALLBACK
+    )
+    looks = {key: Look(name, material, key[1]) for key, name, material in zip(unique, names, materials, strict=True)}
     return tuple(looks[key] for key in keys)
 
 

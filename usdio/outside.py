@@ -1,5 +1,8 @@
 """Ask outside judges about a released package: NVIDIA's SimReady Foundation and OpenUSD's own validators."""
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import contextlib
@@ -52,7 +55,7 @@ def simready(main_file: Path) -> Verdict:
 
 
 def usd_validation(main_file: Path) -> Verdict:
-    """Every validator of `pxr.UsdValidation` on the composed stage but the USDZ ones; errors fail, warnings are listed."""
+    """Every validator of `pxr.UsdValidation` but the USDZ ones; errors fail, warnings are only listed."""
     delegate = UsdUtils.CoalescingDiagnosticDelegate()  # Takes USD's own console warnings while it lives.
     stage = open_stage(main_file)
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()

@@ -1,5 +1,8 @@
 """Open a released package as it stands on disk."""
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,5 +1,8 @@
 """Author UsdPreviewSurface materials (specification: openusd.org/release/spec_usdpreviewsurface.html)."""
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import math
@@ -61,9 +64,7 @@ def label_material(material: UsdShade.Material, label: str) -> None:
 class _Network:
     """The shader network of one material while it is being authored."""
 
-    def __init__(
-        self, stage: Usd.Stage, material: UsdShade.Material, look: Look, textures: Mapping[str, str]
-    ) -> None:
+    def __init__(self, stage: Usd.Stage, material: UsdShade.Material, look: Look, textures: Mapping[str, str]) -> None:
         self._stage = stage
         self._material = material
         self._look = look

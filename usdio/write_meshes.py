@@ -1,5 +1,8 @@
 """Author the visible meshes of a package."""
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from collections.abc import Sequence

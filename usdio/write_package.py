@@ -1,5 +1,8 @@
 """Write one released package: main USD file, payload layers, textures, thumbnail (design: asset package)."""
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import os
@@ -41,19 +44,20 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     looks = looks_per_mesh(content.model)
     files = texture_files(content.model, looks)
 
-    meshes = _new_stage(root)
-    taken = author_meshes(meshes, root, content.model, looks)
-    materials = _new_stage(root)
-    author_materials(materials, root, looks, {name: f"../textures/{file}" for name, file in files.items()}, label)
-    physics = _new_stage(root)
-    contact = author_contact_material(physics, root, content.contact, content.density_kgm3, label)
-    author_colliders(physics, root, content.shapes, contact, taken)
+    meshes, materials, physics = _new_layer(root), _new_layer(root), _new_layer(root)
+    taken = author_meshes(Usd.Stage.Open(meshes), root, content.model, looks)
+    paths = {name: f"../textures/{file}" for name, file in files.items()}
+    author_materials(Usd.Stage.Open(materials), root, looks, paths, label)
+    stage = Usd.Stage.Open(physics)
+    contact = author_contact_material(stage, root, content.contact, content.density_kgm3, label)
+    author_colliders(stage, root, content.shapes, contact, taken)
 
-    layers = {f"{content.asset_id}_meshes.usdc": meshes, f"{content.asset_id}_materials.usda": materials}
-    layers[f"{content.asset_id}_physics.usda"] = physics
-    for name, stage in layers.items():
-        _export(stage, payloads / name)
-    _export(_main_stage(content, root, tuple(layers)), main_file)
+    stem = content.asset_id
+    _export(meshes, payloads / f"{stem}_meshes.usdc")
+    _export(materials, payloads / f"{stem}_materials.usda")
+    _export(physics, payloads / f"{stem}_physics.usda")
+    _export(_base_layer(root, stem), payloads / f"{stem}_base.usda")
+    _export(_main_layer(content, root), main_file)
 
     if files:
         textures.mkdir(exist_ok=True)
@@ -66,9 +70,18 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     return main_file
 
 
-def _main_stage(content: PackageContent, root: Sdf.Path, layers: tuple[str, ...]) -> Usd.Stage:
-    """The root layer: units, provenance, body and labels; everything else is a payload."""
-    stage = _new_stage(root)
+def _base_layer(root: Sdf.Path, stem: str) -> Sdf.Layer:
+    """The asset as it looks, without physics. ISA.001 wants base, meshes and physics layers by these names."""
+    layer = _new_layer(root)
+    names = (f"./{stem}_meshes.usdc", f"./{stem}_materials.usda")
+    layer.GetPrimAtPath(root).referenceList.prependedItems = [Sdf.Reference(name) for name in names]
+    return layer
+
+
+def _main_layer(content: PackageContent, root: Sdf.Path) -> Sdf.Layer:
+    """The root layer: units, provenance, body and labels; looks and colliders are payloads."""
+    layer = _new_layer(root)
+    stage = Usd.Stage.Open(layer)
     prim = stage.GetDefaultPrim()
     author_body(prim, content.mass)
     Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
@@ -76,10 +89,13 @@ def _main_stage(content: PackageContent, root: Sdf.Path, layers: tuple[str, ...]
     known = content.category not in ("", UNKNOWN)
     UsdSemantics.LabelsAPI.Apply(prim, "class").CreateLabelsAttr([content.category if known else OBJECT_LABEL])
     UsdSemantics.LabelsAPI.Apply(prim, "wikidata_qcode").CreateLabelsAttr([_qcode(content)])
-    stage.GetRootLayer().customLayerData = {"SimReady_Metadata": _metadata(content)}
-    spec = stage.GetRootLayer().GetPrimAtPath(root)
-    spec.payloadList.prependedItems = [Sdf.Payload(f"./payloads/{name}") for name in layers]
-    return stage
+    metadata = _metadata(content)
+    repeated = {key: metadata[key] for key in ("asset_name", "asset_type", "source_file", "usd_date_generated")}
+    layer.customLayerData = {"SimReady_Metadata": metadata, **repeated}  # SR.001, SR.004 want both
+    del stage  # A living stage would look for the payload files at once.
+    names = (f"{content.asset_id}_base.usda", f"{content.asset_id}_physics.usda")
+    layer.GetPrimAtPath(root).payloadList.prependedItems = [Sdf.Payload(f"./payloads/{name}") for name in names]
+    return layer
 
 
 def _metadata(content: PackageContent) -> dict[str, object]:
@@ -107,16 +123,17 @@ def _qcode(content: PackageContent) -> str:
     return content.qcode if content.qcode[:1] == "Q" and digits.isascii() and digits.isdigit() else OBJECT_QCODE
 
 
-def _new_stage(root: Sdf.Path) -> Usd.Stage:
-    """An empty in-memory stage with units, axis and default prim. Nothing is loaded: payload paths do not exist yet."""
-    stage = Usd.Stage.CreateInMemory(load=Usd.Stage.LoadNone)
+def _new_layer(root: Sdf.Path) -> Sdf.Layer:
+    """An empty layer in memory with units, axis and default prim."""
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    stage = Usd.Stage.Open(layer)
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
     stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, root).GetPrim())
-    return stage
+    return layer
 
 
-def _export(stage: Usd.Stage, path: Path) -> None:
-    if not stage.GetRootLayer().Export(str(path)):
+def _export(layer: Sdf.Layer, path: Path) -> None:
+    if not layer.Export(str(path)):
         raise OSError(f"USD could not write {path.name}")

@@ -1,5 +1,8 @@
 """Author body, colliders and contact material of a package (UsdPhysics)."""
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -8,7 +11,8 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 
 from geom.corner_normals import face_normals
-from geom.principal_axes import principal_axes, quat_wxyz_of
+from geom.pose import apply, quat_of
+from geom.principal_axes import principal_axes
 from schemas.physics import CollisionShape, Contact, MassProperties
 from usdio.names import identifier
 from usdio.write_materials import label_material
@@ -71,7 +75,7 @@ def author_colliders(
 def _hull(stage: Usd.Stage, path: Sdf.Path, shape: CollisionShape, taken: set[bytes]) -> Usd.Prim:
     if shape.points is None or shape.triangles is None:
         raise ValueError("a hull shape needs points and triangles")
-    points = shape.points @ shape.X_AS[:3, :3].T + shape.X_AS[:3, 3]
+    points = apply(shape.X_AS, shape.points)
     corners = distinct_listing(points, shape.triangles, taken)
     triangles = shape.triangles.reshape(-1)[corners].reshape(-1, 3)
     mesh = define_mesh(stage, path, points, triangles)
@@ -103,7 +107,7 @@ def _primitive(stage: Usd.Stage, path: Sdf.Path, shape: CollisionShape) -> Usd.P
 
 def _pose(xformable: UsdGeom.Xformable, X_AS: np.ndarray, edges_m: tuple[float, ...] | None) -> None:
     """Translate and orient as X_AS says; the unit cube is then scaled to its edges."""
-    w, x, y, z = (float(v) for v in quat_wxyz_of(X_AS[:3, :3]))
+    w, x, y, z = (float(v) for v in quat_of(X_AS[:3, :3]))
     xformable.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(*(float(v) for v in X_AS[:3, 3])))
     xformable.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(w, x, y, z))
     if edges_m is not None:
