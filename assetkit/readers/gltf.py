@@ -1,0 +1,99 @@
+"""Read glTF 2.0 (.gltf and .glb) into a Model: geometry baked into the model frame, materials, textures, provenance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from assetkit.readers.corners import Notes
+from assetkit.readers.gltf_buffers import Buffers
+from assetkit.readers.gltf_container import parse_container
+from assetkit.readers.gltf_extensions import check_required
+from assetkit.readers.gltf_geometry import Geometry
+from assetkit.readers.gltf_json import Json
+from assetkit.readers.gltf_materials import read_material
+from assetkit.readers.gltf_nodes import place_nodes
+from assetkit.readers.gltf_textures import Textures
+from assetkit.source import SourceFile
+from schemas.diagnostics import Location, finding
+from schemas.evidence import declared
+from schemas.model import Axis, Material, Mesh, Model
+from schemas.outcome import Outcome
+
+_UP: Final[Axis] = "y"
+_HINT_NAMES: Final = 8
+_METADATA: Final = ("author", "copyright", "generator", "license", "source", "title")
+
+
+def read_gltf(source: SourceFile) -> Outcome[Model]:
+    """The model in a .gltf or .glb file: points in the model frame (glTF axes: y up, +z forward), metres.
+
+    One Mesh per node and primitive. Skinned meshes keep their bind pose, morph targets their default weights,
+    material variants their default look; cameras and lights are left out.
+    Raises InvalidInput for every fatal finding; repaired ones are in the outcome.
+    """
+    extension = source.path.suffix.lower().removeprefix(".")
+    document, chunk = parse_container(source.path.read_bytes(), extension, Location(file=source.relative))
+    check_required(document)
+    buffers = Buffers(source, document, chunk)
+    meshes, nodes, notes = Geometry(document, buffers).bake(place_nodes(document))
+    textures = Textures(source, document, buffers)
+    materials, meshes, material_notes = _read_materials(document, meshes, textures)
+    notes += textures.notes + material_notes + _animation_notes(document)
+    model = Model(
+        meshes=meshes,
+        materials=materials,
+        textures=tuple(textures.loaded),
+        nodes=nodes,
+        meters_per_unit=declared(1.0, "glTF 2.0 §3.4"),
+        up_axis=declared(_UP, "glTF 2.0 §3.4"),
+        hints=_hints(document),
+        metadata=_metadata(document),
+    )
+    return Outcome(model, notes.diagnostics, notes.repairs)
+
+
+def _read_materials(
+    document: Json, meshes: tuple[Mesh, ...], textures: Textures
+) -> tuple[tuple[Material, ...], tuple[Mesh, ...], Notes]:
+    """The materials that `meshes` use, in file order, and `meshes` with `material` counting among these."""
+    described = document.items("materials")
+    used = sorted({mesh.material for mesh in meshes if mesh.material is not None})
+    materials: list[Material] = []
+    notes = Notes()
+    for index in used:
+        name = described[index].string("name", "") or f"material_{index}"
+        material, found = read_material(described[index], name, textures)
+        materials.append(material)
+        notes += found
+    renumbered = {index: i for i, index in enumerate(used)}
+    return (
+        tuple(materials),
+        tuple(m if m.material is None else replace(m, material=renumbered[m.material]) for m in meshes),
+        notes,
+    )
+
+
+def _animation_notes(document: Json) -> Notes:
+    animations = document.items("animations")
+    if not animations:
+        return Notes()
+    headline = f"{len(animations)} animations are left out; meshes stand in their stored pose"
+    where = document.require("animations").where
+    return Notes((finding("asset/animation-dropped", headline, where=where, value=len(animations)),))
+
+
+def _hints(document: Json) -> tuple[str, ...]:
+    """Generator, copyright and the first few node and mesh names: texts that may tell units or axes."""
+    asset = document.object("asset")
+    names = (n.string("name", "") for key in ("nodes", "meshes") for n in document.items(key)[:_HINT_NAMES])
+    return tuple(t for t in (asset.string("generator", ""), asset.string("copyright", ""), *names) if t)
+
+
+def _metadata(document: Json) -> dict[str, str]:
+    """What the file says about itself, in `asset` and, as Sketchfab and others write it, in `asset.extras`."""
+    asset = document.object("asset")
+    extras = asset.get("extras")
+    loose = extras.value if extras is not None and isinstance(extras.value, dict) else {}
+    stated = {key.lower(): value for key, value in {**loose, **asset.value}.items()}
+    return {key: stated[key] for key in _METADATA if isinstance(stated.get(key), str) and stated[key]}
