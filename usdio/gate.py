@@ -1,0 +1,61 @@
+"""The static gate: plausibility of a released package that outside validators do not judge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from schemas.diagnostics import Diagnostic, InvalidInput
+from usdio.rules import (
+    body_scale,
+    collider_convex,
+    collider_displaced,
+    collider_present,
+    default_prim,
+    density,
+    extent,
+    files,
+    friction,
+    inertia,
+    inertia_scale,
+    joint_limits,
+    mass,
+    mass_centre,
+    restitution,
+    units,
+)
+from usdio.stage import open_stage
+
+Rule = Callable[[Any], Iterator[Diagnostic]]  # takes a Usd.Stage
+
+RULES: tuple[Rule, ...] = (
+    units.check,
+    default_prim.check,
+    files.check,
+    extent.check,
+    body_scale.check,
+    mass.check,
+    density.check,
+    inertia.check,
+    inertia_scale.check,
+    mass_centre.check,
+    collider_present.check,
+    collider_convex.check,
+    collider_displaced.check,
+    friction.check,
+    restitution.check,
+    joint_limits.check,
+)
+
+
+def gate(main_file: Path) -> tuple[Diagnostic, ...]:
+    """Every finding of every rule on the package with this main file, in rule order; empty means passed.
+
+    A file that cannot be opened gives the one finding `asset/package-invalid`.
+    """
+    try:
+        stage = open_stage(main_file)
+    except InvalidInput as error:
+        return (error.diagnostic,)
+    return tuple(diagnostic for rule in RULES for diagnostic in rule(stage))

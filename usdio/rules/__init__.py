@@ -1,0 +1,1 @@
+"""The rules of the static gate, one concept per file; `usdio.gate` lists them in order."""
