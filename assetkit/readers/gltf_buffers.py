@@ -106,8 +106,11 @@ def read_uri(source: SourceFile, uri: Json) -> bytes | None:
     """
     text = uri.as_string()
     if text[:5].lower() != "data:":
-        path = source.resolve(text, where=uri.where)
-        return None if path is None else path.read_bytes()
+        try:
+            path = source.resolve(text, where=uri.where)
+            return None if path is None else path.read_bytes()
+        except (OSError, ValueError):  # A name no file can have, or a file that cannot be read: as good as absent.
+            return None
     header, comma, body = text.partition(",")
     try:
         if not comma:

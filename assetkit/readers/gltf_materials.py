@@ -42,20 +42,13 @@ class _Reader:
 
     def core(self, material: Json, base: Material) -> Material:
         """The properties of glTF 2.0 itself."""
-        pbr = material.object("pbrMetallicRoughness")
         alpha_mode = material.string("alphaMode", "OPAQUE")
         if alpha_mode not in _ALPHA_MODES:
             raise material.require("alphaMode").schema_error("expected OPAQUE, MASK or BLEND")
-        *color, alpha = self._fractions(pbr, "baseColorFactor", (1.0, 1.0, 1.0, 1.0))
-        surface = pbr.get("metallicRoughnessTexture")
         normal, occlusion = material.get("normalTexture"), material.get("occlusionTexture")
         strength = 1.0 if occlusion is None else self._fraction(occlusion, "strength", 1.0)
         result = replace(
             base,
-            metallic=self._fraction(pbr, "metallicFactor", 1.0),
-            metallic_texture=self._use(surface, "b"),
-            roughness=self._fraction(pbr, "roughnessFactor", 1.0),
-            roughness_texture=self._use(surface, "g"),
             normal_texture=self._use(normal),
             normal_scale=1.0 if normal is None else normal.number("scale", 1.0),
             # 3.9.3: occluded colour = lerp(colour, colour * texel, strength).
@@ -65,6 +58,23 @@ class _Reader:
             alpha_mode=_ALPHA_MODES[alpha_mode],
             alpha_cutoff=self._fraction(material, "alphaCutoff", 0.5),
             double_sided=material.boolean("doubleSided", False),
+        )
+        specular = material.extension("KHR_materials_pbrSpecularGlossiness")
+        if specular is not None:  # It replaces the metallic-roughness block, which is there for older readers.
+            return self._specular_glossiness(specular, result)
+        lit = material.extension("KHR_materials_unlit") is None
+        return self._metallic_roughness(material.object("pbrMetallicRoughness"), result, lit)
+
+    def _metallic_roughness(self, pbr: Json, base: Material, lit: bool) -> Material:
+        """`base` with the values of `pbr`; an unlit surface is matt, whatever they say."""
+        *color, alpha = self._fractions(pbr, "baseColorFactor", (1.0, 1.0, 1.0, 1.0))
+        surface = pbr.get("metallicRoughnessTexture") if lit else None
+        result = replace(
+            base,
+            metallic=self._fraction(pbr, "metallicFactor", 1.0) if lit else 0.0,
+            metallic_texture=self._use(surface, "b"),
+            roughness=self._fraction(pbr, "roughnessFactor", 1.0) if lit else 1.0,
+            roughness_texture=self._use(surface, "g"),
         )
         return self._with_base(result, _rgb(color), alpha, pbr.get("baseColorTexture"))
 
@@ -90,8 +100,8 @@ class _Reader:
                 return (replace(base, ior=ior), True) if ior >= 1.0 else (base, False)
             case "KHR_materials_emissive_strength":
                 strength = max(extension.number("emissiveStrength", 1.0), 0.0)
-                scaled = _rgb([strength * e for e in base.emissive])
-                return replace(base, emissive=scaled), strength == 1.0  # Beyond 1 not every renderer follows.
+                scaled = [strength * e for e in base.emissive]
+                return replace(base, emissive=_rgb([min(e, 1.0) for e in scaled])), max(scaled) <= 1.0
             case "KHR_materials_clearcoat":
                 factor = self._fraction(extension, "clearcoatFactor", 0.0)
                 roughness = self._fraction(extension, "clearcoatRoughnessFactor", 0.0)
@@ -100,11 +110,7 @@ class _Reader:
             case "KHR_materials_transmission":
                 factor = self._fraction(extension, "transmissionFactor", 0.0)
                 return replace(base, transmission=factor), factor == 0.0  # UsdPreviewSurface has no transmission.
-            case "KHR_materials_unlit":
-                return replace(base, metallic=0.0, metallic_texture=None, roughness=1.0, roughness_texture=None), False
-            case "KHR_materials_pbrSpecularGlossiness":
-                return self._specular_glossiness(extension, base), False
-            case _:
+            case _:  # Also those that `core` has read already: their values are only approximated.
                 return base, False
 
     def _specular_glossiness(self, extension: Json, base: Material) -> Material:

@@ -68,6 +68,8 @@ def load_texture(data: bytes, name: str, *, where: Location) -> tuple[Texture | 
         return _texture(image, data, name), ()
     except (InvalidInput, MemoryError):
         raise
+    except Image.DecompressionBombError as error:  # The WebP plugin refuses before it tells the size.
+        raise _too_large(f"texture '{name}': {error}", where, None) from error
     except Exception as error:  # On damaged bytes Pillow's plugins raise whatever their parsing trips over.
         headline = f"texture '{name}' cannot be decoded: {_reason(data, error)}"
         return None, (finding("asset/corrupt-texture", headline, where=where, value=len(data), unit="bytes"),)
@@ -93,10 +95,14 @@ def _check_size(image: ImageFile.ImageFile, name: str, where: Location) -> None:
     decoded_bytes = width * height * (8 if sixteen_bit else 4)
     if width * height <= MAX_PIXELS and decoded_bytes <= MAX_DECODED_BYTES:
         return
-    raise InvalidInput(
+    raise _too_large(f"texture '{name}' has {width} x {height} pixels", where, decoded_bytes)
+
+
+def _too_large(headline: str, where: Location, decoded_bytes: int | None) -> InvalidInput:
+    return InvalidInput(
         finding(
             "asset/resource-limit",
-            f"texture '{name}' has {width} x {height} pixels",
+            headline,
             where=where,
             value=decoded_bytes,
             bound=MAX_DECODED_BYTES,
