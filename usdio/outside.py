@@ -14,19 +14,21 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pxr import UsdUtils, UsdValidation
+from pxr import UsdValidation
 
+from usdio.quiet import quiet
 from usdio.stage import open_stage
 
 SIMREADY_PROFILE, SIMREADY_VERSION = "Robotics-Prop", "4.0.0"
 
 
 class Verdict(NamedTuple):
-    """What a judge says. `findings` are sorted lines `rule: message`; `passed` iff none of them is a failure."""
+    """What a judge says: sorted lines `rule: message`. `findings` are failures; without any the package passed."""
 
     judge: str
     passed: bool
-    findings: tuple[str, ...]
+    findings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 def outside_verdicts(main_file: Path) -> tuple[Verdict, ...]:
@@ -41,31 +43,31 @@ def simready(main_file: Path) -> Verdict:
     listed. The package is judged under a link in a plain temporary folder, because NP.003 and NP.004 test every folder
     name up to the disk root and would blame the package for where its user keeps it.
     """
-    with _silence(), tempfile.TemporaryDirectory(prefix="mana") as place:
+    with _silence(), quiet(), tempfile.TemporaryDirectory(prefix="mana") as place:
         validate = _simready()
         package = main_file.resolve().parent.parent
-        link = Path(place) / package.name
+        link = Path(place) / (package.name or "root")
         link.symlink_to(package, target_is_directory=True)
         linked = link / main_file.resolve().relative_to(package)
         result = validate.validate_stage(open_stage(linked), SIMREADY_PROFILE, SIMREADY_VERSION)
     if result is None:
-        return Verdict("simready", False, ("simready: the profile could not be loaded",))
+        return Verdict("simready", False, ("the profile could not be loaded",))
     findings = {_issue_line(issue).replace(str(link), package.name) for issue in result.issues}
     return Verdict("simready", validate.features_summary_passed(result.features_summary), tuple(sorted(findings)))
 
 
 def usd_validation(main_file: Path) -> Verdict:
-    """Every validator of `pxr.UsdValidation` but the USDZ ones; errors fail, warnings are only listed."""
-    delegate = UsdUtils.CoalescingDiagnosticDelegate()  # Takes USD's own console warnings while it lives.
-    stage = open_stage(main_file)
-    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
-    chosen = [v for v in validators if "UsdzValidators" not in v.GetMetadata().GetKeywords()]
-    context = UsdValidation.ValidationContext(chosen)
-    errors = [error for error in context.Validate(stage) if not error.HasNoError()]
-    lines = {f"{error.GetIdentifier()}: {error.GetMessage()}" for error in errors}
-    failed = any(error.GetType() == UsdValidation.ValidationErrorType.Error for error in errors)
-    del delegate
-    return Verdict("usd-validation", not failed, tuple(sorted(lines)))
+    """Every validator of `pxr.UsdValidation` but the USDZ ones, in sorted order (the registry's own order varies)."""
+    with quiet():
+        stage = open_stage(main_file)
+        validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+        chosen = [v for v in validators if "UsdzValidators" not in v.GetMetadata().GetKeywords()]
+        found = [error for error in UsdValidation.ValidationContext(chosen).Validate(stage) if not error.HasNoError()]
+    failures, warnings = set(), set()
+    for error in found:
+        failed = error.GetType() == UsdValidation.ValidationErrorType.Error
+        (failures if failed else warnings).add(f"{error.GetIdentifier()}: {error.GetMessage()}")
+    return Verdict("usd-validation", not failures, tuple(sorted(failures)), tuple(sorted(warnings)))
 
 
 @cache

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
 
-from geom.pose import apply, matrix_of, shortest_rotation
+from geom.pose import apply, shortest_rotation
 from geom.principal_axes import inertia_from_principal
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.model import FloatArray, IntArray

@@ -28,7 +28,12 @@ def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
     if not LEAST_M <= longest_m <= MOST_M:
         bound = LEAST_M if longest_m < LEAST_M else MOST_M
         yield finding(
-            "asset/gate-extent", "the visible size is impossible", where=at(root), value=longest_m, bound=bound, unit="m"
+            "asset/gate-extent",
+            "the visible size is impossible",
+            where=at(root),
+            value=longest_m,
+            bound=bound,
+            unit="m",
         )
         return
     stated = stage.GetRootLayer().customLayerData.get("SimReady_Metadata", {}).get("asset_extents")

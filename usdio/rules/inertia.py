@@ -17,7 +17,7 @@ _RELATIVE = 1e-4  # Moments and axes are stored in single precision.
 
 
 def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
-    """A finding per body whose moments are not positive, break `I1 + I2 >= I3`, or whose axes are no unit quaternion."""
+    """A finding per body with a moment <= 0, with `I1 + I2 < I3`, or whose axes are no unit quaternion."""
     for body in bodies(stage):
         if not body.HasAPI(UsdPhysics.MassAPI):
             continue
@@ -30,11 +30,13 @@ def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
             yield _found(body, "the moments of inertia break the triangle inequality", moments[2], sum(moments[:2]))
         if abs(length - 1.0) > _RELATIVE:
             yield finding(
-                "asset/gate-inertia", "the principal axes are no unit quaternion", where=at(body), value=length, bound=1.0
+                "asset/gate-inertia",
+                "the principal axes are no unit quaternion",
+                where=at(body),
+                value=length,
+                bound=1.0,
             )
 
 
 def _found(body: Usd.Prim, headline: str, value: float, bound: float) -> Diagnostic:
-    return finding(
-        "asset/gate-inertia", headline, where=at(body), value=float(value), bound=float(bound), unit="kg m2"
-    )
+    return finding("asset/gate-inertia", headline, where=at(body), value=float(value), bound=float(bound), unit="kg m2")

@@ -18,4 +18,6 @@ def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
     for body in bodies(stage):
         if mass_kg(body) is None:
             value = UsdPhysics.MassAPI(body).GetMassAttr().Get() if body.HasAPI(UsdPhysics.MassAPI) else "absent"
-            yield finding("asset/gate-mass", "the mass is not positive", where=at(body), value=value, bound=0.0, unit="kg")
+            yield finding(
+                "asset/gate-mass", "the mass is not positive", where=at(body), value=value, bound=0.0, unit="kg"
+            )

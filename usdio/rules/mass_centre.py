@@ -18,7 +18,7 @@ _TOLERANCE = 0.01  # of the diagonal: colliders may be tighter than the solid by
 
 
 def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
-    """A finding per body whose mass centre is outside the convex hull of its colliders by over 1 % of their diagonal."""
+    """A finding per body whose mass centre is over 1 % of the diagonal outside the convex hull of its colliders."""
     for body in bodies(stage):
         points = collider_points(body)
         if mass_kg(body) is None or len(points) == 0:

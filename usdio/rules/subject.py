@@ -60,7 +60,8 @@ def at(prim: Usd.Prim) -> Location:
 
 def _local_points(prim: Usd.Prim) -> FloatArray:
     if prim.IsA(UsdGeom.Mesh):
-        return np.asarray(UsdGeom.Mesh(prim).GetPointsAttr().Get(), dtype=np.float64).reshape(-1, 3)
+        points = UsdGeom.Mesh(prim).GetPointsAttr().Get()  # None in a file that is not ours
+        return np.asarray(points if points is not None else [], dtype=np.float64).reshape(-1, 3)
     if prim.IsA(UsdGeom.Sphere):
         return UsdGeom.Sphere(prim).GetRadiusAttr().Get() * _sphere()
     if prim.IsA(UsdGeom.Capsule) or prim.IsA(UsdGeom.Cylinder):
