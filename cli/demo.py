@@ -17,17 +17,20 @@ from cli.assets import WORKER, run_batch
 from cli.demo_page import write_page
 from schemas.diagnostics import Severity
 
+# Real meshes of three formats; the mug and the tray must keep their cavity, the torus its hole.
 OBJECTS = (
-    "duck.obj",
-    "teddy2_VHACD_CHs.obj",
-    "cube.obj",
+    "duck.dae",
     "objects/mug.obj",
-    "table_square/table_square.obj",
     "tray/tray_textured.obj",
+    "torus/torus_textured.obj",
+    "table/table.obj",
+    "kiva_shelf/meshes/pod_lowres.stl",
     "lego/lego.obj",
-    "stone.obj",
-    "soccerball.obj",
     "domino/domino.obj",
+    "jenga/jenga.obj",
+    "soccerball.obj",
+    "bunny.obj",
+    "random_urdfs/472/472.obj",
 )
 
 

@@ -1,0 +1,1 @@
+"""Measured tables. Run with `make bench`; figures go to docs/benchmarks.md."""

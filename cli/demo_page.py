@@ -1,0 +1,37 @@
+"""The page of pictures that `mana demo` leaves behind."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from assetkit.release import RECORD
+from jobs.cache import write_atomically
+from schemas.asset import AssetRecord
+from schemas.diagnostics import Diagnostic, Severity
+from schemas.report import IngestReport
+
+
+def write_page(report: IngestReport, verdicts: dict[Path, tuple[Diagnostic, ...]], out: Path) -> Path:
+    """Write `index.html` in `out`: what went in, what came out, who says it is right. Returns its path."""
+    library = out / "library"
+    cards = [_card(library, name, verdicts) for item in report.items for name in item.packages]
+    refused = [item for item in report.items if not item.packages]
+    loader = PackageLoader("cli", "templates")
+    page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("demo.html")
+    path = out / "index.html"
+    write_atomically(path, page.render(report=report, cards=cards, refused=refused).encode())
+    return path
+
+
+def _card(library: Path, name: str, verdicts: dict[Path, tuple[Diagnostic, ...]]) -> dict[str, object]:
+    findings = [d for file, found in verdicts.items() if file.is_relative_to(library / name) for d in found]
+    record = AssetRecord.model_validate_json((library / name / RECORD).read_bytes())
+    return {
+        "name": name,
+        "record": record,
+        "extent_cm": [round(100 * e, 1) for e in record.geometry.extent_m.value],
+        "chosen": next((c for c in record.physics.candidates if c.accepted), None),
+        "valid": not any(d.severity is Severity.ERROR for d in findings),
+    }

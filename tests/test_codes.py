@@ -1,0 +1,64 @@
+"""Table of codes, documentation pages and smallest bad inputs agree."""
+
+from pathlib import Path
+
+import pytest
+
+from assetkit.discover import discover
+from assetkit.options import Options
+from assetkit.stage import Draft, Tools
+from assetkit.stages.appearance import NormalizeAppearance
+from assetkit.stages.canonicalize import Canonicalize
+from assetkit.stages.intake import take_in
+from cli.docs import file_name, index, page
+from schemas.codes import CODES
+from schemas.diagnostics import Diagnostic, finding
+from sim.fake import FakeSimulator
+from tests.bad_inputs import NOT_FROM_A_FILE, SAMPLES
+
+PAGES = Path(__file__).parents[1] / "docs" / "diagnostics"
+GATE = "asset/gate-"  # Rules over released USD files; tests/unit/test_gate.py seeds one defect for each.
+
+
+def findings(file: Path, options: Options) -> list[Diagnostic]:
+    """What intake, canonicalize and appearance say about a file."""
+    taken = take_in(discover([file])[0], options)
+    found = list(taken.diagnostics)
+    for item in taken.objects[:1]:
+        draft = Draft("part", file.name, item)
+        tools = Tools(FakeSimulator(), file.parent, options)
+        found += Canonicalize().run(draft, tools).diagnostics
+        found += NormalizeAppearance().run(draft, tools).diagnostics
+    return found
+
+
+def test_every_code_has_a_sample():
+    covered = {*SAMPLES, *NOT_FROM_A_FILE} | {c for c in CODES if c.startswith(GATE)}
+    assert covered == set(CODES)
+    assert not set(SAMPLES) & set(NOT_FROM_A_FILE)
+
+
+@pytest.mark.parametrize(("code", "test"), sorted(NOT_FROM_A_FILE.items()))
+def test_codes_without_a_file_are_named_in_their_test(code: str, test: str):
+    assert code in (Path(__file__).parents[1] / test).read_text()
+
+
+@pytest.mark.parametrize("code", sorted(SAMPLES))
+def test_sample_triggers_its_code_with_place_and_help(code: str, tmp_path: Path):
+    options = Options(max_triangles=1000)
+    found = [d for d in findings(SAMPLES[code](tmp_path), options) if d.code == code]
+    assert found, f"{code} was not reported"
+    assert found[0].headline
+    assert found[0].help == CODES[code].help
+
+
+def test_pages_are_generated_from_the_table():
+    assert {p.name: p.read_text() for p in PAGES.glob("*.md")} == {
+        **{file_name(code): page(code, info) for code, info in CODES.items()},
+        "index.md": index(),
+    }
+
+
+def test_an_unknown_code_cannot_be_used():
+    with pytest.raises(KeyError):
+        finding("asset/no-such-code", "nothing")
