@@ -5,6 +5,9 @@ of the file it names. OpenUSD's own resolver, which would search the working dir
 never asked for a file, and reading the same asset twice in one process cannot meet a stale layer.
 """
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import re
@@ -69,6 +72,7 @@ def check_layers(path: Path, root: Path) -> Layers:
     layers: dict[Site, Sdf.Layer] = {}
     targets: dict[Site, dict[str, Site | None]] = {}
     sublayers: dict[Site, set[Site]] = {}
+    clips: list[Site] = []
     pending = [start]
     variables: dict[str, Any] = {}
     while pending:
@@ -77,14 +81,13 @@ def check_layers(path: Path, root: Path) -> Layers:
             continue
         if len(layers) >= MAX_LAYERS:
             raise InvalidInput(
-                finding(
-                    "asset/resource-limit", "the asset has too many layers", value=len(layers), bound=MAX_LAYERS
-                )
+                finding("asset/resource-limit", "the asset has too many layers", value=len(layers), bound=MAX_LAYERS)
             )
         layer = layers[site] = _open(site)
         variables = variables or dict(layer.expressionVariables)
         targets[site] = {}
-        for arc in _arcs(layer):
+        specs = _specs(layer)
+        for arc in _arcs(layer, specs):
             target = _follow(arc, site, layer, variables)
             if arc.uri:
                 targets[site][arc.uri] = target
@@ -94,12 +97,13 @@ def check_layers(path: Path, root: Path) -> Layers:
                 pending.append(target)
                 if arc.kind == "sublayer":
                     sublayers.setdefault(site, set()).add(target)
-        _check_assets(layer, site)
+        _check_assets(layer, site, specs)
+        if _drop_clips(specs):
+            clips.append(site)
     _check_sublayer_cycle(sublayers)
     absent = _pin(layers, targets)
-    clips = tuple(site for site, layer in layers.items() if _drop_clips(layer))
     sites = {layer.identifier: site for site, layer in layers.items()}
-    return Layers(layers[start], sites, absent, clips, tuple(layers.values()))
+    return Layers(layers[start], sites, absent, tuple(clips), tuple(layers.values()))
 
 
 def _open(site: Site) -> Sdf.Layer:
@@ -154,12 +158,12 @@ def _reason(text: str) -> str:
     return " ".join(text.split()).strip("' \"")[:300]
 
 
-def _arcs(layer: Sdf.Layer) -> Iterator[_Arc]:
+def _arcs(layer: Sdf.Layer, specs: list[Sdf.Spec]) -> Iterator[_Arc]:
     """Every sublayer, reference and payload authored in the layer, in any variant."""
     top = Sdf.Path.absoluteRootPath
     for uri in layer.subLayerPaths:
         yield _Arc("sublayer", uri, top, top)
-    for prim in _prims(layer):
+    for prim in _prims(specs):
         path = prim.path.StripAllVariantSelections()
         for arcs in (prim.referenceList, prim.payloadList):
             for item in arcs.GetAddedOrExplicitItems():
@@ -173,8 +177,8 @@ def _specs(layer: Sdf.Layer) -> list[Sdf.Spec]:
     return [spec for path in sorted(paths) if (spec := layer.GetObjectAtPath(path)) is not None]
 
 
-def _prims(layer: Sdf.Layer) -> Iterator[Sdf.PrimSpec]:
-    for spec in _specs(layer):
+def _prims(specs: list[Sdf.Spec]) -> Iterator[Sdf.PrimSpec]:
+    for spec in specs:
         if isinstance(spec, Sdf.VariantSpec):
             yield spec.primSpec
         elif isinstance(spec, Sdf.PrimSpec) and not spec.path.IsAbsoluteRootPath():
@@ -221,9 +225,9 @@ def _check_sublayer_cycle(sublayers: dict[Site, set[Site]]) -> None:
         ) from error
 
 
-def _check_assets(layer: Sdf.Layer, site: Site) -> None:
+def _check_assets(layer: Sdf.Layer, site: Site, specs: list[Sdf.Spec]) -> None:
     """Raise for asset-valued attributes and metadata (textures, clips) that name something outside the root."""
-    for spec in _specs(layer):
+    for spec in specs:
         where = str(spec.path)
         if isinstance(spec, Sdf.AttributeSpec):
             if spec.typeName.scalarType != Sdf.ValueTypeNames.Asset:
@@ -273,9 +277,9 @@ def _pin(layers: dict[Site, Sdf.Layer], targets: dict[Site, dict[str, Site | Non
     return absent
 
 
-def _drop_clips(layer: Sdf.Layer) -> bool:
+def _drop_clips(specs: list[Sdf.Spec]) -> bool:
     """Remove value clips, whose files OpenUSD would open by itself; True when there were any."""
-    found = [prim for prim in _prims(layer) if prim.HasInfo(Usd.Tokens.clips)]
+    found = [prim for prim in _prims(specs) if prim.HasInfo(Usd.Tokens.clips)]
     for prim in found:
         prim.ClearInfo(Usd.Tokens.clips)
     return bool(found)

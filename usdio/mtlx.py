@@ -4,6 +4,9 @@ The layer follows the layout of OpenUSD's usdMtlx plugin: materials under /Mater
 them (here with the node graphs each of them needs), shader ids `ND_<category>_<type>` (MaterialX 1.38 specification).
 """
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from typing import Final
@@ -61,7 +64,9 @@ def _document(site: Site, depth: int) -> etree._Element:
         document = etree.fromstring(site.read(), parser)
     except etree.XMLSyntaxError as error:
         where = site.where(line=error.lineno)
-        raise InvalidInput(finding("asset/parse-error", f"not a MaterialX document: {error.msg}", where=where)) from error
+        raise InvalidInput(
+            finding("asset/parse-error", f"not a MaterialX document: {error.msg}", where=where)
+        ) from error
     for include in document.findall(_INCLUDE):
         target = site.resolve(include.get("href", ""))
         if target is not None:

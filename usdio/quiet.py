@@ -1,5 +1,8 @@
 """Keep OpenUSD from writing to the terminal; what matters becomes a Diagnostic."""
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from collections.abc import Iterator

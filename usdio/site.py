@@ -1,5 +1,8 @@
 """Where a USD file lives: on disk, or inside a USDZ package. References are resolved from here and nowhere else."""
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import posixpath
@@ -41,7 +44,9 @@ class Site:
     def where(self, *, line: int | None = None, column: int | None = None, prim: str | None = None) -> Location:
         """A location in this file, relative to the root."""
         relative = self.path.relative_to(self.root).as_posix()
-        return Location(file=f"{relative}[{self.inner}]" if self.inner else relative, line=line, column=column, prim=prim)
+        return Location(
+            file=f"{relative}[{self.inner}]" if self.inner else relative, line=line, column=column, prim=prim
+        )
 
     def read(self, limit: int = -1) -> bytes:
         """The file's bytes, at most `limit` when that is not negative."""

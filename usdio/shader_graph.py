@@ -1,0 +1,194 @@
+"""Follow a shader input through a UsdShade network to the value, image or primvar that feeds it."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdShade
+
+from schemas.model import Channel
+
+EARLIEST: Final = Usd.TimeCode.EarliestTime()
+MAX_DEPTH: Final = 32
+_FILES: Final = ("file", "filename", "texture")
+_THROUGH: Final = ("in", "in1", "input", "fg", "default")
+_CHANNELS: Final[dict[str, Channel]] = {"r": "r", "g": "g", "b": "b", "a": "a", "outr": "r", "outg": "g", "outb": "b"}
+_WRAPS: Final = {"clamp": "clamp", "mirror": "mirror", "black": "black", "constant": "black"}
+
+
+@dataclass(frozen=True)
+class Image:
+    """One use of an image file. `file` is the attribute that holds the path; scale and bias act on RGBA texels.
+
+    `primvar` names the texture coordinates, "" when the network does not say. `fallback` replaces an absent image.
+    """
+
+    file: Usd.Attribute
+    channel: Channel = "rgb"
+    scale: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)
+    bias: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    fallback: tuple[float, ...] | None = None
+    wrap_s: str = "repeat"
+    wrap_t: str = "repeat"
+    primvar: str = ""
+    uv_scale: tuple[float, float] = (1.0, 1.0)
+    uv_rotation_rad: float = 0.0
+    uv_offset: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Primvar:
+    """A value read from a primvar of the mesh."""
+
+    name: str
+
+
+Fed = float | bool | str | tuple[float, ...] | Image | Primvar | None
+
+
+def feed(port: UsdShade.Input) -> Fed:
+    """What feeds `port`: a constant, an image, a primvar, or None when nothing is authored or it cannot be told."""
+    return _feed(port, 0) if port else None
+
+
+def plain(value: Any) -> Any:
+    """A USD value as JSON: vectors and arrays as lists, asset paths and tokens as text."""
+    if isinstance(value, Sdf.AssetPath):
+        return value.path
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, dict):
+        return {str(k): plain(v) for k, v in sorted(value.items())}
+    if isinstance(value, Gf.Quatf | Gf.Quatd | Gf.Quath):
+        return [value.GetReal(), *value.GetImaginary()]
+    try:
+        return [plain(item) for item in value]
+    except TypeError:
+        return str(value)
+
+
+def identifier(shader: UsdShade.Shader) -> str:
+    """The shader's id, or for an MDL source the name of its material."""
+    prim = shader.GetPrim()
+    for name in ("info:id", "info:mdl:sourceAsset:subIdentifier", "info:mdl:sourceAsset"):
+        value = prim.GetAttribute(name).Get() if prim.HasAttribute(name) else None
+        if value:
+            return str(plain(value))
+    return ""
+
+
+def _feed(port: UsdShade.Input, depth: int) -> Fed:
+    sources = UsdShade.Utils.GetValueProducingAttributes(port)
+    if not sources or depth > MAX_DEPTH:
+        return None
+    source = sources[0]
+    if UsdShade.Input.IsInput(source):
+        value = source.Get(EARLIEST)
+        if isinstance(value, Sdf.AssetPath):
+            return Image(source) if value.path else None
+        return _constant(value)
+    return _node(UsdShade.Shader(source.GetPrim()), source.GetName().rpartition(":")[2], depth)
+
+
+def _constant(value: Any) -> Fed:
+    if value is None or isinstance(value, bool | str):
+        return value
+    if isinstance(value, float | int):
+        return _shortest(value)
+    try:
+        return tuple(_shortest(part) for part in value)
+    except (TypeError, ValueError):
+        return None
+
+
+def _shortest(value: float) -> float:
+    """The shortest decimal with the same single-precision value: shader inputs are floats, 0.4 stays 0.4."""
+    return float(str(np.float32(value)))
+
+
+def _node(shader: UsdShade.Shader, output: str, depth: int) -> Fed:
+    kind = identifier(shader)
+    if kind.startswith("UsdPrimvarReader") or "geompropvalue" in kind or "geomcolor" in kind:
+        name = feed(shader.GetInput("varname")) or feed(shader.GetInput("geomprop"))
+        return Primvar(str(name or "displayColor"))
+    if "constant" in kind.lower():
+        return _feed(shader.GetInput("value"), depth + 1)
+    file = next((port for name in _FILES if (port := shader.GetInput(name))), None)
+    if file is not None:
+        image = _feed(file, depth + 1)
+        return _sampled(shader, image.file, kind, output) if isinstance(image, Image) else _fallback(shader)
+    return _behind(shader, output, depth)
+
+
+def _behind(shader: UsdShade.Shader, output: str, depth: int) -> Fed:
+    """The first image found behind an arithmetic node; the node itself is not evaluated."""
+    names = [port.GetBaseName() for port in shader.GetInputs()]
+    ordered = sorted(names, key=lambda n: (_THROUGH.index(n) if n in _THROUGH else len(_THROUGH), n))
+    for name in ordered:
+        found = _feed(shader.GetInput(name), depth + 1)
+        if isinstance(found, Image):
+            if output in _CHANNELS and found.channel == "rgb":
+                return replace(found, channel=_CHANNELS[output])
+            return found
+    return None
+
+
+def _sampled(shader: UsdShade.Shader, file: Usd.Attribute, kind: str, output: str) -> Image:
+    channel = _CHANNELS.get(output, "r" if kind.endswith("_float") else "rgb")
+    names = ("wrapS", "wrapT") if "UsdUVTexture" in kind else ("uaddressmode", "vaddressmode")
+    wraps = [_WRAPS.get(str(feed(shader.GetInput(name))), "repeat") for name in names]
+    where = _coordinates(shader.GetInput("st") or shader.GetInput("texcoord"))
+    tiling = feed(shader.GetInput("uvtiling"))
+    if isinstance(tiling, tuple) and len(tiling) == 2:
+        where["uv_scale"] = tiling
+    return Image(
+        file,
+        channel,
+        _four(feed(shader.GetInput("scale")), 1.0),
+        _four(feed(shader.GetInput("bias")), 0.0),
+        _fallback(shader),
+        wraps[0],
+        wraps[1],
+        **where,
+    )
+
+
+def _coordinates(port: UsdShade.Input) -> dict[str, Any]:
+    """Primvar name and transform of the texture coordinates that feed `port`, as fields of `Image`."""
+    found: dict[str, Any] = {}
+    for _ in range(MAX_DEPTH):
+        sources = UsdShade.Utils.GetValueProducingAttributes(port) if port else []
+        if not sources or UsdShade.Input.IsInput(sources[0]):
+            return found
+        shader = UsdShade.Shader(sources[0].GetPrim())
+        kind = identifier(shader)
+        if "UsdPrimvarReader" in kind or "geompropvalue" in kind:
+            name = feed(shader.GetInput("varname")) or feed(shader.GetInput("geomprop"))
+            return {**found, "primvar": str(name)} if isinstance(name, str) else found
+        if kind.startswith("UsdTransform2d") and not found:
+            scale, offset = feed(shader.GetInput("scale")), feed(shader.GetInput("translation"))
+            angle = feed(shader.GetInput("rotation"))
+            found["uv_scale"] = scale if isinstance(scale, tuple) else (1.0, 1.0)
+            found["uv_offset"] = offset if isinstance(offset, tuple) else (0.0, 0.0)
+            found["uv_rotation_rad"] = math.radians(angle) if isinstance(angle, float) else 0.0
+        port = shader.GetInput("in") or shader.GetInput("texcoord")
+    return found
+
+
+def _fallback(shader: UsdShade.Shader) -> tuple[float, ...] | None:
+    value = feed(shader.GetInput("fallback"))
+    return value if isinstance(value, tuple) else None
+
+
+def _four(value: Fed, default: float) -> tuple[float, ...]:
+    if isinstance(value, tuple) and len(value) == 4 and np.isfinite(value).all():
+        return value
+    return (default,) * 4
