@@ -75,6 +75,15 @@ def stray_faces(bad: np.ndarray, where: Location, *, points: int) -> Notes:
     return repaired(diagnostic, "index_out_of_range", faces=total, bad_faces=count)
 
 
+def empty_faces(count: int, where: Location) -> Notes:
+    """Notes for `count` face records with fewer than three corners, which are to be dropped."""
+    if count == 0:
+        return Notes()
+    headline = f"{count} face records have fewer than three corners"
+    diagnostic = finding("asset/empty-face", headline, where=where, value=count, bound=0, unit="faces")
+    return repaired(diagnostic, "empty_face_record", records=count)
+
+
 def compact(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """`points` that `triangles` use, in source order, and the (m, 3) int32 triangles renumbered to match."""
     used = np.zeros(len(points), dtype=bool)

@@ -12,13 +12,14 @@ from assetkit.readers.corners import (
     Notes,
     check_finite,
     compact,
+    empty_faces,
     repaired,
     stray_faces,
     unit_normals,
     usable_colors,
 )
 from assetkit.readers.mtl import read_mtl
-from assetkit.readers.obj_text import Faces, ObjText
+from assetkit.readers.obj_text import ObjText
 from assetkit.readers.screen import screen_text
 from assetkit.readers.texture_table import TextureTable
 from assetkit.source import SourceFile
@@ -157,7 +158,8 @@ def _meshes(
     text: ObjText, points: np.ndarray, colors: np.ndarray | None, used: dict[str, int], where: Location
 ) -> tuple[tuple[Mesh, ...], Notes]:
     faces = text.faces
-    notes = _empty_faces(faces, where)
+    empty = faces.empty_lines
+    notes = empty_faces(len(empty), Location(file=where.file, line=empty[0], column=1) if empty else where)
     corners, counts = obj_text.corners(faces, where)
     limits = np.array([len(points), len(text.texcoords), len(text.normals)])
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
@@ -239,19 +241,3 @@ def _stray_attributes(corners: np.ndarray, limits: np.ndarray, where: Location) 
         severity=Severity.WARNING,
     )
     return repaired(diagnostic, "index_out_of_range", corners=len(corners), bad_corners=count)
-
-
-def _empty_faces(faces: Faces, where: Location) -> Notes:
-    if not faces.empty_lines:
-        return Notes()
-    count = len(faces.empty_lines)
-    diagnostic = finding(
-        "asset/empty-face",
-        f"{count} face records have fewer than three corners",
-        where=Location(file=where.file, line=faces.empty_lines[0], column=1),
-        value=count,
-        bound=0,
-        unit="faces",
-        severity=Severity.WARNING,
-    )
-    return repaired(diagnostic, "empty_face_record", records=count)
