@@ -63,7 +63,7 @@ def _read(layers: Layers, load_texture: LoadTexture) -> Outcome[Model]:
         raise InvalidInput(_nothing(found, composed.diagnostics, where))
     model = Model(
         meshes=shapes.value,
-        materials=tuple(table.materials),
+        materials=tuple(entry.material for entry in table.entries),
         textures=tuple(table.textures),
         nodes=_with_meshes(found.nodes, shapes.value),
         meters_per_unit=unit.value,
@@ -146,9 +146,9 @@ def _split(item: Placed, surface: Surface, table: MaterialTable) -> list[Mesh]:
     meshes: list[Mesh] = []
     for prim, suffix, rows in pieces:
         material = table.add(prim, surface.constant_color, double_sided=surface.double_sided)
-        uv_names = () if material is None else table.uv_names[material]
-        colors = material is None or table.shows_mesh_colors[material]
-        mesh = part(surface, rows, uv_names, colors=colors)
+        entry = None if material is None else table.entries[material]
+        uv_names = entry.uv_names if entry else ()
+        mesh = part(surface, rows, uv_names, colors=entry is None or entry.shows_mesh_colors)
         name = f"{item.prim.GetName()}{suffix}{copy}"
         meshes.append(replace(mesh, name=name, material=material, source_path=str(item.prim.GetPath())))
     return meshes

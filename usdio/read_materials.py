@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import posixpath
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from pxr import Usd, UsdShade
@@ -24,24 +24,33 @@ LoadTexture = Callable[..., tuple[Texture | None, tuple[Diagnostic, ...]]]
 _STAGE: Final = "intake"
 
 
+@dataclass(frozen=True)
+class Entry:
+    """One converted material.
+
+    `uv_names` are the primvars its textures read, in the order of `TextureUse.uv_set`; `shows_mesh_colors` tells
+    whether its colour comes from the mesh; `source_name` is the name of the material prim.
+    """
+
+    material: Material
+    uv_names: tuple[str, ...] = ()
+    shows_mesh_colors: bool = False
+    source_name: str = ""
+
+
 class MaterialTable:
     """The materials and textures of one stage while it is being read: each is converted once.
 
-    `materials`, `textures`, `diagnostics`, `repairs` grow as `add` is called; `uv_names` holds, per material, the
-    primvar names its textures read, in the order of `TextureUse.uv_set`, and `shows_mesh_colors` whether its colour
-    comes from the mesh.
+    `entries`, `textures`, `diagnostics` and `repairs` grow as `add` is called.
     """
 
     def __init__(self, layers: Layers, load_texture: LoadTexture) -> None:
         self._layers = layers
         self._load_texture = load_texture
         self._known: dict[tuple[str, Color | None, bool], int] = {}
-        self._names: set[str] = set()
-        self._source_names: list[str] = []
+        self._dangling: set[str] = set()
         self._texture_names: dict[str, str | None] = {}
-        self.materials: list[Material] = []
-        self.uv_names: list[tuple[str, ...]] = []
-        self.shows_mesh_colors: list[bool] = []
+        self.entries: list[Entry] = []
         self.textures: list[Texture] = []
         self.diagnostics: list[Diagnostic] = []
         self.repairs: list[Repair] = []
@@ -51,69 +60,41 @@ class MaterialTable:
 
         None when nothing is bound and no colour is given.
         """
-        material = bound_material(prim)
-        if not material:
+        source = bound_material(prim)
+        if not source:
             self._note_dangling(prim)
             if color is None:
                 return None
-            key = ("", color, double_sided)
-            if key not in self._known:
-                self._put(
-                    key, Material(self._free("displayColor"), base_color=color, double_sided=double_sided), (), False
-                )
-            return self._known[key]
-        wanted = color if reads_display_color(material) else None
-        key = (str(material.GetPath()), wanted, double_sided)
+        wanted = color if not source or reads_display_color(source) else None
+        key = (str(source.GetPath()) if source else "", wanted, double_sided)
         if key not in self._known:
-            self._add_converted(key, material)
+            entry, notes = self._convert(source, wanted, double_sided) if source else (_plain(wanted, double_sided), [])
+            self._known[key] = self._index_of(entry, notes)
         return self._known[key]
 
-    def _add_converted(self, key: tuple[str, Color | None, bool], source: UsdShade.Material) -> None:
-        """Convert `source`, unless an equal material of the same name, from another reference, is here already."""
-        name = source.GetPrim().GetName()
-        material, uv_names, notes = self._convert(source, name, key[1], key[2])
-        shows_colors = reads_display_color(source)
-        for index, known in enumerate(self.materials):
-            same_use = self.uv_names[index] == uv_names and self.shows_mesh_colors[index] == shows_colors
-            if same_use and self._source_names[index] == name and replace(known, name=name) == material:
-                self._known[key] = index
-                return
+    def _index_of(self, entry: Entry, notes: list[Diagnostic]) -> int:
+        """Where `entry` stands, appended unless an equal one, from another reference to the same file, is there."""
+        for index, known in enumerate(self.entries):
+            renamed = replace(known.material, name=entry.material.name)
+            if known.source_name == entry.source_name and replace(known, material=renamed) == entry:
+                return index
         self.diagnostics += notes
-        self._put(key, replace(material, name=self._free(name)), uv_names, shows_colors, name)
-
-    def _put(
-        self,
-        key: tuple[str, Color | None, bool],
-        material: Material,
-        uv_names: tuple[str, ...],
-        shows_colors: bool,
-        source_name: str,
-    ) -> None:
-        self._known[key] = len(self.materials)
-        self._source_names.append(source_name)
-        self.shows_mesh_colors.append(shows_colors)
-        self.materials.append(material)
-        self.uv_names.append(uv_names)
+        self.entries.append(replace(entry, material=replace(entry.material, name=self._free(entry.material.name))))
+        return len(self.entries) - 1
 
     def _free(self, name: str) -> str:
-        free, number = name, 2
-        while free in self._names:
-            free, number = f"{name}_{number}", number + 1
-        self._names.add(free)
-        return free
+        taken = {entry.material.name for entry in self.entries}
+        return next(n for n in (name, *(f"{name}_{i}" for i in range(2, len(taken) + 3))) if n not in taken)
 
     def _note_dangling(self, prim: Usd.Prim) -> None:
         """One warning for each material that is bound, but not there."""
         binding = UsdShade.MaterialBindingAPI(prim).GetDirectBindingRel()
-        for target in binding.GetTargets() if binding else []:
-            key = (f"dangling {target}", None, False)
-            if key not in self._known:
-                self._known[key] = -1
-                where = self._where(prim)
-                diagnostic = finding(
-                    "asset/missing-material", f"'{target}' is no material", where=where, value=str(target)
-                )
-                self._repaired(diagnostic, "missing_material", material=str(target))
+        for target in map(str, binding.GetTargets() if binding else []):
+            if target not in self._dangling:
+                self._dangling.add(target)
+                headline = f"'{target}' is bound, but is no material"
+                note = finding("asset/missing-material", headline, where=self._where(prim), value=target)
+                self._repaired(note, "missing_material", material=target)
 
     def _repaired(self, diagnostic: Diagnostic, name: str, **before: str) -> None:
         self.diagnostics.append(diagnostic)
@@ -123,16 +104,18 @@ class MaterialTable:
         return self._layers.site(self._layers.root).where(prim=str(prim.GetPath()))
 
     def _convert(
-        self, source: UsdShade.Material, name: str, color: Color | None, double_sided: bool
-    ) -> tuple[Material, tuple[str, ...], list[Diagnostic]]:
-        """The material, the primvars its UV sets come from, and what did not fit the model."""
+        self, source: UsdShade.Material, color: Color | None, double_sided: bool
+    ) -> tuple[Entry, list[Diagnostic]]:
+        """The converted material, and what did not fit the model."""
+        name = source.GetPrim().GetName()
         shader = surface_shader(source)
         if shader is None:
-            return Material(name, base_color=color or (0.8, 0.8, 0.8), double_sided=double_sided), (), []
+            return replace(_plain(color, double_sided, name), shows_mesh_colors=True, source_name=name), []
         ports = {port.GetBaseName(): port for port in shader.GetInputs()}
         dialect = dialect_of(identifier(shader), tuple(ports))
         fed = _read(dialect, ports)
-        if isinstance(fed.get("base_color"), Primvar):
+        from_mesh = isinstance(fed.get("base_color"), Primvar)
+        if from_mesh:
             fed["base_color"] = color or (1.0, 1.0, 1.0)
         where = self._where(source.GetPrim())
         conversion = Conversion(fed, self._texture, where)
@@ -142,7 +125,7 @@ class MaterialTable:
             headline = f"'{name}' has {dialect.name} properties beyond the metallic-roughness model"
             kept = ", ".join(sorted(material.unmapped))
             notes.append(finding("asset/material-extension-fallback", headline, where=where, value=kept))
-        return material, tuple(conversion.uv_names), notes
+        return Entry(material, tuple(conversion.uv_names), from_mesh, name), notes
 
     def _texture(self, image: Image) -> str | None:
         """The name of the texture an image node reads, or None with a warning when it cannot be had."""
@@ -170,6 +153,10 @@ class MaterialTable:
             self.textures.append(texture)
         self._texture_names[key] = texture.name if texture else None
         return self._texture_names[key]
+
+
+def _plain(color: Color | None, double_sided: bool, name: str = "displayColor") -> Entry:
+    return Entry(Material(name, base_color=color or (0.8, 0.8, 0.8), double_sided=double_sided))
 
 
 def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
