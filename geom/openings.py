@@ -13,7 +13,7 @@ from geom.edges import Edges
 from geom.surface_distance import triangle_areas
 from schemas.model import FloatArray, IntArray
 
-OpeningKind = Literal["closed", "holes", "container", "sheet"]
+OpeningKind = Literal["holes", "container", "sheet"]
 
 # A loop this small against the cross-section behind it is a hole, whatever it looks like.
 PINHOLE_SHARE = 0.02
@@ -51,21 +51,25 @@ class Opening:
 
 @dataclass(frozen=True)
 class OpenBody:
-    """One open component with its loops and the verdict; `capped_volume` is signed."""
+    """One open component with its loops and the verdict.
+
+    faces          (f,) face indices, ascending.
+    complete       the loops use every boundary edge.
+    capped_volume  signed volume once every loop is capped.
+    """
 
     kind: OpeningKind
     faces: IntArray
     openings: tuple[Opening, ...]
+    complete: bool
     area: float
     capped_volume: float
 
 
-def judge_open_bodies(
-    points: FloatArray, triangles: IntArray, edges: Edges, parts: Components
-) -> tuple[OpenBody, ...]:
+def judge_open_bodies(points: FloatArray, triangles: IntArray, edges: Edges, parts: Components) -> tuple[OpenBody, ...]:
     """A verdict on every component that has boundary edges, wound consistently beforehand.
 
-    holes      every loop is a hole and together they are at most 30 % of the closed area: to be filled. A loop is a hole if
+    holes      every loop is a hole and together they are at most 30 % of the closed area: filled. A loop is one if
                (a) it has three edges and at most 15 % of the closed area, or
                (b) it spans at most 2 % of the component's cross-section parallel to it, or
                (c) it spans at most 25 % and lies flush in the surface: the faces along it look, on average, less than
@@ -133,7 +137,9 @@ def _judge(points: FloatArray, triangles: IntArray, edges: Edges, faces: IntArra
     corners = points[triangles[faces]] - centre
     area = float(triangle_areas(corners).sum())
     volume = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
-    openings = tuple(_measure(points, triangles, own - centre, loop) for loop in boundary_loops(triangles, edges, faces))
+    openings = tuple(
+        _measure(points, triangles, own - centre, loop) for loop in boundary_loops(triangles, edges, faces)
+    )
     for opening in openings:
         rim = points[opening.points] - centre
         middle = rim.mean(axis=0)
@@ -147,7 +153,7 @@ def _judge(points: FloatArray, triangles: IntArray, edges: Edges, faces: IntArra
             kind = "holes"
         elif abs(volume) >= CONTAINER_HULL_SHARE * _hull_volume(own - centre):
             kind = "container"
-    return OpenBody(kind, faces, openings, area, volume)
+    return OpenBody(kind, faces, openings, complete, area, volume)
 
 
 def _is_hole(opening: Opening, closed_area: float) -> bool:
@@ -156,9 +162,7 @@ def _is_hole(opening: Opening, closed_area: float) -> bool:
     return one_triangle or flush or opening.section_share <= PINHOLE_SHARE
 
 
-def _measure(
-    points: FloatArray, triangles: IntArray, own: FloatArray, loop: tuple[IntArray, IntArray]
-) -> Opening:
+def _measure(points: FloatArray, triangles: IntArray, own: FloatArray, loop: tuple[IntArray, IntArray]) -> Opening:
     index, faces = loop
     rim = points[index]
     rim = rim - rim.mean(axis=0)

@@ -1,0 +1,110 @@
+"""Drop faces that add nothing to the surface: without area, or present already; and fins that hang on a solid."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geom.components import components_of
+from geom.duplicate_shells import later_copies, oriented_keys
+from geom.edges import edges_of, face_components
+from geom.mesh_edit import keep_faces
+from geom.surface_distance import triangle_areas
+from geom.topology import degenerate_faces, duplicate_faces, repeats_point
+from schemas.model import FloatArray, IntArray, Mesh
+
+Figures = dict[str, float | int | str]
+# Fins larger than this share of their component are parts of the design.
+FIN_AREA_SHARE = 0.05
+
+
+def drop_surplus_faces(mesh: Mesh) -> tuple[Mesh, Figures]:
+    """`mesh` (welded) without degenerate and duplicate faces, except those that hold the surface together.
+
+    A face that repeats a point always goes. A flat one with three points goes only if it lies on an edge that has not
+    exactly two faces: otherwise removing it would open a crack (a T-junction closed by a sliver). A copy with the same
+    winding goes. A copy with the opposite winding goes only where it makes the number of faces at an edge odd:
+    even numbers are back faces drawn for double-sided rendering, or two bodies in contact.
+    Figures: `degenerate_faces` and `duplicate_faces` removed.
+    """
+    proper = ~repeats_point(mesh.triangles)
+    same = np.zeros(len(proper), dtype=bool)
+    same[proper] = later_copies(oriented_keys(mesh.triangles[proper]))
+    kept = np.flatnonzero(proper & ~same)
+    reverse = _odd_copies(mesh.triangles[kept])
+    kept, reversed_count = kept[~reverse], int(reverse.sum())
+    hanging = _hanging_slivers(mesh.points, mesh.triangles[kept])
+    kept, hanging_count = kept[~hanging], int(hanging.sum())
+    figures: Figures = {
+        "degenerate_faces": int((~proper).sum()) + hanging_count,
+        "duplicate_faces": int(same.sum()) + reversed_count,
+    }
+    return keep_faces(mesh, kept), figures
+
+
+def true_degenerates(mesh: Mesh) -> int:
+    """Faces of `mesh`, as read, that name one point twice with the same texture coordinates.
+
+    Where the coordinates differ the face is the collapsed side of a quad, as at the pole of a sphere: by design.
+    """
+    count = np.zeros(len(mesh.triangles), dtype=bool)
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        same = mesh.triangles[:, a] == mesh.triangles[:, b]
+        for uv in mesh.uvs:
+            same = same & (uv[:, a] == uv[:, b]).all(axis=1)
+        count |= same
+    return int(count.sum())
+
+
+def drop_fins(mesh: Mesh) -> tuple[Mesh, Figures]:
+    """`mesh` without the small sheets that hang on a solid's edges, where that leaves the solid closed.
+
+    Sheets are faces connected through edges with exactly two faces. A fin is a sheet with a free edge that also touches
+    an edge with three or more faces; all fins of a component together have at most 5 % of its area, and without them
+    the component is closed. Other non-manifold edges are boards and cards that meet by design, and stay.
+    Figures: `fin_faces` removed.
+    """
+    fins = fin_faces(mesh.points, mesh.triangles)
+    return keep_faces(mesh, ~fins), {"fin_faces": int(fins.sum())}
+
+
+def fin_faces(points: FloatArray, triangles: IntArray) -> FloatArray:
+    """(m,) True for the faces `drop_fins` removes."""
+    none = np.zeros(len(triangles), dtype=bool)
+    edges = edges_of(triangles)
+    if not ((edges.uses > 2) & (edges.uses % 2 == 1)).any():
+        return none
+    count, sheet = face_components(edges, edges.uses == 2)
+    uses = edges.uses[edges.of_face]
+    free = np.bincount(sheet[(uses == 1).any(axis=1)], minlength=count) > 0
+    crowded = np.bincount(sheet[(uses > 2).any(axis=1)], minlength=count) > 0
+    candidate = (free & crowded)[sheet]
+    _, label = face_components(edges)
+    areas = triangle_areas(points[triangles])
+    share = np.bincount(label, areas * candidate) / np.maximum(np.bincount(label, areas), np.finfo(float).tiny)
+    candidate &= (share <= FIN_AREA_SHARE)[label]
+    if not candidate.any():
+        return none
+    rest = np.flatnonzero(~candidate)
+    parts = components_of(points, triangles[rest])
+    whole = np.ones(label.max() + 1, dtype=bool)
+    np.logical_and.at(whole, label[rest], parts.closed[parts.label])
+    return candidate & whole[label]
+
+
+def _odd_copies(triangles: IntArray) -> FloatArray:
+    """(m,) True for later copies all of whose edges have an odd number, three or more, of faces."""
+    later = duplicate_faces(triangles)
+    if not later.any():
+        return later
+    edges = edges_of(triangles)
+    uses = edges.uses[edges.of_face]
+    return later & ((uses > 2) & (uses % 2 == 1)).all(axis=1)
+
+
+def _hanging_slivers(points: FloatArray, triangles: IntArray) -> FloatArray:
+    """(m,) True for flat faces with three points on an edge that has not exactly two faces."""
+    flat = degenerate_faces(points, triangles)
+    if not flat.any():
+        return flat
+    edges = edges_of(triangles)
+    return flat & (edges.uses[edges.of_face] % 2 == 1).any(axis=1)

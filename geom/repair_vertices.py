@@ -1,0 +1,80 @@
+"""Split points in which two solids touch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from geom.edges import corner_fans, edges_of
+from geom.surface_distance import closest_on_surface
+from geom.topology import bow_ties
+from geom.winding_number import winding_numbers
+from schemas.model import FloatArray, IntArray, Mesh
+
+Figures = dict[str, float | int | str]
+# Two cones that come closer than this angle (radians) share a face or an edge: the parts lie against each other.
+CONTACT_ANGLE = 0.05
+PROBE_LENGTH = 1e-3
+
+
+def split_bow_ties(mesh: Mesh) -> tuple[Mesh, Figures]:
+    """`mesh` (welded, no repeated points) in which every fan of faces has a point of its own.
+
+    The surface does not change. Figures: `split_points`, the points added.
+    """
+    if len(mesh.triangles) == 0:
+        return mesh, {"split_points": 0}
+    fans, fan = corner_fans(mesh.triangles, edges_of(mesh.triangles))
+    point_of_fan = np.zeros(fans, dtype=np.int64)
+    point_of_fan[fan.reshape(-1)] = mesh.triangles.reshape(-1)
+    added = fans - len(np.unique(point_of_fan))
+    split = replace(mesh, points=mesh.points[point_of_fan], triangles=fan.astype(np.int32))
+    return split, {"split_points": int(added)}
+
+
+def touching_points(points: FloatArray, triangles: IntArray) -> IntArray:
+    """Points (b,) in which two closed, outward fans of faces touch in that point alone.
+
+    This is a defect of one solid or two. Parts that lie against each other with a face or an edge, and parts that
+    penetrate, also share single points by design; so do voxel models, recognised by edges with more than two faces.
+    """
+    edges = edges_of(triangles)
+    if (edges.uses != 2).any():
+        return np.zeros(0, dtype=np.int64)
+    _, fan = corner_fans(triangles, edges)
+    return np.array(
+        [v for v in bow_ties(triangles, edges) if _touches_alone(points, triangles, fan, int(v))], dtype=np.int64
+    )
+
+
+def _touches_alone(points: FloatArray, triangles: IntArray, fan: IntArray, vertex: int) -> bool:
+    rows, columns = np.nonzero(triangles == vertex)
+    labels = fan[rows, columns]
+    cones = [
+        _cone(points, triangles[rows[labels == label]], columns[labels == label], vertex) for label in np.unique(labels)
+    ]
+    return all(_cones_apart(a, b) for a, b in combinations(cones, 2))
+
+
+def _cone(points: FloatArray, faces: IntArray, columns: IntArray, vertex: int) -> FloatArray:
+    """Triangles (k, 3, 3) from the origin to the unit directions of each face's two edges at the vertex."""
+    index = np.arange(len(faces))
+    ends = np.stack([points[faces[index, (columns + k) % 3]] - points[vertex] for k in (1, 2)], axis=1)
+    ends /= np.linalg.norm(ends, axis=2, keepdims=True)
+    return np.concatenate([np.zeros((len(faces), 1, 3)), ends], axis=1)
+
+
+def _cones_apart(a: FloatArray, b: FloatArray) -> bool:
+    """True iff the cones meet at the apex only: no direction of one lies on or inside the other."""
+    for mine, other in ((a, b), (b, a)):
+        probes = np.concatenate([mine[:, 1], mine[:, 1] + mine[:, 2]])
+        probes = 0.5 * probes / np.linalg.norm(probes, axis=1, keepdims=True)
+        nearest, _ = closest_on_surface(probes, other.reshape(-1, 3), np.arange(3 * len(other)).reshape(-1, 3))
+        if np.linalg.norm(nearest - probes, axis=1).min() < 0.5 * CONTACT_ANGLE:
+            return False
+        # Near the apex an outward cone of solid angle w winds by 1 - w / 4 pi about its inside, -w / 4 pi outside.
+        if (winding_numbers(PROBE_LENGTH * probes, other) > 0.0).any():
+            return False
+    return True

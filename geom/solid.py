@@ -1,0 +1,109 @@
+"""From visual meshes to the physical surface that mass and collision are based on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import trimesh
+
+from geom.mesh_edit import merge_surfaces
+from geom.openings import HOLE_SHARE, OpenBody
+from geom.solid_bodies import Bodies, signed_volume, sort_bodies, tidy, unite
+from geom.solid_voxel import voxel_hull
+from geom.surface_distance import triangle_areas, two_way
+from geom.weld import diagonal, weld_points
+from schemas.model import FloatArray, IntArray, Mesh
+from schemas.physics import Solid
+
+Figures = dict[str, float | int | str]
+
+# The closed bodies stand for the asset when they carry at least this share of the visible area.
+CLOSED_AREA_SHARE = 0.5
+WALL_PER_DIAGONAL = 0.01
+LEAST_WALL_M, MOST_WALL_M = 0.5e-3, 5e-3
+# A flat asset: its hull holds less than this share of the ball with the same diagonal.
+FLAT_SHARE = 1e-3
+VOXEL_TOLERANCE_CELLS = 2.0
+DISTANCE_SAMPLES = 2000
+
+
+def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
+    """The physical surface of `meshes` (metres), and how it came about. At least one face must have area.
+
+    First rule that applies:
+    1. Closed bodies, holes filled and hidden faces closed (`solid_bodies`, `openings`), carry at least half of the
+       area: `closed`, their union (method `union`; open decoration is left out).
+    2. The open surface is flat, or at least half of it is sheets and containers with a mouth wider than a quarter of
+       their cross-section: `shell`, all faces, with an assumed wall of 1 % of the diagonal within 0.5 to 5 mm.
+    3. A voxel proxy follows 95 % of the surface within two cells: `closed` (method `voxel`).
+    4. `hull`.
+    Figures: `method`, `volume_m3` (shell: area times wall), `area_m2`, `naive_volume_m3` (bodies added up),
+    `union_volume_m3`, `components`, `cavities`, `filled_openings`, `open_area_share`, and surface distances
+    `visual_to_solid_p95_m`, `solid_to_visual_p95_m`, `surface_distance_m` (larger of the two 95th percentiles).
+    """
+    bodies = sort_bodies(meshes)
+    points, triangles, _ = merge_surfaces([tidy(m) for m in meshes])
+    points, triangles = weld_points(points, triangles)
+    united = unite(bodies.closed) if bodies.closed else None
+    naive = sum(signed_volume(*body) for body in bodies.closed)
+    total = bodies.closed_area + bodies.open_area
+    solid, method = _choose(bodies, united, points, triangles, total)
+    figures: Figures = {
+        "method": method,
+        "volume_m3": _volume(solid),
+        "area_m2": float(triangle_areas(solid.points[solid.triangles]).sum()),
+        "naive_volume_m3": naive,
+        "union_volume_m3": signed_volume(*united) if united else 0.0,
+        "components": len(bodies.closed) + len(bodies.verdicts),
+        "cavities": bodies.cavities,
+        "filled_openings": bodies.filled,
+        "open_area_share": bodies.open_area / total if total > 0.0 else 0.0,
+        **_distances(points, triangles, solid),
+    }
+    return solid, figures
+
+
+def _choose(
+    bodies: Bodies, united: tuple[FloatArray, IntArray] | None, points: FloatArray, triangles: IntArray, total: float
+) -> tuple[Solid, str]:
+    if united is not None and bodies.closed_area >= CLOSED_AREA_SHARE * total:
+        return Solid(*united, kind="closed"), "union"
+    if _is_flat(points) or _mouth_area(bodies.verdicts) >= 0.5 * bodies.open_area > 0.0:
+        wall = min(max(WALL_PER_DIAGONAL * diagonal(points), LEAST_WALL_M), MOST_WALL_M)
+        return Solid(points, triangles, kind="shell", wall_thickness_m=wall), "shell"
+    proxy = voxel_hull(points, triangles)
+    if proxy is not None:
+        distance = two_way(points, triangles, proxy[0], proxy[1], DISTANCE_SAMPLES, 0)
+        if distance.a_to_b_p95 <= VOXEL_TOLERANCE_CELLS * proxy[2]:
+            return Solid(proxy[0], proxy[1], kind="closed"), "voxel"
+    hull = trimesh.PointCloud(points).convex_hull
+    return Solid(np.array(hull.vertices), np.array(hull.faces, dtype=np.int32), kind="hull"), "hull"
+
+
+def _is_flat(points: FloatArray) -> bool:
+    centred = points - points.mean(axis=0)
+    axes = np.linalg.eigh(centred.T @ centred)[1]
+    size = np.ptp(centred @ axes, axis=0)
+    return bool(size.prod() < FLAT_SHARE * diagonal(points) ** 3)
+
+
+def _mouth_area(verdicts: Sequence[OpenBody]) -> float:
+    """Area of the open components that have a mouth."""
+    return sum(v.area for v in verdicts if any(o.section_share > HOLE_SHARE for o in v.openings))
+
+
+def _volume(solid: Solid) -> float:
+    if solid.wall_thickness_m is not None:
+        return float(triangle_areas(solid.points[solid.triangles]).sum()) * solid.wall_thickness_m
+    return signed_volume(solid.points, solid.triangles)
+
+
+def _distances(points: FloatArray, triangles: IntArray, solid: Solid) -> Figures:
+    """How far the physical surface strays from the visible one; the inside of overlaps counts in the first figure."""
+    d = two_way(points, triangles, solid.points, solid.triangles, DISTANCE_SAMPLES, 0)
+    return {
+        "visual_to_solid_p95_m": d.a_to_b_p95,
+        "solid_to_visual_p95_m": d.b_to_a_p95,
+        "surface_distance_m": max(d.a_to_b_p95, d.b_to_a_p95),
+    }
