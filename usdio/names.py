@@ -15,7 +15,7 @@ def identifier(name: str, fallback: str) -> str:
     Accents are dropped ("é" -> "e"), every other run of foreign characters becomes one underscore. USD itself allows
     Unicode identifiers; SimReady NP.001 and many importers do not.
     """
-    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    plain = "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
     text = _INVALID.sub("_", plain).strip("_")
     if not text:
         return fallback
