@@ -116,7 +116,9 @@ def read_uri(source: SourceFile, uri: Json) -> bytes | None:
         if not comma:
             raise ValueError("it has no comma")
         raw = unquote_to_bytes(body)
-        return base64.b64decode(raw) if header.lower().endswith(";base64") else raw
+        if not header.lower().endswith(";base64"):
+            return raw
+        return base64.b64decode(b"".join(raw.split()), validate=True)
     except (binascii.Error, ValueError) as error:
         raise InvalidInput(finding("asset/parse-error", f"broken data URI: {error}", where=uri.where)) from error
 
