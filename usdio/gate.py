@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from schemas.diagnostics import Diagnostic, InvalidInput
 from usdio.rules import (
     body_scale,
@@ -58,4 +60,5 @@ def gate(main_file: Path) -> tuple[Diagnostic, ...]:
         stage = open_stage(main_file)
     except InvalidInput as error:
         return (error.diagnostic,)
-    return tuple(diagnostic for rule in RULES for diagnostic in rule(stage))
+    with np.errstate(all="ignore"):  # Broken files hold infinities; every comparison is written so that NaN fails it.
+        return tuple(diagnostic for rule in RULES for diagnostic in rule(stage))

@@ -92,8 +92,7 @@ def state_other_size(stage: Usd.Stage) -> None:
     layer.customLayerData = {**layer.customLayerData, "SimReady_Metadata": metadata}
 
 
-def shrink_to_nothing(stage: Usd.Stage) -> None:
-    """No visible surface: every point in one place, with colliders out of the way of the bounds rule."""
+def send_to_infinity(stage: Usd.Stage) -> None:
     points = UsdGeom.Mesh(stage.GetPrimAtPath(f"{ROOT}/Visuals/body")).GetPointsAttr()
     points.Set(Vt.Vec3fArray.FromNumpy(np.full((len(points.Get()), 3), np.inf, dtype=np.float32)))
 
@@ -156,7 +155,7 @@ def test_every_rule_has_a_defect() -> None:
 def test_infinite_points_are_found_not_raised(tmp_path: Path) -> None:
     main_file = clean(tmp_path)
     stage = Usd.Stage.Open(str(main_file))
-    shrink_to_nothing(stage)
+    send_to_infinity(stage)
     stage.GetRootLayer().Save()
     assert "asset/gate-extent" in {d.code for d in gate(main_file)}
 

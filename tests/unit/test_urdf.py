@@ -99,3 +99,21 @@ def test_visual_meshes_round_trip(twin: tuple[RigidBody, ElementTree.Element, Pa
     source = samples.full_content().model.meshes[0]
     assert np.array_equal(points, source.points)
     assert np.array_equal(faces, source.triangles)
+
+
+def test_pybullet_reads_the_twin(twin: tuple[RigidBody, ElementTree.Element, Path]) -> None:
+    pybullet = pytest.importorskip("pybullet")
+    body, _, folder = twin
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        file = str(folder / "sample-1.urdf")
+        loaded = pybullet.loadURDF(file, flags=pybullet.URDF_USE_INERTIA_FROM_FILE, physicsClientId=client)
+        mass, friction, diagonal, _, _, restitution, *_ = pybullet.getDynamicsInfo(loaded, -1, physicsClientId=client)
+        shapes = pybullet.getCollisionShapeData(loaded, -1, physicsClientId=client)
+    finally:
+        pybullet.disconnect(client)
+    assert mass == pytest.approx(body.mass.mass_kg, rel=1e-6)
+    assert friction == pytest.approx(body.contact.dynamic_friction, rel=1e-6)
+    assert restitution == pytest.approx(body.contact.restitution, rel=1e-6)
+    assert sorted(diagonal) == pytest.approx(np.linalg.eigvalsh(body.mass.inertia_kgm2), rel=1e-5)
+    assert len(shapes) == len(body.shapes)

@@ -173,7 +173,8 @@ def test_only_used_textures_are_packed(tmp_path: Path) -> None:
 
 def test_fifty_thousand_triangles_take_little_time(tmp_path: Path) -> None:
     ball = samples.mesh_from(trimesh.creation.icosphere(6, 0.05))
-    ball = replace(ball, points=ball.points + [0.0, 0.0, 0.05], uvs=(samples.uvs(ball),), colors=samples.colors(ball))
+    ball = replace(ball, points=ball.points + np.array([0.0, 0.0, 0.05]))
+    ball = replace(ball, uvs=(samples.uvs(ball),), colors=samples.colors(ball))
     content = samples.content(samples.model([ball]))
     start = time.perf_counter()
     write(content, tmp_path)
