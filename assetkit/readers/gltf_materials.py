@@ -193,7 +193,7 @@ def metallic_from_specular(
     d, s, k = _brightness(diffuse), _brightness(specular), 1.0 - max(specular)
     a = _DIELECTRIC_SPECULAR
     metallic = 0.0
-    if s >= a:
+    if s > a + 1e-9:  # At the dielectric value itself black paint and black metal solve the equation alike: paint.
         b = d * k / (1.0 - a) + s - 2.0 * a
         metallic = min(max((-b + math.sqrt(max(b * b - 4.0 * a * (a - s), 0.0))) / (2.0 * a), 0.0), 1.0)
     blend = metallic * metallic
