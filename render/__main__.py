@@ -1,0 +1,41 @@
+"""`python -m render REQUEST.npz`: draw one saved `RenderRequest`; made to be run in a cell.
+
+Exit codes: 0 all pictures written; 2 wrong arguments or an unreadable request; 3 no software OpenGL on this system (the
+message names the packages). A graphics driver without its back end kills the process with a signal.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+NO_OPENGL = 3
+
+
+def main(argv: list[str]) -> int:
+    """Draw the request at `argv[0]`; returns the exit code."""
+    os.environ.setdefault("LP_NUM_THREADS", "0")  # llvmpipe: one core per asset, the batch fills the others.
+    from render.request import RenderRequest
+    from render.views import render_all
+    from render.window import NoOpenGL
+    from schemas import arrays
+
+    if len(argv) != 1:
+        sys.stderr.write("usage: python -m render REQUEST.npz\n")
+        return 2
+    try:
+        request = arrays.load(RenderRequest, Path(argv[0]))
+    except (OSError, ValueError) as error:
+        sys.stderr.write(f"cannot read {argv[0]}: {error}\n")
+        return 2
+    try:
+        render_all(request)
+    except NoOpenGL as error:
+        sys.stderr.write(f"{error}\n")
+        return NO_OPENGL
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

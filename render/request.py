@@ -1,0 +1,24 @@
+"""What the drawing child process is asked to do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from schemas.model import Model
+from schemas.physics import CollisionShape
+
+
+@dataclass(frozen=True)
+class RenderRequest:
+    """One asset to draw: save with `schemas.arrays.save`, then run `python -m render REQUEST.npz`.
+
+    model    canonical: metres, z-up, +x is the front, origin at the bottom centre.
+    shapes   collision shapes in the frame of the model; none: no `collision.png`.
+    out_dir  an existing folder or one to create; files of the same names are replaced.
+    size_px  edge of the square pictures; the thumbnail is always 256.
+    """
+
+    model: Model
+    shapes: tuple[CollisionShape, ...]
+    out_dir: str
+    size_px: int = 512

@@ -1,0 +1,164 @@
+"""The visible surfaces of a model as VTK actors, one per material and set of vertex attributes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkPolyData
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+from render.camera import AnnotationFrame
+from render.polydata import triangle_soup
+from render.shader import Slot, fragment_replacements, sampler_name, texture_uses, vertex_replacements
+from render.textures import TextureSet
+from schemas.model import FloatArray, Material, Mesh, Model, TextureUse
+
+_NEUTRAL = Material(name="neutral", base_color=(0.62, 0.62, 0.62), roughness=0.6)
+_COLOR = "manaColor"
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Triangles that share a material and the same vertex attributes.
+
+    points, normals  (m, 3, 3) float32 per corner, annotation frame.
+    attributes       (m, 3, k) float32 per corner: colours and transformed texture coordinates.
+    """
+
+    material: Material
+    slots: tuple[Slot, ...]
+    points: FloatArray
+    normals: FloatArray
+    attributes: dict[str, FloatArray]
+
+
+def surfaces(model: Model, frame: AnnotationFrame) -> tuple[Surface, ...]:
+    """The surfaces of `model`; meshes without material are neutral grey, empty and non-finite triangles are left out."""
+    textures = frozenset(texture.name for texture in model.textures)
+    parts: dict[tuple[int, tuple[str, ...]], list[Surface]] = {}
+    for mesh in model.meshes:
+        surface = _surface(mesh, model, frame, textures)
+        key = (-1 if mesh.material is None else mesh.material, (*surface.attributes, *(s.input for s in surface.slots)))
+        parts.setdefault(key, []).append(surface)
+    return tuple(_merged(group) for group in parts.values())
+
+
+def actor(surface: Surface, textures: TextureSet) -> vtkActor:
+    """`surface` shaded with its material, visible from both sides."""
+    material = surface.material
+    result = _plain_actor(triangle_soup(surface.points, surface.normals, surface.attributes))
+    slots = _bind(result, surface.slots, textures)
+    components = {name: values.shape[2] for name, values in surface.attributes.items()}
+    mapper: vtkPolyDataMapper = result.GetMapper()
+    for name in components:
+        mapper.MapDataArrayToVertexAttribute(name, name, vtkDataObject.FIELD_ASSOCIATION_POINTS, -1)
+    shader = result.GetShaderProperty()
+    for old, new in vertex_replacements(components):
+        shader.AddVertexShaderReplacement(old, True, new, True)
+    for old, new in fragment_replacements(material, slots, components):
+        shader.AddFragmentShaderReplacement(old, old.startswith("//VTK"), new, True)
+    shader.GetFragmentCustomUniforms().SetUniform3f("manaEmissive", material.emissive)
+    _set_material(result, material)
+    return result
+
+
+def plain_actor(parts: tuple[Surface, ...], color: tuple[float, float, float]) -> vtkActor:
+    """All `parts` as one matte opaque body of a linear RGB `color`."""
+    points = np.concatenate([part.points for part in parts])
+    normals = np.concatenate([part.normals for part in parts])
+    result = _plain_actor(triangle_soup(points, normals, {}))
+    material = Material(name="plain", base_color=color, roughness=0.9)
+    for old, new in fragment_replacements(material, (), {}):
+        result.GetShaderProperty().AddFragmentShaderReplacement(old, old.startswith("//VTK"), new, True)
+    result.GetShaderProperty().GetFragmentCustomUniforms().SetUniform3f("manaEmissive", material.emissive)
+    _set_material(result, material)
+    return result
+
+
+def _plain_actor(data: vtkPolyData) -> vtkActor:
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputDataObject(data)
+    mapper.ScalarVisibilityOff()
+    result = vtkActor()
+    result.SetMapper(mapper)
+    return result
+
+
+def _set_material(target: vtkActor, material: Material) -> None:
+    surface = target.GetProperty()
+    surface.SetInterpolationToPBR()
+    surface.SetColor(*material.base_color)
+    surface.SetMetallic(material.metallic)
+    surface.SetRoughness(max(material.roughness, 0.05))  # A perfect mirror would show the studio, not the object.
+    surface.SetBaseIOR(min(max(material.ior, 1.0), 2.3))
+    surface.SetCoatStrength(material.clearcoat)
+    surface.SetCoatRoughness(max(material.clearcoat_roughness, 0.05))
+    opacity = material.opacity if material.alpha_mode != "opaque" else 1.0
+    surface.SetOpacity(opacity * (1.0 - 0.7 * material.transmission))  # Clear glass keeps a body that can be seen.
+    if material.alpha_mode == "blend" or material.transmission > 0.0:
+        target.ForceTranslucentOn()
+    else:
+        target.ForceOpaqueOn()
+
+
+def _bind(target: vtkActor, slots: tuple[Slot, ...], textures: TextureSet) -> tuple[Slot, ...]:
+    """Bind the textures of `slots`; the slots whose image exists and decodes."""
+    bound = []
+    for slot in slots:
+        repeat = "repeat" in (slot.use.wrap_s, slot.use.wrap_t)
+        texture = textures.get(slot.use.texture, srgb=slot.input in ("base_color", "emissive"), repeat=repeat)
+        if texture is not None:
+            target.GetProperty().SetTexture(sampler_name(slot), texture)
+            bound.append(slot)
+    return tuple(bound)
+
+
+def _surface(mesh: Mesh, model: Model, frame: AnnotationFrame, textures: frozenset[str]) -> Surface:
+    material = _NEUTRAL if mesh.material is None else model.materials[mesh.material]
+    points = frame.from_asset(mesh.points)[mesh.triangles].astype(np.float32)
+    keep = np.isfinite(points).all(axis=(1, 2))
+    attributes: dict[str, FloatArray] = {}
+    if mesh.colors is not None:
+        attributes[_COLOR] = mesh.colors[keep]
+    slots = []
+    mappings: dict[tuple[object, ...], str] = {}
+    for name, use in texture_uses(material):
+        if use.texture not in textures or use.uv_set >= len(mesh.uvs):
+            continue
+        mapping = (use.uv_set, use.uv_scale, use.uv_rotation_rad, use.uv_offset)
+        attribute = mappings.setdefault(mapping, f"manaUV{len(mappings)}")
+        if attribute not in attributes:
+            attributes[attribute] = _transformed(mesh.uvs[use.uv_set][keep], use)
+        slots.append(Slot(name, use, attribute))
+    return Surface(material, tuple(slots), points[keep], _normals(mesh, points)[keep], attributes)
+
+
+def _normals(mesh: Mesh, points: FloatArray) -> FloatArray:
+    """(m, 3, 3) corner normals on the side from which each triangle is wound counter-clockwise."""
+    if mesh.normals is None:
+        from geom.corner_normals import corner_normals  # Loads scipy; most assets bring normals.
+
+        return corner_normals(mesh.points, mesh.triangles)
+    face = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    side = np.einsum("mck,mk->mc", mesh.normals, face)
+    return np.where(side[..., None] < 0.0, -mesh.normals, mesh.normals)
+
+
+def _transformed(uvs: FloatArray, use: TextureUse) -> FloatArray:
+    """Texture coordinates after the transform of `use`: scale, then rotate counter-clockwise, then translate."""
+    scaled = uvs * np.asarray(use.uv_scale, dtype=np.float32)
+    cosine, sine = np.cos(use.uv_rotation_rad), np.sin(use.uv_rotation_rad)
+    rotated = np.stack(
+        [scaled[..., 0] * cosine - scaled[..., 1] * sine, scaled[..., 0] * sine + scaled[..., 1] * cosine], axis=-1
+    )
+    return (rotated + np.asarray(use.uv_offset)).astype(np.float32)
+
+
+def _merged(parts: list[Surface]) -> Surface:
+    if len(parts) == 1:
+        return parts[0]
+    attributes = {n: np.concatenate([part.attributes[n] for part in parts]) for n in parts[0].attributes}
+    points = np.concatenate([part.points for part in parts])
+    normals = np.concatenate([part.normals for part in parts])
+    return Surface(parts[0].material, parts[0].slots, points, normals, attributes)

@@ -1,0 +1,96 @@
+"""All pictures of one asset."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from render.camera import HERO_VIEW, STANDARD_VIEWS, AnnotationFrame, annotation_frame, camera
+from render.collision import collision_actors
+from render.request import RenderRequest
+from render.studio import floor, studio_renderer
+from render.surfaces import Surface, actor, plain_actor, surfaces
+from render.textures import TextureSet
+from render.window import offscreen_window, save_png, take_picture
+from schemas.model import FloatArray, Model
+
+THUMBNAIL_PX = 256
+_FAINT = (0.55, 0.55, 0.55)
+_SHADOW_SAMPLES = 20_000
+
+
+def render_all(request: RenderRequest) -> dict[str, Path]:
+    """Write the pictures of `request` and return them by name: four views, `thumbnail`, and `collision` if it has shapes.
+
+    Raises NoOpenGL when the system has no software OpenGL. A driver without its back end may kill the process: run it
+    in a cell (`python -m render`).
+    """
+    folder = Path(request.out_dir)
+    folder.mkdir(parents=True, exist_ok=True)
+    frame = model_frame(request.model)
+    parts = surfaces(request.model, frame)
+    window = offscreen_window()
+    renderer = studio_renderer()
+    window.AddRenderer(renderer)
+    bottom = -frame.extent[2] / 2.0
+    renderer.AddActor(floor(_surface_samples(parts), bottom))
+    textures = TextureSet(request.model)
+    visuals = [actor(part, textures) for part in parts if len(part.points)]
+    for visual in visuals:
+        renderer.AddActor(visual)
+    if any(visual.GetForceTranslucent() for visual in visuals):
+        _peel(renderer)
+    paths: dict[str, Path] = {}
+    for view, size_px in (*((view, request.size_px) for view in STANDARD_VIEWS), (HERO_VIEW, THUMBNAIL_PX)):
+        paths[view.name] = folder / f"{view.name}.png"
+        save_png(take_picture(window, renderer, camera(view, frame.extent), size_px), paths[view.name])
+    if request.shapes:
+        for visual in visuals:
+            renderer.RemoveActor(visual)
+        if visuals:
+            renderer.AddActor(plain_actor(parts, _FAINT))
+        for overlay in collision_actors(request.shapes, frame):
+            renderer.AddActor(overlay)
+        _peel(renderer)
+        paths["collision"] = folder / "collision.png"
+        save_png(take_picture(window, renderer, camera(HERO_VIEW, frame.extent), request.size_px), paths["collision"])
+    return paths
+
+
+def model_frame(model: Model) -> AnnotationFrame:
+    """The annotation frame of the finite points that triangles of `model` use; a unit box without any."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for mesh in model.meshes:
+        used = mesh.points[np.unique(mesh.triangles)]
+        used = used[np.isfinite(used).all(axis=1)]
+        if len(used):
+            low, high = np.minimum(low, used.min(axis=0)), np.maximum(high, used.max(axis=0))
+    if not np.isfinite(low).all():
+        low, high = np.full(3, -0.5), np.full(3, 0.5)
+    return annotation_frame(low, high)
+
+
+def _peel(renderer: object) -> None:
+    """Sort translucent surfaces per pixel."""
+    renderer.SetUseDepthPeeling(True)
+    renderer.SetMaximumNumberOfPeels(6)
+    renderer.SetOcclusionRatio(0.0)
+
+
+def _surface_samples(parts: tuple[Surface, ...]) -> FloatArray:
+    """(n, 3) points spread over the surface by area, the same ones every time."""
+    if not parts:
+        return np.zeros((0, 3))
+    triangles = np.concatenate([part.points for part in parts])
+    edges = triangles[:, 1:] - triangles[:, :1]
+    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).astype(np.float64)
+    total = np.cumsum(area)
+    if not len(total) or total[-1] <= 0.0:
+        return triangles.reshape(-1, 3).astype(np.float64)
+    index = np.arange(_SHADOW_SAMPLES)
+    chosen = np.searchsorted(total, (index + 0.5) / _SHADOW_SAMPLES * total[-1]).clip(max=len(total) - 1)
+    # The R2 low-discrepancy sequence (Roberts 2018), folded onto the triangle.
+    u, v = (index * 0.7548776662466927) % 1.0, (index * 0.5698402909980532) % 1.0
+    u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
+    return triangles[chosen, 0] + u[:, None] * edges[chosen, 0] + v[:, None] * edges[chosen, 1]
