@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from geom.components import components_of
-from geom.duplicate_shells import later_copies, oriented_keys
+from geom.duplicate_shells import later_copies
 from geom.mesh_edit import keep_faces
 from schemas.model import FloatArray, IntArray, Mesh
 
@@ -22,14 +22,6 @@ def drop_back_faces(mesh: Mesh) -> Mesh:
     back = reversed_copies(mesh.triangles)
     share = np.bincount(parts.label[back], minlength=parts.count) / np.maximum(parts.faces, 1)
     return keep_faces(mesh, ~(back & (share >= DOUBLE_SIDED_SHARE)[parts.label]))
-
-
-def has_reverse(triangles: IntArray) -> FloatArray:
-    """(m,) True for faces of a welded surface whose reverse is also there, before or after."""
-    keys, reverse = oriented_keys(triangles), oriented_keys(triangles[:, [0, 2, 1]])
-    _, index = np.unique(np.concatenate([keys, reverse]), axis=0, return_inverse=True)
-    index = index.reshape(-1)
-    return np.isin(index[len(keys) :], index[: len(keys)])
 
 
 def reversed_copies(triangles: IntArray) -> FloatArray:

@@ -12,7 +12,7 @@ from geom.topology import degenerate_faces
 from geom.weld import weld_points
 from schemas.model import FloatArray, IntArray, Mesh
 
-Figures = dict[str, float | int | str]
+Figures = dict[str, float]
 DISTANCE_SAMPLES = 4000
 
 

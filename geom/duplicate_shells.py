@@ -37,6 +37,15 @@ def oriented_keys(triangles: IntArray) -> IntArray:
     return np.take_along_axis(triangles, turn % 3, axis=1)
 
 
+def has_reverse(triangles: IntArray) -> FloatArray:
+    """(m,) True for faces whose reverse, the same points the other way round, is also among them."""
+    _, index = np.unique(
+        np.concatenate([oriented_keys(triangles), oriented_keys(triangles[:, [0, 2, 1]])]), axis=0, return_inverse=True
+    )
+    own, reverse = np.split(index.reshape(-1), 2)
+    return np.isin(reverse, own)
+
+
 def _welded_copies(triangles: IntArray, parts: Components) -> tuple[int, FloatArray]:
     later = later_copies(oriented_keys(triangles))
     extra = np.bincount(parts.label[later], minlength=parts.count)

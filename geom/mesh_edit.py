@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -67,7 +68,7 @@ def append_faces(mesh: Mesh, points: FloatArray, triangles: IntArray, like: IntA
     )
 
 
-def merge_surfaces(meshes: tuple[Mesh, ...] | list[Mesh]) -> tuple[FloatArray, IntArray, IntArray]:
+def merge_surfaces(meshes: Sequence[Mesh]) -> tuple[FloatArray, IntArray, IntArray]:
     """Points (n, 3), triangles (m, 3) and the mesh (m,) each triangle comes from; nothing is welded."""
     if not meshes:
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int32), np.zeros(0, dtype=np.int64)

@@ -5,16 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from geom.components import components_of
-from geom.duplicate_shells import later_copies, oriented_keys
+from geom.duplicate_shells import has_reverse, later_copies, oriented_keys
 from geom.edges import edges_of, face_components
 from geom.mesh_edit import keep_faces
 from geom.surface_distance import triangle_areas
 from geom.topology import degenerate_faces, duplicate_faces, repeats_point
 from schemas.model import FloatArray, IntArray, Mesh
 
-Figures = dict[str, float | int | str]
+Figures = dict[str, float]
 # Fins larger than this share of their component are parts of the design.
 FIN_AREA_SHARE = 0.05
+# Where this share of the faces has a reverse, the component is drawn double-sided on purpose.
+DOUBLE_SIDED_SHARE = 0.8
 
 
 def drop_surplus_faces(mesh: Mesh) -> tuple[Mesh, Figures]:
@@ -23,7 +25,8 @@ def drop_surplus_faces(mesh: Mesh) -> tuple[Mesh, Figures]:
     A face that repeats a point always goes. A flat one with three points goes only if it lies on an edge that has not
     exactly two faces: otherwise removing it would open a crack (a T-junction closed by a sliver). A copy with the same
     winding goes. A copy with the opposite winding goes only where it makes the number of faces at an edge odd:
-    even numbers are back faces drawn for double-sided rendering, or two bodies in contact.
+    even numbers are back faces drawn for double-sided rendering, or two bodies in contact. A flap (faces and their
+    reverses folded onto each other that hang on a crowded edge, as scanners leave them) goes with both sides.
     Figures: `degenerate_faces` and `duplicate_faces` removed.
     """
     proper = ~repeats_point(mesh.triangles)
@@ -32,6 +35,8 @@ def drop_surplus_faces(mesh: Mesh) -> tuple[Mesh, Figures]:
     kept = np.flatnonzero(proper & ~same)
     reverse = _odd_copies(mesh.triangles[kept])
     kept, reversed_count = kept[~reverse], int(reverse.sum())
+    flaps = _folded_flaps(mesh.points, mesh.triangles[kept])
+    kept, reversed_count = kept[~flaps], reversed_count + int(flaps.sum())
     hanging = _hanging_slivers(mesh.points, mesh.triangles[kept])
     kept, hanging_count = kept[~hanging], int(hanging.sum())
     figures: Figures = {
@@ -99,6 +104,22 @@ def _odd_copies(triangles: IntArray) -> FloatArray:
     edges = edges_of(triangles)
     uses = edges.uses[edges.of_face]
     return later & ((uses > 2) & (uses % 2 == 1)).all(axis=1)
+
+
+def _folded_flaps(points: FloatArray, triangles: IntArray) -> FloatArray:
+    """(m,) True for sheets made of faces and their reverses only, at crowded edges, with at most 5 % of the area."""
+    twin = has_reverse(triangles)
+    if not twin.any():
+        return twin
+    edges = edges_of(triangles)
+    count, sheet = face_components(edges, edges.uses == 2)
+    crowded = np.bincount(sheet[(edges.uses[edges.of_face] > 2).any(axis=1)], minlength=count) > 0
+    folded = crowded & (np.bincount(sheet, minlength=count) > 1) & (np.bincount(sheet[~twin], minlength=count) == 0)
+    _, label = face_components(edges)
+    areas = triangle_areas(points[triangles])
+    share = np.bincount(label, areas * folded[sheet]) / np.maximum(np.bincount(label, areas), np.finfo(float).tiny)
+    double_sided = np.bincount(label, twin) >= DOUBLE_SIDED_SHARE * np.bincount(label)
+    return folded[sheet] & ((share <= FIN_AREA_SHARE) & ~double_sided)[label]
 
 
 def _hanging_slivers(points: FloatArray, triangles: IntArray) -> FloatArray:

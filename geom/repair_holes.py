@@ -12,7 +12,7 @@ from geom.mesh_edit import append_faces
 from geom.openings import Opening
 from schemas.model import FloatArray, IntArray, Mesh
 
-Figures = dict[str, float | int | str]
+Figures = dict[str, float]
 
 
 def fill_openings(mesh: Mesh, openings: Sequence[Opening]) -> tuple[Mesh, Figures]:

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from geom.components import components_of
 from geom.duplicate_shells import surplus_shells
 from geom.mesh_edit import keep_faces
-from geom.topology import fragments
+from geom.topology import fragments, repeats_point
 from geom.weld import diagonal
 from schemas.model import Mesh
 
-Figures = dict[str, float | int | str]
+Figures = dict[str, float]
 
 
 def drop_duplicate_shells(mesh: Mesh) -> tuple[Mesh, Figures]:
-    """`mesh` (welded, no repeated points) with one copy of each closed shell. Figures: `shells` removed."""
-    parts = components_of(mesh.points, mesh.triangles)
-    count, surplus = surplus_shells(mesh.points, mesh.triangles, parts)
-    return keep_faces(mesh, ~surplus), {"shells": count}
+    """`mesh` (welded) with one copy of each closed shell. Figures: `shells` removed."""
+    proper = np.flatnonzero(~repeats_point(mesh.triangles))
+    parts = components_of(mesh.points, mesh.triangles[proper])
+    count, surplus = surplus_shells(mesh.points, mesh.triangles[proper], parts)
+    kept = np.ones(len(mesh.triangles), dtype=bool)
+    kept[proper[surplus]] = False
+    return keep_faces(mesh, kept), {"shells": count}
 
 
 def drop_fragments(mesh: Mesh) -> tuple[Mesh, Figures]:

@@ -13,7 +13,7 @@ from geom.topology import bow_ties
 from geom.winding_number import winding_numbers
 from schemas.model import FloatArray, IntArray, Mesh
 
-Figures = dict[str, float | int | str]
+Figures = dict[str, float]
 # Two cones that come closer than this angle (radians) share a face or an edge: the parts lie against each other.
 CONTACT_ANGLE = 0.05
 PROBE_LENGTH = 1e-3

@@ -10,7 +10,7 @@ from geom.mesh_edit import flip_faces
 from geom.openings import judge_open_bodies
 from schemas.model import FloatArray, IntArray, Mesh
 
-Figures = dict[str, float | int | str]
+Figures = dict[str, float]
 
 
 def orient(mesh: Mesh, fixed: FloatArray | None = None) -> tuple[Mesh, Figures]:

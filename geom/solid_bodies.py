@@ -56,11 +56,11 @@ def sort_bodies(meshes: Sequence[Mesh]) -> Bodies:
     cavities, closed_area = 0, 0.0
     leftovers: list[Mesh] = []
     for mesh in meshes:
-        solids, rest, inner, area = _closed_parts(tidy(mesh))
+        solids, rest, inner, area = closed_parts(tidy(mesh))
         closed, cavities, closed_area = closed + solids, cavities + inner, closed_area + area
         leftovers.append(rest)
     points, triangles, _ = merge_surfaces(leftovers)
-    solids, rest, inner, area = _closed_parts(tidy(Mesh("open", points, triangles)))
+    solids, rest, inner, area = closed_parts(tidy(Mesh("open", points, triangles)))
     closed, cavities, closed_area = closed + solids, cavities + inner, closed_area + area
     edges = edges_of(rest.triangles)
     parts = components_of(rest.points, rest.triangles, edges)
@@ -133,7 +133,7 @@ def signed_volume(points: FloatArray, triangles: IntArray) -> float:
     return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
 
 
-def _closed_parts(mesh: Mesh) -> tuple[list[Surface], Mesh, int, float]:
+def closed_parts(mesh: Mesh) -> tuple[list[Surface], Mesh, int, float]:
     """Closed bodies with their cavities, the remaining faces, the number of cavities and the closed area."""
     if len(mesh.triangles) == 0:
         return [], mesh, 0, 0.0
