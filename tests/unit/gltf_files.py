@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from PIL import Image
 
 from assetkit.readers.gltf import read_gltf
 from assetkit.source import SourceFile
-from schemas.model import Model
+from schemas.diagnostics import Diagnostic, InvalidInput
+from schemas.model import Mesh, Model
 from schemas.outcome import Outcome
 
 COMPONENT = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
@@ -107,3 +109,16 @@ def png(mode: str = "RGB", seed: int = 0) -> bytes:
     buffer = io.BytesIO()
     Image.fromarray(pixels, "RGBA").convert(mode).save(buffer, "PNG")
     return buffer.getvalue()
+
+
+def refused(folder: Path, data: bytes, name: str = "part.glb") -> Diagnostic:
+    """The finding that stops the reader."""
+    with pytest.raises(InvalidInput) as caught:
+        read(folder, data, name)
+    return caught.value.diagnostic
+
+
+def signed_volume(mesh: Mesh) -> float:
+    """Volume enclosed by `mesh`, positive when its faces point outwards (divergence theorem)."""
+    a, b, c = np.moveaxis(mesh.points[mesh.triangles], 1, 0)
+    return float(np.einsum("ij,ij->", np.cross(a, b), c)) / 6.0
