@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import package_samples as samples
 from hypothesis import given
 from hypothesis import strategies as st
 from pxr import Sdf
 
 from usdio.names import identifier, prim_names
+from usdio.source_names import renamed, source_names
 
 
 @given(st.lists(st.text(max_size=8), max_size=12))
@@ -28,3 +30,13 @@ def test_examples() -> None:
     assert identifier("é", "mesh") == "e"
     assert identifier("机器", "mesh") == "mesh"
     assert identifier("3d", "mesh") == "_3d"
+
+
+def test_changed_names_are_said_and_kept() -> None:
+    plain = source_names(samples.model([samples.box_mesh(name="body")]))
+    assert plain == {"Visuals/body": "body", "Materials/neutral": "neutral"}
+    assert renamed(plain) == ()
+    awkward = source_names(samples.model([samples.box_mesh(name=name) for name in ("a b", "a b", "ok")]))
+    assert awkward["Visuals/a_b_2"] == "a b"
+    (found,) = renamed(awkward)
+    assert (found.code, found.value, found.severity) == ("asset/name-sanitised", 2, "info")

@@ -1,0 +1,26 @@
+"""The way back from the prims of a package to the names in its source."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from schemas.diagnostics import Diagnostic, finding
+from schemas.model import Model
+from usdio.looks import material_prim_names
+from usdio.write_meshes import mesh_prim_names
+
+
+def source_names(model: Model) -> dict[str, str]:
+    """Prim path below the root (`Visuals/cup`, `Materials/glaze`) -> source name, of every mesh and material."""
+    meshes = {f"Visuals/{prim}": name for prim, name in mesh_prim_names(model).items()}
+    return meshes | {f"Materials/{prim}": name for prim, name in material_prim_names(model).items()}
+
+
+def renamed(names: Mapping[str, str]) -> tuple[Diagnostic, ...]:
+    """One `asset/name-sanitised` finding with the number of `source_names` that had to change, or none."""
+    changed = [(path, name) for path, name in names.items() if path.rpartition("/")[2] != name]
+    if not changed:
+        return ()
+    path, name = changed[0]
+    headline = f"{len(changed)} of {len(names)} names were changed, such as {name!r} to {path!r}"
+    return (finding("asset/name-sanitised", headline, value=len(changed), bound=0, unit="names"),)
