@@ -18,7 +18,7 @@ from schemas.outcome import Repair
 from usdio.guard import Layers
 from usdio.pbr import Color, Conversion
 from usdio.shader_dialects import PREVIEW, Dialect, dialect_of
-from usdio.shader_graph import EARLIEST, Fed, Image, Primvar, feed, identifier, plain
+from usdio.shader_graph import EARLIEST, Fed, Image, Primvar, feed, identifier, node_behind, plain
 
 LoadTexture = Callable[..., tuple[Texture | None, tuple[Diagnostic, ...]]]
 _STAGE: Final = "intake"
@@ -172,9 +172,9 @@ def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
 def surface_shader(material: UsdShade.Material) -> UsdShade.Shader | None:
     """The shader of the material's surface: UsdPreviewSurface if it has one, else the first in any render context."""
     shaders = [
-        UsdShade.Shader(sources[0].GetPrim())
+        node[0]
         for output in sorted(material.GetSurfaceOutputs(), key=lambda o: o.GetFullName())
-        if (sources := UsdShade.Utils.GetValueProducingAttributes(output))
+        if (node := node_behind(output))
     ]
     found = [shader for shader in shaders if shader and identifier(shader)]
     return next((s for s in found if dialect_of(identifier(s), ()) is PREVIEW), found[0] if found else None)

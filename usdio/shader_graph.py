@@ -86,16 +86,31 @@ def identifier(shader: UsdShade.Shader) -> str:
 
 
 def _feed(port: UsdShade.Input, depth: int) -> Fed:
-    sources = UsdShade.Utils.GetValueProducingAttributes(port)
-    if not sources or depth > MAX_DEPTH:
+    if depth > MAX_DEPTH:
         return None
-    source = sources[0]
-    if UsdShade.Input.IsInput(source):
-        value = source.Get(EARLIEST)
-        if isinstance(value, Sdf.AssetPath):
-            return Image(source) if value.path else None
-        return _constant(value)
-    return _node(UsdShade.Shader(source.GetPrim()), source.GetName().rpartition(":")[2], depth)
+    node = node_behind(port)
+    if node is not None:
+        return _node(*node, depth)
+    sources = UsdShade.Utils.GetValueProducingAttributes(port)
+    value = sources[0].Get(EARLIEST) if sources else None
+    if isinstance(value, Sdf.AssetPath):
+        return Image(sources[0]) if value.path else None
+    return _constant(value)
+
+
+def node_behind(port: UsdShade.Input | UsdShade.Output) -> tuple[UsdShade.Shader, str] | None:
+    """The shader, and the name of its output, that feeds `port` through any interfaces; None when a value does.
+
+    Some exporters connect to outputs they never declare; the shader named by the connection counts then.
+    """
+    sources = UsdShade.Utils.GetValueProducingAttributes(port)
+    if sources and UsdShade.Output.IsOutput(sources[0]):
+        return UsdShade.Shader(sources[0].GetPrim()), sources[0].GetName().rpartition(":")[2]
+    for path in port.GetAttr().GetConnections():
+        prim = port.GetPrim().GetStage().GetPrimAtPath(path.GetPrimPath())
+        if prim and prim.IsA(UsdShade.Shader) and not prim.HasProperty(path.name):
+            return UsdShade.Shader(prim), path.name.rpartition(":")[2]
+    return None
 
 
 def _constant(value: Any) -> Fed:
@@ -165,10 +180,10 @@ def _coordinates(port: UsdShade.Input) -> dict[str, Any]:
     """Primvar name and transform of the texture coordinates that feed `port`, as fields of `Image`."""
     found: dict[str, Any] = {}
     for _ in range(MAX_DEPTH):
-        sources = UsdShade.Utils.GetValueProducingAttributes(port) if port else []
-        if not sources or UsdShade.Input.IsInput(sources[0]):
+        node = node_behind(port) if port else None
+        if node is None:
             return found
-        shader = UsdShade.Shader(sources[0].GetPrim())
+        shader = node[0]
         kind = identifier(shader)
         if "UsdPrimvarReader" in kind or "geompropvalue" in kind:
             name = feed(shader.GetInput("varname")) or feed(shader.GetInput("geomprop"))
