@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 
 from assetkit.options import METERS_PER_UNIT, UnitName
-from schemas.diagnostics import Diagnostic, InvalidInput, finding
+from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
 from schemas.evidence import Evidence, declared, default, inferred
 from schemas.outcome import Repair
 
@@ -141,6 +141,7 @@ def _by_size(extent: tuple[float, float, float], format_: str) -> UnitDecision:
         value=posterior,
         bound=MIN_POSTERIOR,
         unit="probability of the best unit",
+        severity=Severity.INFO if confident else None,
     )
     return UnitDecision(evidence, (note,))
 

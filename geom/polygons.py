@@ -58,6 +58,46 @@ def _convex(rings: np.ndarray) -> np.ndarray:
 
 def _ear_clip(ring: np.ndarray) -> np.ndarray | None:
     """(k - 2, 3) triangles of one (k, 3) polygon, or None where it has no area to project on."""
+    axes = _plane(ring)
+    if axes is None:
+        return None
+    flat = (ring - ring.mean(axis=0)) @ axes
+    cut = np.asarray(manifold3d.triangulate([flat / np.abs(flat).max()]), dtype=np.int64).reshape(-1, 3)
+    return cut if len(cut) == len(ring) - 2 else None
+
+
+def triangulate_with_holes(rings: list[np.ndarray]) -> np.ndarray:
+    """(m, 3) int64 triangles of one polygon with holes, as positions in the rings laid end to end.
+
+    rings  (k_i, 3) float64 each: the outline first, then the holes, in any direction. The triangles are wound as the
+    outline is. Without area to project on, the outline alone becomes a fan.
+    """
+    axes = _plane(rings[0])
+    if axes is None:
+        k = len(rings[0])
+        return np.stack([np.zeros(k - 2, np.int64), np.arange(1, k - 1), np.arange(2, k)], axis=1)
+    origin = rings[0].mean(axis=0)
+    flat = [(r - origin) @ axes for r in rings]
+    scale = max(float(np.abs(f).max()) for f in flat)
+    starts = np.cumsum([0, *(len(f) for f in flat)])
+    # The triangulator wants the outline counter-clockwise and holes clockwise: turn those that are not.
+    position = [
+        np.arange(start, start + len(f)) if (_area(f) > 0) == (i == 0) else np.arange(start + len(f) - 1, start - 1, -1)
+        for i, (start, f) in enumerate(zip(starts[:-1], flat, strict=True))
+    ]
+    order = np.concatenate(position)
+    laid = np.concatenate(flat)
+    cut = manifold3d.triangulate([laid[p] / scale for p in position])
+    return order[np.asarray(cut, dtype=np.int64).reshape(-1, 3)]
+
+
+def _area(ring: np.ndarray) -> float:
+    x, y = ring[:, 0], ring[:, 1]
+    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)) / 2
+
+
+def _plane(ring: np.ndarray) -> np.ndarray | None:
+    """(3, 2) axes of the plane a (k, 3) ring lies in, the ring counter-clockwise in them; None without area."""
     normal = newell_normals(ring[None])[0]
     length = float(np.linalg.norm(normal))
     if not np.isfinite(length) or length == 0.0:
@@ -65,6 +105,4 @@ def _ear_clip(ring: np.ndarray) -> np.ndarray | None:
     normal = normal / length
     u = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     u /= np.linalg.norm(u)
-    flat = (ring - ring.mean(axis=0)) @ np.stack([u, np.cross(normal, u)], axis=1)
-    cut = np.asarray(manifold3d.triangulate([flat / np.abs(flat).max()]), dtype=np.int64).reshape(-1, 3)
-    return cut if len(cut) == len(ring) - 2 else None
+    return np.stack([u, np.cross(normal, u)], axis=1)

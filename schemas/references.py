@@ -12,7 +12,7 @@ _DRIVE = re.compile(r"^[a-zA-Z]:[\\/]|^\\\\")
 
 
 def resolve_reference(uri: str, *, base: Path, root: Path, where: Location | None = None) -> Path | None:
-    """The file a reference names, or None when no such file exists here.
+    """The file a reference names, or None when no such file exists here or the text is no path at all.
 
     Percent-encoding, Windows separators and differing letter case are understood. `base` is the folder of the
     referring file. Paths of another machine (drive letters, UNC, `file://host`) cannot exist here: None, unopened.
@@ -20,6 +20,13 @@ def resolve_reference(uri: str, *, base: Path, root: Path, where: Location | Non
     Raises InvalidInput (`asset/path-escape`) when the path, with symlinks followed, lies outside `root`, and
     (`asset/remote-reference`) for network addresses. Nothing outside `root` is opened or listed.
     """
+    try:
+        return _resolve(uri, base=base, root=root, where=where)
+    except (ValueError, OSError):
+        return None  # An over-long name, a lone surrogate, a broken IPv6 address: nothing on disk is called that.
+
+
+def _resolve(uri: str, *, base: Path, root: Path, where: Location | None) -> Path | None:
     text = unquote(uri.strip())
     scheme = urlsplit(text).scheme.lower()
     if scheme in {"http", "https", "ftp", "s3", "omniverse"}:

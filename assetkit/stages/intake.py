@@ -36,6 +36,7 @@ READERS: dict[str, Callable[[SourceFile], Outcome[Model]]] = {
     "ply": read_ply,
     "dae": read_dae,
     "usd": read_usd,
+    "usdz": read_usd,
 }
 
 
