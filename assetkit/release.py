@@ -13,6 +13,7 @@ from schemas.asset import AssetRecord, SourceSection
 from schemas.evidence import Evidence, declared, default
 from schemas.package import PackageContent
 from usdio.reread import reread_body
+from usdio.source_names import source_names
 from usdio.write_package import write_package
 
 if TYPE_CHECKING:
@@ -105,6 +106,7 @@ def _record(draft: Draft, journal: Journal, hashes: dict[str, str]) -> AssetReco
             author=_stated(source.metadata, "author"),
             generator=source.metadata.get("generator", ""),
             nodes=len(source.nodes),
+            source_names=source_names(draft.model),
         ),
         geometry=canonical.section,
         appearance=need(draft.appearance, "appearance").section,

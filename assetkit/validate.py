@@ -6,7 +6,7 @@ from pathlib import Path
 
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
 from usdio.gate import gate
-from usdio.outside import Verdict, outside_verdicts
+from usdio.outside import outside_verdicts
 
 _USD = {".usd", ".usda", ".usdc", ".usdz"}
 
@@ -21,12 +21,10 @@ def main_usd_files(path: Path) -> list[Path]:
 
 def validate_file(file: Path) -> tuple[Diagnostic, ...]:
     """All findings of the outside validators and of the gate, errors first."""
-    outside = [_outside(verdict, text, file) for verdict in outside_verdicts(file) for text in verdict.findings]
+    outside = [
+        finding("asset/package-invalid", f"{verdict.judge}: {line}", where=Location(file=file.name), severity=severity)
+        for verdict in outside_verdicts(file)
+        for severity, lines in ((Severity.ERROR, verdict.findings), (Severity.WARNING, verdict.warnings))
+        for line in lines
+    ]
     return tuple(sorted([*outside, *gate(file)], key=lambda d: d.severity is not Severity.ERROR))
-
-
-def _outside(verdict: Verdict, text: str, file: Path) -> Diagnostic:
-    """A judge's line; only a failing judge makes it an error."""
-    severity = Severity.WARNING if verdict.passed else Severity.ERROR
-    where = Location(file=file.name)
-    return finding("asset/package-invalid", f"{verdict.judge}: {text}", where=where, severity=severity)

@@ -6,20 +6,17 @@ Sources: Wavefront "Advanced Visualizer" appendix B (MTL 4.2) and the PBR extens
 
 from __future__ import annotations
 
-import io
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-from PIL import Image
-
-from assetkit.readers.corners import Notes, repaired, srgb_to_linear
-from assetkit.readers.texture_table import TextureTable
+from assetkit.readers.corners import Notes, repaired
+from assetkit.readers.phong import ior_or_default, linear_rgb, roughness_from_exponent, unit_interval
+from assetkit.readers.texture_table import TextureTable, has_alpha, holds_normals
 from assetkit.source import SourceFile
 from schemas.diagnostics import Location, Severity, finding
-from schemas.model import Channel, Material, Texture, TextureUse
+from schemas.model import Channel, Material, TextureUse
 
 # Options of a texture statement and the least and most arguments each takes.
 _OPTIONS: dict[str, tuple[int, int]] = {
@@ -102,29 +99,27 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
         if key in _MAPS and (use := _texture_use(statement, folder, textures)) is not None
     }
     opacity, found = _opacity(values, block)
-    bump = next(
-        (maps[k] for k in ("norm", "map_bump", "bump") if k in maps and _holds_normals(k, maps[k], textures)), None
-    )
+    bump = next((maps[k] for k in ("norm", "map_bump", "bump") if k in maps and _is_normal(k, maps[k], textures)), None)
     base = maps.get("map_kd")
     mask = maps.get("map_d")
     emissive = values.get("ke", (0.0, 0.0, 0.0))
     material = Material(
         name=block.name,
-        base_color=(1.0, 1.0, 1.0) if base else _linear(values.get("kd", (0.8, 0.8, 0.8))),
+        base_color=(1.0, 1.0, 1.0) if base else linear_rgb(values.get("kd", (0.8, 0.8, 0.8))),
         base_color_texture=base,
-        metallic=_unit(values.get("pm", (1.0 if "map_pm" in maps else 0.0,))[0]),
+        metallic=unit_interval(values.get("pm", (1.0 if "map_pm" in maps else 0.0,))[0]),
         metallic_texture=_scalar(maps.get("map_pm")),
         roughness=1.0 if "map_pr" in maps else _roughness(values),
         roughness_texture=_scalar(maps.get("map_pr")),
         normal_texture=bump,
-        emissive=(1.0, 1.0, 1.0) if "map_ke" in maps and not any(emissive) else _linear(emissive),
+        emissive=(1.0, 1.0, 1.0) if "map_ke" in maps and not any(emissive) else linear_rgb(emissive),
         emissive_texture=maps.get("map_ke"),
         opacity=opacity,
         opacity_texture=_mask(mask, textures) if mask else None,
         alpha_mode="blend" if opacity < 1.0 or mask else "opaque",
-        ior=values["ni"][0] if "ni" in values and 1.0 < values["ni"][0] <= 4.0 else 1.5,
-        clearcoat=_unit(values.get("pc", (0.0,))[0]),
-        clearcoat_roughness=_unit(values.get("pcr", (0.0,))[0]),
+        ior=ior_or_default(values["ni"][0] if "ni" in values else None),
+        clearcoat=unit_interval(values.get("pc", (0.0,))[0]),
+        clearcoat_roughness=unit_interval(values.get("pcr", (0.0,))[0]),
         unmapped=_unmapped(block, values, kept=set(maps) - ({"bump", "map_bump"} if bump is None else set())),
     )
     return material, notes + found
@@ -169,9 +164,9 @@ def _opacity(values: dict[str, tuple[float, ...]], block: _Block) -> tuple[float
     `Tr 1` and `d 0` for opaque materials.
     """
     if "d" in values:
-        opacity, statement = _unit(values["d"][0]), block.statements["d"]
+        opacity, statement = unit_interval(values["d"][0]), block.statements["d"]
     elif "tr" in values:
-        opacity, statement = 1.0 - _unit(values["tr"][0]), block.statements["tr"]
+        opacity, statement = 1.0 - unit_interval(values["tr"][0]), block.statements["tr"]
     else:
         return 1.0, Notes()
     if opacity > 0.0:
@@ -187,16 +182,12 @@ def _opacity(values: dict[str, tuple[float, ...]], block: _Block) -> tuple[float
 
 
 def _roughness(values: dict[str, tuple[float, ...]]) -> float:
-    """`Pr`, else from the Blinn-Phong exponent Ns, else 0.5; a material without highlight (Ks 0, illum 0 or 1) is 1.
-
-    Blinn-Phong with exponent n matches a Beckmann lobe of width a = sqrt(2 / (n + 2)) (Walter et al., "Microfacet
-    Models for Refraction", EGSR 2007), and UsdPreviewSurface squares roughness to get a: roughness = sqrt(a).
-    """
+    """`Pr`, else from the exponent Ns, else 0.5; a material without highlight (Ks 0, illum 0 or 1) is 1."""
     if "pr" in values:
-        return _unit(values["pr"][0])
+        return unit_interval(values["pr"][0])
     if not any(values.get("ks", (1.0,))) or values.get("illum", (2.0,))[0] in {0.0, 1.0}:
         return 1.0
-    return (2.0 / (max(values["ns"][0], 0.0) + 2.0)) ** 0.25 if "ns" in values else 0.5
+    return roughness_from_exponent(values["ns"][0]) if "ns" in values else 0.5
 
 
 def _texture_use(statement: Statement, folder: Path, textures: TextureTable) -> TextureUse | None:
@@ -245,32 +236,19 @@ def _scalar(use: TextureUse | None) -> TextureUse | None:
     """`use` reading one channel: the red one, unless the statement names another."""
     if use is None or use.channel != "rgb":
         return use
-    return _with_channel(use, "r")
+    return replace(use, channel="r")
 
 
 def _mask(use: TextureUse, textures: TextureTable) -> TextureUse:
     """`use` as an opacity map: its alpha channel where the picture has one, else its brightness (red)."""
     if use.channel != "rgb":
         return use
-    return _with_channel(use, "a" if "A" in _picture(textures.get(use.texture)).getbands() else "r")
+    return replace(use, channel="a" if has_alpha(textures.get(use.texture)) else "r")
 
 
-def _with_channel(use: TextureUse, channel: Channel) -> TextureUse:
-    return TextureUse(**{**use.__dict__, "channel": channel})
-
-
-def _holds_normals(keyword: str, use: TextureUse, textures: TextureTable) -> bool:
-    """Whether a bump statement names a tangent-space normal map: `norm` always does; `bump` does when the picture
-    is on average the blue (0.5, 0.5, 1) of an even surface, as many exporters write it. Heights stay unmapped.
-    """
-    if keyword == "norm":
-        return True
-    mean = np.asarray(_picture(textures.get(use.texture)).convert("RGB").resize((16, 16))).mean(axis=(0, 1)) / 255.0
-    return bool(np.all(np.abs(mean - [0.5, 0.5, 1.0]) < 0.15))
-
-
-def _picture(texture: Texture) -> Image.Image:
-    return Image.open(io.BytesIO(texture.data))  # decoded once already by load_texture, so known to be sound
+def _is_normal(keyword: str, use: TextureUse, textures: TextureTable) -> bool:
+    """`norm` names a normal map by definition; `bump` does when the picture looks like one."""
+    return keyword == "norm" or holds_normals(textures.get(use.texture))
 
 
 def _unmapped(block: _Block, values: dict[str, tuple[float, ...]], kept: set[str]) -> dict[str, Any]:
@@ -285,12 +263,3 @@ def _unmapped(block: _Block, values: dict[str, tuple[float, ...]], kept: set[str
         if numbers and len(numbers) == 1:
             unmapped[statement.keyword] = numbers[0]
     return unmapped
-
-
-def _linear(rgb: tuple[float, ...]) -> tuple[float, float, float]:
-    r, g, b = (float(c) for c in srgb_to_linear(np.asarray(rgb)))
-    return r, g, b
-
-
-def _unit(value: float) -> float:
-    return min(max(value, 0.0), 1.0)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
+
+import numpy as np
+from PIL import Image
 
 from assetkit.readers.images import load_texture
 from assetkit.source import SourceFile
@@ -42,10 +46,14 @@ class TextureTable:
         """The texture called `name`."""
         return next(t for t in self.textures if t.name == name)
 
+    def missing(self, uri: str, where: Location) -> None:
+        """Note that the image called `uri` is absent."""
+        self._drop(uri, finding("asset/missing-texture", f"texture '{uri}' is absent", where=where, value=uri))
+
     def _load(self, uri: str, base: Path, where: Location) -> str | None:
         path = self._source.resolve(uri, where=where, base=base)
         if path is None:
-            self._drop(uri, finding("asset/missing-texture", f"texture '{uri}' is absent", where=where, value=uri))
+            self.missing(uri, where)
             return None
         if path not in self._by_path:
             texture, diagnostics = load_texture(path.read_bytes(), self._free_name(path.stem), where=where)
@@ -65,3 +73,21 @@ class TextureTable:
         taken = {t.name for t in self.textures}
         stem = stem or "texture"
         return next(name for name in (stem, *(f"{stem}_{i}" for i in range(2, len(taken) + 3))) if name not in taken)
+
+
+def holds_normals(texture: Texture) -> bool:
+    """Whether a picture named as a bump map holds tangent-space normals, as many exporters write it: on average it is
+    then the blue (0.5, 0.5, 1) of an even surface. Otherwise it holds heights, which Material has no field for.
+    """
+    mean = np.asarray(picture(texture).convert("RGB").resize((16, 16))).mean(axis=(0, 1)) / 255.0
+    return bool(np.all(np.abs(mean - [0.5, 0.5, 1.0]) < 0.15))
+
+
+def has_alpha(texture: Texture) -> bool:
+    """Whether a picture has an alpha channel of its own."""
+    return "A" in picture(texture).getbands()
+
+
+def picture(texture: Texture) -> Image.Image:
+    """The decoded picture. `load_texture` has decoded it once, so it is known to be sound and small enough."""
+    return Image.open(io.BytesIO(texture.data), formats=("PNG", "JPEG"))

@@ -11,6 +11,7 @@ from schemas.outcome import Outcome
 from usdio.gate import gate
 from usdio.outside import outside_verdicts
 from usdio.reread import reread_body, reread_visual
+from usdio.source_names import renamed, source_names
 
 
 class AcceptPackage:
@@ -35,7 +36,8 @@ class AcceptPackage:
         judged = accept(main_file, tools.simulator, body=reread_body(main_file), visual=reread_visual(main_file))
         section = judged.section.model_copy(update={"validators": validators})
         refused = tuple(_refused(v.judge, v.findings) for v in verdicts if not v.passed)
-        return Outcome(Acceptance(section), (*refused, *gate_findings, *judged.diagnostics))
+        names = renamed(source_names(draft.model))
+        return Outcome(Acceptance(section), (*names, *refused, *gate_findings, *judged.diagnostics))
 
 
 def _check(name: str, errors: int) -> Check:
