@@ -1,0 +1,360 @@
+"""PyBullet behind `sim.port.Simulator`: one private DIRECT client per object, nothing shared between objects.
+
+Traps of PyBullet 3.2.7 that this file answers, each covered by a test:
+- a free `btMultiBody`, the default, integrates the gyroscopic moment explicitly: a spinning box gains a fifth of its
+  energy in 10 s and a stick of 1:100 flies off; so bodies are `btRigidBody` (`useMaximalCoordinates`), whose implicit
+  integration loses energy instead;
+- hulls carry a margin of 1 mm outside, and for rigid bodies `collisionMargin=0` changes nothing: it is set through a
+  passing multibody that has the same shape;
+- `changeDynamics` with a new inertia but no mass sets the mass to 0, and `getDynamicsInfo` returns rubbish for rigid
+  bodies: mass and inertia are proven by a push;
+- `createCollisionShapeArray` drops all shapes after the 16th silently: all hulls share one OBJ, one `o` group each;
+- friction and restitution of a pair are multiplied: the ground has 1, the body the value of the pair;
+- damping is 0.04 unless set, and bodies fall asleep;
+- files are cached by name across worlds: caching is off.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import os
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from geom import pose
+from geom.principal_axes import principal_axes
+from geom.support import bounds, diagonal, heights, surface
+from schemas.model import FloatArray, IntArray
+from schemas.physics import CollisionShape, RigidBody
+from sim.port import DropResult, DropSettings, Stillness, World, pair_value, rms_speeds
+
+
+@contextmanager
+def _muted() -> Iterator[None]:
+    """Within it, whatever native code writes to standard output is dropped: output belongs to `cli`."""
+    libc = ctypes.CDLL(None)
+    sys.stdout.flush()
+    saved, sink = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(sink, 1)
+    try:
+        yield
+    finally:
+        libc.fflush(None)
+        os.dup2(saved, 1)
+        os.close(saved)
+        os.close(sink)
+
+
+with _muted():  # PyBullet announces its build time when it is imported.
+    import pybullet
+
+# Bullet's tolerances are absolute (slop 10 um, restitution from 0.2 m/s on), made for things of hand to door size.
+SMALLEST_M, LARGEST_M, REFERENCE_M = 0.02, 5.0, 0.3
+_PARKED_M = 1000.0
+_SLOTS = 16  # of createCollisionShapeArray
+_SINGLE = 1e-6  # relative: the OBJ reader is single precision
+
+
+@dataclass(frozen=True)
+class _Slot:
+    """One entry of createCollisionShapeArray; fields that the kind does not use keep their defaults."""
+
+    kind: int
+    position_m: Sequence[float] = (0.0, 0.0, 0.0)
+    quat_xyzw: Sequence[float] = (0.0, 0.0, 0.0, 1.0)
+    half_extents_m: Sequence[float] = (1.0, 1.0, 1.0)
+    radius_m: float = 1.0
+    length_m: float = 1.0
+    file: str = ""
+
+
+@dataclass(frozen=True)
+class _Loaded:
+    """A body standing in the engine's world, at `scale` times its true size."""
+
+    body: RigidBody
+    world: World
+    handle: int
+    ground: int
+    scale: float
+    diagonal_m: float
+    X_AI: FloatArray  # inertial frame (mass centre, principal axes) in the asset frame, scaled
+
+
+class BulletSimulator:
+    """Rigid bodies on a plane. Close it, or use it as a context manager.
+
+    Repeated calls are bit-equal, also between processes and whatever was dropped before: between drops the body is
+    parked far above the ground for one step, which empties all contact caches, and then placed anew.
+
+    Bodies whose box diagonal is below 2 cm or above 5 m are simulated at 0.3 m and the results converted back, by
+    Froude similarity (equal g, equal densities): lengths x s, times and speeds x sqrt(s), turning rates / sqrt(s),
+    masses x s^3, inertia x s^5, friction and restitution as they are. Their step is 1/240 s of the model's time.
+    """
+
+    def __init__(self) -> None:
+        self._client = pybullet.connect(pybullet.DIRECT)
+        if self._client < 0:
+            raise RuntimeError("PyBullet has no free client; at most 1024 exist per process")
+        self._loaded: _Loaded | None = None
+
+    @property
+    def name(self) -> str:
+        """Engine and version."""
+        return f"pybullet {version('pybullet')}"
+
+    def close(self) -> None:
+        """Free the engine's world; the object is of no use afterwards."""
+        if self._client >= 0:
+            pybullet.disconnect(physicsClientId=self._client)
+            self._client, self._loaded = -1, None
+
+    def __enter__(self) -> BulletSimulator:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def drop(self, body: RigidBody, X_WA: FloatArray, settings: DropSettings) -> DropResult:
+        """See `sim.port.Simulator`. Raises RuntimeError when the engine did not build what was asked for."""
+        loaded = self._loaded
+        if loaded is None or loaded.body is not body or loaded.world != settings.world:
+            loaded = self._load(body, settings.world)
+        rows, finite = self._simulate(loaded, X_WA, settings)
+        points = pybullet.getContactPoints(loaded.handle, loaded.ground, physicsClientId=self._client)
+        return _result(loaded, rows, settings, len(points), finite)
+
+    def drop_many(
+        self, body: RigidBody, poses_WA: Sequence[FloatArray], settings: DropSettings
+    ) -> tuple[DropResult, ...]:
+        """See `sim.port.Simulator`. One after another in one world.
+
+        Many bodies side by side in one world cost the same, and there the result of each depends on its neighbours
+        through the order in which the solver visits contacts.
+        """
+        return tuple(self.drop(body, X_WA, settings) for X_WA in poses_WA)
+
+    def _load(self, body: RigidBody, world: World) -> _Loaded:
+        """Build ground and body in an empty world, and prove that the engine holds what was asked for."""
+        client = self._client
+        self._loaded = None
+        size = diagonal(body.shapes)
+        scale = 1.0 if SMALLEST_M <= size <= LARGEST_M else REFERENCE_M / size
+        pybullet.resetSimulation(physicsClientId=client)
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=world.timestep_s,
+            numSubSteps=world.substeps,
+            enableFileCaching=0,
+            deterministicOverlappingPairs=1,
+            physicsClientId=client,
+        )
+        pybullet.setGravity(*world.gravity_mps2, physicsClientId=client)
+        plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
+        ground = pybullet.createMultiBody(0, plane, useMaximalCoordinates=1, physicsClientId=client)
+        pybullet.changeDynamics(ground, -1, lateralFriction=1.0, restitution=1.0, physicsClientId=client)
+
+        moments, quat_wxyz = principal_axes(body.mass.inertia_kgm2)
+        X_AI = pose.pose_from_quat(quat_wxyz, scale * np.asarray(body.mass.centre_of_mass_m))
+        mass_kg, moments = body.mass.mass_kg * scale**3, moments * scale**5
+        with tempfile.TemporaryDirectory() as folder:
+            collision = self._shapes(body.shapes, scale, Path(folder))
+            self._clear_margins(collision, len(body.shapes))
+            handle = pybullet.createMultiBody(
+                baseMass=mass_kg,
+                baseCollisionShapeIndex=collision,
+                basePosition=[0.0, 0.0, _PARKED_M],
+                baseInertialFramePosition=X_AI[:3, 3].tolist(),
+                baseInertialFrameOrientation=pose.to_xyzw(quat_wxyz).tolist(),
+                useMaximalCoordinates=1,
+                physicsClientId=client,
+            )
+        contact = body.contact
+        pybullet.changeDynamics(
+            handle,
+            -1,
+            mass=mass_kg,
+            localInertiaDiagonal=moments.tolist(),
+            # Bullet has one coefficient; the dynamic one is the safe side for an object that must come to rest.
+            lateralFriction=pair_value(contact.dynamic_friction, world.ground_friction, contact.combine),
+            restitution=pair_value(contact.restitution, world.ground_restitution, contact.combine),
+            spinningFriction=0.0,
+            rollingFriction=world.rolling_resistance_m * scale,
+            linearDamping=0.0,
+            angularDamping=0.0,
+            activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
+            physicsClientId=client,
+        )
+        loaded = _Loaded(body, world, handle, ground, scale, size * scale, X_AI)
+        self._prove(loaded, mass_kg, moments)
+        self._loaded = loaded
+        return loaded
+
+    def _shapes(self, shapes: Sequence[CollisionShape], scale: float, folder: Path) -> int:
+        """The engine's handle of the compound of all shapes; it reads `folder` again when a body is made of it.
+
+        Primitives for which no slot is left become hulls.
+        """
+        primitives = [shape for shape in shapes if shape.kind != "hull"]
+        hulls = [shape for shape in shapes if shape.kind == "hull"]
+        kept = _SLOTS - 1 if hulls or len(primitives) > _SLOTS else _SLOTS
+        hulls, primitives = hulls + primitives[kept:], primitives[:kept]
+        slots = [_primitive(shape, scale) for shape in primitives]
+        if hulls:
+            file = folder / "hulls.obj"
+            file.write_text(_obj([surface(hull) for hull in hulls], scale), encoding="ascii")
+            slots.append(_Slot(pybullet.GEOM_MESH, file=str(file)))
+        return pybullet.createCollisionShapeArray(
+            shapeTypes=[slot.kind for slot in slots],
+            halfExtents=[slot.half_extents_m for slot in slots],
+            radii=[slot.radius_m for slot in slots],
+            lengths=[slot.length_m for slot in slots],
+            fileNames=[slot.file for slot in slots],
+            collisionFramePositions=[slot.position_m for slot in slots],
+            collisionFrameOrientations=[slot.quat_xyzw for slot in slots],
+            physicsClientId=self._client,
+        )
+
+    def _clear_margins(self, collision: int, count: int) -> None:
+        """Set the margins of a compound to 0; RuntimeError unless it has `count` members."""
+        client = self._client
+        passing = pybullet.createMultiBody(0, collision, basePosition=[0.0, 0.0, _PARKED_M], physicsClientId=client)
+        pybullet.changeDynamics(passing, -1, collisionMargin=0.0, physicsClientId=client)
+        held = len(pybullet.getCollisionShapeData(passing, -1, physicsClientId=client))
+        pybullet.removeBody(passing, physicsClientId=client)
+        if held != count:
+            raise RuntimeError(f"the engine holds {held} collision shapes, not {count}")
+
+    def _prove(self, loaded: _Loaded, mass_kg: float, moments: FloatArray) -> None:
+        """Raise RuntimeError unless mass frame, reach of the shapes, mass and moments are as asked for.
+
+        One push far above the ground: a force of m N and moments of I Nm about the principal axes, times 1e-3 lest the
+        gyroscopic moment shows, change each speed by 1e-3 units per second.
+        """
+        client, handle, name = self._client, loaded.handle, loaded.body.name
+        position, quat_xyzw = pybullet.getBasePositionAndOrientation(handle, physicsClientId=client)
+        moved = np.abs(position - loaded.X_AI[:3, 3] - [0.0, 0.0, _PARKED_M]).max()
+        turned = pose.angle_between(pose.quat_of(loaded.X_AI[:3, :3]), pose.to_wxyz(np.asarray(quat_xyzw)))
+        if moved > 1e-9 or turned > 1e-6:
+            raise RuntimeError(f"{name}: the engine's mass frame is {position}, {quat_xyzw}, not {loaded.X_AI}")
+        low, high = (np.asarray(c) for c in pybullet.getAABB(handle, -1, physicsClientId=client))
+        exact = bounds(loaded.body.shapes) * loaded.scale + [0.0, 0.0, _PARKED_M]
+        slack = _SINGLE * loaded.diagonal_m + 1e-9
+        if np.any(low > exact[0] + slack) or np.any(high < exact[1] - slack):
+            raise RuntimeError(f"{name}: the engine's box {low}, {high} misses part of {exact}")
+
+        self._place(handle, pose.pose(None, (0.0, 0.0, _PARKED_M)))
+        pybullet.stepSimulation(physicsClientId=client)  # Only a step makes the engine use the inertia it was given.
+        self._place(handle, pose.pose(None, (0.0, 0.0, _PARKED_M)))
+        frame = {"flags": pybullet.WORLD_FRAME, "physicsClientId": client}
+        pybullet.applyExternalForce(handle, -1, [1e-3 * mass_kg, 0.0, 0.0], [0.0, 0.0, _PARKED_M], **frame)
+        pybullet.applyExternalTorque(handle, -1, (1e-3 * moments).tolist(), **frame)
+        pybullet.stepSimulation(physicsClientId=client)
+        linear, angular = pybullet.getBaseVelocity(handle, physicsClientId=client)
+        step_s = loaded.world.timestep_s
+        gained = np.array([linear[0] - loaded.world.gravity_mps2[0] * step_s, *angular]) / (1e-3 * step_s)
+        if not np.allclose(gained, 1.0, rtol=1e-3):
+            raise RuntimeError(f"{name}: a push gives {gained} of the speeds that mass and inertia call for")
+
+    def _simulate(self, loaded: _Loaded, X_WA: FloatArray, settings: DropSettings) -> tuple[list[Any], bool]:
+        """Rows (position, quaternion xyzw, linear, angular) of the inertial frame in the model's units, and whether
+        the motion stayed finite.
+        """
+        client, handle = self._client, loaded.handle
+        root = math.sqrt(loaded.scale)
+        X_WA = np.array(X_WA, dtype=np.float64)
+        X_WA[:3, 3] *= loaded.scale
+        X_WI = X_WA @ loaded.X_AI
+        self._place(handle, pose.pose(X_WI[:3, :3], (0.0, 0.0, _PARKED_M)))
+        pybullet.stepSimulation(physicsClientId=client)
+        self._place(handle, X_WI)
+
+        still = settings.still or Stillness(0.0, math.inf)
+        steps = math.ceil(settings.duration_s * root / settings.world.timestep_s - 1e-9)
+        hold = max(1, math.ceil(still.hold_s * root / settings.world.timestep_s)) if settings.still else steps + 1
+        speed, gyration = (still.speed_mps * root) ** 2, _largest_gyration_m2(loaded)
+        far_m = _PARKED_M * max(1.0, loaded.diagonal_m)
+        rows, quiet, finite = [self._state(handle)], 0, True
+        for _ in range(steps):
+            pybullet.stepSimulation(physicsClientId=client)
+            row = self._state(handle)
+            (x, y, z), (vx, vy, vz), (wx, wy, wz) = row[0], row[2], row[3]
+            if not abs(x) + abs(y) + abs(z) < far_m:  # also true of NaN
+                finite = False
+                break
+            rows.append(row)
+            is_still = vx * vx + vy * vy + vz * vz + gyration * (wx * wx + wy * wy + wz * wz) <= speed
+            quiet = quiet + 1 if is_still else 0
+            if quiet > hold:
+                break
+        return rows, finite
+
+    def _place(self, handle: int, X_WI: FloatArray) -> None:
+        quat_xyzw = Rotation.from_matrix(X_WI[:3, :3]).as_quat().tolist()
+        pybullet.resetBasePositionAndOrientation(handle, X_WI[:3, 3].tolist(), quat_xyzw, physicsClientId=self._client)
+        pybullet.resetBaseVelocity(handle, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], physicsClientId=self._client)
+
+    def _state(self, handle: int) -> tuple[Any, ...]:
+        where = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self._client)
+        return (*where, *pybullet.getBaseVelocity(handle, physicsClientId=self._client))
+
+
+def _largest_gyration_m2(loaded: _Loaded) -> float:
+    """The largest principal moment over the mass: bounds the rms speed of turning from above."""
+    moments, _ = principal_axes(loaded.body.mass.inertia_kgm2)
+    return float(moments.max()) / loaded.body.mass.mass_kg * loaded.scale**2
+
+
+def _result(loaded: _Loaded, rows: list[Any], settings: DropSettings, contacts: int, finite: bool) -> DropResult:
+    """The recorded rows of the inertial frame, as motion of the asset frame at true size."""
+    positions, quats_xyzw, linear, angular = (np.array([row[i] for row in rows]) for i in range(4))
+    scale, root = loaded.scale, math.sqrt(loaded.scale)
+    X_IA = pose.inverse(loaded.X_AI)
+    R_WI = Rotation.from_quat(quats_xyzw).as_matrix()
+    R_WA = R_WI @ X_IA[:3, :3]
+    origins = (positions + R_WI @ X_IA[:3, 3]) / scale
+    return DropResult(
+        times_s=np.arange(len(rows)) * (settings.world.timestep_s / root),
+        positions_m=origins,
+        quats_wxyz=pose.quat_of(R_WA),
+        linear_mps=linear / root,
+        angular_radps=angular * root,
+        speeds_mps=rms_speeds(loaded.body.mass, R_WA, linear / root, angular * root),
+        heights_m=heights(loaded.body.shapes, origins, R_WA),
+        contacts=contacts,
+        left_patch=bool(np.linalg.norm(origins[:, :2] - origins[0, :2], axis=1).max() > settings.patch_radius_m),
+        finite=finite,
+    )
+
+
+def _primitive(shape: CollisionShape, scale: float) -> _Slot:
+    """The engine's description of a box, sphere, capsule or cylinder."""
+    sizes = [float(s) * scale for s in shape.size_m]
+    position_m = (shape.X_AS[:3, 3] * scale).tolist()
+    quat_xyzw = Rotation.from_matrix(shape.X_AS[:3, :3]).as_quat().tolist()
+    if shape.kind == "box":
+        return _Slot(pybullet.GEOM_BOX, position_m, quat_xyzw, half_extents_m=[s / 2.0 for s in sizes])
+    if shape.kind == "sphere":
+        return _Slot(pybullet.GEOM_SPHERE, position_m, quat_xyzw, radius_m=sizes[0])
+    kind = pybullet.GEOM_CAPSULE if shape.kind == "capsule" else pybullet.GEOM_CYLINDER
+    return _Slot(kind, position_m, quat_xyzw, radius_m=sizes[0], length_m=sizes[1])
+
+
+def _obj(surfaces: Sequence[tuple[FloatArray, IntArray]], scale: float) -> str:
+    """Wavefront OBJ text with one `o` group per convex surface (points (n, 3), triangles (m, 3))."""
+    lines, first = [], 1
+    for index, (points, triangles) in enumerate(surfaces):
+        lines.append(f"o hull_{index}")
+        lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in (np.asarray(points, dtype=np.float64) * scale).tolist()]
+        lines += [f"f {a} {b} {c}" for a, b, c in (np.asarray(triangles) + first).tolist()]
+        first += len(points)
+    return "\n".join([*lines, ""])

@@ -1,0 +1,154 @@
+"""What the rest of Mana asks of a rigid-body simulator. Implementations: `sim.bullet`, and `sim.fake` for tests."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
+
+import numpy as np
+
+from schemas.model import FloatArray
+from schemas.physics import MassProperties, RigidBody
+
+GRAVITY_MPS2 = 9.81
+Combine = Literal["average", "multiply", "minimum", "maximum"]
+
+
+@dataclass(frozen=True)
+class World:
+    """The plane z = 0, gravity, and the step. Two drops in equal worlds are comparable number by number.
+
+    The ground has one friction and one restitution; the rule of the body's `Contact` combines them with its own. The
+    ground's rule counts as "average", the weakest one, so the body's always wins (PhysX, `PxCombineMode`).
+    `rolling_resistance_m` is the lever arm of the moment that opposes rolling (Coulomb 1785), 0 for none. A slope is
+    the same plane under tilted gravity.
+    """
+
+    ground_friction: float = 0.5
+    ground_restitution: float = 0.0
+    rolling_resistance_m: float = 0.0
+    gravity_mps2: tuple[float, float, float] = (0.0, 0.0, -GRAVITY_MPS2)
+    timestep_s: float = 1.0 / 240.0
+    substeps: int = 2
+
+
+@dataclass(frozen=True)
+class Stillness:
+    """At rest means: the rms speed of the body's matter stays below its bound for `hold_s`."""
+
+    speed_mps: float
+    hold_s: float
+
+
+@dataclass(frozen=True)
+class DropSettings:
+    """How long to simulate, and when to stop early: as soon as the body is still, if `still` says what that is."""
+
+    duration_s: float
+    world: World = field(default_factory=World)
+    still: Stillness | None = None
+    patch_radius_m: float = math.inf
+
+
+@dataclass(frozen=True)
+class DropResult:
+    """The recorded motion, one row per step, row 0 the pose as released.
+
+    times_s (k,); positions_m (k, 3) and quats_wxyz (k, 4) of the asset frame in the world; linear_mps (k, 3) of the
+    mass centre and angular_radps (k, 3), world axes; speeds_mps (k,), the rms speed of the body's matter
+    `sqrt(2 E_kin / m)`, which weighs turning and travelling alike at any size; heights_m (k,) of the lowest point of
+    the collision geometry over the ground, computed from the pose and the exact shapes, not from the engine's contacts:
+    negative is penetration.
+    `contacts` is the engine's number of contact points at the end. `left_patch`: the origin went further from its
+    start than `patch_radius_m`. `finite` is False when the motion diverged; rows after that are left out.
+    """
+
+    times_s: FloatArray
+    positions_m: FloatArray
+    quats_wxyz: FloatArray
+    linear_mps: FloatArray
+    angular_radps: FloatArray
+    speeds_mps: FloatArray
+    heights_m: FloatArray
+    contacts: int
+    left_patch: bool
+    finite: bool
+
+    @property
+    def penetration_m(self) -> float:
+        """Deepest penetration into the ground at any time, at least 0."""
+        return max(0.0, -float(self.heights_m.min()))
+
+    def touch_s(self, tolerance_m: float) -> float | None:
+        """When the body first came within `tolerance_m` of the ground; None if never."""
+        touching = np.flatnonzero(self.heights_m <= tolerance_m)
+        return float(self.times_s[touching[0]]) if touching.size else None
+
+    def still_since_s(self, still: Stillness) -> float | None:
+        """Since when the body has been at rest at the end of the record; None if it is not, or not for `hold_s`."""
+        moving = np.flatnonzero(self.speeds_mps > still.speed_mps)
+        start = 0 if moving.size == 0 else int(moving[-1]) + 1
+        if not self.finite or start >= len(self.times_s):
+            return None
+        since = float(self.times_s[start])
+        return since if self.times_s[-1] - since >= still.hold_s * (1.0 - 1e-9) else None
+
+
+class Simulator(Protocol):
+    """Drops one rigid body on the ground. Equal calls give equal results, whatever was simulated before."""
+
+    @property
+    def name(self) -> str:
+        """Engine and version, as it stands in records."""
+        ...
+
+    def drop(self, body: RigidBody, X_WA: FloatArray, settings: DropSettings) -> DropResult:
+        """The motion of `body` released at rest in pose `X_WA` (4, 4)."""
+        ...
+
+    def drop_many(
+        self, body: RigidBody, poses_WA: Sequence[FloatArray], settings: DropSettings
+    ) -> tuple[DropResult, ...]:
+        """Independent drops: element i equals `drop(body, poses_WA[i], settings)`."""
+        ...
+
+
+def pair_value(body: float, ground: float, rule: Combine) -> float:
+    """Friction or restitution of a contact, from the values of both sides and the rule that combines them."""
+    if rule == "average":
+        return 0.5 * (body + ground)
+    if rule == "multiply":
+        return body * ground
+    return min(body, ground) if rule == "minimum" else max(body, ground)
+
+
+def natural_time_s(diagonal_m: float) -> float:
+    """The time in which gravity moves a body by about its own size, `sqrt(L / g)`: the unit of every duration."""
+    return math.sqrt(diagonal_m / GRAVITY_MPS2)
+
+
+def world_for(diagonal_m: float, *, rolling_resistance: float = 0.0) -> World:
+    """A world whose steps are short against the natural time of a body of that size (at most 1/80 of it, 2 to 8
+    substeps). `rolling_resistance` is a fraction of the size.
+    """
+    world = World(rolling_resistance_m=rolling_resistance * diagonal_m)
+    substeps = math.ceil(world.timestep_s * 80.0 / natural_time_s(diagonal_m))
+    return World(rolling_resistance_m=world.rolling_resistance_m, substeps=min(max(substeps, 2), 8))
+
+
+def stillness_for(diagonal_m: float) -> Stillness:
+    """Rest for a body of that size: half a percent of its natural speed `sqrt(g L)` for three natural times.
+
+    A body that tips off an edge doubles its speed about every natural time, so it cannot hide.
+    """
+    natural_s = natural_time_s(diagonal_m)
+    return Stillness(speed_mps=0.005 * diagonal_m / natural_s, hold_s=3.0 * natural_s)
+
+
+def rms_speeds(mass: MassProperties, R_WA: FloatArray, linear_mps: FloatArray, angular_radps: FloatArray) -> FloatArray:
+    """`sqrt(2 E_kin / m)` (k,) for orientations (k, 3, 3), mass-centre velocities and turning rates (k, 3) in W."""
+    angular_A = np.einsum("kji,kj->ki", R_WA, angular_radps)
+    turning = np.einsum("ki,ij,kj->k", angular_A, mass.inertia_kgm2, angular_A) / mass.mass_kg
+    return np.sqrt((linear_mps**2).sum(axis=1) + np.maximum(turning, 0.0))
