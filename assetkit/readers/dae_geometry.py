@@ -204,7 +204,7 @@ def _corners(
     if (counts < 0).any():
         raise ValueError("a face has a negative number of corners")
     fits = np.cumsum(counts) <= len(table)
-    if not fits.all():
+    if fits.any() and not fits.all():
         _drop(primitive, f"its last {int((~fits).sum())} faces have no indices", document)
     return table[: int(counts[fits].sum())], counts[fits]
 
