@@ -12,6 +12,8 @@ from geom.winding_number import winding_numbers
 from schemas.model import FloatArray, IntArray
 
 INSIDE_PROBES = 8
+# Volume over area ** 1.5 below which a closed surface encloses nothing but rounding; a ball has 0.094.
+LEAST_COMPACTNESS = 1e-7
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,11 @@ class Components:
     def solid(self) -> FloatArray:
         """(k,) closed and consistently wound, so that `volume` has a meaning."""
         return self.closed & self.consistent
+
+    @property
+    def turned_in(self) -> FloatArray:
+        """(k,) solid with a negative volume beyond rounding; a double-sided sheet encloses none."""
+        return self.solid & (self.volume < -LEAST_COMPACTNESS * self.area**1.5)
 
     @property
     def extent(self) -> FloatArray:

@@ -27,7 +27,7 @@ def surplus_shells(points: FloatArray, triangles: IntArray, parts: Components) -
 def later_copies(keys: IntArray) -> FloatArray:
     """(m,) True where an earlier row of `keys` (m, k) is equal."""
     later = np.ones(len(keys), dtype=bool)
-    later[np.unique(keys, axis=0, return_index=True)[1]] = False
+    later[np.unique(_row_numbers(keys), return_index=True)[1]] = False
     return later
 
 
@@ -39,11 +39,18 @@ def oriented_keys(triangles: IntArray) -> IntArray:
 
 def has_reverse(triangles: IntArray) -> FloatArray:
     """(m,) True for faces whose reverse, the same points the other way round, is also among them."""
-    _, index = np.unique(
-        np.concatenate([oriented_keys(triangles), oriented_keys(triangles[:, [0, 2, 1]])]), axis=0, return_inverse=True
-    )
-    own, reverse = np.split(index.reshape(-1), 2)
+    both = _row_numbers(np.concatenate([oriented_keys(triangles), oriented_keys(triangles[:, [0, 2, 1]])]))
+    own, reverse = np.split(both, 2)
     return np.isin(reverse, own)
+
+
+def _row_numbers(rows: IntArray) -> IntArray:
+    """(m,) int64, equal where the rows (m, 3) of non-negative indices are equal; one number per row sorts fast."""
+    base = int(rows.max(initial=0)) + 1
+    if base > 2**21:  # Three indices no longer fit into 63 bits.
+        return np.unique(rows, axis=0, return_inverse=True)[1].reshape(-1)
+    a, b, c = rows.astype(np.int64).T
+    return (a * base + b) * base + c
 
 
 def _welded_copies(triangles: IntArray, parts: Components) -> tuple[int, FloatArray]:

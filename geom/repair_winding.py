@@ -40,9 +40,8 @@ def outward_flips(points: FloatArray, triangles: IntArray) -> FloatArray:
     turned = _turned(triangles, flips)
     agreed = edges_of(turned)
     parts = components_of(points, turned, agreed)
-    outward = np.zeros(parts.count, dtype=bool)
     parent = opposite_container(points, turned, parts)
-    outward |= parts.solid & (parts.volume < 0.0) & (parent < 0)
+    outward = parts.turned_in & (parent < 0)
     for part in np.argsort(-parts.extent, kind="stable"):  # Containers come before what they contain.
         outward[part] |= parent[part] >= 0 and outward[parent[part]]
     nearly_closed = np.zeros(parts.count, dtype=bool)

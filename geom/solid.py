@@ -9,7 +9,7 @@ import trimesh
 
 from geom.mesh_edit import merge_surfaces
 from geom.openings import HOLE_SHARE, OpenBody
-from geom.solid_bodies import Bodies, signed_volume, sort_bodies, tidy, unite
+from geom.solid_bodies import Bodies, signed_volume, sort_bodies, unite
 from geom.solid_voxel import voxel_hull
 from geom.surface_distance import triangle_areas, two_way
 from geom.weld import diagonal, weld_points
@@ -43,7 +43,7 @@ def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
     `visual_to_solid_p95_m`, `solid_to_visual_p95_m`, `surface_distance_m` (larger of the two 95th percentiles).
     """
     bodies = sort_bodies(meshes)
-    points, triangles, _ = merge_surfaces([tidy(m) for m in meshes])
+    points, triangles, _ = merge_surfaces(bodies.tidied)
     points, triangles = weld_points(points, triangles)
     united = unite(bodies.closed) if bodies.closed else None
     naive = sum(signed_volume(*body) for body in bodies.closed)

@@ -31,13 +31,17 @@ LEADING_PART_SHARE = 0.5
 class Bodies:
     """What the visual surfaces hold.
 
-    closed       closed outward bodies, each with its inward cavity shells.
+    tidied       each mesh, cleaned (`tidy`).
+    by_mesh      closed bodies of each mesh that leaves nothing open, else ().
+    closed       closed outward bodies over all meshes, each with its inward cavity shells.
     open         the components that stay open, welded together, and the verdicts on them.
     cavities     cavity shells in `closed`.
     filled       loops capped to close a body.
     closed_area, open_area  visible area of either, caps not counted.
     """
 
+    tidied: tuple[Mesh, ...]
+    by_mesh: tuple[tuple[Surface, ...], ...]
     closed: tuple[Surface, ...]
     open: Mesh
     verdicts: tuple[OpenBody, ...]
@@ -55,12 +59,15 @@ def sort_bodies(meshes: Sequence[Mesh]) -> Bodies:
     closed: list[Surface] = []
     cavities, closed_area = 0, 0.0
     leftovers: list[Mesh] = []
-    for mesh in meshes:
-        solids, rest, inner, area = closed_parts(tidy(mesh))
+    by_mesh: list[tuple[Surface, ...]] = []
+    tidied = tuple(tidy(mesh) for mesh in meshes)
+    for mesh in tidied:
+        solids, rest, inner, area = _closed_parts(mesh)
         closed, cavities, closed_area = closed + solids, cavities + inner, closed_area + area
         leftovers.append(rest)
+        by_mesh.append(() if len(rest.triangles) else tuple(solids))
     points, triangles, _ = merge_surfaces(leftovers)
-    solids, rest, inner, area = closed_parts(tidy(Mesh("open", points, triangles)))
+    solids, rest, inner, area = _closed_parts(tidy(Mesh("open", points, triangles)))
     closed, cavities, closed_area = closed + solids, cavities + inner, closed_area + area
     edges = edges_of(rest.triangles)
     parts = components_of(rest.points, rest.triangles, edges)
@@ -75,6 +82,8 @@ def sort_bodies(meshes: Sequence[Mesh]) -> Bodies:
         closed_area += body.area
         kept[body.faces] = False
     return Bodies(
+        tidied=tidied,
+        by_mesh=tuple(by_mesh),
         closed=tuple(closed),
         open=keep_faces(rest, kept),
         verdicts=tuple(v for v in verdicts if not _is_body(v, total)),
@@ -133,7 +142,7 @@ def signed_volume(points: FloatArray, triangles: IntArray) -> float:
     return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
 
 
-def closed_parts(mesh: Mesh) -> tuple[list[Surface], Mesh, int, float]:
+def _closed_parts(mesh: Mesh) -> tuple[list[Surface], Mesh, int, float]:
     """Closed bodies with their cavities, the remaining faces, the number of cavities and the closed area."""
     if len(mesh.triangles) == 0:
         return [], mesh, 0, 0.0

@@ -43,7 +43,7 @@ def observe(points: FloatArray, triangles: IntArray, name: str) -> Topology:
         non_manifold_edges=int((edges.uses > 2).sum()),
         non_manifold_vertices=len(bow_ties(proper, edges)),
         inconsistent_edges=int(((edges.uses == 2) & (edges.net != 0)).sum()),
-        inverted=bool((parts.solid & (parts.volume < 0.0) & (parent < 0)).any()),
+        inverted=bool((parts.turned_in & (parent < 0)).any()),
         watertight=watertight,
         duplicate_shells=surplus_shells(points, proper, parts)[0],
         inner_shells=int(((parent >= 0) & (parts.volume < 0.0)).sum()),

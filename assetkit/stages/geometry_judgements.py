@@ -1,0 +1,104 @@
+"""What is found about the mended meshes that steers only the physical surface; the visible one is left alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geom.edges import edges_of
+from geom.solid_bodies import Bodies, Surface, signed_volume, sort_bodies, unite
+from geom.topology import repeats_point
+from schemas.model import Mesh
+
+Counts = Mapping[str, float]
+
+# Naive over united volume.
+OVERLAP_BOUND = 1.02
+# The asset is an open shell when containers carry this share of its area.
+SHELL_SHARE = 0.98
+# Edges with an odd number of faces, three or more, that are left after the edits; as a share of all edges.
+DIRTY_SHARE = 5e-3
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A defect that the physical surface answers: repair name, diagnostic code, headline, figures before and after."""
+
+    name: str
+    code: str
+    headline: str
+    before: Counts
+    after: Counts
+
+
+def judge(meshes: Sequence[Mesh], surplus_found: bool) -> tuple[Judgement, ...]:
+    """Overlapping bodies, open containers and meshes beyond single edits, in this order, each only where found.
+
+    `surplus_found` tells that degenerate or duplicate faces were reported; a mesh is beyond repair when crowded edges
+    remain on top of that. Crowded edges alone are boards that meet by design.
+    """
+    bodies = sort_bodies(meshes)
+    found = (_overlapping(bodies), _open_shell(bodies), _dirty(meshes) if surplus_found else None)
+    return tuple(judgement for judgement in found if judgement is not None)
+
+
+def _overlapping(bodies: Bodies) -> Judgement | None:
+    naive, united = _overlap(bodies)
+    if not naive > OVERLAP_BOUND * united > 0.0:
+        return None
+    return Judgement(
+        "self_intersection",
+        "asset/overlapping-bodies",
+        "closed parts of one mesh overlap",
+        {"volume_m3": naive},
+        {"volume_m3": united},
+    )
+
+
+def _open_shell(bodies: Bodies) -> Judgement | None:
+    containers = [v for v in bodies.verdicts if v.kind == "container"]
+    area = sum(v.area for v in containers)
+    if area < SHELL_SHARE * (bodies.closed_area + bodies.open_area) or area == 0.0:
+        return None
+    openings = {"openings": sum(len(v.openings) for v in containers)}
+    headline = "an open container without wall thickness is kept open"
+    return Judgement("open_shell_keep_cavity", "asset/open-shell", headline, openings, openings)
+
+
+def _dirty(meshes: Sequence[Mesh]) -> Judgement | None:
+    odd = sum(_odd_edges(m) for m in meshes)
+    if odd <= DIRTY_SHARE * 1.5 * sum(len(m.triangles) for m in meshes):  # A closed mesh has 1.5 edges per face.
+        return None
+    headline = "the surface is too damaged for single edits; only the physical surface is rebuilt"
+    return Judgement("mesh_repair", "asset/dirty-mesh", headline, {"odd_edges": odd}, {"odd_edges": odd})
+
+
+def _overlap(sorted_bodies: Bodies) -> tuple[float, float]:
+    """Added and united volume of the bodies of those meshes that consist of several closed bodies and nothing open.
+
+    Overlap between meshes is how artists assemble; overlap inside one mesh counts the shared volume twice.
+    """
+    naive = united = 0.0
+    for bodies in sorted_bodies.by_mesh:
+        if len(bodies) < 2 or not _boxes_overlap(bodies):
+            continue
+        union = unite(bodies)
+        if union is not None:
+            naive += sum(signed_volume(*body) for body in bodies)
+            united += signed_volume(*union)
+    return naive, united
+
+
+def _boxes_overlap(bodies: Sequence[Surface]) -> bool:
+    low = np.array([points.min(axis=0) for points, _ in bodies])
+    high = np.array([points.max(axis=0) for points, _ in bodies])
+    return any(
+        bool(((low[i + 1 :] < high[i]) & (high[i + 1 :] > low[i])).all(axis=1).any()) for i in range(len(bodies) - 1)
+    )
+
+
+def _odd_edges(mesh: Mesh) -> int:
+    uses = edges_of(mesh.triangles[~repeats_point(mesh.triangles)]).uses
+    return int(((uses > 2) & (uses % 2 == 1)).sum())
