@@ -33,7 +33,8 @@ def rebuild(out: Path) -> int:
     count = 0
     with closing(sqlite3.connect(temporary)) as db, db:
         db.executescript(_TABLES)
-        for count, (_, record) in enumerate(records(out), start=1):
+        for _, record in records(out):
+            count += 1
             db.execute(f"INSERT INTO assets VALUES ({','.join('?' * 14)})", _row(record))
             db.execute("INSERT INTO words VALUES (?, ?)", (record.asset_id, _text(record)))
     temporary.replace(path)

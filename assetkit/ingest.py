@@ -27,6 +27,7 @@ _CODES = {
     "crashed": "asset/worker-crashed",
     "failed": "asset/worker-crashed",
 }
+DEFAULT_LIMITS = Limits(seconds=300.0, memory_mb=8192)
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Batch:
     options: Options
     worker: tuple[str, ...]
     jobs: int = 1
-    limits: Limits = Limits(seconds=300.0, memory_mb=8192)
+    limits: Limits = DEFAULT_LIMITS
     resume: bool = False
     fresh: bool = False
 
@@ -121,7 +122,7 @@ def _lost(candidate: Candidate, result: CellResult, limits: Limits) -> ReportIte
     value, limit, unit = bound.get(result.status, (result.returncode, 0, "exit status"))
     tail = result.output.strip().splitlines()[-1:] or ["no output"]
     diagnostic = finding(
-        _CODES[result.status] if result.status in _CODES else "asset/worker-crashed",
+        _CODES.get(result.status, "asset/worker-crashed"),
         f"worker {result.status.replace('_', ' ')}: {tail[0][:200]}",
         value=None if value is None else round(value, 1),
         bound=limit,

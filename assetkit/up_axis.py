@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.diagnostics import Diagnostic, finding
-from schemas.evidence import Evidence, inferred
+from schemas.evidence import Evidence
 from schemas.model import Axis, FloatArray
 from schemas.outcome import Repair
 
@@ -39,7 +39,7 @@ def decide_up_axis(stated: Evidence[Axis], hints: tuple[str, ...]) -> UpDecision
     if len(found) != 1:
         return UpDecision(stated)
     axis: Axis = found.pop()
-    evidence = inferred(axis, "comment or header of the file", 0.9)
+    evidence = Evidence[Axis](value=axis, source="inferred", method="comment or header of the file", confidence=0.9)
     if axis == stated.value:
         return UpDecision(evidence)
     note = finding(

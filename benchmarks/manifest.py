@@ -69,12 +69,10 @@ def main() -> None:
         }
         table.append(line)
         if line["verdict"] != "ok":
-            print(
-                f"{line['verdict']:8} {row['id']:34} expected {row['outcome']} ({row['reason']}), got {item.outcome.value}"
-                f" {list(item.codes)} {line['repairs']} {[d.headline for d in item.diagnostics if d.severity == 'error']}"
-                f" {item.traceback[-300:]}",
-                flush=True,
-            )
+            errors = [d.headline for d in item.diagnostics if d.severity == "error"]
+            wanted = f"expected {row['outcome']} ({row['reason']})"
+            got = f"got {item.outcome.value} {list(item.codes)} {line['repairs']} {errors} {item.traceback[-300:]}"
+            print(f"{line['verdict']:8} {row['id']:34} {wanted}, {got}", flush=True)
     summary(table, time.monotonic() - started)
     (arguments.out / "table.json").write_text(json.dumps(table, indent=1))
 

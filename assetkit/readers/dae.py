@@ -48,6 +48,9 @@ def read_dae(source: SourceFile) -> Outcome[Model]:
     meshes, materials = _meshes(placements, document, textures, source)
     if not meshes:
         _raise_without_faces(document)
+    if (animation := document.root.find("library_animations//channel")) is not None:
+        headline = "the file is animated; the pose its nodes state was taken"
+        document.say(finding("asset/animation-dropped", headline, where=document.place(animation)))
     notes = document.notes + Notes(tuple(textures.diagnostics), tuple(textures.repairs))
     hints, metadata = _texts(document)
     model = Model(

@@ -36,10 +36,10 @@ _OPTIONS: dict[str, tuple[int, int]] = {
     "-colorspace": (1, 1),
 }
 _CHANNELS: dict[str, Channel] = {"r": "r", "g": "g", "b": "b", "m": "a"}
-_NUMBERS: dict[str, int] = {"kd": 3, "ks": 3, "ke": 3, "ka": 3, "tf": 3}
+_COLORS = frozenset({"kd", "ks", "ke", "ka", "tf"})
 _SCALARS = frozenset({"ns", "ni", "d", "tr", "pr", "pm", "pc", "pcr", "ps", "illum", "sharpness", "aniso", "anisor"})
 _MAPS = frozenset({"map_kd", "map_ke", "map_d", "map_pr", "map_pm", "map_bump", "bump", "norm"})
-_MAPPED = frozenset({"kd", "ke", "ns", "ni", "d", "tr", "pr", "pm", "pc", "pcr"}) | _MAPS
+_FIELDS = frozenset({"kd", "ke", "ns", "ni", "d", "tr", "pr", "pm", "pc", "pcr"})  # these have a place in Material
 
 
 @dataclass(frozen=True)
@@ -103,6 +103,9 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
     base = maps.get("map_kd")
     mask = maps.get("map_d")
     emissive = values.get("ke", (0.0, 0.0, 0.0))
+    taken = (_FIELDS & values.keys()) | maps.keys()
+    taken -= ({"kd"} if base else set()) | ({"bump", "map_bump"} if bump is None else set())
+    taken -= {"d", "tr"} if found.diagnostics else set()
     material = Material(
         name=block.name,
         base_color=(1.0, 1.0, 1.0) if base else linear_rgb(values.get("kd", (0.8, 0.8, 0.8))),
@@ -120,7 +123,7 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
         ior=ior_or_default(values["ni"][0] if "ni" in values else None),
         clearcoat=unit_interval(values.get("pc", (0.0,))[0]),
         clearcoat_roughness=unit_interval(values.get("pcr", (0.0,))[0]),
-        unmapped=_unmapped(block, values, kept=set(maps) - ({"bump", "map_bump"} if bump is None else set())),
+        unmapped=_unmapped(block, values, taken),
     )
     return material, notes + found
 
@@ -131,14 +134,15 @@ def _values(block: _Block) -> tuple[dict[str, tuple[float, ...]], Notes]:
     notes = Notes()
     for key, statement in block.statements.items():
         words = statement.text.split()
-        if (key not in _NUMBERS and key not in _SCALARS) or (words and words[0] in {"spectral", "xyz"}):
+        if key not in _COLORS | _SCALARS or (words and words[0] in {"spectral", "xyz"}):
             continue
         if key == "d" and words[:1] == ["-halo"]:
             words = words[1:]
-        numbers = _numbers(words[: _NUMBERS.get(key, 1)])
-        if key in _NUMBERS and len(numbers) == 1 and len(words) == 1:
-            numbers = numbers * 3
-        if len(numbers) == _NUMBERS.get(key, 1):
+        wanted = 3 if key in _COLORS else 1
+        numbers = _numbers(words[:wanted])
+        if len(words) == 1:
+            numbers = numbers * wanted
+        if len(numbers) == wanted:
             values[key] = numbers
             continue
         diagnostic = finding(
@@ -251,15 +255,11 @@ def _is_normal(keyword: str, use: TextureUse, textures: TextureTable) -> bool:
     return keyword == "norm" or holds_normals(textures.get(use.texture))
 
 
-def _unmapped(block: _Block, values: dict[str, tuple[float, ...]], kept: set[str]) -> dict[str, Any]:
-    """Statements that have no field in Material, by keyword as written: numbers where they are numbers, else text."""
+def _unmapped(block: _Block, values: dict[str, tuple[float, ...]], taken: set[str]) -> dict[str, Any]:
+    """Statements not `taken` by a field of Material, by keyword as written: numbers where they are, else text."""
     unmapped: dict[str, Any] = {}
     for key, statement in block.statements.items():
-        replaced = key == "kd" and "map_kd" in kept
-        if key in _MAPPED and (key in kept or key in values) and not replaced and key != "tr":
-            continue
-        numbers = values.get(key)
-        unmapped[statement.keyword] = list(numbers) if numbers and len(numbers) > 1 else statement.text
-        if numbers and len(numbers) == 1:
-            unmapped[statement.keyword] = numbers[0]
+        if key not in taken:
+            numbers = values.get(key, ())
+            unmapped[statement.keyword] = list(numbers) if len(numbers) > 1 else (*numbers, statement.text)[0]
     return unmapped

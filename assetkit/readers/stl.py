@@ -21,7 +21,7 @@ _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribut
 _SOLID = re.compile(rb"^[ \t]*solid\b([^\r\n]*)", re.IGNORECASE | re.MULTILINE)
 _VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
 _KEYWORD = re.compile(rb"\b(vertex|endfacet)\b", re.IGNORECASE)
-_END = re.compile(rb"\bend\s*solid\b[^\r\n]*\s*\Z", re.IGNORECASE)
+_END = re.compile(rb"\bend\s*solid\b", re.IGNORECASE)
 
 
 def read_stl(source: SourceFile) -> Outcome[Model]:
@@ -93,7 +93,8 @@ def _binary_corners(data: bytes, where: Location) -> tuple[np.ndarray, Notes]:
         )
         notes, count = repaired(diagnostic, "triangle_count", declared=count, held=held), held
     records = np.frombuffer(data, dtype=_RECORD, count=count, offset=HEADER_BYTES)
-    corners = records["corners"].astype(np.float64)
+    with np.errstate(invalid="ignore"):  # signalling NaNs: check_finite names them
+        corners = records["corners"].astype(np.float64)
     check_finite(corners.reshape(-1, 3), where, row="corner")
     return corners, notes
 

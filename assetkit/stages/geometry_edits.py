@@ -83,8 +83,8 @@ def _surplus_faces(item: Item) -> Edit:
         return Edit(mended)
     return Edit(
         mended,
-        {"triangles": faces, "degenerate_faces": degenerate, "duplicate_faces": duplicate},
-        {"triangles": len(mended.triangles), "degenerate_faces": 0, "duplicate_faces": 0},
+        {"surplus_faces": degenerate + duplicate, "degenerate_faces": degenerate, "duplicate_faces": duplicate},
+        {"surplus_faces": 0, "degenerate_faces": 0, "duplicate_faces": 0},
     )
 
 

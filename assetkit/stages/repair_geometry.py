@@ -43,13 +43,12 @@ def repair_geometry(meshes: Sequence[Mesh]) -> RepairResult:
         if reported := [i for i, e in enumerate(edits) if e.before is not None]:
             before = _summed(edits[i].before or {} for i in reported)
             after = _summed(edits[i].after for i in reported)
-            repairs.append(Repair(name=name, code=code, stage="canonicalize", before=dict(before), after=dict(after)))
+            repairs.append(_repair(name, code, before, after))
             where = Location(mesh=meshes[reported[0]].name if len(reported) == 1 else None)
             notes.append(_note(code, headline, where, before, after))
     for found in judge(current, any(r.name == "degenerate_faces" for r in repairs)):
-        before, after = dict(found.before), dict(found.after)
-        repairs.append(Repair(name=found.name, code=found.code, stage="canonicalize", before=before, after=after))
-        notes.append(_note(found.code, found.headline, Location(), before, after))
+        repairs.append(_repair(found.name, found.code, found.before, found.after))
+        notes.append(_note(found.code, found.headline, Location(), found.before, found.after))
     return RepairResult(tuple(current), (*observed, merged), _observe_all(current), tuple(notes), tuple(repairs))
 
 
@@ -65,6 +64,10 @@ def _summed(counts: Iterable[Counts]) -> Counts:
     return total
 
 
+def _repair(name: str, code: str, before: Counts, after: Counts) -> Repair:
+    return Repair(name=name, code=code, stage="canonicalize", before={**before}, after={**after})
+
+
 def _note(code: str, headline: str, where: Location, before: Counts, after: Counts) -> Diagnostic:
     key = next(iter(before))
-    return finding(code, headline, where=where, value=before[key], bound=after[key], unit=key)
+    return finding(code, headline, where=where, value=before[key], bound=after[key], unit=key.replace("_", " "))

@@ -1,0 +1,173 @@
+"""Stable poses by drop-settle trials (Goldberg et al. 1999, "Part pose statistics": probabilities need dynamics)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from geom.pose import matrix_of, pose, quat_of, shortest_rotation
+from geom.support import centre_heights, diagonal, facet_directions, support
+from schemas.asset import StablePose
+from schemas.model import FloatArray
+from schemas.physics import RigidBody
+from sim.port import (
+    ROLLING_RESISTANCE,
+    DropResult,
+    DropSettings,
+    Simulator,
+    natural_time_s,
+    stillness_for,
+    world_for,
+)
+
+TRIALS = 32
+_DOWN = np.array([0.0, 0.0, -1.0])
+_SAME_POSE_RAD = math.radians(5.0)
+_SAME_POSE_BARRIER = 0.06  # of the height of the mass centre: a prism of ten sides or more rolls, a cube does not
+_NEAR_RAD = math.radians(2.0)
+
+
+@dataclass(frozen=True)
+class StablePoses:
+    """The poses found, most probable first, and what became of the trials.
+
+    at_rest   trials that came to rest in a stable pose; the others rolled, rocked or diverged until the end, or were
+              held on an edge by rolling resistance alone.
+    refuted   poses that trials ended in but that moved when the body was placed there at rest; they are left out.
+    """
+
+    poses: tuple[StablePose, ...]
+    trials: int
+    at_rest: int
+    refuted: int
+
+
+def find_stable_poses(body: RigidBody, simulator: Simulator, *, trials: int = TRIALS) -> StablePoses:
+    """Drop `body` in `trials` evenly spread orientations and collect where it comes to rest.
+
+    Orientations are compared modulo yaw, by the direction that faces down in the asset frame. Two are one pose when
+    they lie within 5 degrees, or when the mass centre stays level within 6 % of its height on the way from one to the
+    other: so a can on its side is one pose, however it rolled. A pose's probability is its share of all trials; its
+    orientation carries no yaw (the least rotation that brings its down direction down), its support offset follows
+    from the exact collision shapes. Each pose is placed at rest once more and must stay, see `holds`.
+    """
+    size = diagonal(body.shapes)
+    world, still = world_for(size), stillness_for(size)
+    settings = DropSettings(48.0 * natural_time_s(size), world, still)
+    starts = [resting_pose(body, down_A, gap_m=0.01 * size) for down_A in spread_directions(trials)]
+    results = simulator.drop_many(body, starts, settings)
+    settled = [r for r in results if r.still_since_s(still) is not None and r.heights_m[-1] < 0.01 * size]
+    centre = np.asarray(body.mass.centre_of_mass_m)
+    downs = np.array([-matrix_of(r.quats_wxyz[-1])[2] for r in settled]).reshape(-1, 3)
+    downs = _snapped(body, downs[_is_stable(body, downs)])
+    if not len(downs):
+        return StablePoses((), trials, 0, 0)
+    levels = centre_heights(body.shapes, centre, downs)
+    families = _families(body, downs, levels)
+    poses, refuted = [], 0
+    for family in range(int(families.max()) + 1):
+        members = np.flatnonzero(families == family)
+        best = members[np.argmin(np.round(levels[members] / size, 6))]  # the lowest; of equals, the earliest trial
+        X_WA = resting_pose(body, downs[best], gap_m=0.0)
+        if not holds(body, simulator, X_WA):
+            refuted += 1
+            continue
+        w, x, y, z = (float(q) for q in quat_of(X_WA[:3, :3]))
+        share = len(members) / trials
+        poses.append(StablePose(quat_wxyz=(w, x, y, z), support_offset_m=float(X_WA[2, 3]), probability=share))
+    poses.sort(key=lambda p: (-p.probability, p.support_offset_m, p.quat_wxyz))
+    return StablePoses(tuple(poses), trials, len(downs), refuted)
+
+
+def resting_pose(body: RigidBody, down_A: FloatArray, *, gap_m: float) -> FloatArray:
+    """X_WA (4, 4) without yaw: the unit direction `down_A` (3,) faces down, the lowest point is at z = `gap_m`."""
+    offset = float(support(body.shapes, down_A[None])[0])
+    return pose(shortest_rotation(down_A, _DOWN), (0.0, 0.0, offset + gap_m))
+
+
+def holds(body: RigidBody, simulator: Simulator, X_WA: FloatArray) -> bool:
+    """Whether the body, placed at rest in `X_WA`, stays for a second (three natural times if that is longer).
+
+    Staying means: it moves by less than 2 mm, or half a percent of its size if that is more (5 % of the size at most),
+    and its down direction by less than 2 degrees.
+    """
+    size = diagonal(body.shapes)
+    world = world_for(size)
+    result = simulator.drop(body, X_WA, DropSettings(max(1.0, 3.0 * natural_time_s(size)), world))
+    moved, tilted = displacement(result)
+    allowed_m = min(max(0.002, 0.005 * size), 0.05 * size)
+    return result.finite and moved < allowed_m and tilted < math.radians(2.0)
+
+
+def displacement(result: DropResult) -> tuple[float, float]:
+    """How far (m) the origin is from its start at the end, and by how much (rad) the down direction has turned."""
+    first, last = (matrix_of(result.quats_wxyz[i])[2] for i in (0, -1))
+    moved = float(np.linalg.norm(result.positions_m[-1] - result.positions_m[0]))
+    return moved, float(np.arccos(np.clip(first @ last, -1.0, 1.0)))
+
+
+def spread_directions(count: int) -> FloatArray:
+    """`count` unit vectors (count, 3) spread evenly over the sphere, a Fibonacci lattice (Swinbank and Purser 2006)."""
+    index = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * index / count
+    azimuth = index * np.pi * (3.0 - np.sqrt(5.0))
+    radius = np.sqrt(1.0 - z**2)
+    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=1)
+
+
+def _is_stable(body: RigidBody, downs: FloatArray) -> FloatArray:
+    """Which directions (k, 3) are at or near a local minimum of the mass centre's height.
+
+    Tipped by 2 degrees any way, the centre may get lower only by what rolling resistance can hold.
+    """
+    centre = np.asarray(body.mass.centre_of_mass_m)
+    allowed_m = 1.5 * ROLLING_RESISTANCE * diagonal(body.shapes) * math.sin(_NEAR_RAD)
+    azimuth = np.arange(16) * (2.0 * np.pi / 16)
+    ring = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(16)], axis=1) * math.sin(_NEAR_RAD)
+    ring[:, 2] = -math.cos(_NEAR_RAD)
+    stable = np.empty(len(downs), dtype=bool)
+    for index, down_A in enumerate(downs):
+        tipped = ring @ shortest_rotation(_DOWN, down_A).T
+        level = centre_heights(body.shapes, centre, down_A[None])[0]
+        stable[index] = centre_heights(body.shapes, centre, tipped).min() >= level - allowed_m
+    return stable
+
+
+def _snapped(body: RigidBody, downs: FloatArray) -> FloatArray:
+    """The directions (k, 3), each moved to a facet of the convex hull within 2 degrees if the mass centre gets lower.
+
+    It removes what the engine's contact tolerance leaves of tilt.
+    """
+    facets = facet_directions(body.shapes)
+    if not len(facets):
+        return downs
+    centre, slack = np.asarray(body.mass.centre_of_mass_m), 1e-6 * diagonal(body.shapes)
+    nearest = facets[np.argmax(downs @ facets.T, axis=1)]
+    close = np.einsum("ki,ki->k", nearest, downs) > math.cos(_NEAR_RAD)
+    lower = centre_heights(body.shapes, centre, nearest) <= centre_heights(body.shapes, centre, downs) + slack
+    return np.where((close & lower)[:, None], nearest, downs)
+
+
+def _families(body: RigidBody, downs: FloatArray, levels: FloatArray) -> FloatArray:
+    """Labels (k,) of the poses: single linkage over angle, and over the highest level on the great circle between."""
+    count = len(downs)
+    first, second = np.triu_indices(count, 1)
+    cosines = np.clip(np.einsum("ki,ki->k", downs[first], downs[second]), -1.0, 1.0)
+    angles = np.arccos(cosines)
+    steps = np.linspace(0.0, 1.0, 17)[None, :, None]
+    start, end = downs[first][:, None], downs[second][:, None]
+    path = start * (1.0 - steps) + end * steps  # radial projection of the chord: the great circle
+    lengths = np.linalg.norm(path, axis=2, keepdims=True)
+    path = path / np.where(lengths > 1e-9, lengths, 1.0)
+    centre = np.asarray(body.mass.centre_of_mass_m)
+    tops = centre_heights(body.shapes, centre, path.reshape(-1, 3)).reshape(len(first), -1).max(axis=1)
+    opposite = angles > np.pi - 1e-6  # no unique great circle
+    lower = np.minimum(levels[first], levels[second])
+    low = tops - lower < _SAME_POSE_BARRIER * lower
+    linked = (angles < _SAME_POSE_RAD) | (low & ~opposite)
+    graph = coo_array((np.ones(int(linked.sum())), (first[linked], second[linked])), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
