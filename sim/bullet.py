@@ -178,17 +178,11 @@ class BulletSimulator:
                 useMaximalCoordinates=1,
                 physicsClientId=client,
             )
-        contact = body.contact
         pybullet.changeDynamics(
             handle,
             -1,
             mass=mass_kg,
             localInertiaDiagonal=moments.tolist(),
-            # Bullet has one coefficient; the dynamic one is the safe side for an object that must come to rest.
-            lateralFriction=pair_value(contact.dynamic_friction, world.ground_friction, contact.combine),
-            restitution=pair_value(contact.restitution, world.ground_restitution, contact.combine),
-            spinningFriction=0.0,
-            rollingFriction=world.rolling_resistance_m * scale,
             linearDamping=0.0,
             angularDamping=0.0,
             activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
@@ -196,6 +190,18 @@ class BulletSimulator:
         )
         loaded = _Loaded(body, world, handle, ground, scale, size * scale, X_AI)
         self._prove(loaded, mass_kg, moments)
+        contact = body.contact
+        pybullet.changeDynamics(
+            handle,
+            -1,
+            # Bullet has one coefficient; the dynamic one is the safe side for an object that must come to rest.
+            lateralFriction=pair_value(contact.dynamic_friction, world.ground_friction, contact.combine),
+            restitution=pair_value(contact.restitution, world.ground_restitution, contact.combine),
+            spinningFriction=0.0,
+            rollingFriction=world.rolling_resistance_m * scale,
+            angularDamping=1.0 - math.exp(-world.turning_loss_per_s / math.sqrt(scale)),  # the share lost in a second
+            physicsClientId=client,
+        )
         self._loaded = loaded
         return loaded
 

@@ -13,6 +13,7 @@ from schemas.model import FloatArray
 from schemas.physics import MassProperties, RigidBody
 
 GRAVITY_MPS2 = 9.81
+ROLLING_RESISTANCE = 0.003  # of the size, see `world_for`
 Combine = Literal["average", "multiply", "minimum", "maximum"]
 
 
@@ -22,13 +23,15 @@ class World:
 
     The ground has one friction and one restitution; the rule of the body's `Contact` combines them with its own. The
     ground's rule counts as "average", the weakest one, so the body's always wins (PhysX, `PxCombineMode`).
-    `rolling_resistance_m` is the lever arm of the moment that opposes rolling (Coulomb 1785), 0 for none. A slope is
+    `rolling_resistance_m` is the lever arm of the moment that opposes rolling (Coulomb 1785), `turning_loss_per_s` the
+    rate at which turning decays; both are 0 for an ideal world, in which round things never come to rest. A slope is
     the same plane under tilted gravity.
     """
 
     ground_friction: float = 0.5
     ground_restitution: float = 0.0
     rolling_resistance_m: float = 0.0
+    turning_loss_per_s: float = 0.0
     gravity_mps2: tuple[float, float, float] = (0.0, 0.0, -GRAVITY_MPS2)
     timestep_s: float = 1.0 / 240.0
     substeps: int = 2
@@ -129,13 +132,18 @@ def natural_time_s(diagonal_m: float) -> float:
     return math.sqrt(diagonal_m / GRAVITY_MPS2)
 
 
-def world_for(diagonal_m: float, *, rolling_resistance: float = 0.0) -> World:
-    """A world whose steps are short against the natural time of a body of that size (at most 1/80 of it, 2 to 8
-    substeps). `rolling_resistance` is a fraction of the size.
+def world_for(diagonal_m: float) -> World:
+    """A tabletop for a body of that size, alike at every size.
+
+    Rolling resistance is 0.3 % of the size (a hard ball on a table) and turning decays by 15 % in one natural time, so
+    that round things come to rest; steps are at most 1/80 of the natural time (1 to 8 substeps).
     """
-    world = World(rolling_resistance_m=rolling_resistance * diagonal_m)
-    substeps = math.ceil(world.timestep_s * 80.0 / natural_time_s(diagonal_m))
-    return World(rolling_resistance_m=world.rolling_resistance_m, substeps=min(max(substeps, 2), 8))
+    natural_s = natural_time_s(diagonal_m)
+    return World(
+        rolling_resistance_m=ROLLING_RESISTANCE * diagonal_m,
+        turning_loss_per_s=0.15 / natural_s,
+        substeps=min(max(math.ceil(World.timestep_s * 80.0 / natural_s), 1), 8),
+    )
 
 
 def stillness_for(diagonal_m: float) -> Stillness:
