@@ -1,0 +1,82 @@
+"""An analytic simulator for tests of callers: free fall, then at once rest on the nearest stable face."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from geom.pose import quat_of, shortest_rotation
+from geom.support import centre_heights, facet_directions, heights, support
+from schemas.model import FloatArray
+from schemas.physics import RigidBody
+from sim.port import DropResult, DropSettings
+
+_NUDGE_RAD = 1e-4
+
+
+class FakeSimulator:
+    """Deterministic and exact where it claims to be: the fall is a parabola, the rest touches the ground.
+
+    No bounce, no sliding, no tumbling: when the lowest point touches, the body stands on the face of its convex hull
+    that carries the mass centre and is nearest to facing down; a body without such a face stays as it touched.
+    """
+
+    name = "fake 1"
+
+    def drop(self, body: RigidBody, X_WA: FloatArray, settings: DropSettings) -> DropResult:
+        """See `sim.port.Simulator`; only the vertical part of gravity acts."""
+        world = settings.world
+        times_s = np.arange(math.ceil(settings.duration_s / world.timestep_s - 1e-9) + 1) * world.timestep_s
+        gravity = -world.gravity_mps2[2]
+        R_WA, p_WA = np.asarray(X_WA)[:3, :3], np.asarray(X_WA)[:3, 3]
+        clearance = max(0.0, float(heights(body.shapes, p_WA[None], R_WA[None])[0]))
+        falling = 0.5 * gravity * times_s**2 < clearance
+
+        down_A = _resting_direction(body, -R_WA[2])
+        R_WR = shortest_rotation(R_WA @ down_A, np.array([0.0, 0.0, -1.0])) @ R_WA
+        rest = np.array([p_WA[0], p_WA[1], support(body.shapes, down_A[None])[0]])
+
+        fallen = p_WA - 0.5 * gravity * times_s[:, None] ** 2 * np.array([0.0, 0.0, 1.0])
+        positions = np.where(falling[:, None], fallen, rest)
+        orientations = np.where(falling[:, None, None], R_WA, R_WR)
+        linear = np.where(falling[:, None], -gravity * times_s[:, None] * np.array([0.0, 0.0, 1.0]), 0.0)
+        return DropResult(
+            times_s=times_s,
+            positions_m=positions,
+            quats_wxyz=quat_of(orientations),
+            linear_mps=linear,
+            angular_radps=np.zeros_like(linear),
+            speeds_mps=np.linalg.norm(linear, axis=1),
+            heights_m=heights(body.shapes, positions, orientations),
+            contacts=0 if falling[-1] else 4,
+            left_patch=False,
+            finite=True,
+        )
+
+    def drop_many(
+        self, body: RigidBody, poses_WA: Sequence[FloatArray], settings: DropSettings
+    ) -> tuple[DropResult, ...]:
+        """See `sim.port.Simulator`."""
+        return tuple(self.drop(body, X_WA, settings) for X_WA in poses_WA)
+
+
+def _resting_direction(body: RigidBody, down_A: FloatArray) -> FloatArray:
+    """The stable facet direction (3,) nearest to `down_A`, or `down_A` itself when there is none.
+
+    A facet is stable when tipping the body over any of its edges lifts the mass centre.
+    """
+    facets = facet_directions(body.shapes)
+    stable = [facet for facet in facets if _lifts_when_tipped(body, facet)]
+    return max(stable, key=lambda facet: float(facet @ down_A)) if stable else down_A
+
+
+def _lifts_when_tipped(body: RigidBody, facet: FloatArray) -> bool:
+    angles = np.arange(16) * (2.0 * np.pi / 16)
+    across = shortest_rotation(np.array([0.0, 0.0, 1.0]), facet)[:, :2]
+    tipped = facet + _NUDGE_RAD * (np.cos(angles)[:, None] * across[:, 0] + np.sin(angles)[:, None] * across[:, 1])
+    tipped /= np.linalg.norm(tipped, axis=1)[:, None]
+    centre = np.asarray(body.mass.centre_of_mass_m)
+    here = centre_heights(body.shapes, centre, facet[None])[0]
+    return bool(np.all(centre_heights(body.shapes, centre, tipped) > here))
