@@ -235,7 +235,7 @@ SAMPLES: dict[str, Writer] = {
 NOT_FROM_A_FILE: dict[str, str] = {
     "asset/worker-crashed": "tests/test_batch.py",
     "asset/worker-timeout": "tests/test_batch.py",
-    "asset/worker-out-of-memory": "tests/unit/test_cell.py",
+    "asset/worker-out-of-memory": "tests/test_batch.py",
     "asset/internal-error": "tests/test_batch.py",
     "asset/package-invalid": "tests/unit/test_gate.py",
     "asset/collision-fallback": "tests/unit/test_physics_stage.py",

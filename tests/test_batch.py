@@ -31,6 +31,7 @@ count = Path(request['out']) / f'{candidate.asset_id}.runs'
 count.write_text(str(int(count.read_text()) + 1) if count.exists() else '1')
 if 'abort' in text: import os; os.abort()
 if 'hang' in text: import time; time.sleep(60)
+if 'memory' in text: x = bytearray(8 * 2**30)
 if 'exit' in text: raise SystemExit('gave up')
 item = ReportItem(source=candidate.given, outcome='accepted', seconds={'intake': 0.1})
 memory.remember(Path(request['note']), memory.stored_from(item, candidate, Path(request['out'])))
@@ -63,12 +64,14 @@ def test_crashes_hangs_and_failures_cost_only_their_own_item(sources: Path, tmp_
     (sources / "crash.obj").write_text("abort")
     (sources / "hang.obj").write_text("hang")
     (sources / "fail.obj").write_text("exit")
+    (sources / "greedy.obj").write_text("memory")
     items = run(sources, batch(tmp_path / "out", jobs=2))
     assert {n: i.outcome for n, i in items.items() if len(n) == 1} == dict.fromkeys("abc", ItemOutcome.ACCEPTED)
     assert items["crash"].codes == ("asset/worker-crashed",)
     assert items["hang"].codes == ("asset/worker-timeout",)
     assert items["hang"].diagnostics[0].bound == 5.0
     assert items["fail"].codes == ("asset/worker-crashed",)
+    assert items["greedy"].codes == ("asset/worker-out-of-memory",)
     assert "gave up" in items["fail"].diagnostics[0].headline
     assert not list((tmp_path / "out" / ".work").glob("*"))
 

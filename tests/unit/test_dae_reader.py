@@ -233,6 +233,11 @@ def test_small_faults_are_repaired_and_said(tmp_path: Path, change: dict[str, st
     assert all(d.where.line is not None for d in outcome.diagnostics)
 
 
+def test_animation_is_said_to_be_dropped(tmp_path: Path) -> None:
+    more = '<library_animations><animation><channel source="#s" target="n/x"/></animation></library_animations>'
+    assert [d.code for d in read(tmp_path, dae(more=more)).diagnostics] == ["asset/animation-dropped"]
+
+
 def test_legacy_windows_texture_paths_are_absent_not_opened(tmp_path: Path) -> None:
     images = r'<library_images><image id="i"><init_from>file://..\LWO\x.jpg</init_from></image></library_images>'
     effect = '<lambert><diffuse><texture texture="i" texcoord="C"/></diffuse></lambert>'

@@ -66,8 +66,10 @@ def test_network_addresses_are_refused(root: Path, uri: str):
 
 @pytest.mark.parametrize(
     "uri",
-    ["C:\\Users\\bob\\wood.png", "file:///C:/wood.png", "\\\\server\\wood.png", "file://..\\LWO\\wood.jpg", ""]
-    + ["http://[::1", "file://[x", "x" * 5000, "a\ud800.png", "a\x00b"],
+    [
+        *("C:\\Users\\bob\\wood.png", "file:///C:/wood.png", "\\\\server\\wood.png", "file://..\\LWO\\wood.jpg", ""),
+        *("http://[::1", "file://[x", "x" * 5000, "a\ud800.png", "a\x00b"),
+    ],
 )
 def test_paths_of_another_machine_are_absent_not_opened(root: Path, uri: str):
     assert resolve_reference(uri, base=root, root=root) is None

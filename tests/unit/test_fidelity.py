@@ -1,0 +1,86 @@
+"""Fidelity figures against shapes whose errors are known in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from geom import gprims
+from geom.fidelity import SLIT_SHARE, mean_offset, measure, outer_surface, union_surface, union_volume
+from geom.pose import pose
+from schemas.physics import CollisionShape, Solid
+
+SLACK = 2.0 * SLIT_SHARE
+
+
+def box(size, centre=(0.0, 0.0, 0.0)) -> CollisionShape:
+    return CollisionShape("box", size, pose(None, centre))
+
+
+def cube_solid(edge: float = 1.0) -> Solid:
+    points, triangles, _ = gprims.cube(edge)
+    return Solid(points, triangles.astype(np.int32), "closed")
+
+
+def test_a_shape_stands_perfectly_for_itself():
+    f = measure("box", [box((1, 1, 1))], cube_solid(), [])
+    assert f.volume_ratio == pytest.approx(1.0)
+    assert max(f.outside_p95, f.outside_max, f.missing_p95, f.missing_max) <= SLACK
+    assert f.cavity_kept is None
+    assert f.vertices == 0
+    assert mean_offset(f, cube_solid()) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_box_grown_by_ten_percent_is_five_percent_of_an_edge_away():
+    f = measure("box", [box((1.1, 1.1, 1.1))], cube_solid(), [])
+    assert f.volume_ratio == pytest.approx(1.331)
+    assert f.missing_p95 == pytest.approx(0.05 / np.sqrt(3), abs=SLACK)
+    assert f.outside_max == pytest.approx(0.05, abs=SLACK)  # the corner: 0.05 √3 over √3
+    assert mean_offset(f, cube_solid()) == pytest.approx(0.331 / 6.0 / np.sqrt(3))
+
+
+def test_scale_and_place_change_nothing():
+    here = measure("box", [box((1.1, 1.0, 1.0))], cube_solid(), [])
+    far = cube_solid(1e-3)
+    there = measure("box", [box((1.1e-3, 1e-3, 1e-3), (5, 5, 5))], Solid(far.points + 5.0, far.triangles, "closed"), [])
+    assert there.volume_ratio == pytest.approx(here.volume_ratio)
+    assert there.outside_p95 == pytest.approx(here.outside_p95, abs=1e-5)
+
+
+def test_touching_halves_are_one_box_without_inner_walls():
+    halves = [box((0.5, 1, 1), (-0.25, 0, 0)), box((0.5, 1, 1), (0.25 + 1e-12, 0, 0))]
+    f = measure("hulls", halves, cube_solid(), [])
+    assert f.outside_max <= SLACK
+    assert f.volume_ratio == pytest.approx(1.0)
+
+
+def test_overlap_counts_once():
+    assert union_volume([box((1, 1, 1)), box((1, 1, 1), (0.5, 0, 0))]) == pytest.approx(1.5)
+    points, triangles = union_surface([box((1, 1, 1)), box((0.2, 0.2, 0.2))])
+    assert len(triangles) == 12
+    np.testing.assert_allclose(np.abs(points), 0.5)
+
+
+def test_a_sealed_cavity_touches_nothing():
+    outer, inner = cube_solid(), cube_solid(0.5)
+    hollow = Solid(
+        np.concatenate([outer.points, inner.points]),
+        np.concatenate([outer.triangles, inner.triangles[:, ::-1] + 8]).astype(np.int32),
+        "closed",
+    )
+    assert len(outer_surface(hollow)[1]) == 12
+    f = measure("box", [box((1, 1, 1))], hollow, [])
+    assert f.volume_ratio == pytest.approx(1.0)
+    assert f.missing_max <= SLACK
+
+
+def test_a_shell_has_no_volume_ratio():
+    cube = cube_solid()
+    f = measure("box", [box((1, 1, 1))], Solid(cube.points, cube.triangles[2:], "shell", 0.01), [])
+    assert f.volume_ratio is None
+    assert mean_offset(f, cube) is None
+
+
+def test_no_shapes_is_a_bug():
+    with pytest.raises(ValueError, match="no shapes"):
+        measure("none", [], cube_solid(), [])
