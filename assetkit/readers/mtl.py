@@ -103,7 +103,7 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
     base = maps.get("map_kd")
     mask = maps.get("map_d")
     emissive = values.get("ke", (0.0, 0.0, 0.0))
-    taken = (_FIELDS & values.keys()) | maps.keys()
+    taken = {*(_FIELDS & values.keys()), *maps}
     taken -= ({"kd"} if base else set()) | ({"bump", "map_bump"} if bump is None else set())
     taken -= {"d", "tr"} if found.diagnostics else set()
     material = Material(
