@@ -1,0 +1,99 @@
+"""How well collision shapes stand for a solid: volume, two-way surface distance, and whether openings stay open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from manifold3d import Manifold, OpType
+
+from geom.cavity import Cavity, keeps_cavity
+from geom.components import components_of
+from geom.hull import volume
+from geom.support import surface
+from geom.surface_distance import triangle_areas, two_way
+from geom.weld import diagonal
+from schemas.model import FloatArray, IntArray
+from schemas.physics import CollisionShape, Fidelity, Solid
+
+SAMPLES = 4000
+# Hulls that share a cut plane leave a slit of rounding width between them, whose walls are no outer surface. Grown by
+# this share of the diagonal they merge; the distances below are too large by at most 1.7 times that.
+SLIT_SHARE = 5e-4
+_CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+
+
+def measure(
+    method: str, shapes: Sequence[CollisionShape], solid: Solid, cavities: Sequence[Cavity], samples: int = SAMPLES
+) -> Fidelity:
+    """Figures of `shapes` against `solid`, not yet accepted; see `schemas.physics.Fidelity`.
+
+    Both distances are between surfaces: the outer surface of the union of all shapes, and the outer surface of the
+    solid (sealed inner cavities touch nothing). A filled hole therefore shows in `missing`. `volume_ratio` is None
+    unless the solid is closed, `cavity_kept` when it has no cavity. Deterministic. Raises ValueError for no shapes.
+    """
+    if not shapes:
+        raise ValueError("no shapes to measure")
+    outer = outer_surface(solid)
+    size = diagonal(outer[0])
+    grown = union_surface(shapes, SLIT_SHARE * size)
+    d = two_way(*grown, *outer, samples, 0)
+    ratio = union_volume(shapes) / volume(*outer) if solid.kind == "closed" else None
+    kept = all(keeps_cavity(shapes, cavity) for cavity in cavities) if cavities else None
+    return Fidelity(
+        method=method,
+        shapes=len(shapes),
+        vertices=sum(len(s.points) for s in shapes if s.points is not None),
+        volume_ratio=ratio,
+        outside_p95=d.a_to_b_p95 / size,
+        outside_max=d.a_to_b_max / size,
+        missing_p95=d.b_to_a_p95 / size,
+        missing_max=d.b_to_a_max / size,
+        cavity_kept=kept,
+        accepted=False,
+    )
+
+
+def mean_offset(fidelity: Fidelity, solid: Solid) -> float | None:
+    """Excess volume spread over the solid's outer surface, as a share of its diagonal; None without a volume ratio.
+
+    For thin walls the ratio of volumes says little: twice the volume may be one more millimetre of wall.
+    """
+    if fidelity.volume_ratio is None:
+        return None
+    points, triangles = outer_surface(solid)
+    area = float(triangle_areas(points[triangles]).sum())
+    return (fidelity.volume_ratio - 1.0) * volume(points, triangles) / area / diagonal(points)
+
+
+def outer_surface(solid: Solid) -> tuple[FloatArray, IntArray]:
+    """Points and triangles of `solid` without the walls of sealed inner cavities."""
+    if solid.kind != "closed":
+        return solid.points, solid.triangles
+    parts = components_of(solid.points, solid.triangles)
+    triangles = solid.triangles[(parts.volume > 0.0)[parts.label]]
+    if len(triangles) == 0:
+        return solid.points, solid.triangles
+    used, index = np.unique(triangles, return_inverse=True)
+    return solid.points[used], index.reshape(-1, 3).astype(np.int32)
+
+
+def union_volume(shapes: Sequence[CollisionShape]) -> float:
+    """Volume of the union of the shapes in cubic metres; curved shapes are inscribed polyhedra."""
+    return float(_union(shapes, 0.0).volume())
+
+
+def union_surface(shapes: Sequence[CollisionShape], growth_m: float = 0.0) -> tuple[FloatArray, IntArray]:
+    """Points (n, 3) and triangles (m, 3) of the union of all shapes, each grown by a cube of half edge `growth_m`."""
+    mesh = _union(shapes, growth_m).to_mesh64()
+    return np.asarray(mesh.vert_properties)[:, :3].astype(np.float64), np.asarray(mesh.tri_verts).astype(np.int32)
+
+
+def _union(shapes: Sequence[CollisionShape], growth_m: float) -> Manifold:
+    solids = []
+    for shape in shapes:
+        points = surface(shape)[0]
+        if growth_m > 0.0:
+            points = (points[:, None, :] + growth_m * _CUBE).reshape(-1, 3)
+        solids.append(Manifold.hull_points(np.ascontiguousarray(points, dtype=np.float64)))
+    return Manifold.batch_boolean(solids, OpType.Add)
