@@ -6,16 +6,28 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sample_surfaces import ball, box, cylinder, inside_out, lidless, mesh_of, together
 from scipy.spatial.transform import Rotation
 
 from geom.topology import is_all_degenerate, is_triangle_soup, observe
 from geom.weld import weld, weld_points
-from sample_surfaces import ball, box, cylinder, inside_out, lidless, mesh_of, together
 
-COUNTS = (
-    "triangles points components degenerate_faces duplicate_faces boundary_edges non_manifold_edges "
-    "non_manifold_vertices inconsistent_edges inverted watertight duplicate_shells inner_shells fragments"
-).split()
+COUNTS = [
+    "triangles",
+    "points",
+    "components",
+    "degenerate_faces",
+    "duplicate_faces",
+    "boundary_edges",
+    "non_manifold_edges",
+    "non_manifold_vertices",
+    "inconsistent_edges",
+    "inverted",
+    "watertight",
+    "duplicate_shells",
+    "inner_shells",
+    "fragments",
+]
 
 HOLLOW = together(ball(1.0), inside_out(ball(0.5)))
 BOW_TIE = together(box(at=(0.5, 0.5, 0.5)), box(at=(-0.5, -0.5, -0.5)))
