@@ -63,7 +63,7 @@ def find_stable_poses(body: RigidBody, simulator: Simulator, *, trials: int = TR
     settled = [r for r in results if r.still_since_s(still) is not None and r.heights_m[-1] < 0.01 * size]
     centre = np.asarray(body.mass.centre_of_mass_m)
     downs = np.array([-matrix_of(r.quats_wxyz[-1])[2] for r in settled]).reshape(-1, 3)
-    downs = _snapped(body, downs[_is_stable(body, downs)])
+    downs = _snapped(body, downs[is_stable(body, downs)])
     if not len(downs):
         return StablePoses((), trials, 0, 0)
     levels = centre_heights(body.shapes, centre, downs)
@@ -119,7 +119,7 @@ def spread_directions(count: int) -> FloatArray:
     return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=1)
 
 
-def _is_stable(body: RigidBody, downs: FloatArray) -> FloatArray:
+def is_stable(body: RigidBody, downs: FloatArray) -> FloatArray:
     """Which directions (k, 3) are at or near a local minimum of the mass centre's height.
 
     Tipped by 2 degrees any way, the centre may get lower only by what rolling resistance can hold.

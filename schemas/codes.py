@@ -367,6 +367,18 @@ CODES: dict[str, CodeInfo] = {
         "It penetrates, drifts or keeps moving after being set down.",
         "check collision shape and mass centre in the record",
     ),
+    "asset/reference-pose-topples": CodeInfo(
+        "info",
+        "The object does not stand in the pose it was authored in",
+        "It tips over and comes to rest in another pose; that is physics, not a defect.",
+        "nothing; place it in one of the stable poses of the record",
+    ),
+    "asset/no-stable-pose": CodeInfo(
+        "info",
+        "No trial came to rest in a pose that holds",
+        "The object rolls or rocks on; scenes place it in its reference pose.",
+        "nothing for balls and the like; else check collision shape and mass centre in the record",
+    ),
     "asset/package-invalid": CodeInfo(
         "error",
         "The written package fails validation",
