@@ -17,9 +17,9 @@ from cli.assets import WORKER, run_batch
 from cli.demo_page import write_page
 from schemas.diagnostics import Severity
 
-# Real meshes of three formats; the mug and the tray must keep their cavity, the torus its hole.
+# Real meshes of two formats; the mug and the tray must keep their cavity, the torus its hole.
 OBJECTS = (
-    "duck.dae",
+    "duck.obj",
     "objects/mug.obj",
     "tray/tray_textured.obj",
     "torus/torus_textured.obj",

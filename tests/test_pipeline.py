@@ -58,7 +58,9 @@ def library(tmp_path_factory: pytest.TempPathFactory, bullet_data: Path) -> tupl
     duck = base / "duck"
     duck.mkdir()
     for name in ("duck.dae", "duckCM.png"):
-        (duck / name).write_bytes((bullet_data / name).read_bytes())
+        target = duck / ("images" if name.endswith("png") else "") / name
+        target.parent.mkdir(exist_ok=True)
+        target.write_bytes((bullet_data / name).read_bytes())
     out = base / "library"
     report = json.loads(
         mana("assets", "ingest", sources, duck / "duck.dae", "--out", out, "--jobs", "2", "--json", expect=1)
