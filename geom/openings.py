@@ -21,6 +21,7 @@ PINHOLE_SHARE = 0.02
 HOLE_SHARE = 0.25
 # ... which is measured as the mean cosine between the loop's normal and the normals of the faces along it.
 FLUSH_COSINE = 0.5
+CRUMB_AREA_SHARE = 1e-3
 # One missing triangle is recognised by its three edges up to this share of the closed area.
 TRIANGLE_AREA_SHARE = 0.15
 # All holes together may make up this share of the closed area; beyond, too little of the surface is known.
@@ -77,11 +78,18 @@ def judge_open_bodies(points: FloatArray, triangles: IntArray, edges: Edges, par
                    is not, because its wall stands upright on the loop.
     container  not `holes`, and capping every loop would enclose at least 70 % of the hull and a volume of at least
                0.015 area ** 1.5: there is a deep interior, and a mouth that belongs to the shape. Never to be filled.
-    sheet      the rest: cards, planes, cloth, boards. Nothing to fill.
+    sheet      the rest: cards, planes, cloth, boards. Nothing to fill. Components with less than 0.1 % of the whole
+               area are not looked at and count as sheets without openings.
     """
+    worth = parts.area >= CRUMB_AREA_SHARE * parts.area.sum()
     order = np.argsort(parts.label, kind="stable")
     groups = np.split(order, np.cumsum(parts.faces)[:-1])
-    return tuple(_judge(points, triangles, edges, groups[part]) for part in np.flatnonzero(parts.boundary > 0))
+    return tuple(
+        _judge(points, triangles, edges, groups[part])
+        if worth[part]
+        else OpenBody("sheet", groups[part], (), False, float(parts.area[part]), 0.0)
+        for part in np.flatnonzero(parts.boundary > 0)
+    )
 
 
 def boundary_loops(triangles: IntArray, edges: Edges, faces: IntArray) -> list[tuple[IntArray, IntArray]]:

@@ -12,6 +12,7 @@ from geom.weld import diagonal
 from schemas.model import Mesh
 
 Figures = dict[str, float]
+STRAY_AREA_SHARE = 0.01
 
 
 def drop_duplicate_shells(mesh: Mesh) -> tuple[Mesh, Figures]:
@@ -27,8 +28,11 @@ def drop_duplicate_shells(mesh: Mesh) -> tuple[Mesh, Figures]:
 def drop_fragments(mesh: Mesh) -> tuple[Mesh, Figures]:
     """`mesh` (welded, no repeated points) without open components of < 0.1 % area and < 2 % extent.
 
-    Closed ones are small parts (screws, buttons) and stay. Figures: `fragments` removed.
+    Closed ones are small parts (screws, buttons) and stay; so do all when together they exceed 1 % of the area,
+    because then the surface is made of patches. Figures: `fragments` removed.
     """
     parts = components_of(mesh.points, mesh.triangles)
     stray = fragments(parts, diagonal(mesh.points)) & ~parts.closed
+    if parts.area[stray].sum() > STRAY_AREA_SHARE * parts.area.sum():
+        return mesh, {"fragments": 0}
     return keep_faces(mesh, ~stray[parts.label]), {"fragments": int(stray.sum())}

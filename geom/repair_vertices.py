@@ -10,6 +10,7 @@ import numpy as np
 from geom.edges import corner_fans, edges_of
 from geom.surface_distance import closest_on_surface
 from geom.topology import bow_ties
+from geom.weld import diagonal
 from geom.winding_number import winding_numbers
 from schemas.model import FloatArray, IntArray, Mesh
 
@@ -17,21 +18,28 @@ Figures = dict[str, float]
 # Two cones that come closer than this angle (radians) share a face or an edge: the parts lie against each other.
 CONTACT_ANGLE = 0.05
 PROBE_LENGTH = 1e-3
+PART_PER_DIAGONAL = 1e-5
 
 
-def split_bow_ties(mesh: Mesh) -> tuple[Mesh, Figures]:
-    """`mesh` (welded, no repeated points) in which every fan of faces has a point of its own.
+def split_bow_ties(mesh: Mesh, vertices: IntArray) -> tuple[Mesh, Figures]:
+    """`mesh` (welded, no repeated points) in which each fan of faces at `vertices` has a point of its own.
 
-    The surface does not change. Figures: `split_points`, the points added.
+    Each such point moves into its own fan by 1e-5 of the diagonal, so that no later welding joins them again.
+    Figures: `split_points`, the points added.
     """
-    if len(mesh.triangles) == 0:
-        return mesh, {"split_points": 0}
-    fans, fan = corner_fans(mesh.triangles, edges_of(mesh.triangles))
-    point_of_fan = np.zeros(fans, dtype=np.int64)
-    point_of_fan[fan.reshape(-1)] = mesh.triangles.reshape(-1)
-    added = fans - len(np.unique(point_of_fan))
-    split = replace(mesh, points=mesh.points[point_of_fan], triangles=fan.astype(np.int32))
-    return split, {"split_points": int(added)}
+    _, fan = corner_fans(mesh.triangles, edges_of(mesh.triangles))
+    points, triangles = [mesh.points], mesh.triangles.copy()
+    for vertex in vertices:
+        rows, columns = np.nonzero(mesh.triangles == vertex)
+        labels = fan[rows, columns]
+        for label in np.unique(labels):
+            own = labels == label
+            cone = _cone(mesh.points, mesh.triangles[rows[own]], columns[own], int(vertex))
+            inward = cone[:, 1:].reshape(-1, 3).mean(axis=0)
+            triangles[rows[own], columns[own]] = len(mesh.points) + len(points) - 1
+            points.append(mesh.points[vertex] + PART_PER_DIAGONAL * diagonal(mesh.points) * inward[None])
+    split = replace(mesh, points=np.concatenate(points), triangles=triangles)
+    return split, {"split_points": len(points) - 1 - len(vertices)}
 
 
 def touching_points(points: FloatArray, triangles: IntArray) -> IntArray:

@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 
 from geom.mesh_edit import merge_surfaces
-from geom.openings import HOLE_SHARE, OpenBody
+from geom.openings import HOLE_SHARE
 from geom.solid_bodies import Bodies, signed_volume, sort_bodies, unite
 from geom.solid_voxel import voxel_hull
 from geom.surface_distance import triangle_areas, two_way
@@ -20,6 +20,7 @@ Figures = dict[str, float | int | str]
 
 # The closed bodies stand for the asset when they carry at least this share of the visible area.
 CLOSED_AREA_SHARE = 0.5
+LEADING_SHARE = 0.5
 WALL_PER_DIAGONAL = 0.01
 LEAST_WALL_M, MOST_WALL_M = 0.5e-3, 5e-3
 # A flat asset: its hull holds less than this share of the ball with the same diagonal.
@@ -34,10 +35,11 @@ def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
     First rule that applies:
     1. Closed bodies, holes filled and hidden faces closed (`solid_bodies`, `openings`), carry at least half of the
        area: `closed`, their union (method `union`; open decoration is left out).
-    2. The open surface is flat, or at least half of it is sheets and containers with a mouth wider than a quarter of
-       their cross-section: `shell`, all faces, with an assumed wall of 1 % of the diagonal within 0.5 to 5 mm.
-    3. A voxel proxy follows 95 % of the surface within two cells: `closed` (method `voxel`).
-    4. `hull`.
+    2. The surface is flat, or at least half of what is open is containers, or one sheet with a mouth wider than a
+       quarter of its cross-section: `shell`, all faces, with an assumed wall of 1 % of the diagonal within 0.5 to 5 mm.
+    3. Patches with gaps: a voxel proxy and the surface lie within two cells of each other over 95 % of either:
+       `closed` (method `voxel`).
+    4. At least half of what is open is sheets with mouths: `shell`. Else `hull`.
     Figures: `method`, `volume_m3` (shell: area times wall), `area_m2`, `naive_volume_m3` (bodies added up),
     `union_volume_m3`, `components`, `cavities`, `filled_openings`, `open_area_share`, and surface distances
     `visual_to_solid_p95_m`, `solid_to_visual_p95_m`, `surface_distance_m` (larger of the two 95th percentiles).
@@ -69,14 +71,20 @@ def _choose(
 ) -> tuple[Solid, str]:
     if united is not None and bodies.closed_area >= CLOSED_AREA_SHARE * total:
         return Solid(*united, kind="closed"), "union"
-    if _is_flat(points) or _mouth_area(bodies.verdicts) >= 0.5 * bodies.open_area > 0.0:
-        wall = min(max(WALL_PER_DIAGONAL * diagonal(points), LEAST_WALL_M), MOST_WALL_M)
-        return Solid(points, triangles, kind="shell", wall_thickness_m=wall), "shell"
+    wall = min(max(WALL_PER_DIAGONAL * diagonal(points), LEAST_WALL_M), MOST_WALL_M)
+    shell = Solid(points, triangles, kind="shell", wall_thickness_m=wall)
+    mouthed = [v for v in bodies.verdicts if any(o.section_share > HOLE_SHARE for o in v.openings)]
+    containers = sum(v.area for v in mouthed if v.kind == "container")
+    half = LEADING_SHARE * bodies.open_area
+    if _is_flat(points) or containers >= half > 0.0 or any(v.area >= half > 0.0 for v in mouthed):
+        return shell, "shell"
     proxy = voxel_hull(points, triangles)
     if proxy is not None:
         distance = two_way(points, triangles, proxy[0], proxy[1], DISTANCE_SAMPLES, 0)
-        if distance.a_to_b_p95 <= VOXEL_TOLERANCE_CELLS * proxy[2]:
+        if max(distance.a_to_b_p95, distance.b_to_a_p95) <= VOXEL_TOLERANCE_CELLS * proxy[2]:
             return Solid(proxy[0], proxy[1], kind="closed"), "voxel"
+    if sum(v.area for v in mouthed) >= half > 0.0:
+        return shell, "shell"
     hull = trimesh.PointCloud(points).convex_hull
     return Solid(np.array(hull.vertices), np.array(hull.faces, dtype=np.int32), kind="hull"), "hull"
 
@@ -86,11 +94,6 @@ def _is_flat(points: FloatArray) -> bool:
     axes = np.linalg.eigh(centred.T @ centred)[1]
     size = np.ptp(centred @ axes, axis=0)
     return bool(size.prod() < FLAT_SHARE * diagonal(points) ** 3)
-
-
-def _mouth_area(verdicts: Sequence[OpenBody]) -> float:
-    """Area of the open components that have a mouth."""
-    return sum(v.area for v in verdicts if any(o.section_share > HOLE_SHARE for o in v.openings))
 
 
 def _volume(solid: Solid) -> float:

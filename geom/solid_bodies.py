@@ -15,7 +15,7 @@ from geom.mesh_edit import keep_faces, merge_surfaces
 from geom.openings import OpenBody, judge_open_bodies
 from geom.repair_faces import drop_fins, drop_surplus_faces
 from geom.repair_holes import cap_openings
-from geom.repair_shells import drop_duplicate_shells
+from geom.repair_shells import drop_duplicate_shells, drop_fragments
 from geom.repair_winding import orient
 from geom.weld import weld
 from schemas.model import FloatArray, IntArray, Mesh
@@ -95,7 +95,7 @@ def sort_bodies(meshes: Sequence[Mesh]) -> Bodies:
 
 
 def tidy(mesh: Mesh) -> Mesh:
-    """The bare surface of `mesh`: welded, without surplus, back or fin faces and shell copies, wound outwards."""
+    """The bare surface of `mesh`: welded, outward, without surplus, back and fin faces, copies and fragments."""
     bare = weld(Mesh(mesh.name, mesh.points, mesh.triangles))
     if len(bare.triangles) == 0:
         return bare
@@ -103,6 +103,7 @@ def tidy(mesh: Mesh) -> Mesh:
     bare = drop_back_faces(bare)
     bare = drop_duplicate_shells(bare)[0]
     bare = drop_fins(bare)[0]
+    bare = drop_fragments(bare)[0]
     return orient(bare)[0]
 
 

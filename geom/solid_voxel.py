@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import manifold3d
 import numpy as np
+from scipy import ndimage
 
 from schemas.model import FloatArray, IntArray
 
 CELLS = 40
+LEAST_PIECE_SHARE = 0.01
 # Seven fixed directions in general position; a point is inside when most rays cross the surface an odd number of times.
 _DIRECTIONS = np.array(
     [
@@ -48,18 +50,26 @@ def voxel_hull(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, Int
     for direction in _DIRECTIONS:
         rays = np.concatenate([queries, np.broadcast_to(direction, queries.shape)], axis=1)
         votes += scene.count_intersections(o3d.core.Tensor.from_numpy(rays)).numpy() % 2
-    inside = votes > len(_DIRECTIONS) // 2
+    inside = _without_specks((votes > len(_DIRECTIONS) // 2).reshape(shape))
     if not inside.any():
         return None
     distance = scene.compute_distance(o3d.core.Tensor.from_numpy(queries)).numpy().astype(np.float64) * scale
-    field = np.where(inside, distance, -distance).reshape(shape)
+    field = np.where(inside, distance.reshape(shape), -distance.reshape(shape))
     body = manifold3d.Manifold.level_set(
         _Trilinear(field, start - centre, cell), [*(low - centre - 1.5 * cell), *(high - centre + 1.5 * cell)], cell
     )
     if body.status() != manifold3d.Error.NoError or body.is_empty():
         return None
-    mesh = body.to_mesh64()
+    pieces = body.decompose()  # Cavities come out with negative volume; they are gaps in the votes, not design.
+    largest = max(piece.volume() for piece in pieces)
+    kept = [piece for piece in pieces if piece.volume() >= LEAST_PIECE_SHARE * largest]
+    mesh = manifold3d.Manifold.batch_boolean(kept, manifold3d.OpType.Add).to_mesh64()
     return np.array(mesh.vert_properties)[:, :3] + centre, np.array(mesh.tri_verts).astype(np.int32), cell
+
+
+def _without_specks(inside: FloatArray) -> FloatArray:
+    """The occupied cells without sheets and specks one cell thick, and with enclosed gaps closed."""
+    return np.asarray(ndimage.binary_fill_holes(ndimage.binary_opening(inside)))
 
 
 class _Trilinear:

@@ -121,11 +121,11 @@ def _fins(item: Item) -> Edit:
 
 def _bow_ties(item: Item) -> Edit:
     """Solids that touch in a point alone; every fan then gets its own point."""
-    touching = len(touching_points(item.mesh.points, item.mesh.triangles))
-    if touching == 0:
+    touching = touching_points(item.mesh.points, item.mesh.triangles)
+    if touching.size == 0:
         return Edit(item.mesh)
-    split, _ = split_bow_ties(item.mesh)
-    return Edit(split, {"non_manifold_vertices": touching}, {"non_manifold_vertices": 0})
+    split, _ = split_bow_ties(item.mesh, touching)
+    return Edit(weld(split), {"non_manifold_vertices": len(touching)}, {"non_manifold_vertices": 0})
 
 
 def _holes(item: Item) -> Edit:

@@ -13,20 +13,9 @@ from geom.topology import is_all_degenerate, is_triangle_soup, observe
 from geom.weld import weld, weld_points
 
 COUNTS = [
-    "triangles",
-    "points",
-    "components",
-    "degenerate_faces",
-    "duplicate_faces",
-    "boundary_edges",
-    "non_manifold_edges",
-    "non_manifold_vertices",
-    "inconsistent_edges",
-    "inverted",
-    "watertight",
-    "duplicate_shells",
-    "inner_shells",
-    "fragments",
+    *("triangles", "points", "components", "degenerate_faces", "duplicate_faces", "boundary_edges"),
+    *("non_manifold_edges", "non_manifold_vertices", "inconsistent_edges", "inverted", "watertight"),
+    *("duplicate_shells", "inner_shells", "fragments"),
 ]
 
 HOLLOW = together(ball(1.0), inside_out(ball(0.5)))
