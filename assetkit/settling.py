@@ -41,7 +41,7 @@ class Settling:
 def settle_and_drop(body: RigidBody, simulator: Simulator) -> Settling:
     """Set `body` down in its reference pose from 0.2 % of its size, then drop it from twice its height.
 
-    A body that stands in mere balance, on a point or an edge, is set down leaning by one degree: nobody's hand is exact.
+    A body that stands in mere balance, on a point or an edge, is set down leaning by one degree, as no hand is exact.
     """
     size = diagonal(body.shapes)
     lean_rad = 0.0 if is_stable(body, np.array([[0.0, 0.0, -1.0]]))[0] else _LEAN_RAD
