@@ -85,9 +85,7 @@ def camera(view: View, extent: FloatArray) -> Camera:
     A corner at (x, y, z) in camera axes is inside while max(|x|, |y|) <= (distance - z) * FILL * tan(fov / 2).
     """
     azimuth, elevation = np.radians(view.azimuth_deg), np.radians(view.elevation_deg)
-    backward = np.array(
-        [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
-    )
+    backward = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
     right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
     R_NC = np.stack([right, np.cross(backward, right), backward], axis=1)
     signs = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5])).reshape(3, -1).T

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import colorsys
+from typing import TypeAlias
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkCleanPolyData, vtkFeatureEdges
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from geom.gprims import capsule, cube, cylinder, sphere
 from render.camera import AnnotationFrame
-from render.polydata import triangle_soup
-from schemas.model import FloatArray
+from render.polydata import line_segments, triangle_soup
+from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 _OPACITY = 0.5
 _EDGE_ANGLE_DEG = 20.0  # Edges of hulls sharper than this are drawn; flat triangulation is not.
 _GOLDEN_RATIO = 0.61803398875
 _SEGMENTS = 32
+_Mesh: TypeAlias = tuple[FloatArray, IntArray]
 
 
 def shape_color(index: int) -> tuple[float, float, float]:
@@ -28,17 +29,15 @@ def shape_color(index: int) -> tuple[float, float, float]:
 
 def collision_actors(shapes: tuple[CollisionShape, ...], frame: AnnotationFrame) -> tuple[vtkActor, vtkActor]:
     """The bodies and the edges of `shapes` (at least one), each in its `shape_color`."""
-    corners = [_corners(shape, frame) for shape in shapes]
-    return _bodies(corners), _edges(corners)
+    meshes = [_mesh(shape, frame) for shape in shapes]
+    return _bodies(meshes), _edges(meshes)
 
 
-def _bodies(corners: list[FloatArray]) -> vtkActor:
-    points = np.concatenate(corners)
-    face = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    length = np.linalg.norm(face, axis=1, keepdims=True)
-    normals = np.repeat((face / np.where(length > 0.0, length, 1.0))[:, None], 3, axis=1)
+def _bodies(meshes: list[_Mesh]) -> vtkActor:
+    corners = [points[triangles] for points, triangles in meshes]
+    normals = np.repeat(_unit_normals(np.concatenate(corners))[:, None], 3, axis=1)
     colors = np.concatenate([np.tile(shape_color(i), (3 * len(c), 1)) for i, c in enumerate(corners)])
-    data = triangle_soup(points, normals, {})
+    data = triangle_soup(np.concatenate(corners), normals, {})
     data.GetPointData().SetScalars(numpy_to_vtk(np.round(colors * 255.0).astype(np.uint8), deep=True))
     mapper = vtkPolyDataMapper()
     mapper.SetInputDataObject(data)
@@ -53,20 +52,10 @@ def _bodies(corners: list[FloatArray]) -> vtkActor:
     return result
 
 
-def _edges(corners: list[FloatArray]) -> vtkActor:
-    together = vtkAppendPolyData()
-    for shape in corners:
-        welded = vtkCleanPolyData()  # Each shape by itself: touching shapes keep their own edges.
-        welded.SetInputDataObject(triangle_soup(shape, np.zeros_like(shape), {}))
-        welded.SetTolerance(1e-6)
-        edges = vtkFeatureEdges()
-        edges.SetInputConnection(welded.GetOutputPort())
-        edges.SetFeatureAngle(_EDGE_ANGLE_DEG)
-        edges.ColoringOff()
-        together.AddInputConnection(edges.GetOutputPort())
+def _edges(meshes: list[_Mesh]) -> vtkActor:
+    ends = np.concatenate([points[_sharp_edges(points, triangles)] for points, triangles in meshes])
     mapper = vtkPolyDataMapper()
-    mapper.SetInputConnection(together.GetOutputPort())
-    mapper.ScalarVisibilityOff()
+    mapper.SetInputDataObject(line_segments(ends))
     result = vtkActor()
     result.SetMapper(mapper)
     line = result.GetProperty()
@@ -76,8 +65,25 @@ def _edges(corners: list[FloatArray]) -> vtkActor:
     return result
 
 
-def _corners(shape: CollisionShape, frame: AnnotationFrame) -> FloatArray:
-    """(m, 3, 3) triangle corners of `shape` in the annotation frame."""
+def _sharp_edges(points: FloatArray, triangles: IntArray) -> IntArray:
+    """(e, 2) point pairs of the edges at which a closed mesh bends by more than `_EDGE_ANGLE_DEG`."""
+    normals = _unit_normals(points[triangles])
+    half = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    order = np.lexsort((half[:, 1], half[:, 0]))
+    pairs = order[: len(order) // 2 * 2].reshape(-1, 2)  # In a closed mesh every edge belongs to two faces.
+    cosine = np.einsum("ij,ij->i", normals[pairs[:, 0] // 3], normals[pairs[:, 1] // 3])
+    return half[pairs[cosine < np.cos(np.radians(_EDGE_ANGLE_DEG)), 0]]
+
+
+def _unit_normals(corners: FloatArray) -> FloatArray:
+    """(m, 3) unit normals of (m, 3, 3) triangles; zero for those without area."""
+    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(face, axis=1, keepdims=True)
+    return face / np.where(length > 0.0, length, 1.0)
+
+
+def _mesh(shape: CollisionShape, frame: AnnotationFrame) -> _Mesh:
+    """Points (n, 3) of `shape` in the annotation frame and its triangles (m, 3)."""
     if shape.kind == "hull":
         if shape.points is None or shape.triangles is None:
             raise ValueError("a hull needs points and triangles")
@@ -94,4 +100,4 @@ def _corners(shape: CollisionShape, frame: AnnotationFrame) -> FloatArray:
         radius, height = shape.size_m
         points, triangles, _ = capsule(height, radius, radius, _SEGMENTS)
     points_A = points @ shape.X_AS[:3, :3].T + shape.X_AS[:3, 3]
-    return frame.from_asset(points_A)[triangles].astype(np.float32)
+    return frame.from_asset(points_A), triangles

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonCore import vtkDataArray, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
 from schemas.model import FloatArray
@@ -20,11 +20,7 @@ def triangle_soup(points: FloatArray, normals: FloatArray, attributes: dict[str,
     vertices = vtkPoints()
     vertices.SetData(_vtk(points.reshape(-1, 3)))
     data.SetPoints(vertices)
-    cells = vtkCellArray()
-    offsets = np.arange(0, 3 * count + 1, 3, dtype=np.int32)
-    corners = np.arange(3 * count, dtype=np.int32)
-    cells.SetData(numpy_to_vtk(offsets, deep=True), numpy_to_vtk(corners, deep=True))
-    data.SetPolys(cells)
+    data.SetPolys(_cells(count, 3))
     data.GetPointData().SetNormals(_vtk(normals.reshape(-1, 3)))
     for name, values in attributes.items():
         array = _vtk(values.reshape(3 * count, -1))
@@ -33,5 +29,23 @@ def triangle_soup(points: FloatArray, normals: FloatArray, attributes: dict[str,
     return data
 
 
-def _vtk(values: FloatArray) -> object:
+def line_segments(ends: FloatArray) -> vtkPolyData:
+    """Polydata of e separate lines between the points `ends` (e, 2, 3); copied."""
+    data = vtkPolyData()
+    vertices = vtkPoints()
+    vertices.SetData(_vtk(ends.reshape(-1, 3)))
+    data.SetPoints(vertices)
+    data.SetLines(_cells(len(ends), 2))
+    return data
+
+
+def _cells(count: int, corners: int) -> vtkCellArray:
+    """`count` cells of `corners` consecutive points each."""
+    cells = vtkCellArray()
+    offsets = np.arange(0, corners * count + 1, corners, dtype=np.int32)
+    cells.SetData(numpy_to_vtk(offsets, deep=True), numpy_to_vtk(np.arange(corners * count, dtype=np.int32), deep=True))
+    return cells
+
+
+def _vtk(values: FloatArray) -> vtkDataArray:
     return numpy_to_vtk(np.ascontiguousarray(values, dtype=np.float32), deep=True)

@@ -16,14 +16,16 @@ _BEFORE_LIGHTING = "vec3 N = normalVCVSOutput;"
 _TONE = "fragOutput0.rgb = pow(fragOutput0.rgb, vec3(1.0/2.2));"
 
 _FUNCTIONS = """
-float mana_wrap(float t, int mode) {
-  if (mode == 1) return clamp(t, 0.0, 1.0);
+float mana_wrap(float t, int mode, int size) {
+  float inset = 0.5 / float(size);  // The sampler may repeat, for the sake of the other axis.
+  if (mode == 1) return clamp(t, inset, 1.0 - inset);
   if (mode == 2) return 1.0 - abs(mod(t, 2.0) - 1.0);
   return t;
 }
 vec4 mana_texel(sampler2D image, vec2 uv, int s, int t) {
   bool outside = (s == 3 && (uv.x < 0.0 || uv.x > 1.0)) || (t == 3 && (uv.y < 0.0 || uv.y > 1.0));
-  vec4 texel = texture(image, vec2(mana_wrap(uv.x, s), mana_wrap(uv.y, t)));
+  ivec2 size = textureSize(image, 0);
+  vec4 texel = texture(image, vec2(mana_wrap(uv.x, s, size.x), mana_wrap(uv.y, t, size.y)));
   return outside ? vec4(0.0) : texel;
 }
 """

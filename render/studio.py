@@ -6,13 +6,13 @@ import numpy as np
 from PIL import Image, ImageFilter
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData
-from vtkmodules.vtkFiltersSources import vtkPlaneSource
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkPolyDataMapper, vtkRenderer, vtkTexture
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderer, vtkOpenGLTexture
 
+from render.polydata import triangle_soup
 from schemas.model import FloatArray
 
-BACKGROUND_SRGB = 226  # Grey value of the empty picture.
+BACKGROUND_SRGB = 238  # Grey value of the empty picture.
 _FLOOR_HALF = 1.6  # Half the edge of the floor that carries the shadow, in units of the largest box edge.
 _FLOOR_PX = 128
 # (upper height, blur, darkness): what stands close to the floor casts a dark, sharp shadow, the rest a pale, wide one.
@@ -24,8 +24,8 @@ def studio_renderer() -> vtkRenderer:
     renderer = vtkOpenGLRenderer()
     renderer.SetBackground(*([BACKGROUND_SRGB / 255.0] * 3))
     renderer.SetAutomaticLightCreation(False)
-    renderer.AddLight(_lamp(-0.9, 1.1, 1.3, 0.95))
-    renderer.AddLight(_lamp(1.2, 0.2, 1.0, 0.4))
+    renderer.AddLight(_lamp(-1.3, 1.2, 0.9, 0.8))
+    renderer.AddLight(_lamp(1.2, 0.2, 1.0, 0.1))
     renderer.UseImageBasedLightingOn()
     renderer.SetEnvironmentUp(0.0, 0.0, 1.0)
     renderer.SetEnvironmentTexture(_environment_texture(), False)
@@ -38,17 +38,26 @@ def studio_renderer() -> vtkRenderer:
 
 
 def environment() -> FloatArray:
-    """(64, 128, 3) float32 linear radiance over elevation (first row: nadir) and azimuth: white dome, two soft boxes."""
+    """(64, 128, 3) float32 linear radiance over elevation (first row: nadir) and azimuth: dome and two soft boxes."""
     elevation, azimuth = np.meshgrid(
-        np.radians((np.arange(64) + 0.5) / 64.0 * 180.0 - 90.0), np.radians((np.arange(128) + 0.5) / 128.0 * 360.0), indexing="ij"
+        np.radians((np.arange(64) + 0.5) / 64.0 * 180.0 - 90.0),
+        np.radians((np.arange(128) + 0.5) / 128.0 * 360.0),
+        indexing="ij",
     )
-    dome = 0.42 + 0.33 * np.sin(elevation)
-    boxes = 2.6 * _soft_box(elevation, azimuth, 50.0, 35.0, 32.0, 18.0) + 1.8 * _soft_box(elevation, azimuth, 230.0, 30.0, 45.0, 14.0)
+    dome = 0.44 + np.where(elevation > 0.0, 0.25, 0.1) * np.sin(elevation)  # The floor reflects light.
+    boxes = 2.6 * _soft_box(elevation, azimuth, 50.0, 35.0, 32.0, 18.0) + 1.8 * _soft_box(
+        elevation, azimuth, 230.0, 30.0, 45.0, 14.0
+    )
     return np.repeat((dome + boxes)[..., None], 3, axis=2).astype(np.float32)
 
 
 def _soft_box(
-    elevation: FloatArray, azimuth: FloatArray, at_deg: float, up_deg: float, half_width_deg: float, half_height_deg: float
+    elevation: FloatArray,
+    azimuth: FloatArray,
+    at_deg: float,
+    up_deg: float,
+    half_width_deg: float,
+    half_height_deg: float,
 ) -> FloatArray:
     """Smooth-edged rectangle of light, 1 in its middle, on the sphere of directions."""
     turn = np.degrees(np.abs((azimuth - np.radians(at_deg) + np.pi) % (2.0 * np.pi) - np.pi))
@@ -96,13 +105,15 @@ def floor(points: FloatArray, bottom: float) -> vtkActor:
     texture.SetColorModeToDirectScalars()
     texture.InterpolateOn()
     texture.SetWrap(vtkTexture.ClampToEdge)
-    plane = vtkPlaneSource()
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     height = bottom - 2e-3  # Below flat sheets that lie on the floor.
-    plane.SetOrigin(-_FLOOR_HALF, -_FLOOR_HALF, height)
-    plane.SetPoint1(_FLOOR_HALF, -_FLOOR_HALF, height)
-    plane.SetPoint2(-_FLOOR_HALF, _FLOOR_HALF, height)
+    square = np.concatenate([corners * _FLOOR_HALF, np.full((4, 1), height)], axis=1)
+    halves = np.array([[0, 1, 2], [0, 2, 3]])
+    up = np.tile([0.0, 0.0, 1.0], (2, 3, 1))
+    data = triangle_soup(square[halves], up, {"uv": (corners[halves] + 1.0) / 2.0})
+    data.GetPointData().SetActiveTCoords("uv")
     mapper = vtkPolyDataMapper()
-    mapper.SetInputConnection(plane.GetOutputPort())
+    mapper.SetInputDataObject(data)
     result = vtkActor()
     result.SetMapper(mapper)
     result.SetTexture(texture)
@@ -111,7 +122,7 @@ def floor(points: FloatArray, bottom: float) -> vtkActor:
 
 
 def contact_shadow(points: FloatArray, bottom: float) -> FloatArray:
-    """(px, px) darkness 0..1 of the floor, rows along +y: soft occlusion by `points` (n, 3), stronger the lower they are."""
+    """(px, px) darkness 0..1 of the floor, rows along +y: soft occlusion by `points` (n, 3), the lower the stronger."""
     light = np.ones((_FLOOR_PX, _FLOOR_PX))
     height = points[:, 2] - bottom
     cell = np.floor((points[:, :2] / _FLOOR_HALF + 1.0) * _FLOOR_PX / 2.0).astype(np.int64)

@@ -34,7 +34,7 @@ class Surface:
 
 
 def surfaces(model: Model, frame: AnnotationFrame) -> tuple[Surface, ...]:
-    """The surfaces of `model`; meshes without material are neutral grey, empty and non-finite triangles are left out."""
+    """The surfaces of `model`; meshes without material are neutral grey, non-finite triangles are left out."""
     textures = frozenset(texture.name for texture in model.textures)
     parts: dict[tuple[int, tuple[str, ...]], list[Surface]] = {}
     for mesh in model.meshes:
@@ -47,10 +47,9 @@ def surfaces(model: Model, frame: AnnotationFrame) -> tuple[Surface, ...]:
 def actor(surface: Surface, textures: TextureSet) -> vtkActor:
     """`surface` shaded with its material, visible from both sides."""
     material = surface.material
-    result = _plain_actor(triangle_soup(surface.points, surface.normals, surface.attributes))
+    result, mapper = _blank(triangle_soup(surface.points, surface.normals, surface.attributes))
     slots = _bind(result, surface.slots, textures)
     components = {name: values.shape[2] for name, values in surface.attributes.items()}
-    mapper: vtkPolyDataMapper = result.GetMapper()
     for name in components:
         mapper.MapDataArrayToVertexAttribute(name, name, vtkDataObject.FIELD_ASSOCIATION_POINTS, -1)
     shader = result.GetShaderProperty()
@@ -67,7 +66,10 @@ def plain_actor(parts: tuple[Surface, ...], color: tuple[float, float, float]) -
     """All `parts` as one matte opaque body of a linear RGB `color`."""
     points = np.concatenate([part.points for part in parts])
     normals = np.concatenate([part.normals for part in parts])
-    result = _plain_actor(triangle_soup(points, normals, {}))
+    result, mapper = _blank(triangle_soup(points, normals, {}))
+    # Collision shapes often touch the surface: pushed back, it does not flicker through them.
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(2.0, 8.0)
     material = Material(name="plain", base_color=color, roughness=0.9)
     for old, new in fragment_replacements(material, (), {}):
         result.GetShaderProperty().AddFragmentShaderReplacement(old, old.startswith("//VTK"), new, True)
@@ -76,13 +78,13 @@ def plain_actor(parts: tuple[Surface, ...], color: tuple[float, float, float]) -
     return result
 
 
-def _plain_actor(data: vtkPolyData) -> vtkActor:
+def _blank(data: vtkPolyData) -> tuple[vtkActor, vtkPolyDataMapper]:
     mapper = vtkPolyDataMapper()
     mapper.SetInputDataObject(data)
     mapper.ScalarVisibilityOff()
     result = vtkActor()
     result.SetMapper(mapper)
-    return result
+    return result, mapper
 
 
 def _set_material(target: vtkActor, material: Material) -> None:

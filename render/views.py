@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from vtkmodules.vtkRenderingCore import vtkRenderer
 
 from render.camera import HERO_VIEW, STANDARD_VIEWS, AnnotationFrame, annotation_frame, camera
 from render.collision import collision_actors
@@ -21,7 +22,7 @@ _SHADOW_SAMPLES = 20_000
 
 
 def render_all(request: RenderRequest) -> dict[str, Path]:
-    """Write the pictures of `request` and return them by name: four views, `thumbnail`, and `collision` if it has shapes.
+    """Write the pictures of `request`; their paths by name: four views, `thumbnail`, `collision` if there are shapes.
 
     Raises NoOpenGL when the system has no software OpenGL. A driver without its back end may kill the process: run it
     in a cell (`python -m render`).
@@ -71,7 +72,7 @@ def model_frame(model: Model) -> AnnotationFrame:
     return annotation_frame(low, high)
 
 
-def _peel(renderer: object) -> None:
+def _peel(renderer: vtkRenderer) -> None:
     """Sort translucent surfaces per pixel."""
     renderer.SetUseDepthPeeling(True)
     renderer.SetMaximumNumberOfPeels(6)

@@ -6,11 +6,11 @@ import ctypes
 from pathlib import Path
 
 import numpy as np
-import vtkmodules.vtkRenderingOpenGL2 as gl
 from PIL import Image
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
+from vtkmodules.vtkRenderingOpenGL2 import vtkEGLRenderWindow, vtkOSOpenGLRenderWindow
 
 from render.camera import FIELD_OF_VIEW_RAD, Camera
 
@@ -27,9 +27,9 @@ def offscreen_window() -> vtkRenderWindow:
     The libraries are probed first because VTK dies of a segmentation fault when they are missing. Raises NoOpenGL.
     """
     if _loads("libOSMesa.so.8"):
-        window: vtkRenderWindow = gl.vtkOSOpenGLRenderWindow()
+        window: vtkRenderWindow = vtkOSOpenGLRenderWindow()
     elif _loads("libEGL.so.1") and _loads("libEGL_mesa.so.0"):
-        window = gl.vtkEGLRenderWindow()
+        window = vtkEGLRenderWindow()
     else:
         raise NoOpenGL(
             "No software OpenGL: install the system package libosmesa6, or libegl1 with libgl1-mesa-dri (Debian names)."
@@ -41,7 +41,7 @@ def offscreen_window() -> vtkRenderWindow:
 
 
 def take_picture(window: vtkRenderWindow, renderer: vtkRenderer, camera: Camera, size_px: int) -> Image.Image:
-    """The square RGB picture that `renderer` shows through `camera`, antialiased by averaging `SUPERSAMPLING`² samples."""
+    """The square RGB picture that `renderer` shows through `camera`, `SUPERSAMPLING`² samples averaged per pixel."""
     edge = size_px * SUPERSAMPLING
     window.SetSize(edge, edge)
     _point(renderer, camera)
