@@ -1,0 +1,215 @@
+"""Which collision shapes stand for a solid: the simplest that keeps its form and its openings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from assetkit.decompose import Settings, decompose
+from geom.cavity import Cavity, find_cavities
+from geom.decimate import decimate
+from geom.fidelity import mean_offset, measure
+from geom.fits import fit_box, fit_capsule, fit_cylinder, fit_sphere
+from geom.hull import hull_shape
+from geom.inertia import PLATE_WALL_M
+from geom.thicken import thicken
+from schemas.diagnostics import Diagnostic, finding
+from schemas.model import FloatArray
+from schemas.physics import CollisionShape, Fidelity, Solid
+
+SHEET_FACES = 1500
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Bounds a candidate must meet; distances are shares of the diagonal.
+
+    p95           95th percentile of the surface distance, both ways.
+    max           largest surface distance, both ways: a knob that nothing touches is a knob that is not there.
+    volume        least and greatest ratio of volumes (not asked of sheets) ...
+    mean_offset   ... or the excess volume spread over the surface stays below this: thin walls may double in volume.
+    """
+
+    p95: float
+    max: float
+    volume: tuple[float, float]
+    mean_offset: float
+
+
+ANALYTIC = Tolerance(p95=0.015, max=0.05, volume=(0.93, 1.07), mean_offset=0.0)
+HULL = Tolerance(p95=0.02, max=0.06, volume=(0.95, 1.15), mean_offset=0.0)
+# Thirty-two hulls around a thin bowl leave 2.3 %.
+PARTS = Tolerance(p95=0.025, max=0.08, volume=(0.95, 1.15), mean_offset=0.005)
+
+Fit = Callable[[FloatArray], CollisionShape | None]
+# Tried in this order; the first within tolerance is taken.
+SINGLE: tuple[tuple[str, Fit, Tolerance], ...] = (
+    ("box", fit_box, ANALYTIC),
+    ("sphere", fit_sphere, ANALYTIC),
+    ("capsule", fit_capsule, ANALYTIC),
+    ("cylinder", fit_cylinder, ANALYTIC),
+    ("hull", hull_shape, HULL),
+)
+COACD, COACD_FINE, COACD_COARSE, VHACD = "coacd", "coacd_fine", "coacd_coarse", "vhacd"
+LADDER: tuple[tuple[str, Settings], ...] = (
+    (COACD, Settings()),
+    (COACD_FINE, Settings(threshold=0.03)),
+    (COACD_COARSE, Settings(threshold=0.12)),
+    (VHACD, Settings(method="vhacd")),
+)
+
+
+@dataclass(frozen=True)
+class Colliders:
+    """The chosen shapes with the method's name, every candidate tried, the openings found, and a warning if any."""
+
+    method: str
+    shapes: tuple[CollisionShape, ...]
+    candidates: tuple[Fidelity, ...]
+    cavities: tuple[Cavity, ...]
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Target:
+    """What candidates are measured against, with whether its volume is its own."""
+
+    solid: Solid
+    cavities: tuple[Cavity, ...]
+    own_volume: bool
+
+
+def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = frozenset()) -> Colliders:
+    """The first candidate of `SINGLE`, then of `LADDER`, that meets its tolerance and keeps every opening.
+
+    `exclude` names methods that must not be chosen again. When none passes, the best one stands in with a warning: one
+    that keeps the openings before one that does not, then the smallest surface distance. A sheet counts as a wall of
+    its assumed thickness. The finer rung is tried when CoACD ran but missed, the coarser when it failed to
+    run.
+    """
+    target = _target(solid)
+    tried: list[tuple[Fidelity, tuple[CollisionShape, ...]]] = []
+    for method, fit, tolerance in SINGLE:
+        shape = fit(target.solid.points) if method not in exclude else None
+        if shape is None:
+            continue
+        tried.append((_judged(method, (shape,), target, tolerance), (shape,)))
+        if tried[-1][0].accepted:
+            return _chosen(tried, target)
+    failures: list[Fidelity] = []
+    # A convex hull that stands in for a broken surface has nothing to decompose.
+    for method, settings in LADDER if solid.kind != "hull" else ():
+        ran = any(f.method.startswith(COACD) for f, _ in tried)
+        crashed = not ran and COACD not in exclude
+        if method in exclude or (method == COACD_FINE and crashed) or (method == COACD_COARSE and ran):
+            continue
+        parts = decompose(target.solid.points, target.solid.triangles, settings, work_dir)
+        if not parts.shapes:
+            failures.append(_failed(method, parts.reason))
+            continue
+        tried.append((_judged(method, parts.shapes, target, PARTS), parts.shapes))
+        if tried[-1][0].accepted:
+            break
+    return _chosen(tried, target, failures)
+
+
+def _target(solid: Solid) -> _Target:
+    cavities = find_cavities(solid)
+    if solid.kind == "shell" and solid.wall_thickness_m is not None:
+        points, triangles = decimate(solid.points, solid.triangles, SHEET_FACES)
+        try:
+            return _Target(Solid(*thicken(points, triangles, solid.wall_thickness_m), kind="closed"), cavities, False)
+        except ValueError:
+            return _Target(solid, (), False)
+    return _Target(solid, cavities, solid.kind == "closed")
+
+
+def _judged(method: str, shapes: tuple[CollisionShape, ...], target: _Target, tolerance: Tolerance) -> Fidelity:
+    """Measured and held against `tolerance`; the reason names each bound that is missed."""
+    f = measure(method, shapes, target.solid, target.cavities)
+    misses = list(_misses(f, target.solid, tolerance))
+    volume_ratio = f.volume_ratio if target.own_volume else None
+    return f.model_copy(
+        update={"accepted": not misses, "reason": "; ".join(misses) or "within tolerance", "volume_ratio": volume_ratio}
+    )
+
+
+def _misses(f: Fidelity, solid: Solid, tolerance: Tolerance) -> Sequence[str]:
+    misses = []
+    offset = mean_offset(f, solid)
+    if f.volume_ratio is not None and offset is not None:
+        low, high = tolerance.volume
+        thin = 0.0 <= offset <= tolerance.mean_offset
+        if not (low <= f.volume_ratio <= high or thin):
+            misses.append(f"volume ratio {f.volume_ratio:.3f} outside {low:g} to {high:g}")
+    for name, value, bound in (
+        ("outside p95", f.outside_p95, tolerance.p95),
+        ("missing p95", f.missing_p95, tolerance.p95),
+        ("outside max", f.outside_max, tolerance.max),
+        ("missing max", f.missing_max, tolerance.max),
+    ):
+        if value > bound:
+            misses.append(f"{name} {value:.4f} above {bound:g}")
+    if f.cavity_kept is False:
+        misses.append("fills an opening")
+    return misses
+
+
+def _failed(method: str, reason: str) -> Fidelity:
+    """The row of a candidate that came to nothing: no shapes, no figures."""
+    return Fidelity(
+        method=method,
+        shapes=0,
+        vertices=0,
+        volume_ratio=None,
+        outside_p95=1.0,
+        outside_max=1.0,
+        missing_p95=1.0,
+        missing_max=1.0,
+        cavity_kept=None,
+        accepted=False,
+        reason=reason,
+    )
+
+
+def _chosen(
+    tried: Sequence[tuple[Fidelity, tuple[CollisionShape, ...]]], target: _Target, failures: Sequence[Fidelity] = ()
+) -> Colliders:
+    """The accepted candidate, which is the last tried, or the best of all with a warning."""
+    rows = (*(f for f, _ in tried), *failures)
+    if tried and tried[-1][0].accepted:
+        return Colliders(tried[-1][0].method, tried[-1][1], rows, target.cavities)
+    if not tried:
+        plate = _plate(target.solid.points)
+        best, shapes = _failed("plate", "no other candidate has a volume"), (plate,)
+        rows = (*rows, best)
+    else:
+        best, shapes = min(tried, key=lambda t: (t[0].cavity_kept is False, max(t[0].outside_p95, t[0].missing_p95)))
+    warning = finding(
+        "asset/collision-fallback",
+        f"No collision candidate meets its tolerance; '{best.method}' stands in: {best.reason}",
+        value=max(best.outside_p95, best.missing_p95),
+        bound=PARTS.p95,
+        unit="of the diagonal",
+        because=tuple(
+            finding("asset/collision-fallback", f"{f.method}: {f.reason}") for f in rows if f.method != best.method
+        ),
+    )
+    return Colliders(best.method, shapes, rows, target.cavities, (warning,))
+
+
+def _plate(points: FloatArray) -> CollisionShape:
+    """A box around flat points, as thick as a plate."""
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    centred = points - middle
+    axes = np.linalg.eigh(centred.T @ centred)[1]
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    along = centred @ axes
+    X_AB = np.eye(4)
+    X_AB[:3, :3] = axes
+    X_AB[:3, 3] = middle + axes @ (0.5 * (along.min(axis=0) + along.max(axis=0)))
+    size = np.maximum(np.ptp(along, axis=0), PLATE_WALL_M)
+    return CollisionShape("box", (float(size[0]), float(size[1]), float(size[2])), X_AB)
