@@ -2,8 +2,9 @@
 
     python -m benchmarks.ingest [OUT_DIR]
 
-Prints one line per mesh: seconds of every Mana stage together, seconds of its collision stage, hulls and 95th-percentile
-surface distance, beside the seconds and hulls of `coacd.run_coacd(mesh)` in a process of its own (120 s limit).
+Prints one line per mesh: seconds of every Mana stage together, seconds of its collision stage, hulls and
+95th-percentile surface distance, beside the seconds and hulls of `coacd.run_coacd(mesh)` in a process of its own
+(120 s limit).
 """
 
 from __future__ import annotations
@@ -47,11 +48,8 @@ def main() -> None:
             p95 = 100 * max(chosen.outside_p95, chosen.missing_p95)
             collision_s = item.seconds.get("physics", 0.0)
             ratio = collision_s / plain_s if plain_s else float("nan")
-            print(
-                f"{name:20} {ours_s:7.2f} {collision_s:7.2f} {chosen.shapes:6d} {p95:6.2f}   "
-                f"{plain_s:8.2f} {hulls:5d} {ratio:6.2f}",
-                flush=True,
-            )
+            figures = (ours_s, collision_s, chosen.shapes, p95, plain_s, hulls, ratio)
+            print(f"{name:20}" + "".join(f"{f:8.2f}" for f in figures), flush=True)
 
 
 def plain_coacd(mesh: str) -> tuple[float, int]:

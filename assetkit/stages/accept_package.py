@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assetkit import release
-from assetkit.stage import Acceptance, Draft, Tools
+from assetkit.stage import Acceptance, Draft, Tools, need
 from assetkit.stages.acceptance import accept
 from schemas.asset import Check
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
@@ -33,7 +33,13 @@ class AcceptPackage:
         errors = [d for d in gate_findings if d.severity is Severity.ERROR]
         validators = tuple(_check(v.judge, len(v.findings)) for v in verdicts)
         validators += (_check("mana gate", len(errors)),)
-        judged = accept(main_file, tools.simulator, body=reread_body(main_file), visual=reread_visual(main_file))
+        judged = accept(
+            main_file,
+            tools.simulator,
+            body=reread_body(main_file),
+            visual=reread_visual(main_file),
+            extent_m=need(draft.canonicalize, "canonicalize").section.extent_m.value,
+        )
         section = judged.section.model_copy(update={"validators": validators})
         refused = tuple(_refused(v.judge, v.findings) for v in verdicts if not v.passed)
         names = renamed(source_names(draft.model))
