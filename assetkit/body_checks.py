@@ -87,12 +87,13 @@ def _mass_checks(body: RigidBody, size: float) -> list[Check]:
 
 def _distance_outside(shape: CollisionShape, points: FloatArray) -> FloatArray:
     """How far (k,) points lie outside one shape, 0 inside; for hulls a lower bound, exact over faces."""
+    local = (points - shape.X_AS[:3, 3]) @ shape.X_AS[:3, :3]
     if shape.kind == "hull":
         assert shape.points is not None, "a hull has points"
         assert shape.triangles is not None, "a hull has triangles"
         normals, offsets = _planes(shape.points, shape.triangles)
-        return np.maximum((points @ normals.T - offsets).max(axis=1), 0.0)
-    local = np.abs((points - shape.X_AS[:3, 3]) @ shape.X_AS[:3, :3])
+        return np.maximum((local @ normals.T - offsets).max(axis=1), 0.0)
+    local = np.abs(local)
     if shape.kind == "box":
         return np.linalg.norm(np.maximum(local - np.asarray(shape.size_m) / 2.0, 0.0), axis=1)
     radius, half = shape.size_m[0], (shape.size_m[1] / 2.0 if len(shape.size_m) > 1 else 0.0)

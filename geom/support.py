@@ -61,7 +61,8 @@ def facet_directions(shapes: Sequence[CollisionShape]) -> FloatArray:
         hull = ConvexHull(np.concatenate([surface(shape)[0] for shape in shapes]))
     except QhullError:
         return np.empty((0, 3))
-    return np.unique(np.round(hull.equations[:, :3], 9), axis=0)
+    directions = np.unique(np.round(hull.equations[:, :3], 9), axis=0)
+    return directions / np.linalg.norm(directions, axis=1)[:, None]
 
 
 def surface(shape: CollisionShape) -> tuple[FloatArray, FloatArray]:

@@ -36,7 +36,7 @@ from geom.principal_axes import principal_axes
 from geom.support import bounds, diagonal, heights, surface
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, RigidBody
-from sim.port import DropResult, DropSettings, Stillness, World, pair_value, rms_speeds
+from sim.port import DropResult, DropSettings, Stillness, World, model_scale, pair_value, rms_speeds
 
 
 @contextmanager
@@ -58,8 +58,6 @@ def _muted() -> Iterator[None]:
 with _muted():  # PyBullet announces its build time when it is imported.
     import pybullet
 
-# Bullet's tolerances are absolute (slop 10 um, restitution from 0.2 m/s on), made for things of hand to door size.
-SMALLEST_M, LARGEST_M, REFERENCE_M = 0.02, 5.0, 0.3
 _PARKED_M = 1000.0
 _SLOTS = 16  # of createCollisionShapeArray
 _SINGLE = 1e-6  # relative: the OBJ reader is single precision
@@ -97,10 +95,8 @@ class BulletSimulator:
     Repeated calls are bit-equal, also between processes and whatever was dropped before: between drops the body is
     parked far above the ground for one step, which empties all contact caches, and then placed anew.
 
-    Bodies whose box diagonal is below 2 cm or above 5 m are simulated at 0.3 m and the results converted back, by
-    Froude similarity (equal g, equal densities), which is exact for rigid bodies: lengths x s, times and speeds
-    x sqrt(s), turning rates / sqrt(s), masses x s^3, inertia x s^5, friction and restitution as they are. Their step is
-    1/240 s of the model's time.
+    Very small and very large bodies are simulated as models, see `sim.port.model_scale`, and the results converted
+    back: Bullet's tolerances are absolute (slop 10 um, restitution from 0.2 m/s on).
 
     Friction is right to a few percent. Restitution is not: Bullet takes the last gap before an impact from the rebound,
     so that measured rebounds from 1 m scatter around `e^2` by 0.1 m and more, and vary with the step.
@@ -153,7 +149,7 @@ class BulletSimulator:
         client = self._client
         self._loaded = None
         size = diagonal(body.shapes)
-        scale = 1.0 if SMALLEST_M <= size <= LARGEST_M else REFERENCE_M / size
+        scale = model_scale(size)
         pybullet.resetSimulation(physicsClientId=client)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=world.timestep_s,

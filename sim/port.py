@@ -14,6 +14,7 @@ from schemas.physics import MassProperties, RigidBody
 
 GRAVITY_MPS2 = 9.81
 ROLLING_RESISTANCE = 0.003  # of the size, see `world_for`
+SMALLEST_M, LARGEST_M, MODEL_M = 0.02, 5.0, 0.3
 Combine = Literal["average", "multiply", "minimum", "maximum"]
 
 
@@ -33,7 +34,7 @@ class World:
     rolling_resistance_m: float = 0.0
     turning_loss_per_s: float = 0.0
     gravity_mps2: tuple[float, float, float] = (0.0, 0.0, -GRAVITY_MPS2)
-    timestep_s: float = 1.0 / 240.0
+    timestep_s: float = 1.0 / 240.0  # of the model, if the body is simulated as one
     substeps: int = 2
 
 
@@ -132,6 +133,16 @@ def natural_time_s(diagonal_m: float) -> float:
     return math.sqrt(diagonal_m / GRAVITY_MPS2)
 
 
+def model_scale(diagonal_m: float) -> float:
+    """How many times its size a body is simulated at: 1 from 2 cm to 5 m, else what makes a model of 0.3 m.
+
+    Engines are made for things of hand to door size. By Froude similarity (equal g, equal densities), exact for rigid
+    bodies, the model moves alike: lengths x s, times and speeds x sqrt(s), turning rates / sqrt(s), masses x s^3,
+    inertia x s^5, friction and restitution as they are.
+    """
+    return 1.0 if SMALLEST_M <= diagonal_m <= LARGEST_M else MODEL_M / diagonal_m
+
+
 def world_for(diagonal_m: float) -> World:
     """A tabletop for a body of that size, alike at every size.
 
@@ -139,10 +150,11 @@ def world_for(diagonal_m: float) -> World:
     that round things come to rest; steps are at most 1/80 of the natural time (1 to 8 substeps).
     """
     natural_s = natural_time_s(diagonal_m)
+    model_s = natural_time_s(diagonal_m * model_scale(diagonal_m))
     return World(
         rolling_resistance_m=ROLLING_RESISTANCE * diagonal_m,
         turning_loss_per_s=0.15 / natural_s,
-        substeps=min(max(math.ceil(World.timestep_s * 80.0 / natural_s), 1), 8),
+        substeps=min(max(math.ceil(World.timestep_s * 80.0 / model_s), 1), 8),
     )
 
 

@@ -1,0 +1,159 @@
+"""Stable poses: the faces, heights and probabilities that geometry and symmetry demand."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+
+from assetkit.stable_poses import StablePoses, find_stable_poses, holds, is_stable, resting_pose, spread_directions
+from geom.pose import matrix_of
+from geom.support import support
+from schemas.asset import StablePose
+from schemas.physics import RigidBody
+from sim.bullet import BulletSimulator
+from sim.fake import FakeSimulator
+from tests.unit.sample_bodies import box, boxes, capsule, cylinder, hull, hull_box, sphere
+
+
+@pytest.fixture(scope="module")
+def bullet():
+    with BulletSimulator() as simulator:
+        yield simulator
+
+
+def offsets(poses: Sequence[StablePose]) -> list[float]:
+    return sorted(round(p.support_offset_m, 4) for p in poses)
+
+
+def total(found: StablePoses) -> float:
+    return sum(p.probability for p in found.poses)
+
+
+@pytest.mark.parametrize("make", [box, hull_box])
+def test_a_cube_has_six_poses_about_equally_likely(bullet, make) -> None:
+    found = find_stable_poses(make((0.05, 0.05, 0.05)), bullet, trials=48)
+    assert offsets(found.poses) == [0.0, 0.025, 0.025, 0.025, 0.025, 0.05]
+    assert all(0.08 < p.probability < 0.25 for p in found.poses)
+    assert total(found) == pytest.approx(1.0)
+    assert found.at_rest == found.trials == 48
+
+
+def test_the_reference_pose_itself_has_no_yaw_and_no_offset(bullet) -> None:
+    found = find_stable_poses(box((0.1, 0.08, 0.02)), bullet)
+    upright = [p for p in found.poses if p.support_offset_m == pytest.approx(0.0, abs=1e-9)]
+    assert len(upright) == 1
+    assert upright[0].quat_wxyz == pytest.approx((1.0, 0.0, 0.0, 0.0), abs=1e-9)
+
+
+def test_flat_faces_are_likelier_than_narrow_ends(bullet) -> None:
+    found = find_stable_poses(box((0.2, 0.1, 0.05)), bullet)
+    chance = {}
+    for p in found.poses:
+        axis = int(np.abs(matrix_of(np.array(p.quat_wxyz))[2]).argmax())
+        chance[axis] = chance.get(axis, 0.0) + p.probability
+    assert chance[2] > chance[1] > chance.get(0, 0.0)
+
+
+def test_a_can_stands_on_two_ends_and_lies_in_one_pose(bullet) -> None:
+    for body in (cylinder(0.033, 0.12), hull(trimesh.creation.cylinder(0.033, 0.12, sections=32))):
+        found = find_stable_poses(body, bullet)
+        assert found.poses[0].support_offset_m == pytest.approx(0.033, rel=0.01)
+        assert found.poses[0].probability > 0.5
+        assert offsets(found.poses[1:]) in ([0.0, 0.12], [0.0], [0.12], [])
+
+
+def test_balls_and_capsules_have_one_pose(bullet) -> None:
+    for body in (sphere(0.03), capsule(0.01, 0.1), hull(trimesh.creation.icosphere(subdivisions=1, radius=0.03))):
+        found = find_stable_poses(body, bullet)
+        assert len(found.poses) == 1
+        assert found.poses[0].probability > 0.9
+
+
+def test_an_l_shape_rests_on_its_faces_and_on_its_bridge(bullet) -> None:
+    body = boxes([((0.1, 0.04, 0.02), (0, 0, 0.01)), ((0.02, 0.04, 0.08), (-0.04, 0, 0.06))])
+    found = find_stable_poses(body, bullet)
+    downs = [-matrix_of(np.array(p.quat_wxyz))[2] for p in found.poses]
+    bridge = np.array([1.0, 0.0, 1.0]) / math.sqrt(2.0)  # on the ends of both legs
+    expected = [np.array(d) for d in ([0, 1, 0], [0, -1, 0], [0, 0, -1], [-1, 0, 0])] + [bridge]
+    assert len(found.poses) == len(expected)
+    for direction in expected:
+        assert max(float(direction @ d) for d in downs) > 0.9999
+
+
+@pytest.mark.parametrize(
+    "body",
+    [box((0.006, 0.004, 0.003)), box((56.0, 9.0, 63.0)), box((400.0, 180.0, 120.0)), box((0.09, 0.06, 0.0004))],
+    ids=["tiny", "building", "toy car in wrong units", "card"],
+)
+def test_size_and_thinness_do_not_matter(bullet, body: RigidBody) -> None:
+    found = find_stable_poses(body, bullet)
+    assert found.at_rest >= 31
+    assert found.refuted == 0
+    thin = min(body.shapes[0].size_m)
+    most_likely = matrix_of(np.array(found.poses[0].quat_wxyz))[2]
+    assert body.shapes[0].size_m[int(np.abs(most_likely).argmax())] == thin
+
+
+def test_a_needle_lies_and_never_flies(bullet) -> None:
+    found = find_stable_poses(box((0.01, 0.01, 1.0)), bullet)
+    assert found.at_rest > 28
+    assert all(p.support_offset_m < 0.008 for p in found.poses)
+
+
+def test_every_pose_touches_the_ground_and_holds(bullet) -> None:
+    body = boxes([((0.1, 0.04, 0.02), (0, 0, 0.01)), ((0.02, 0.04, 0.08), (-0.04, 0, 0.06))])
+    for p in find_stable_poses(body, bullet).poses:
+        down_A = -matrix_of(np.array(p.quat_wxyz))[2]
+        assert p.support_offset_m == pytest.approx(support(body.shapes, down_A[None])[0], abs=1e-12)
+        assert holds(body, bullet, resting_pose(body, down_A, gap_m=0.0))
+
+
+def test_a_pose_on_an_edge_is_neither_stable_nor_does_it_hold(bullet) -> None:
+    body = box((0.06, 0.05, 0.04))
+    leaning = np.array([math.sin(0.7), 0.0, -math.cos(0.7)])
+    assert not holds(body, bullet, resting_pose(body, leaning, gap_m=0.0))
+    balanced = np.array([0.04, 0.0, -0.06]) / math.hypot(0.04, 0.06)
+    assert is_stable(body, np.stack([balanced, [0.0, 0.0, -1.0]])).tolist() == [False, True]
+
+
+def test_nothing_at_rest_gives_no_pose() -> None:
+    found = find_stable_poses(sphere(0.03), _Restless(), trials=4)
+    assert (found.poses, found.at_rest, found.trials) == ((), 0, 4)
+
+
+class _Restless(FakeSimulator):
+    """Every record ends in the air."""
+
+    def drop(self, body, X_WA, settings):
+        return super().drop(body, X_WA, replace(settings, duration_s=0.01))
+
+    def drop_many(self, body, poses_WA, settings):
+        return tuple(self.drop(body, X, settings) for X in poses_WA)
+
+
+def test_the_search_is_deterministic_and_works_with_any_simulator(bullet) -> None:
+    body = hull_box((0.1, 0.07, 0.05))
+    assert find_stable_poses(body, bullet) == find_stable_poses(body, bullet)
+    assert offsets(find_stable_poses(body, FakeSimulator()).poses) == [0.0, 0.035, 0.035, 0.05, 0.05, 0.05]
+
+
+def test_directions_are_unit_and_spread_evenly() -> None:
+    directions = spread_directions(32)
+    assert np.linalg.norm(directions, axis=1) == pytest.approx(np.ones(32))
+    assert np.abs(directions.mean(axis=0)).max() < 0.02
+    nearest = np.sort(directions @ directions.T, axis=1)[:, -2]
+    assert np.degrees(np.arccos(nearest)).min() > 15.0
+
+
+def test_a_resting_pose_faces_the_direction_down_without_yaw() -> None:
+    body = box((0.06, 0.05, 0.04))
+    for down_A in spread_directions(12):
+        X_WA = resting_pose(body, down_A, gap_m=0.01)
+        assert X_WA[:3, :3] @ down_A == pytest.approx([0.0, 0.0, -1.0], abs=1e-9)
+        assert X_WA[2, 3] == pytest.approx(support(body.shapes, down_A[None])[0] + 0.01)
+        assert abs(X_WA[1, 0] - X_WA[0, 1]) < 1e-9  # the rotation axis is horizontal
