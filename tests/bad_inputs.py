@@ -241,5 +241,7 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/collision-fallback": "tests/unit/test_physics_stage.py",
     "asset/render-collision-misaligned": "tests/unit/test_acceptance.py",
     "asset/unstable-settling": "tests/unit/test_acceptance.py",
+    "asset/reference-pose-topples": "tests/unit/test_acceptance.py",
+    "asset/no-stable-pose": "tests/unit/test_acceptance.py",
     "asset/name-sanitised": "tests/unit/test_names.py",
 }
