@@ -16,19 +16,16 @@ Traps of PyBullet 3.2.7 that this file answers, each covered by a test:
 
 from __future__ import annotations
 
-import ctypes
 import math
-import os
-import sys
 import tempfile
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pybullet
 from scipy.spatial.transform import Rotation
 
 from geom import pose
@@ -37,26 +34,6 @@ from geom.support import bounds, diagonal, heights, surface
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, RigidBody
 from sim.port import DropResult, DropSettings, Stillness, World, model_scale, pair_value, rms_speeds
-
-
-@contextmanager
-def _muted() -> Iterator[None]:
-    """Within it, whatever native code writes to standard output is dropped: output belongs to `cli`."""
-    libc = ctypes.CDLL(None)
-    sys.stdout.flush()
-    saved, sink = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(sink, 1)
-    try:
-        yield
-    finally:
-        libc.fflush(None)
-        os.dup2(saved, 1)
-        os.close(saved)
-        os.close(sink)
-
-
-with _muted():  # PyBullet announces its build time when it is imported.
-    import pybullet
 
 _PARKED_M = 1000.0
 _SLOTS = 16  # of createCollisionShapeArray
