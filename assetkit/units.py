@@ -17,9 +17,11 @@ MIN_POSTERIOR = 0.6  # Below, the metre is kept and the scale is called unverifi
 
 _TYPICAL_SIZE_M, _LOG_SPREAD = 0.15, 1.2  # Largest extent of household objects: median and spread of its logarithm.
 _PRIORS = {
-    "stl": {"m": 0.10, "cm": 0.05, "mm": 0.75, "in": 0.10},  # Printing and CAD write millimetres.
+    "stl": {"m": 0.20, "cm": 0.05, "mm": 0.70, "in": 0.05},  # Printing and CAD write millimetres, robotics metres.
     "other": {"m": 0.50, "cm": 0.25, "mm": 0.15, "in": 0.10},
 }
+# A designed length is round in the designer's unit: how much more likely a reading is that makes it so.
+_ROUND_LENGTH, _BINARY_FRACTIONS = 5.0, 3.0
 _NAMES = {
     "mm": r"mm|millimet(?:er|re)s?",
     "cm": r"cm|centimet(?:er|re)s?",
@@ -115,11 +117,13 @@ def _stated_in_name(stem: str, extent: tuple[float, float, float]) -> str | None
 
 
 def _by_size(extent: tuple[float, float, float], format_: str) -> UnitDecision:
-    """Bayes over unit hypotheses: prior of the format times how usual the resulting size is."""
+    """Bayes over unit hypotheses: prior of the format, how usual the resulting size is, how round the lengths are."""
     prior = _PRIORS.get(format_, _PRIORS["other"])
     largest = max(extent)
     weight = {
-        unit: p * math.exp(-0.5 * (math.log(largest * METERS_PER_UNIT[unit] / _TYPICAL_SIZE_M) / _LOG_SPREAD) ** 2)
+        unit: p
+        * math.exp(-0.5 * (math.log(largest * METERS_PER_UNIT[unit] / _TYPICAL_SIZE_M) / _LOG_SPREAD) ** 2)
+        * _roundness(extent, unit)
         for unit, p in prior.items()
     }
     total = sum(weight.values()) or 1.0
@@ -144,6 +148,26 @@ def _by_size(extent: tuple[float, float, float], format_: str) -> UnitDecision:
         severity=Severity.INFO if confident else None,
     )
     return UnitDecision(evidence, (note,))
+
+
+def _roundness(extent: tuple[float, float, float], unit: str) -> float:
+    """How much the lengths speak for a unit: lengths that become whole half-millimetres without being round as they
+    stand (1.33858 in is 34 mm), or sixteenths that nobody writes in metric units (1.375).
+    """
+    mm = [e * METERS_PER_UNIT[unit] * 1000.0 for e in extent]
+    telling = [
+        not _is_multiple(e, 0.01, 1e-4) and _is_multiple(m, 0.5, 1e-5 * max(m, 1.0))
+        for e, m in zip(extent, mm, strict=True)
+    ]
+    likelihood = _ROUND_LENGTH ** min(sum(telling), 2)
+    sixteenths = all(_is_multiple(e, 1 / 16, 1e-6) for e in extent) and not all(
+        _is_multiple(e, 0.5, 1e-6) for e in extent
+    )
+    return likelihood * (_BINARY_FRACTIONS if unit == "in" and sixteenths else 1.0)
+
+
+def _is_multiple(value: float, step: float, tolerance: float) -> bool:
+    return abs(value - step * round(value / step)) <= tolerance
 
 
 def _rescaled(unit: str, confidence: float, method: str, extent: tuple[float, float, float]) -> UnitDecision:

@@ -81,6 +81,15 @@ def test_stl_of_household_size_in_millimetres_is_recognised():
     assert decision.meters_per_unit.confidence < 0.9
 
 
+def test_lengths_of_an_inch_designer_are_recognised():
+    assert decide((1.33858, 1.0, 1.35198), format_="stl").repairs[0].name == "unit_inch"
+    assert decide((5.0, 2.5, 1.375), format_="stl").repairs[0].name == "unit_inch"
+
+
+def test_a_shelf_in_metres_is_not_taken_for_inches():
+    assert decide((0.879534, 2.36728, 0.884222), format_="stl").meters_per_unit.value == 1.0
+
+
 def test_ambiguous_size_keeps_metres_and_says_so():
     decision = decide((2.0, 2.0, 3.0))
     assert decision.meters_per_unit.value == 1.0
