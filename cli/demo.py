@@ -49,7 +49,7 @@ def demo(
     batch = Batch(
         out=out / "library", options=Options(license="Zlib", author="Bullet contributors"), worker=WORKER, jobs=jobs
     )
-    report = run_batch(discover(found), batch, quiet=False)
+    report = run_batch(discover(found, root=data), batch, quiet=False)
     verdicts = {file: validate_file(file) for file in main_usd_files(batch.out)}
     page = write_page(report, verdicts, out)
     text.show_summary(report)
