@@ -139,7 +139,7 @@ def _looks_like_usd(head: bytes, extension: str) -> bool:
 
 def _parse_error(error: Tf.ErrorException, site: Site, data: bytes) -> Diagnostic:
     """`asset/parse-error` with the position OpenUSD reports; `asset/truncated` when that is the end of the text."""
-    text = str(error.args[-1] if error.args else error)
+    text = message(error)
     match = _POSITION.search(text)
     if match is None:
         code = "asset/truncated" if data.startswith(_CRATE) else "asset/parse-error"
@@ -149,6 +149,14 @@ def _parse_error(error: Tf.ErrorException, site: Site, data: bytes) -> Diagnosti
     if line >= len(data.rstrip().splitlines()) and not data.rstrip().endswith(b"}"):
         return finding("asset/truncated", "the text ends inside a prim or value", where=where)
     return finding("asset/parse-error", "the layer has a syntax error", where=where, value=_reason(match[3]))
+
+
+def message(error: Tf.ErrorException) -> str:
+    """OpenUSD's last message. It quotes the file, whose bytes need not be UTF-8."""
+    try:
+        return str(error.args[-1] if error.args else error)
+    except UnicodeDecodeError as undecodable:
+        return undecodable.object.decode(errors="replace")
 
 
 def _reason(text: str) -> str:
@@ -230,7 +238,7 @@ def _check_assets(layer: Sdf.Layer, site: Site, specs: list[Sdf.Spec]) -> None:
     for spec in specs:
         where = str(spec.path)
         if isinstance(spec, Sdf.AttributeSpec):
-            if spec.typeName.scalarType != Sdf.ValueTypeNames.Asset:
+            if spec.GetInfo("typeName") not in ("asset", "asset[]"):  # the name; a damaged type crashes OpenUSD
                 continue
             times = layer.ListTimeSamplesForPath(spec.path)
             values = [spec.default, *(layer.QueryTimeSample(spec.path, t) for t in times)]

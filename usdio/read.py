@@ -17,7 +17,7 @@ from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, fi
 from schemas.model import Mesh, Model, Node
 from schemas.outcome import Outcome, Repair
 from usdio import stage_facts
-from usdio.guard import Layers, check_layers
+from usdio.guard import Layers, check_layers, message
 from usdio.placement import Census, Placed, census
 from usdio.quiet import quiet
 from usdio.read_materials import LoadTexture, MaterialTable
@@ -39,15 +39,14 @@ def read_stage(path: Path, root: Path, *, load_texture: LoadTexture) -> Outcome[
     values that OpenUSD itself refuses.
     """
     with quiet():
-        layers = check_layers(path, root)
         try:
-            return _read(layers, load_texture)
+            return _read(check_layers(path, root), load_texture)
         except Tf.ErrorException as error:
-            where = layers.site(layers.root).where()
-            reason = str(error.args[0] if error.args else error).rpartition(" : ")[2].strip("' ")
-            raise InvalidInput(
-                finding("asset/schema-error", "OpenUSD refuses a value in the file", where=where, value=reason[:300])
-            ) from error
+            headline, reason = "OpenUSD refuses a value in the file", message(error).rpartition(" : ")[2].strip("' \n")
+        except UnicodeDecodeError as error:
+            headline, reason = "a text in the file is not UTF-8", error.reason
+    where = Location(file=path.resolve().relative_to(root.resolve()).as_posix())
+    raise InvalidInput(finding("asset/schema-error", headline, where=where, value=reason[:300]))
 
 
 def _read(layers: Layers, load_texture: LoadTexture) -> Outcome[Model]:

@@ -139,8 +139,19 @@ def _check_topology(points: np.ndarray, counts: np.ndarray, indices: np.ndarray,
 
 
 def _array(attribute: Usd.Attribute, shape: tuple[int, ...], dtype: type) -> np.ndarray:
+    """The attribute's values, empty when it has none. Raises InvalidInput `asset/schema-error` for another type."""
     value = attribute.Get(EARLIEST) if attribute else None
-    return np.asarray(value if value is not None else [], dtype=dtype).reshape(shape)
+    try:
+        with np.errstate(invalid="ignore"):
+            return np.asarray(value if value is not None else [], dtype=dtype).reshape(shape)
+    except (TypeError, ValueError) as error:
+        raise InvalidInput(_wrong_type(attribute)) from error
+
+
+def _wrong_type(attribute: Usd.Attribute) -> Diagnostic:
+    at = Location(prim=str(attribute.GetPath()))
+    headline = f"{attribute.GetName()} has values of another type than its schema says"
+    return finding("asset/schema-error", headline, where=at, value=str(attribute.GetTypeName()))
 
 
 def _token(prim: Usd.Prim, name: str, fallback: str) -> str:
@@ -154,12 +165,11 @@ def _double_sided(prim: Usd.Prim) -> bool:
 
 def _primvar_corners(primvar: UsdGeom.Primvar, width: int, topology: _Topology) -> np.ndarray | None:
     """(m, 3, width) float64 values of a primvar, indices followed; None when it does not fit the mesh."""
-    value = primvar.Get(EARLIEST)
-    if value is None or len(value) == 0:
+    values = _array(primvar.GetAttr(), (-1, width), np.float64)
+    if len(values) == 0:
         return None
-    values = np.asarray(value, dtype=np.float64).reshape(-1, width)
     if primvar.IsIndexed():
-        order = np.asarray(primvar.GetIndices(EARLIEST) or [], dtype=np.int64)
+        order = _array(primvar.GetIndicesAttr(), (-1,), np.int64)
         if len(order) == 0 or order.min() < 0 or order.max() >= len(values):
             return None
         values = values[order]
@@ -182,6 +192,8 @@ def _uvs(prim: Usd.Prim, topology: _Topology, where: Location) -> tuple[dict[str
     notes: list[Diagnostic] = []
     for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
         kind, name = primvar.GetTypeName(), primvar.GetPrimvarName()
+        if not kind:
+            continue
         is_uv = kind.role == "TextureCoordinate" or name.lower().startswith(("st", "uv"))
         if not is_uv or kind.scalarType not in _PAIRS:
             continue
@@ -258,6 +270,8 @@ def _sizes(prim: Usd.Prim, where: Location) -> dict[str, float]:
         if value is None:
             continue
         at = where.model_copy(update={"prim": f"{prim.GetPath()}.{name}"})
+        if not isinstance(value, float | int):
+            raise InvalidInput(_wrong_type(prim.GetAttribute(name)))
         if not np.isfinite(value):
             raise InvalidInput(finding("asset/nonfinite-vertices", f"{name} is not finite", where=at, value=str(value)))
         if value < 0:

@@ -93,9 +93,8 @@ def _feed(port: UsdShade.Input, depth: int) -> Fed:
         return _node(*node, depth)
     sources = UsdShade.Utils.GetValueProducingAttributes(port)
     value = sources[0].Get(EARLIEST) if sources else None
-    if isinstance(value, Sdf.AssetPath):
-        return Image(sources[0]) if value.path else None
-    return _constant(value)
+    is_file = isinstance(value, Sdf.AssetPath)
+    return (Image(sources[0]) if plain(value) else None) if is_file else _constant(value)
 
 
 def node_behind(port: UsdShade.Input | UsdShade.Output) -> tuple[UsdShade.Shader, str] | None:

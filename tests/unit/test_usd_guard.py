@@ -285,3 +285,9 @@ def test_layers_are_private_copies(tmp_path: Path) -> None:
     assert extents(path) == [1.0, 1.0]
     path.write_text(CUBE % "")
     assert extents(path) == [1.0]
+
+
+def test_text_that_is_not_utf8_is_a_finding(tmp_path: Path) -> None:
+    path = asset(tmp_path)
+    path.write_bytes(path.read_bytes().replace(b"upAxis", b'doc = "\xe4\xf6"\n upAxis'))
+    assert rejection(path).code == "asset/parse-error"
