@@ -267,13 +267,13 @@ def _pin(layers: dict[Site, Sdf.Layer], targets: dict[Site, dict[str, Site | Non
     """Rewrite all dependencies to the private copies; returns the stand-ins for files that are not there."""
     absent: dict[str, Diagnostic] = {}
     for site, layer in layers.items():
-        for uri in layer.GetCompositionAssetDependencies():
+        for uri in filter(None, layer.GetCompositionAssetDependencies()):  # "" stands for references within the layer
             target = targets[site].get(uri)
             if target in layers:
-                layer.UpdateCompositionAssetDependency(uri, layers[target].identifier)
+                _redirect(layer, site, uri, layers[target].identifier)
                 continue
             stand_in = f"anon:0x0:absent-{len(absent)}.usda"
-            layer.UpdateCompositionAssetDependency(uri, stand_in)
+            _redirect(layer, site, uri, stand_in)
             why = "is not there" if target is None else "is not a USD or MaterialX layer"
             absent[stand_in] = finding(
                 "asset/missing-dependency",
@@ -283,6 +283,19 @@ def _pin(layers: dict[Site, Sdf.Layer], targets: dict[Site, dict[str, Site | Non
                 severity=Severity.WARNING,
             )
     return absent
+
+
+def _redirect(layer: Sdf.Layer, site: Site, uri: str, identifier: str) -> None:
+    """Let every arc of `layer` that names `uri` name `identifier` instead.
+
+    OpenUSD stops at the sublayers when one of them matches and leaves references to the same file as they are, so the
+    call is repeated; what then still names the file must not be composed. Raises InvalidInput `asset/schema-error`.
+    """
+    for _ in range(3):
+        layer.UpdateCompositionAssetDependency(uri, identifier)
+    if uri in layer.GetCompositionAssetDependencies():
+        headline = f"the reference to '{uri}' cannot be pinned to a file"
+        raise InvalidInput(finding("asset/schema-error", headline, where=site.where(), value=uri))
 
 
 def _drop_clips(specs: list[Sdf.Spec]) -> bool:

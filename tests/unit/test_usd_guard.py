@@ -102,6 +102,26 @@ def test_a_search_path_never_finds_a_layer_in_the_working_directory(
     assert [r.name for r in outcome.repairs] == ["missing_dependency"]
 
 
+def test_one_file_named_by_every_kind_of_arc_is_pinned_everywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # OpenUSD's own rewriting stops at the sublayer; the references beside it once reached the working directory.
+    outside = tmp_path / "elsewhere"
+    outside.mkdir()
+    (outside / "secret.usda").write_text(SECRET)
+    monkeypatch.chdir(outside)
+    arcs = "references = @secret.usda@\n payload = @secret.usda@"
+    variant = f'variantSet "v" = {{ "a" ({arcs}) {{\n def "y" ({arcs}) {{}}\n }}\n }}'
+    selected = 'variantSets = "v"\n variants = { string v = "a" }'
+    body = f'def "x" ({arcs}\n {selected}) {{\n {variant}\n }}'
+    path = asset(tmp_path / "root", body)
+    path.write_text(path.read_text().replace("upAxis", "subLayers = [@secret.usda@]\n upAxis"))
+    assert extents(path) == [1.0]
+    with quiet():
+        layers = check_layers(path, path.parent)
+    assert all(uri.startswith("anon:") for layer in layers.kept for uri in layer.GetCompositionAssetDependencies())
+
+
 def test_a_reference_through_the_parent_inside_the_root_is_legal(tmp_path: Path) -> None:
     asset(tmp_path / "geo", name="ball.usda")
     path = asset(tmp_path / "asset", 'def "x" (references = @../geo/ball.usda@</Root>) {}')
