@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assetkit.stable_poses import displacement, is_stable, resting_pose
+from assetkit.stable_poses import LEAN_RAD, displacement, leaning, recovers, resting_pose
 from geom.pose import matrix_of
 from geom.support import bounds, centre_heights, diagonal
 from schemas.asset import Check
@@ -20,7 +20,7 @@ from schemas.physics import RigidBody
 from sim.port import GRAVITY_MPS2, DropResult, DropSettings, Simulator, natural_time_s, stillness_for, world_for
 
 TOPPLED_RAD = math.radians(5.0)
-_LEAN_RAD = math.radians(1.0)
+_DOWN = np.array([0.0, 0.0, -1.0])
 _PATCH = 100.0  # of the size
 _LARGE_M = 5.0  # From here on SimReady's absolute bounds (0.1 m, 8 s) grow with the size and its square root.
 
@@ -41,10 +41,10 @@ class Settling:
 def settle_and_drop(body: RigidBody, simulator: Simulator) -> Settling:
     """Set `body` down in its reference pose from 0.2 % of its size, then drop it from twice its height.
 
-    A body that stands in mere balance, on a point or an edge, is set down leaning by one degree, as no hand is exact.
+    A body that stands in mere balance, on a point or an edge, is set down leaning by two degrees, as no hand is exact.
     """
     size = diagonal(body.shapes)
-    lean_rad = 0.0 if is_stable(body, np.array([[0.0, 0.0, -1.0]]))[0] else _LEAN_RAD
+    lean_rad = 0.0 if recovers(body, simulator, _DOWN) else LEAN_RAD
     low, high = bounds(body.shapes)
     set_down = _release(body, simulator, size, gap_m=0.002 * size, lean_rad=lean_rad)
     dropped = _release(body, simulator, size, gap_m=2.0 * float(high[2] - low[2]), lean_rad=0.0)
@@ -66,8 +66,7 @@ def _release(body: RigidBody, simulator: Simulator, size: float, *, gap_m: float
     fall_s = math.sqrt(2.0 * gap_m / GRAVITY_MPS2)
     duration_s = fall_s + max(10.0 * math.sqrt(max(1.0, size / _LARGE_M)), 20.0 * natural_time_s(size))
     settings = DropSettings(duration_s, world_for(size), stillness_for(size), patch_radius_m=_PATCH * size)
-    down_A = np.array([0.0, math.sin(lean_rad), -math.cos(lean_rad)])
-    return simulator.drop(body, resting_pose(body, down_A, gap_m=gap_m), settings)
+    return simulator.drop(body, resting_pose(body, leaning(_DOWN, lean_rad), gap_m=gap_m), settings)
 
 
 def _behaviour(name: str, body: RigidBody, result: DropResult, size: float, penetration_m: float) -> list[Check]:

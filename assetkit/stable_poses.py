@@ -14,30 +14,22 @@ from geom.support import centre_heights, diagonal, facet_directions, support
 from schemas.asset import StablePose
 from schemas.model import FloatArray
 from schemas.physics import RigidBody
-from sim.port import (
-    ROLLING_RESISTANCE,
-    DropResult,
-    DropSettings,
-    Simulator,
-    natural_time_s,
-    stillness_for,
-    world_for,
-)
+from sim.port import DropResult, DropSettings, Simulator, natural_time_s, stillness_for, world_for
 
 TRIALS = 32
+LEAN_RAD = math.radians(2.0)
 _DOWN = np.array([0.0, 0.0, -1.0])
 _SAME_POSE_RAD = math.radians(5.0)
 _SAME_POSE_BARRIER = 0.06  # of the height of the mass centre: a prism of ten sides or more rolls, a cube does not
-_NEAR_RAD = math.radians(2.0)
+_SNAP_RAD = math.radians(2.0)
 
 
 @dataclass(frozen=True)
 class StablePoses:
     """The poses found, most probable first, and what became of the trials.
 
-    at_rest   trials that came to rest in a stable pose; the others rolled, rocked or diverged until the end, or were
-              held on an edge by rolling resistance alone.
-    refuted   poses that trials ended in but that moved when the body was placed there at rest; they are left out.
+    at_rest   trials that came to rest; the others rolled, rocked or diverged until the end.
+    refuted   poses that trials ended in but that do not hold or not recover from leaning; they are left out.
     """
 
     poses: tuple[StablePose, ...]
@@ -47,38 +39,39 @@ class StablePoses:
 
 
 def find_stable_poses(body: RigidBody, simulator: Simulator, *, trials: int = TRIALS) -> StablePoses:
-    """Drop `body` in `trials` evenly spread orientations and collect where it comes to rest.
+    """Drop `body` in `trials` orientations and collect where it comes to rest.
 
+    The first one is the reference pose, which matters to scenes however unlikely it is; the others are evenly spread.
     Orientations are compared modulo yaw, by the direction that faces down in the asset frame. Two are one pose when
     they lie within 5 degrees, or when the mass centre stays level within 6 % of its height on the way from one to the
     other: so a can on its side is one pose, however it rolled. A pose's probability is its share of all trials; its
     orientation carries no yaw (the least rotation that brings its down direction down), its support offset follows
-    from the exact collision shapes. Each pose is placed at rest once more and must stay, see `holds`.
+    from the exact collision shapes. Each pose is tried once more: the body must stay in it and come back to it when
+    set down leaning, see `holds` and `recovers`.
     """
     size = diagonal(body.shapes)
     world, still = world_for(size), stillness_for(size)
     settings = DropSettings(48.0 * natural_time_s(size), world, still)
-    starts = [resting_pose(body, down_A, gap_m=0.01 * size) for down_A in spread_directions(trials)]
+    directions = np.concatenate([_DOWN[None], spread_directions(trials - 1)])
+    starts = [resting_pose(body, down_A, gap_m=0.01 * size) for down_A in directions]
     results = simulator.drop_many(body, starts, settings)
     settled = [r for r in results if r.still_since_s(still) is not None and r.heights_m[-1] < 0.01 * size]
-    centre = np.asarray(body.mass.centre_of_mass_m)
-    downs = np.array([-matrix_of(r.quats_wxyz[-1])[2] for r in settled]).reshape(-1, 3)
-    downs = _snapped(body, downs[is_stable(body, downs)])
-    if not len(downs):
+    if not settled:
         return StablePoses((), trials, 0, 0)
-    levels = centre_heights(body.shapes, centre, downs)
+    downs = _snapped(body, np.stack([-matrix_of(r.quats_wxyz[-1])[2] for r in settled]))
+    levels = centre_heights(body.shapes, np.asarray(body.mass.centre_of_mass_m), downs)
     families = _families(body, downs, levels)
     poses, refuted = [], 0
     for family in range(int(families.max()) + 1):
         members = np.flatnonzero(families == family)
         best = members[np.argmin(np.round(levels[members] / size, 6))]  # the lowest; of equals, the earliest trial
-        X_WA = resting_pose(body, downs[best], gap_m=0.0)
-        if not holds(body, simulator, X_WA):
+        if not (holds(body, simulator, downs[best]) and recovers(body, simulator, downs[best])):
             refuted += 1
             continue
-        w, x, y, z = (float(q) for q in quat_of(X_WA[:3, :3]))
+        X_WA = resting_pose(body, downs[best], gap_m=0.0)
+        w, x, y, z = (float(q) + 0.0 for q in quat_of(X_WA[:3, :3]))  # no negative zeros
         share = len(members) / trials
-        poses.append(StablePose(quat_wxyz=(w, x, y, z), support_offset_m=float(X_WA[2, 3]), probability=share))
+        poses.append(StablePose(quat_wxyz=(w, x, y, z), support_offset_m=float(X_WA[2, 3]) + 0.0, probability=share))
     poses.sort(key=lambda p: (-p.probability, p.support_offset_m, p.quat_wxyz))
     return StablePoses(tuple(poses), trials, len(downs), refuted)
 
@@ -89,18 +82,40 @@ def resting_pose(body: RigidBody, down_A: FloatArray, *, gap_m: float) -> FloatA
     return pose(shortest_rotation(down_A, _DOWN), (0.0, 0.0, offset + gap_m))
 
 
-def holds(body: RigidBody, simulator: Simulator, X_WA: FloatArray) -> bool:
-    """Whether the body, placed at rest in `X_WA`, stays for a second (three natural times if that is longer).
+def holds(body: RigidBody, simulator: Simulator, down_A: FloatArray) -> bool:
+    """Whether the body, placed at rest with `down_A` facing down, stays for a second (three natural times if longer).
 
     Staying means: it moves by less than 2 mm, or half a percent of its size if that is more (5 % of the size at most),
     and its down direction by less than 2 degrees.
     """
     size = diagonal(body.shapes)
-    world = world_for(size)
-    result = simulator.drop(body, X_WA, DropSettings(max(1.0, 3.0 * natural_time_s(size)), world))
+    settings = DropSettings(max(1.0, 3.0 * natural_time_s(size)), world_for(size))
+    result = simulator.drop(body, resting_pose(body, down_A, gap_m=0.0), settings)
     moved, tilted = displacement(result)
     allowed_m = min(max(0.002, 0.005 * size), 0.05 * size)
     return result.finite and moved < allowed_m and tilted < math.radians(2.0)
+
+
+def recovers(body: RigidBody, simulator: Simulator, down_A: FloatArray) -> bool:
+    """Whether the body, set down leaning by 2 degrees to one side and to the other, ends within 5 degrees of `down_A`.
+
+    What balances on a point or an edge, held by rolling resistance alone, does not; nor does what stands on too narrow
+    a foot.
+    """
+    size = diagonal(body.shapes)
+    settings = DropSettings(max(1.0, 8.0 * natural_time_s(size)), world_for(size), stillness_for(size))
+    for lean_rad in (LEAN_RAD, -LEAN_RAD):
+        result = simulator.drop(body, resting_pose(body, leaning(down_A, lean_rad), gap_m=0.0), settings)
+        end_A = -matrix_of(result.quats_wxyz[-1])[2]
+        if not result.finite or end_A @ down_A < math.cos(_SAME_POSE_RAD):
+            return False
+    return True
+
+
+def leaning(down_A: FloatArray, lean_rad: float) -> FloatArray:
+    """The direction (3,) that faces down when a body with `down_A` facing down leans, oblique to its axes."""
+    tipped = np.array([0.8 * math.sin(lean_rad), 0.6 * math.sin(lean_rad), -math.cos(lean_rad)])
+    return shortest_rotation(_DOWN, down_A) @ tipped
 
 
 def displacement(result: DropResult) -> tuple[float, float]:
@@ -119,24 +134,6 @@ def spread_directions(count: int) -> FloatArray:
     return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=1)
 
 
-def is_stable(body: RigidBody, downs: FloatArray) -> FloatArray:
-    """Which directions (k, 3) are at or near a local minimum of the mass centre's height.
-
-    Tipped by 2 degrees any way, the centre may get lower only by what rolling resistance can hold.
-    """
-    centre = np.asarray(body.mass.centre_of_mass_m)
-    allowed_m = 1.5 * ROLLING_RESISTANCE * diagonal(body.shapes) * math.sin(_NEAR_RAD)
-    azimuth = np.arange(16) * (2.0 * np.pi / 16)
-    ring = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(16)], axis=1) * math.sin(_NEAR_RAD)
-    ring[:, 2] = -math.cos(_NEAR_RAD)
-    stable = np.empty(len(downs), dtype=bool)
-    for index, down_A in enumerate(downs):
-        tipped = ring @ shortest_rotation(_DOWN, down_A).T
-        level = centre_heights(body.shapes, centre, down_A[None])[0]
-        stable[index] = centre_heights(body.shapes, centre, tipped).min() >= level - allowed_m
-    return stable
-
-
 def _snapped(body: RigidBody, downs: FloatArray) -> FloatArray:
     """The directions (k, 3), each moved to a facet of the convex hull within 2 degrees if the mass centre gets lower.
 
@@ -147,7 +144,7 @@ def _snapped(body: RigidBody, downs: FloatArray) -> FloatArray:
         return downs
     centre, slack = np.asarray(body.mass.centre_of_mass_m), 1e-6 * diagonal(body.shapes)
     nearest = facets[np.argmax(downs @ facets.T, axis=1)]
-    close = np.einsum("ki,ki->k", nearest, downs) > math.cos(_NEAR_RAD)
+    close = np.einsum("ki,ki->k", nearest, downs) > math.cos(_SNAP_RAD)
     lower = centre_heights(body.shapes, centre, nearest) <= centre_heights(body.shapes, centre, downs) + slack
     return np.where((close & lower)[:, None], nearest, downs)
 

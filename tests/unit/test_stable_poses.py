@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from assetkit.stable_poses import StablePoses, find_stable_poses, holds, is_stable, resting_pose, spread_directions
+from assetkit.stable_poses import StablePoses, find_stable_poses, holds, recovers, resting_pose, spread_directions
 from geom.pose import matrix_of
 from geom.support import support
 from schemas.asset import StablePose
@@ -59,6 +59,14 @@ def test_flat_faces_are_likelier_than_narrow_ends(bullet) -> None:
     assert chance[2] > chance[1] > chance.get(0, 0.0)
 
 
+def test_the_reference_pose_is_tried_however_unlikely(bullet) -> None:
+    """A tall thin board comes to rest upright in hardly any drop, yet it stands."""
+    found = find_stable_poses(box((0.02, 0.06, 0.3)), bullet)
+    upright = [p for p in found.poses if p.quat_wxyz == pytest.approx((1.0, 0.0, 0.0, 0.0), abs=1e-9)]
+    assert len(upright) == 1
+    assert upright[0].probability == pytest.approx(1 / 32)
+
+
 def test_a_can_stands_on_two_ends_and_lies_in_one_pose(bullet) -> None:
     for body in (cylinder(0.033, 0.12), hull(trimesh.creation.cylinder(0.033, 0.12, sections=32))):
         found = find_stable_poses(body, bullet)
@@ -93,7 +101,7 @@ def test_an_l_shape_rests_on_its_faces_and_on_its_bridge(bullet) -> None:
 def test_size_and_thinness_do_not_matter(bullet, body: RigidBody) -> None:
     found = find_stable_poses(body, bullet)
     assert found.at_rest >= 31
-    assert found.refuted == 0
+    assert found.refuted <= 1  # A trial that starts on edge may stay there by rolling resistance.
     thin = min(body.shapes[0].size_m)
     most_likely = matrix_of(np.array(found.poses[0].quat_wxyz))[2]
     assert body.shapes[0].size_m[int(np.abs(most_likely).argmax())] == thin
@@ -110,15 +118,22 @@ def test_every_pose_touches_the_ground_and_holds(bullet) -> None:
     for p in find_stable_poses(body, bullet).poses:
         down_A = -matrix_of(np.array(p.quat_wxyz))[2]
         assert p.support_offset_m == pytest.approx(support(body.shapes, down_A[None])[0], abs=1e-12)
-        assert holds(body, bullet, resting_pose(body, down_A, gap_m=0.0))
+        assert holds(body, bullet, down_A)
 
 
-def test_a_pose_on_an_edge_is_neither_stable_nor_does_it_hold(bullet) -> None:
+def test_a_pose_on_an_edge_does_not_hold_or_does_not_recover(bullet) -> None:
     body = box((0.06, 0.05, 0.04))
-    leaning = np.array([math.sin(0.7), 0.0, -math.cos(0.7)])
-    assert not holds(body, bullet, resting_pose(body, leaning, gap_m=0.0))
-    balanced = np.array([0.04, 0.0, -0.06]) / math.hypot(0.04, 0.06)
-    assert is_stable(body, np.stack([balanced, [0.0, 0.0, -1.0]])).tolist() == [False, True]
+    assert not holds(body, bullet, np.array([math.sin(0.7), 0.0, -math.cos(0.7)]))
+    balanced = np.array([0.06, 0.0, -0.04]) / math.hypot(0.04, 0.06)
+    assert holds(body, bullet, balanced)
+    assert not recovers(body, bullet, balanced)
+    assert recovers(body, bullet, np.array([0.0, 0.0, -1.0]))
+
+
+def test_a_pencil_stands_a_needle_does_not(bullet) -> None:
+    upright = np.array([0.0, 0.0, -1.0])
+    assert recovers(cylinder(0.004, 0.1), bullet, upright)
+    assert not recovers(cylinder(0.001, 0.1), bullet, upright)
 
 
 def test_nothing_at_rest_gives_no_pose() -> None:
