@@ -28,11 +28,14 @@ _STAGE: Final = "intake"
 _CYCLES: Final = (Pcp.ErrorType_ArcCycle, Pcp.ErrorType_SublayerCycle)
 
 
-def read_stage(path: Path, root: Path, *, load_texture: LoadTexture) -> Outcome[Model]:
+def read_stage(
+    path: Path, root: Path, *, load_texture: LoadTexture, visited: set[Path] | None = None
+) -> Outcome[Model]:
     """The model in a USD, USDA, USDC or USDZ file, world transforms applied, in the stage's own units and axes.
 
-    `load_texture(data, name, *, where)` decodes image bytes and returns the texture or None, with findings. No file
-    outside `root` is opened and nothing is printed. Variants stay as selected, time stands at the first sample.
+    `visited` collects the files that references led to. `load_texture(data, name, *, where)` decodes image bytes and
+    returns the texture or None, with findings. No file outside `root` is opened and nothing is printed. Variants stay
+    as selected, time stands at the first sample.
 
     Raises InvalidInput as `check_layers`, `read_mesh`, `census` and `stage_facts` do, and `asset/missing-dependency`
     (nothing is left without an absent layer), `asset/no-faces`, `asset/empty-geometry`, `asset/schema-error` for
@@ -40,7 +43,11 @@ def read_stage(path: Path, root: Path, *, load_texture: LoadTexture) -> Outcome[
     """
     with quiet():
         try:
-            return _read(check_layers(path, root), load_texture)
+            layers = check_layers(path, root)
+            outcome = _read(layers, load_texture)
+            if visited is not None:
+                visited |= layers.site(layers.root).visited
+            return outcome
         except Tf.ErrorException as error:
             headline, reason = "OpenUSD refuses a value in the file", message(error).rpartition(" : ")[2].strip("' \n")
         except UnicodeDecodeError as error:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import posixpath
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -20,11 +20,15 @@ from usdio.usdz import check_package
 
 @dataclass(frozen=True)
 class Site:
-    """A file below `root`; `inner` names an entry when `path` is a USDZ package."""
+    """A file below `root`; `inner` names an entry when `path` is a USDZ package.
+
+    `visited` logs the files that references led to; sites reached from one another share it.
+    """
 
     path: Path
     root: Path
     inner: str = ""
+    visited: set[Path] = field(default_factory=set, compare=False, repr=False)
 
     @property
     def identifier(self) -> str:
@@ -70,12 +74,12 @@ class Site:
             return None
         if self.inner:
             entry = self._entry(outer)
-            return Site(self.path, self.root, entry) if entry and not inner else None
+            return replace(self, inner=entry) if entry and not inner else None
         if found is None:
             return None
-        if found.suffix.lower() == ".usdz":
-            return open_package(found, self.root, inner)
-        return Site(found, self.root)
+        self.visited.add(found)
+        target = replace(self, path=found, inner="")
+        return _enter(target, inner) if found.suffix.lower() == ".usdz" else target
 
     def _entry(self, uri: str) -> str | None:
         """The package entry named by `uri`: seen from this layer's folder, then from the package's root."""
@@ -92,19 +96,16 @@ class Site:
         return None
 
 
-def open_package(path: Path, root: Path, inner: str = "") -> Site | None:
+def _enter(package: Site, inner: str = "") -> Site | None:
     """The layer `inner`, or else the root layer, of a checked USDZ package; None when it has no such entry."""
-    package = Site(path, root)
-    first = check_package(path, where=package.where())
+    first = check_package(package.path, where=package.where())
     if not inner:
-        return Site(path, root, first)
-    with zipfile.ZipFile(path) as archive:
-        return Site(path, root, inner) if inner in archive.namelist() else None
+        return replace(package, inner=first)
+    with zipfile.ZipFile(package.path) as archive:
+        return replace(package, inner=inner) if inner in archive.namelist() else None
 
 
 def site_of(path: Path, root: Path) -> Site:
     """The site of an asset's main file; for a USDZ package its root layer. Raises as `check_package`."""
-    real, root = path.resolve(), root.resolve()
-    if real.suffix.lower() == ".usdz":
-        return open_package(real, root) or Site(real, root)
-    return Site(real, root)
+    site = Site(path.resolve(), root.resolve())
+    return (_enter(site) if site.path.suffix.lower() == ".usdz" else None) or site
