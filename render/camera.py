@@ -48,10 +48,12 @@ class AnnotationFrame:
 
 
 def annotation_frame(low_m: FloatArray, high_m: FloatArray) -> AnnotationFrame:
-    """The frame of the box `low_m`..`high_m`; a box without size gets 1 m as its unit."""
+    """The frame of the box `low_m`..`high_m`; a single point counts as a cube of 1 m."""
     size = np.asarray(high_m, dtype=np.float64) - low_m
-    unit = float(size.max()) if size.max() > 0.0 else 1.0
-    return AnnotationFrame(np.asarray(low_m) + size / 2.0, unit, size / unit)
+    centre = np.asarray(low_m) + size / 2.0
+    if size.max() <= 0.0:
+        size = np.ones(3)
+    return AnnotationFrame(centre, float(size.max()), size / size.max())
 
 
 @dataclass(frozen=True)

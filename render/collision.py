@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import colorsys
-from typing import TypeAlias
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
@@ -19,7 +20,13 @@ _OPACITY = 0.5
 _EDGE_ANGLE_DEG = 20.0  # Edges of hulls sharper than this are drawn; flat triangulation is not.
 _GOLDEN_RATIO = 0.61803398875
 _SEGMENTS = 32
-_Mesh: TypeAlias = tuple[FloatArray, IntArray]
+
+
+class ShapeMesh(NamedTuple):
+    """A closed mesh: points (n, 3) in the annotation frame and outward triangles (m, 3)."""
+
+    points: FloatArray
+    triangles: IntArray
 
 
 def shape_color(index: int) -> tuple[float, float, float]:
@@ -27,13 +34,21 @@ def shape_color(index: int) -> tuple[float, float, float]:
     return colorsys.hsv_to_rgb((0.58 + index * _GOLDEN_RATIO) % 1.0, (0.85, 0.6)[index // 8 % 2], 0.95)
 
 
-def collision_actors(shapes: tuple[CollisionShape, ...], frame: AnnotationFrame) -> tuple[vtkActor, vtkActor]:
-    """The bodies and the edges of `shapes` (at least one), each in its `shape_color`."""
-    meshes = [_mesh(shape, frame) for shape in shapes]
+def shape_mesh(shape: CollisionShape, frame: AnnotationFrame) -> ShapeMesh:
+    """`shape` as triangles in the annotation frame; curved shapes are inscribed with 32 segments.
+
+    Raises ValueError for a hull without points or triangles.
+    """
+    points, triangles = _local_mesh(shape)
+    return ShapeMesh(frame.from_asset(points @ shape.X_AS[:3, :3].T + shape.X_AS[:3, 3]), triangles)
+
+
+def collision_actors(meshes: Sequence[ShapeMesh]) -> tuple[vtkActor, vtkActor]:
+    """The bodies, each in its `shape_color`, and the edges of `meshes` (at least one)."""
     return _bodies(meshes), _edges(meshes)
 
 
-def _bodies(meshes: list[_Mesh]) -> vtkActor:
+def _bodies(meshes: Sequence[ShapeMesh]) -> vtkActor:
     corners = [points[triangles] for points, triangles in meshes]
     normals = np.repeat(_unit_normals(np.concatenate(corners))[:, None], 3, axis=1)
     colors = np.concatenate([np.tile(shape_color(i), (3 * len(c), 1)) for i, c in enumerate(corners)])
@@ -52,7 +67,7 @@ def _bodies(meshes: list[_Mesh]) -> vtkActor:
     return result
 
 
-def _edges(meshes: list[_Mesh]) -> vtkActor:
+def _edges(meshes: Sequence[ShapeMesh]) -> vtkActor:
     ends = np.concatenate([points[_sharp_edges(points, triangles)] for points, triangles in meshes])
     mapper = vtkPolyDataMapper()
     mapper.SetInputDataObject(line_segments(ends))
@@ -82,22 +97,18 @@ def _unit_normals(corners: FloatArray) -> FloatArray:
     return face / np.where(length > 0.0, length, 1.0)
 
 
-def _mesh(shape: CollisionShape, frame: AnnotationFrame) -> _Mesh:
-    """Points (n, 3) of `shape` in the annotation frame and its triangles (m, 3)."""
+def _local_mesh(shape: CollisionShape) -> tuple[FloatArray, IntArray]:
+    """Points (n, 3) and triangles (m, 3) in the frame of the shape, metres."""
     if shape.kind == "hull":
         if shape.points is None or shape.triangles is None:
             raise ValueError("a hull needs points and triangles")
-        points, triangles = shape.points, shape.triangles
-    elif shape.kind == "box":
-        points, triangles, _ = cube(1.0)
-        points = points * np.asarray(shape.size_m)
-    elif shape.kind == "sphere":
-        points, triangles, _ = sphere(shape.size_m[0], _SEGMENTS)
-    elif shape.kind == "cylinder":
-        radius, height = shape.size_m
-        points, triangles, _ = cylinder(height, radius, radius, _SEGMENTS)
-    else:
-        radius, height = shape.size_m
-        points, triangles, _ = capsule(height, radius, radius, _SEGMENTS)
-    points_A = points @ shape.X_AS[:3, :3].T + shape.X_AS[:3, 3]
-    return frame.from_asset(points_A), triangles
+        return shape.points, shape.triangles
+    if shape.kind == "box":
+        unit = cube(1.0)
+        return unit.points * np.asarray(shape.size_m), unit.triangles
+    if shape.kind == "sphere":
+        return sphere(shape.size_m[0], _SEGMENTS)[:2]
+    radius, height = shape.size_m
+    if shape.kind == "cylinder":
+        return cylinder(height, radius, radius, _SEGMENTS)[:2]
+    return capsule(height, radius, radius, _SEGMENTS)[:2]

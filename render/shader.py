@@ -43,7 +43,8 @@ _BUMP = """
     vec3 T = q2 * t1.x + q1 * t2.x, B = q2 * t1.y + q1 * t2.y;
     float size2 = max(dot(T, T), dot(B, B));
     if (size2 > 0.0) {{
-      float turn = dot(cross(p1, p2), normalVCVSOutput) < 0.0 ? -1.0 : 1.0;
+      // Seen from behind, a bump is a dent: the whole tilted normal is reversed (glTF 2.0, 3.9.4, double sided).
+      float turn = (dot(cross(p1, p2), normalVCVSOutput) < 0.0) == gl_FrontFacing ? -1.0 : 1.0;
       normalVCVSOutput = normalize((T * n_T.x + B * n_T.y) * (turn * inversesqrt(size2)) + normalVCVSOutput * n_T.z);
     }}
   }}

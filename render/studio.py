@@ -38,35 +38,24 @@ def studio_renderer() -> vtkRenderer:
 
 
 def environment() -> FloatArray:
-    """(64, 128, 3) float32 linear radiance over elevation (first row: nadir) and azimuth: dome and two soft boxes."""
-    elevation, azimuth = np.meshgrid(
-        np.radians((np.arange(64) + 0.5) / 64.0 * 180.0 - 90.0),
-        np.radians((np.arange(128) + 0.5) / 128.0 * 360.0),
-        indexing="ij",
+    """(64, 128, 3) float32 linear radiance: a dome, a soft box on the left and one behind on the right.
+
+    Rows are elevations from the nadir up, columns azimuths from the viewer's side to the right.
+    """
+    elevation_deg, azimuth_deg = np.meshgrid(
+        (np.arange(64) + 0.5) / 64.0 * 180.0 - 90.0, (np.arange(128) + 0.5) / 128.0 * 360.0, indexing="ij"
     )
-    dome = 0.44 + np.where(elevation > 0.0, 0.25, 0.1) * np.sin(elevation)  # The floor reflects light.
-    boxes = 2.6 * _soft_box(elevation, azimuth, 50.0, 35.0, 32.0, 18.0) + 1.8 * _soft_box(
-        elevation, azimuth, 230.0, 30.0, 45.0, 14.0
-    )
-    return np.repeat((dome + boxes)[..., None], 3, axis=2).astype(np.float32)
+    sine = np.sin(np.radians(elevation_deg))
+    light = 0.44 + np.where(sine > 0.0, 0.25, 0.1) * sine  # Less from below: the floor reflects light.
+    light += 2.6 * _near(azimuth_deg, -55.0, 32.0) * _near(elevation_deg, 38.0, 18.0)
+    light += 1.8 * _near(azimuth_deg, 140.0, 45.0) * _near(elevation_deg, 30.0, 14.0)
+    return np.repeat(light[..., None], 3, axis=2).astype(np.float32)
 
 
-def _soft_box(
-    elevation: FloatArray,
-    azimuth: FloatArray,
-    at_deg: float,
-    up_deg: float,
-    half_width_deg: float,
-    half_height_deg: float,
-) -> FloatArray:
-    """Smooth-edged rectangle of light, 1 in its middle, on the sphere of directions."""
-    turn = np.degrees(np.abs((azimuth - np.radians(at_deg) + np.pi) % (2.0 * np.pi) - np.pi))
-    lift = np.abs(np.degrees(elevation) - up_deg)
-    return _fade(turn, half_width_deg) * _fade(lift, half_height_deg)
-
-
-def _fade(distance: FloatArray, half: float) -> FloatArray:
-    t = np.clip((1.25 * half - distance) / (0.5 * half), 0.0, 1.0)
+def _near(angle_deg: FloatArray, centre_deg: float, half_width_deg: float) -> FloatArray:
+    """1 around `centre_deg`, 0 beyond 1.25 half widths, smooth between."""
+    distance = np.abs((angle_deg - centre_deg + 180.0) % 360.0 - 180.0)
+    t = np.clip((1.25 - distance / half_width_deg) / 0.5, 0.0, 1.0)
     return t * t * (3.0 - 2.0 * t)
 
 

@@ -5,20 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from vtkmodules.vtkRenderingCore import vtkRenderer
+from PIL import Image
+from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
 from render.camera import HERO_VIEW, STANDARD_VIEWS, AnnotationFrame, annotation_frame, camera
-from render.collision import collision_actors
+from render.collision import collision_actors, shape_mesh
 from render.request import RenderRequest
 from render.studio import floor, studio_renderer
 from render.surfaces import Surface, actor, plain_actor, surfaces
 from render.textures import TextureSet
-from render.window import offscreen_window, save_png, take_picture
+from render.window import SUPERSAMPLING, offscreen_window, save_png, take_picture
 from schemas.model import FloatArray, Model
 
 THUMBNAIL_PX = 256
 _FAINT = (0.55, 0.55, 0.55)
 _SHADOW_SAMPLES = 20_000
+_THIN = 0.01  # Needles thinner than this share of their length are drawn as lines, else they fall between samples.
 
 
 def render_all(request: RenderRequest) -> dict[str, Path]:
@@ -30,33 +32,60 @@ def render_all(request: RenderRequest) -> dict[str, Path]:
     folder = Path(request.out_dir)
     folder.mkdir(parents=True, exist_ok=True)
     frame = model_frame(request.model)
-    parts = surfaces(request.model, frame)
+    parts = tuple(part for part in surfaces(request.model, frame) if len(part.points))
     window = offscreen_window()
     renderer = studio_renderer()
     window.AddRenderer(renderer)
-    bottom = -frame.extent[2] / 2.0
-    renderer.AddActor(floor(_surface_samples(parts), bottom))
+    renderer.AddActor(floor(_surface_samples(parts), bottom=-frame.extent[2] / 2.0))
+    pictures = _draw_views(request, frame, parts, window, renderer)
+    if request.shapes:
+        pictures["collision"] = _draw_collision(request, frame, parts, window, renderer)
+    paths = {name: folder / f"{name}.png" for name in pictures}
+    for name, picture in pictures.items():
+        save_png(picture, paths[name])
+    return paths
+
+
+def _draw_views(
+    request: RenderRequest,
+    frame: AnnotationFrame,
+    parts: tuple[Surface, ...],
+    window: vtkRenderWindow,
+    renderer: vtkRenderer,
+) -> dict[str, Image.Image]:
     textures = TextureSet(request.model)
-    visuals = [actor(part, textures) for part in parts if len(part.points)]
+    visuals = [actor(part, textures) for part in parts]
     for visual in visuals:
         renderer.AddActor(visual)
+        if np.sort(frame.extent)[1] < _THIN:
+            visual.GetProperty().SetRepresentationToWireframe()
+            visual.GetProperty().SetLineWidth(2.0 * SUPERSAMPLING)
     if any(visual.GetForceTranslucent() for visual in visuals):
         _peel(renderer)
-    paths: dict[str, Path] = {}
-    for view, size_px in (*((view, request.size_px) for view in STANDARD_VIEWS), (HERO_VIEW, THUMBNAIL_PX)):
-        paths[view.name] = folder / f"{view.name}.png"
-        save_png(take_picture(window, renderer, camera(view, frame.extent), size_px), paths[view.name])
-    if request.shapes:
-        for visual in visuals:
-            renderer.RemoveActor(visual)
-        if visuals:
-            renderer.AddActor(plain_actor(parts, _FAINT))
-        for overlay in collision_actors(request.shapes, frame):
-            renderer.AddActor(overlay)
-        _peel(renderer)
-        paths["collision"] = folder / "collision.png"
-        save_png(take_picture(window, renderer, camera(HERO_VIEW, frame.extent), request.size_px), paths["collision"])
-    return paths
+    sizes = dict.fromkeys(STANDARD_VIEWS, request.size_px) | {HERO_VIEW: THUMBNAIL_PX}
+    pictures = {v.name: take_picture(window, renderer, camera(v, frame.extent), px) for v, px in sizes.items()}
+    for visual in visuals:
+        renderer.RemoveActor(visual)
+    return pictures
+
+
+def _draw_collision(
+    request: RenderRequest,
+    frame: AnnotationFrame,
+    parts: tuple[Surface, ...],
+    window: vtkRenderWindow,
+    renderer: vtkRenderer,
+) -> Image.Image:
+    meshes = [shape_mesh(shape, frame) for shape in request.shapes]
+    if parts:
+        renderer.AddActor(plain_actor(parts, _FAINT))
+    for overlay in collision_actors(meshes):
+        renderer.AddActor(overlay)
+    _peel(renderer)
+    # Shapes that stick out of the model must be seen, too.
+    reach = np.abs(np.concatenate([mesh.points for mesh in meshes])).max(axis=0)
+    lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * reach))
+    return take_picture(window, renderer, lens, request.size_px)
 
 
 def model_frame(model: Model) -> AnnotationFrame:
