@@ -1,4 +1,4 @@
-"""Entry of the decomposition cell: `python -m assetkit.coacd_worker IN.npz OUT.npz`.
+"""Entry of the decomposition cell: `python -m assetkit.coacd_worker IN.npz OUT.npz CPU_SECONDS`.
 
 CoACD aborts, hangs and grows on some inputs, and its OpenMP runtime clashes with others; nothing but this process loads
 it. IN holds `points` (n, 3), `triangles` (m, 3), `method` and the settings of `assetkit.decompose.Settings`; OUT holds
@@ -8,6 +8,7 @@ the corners of all hulls in `points` (k, 3) and the number of corners of each in
 from __future__ import annotations
 
 import ctypes
+import resource
 import signal
 import sys
 from typing import Any
@@ -17,8 +18,9 @@ import numpy as np
 PR_SET_PDEATHSIG = 1
 
 
-def main(source: str, target: str) -> None:
-    """Read, decompose, write."""
+def main(source: str, target: str, cpu_seconds: int) -> None:
+    """Read, decompose, write; the system ends the process (SIGXCPU) when it has used `cpu_seconds`."""
+    resource.setrlimit(resource.RLIMIT_CPU, (cpu_seconds, cpu_seconds + 1))
     # A cell is a session of its own: without this it would outlive a parent that is killed (prctl(2), Linux only).
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
@@ -61,4 +63,4 @@ def _vhacd(job: dict[str, Any]) -> list[np.ndarray]:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2])
+    main(sys.argv[1], sys.argv[2], int(sys.argv[3]))

@@ -6,6 +6,7 @@ manifold of unit size, simplified to a bounded error, and a shorter search: the 
 
 from __future__ import annotations
 
+import signal
 import sys
 import tempfile
 from dataclasses import asdict, dataclass
@@ -17,7 +18,7 @@ from manifold3d import Error, Manifold, Mesh64
 
 from geom.hull import hull_shape, thickness, volume
 from geom.weld import diagonal
-from jobs.cell import Limits, run_cell
+from jobs.cell import CellResult, Limits, run_cell
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
@@ -26,7 +27,9 @@ LEAST_ERROR, MOST_ERROR, ERROR_STEP = 0.0025, 0.01, 1.4
 TARGET_FACES = 2500
 # Hulls below these shares of the diagonal (and of its cube) are slivers: engines reject or mishandle them.
 LEAST_THICKNESS, LEAST_VOLUME = 2e-4, 1e-7
-CELL = Limits(seconds=60.0, memory_mb=4096)
+# The work is bounded in processor time, so that a busy machine gives the same answer as an idle one.
+CPU_SECONDS = 12
+CELL = Limits(seconds=10.0 * CPU_SECONDS, memory_mb=4096)
 
 
 @dataclass(frozen=True)
@@ -83,14 +86,20 @@ def decompose(
         source, target = Path(folder) / "in.npz", Path(folder) / "out.npz"
         options = {key: np.array(value) for key, value in asdict(settings).items()}
         np.savez(source, allow_pickle=False, points=light, triangles=faces, **options)
-        argv = [sys.executable, "-m", "assetkit.coacd_worker", str(source), str(target)]
+        argv = [sys.executable, "-m", "assetkit.coacd_worker", str(source), str(target), str(CPU_SECONDS)]
         cell = run_cell(argv, limits, env={"OMP_NUM_THREADS": "1"})
         if cell.status != "ok":
-            limit = f" after {limits.seconds:g} s" if cell.status == "timeout" else ""
-            return Decomposition((), f"{settings.method} {cell.status.replace('_', ' ')}{limit}")
+            return Decomposition((), f"{settings.method} {_ending(cell, limits)}")
         with np.load(target) as result:
             parts = np.split(result["points"], np.cumsum(result["counts"])[:-1])
     return _checked([part * scale + centre for part in parts], diagonal(points), settings)
+
+
+def _ending(cell: CellResult, limits: Limits) -> str:
+    """How a cell ended that gave nothing."""
+    if cell.returncode == -signal.SIGXCPU:
+        return f"took more than {CPU_SECONDS} s of processor time"
+    return f"timeout after {limits.seconds:g} s" if cell.status == "timeout" else cell.status.replace("_", " ")
 
 
 def simplified(body: Manifold) -> Manifold:
