@@ -6,7 +6,7 @@ import numpy as np
 from PIL import Image, ImageFilter
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData
-from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkPolyDataMapper, vtkRenderer, vtkTexture
+from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkMapper, vtkPolyDataMapper, vtkRenderer, vtkTexture
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderer, vtkOpenGLTexture
 
 from render.polydata import triangle_soup
@@ -21,6 +21,7 @@ _SHADOW_LAYERS = ((0.05, 0.025, 0.42), (0.25, 0.08, 0.26), (1.01, 0.2, 0.16))
 
 def studio_renderer() -> vtkRenderer:
     """An empty renderer with the light of the studio; the scene is the annotation frame (z up)."""
+    vtkMapper.SetResolveCoincidentTopologyToPolygonOffset()  # A switch of the whole process, so set it always.
     renderer = vtkOpenGLRenderer()
     renderer.SetBackground(*([BACKGROUND_SRGB / 255.0] * 3))
     renderer.SetAutomaticLightCreation(False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkDataObject
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from render.camera import AnnotationFrame
@@ -47,7 +47,11 @@ def surfaces(model: Model, frame: AnnotationFrame) -> tuple[Surface, ...]:
 def actor(surface: Surface, textures: TextureSet) -> vtkActor:
     """`surface` shaded with its material, visible from both sides."""
     material = surface.material
-    result, mapper = _blank(triangle_soup(surface.points, surface.normals, surface.attributes))
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputDataObject(triangle_soup(surface.points, surface.normals, surface.attributes))
+    mapper.ScalarVisibilityOff()
+    result = vtkActor()
+    result.SetMapper(mapper)
     slots = _bind(result, surface.slots, textures)
     components = {name: values.shape[2] for name, values in surface.attributes.items()}
     for name in components:
@@ -66,25 +70,11 @@ def plain_actor(parts: tuple[Surface, ...], color: tuple[float, float, float]) -
     """All `parts` as one matte opaque body of a linear RGB `color`."""
     points = np.concatenate([part.points for part in parts])
     normals = np.concatenate([part.normals for part in parts])
-    result, mapper = _blank(triangle_soup(points, normals, {}))
-    # Collision shapes often touch the surface: pushed back, it does not flicker through them.
-    mapper.SetResolveCoincidentTopologyToPolygonOffset()
-    mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(2.0, 8.0)
     material = Material(name="plain", base_color=color, roughness=0.9)
-    for old, new in fragment_replacements(material, (), {}):
-        result.GetShaderProperty().AddFragmentShaderReplacement(old, old.startswith("//VTK"), new, True)
-    result.GetShaderProperty().GetFragmentCustomUniforms().SetUniform3f("manaEmissive", material.emissive)
-    _set_material(result, material)
+    result = actor(Surface(material, (), points, normals, {}), TextureSet(()))
+    # Collision shapes often touch the surface: pushed back, it does not flicker through them.
+    result.GetMapper().SetRelativeCoincidentTopologyPolygonOffsetParameters(2.0, 8.0)
     return result
-
-
-def _blank(data: vtkPolyData) -> tuple[vtkActor, vtkPolyDataMapper]:
-    mapper = vtkPolyDataMapper()
-    mapper.SetInputDataObject(data)
-    mapper.ScalarVisibilityOff()
-    result = vtkActor()
-    result.SetMapper(mapper)
-    return result, mapper
 
 
 def _set_material(target: vtkActor, material: Material) -> None:
@@ -122,7 +112,7 @@ def _surface(mesh: Mesh, model: Model, frame: AnnotationFrame, textures: frozens
     keep = np.isfinite(points).all(axis=(1, 2))
     attributes: dict[str, FloatArray] = {}
     if mesh.colors is not None:
-        attributes[_COLOR] = mesh.colors[keep]
+        attributes[_COLOR] = np.nan_to_num(mesh.colors[keep])
     slots = []
     mappings: dict[tuple[object, ...], str] = {}
     for name, use in texture_uses(material):
@@ -137,14 +127,18 @@ def _surface(mesh: Mesh, model: Model, frame: AnnotationFrame, textures: frozens
 
 
 def _normals(mesh: Mesh, points: FloatArray) -> FloatArray:
-    """(m, 3, 3) corner normals on the side from which each triangle is wound counter-clockwise."""
+    """(m, 3, 3) corner normals on the side from which each triangle is wound counter-clockwise.
+
+    Corners whose own normal is missing (zero or not finite) take that of their face.
+    """
     if mesh.normals is None:
         from geom.corner_normals import corner_normals  # Loads scipy; most assets bring normals.
 
         return corner_normals(mesh.points, mesh.triangles)
     face = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    side = np.einsum("mck,mk->mc", mesh.normals, face)
-    return np.where(side[..., None] < 0.0, -mesh.normals, mesh.normals)
+    side = np.einsum("mck,mk->mc", mesh.normals, face)[..., None]
+    usable = np.isfinite(mesh.normals).all(axis=2, keepdims=True) & mesh.normals.any(axis=2, keepdims=True)
+    return np.where(usable, np.where(side < 0.0, -mesh.normals, mesh.normals), face[:, None])
 
 
 def _transformed(uvs: FloatArray, use: TextureUse) -> FloatArray:
@@ -154,7 +148,7 @@ def _transformed(uvs: FloatArray, use: TextureUse) -> FloatArray:
     rotated = np.stack(
         [scaled[..., 0] * cosine - scaled[..., 1] * sine, scaled[..., 0] * sine + scaled[..., 1] * cosine], axis=-1
     )
-    return (rotated + np.asarray(use.uv_offset)).astype(np.float32)
+    return np.nan_to_num(rotated + np.asarray(use.uv_offset)).astype(np.float32)
 
 
 def _merged(parts: list[Surface]) -> Surface:

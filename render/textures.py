@@ -11,7 +11,7 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkRenderingCore import vtkTexture
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLTexture
 
-from schemas.model import Model
+from schemas.model import Texture
 
 MAX_EDGE_PX = 1024  # A 512 px picture with 2 x 2 samples shows no more.
 
@@ -19,8 +19,8 @@ MAX_EDGE_PX = 1024  # A 512 px picture with 2 x 2 samples shows no more.
 class TextureSet:
     """The GPU textures of one model, decoded and uploaded once per image and colour space."""
 
-    def __init__(self, model: Model) -> None:
-        self._sources = {texture.name: texture.data for texture in model.textures}
+    def __init__(self, sources: tuple[Texture, ...]) -> None:
+        self._sources = {texture.name: texture.data for texture in sources}
         self._images: dict[str, np.ndarray | None] = {}
         self._textures: dict[tuple[str, bool, bool], vtkTexture] = {}
 

@@ -53,7 +53,7 @@ def _draw_views(
     window: vtkRenderWindow,
     renderer: vtkRenderer,
 ) -> dict[str, Image.Image]:
-    textures = TextureSet(request.model)
+    textures = TextureSet(request.model.textures)
     visuals = [actor(part, textures) for part in parts]
     for visual in visuals:
         renderer.AddActor(visual)

@@ -234,6 +234,15 @@ def test_normals_against_the_winding_are_turned(tmp_path: Path) -> None:
     assert (pictures(model(mesh), tmp_path)["view_left"] == pictures(model(inward), tmp_path)["view_left"]).all()
 
 
+def test_missing_normals_come_from_the_face(tmp_path: Path) -> None:
+    normals = np.zeros((2, 3, 3), dtype=np.float32)
+    normals[1] = np.nan
+    bare, poor = upright(), dataclasses.replace(upright(), normals=normals)
+    red = (Material("red", base_color=RED),)
+    first, second = pictures(model(bare, materials=red), tmp_path), pictures(model(poor, materials=red), tmp_path)
+    assert all((first[name] == second[name]).all() for name in first)
+
+
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_normal_maps_shade_like_tilted_normals(mirrored: bool, tmp_path: Path) -> None:
     uvs = UNIT_UVS * np.array([-1, 1], dtype=np.float32) if mirrored else UNIT_UVS
