@@ -57,7 +57,7 @@ COACD, COACD_FINE, COACD_COARSE, VHACD = "coacd", "coacd_fine", "coacd_coarse", 
 LADDER: tuple[tuple[str, Settings], ...] = (
     (COACD, Settings()),
     (COACD_FINE, Settings(threshold=0.03)),
-    (COACD_COARSE, Settings(threshold=0.12)),
+    (COACD_COARSE, Settings(threshold=0.1, search_nodes=10, search_iterations=15, search_depth=1)),
     (VHACD, Settings(method="vhacd")),
 )
 
@@ -87,8 +87,7 @@ def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = fro
 
     `exclude` names methods that must not be chosen again. When none passes, the best one stands in with a warning: one
     that keeps the openings before one that does not, then the smallest surface distance. A sheet counts as a wall of
-    its assumed thickness. The finer rung is tried when CoACD ran but missed, the coarser when it failed to
-    run.
+    its assumed thickness. The finer rung is tried when CoACD missed with hulls to spare, the coarser when it failed.
     """
     target = _target(solid)
     tried: list[tuple[Fidelity, tuple[CollisionShape, ...]]] = []
@@ -102,9 +101,7 @@ def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = fro
     failures: list[Fidelity] = []
     # A convex hull that stands in for a broken surface has nothing to decompose.
     for method, settings in LADDER if solid.kind != "hull" else ():
-        ran = any(f.method.startswith(COACD) for f, _ in tried)
-        crashed = not ran and COACD not in exclude
-        if method in exclude or (method == COACD_FINE and crashed) or (method == COACD_COARSE and ran):
+        if method in exclude or not _worth_trying(method, tried, failures):
             continue
         parts = decompose(target.solid.points, target.solid.triangles, settings, work_dir)
         if not parts.shapes:
@@ -114,6 +111,17 @@ def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = fro
         if tried[-1][0].accepted:
             break
     return _chosen(tried, target, failures)
+
+
+def _worth_trying(
+    method: str, tried: Sequence[tuple[Fidelity, tuple[CollisionShape, ...]]], failures: Sequence[Fidelity]
+) -> bool:
+    """False for a rung that cannot do better than those before it."""
+    failed = any(f.method.startswith(COACD) for f in failures)
+    if method == COACD_FINE:
+        saturated = any(f.method == COACD and f.shapes >= Settings().max_hulls for f, _ in tried)
+        return not failed and not saturated
+    return failed or method != COACD_COARSE
 
 
 def _target(solid: Solid) -> _Target:
@@ -130,14 +138,14 @@ def _target(solid: Solid) -> _Target:
 def _judged(method: str, shapes: tuple[CollisionShape, ...], target: _Target, tolerance: Tolerance) -> Fidelity:
     """Measured and held against `tolerance`; the reason names each bound that is missed."""
     f = measure(method, shapes, target.solid, target.cavities)
-    misses = list(_misses(f, target.solid, tolerance))
-    volume_ratio = f.volume_ratio if target.own_volume else None
-    return f.model_copy(
-        update={"accepted": not misses, "reason": "; ".join(misses) or "within tolerance", "volume_ratio": volume_ratio}
-    )
+    if not target.own_volume:
+        f = f.model_copy(update={"volume_ratio": None})
+    misses = _misses(f, target.solid, tolerance)
+    return f.model_copy(update={"accepted": not misses, "reason": "; ".join(misses) or "within tolerance"})
 
 
-def _misses(f: Fidelity, solid: Solid, tolerance: Tolerance) -> Sequence[str]:
+def _misses(f: Fidelity, solid: Solid, tolerance: Tolerance) -> list[str]:
+    """Each bound that is missed, in words."""
     misses = []
     offset = mean_offset(f, solid)
     if f.volume_ratio is not None and offset is not None:

@@ -14,6 +14,7 @@ from assetkit import catalog
 from assetkit.discover import Candidate, discover
 from assetkit.ingest import Batch, collect, default_jobs, ingest, python_module
 from assetkit.options import Options, UnitName
+from assetkit.pictures import picture
 from assetkit.release import RECORD
 from assetkit.report import build_report, write_report
 from assetkit.validate import main_usd_files, validate_file
@@ -165,6 +166,23 @@ def validate_command(
             for diagnostic in found:
                 text.show_diagnostic(diagnostic, "  ")
     raise typer.Exit(1 if failed else 0)
+
+
+@app.command("render")
+def render_command(
+    path: Annotated[Path, typer.Argument(help="A source file or a package.", exists=True)],
+    out: Annotated[Path, typer.Option("--out", help="Where the pictures go.")] = Path("pictures"),
+    as_json: AsJson = False,
+) -> None:
+    """Render four standard views, a thumbnail and, for a package, its collision shapes.
+
+    Example: `mana assets render library/mug --out pictures`
+    """
+    written = picture(path, out)
+    if as_json:
+        print(json.dumps([str(p) for p in written]))
+    else:
+        text.console.print("\n".join(str(p) for p in written), soft_wrap=True)
 
 
 def _rows(rows: list[dict[str, object]], as_json: bool) -> None:

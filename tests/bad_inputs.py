@@ -243,7 +243,5 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/unstable-settling": "tests/unit/test_acceptance.py",
     "asset/reference-pose-topples": "tests/unit/test_acceptance.py",
     "asset/no-stable-pose": "tests/unit/test_acceptance.py",
-    "asset/reference-pose-topples": "tests/unit/test_acceptance.py",
-    "asset/no-stable-pose": "tests/unit/test_acceptance.py",
     "asset/name-sanitised": "tests/unit/test_names.py",
 }

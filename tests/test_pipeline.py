@@ -179,6 +179,14 @@ def test_list_search_and_show(library: tuple[Path, dict]):
     assert "mass_kg" in mana("assets", "show", out / "cup")
 
 
+def test_render_pictures_a_package_and_a_source(library: tuple[Path, dict], tmp_path: Path):
+    out, _ = library
+    for source in (out / "cup", out.parent / "in" / "cup.obj"):
+        pictures = json.loads(mana("assets", "render", source, "--out", tmp_path / source.name, "--json"))
+        assert all(Path(p).read_bytes()[:4] == b"\x89PNG" for p in pictures)
+        assert len(pictures) >= 5
+
+
 def test_declared_licence_and_role_reach_the_record(tmp_path: Path):
     (tmp_path / "cube.obj").write_text(obj_text(CUBE))
     flags = ("--license", "CC0-1.0", "--author", "Jane", "--role", "manipulated", "--category", "box")

@@ -8,7 +8,7 @@ from dataclasses import fields, replace
 from assetkit.stage import Appearance, Draft, Tools
 from schemas.asset import AppearanceSection
 from schemas.diagnostics import Diagnostic, Location, finding
-from schemas.model import Material, TextureUse
+from schemas.model import Material, Model, TextureUse
 from schemas.outcome import Outcome, Repair
 
 _UNIT_RANGE = ("metallic", "roughness", "opacity", "alpha_cutoff", "clearcoat", "clearcoat_roughness", "transmission")
@@ -28,31 +28,36 @@ class NormalizeAppearance:
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Appearance]:
         """Clean materials, and a record of what has no counterpart in UsdPreviewSurface."""
-        known = {t.name for t in draft.intake.model.textures}
-        diagnostics: list[Diagnostic] = []
-        repairs: list[Repair] = []
-        materials = []
-        for material in draft.intake.model.materials:
-            clean, changed = _within_range(material)
-            if changed:
-                diagnostics += [_out_of_range(material, *change) for change in changed]
-                repairs.append(
-                    Repair(
-                        name="invalid_material_value",
-                        code="asset/invalid-material-value",
-                        stage=self.name,
-                        before={name: str(old) for name, old, _ in changed},
-                        after={name: str(new) for name, _, new in changed},
-                    )
+        return normalize(draft.intake.model)
+
+
+def normalize(model: Model) -> Outcome[Appearance]:
+    """The materials of `model` within their ranges, without uses of textures that are not there."""
+    known = {t.name for t in model.textures}
+    diagnostics: list[Diagnostic] = []
+    repairs: list[Repair] = []
+    materials = []
+    for material in model.materials:
+        clean, changed = _within_range(material)
+        if changed:
+            diagnostics += [_out_of_range(material, *change) for change in changed]
+            repairs.append(
+                Repair(
+                    name="invalid_material_value",
+                    code="asset/invalid-material-value",
+                    stage=NormalizeAppearance.name,
+                    before={name: str(old) for name, old, _ in changed},
+                    after={name: str(new) for name, _, new in changed},
                 )
-            materials.append(_with_known_textures(clean, known))
-        used = sorted({use.texture for m in materials for use in _texture_uses(m)})
-        section = AppearanceSection(
-            materials=tuple(m.name for m in materials),
-            textures=tuple(used),
-            unmapped={m.name: m.unmapped for m in materials if m.unmapped},
-        )
-        return Outcome(Appearance(tuple(materials), section), tuple(diagnostics), tuple(repairs))
+            )
+        materials.append(_with_known_textures(clean, known))
+    used = sorted({use.texture for m in materials for use in _texture_uses(m)})
+    section = AppearanceSection(
+        materials=tuple(m.name for m in materials),
+        textures=tuple(used),
+        unmapped={m.name: m.unmapped for m in materials if m.unmapped},
+    )
+    return Outcome(Appearance(tuple(materials), section), tuple(diagnostics), tuple(repairs))
 
 
 def _within_range(material: Material) -> tuple[Material, list[tuple[str, object, object]]]:

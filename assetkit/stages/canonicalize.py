@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from assetkit.discover import slug
-from assetkit.stage import Canonical, Draft, Tools
+from assetkit.options import Options
+from assetkit.stage import Canonical, Draft, Intake, Tools
 from assetkit.stages.repair_geometry import repair_geometry
 from assetkit.units import decide_unit
 from assetkit.up_axis import TO_Z_UP, decide_up_axis
@@ -38,36 +39,41 @@ class Canonicalize:
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Canonical]:
         """Canonical meshes, the physical surface and the geometry section."""
-        model = draft.intake.model
-        points = np.concatenate([m.points for m in model.meshes])
-        low, high = points.min(axis=0), points.max(axis=0)
-        try:
-            unit = decide_unit(
-                stated=model.meters_per_unit,
-                chosen=tools.options.units,
-                extent=_vec3(high - low),
-                format_=draft.intake.format,
-                stem=slug(Path(draft.source_name).stem),
-                hints=model.hints,
-            )
-        except InvalidInput as refused:
-            return Outcome(None, (refused.diagnostic,))
-        up = decide_up_axis(model.up_axis, model.hints)
-        R_AS = TO_Z_UP[up.axis.value]
-        far = _recentred(low, high)
-        centred = [replace(m, points=m.points - far.shift) for m in model.meshes]
-        posed = [_posed(m, R_AS, unit.meters_per_unit.value) for m in centred]
-        mended = repair_geometry(posed)
-        reduced, reductions, notes = _within_budget(mended.meshes, tools.options.max_triangles)
-        homed, p_origin = _at_bottom_centre(reduced)
-        solid, figures = solidify(homed)
-        offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
-        section = _section(homed, solid, figures, unit.meters_per_unit, mended, offset)
-        return Outcome(
-            Canonical(tuple(homed), solid, unit.meters_per_unit, up.axis, section),
-            (*unit.diagnostics, *up.diagnostics, *far.diagnostics, *mended.diagnostics, *notes),
-            (*unit.repairs, *up.repairs, *far.repairs, *mended.repairs, *reductions),
+        return canonicalize(draft.intake, draft.source_name, tools.options)
+
+
+def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Canonical]:
+    """The object of `item` in its metric frame; no value when its size is impossible."""
+    model = item.model
+    points = np.concatenate([m.points for m in model.meshes])
+    low, high = points.min(axis=0), points.max(axis=0)
+    try:
+        unit = decide_unit(
+            stated=model.meters_per_unit,
+            chosen=options.units,
+            extent=_vec3(high - low),
+            format_=item.format,
+            stem=slug(Path(source_name).stem),
+            hints=model.hints,
         )
+    except InvalidInput as refused:
+        return Outcome(None, (refused.diagnostic,))
+    up = decide_up_axis(model.up_axis, model.hints)
+    R_AS = TO_Z_UP[up.axis.value]
+    far = _recentred(low, high)
+    centred = [replace(m, points=m.points - far.shift) for m in model.meshes]
+    posed = [_posed(m, R_AS, unit.meters_per_unit.value) for m in centred]
+    mended = repair_geometry(posed)
+    reduced, reductions, notes = _within_budget(mended.meshes, options.max_triangles)
+    homed, p_origin = _at_bottom_centre(reduced)
+    solid, figures = solidify(homed)
+    offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
+    section = _section(homed, solid, figures, unit.meters_per_unit, mended, offset)
+    return Outcome(
+        Canonical(tuple(homed), solid, unit.meters_per_unit, up.axis, section),
+        (*unit.diagnostics, *up.diagnostics, *far.diagnostics, *mended.diagnostics, *notes),
+        (*unit.repairs, *up.repairs, *far.repairs, *mended.repairs, *reductions),
+    )
 
 
 class _Recentring:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import sys
+import tempfile
+from pathlib import Path
 
 from assetkit.stage import Draft, Previews, Tools, need
 from jobs.cell import Limits, run_cell
 from render.request import RenderRequest
 from schemas import arrays
 from schemas.diagnostics import Diagnostic
+from schemas.model import Model
 from schemas.outcome import Outcome
+from schemas.physics import CollisionShape
 
 LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
@@ -26,13 +30,20 @@ class RenderPreviews:
         return []
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Previews]:
-        """PNG bytes by name. Raises RuntimeError when the renderer fails: a broken environment, not a bad asset."""
-        folder = tools.work_dir / "render"
-        folder.mkdir(parents=True, exist_ok=True)
-        shapes = need(draft.physics, "physics").shapes
-        request = folder / "request.npz"
-        arrays.save(RenderRequest(model=draft.model, shapes=shapes, out_dir=str(folder)), RenderRequest, request)
+        """PNG bytes by name."""
+        return Outcome(Previews(render(draft.model, need(draft.physics, "physics").shapes, tools.work_dir)))
+
+
+def render(model: Model, shapes: tuple[CollisionShape, ...], work_dir: Path) -> dict[str, bytes]:
+    """PNG bytes by name, of a canonical model and its collision shapes.
+
+    Raises RuntimeError when the renderer fails: a broken environment, not a bad asset.
+    """
+    work_dir.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=work_dir) as place:
+        request = Path(place) / "request.npz"
+        arrays.save(RenderRequest(model=model, shapes=shapes, out_dir=place), RenderRequest, request)
         result = run_cell([sys.executable, "-m", "render", str(request)], LIMITS)
         if result.status != "ok":
             raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
-        return Outcome(Previews({p.stem: p.read_bytes() for p in sorted(folder.glob("*.png"))}))
+        return {p.stem: p.read_bytes() for p in sorted(Path(place).glob("*.png"))}
