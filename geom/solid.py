@@ -9,7 +9,7 @@ import trimesh
 
 from geom.mesh_edit import merge_surfaces
 from geom.openings import HOLE_SHARE
-from geom.solid_bodies import Bodies, signed_volume, sort_bodies, unite
+from geom.solid_bodies import Bodies, Surface, signed_volume, sort_bodies, unite
 from geom.solid_voxel import voxel_hull
 from geom.surface_distance import triangle_areas, two_way
 from geom.weld import diagonal, weld_points
@@ -27,6 +27,7 @@ LEAST_WALL_M, MOST_WALL_M = 0.5e-3, 5e-3
 FLAT_SHARE = 1e-3
 VOXEL_TOLERANCE_CELLS = 2.0
 DISTANCE_SAMPLES = 2000
+PROTRUDING = 0.02
 
 
 def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
@@ -34,7 +35,8 @@ def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
 
     First rule that applies:
     1. Closed bodies, holes filled and hidden faces closed (`solid_bodies`, `openings`), carry at least half of the
-       area: `closed`, their union (method `union`; open decoration is left out).
+       area: `closed`, their union (method `union`; open decoration is left out). Open parts that reach beyond the
+       bodies by more than 2 % of the diagonal are no decoration: their hulls join the union (method `union_and_hulls`).
     2. The surface is flat, or at least half of what is open is containers, or one sheet with a mouth wider than a
        quarter of its cross-section: `shell`, all faces, with an assumed wall of 1 % of the diagonal within 0.5 to 5 mm.
     3. Patches with gaps: a voxel proxy and the surface lie within two cells of each other over 95 % of either:
@@ -70,7 +72,7 @@ def _choose(
     bodies: Bodies, united: tuple[FloatArray, IntArray] | None, points: FloatArray, triangles: IntArray, total: float
 ) -> tuple[Solid, str]:
     if united is not None and bodies.closed_area >= CLOSED_AREA_SHARE * total:
-        return Solid(*united, kind="closed"), "union"
+        return _with_protruding(bodies, united, diagonal(points))
     wall = min(max(WALL_PER_DIAGONAL * diagonal(points), LEAST_WALL_M), MOST_WALL_M)
     shell = Solid(points, triangles, kind="shell", wall_thickness_m=wall)
     mouthed = [v for v in bodies.verdicts if any(o.section_share > HOLE_SHARE for o in v.openings)]
@@ -87,6 +89,23 @@ def _choose(
         return shell, "shell"
     hull = trimesh.PointCloud(points).convex_hull
     return Solid(np.array(hull.vertices), np.array(hull.faces, dtype=np.int32), kind="hull"), "hull"
+
+
+def _with_protruding(bodies: Bodies, united: Surface, size: float) -> tuple[Solid, str]:
+    """The united bodies, with the hulls of open parts that reach beyond their box."""
+    low, high = united[0].min(axis=0) - PROTRUDING * size, united[0].max(axis=0) + PROTRUDING * size
+    hulls: list[Surface] = []
+    for part in bodies.verdicts:
+        points = bodies.open_surface[0][np.unique(bodies.open_surface[1][part.faces])]
+        if (points < low).any() or (points > high).any():
+            if _is_flat(points):
+                continue
+            hull = trimesh.PointCloud(points).convex_hull
+            hulls.append((np.array(hull.vertices), np.array(hull.faces, dtype=np.int32)))
+    both = unite([united, *hulls]) if hulls else None
+    return (
+        (Solid(*united, kind="closed"), "union") if both is None else (Solid(*both, kind="closed"), "union_and_hulls")
+    )
 
 
 def _is_flat(points: FloatArray) -> bool:

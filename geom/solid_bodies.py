@@ -34,7 +34,8 @@ class Bodies:
     tidied       each mesh, cleaned (`tidy`).
     by_mesh      closed bodies of each mesh that leaves nothing open, else ().
     closed       closed outward bodies over all meshes, each with its inward cavity shells.
-    open         the components that stay open, welded together, and the verdicts on them.
+    open         the components that stay open, welded together, and the verdicts on them; the faces of a verdict
+                 index into `open_surface`, which still holds the capped bodies.
     cavities     cavity shells in `closed`.
     filled       loops capped to close a body.
     closed_area, open_area  visible area of either, caps not counted.
@@ -44,6 +45,7 @@ class Bodies:
     by_mesh: tuple[tuple[Surface, ...], ...]
     closed: tuple[Surface, ...]
     open: Mesh
+    open_surface: Surface
     verdicts: tuple[OpenBody, ...]
     cavities: int
     filled: int
@@ -86,6 +88,7 @@ def sort_bodies(meshes: Sequence[Mesh]) -> Bodies:
         by_mesh=tuple(by_mesh),
         closed=tuple(closed),
         open=keep_faces(rest, kept),
+        open_surface=(rest.points, rest.triangles),
         verdicts=tuple(v for v in verdicts if not _is_body(v, total)),
         cavities=cavities,
         filled=sum(len(v.openings) for v in capped),

@@ -23,6 +23,7 @@ from schemas.model import FloatArray, Mesh
 from schemas.outcome import Outcome, Repair
 from schemas.physics import Solid
 
+_VOLUME_CONFIDENCE = {"union_and_hulls": 0.5, "voxel": 0.5, "shell": 0.3, "hull": 0.1}
 FAR_DIAGONALS = 100.0  # Beyond this distance from its origin, float32 keeps fewer than five digits of the shape.
 
 
@@ -182,8 +183,8 @@ def _section(
         solid_kind=solid.kind,
         volume_m3=(
             measured(volume, str(figures["method"]))
-            if solid.kind == "closed"
-            else inferred(volume, str(figures["method"]), 0.3 if solid.kind == "shell" else 0.1)
+            if figures["method"] == "union"
+            else inferred(volume, str(figures["method"]), _VOLUME_CONFIDENCE[str(figures["method"])])
         ),
         surface_area_m2=float(figures["area_m2"]),
     )
