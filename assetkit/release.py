@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from assetkit.journal import Journal
 from assetkit.stage import Draft, need
 from assetkit.urdf import write_urdf
 from jobs.cache import file_sha256
@@ -15,9 +15,6 @@ from schemas.package import PackageContent
 from usdio.reread import reread_body
 from usdio.source_names import source_names
 from usdio.write_package import write_package
-
-if TYPE_CHECKING:
-    from assetkit.pipeline import Journal
 
 UNKNOWN = "unknown"
 RECORD = "record.json"
@@ -42,13 +39,13 @@ def package_folder(draft: Draft, work_dir: Path) -> Path:
 
 
 def finish(draft: Draft, journal: Journal, work_dir: Path) -> Path:
-    """Complete the prepared package with previews and record; returns its folder.
+    """Write the package with previews and record; returns its folder.
 
-    When acceptance came from the cache the package is written anew: same draft, same bytes.
+    It is written anew, because acceptance may have come from the store or judged another attempt last: same draft,
+    same bytes.
     """
     folder = package_folder(draft, work_dir)
-    if not folder.is_dir():
-        author(draft, work_dir)
+    author(draft, work_dir)
     previews = folder / "previews"
     previews.mkdir(exist_ok=True)
     for name, data in sorted(need(draft.previews, "previews").images.items()):
@@ -114,9 +111,9 @@ def _record(draft: Draft, journal: Journal, hashes: dict[str, str]) -> AssetReco
         parts=need(draft.interaction, "interaction").parts,
         physics=need(draft.physics, "physics").section,
         acceptance=need(draft.acceptance, "acceptance").section,
-        diagnostics=tuple(journal.diagnostics),
-        repairs=tuple(journal.repairs),
-        history=tuple(journal.history),
+        diagnostics=journal.diagnostics,
+        repairs=journal.repairs,
+        history=journal.history,
         hashes=hashes,
     )
 

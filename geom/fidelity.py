@@ -9,9 +9,9 @@ from manifold3d import Manifold, OpType
 
 from geom.cavity import Cavity, keeps_cavity
 from geom.components import components_of
-from geom.hull import volume
+from geom.hull import contains, convex_hull, volume
 from geom.support import surface
-from geom.surface_distance import triangle_areas, two_way
+from geom.surface_distance import closest_on_surface, sample_surface, triangle_areas
 from geom.weld import diagonal
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, Fidelity, Solid
@@ -28,16 +28,19 @@ def measure(
 ) -> Fidelity:
     """Figures of `shapes` against `solid`, not yet accepted; see `schemas.physics.Fidelity`.
 
-    Both distances are between surfaces: the outer surface of the union of all shapes, and the outer surface of the
-    solid (sealed inner cavities touch nothing). A filled hole therefore shows in `missing`. `volume_ratio` is None
-    unless the solid is closed, `cavity_kept` when it has no cavity. Deterministic. Raises ValueError for no shapes.
+    `outside`: from the outer surface of the union of all shapes to the outer surface of the solid (sealed inner
+    cavities touch nothing); a lid over an opening shows here. `missing`: from the solid's surface to the union, 0 for
+    what lies inside it: creases and parts within parts cannot be touched. `volume_ratio` is None unless the solid is
+    closed, `cavity_kept` when it has no cavity. Deterministic. Raises ValueError for no shapes.
     """
     if not shapes:
         raise ValueError("no shapes to measure")
     outer = outer_surface(solid)
     size = diagonal(outer[0])
-    grown = union_surface(shapes, SLIT_SHARE * size)
-    d = two_way(*grown, *outer, samples, 0)
+    union = union_surface(shapes, SLIT_SHARE * size)
+    outside = _distances(_probes(*union, samples), *outer)
+    probes = _probes(*outer, samples)
+    missing = np.where(_within(shapes, probes), 0.0, _distances(probes, *union))
     ratio = union_volume(shapes) / volume(*outer) if solid.kind == "closed" else None
     kept = all(keeps_cavity(shapes, cavity) for cavity in cavities) if cavities else None
     return Fidelity(
@@ -45,10 +48,10 @@ def measure(
         shapes=len(shapes),
         vertices=sum(len(s.points) for s in shapes if s.points is not None),
         volume_ratio=ratio,
-        outside_p95=d.a_to_b_p95 / size,
-        outside_max=d.a_to_b_max / size,
-        missing_p95=d.b_to_a_p95 / size,
-        missing_max=d.b_to_a_max / size,
+        outside_p95=float(np.percentile(outside[:samples], 95)) / size,
+        outside_max=float(outside.max()) / size,
+        missing_p95=float(np.percentile(missing[:samples], 95)) / size,
+        missing_max=float(missing.max()) / size,
         cavity_kept=kept,
         accepted=False,
     )
@@ -87,6 +90,25 @@ def union_surface(shapes: Sequence[CollisionShape], growth_m: float = 0.0) -> tu
     """Points (n, 3) and triangles (m, 3) of the union of all shapes, each grown by a cube of half edge `growth_m`."""
     mesh = _union(shapes, growth_m).to_mesh64()
     return np.asarray(mesh.vert_properties)[:, :3].astype(np.float64), np.asarray(mesh.tri_verts).astype(np.int32)
+
+
+def _probes(points: FloatArray, triangles: IntArray, samples: int) -> FloatArray:
+    """`samples` points spread over a surface, then its corners, at most so many."""
+    corners = np.unique(triangles)
+    corners = corners[:: max(1, -(-len(corners) // samples))]
+    return np.concatenate([sample_surface(points, triangles, samples, 0)[0], points[corners]])
+
+
+def _distances(queries: FloatArray, points: FloatArray, triangles: IntArray) -> FloatArray:
+    return np.linalg.norm(queries - closest_on_surface(queries, points, triangles)[0], axis=1)
+
+
+def _within(shapes: Sequence[CollisionShape], queries: FloatArray) -> FloatArray:
+    """(k,) True where a query lies inside some shape."""
+    inside = np.zeros(len(queries), dtype=bool)
+    for shape in shapes:
+        inside |= contains(*convex_hull(surface(shape)[0]), queries)
+    return inside
 
 
 def _union(shapes: Sequence[CollisionShape], growth_m: float) -> Manifold:

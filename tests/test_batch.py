@@ -10,11 +10,13 @@ import pytest
 
 from assetkit.discover import discover
 from assetkit.ingest import Batch, collect, ingest
+from assetkit.journal import Entry, Journal
 from assetkit.options import Options
-from assetkit.pipeline import Journal, process_source
+from assetkit.pipeline import process_source
 from assetkit.report import build_report, write_report
 from jobs.cell import Limits
-from schemas.outcome import ItemOutcome
+from schemas.diagnostics import finding
+from schemas.outcome import ItemOutcome, Repair
 from schemas.report import IngestReport, ReportItem
 from sim.fake import FakeSimulator
 
@@ -143,7 +145,11 @@ def test_a_bug_in_a_stage_is_reported_as_such(sources: Path, tmp_path: Path, mon
 
 def test_outcome_of_a_journal():
     assert Journal().outcome is ItemOutcome.ACCEPTED
-    assert Journal(review=True).outcome is ItemOutcome.REVIEW
+    repair = Repair(name="hole_fill", code="asset/small-holes", stage="canonicalize")
+    assert Journal({"a": Entry(repairs=(repair,))}).outcome is ItemOutcome.REPAIRED
+    assert Journal({"a": Entry(repairs=(repair,)), "b": Entry(review=True)}).outcome is ItemOutcome.REVIEW
+    refused = finding("asset/path-escape", "out")
+    assert Journal({"a": Entry((refused,), review=True)}).outcome is ItemOutcome.REJECTED
 
 
 def test_report_json_has_the_stable_keys(sources: Path, tmp_path: Path):

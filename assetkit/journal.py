@@ -1,0 +1,64 @@
+"""What happened to one object on its way, stage by stage; a stage that runs again replaces its own entry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from schemas.asset import StageEntry
+from schemas.diagnostics import Diagnostic, Severity
+from schemas.outcome import ItemOutcome, Repair
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One stage's findings; `key` is its place in the store, empty for steps that are not stored."""
+
+    diagnostics: tuple[Diagnostic, ...] = ()
+    repairs: tuple[Repair, ...] = ()
+    review: bool = False
+    seconds: float = 0.0
+    cached: bool = False
+    version: int = 0
+    key: str = ""
+
+
+@dataclass
+class Journal:
+    """Entries by stage name, in the order of running. Written by the pipeline only."""
+
+    entries: dict[str, Entry] = field(default_factory=dict)
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """All findings that still stand."""
+        return tuple(d for e in self.entries.values() for d in e.diagnostics)
+
+    @property
+    def repairs(self) -> tuple[Repair, ...]:
+        """All edits that were made."""
+        return tuple(r for e in self.entries.values() for r in e.repairs)
+
+    @property
+    def history(self) -> tuple[StageEntry, ...]:
+        """The stored stages with version and key."""
+        return tuple(
+            StageEntry(name=name, version=e.version, key=e.key[:16]) for name, e in self.entries.items() if e.key
+        )
+
+    @property
+    def rejected(self) -> bool:
+        """Whether an error-severity finding ended the object."""
+        return any(d.severity is Severity.ERROR for d in self.diagnostics)
+
+    @property
+    def outcome(self) -> ItemOutcome:
+        """The end of the object, as far as it is known."""
+        if self.rejected:
+            return ItemOutcome.REJECTED
+        if any(e.review for e in self.entries.values()):
+            return ItemOutcome.REVIEW
+        return ItemOutcome.REPAIRED if self.repairs else ItemOutcome.ACCEPTED
+
+    def copy(self) -> Journal:
+        """A journal to try something on."""
+        return Journal(dict(self.entries))
