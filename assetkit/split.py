@@ -9,6 +9,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from geom.mesh_edit import keep_faces, only_used_points
 from schemas.model import FloatArray, IntArray, Mesh, Model
 
 FAR_APART = 0.25  # Gap between bounding boxes, as a fraction of the smaller object's diagonal.
@@ -38,7 +39,7 @@ def split_objects(model: Model) -> tuple[Model, ...]:
         for mesh, labels, offset in zip(model.meshes, pieces, offsets[:-1], strict=True):
             keep = group_of_piece[offset + labels] == group
             if keep.any():
-                meshes.append(_subset(mesh, keep))
+                meshes.append(only_used_points(keep_faces(mesh, keep)))
         groups.append(_with_meshes(model, meshes))
     return tuple(sorted(groups, key=lambda m: -_diagonal(m)))
 
@@ -75,19 +76,6 @@ def _groups(low: FloatArray, high: FloatArray) -> IntArray:
         others[diagonal < FRAGMENT * diagonal.max()] = np.inf
         near[piece, int(np.argmin(others))] = True
     return connected_components(near, directed=False)[1]
-
-
-def _subset(mesh: Mesh, keep: FloatArray) -> Mesh:
-    """The mesh with only the kept faces and the points they use."""
-    used, triangles = np.unique(mesh.triangles[keep], return_inverse=True)
-    return replace(
-        mesh,
-        points=mesh.points[used],
-        triangles=triangles.reshape(-1, 3).astype(np.int32),
-        normals=None if mesh.normals is None else mesh.normals[keep],
-        uvs=tuple(uv[keep] for uv in mesh.uvs),
-        colors=None if mesh.colors is None else mesh.colors[keep],
-    )
 
 
 def _with_meshes(model: Model, meshes: Sequence[Mesh]) -> Model:

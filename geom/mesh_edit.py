@@ -21,6 +21,14 @@ def keep_faces(mesh: Mesh, kept: FloatArray) -> Mesh:
     )
 
 
+def only_used_points(mesh: Mesh) -> Mesh:
+    """The mesh without points that no face uses: they would still count in its bounds."""
+    used, triangles = np.unique(mesh.triangles, return_inverse=True)
+    if len(used) == len(mesh.points):
+        return mesh
+    return replace(mesh, points=mesh.points[used], triangles=triangles.reshape(-1, 3).astype(np.int32))
+
+
 def flip_faces(mesh: Mesh, flipped: FloatArray) -> Mesh:
     """Turn the faces where `flipped` (m,) is True: corners 1 and 2 swap, their normals change sign."""
 

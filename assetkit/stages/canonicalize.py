@@ -15,6 +15,7 @@ from assetkit.stages.repair_geometry import repair_geometry
 from assetkit.units import decide_unit
 from assetkit.up_axis import TO_Z_UP, decide_up_axis
 from geom.decimate import decimate_mesh
+from geom.mesh_edit import only_used_points
 from geom.solid import solidify
 from schemas.asset import AnnotationFrame, GeometrySection, Vec3
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
@@ -65,7 +66,7 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
     centred = [replace(m, points=m.points - far.shift) for m in model.meshes]
     posed = [_posed(m, R_AS, unit.meters_per_unit.value) for m in centred]
     mended = repair_geometry(posed)
-    reduced, reductions, notes = _within_budget(mended.meshes, options.max_triangles)
+    reduced, reductions, notes = _within_budget([only_used_points(m) for m in mended.meshes], options.max_triangles)
     homed, p_origin = _at_bottom_centre(reduced)
     solid, figures = solidify(homed)
     offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
@@ -149,7 +150,7 @@ def _within_budget(meshes: Sequence[Mesh], budget: int) -> tuple[list[Mesh], lis
 
 def _at_bottom_centre(meshes: Sequence[Mesh]) -> tuple[list[Mesh], FloatArray]:
     """Meshes with the origin at the bottom centre of their bounding box, and where that point was before."""
-    points = np.concatenate([m.points[np.unique(m.triangles)] for m in meshes])
+    points = np.concatenate([m.points for m in meshes])
     low, high = points.min(axis=0), points.max(axis=0)
     origin = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
     return [replace(m, points=m.points - origin) for m in meshes], origin
