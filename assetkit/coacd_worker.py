@@ -37,7 +37,7 @@ def _coacd(job: dict[str, Any]) -> list[np.ndarray]:
     parts = coacd.run_coacd(
         coacd.Mesh(job["points"], job["triangles"]),
         threshold=float(job["threshold"]),
-        max_convex_hull=int(job["max_hulls"]),
+        max_convex_hull=-1,  # its own joining crashes on some meshes (issues 63 and 71) and closes openings
         preprocess_mode="off",
         resolution=int(job["resolution"]),
         mcts_nodes=int(job["search_nodes"]),

@@ -57,7 +57,7 @@ COACD, COACD_FINE, COACD_COARSE, VHACD = "coacd", "coacd_fine", "coacd_coarse", 
 LADDER: tuple[tuple[str, Settings], ...] = (
     (COACD, Settings()),
     (COACD_FINE, Settings(threshold=0.03)),
-    (COACD_COARSE, Settings(threshold=0.1, search_nodes=10, search_iterations=15, search_depth=1)),
+    (COACD_COARSE, Settings(threshold=0.08, search_nodes=8, search_iterations=20)),
     (VHACD, Settings(method="vhacd")),
 )
 
@@ -103,7 +103,7 @@ def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = fro
     for method, settings in LADDER if solid.kind != "hull" else ():
         if method in exclude or not _worth_trying(method, tried, failures):
             continue
-        parts = decompose(target.solid.points, target.solid.triangles, settings, work_dir)
+        parts = decompose(target.solid.points, target.solid.triangles, settings, work_dir, cavities=target.cavities)
         if not parts.shapes:
             failures.append(_failed(method, parts.reason))
             continue

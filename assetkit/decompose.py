@@ -9,6 +9,7 @@ from __future__ import annotations
 import signal
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
@@ -16,7 +17,9 @@ from typing import Literal
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
+from geom.cavity import Cavity, keeps_cavity
 from geom.hull import hull_shape, thickness, volume
+from geom.merge_hulls import merge_hulls
 from geom.weld import diagonal
 from jobs.cell import CellResult, Limits, run_cell
 from schemas.model import FloatArray, IntArray
@@ -27,8 +30,10 @@ LEAST_ERROR, MOST_ERROR, ERROR_STEP = 0.0025, 0.01, 1.4
 TARGET_FACES = 2500
 # Hulls below these shares of the diagonal (and of its cube) are slivers: engines reject or mishandle them.
 LEAST_THICKNESS, LEAST_VOLUME = 2e-4, 1e-7
+# Joining so many pieces takes a second or two; beyond, the mesh is too intricate for this threshold.
+MOST_PARTS = 200
 # The work is bounded in processor time, so that a busy machine gives the same answer as an idle one.
-CPU_SECONDS = 12
+CPU_SECONDS = 20
 CELL = Limits(seconds=10.0 * CPU_SECONDS, memory_mb=4096)
 
 
@@ -37,7 +42,7 @@ class Settings:
     """One way to decompose; lengths are shares of half the largest extent.
 
     threshold          CoACD's concavity at which a piece counts as convex.
-    max_hulls          merge or stop beyond this number.
+    max_hulls          join neighbours beyond this number (V-HACD: stop there).
     resolution         CoACD's samples per concavity measure (default 2000); 500 changes the result little.
     search_*           CoACD's tree search; its defaults 20, 150, 3 give the same hulls in three times the time.
     voxels             V-HACD's voxel budget.
@@ -64,11 +69,17 @@ class Decomposition:
 
 
 def decompose(
-    points: FloatArray, triangles: IntArray, settings: Settings, work_dir: Path, limits: Limits = CELL
+    points: FloatArray,
+    triangles: IntArray,
+    settings: Settings,
+    work_dir: Path,
+    cavities: Sequence[Cavity] = (),
+    limits: Limits = CELL,
 ) -> Decomposition:
     """Hulls of at most 64 points each that cover the volume inside a closed surface (metres).
 
-    Never raises for what the mesh is or the library does: the reason says it. Same input, same hulls.
+    Where the library finds more than `max_hulls`, neighbours are joined, but never across one of `cavities`. Never
+    raises for what the mesh is or the library does: the reason says it. Same input, same hulls.
     """
     if not np.isfinite(points).all():
         return Decomposition((), "a coordinate is not finite")
@@ -92,7 +103,7 @@ def decompose(
             return Decomposition((), f"{settings.method} {_ending(cell, limits)}")
         with np.load(target) as result:
             parts = np.split(result["points"], np.cumsum(result["counts"])[:-1])
-    return _checked([part * scale + centre for part in parts], diagonal(points), settings)
+    return _checked([part * scale + centre for part in parts], diagonal(points), settings, cavities)
 
 
 def _ending(cell: CellResult, limits: Limits) -> str:
@@ -118,13 +129,16 @@ def _manifold(points: FloatArray, triangles: IntArray) -> Manifold | None:
     return body if body.status() == Error.NoError and body.volume() > 0.0 else None
 
 
-def _checked(parts: list[FloatArray], size: float, settings: Settings) -> Decomposition:
+def _checked(parts: list[FloatArray], size: float, settings: Settings, cavities: Sequence[Cavity]) -> Decomposition:
     """Hulls worth having, or the reason why there are none."""
     if not parts or not all(np.isfinite(part).all() for part in parts):
         return Decomposition((), f"{settings.method} returned no finite hulls")
-    hulls = [hull_shape(part) for part in parts]
-    kept = tuple(h for h in hulls if h is not None and _is_sound(h, size))
-    dropped = len(parts) - len(kept)
+    if len(parts) > MOST_PARTS:
+        return Decomposition((), f"{len(parts)} parts, more than {MOST_PARTS}")
+    sound = [part for part in parts if _is_sound(hull_shape(part), size)]
+    joined = merge_hulls(sound, settings.max_hulls, lambda corners: _keeps_all(corners, cavities))
+    kept = tuple(shape for shape in map(hull_shape, joined) if shape is not None)
+    dropped = len(parts) - len(sound)
     if not kept:
         return Decomposition((), "all hulls are slivers", dropped)
     if len(kept) > settings.max_hulls:
@@ -132,8 +146,13 @@ def _checked(parts: list[FloatArray], size: float, settings: Settings) -> Decomp
     return Decomposition(kept, "", dropped)
 
 
-def _is_sound(shape: CollisionShape, size: float) -> bool:
-    assert shape.points is not None, "a hull has points"
-    assert shape.triangles is not None, "a hull has triangles"
+def _keeps_all(corners: FloatArray, cavities: Sequence[Cavity]) -> bool:
+    shape = hull_shape(corners)
+    return shape is None or all(keeps_cavity([shape], cavity) for cavity in cavities)
+
+
+def _is_sound(shape: CollisionShape | None, size: float) -> bool:
+    if shape is None or shape.points is None or shape.triangles is None:
+        return False
     thick = thickness(shape.points, shape.triangles) >= LEAST_THICKNESS * size
     return thick and volume(shape.points, shape.triangles) >= LEAST_VOLUME * size**3
