@@ -23,14 +23,13 @@ OBJECTS = (
     "objects/mug.obj",
     "tray/tray_textured.obj",
     "torus/torus_textured.obj",
-    "table/table.obj",
     "kiva_shelf/meshes/pod_lowres.stl",
     "lego/lego.obj",
     "domino/domino.obj",
-    "jenga/jenga.obj",
     "soccerball.obj",
     "bunny.obj",
     "random_urdfs/472/472.obj",
+    "random_urdfs/938/938.obj",
 )
 
 
