@@ -58,6 +58,7 @@ def _vhacd(job: dict[str, Any]) -> list[np.ndarray]:
         maxConvexHulls=int(job["max_hulls"]),
         resolution=int(job["voxels"]),
         maxNumVerticesPerCH=64,
+        asyncACD=False,  # one thread, so that the limit on processor time means the same everywhere
     )
     return [np.asarray(points, dtype=np.float64) for points, _ in parts]
 

@@ -74,6 +74,14 @@ class Colliders:
 
 
 @dataclass(frozen=True)
+class Candidate:
+    """Shapes, none if the method failed, and their figures."""
+
+    fidelity: Fidelity
+    shapes: tuple[CollisionShape, ...] = ()
+
+
+@dataclass(frozen=True)
 class _Target:
     """What candidates are measured against, with whether its volume is its own."""
 
@@ -90,38 +98,32 @@ def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = fro
     its assumed thickness. The finer rung is tried when CoACD missed with hulls to spare, the coarser when it failed.
     """
     target = _target(solid)
-    tried: list[tuple[Fidelity, tuple[CollisionShape, ...]]] = []
+    tried: list[Candidate] = []
     for method, fit, tolerance in SINGLE:
         shape = fit(target.solid.points) if method not in exclude else None
-        if shape is None:
-            continue
-        tried.append((_judged(method, (shape,), target, tolerance), (shape,)))
-        if tried[-1][0].accepted:
-            return _chosen(tried, target)
-    failures: list[Fidelity] = []
+        if shape is not None:
+            tried.append(_judged(method, (shape,), target, tolerance))
+            if tried[-1].fidelity.accepted:
+                return _chosen(tried, target)
     # A convex hull that stands in for a broken surface has nothing to decompose.
     for method, settings in LADDER if solid.kind != "hull" else ():
-        if method in exclude or not _worth_trying(method, tried, failures):
+        if method in exclude or not _worth_trying(method, tried):
             continue
         parts = decompose(target.solid.points, target.solid.triangles, settings, work_dir, cavities=target.cavities)
-        if not parts.shapes:
-            failures.append(_failed(method, parts.reason))
-            continue
-        tried.append((_judged(method, parts.shapes, target, PARTS), parts.shapes))
-        if tried[-1][0].accepted:
+        tried.append(
+            _judged(method, parts.shapes, target, PARTS) if parts.shapes else Candidate(_failed(method, parts.reason))
+        )
+        if tried[-1].fidelity.accepted:
             break
-    return _chosen(tried, target, failures)
+    return _chosen(tried, target)
 
 
-def _worth_trying(
-    method: str, tried: Sequence[tuple[Fidelity, tuple[CollisionShape, ...]]], failures: Sequence[Fidelity]
-) -> bool:
+def _worth_trying(method: str, tried: Sequence[Candidate]) -> bool:
     """False for a rung that cannot do better than those before it."""
-    failed = any(f.method.startswith(COACD) for f in failures)
+    coacd = [c for c in tried if c.fidelity.method == COACD]
     if method == COACD_FINE:
-        saturated = any(f.method == COACD and f.shapes >= Settings().max_hulls for f, _ in tried)
-        return not failed and not saturated
-    return failed or method != COACD_COARSE
+        return all(0 < len(c.shapes) < Settings().max_hulls for c in coacd)
+    return method != COACD_COARSE or any(not c.shapes for c in coacd)
 
 
 def _target(solid: Solid) -> _Target:
@@ -135,13 +137,14 @@ def _target(solid: Solid) -> _Target:
     return _Target(solid, cavities, solid.kind == "closed")
 
 
-def _judged(method: str, shapes: tuple[CollisionShape, ...], target: _Target, tolerance: Tolerance) -> Fidelity:
+def _judged(method: str, shapes: tuple[CollisionShape, ...], target: _Target, tolerance: Tolerance) -> Candidate:
     """Measured and held against `tolerance`; the reason names each bound that is missed."""
     f = measure(method, shapes, target.solid, target.cavities)
     if not target.own_volume:
         f = f.model_copy(update={"volume_ratio": None})
     misses = _misses(f, target.solid, tolerance)
-    return f.model_copy(update={"accepted": not misses, "reason": "; ".join(misses) or "within tolerance"})
+    verdict = {"accepted": not misses, "reason": "; ".join(misses) or "within tolerance"}
+    return Candidate(f.model_copy(update=verdict), shapes)
 
 
 def _misses(f: Fidelity, solid: Solid, tolerance: Tolerance) -> list[str]:
@@ -183,30 +186,34 @@ def _failed(method: str, reason: str) -> Fidelity:
     )
 
 
-def _chosen(
-    tried: Sequence[tuple[Fidelity, tuple[CollisionShape, ...]]], target: _Target, failures: Sequence[Fidelity] = ()
-) -> Colliders:
+def _chosen(tried: Sequence[Candidate], target: _Target) -> Colliders:
     """The accepted candidate, which is the last tried, or the best of all with a warning."""
-    rows = (*(f for f, _ in tried), *failures)
-    if tried and tried[-1][0].accepted:
-        return Colliders(tried[-1][0].method, tried[-1][1], rows, target.cavities)
-    if not tried:
-        plate = _plate(target.solid.points)
-        best, shapes = _failed("plate", "no other candidate has a volume"), (plate,)
-        rows = (*rows, best)
-    else:
-        best, shapes = min(tried, key=lambda t: (t[0].cavity_kept is False, max(t[0].outside_p95, t[0].missing_p95)))
+    usable = [c for c in tried if c.shapes]
+    if not usable:
+        usable = [Candidate(_failed("plate", "no candidate has a volume"), (_plate(target.solid.points),))]
+        tried = [*tried, *usable]
+    rows = tuple(c.fidelity for c in tried)
+    best = min(usable, key=_badness)
+    f = best.fidelity
+    if f.accepted:
+        return Colliders(f.method, best.shapes, rows, target.cavities)
     warning = finding(
         "asset/collision-fallback",
-        f"No collision candidate meets its tolerance; '{best.method}' stands in: {best.reason}",
-        value=max(best.outside_p95, best.missing_p95),
+        f"No collision candidate meets its tolerance; '{f.method}' stands in: {f.reason}",
+        value=max(f.outside_p95, f.missing_p95),
         bound=PARTS.p95,
         unit="of the diagonal",
         because=tuple(
-            finding("asset/collision-fallback", f"{f.method}: {f.reason}") for f in rows if f.method != best.method
+            finding("asset/collision-fallback", f"{row.method}: {row.reason}") for row in rows if row.method != f.method
         ),
     )
-    return Colliders(best.method, shapes, rows, target.cavities, (warning,))
+    return Colliders(f.method, best.shapes, rows, target.cavities, (warning,))
+
+
+def _badness(candidate: Candidate) -> tuple[bool, bool, float]:
+    """Accepted first, then those that keep the openings, then the nearest."""
+    f = candidate.fidelity
+    return not f.accepted, f.cavity_kept is False, max(f.outside_p95, f.missing_p95)
 
 
 def _plate(points: FloatArray) -> CollisionShape:
