@@ -30,8 +30,10 @@ DIRECTIONS = np.array([[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], 
 UPWARD_SHARE, OTHER_SHARE = 0.04, 0.12
 # ... and when it is at least this deep against its opening, so that a dented plate is not a container.
 LEAST_DEPTH_SHARE = 0.12
-# Through: the support closes more than this share of the ground.
+# Through: the support closes more than this share of the ground. A hole in a wall or a ring holds little water and
+# matters by its width, as a share of the diagonal.
 THROUGH_SHARE = 0.5
+THROUGH_DIAMETER_SHARE = 0.1
 # The probe ball, as a share of the opening diameter; it must go down this share of the way it goes in the solid.
 PROBE_SHARE, PROBE_DEPTH_SHARE = 0.6, 0.8
 PROBE_STEPS = 24
@@ -43,7 +45,7 @@ class Cavity:
 
     direction   (3,) unit vector out of the opening.
     opening_m   (3,) centre of the largest circle that fits into the opening, at the rim.
-    diameter_m  diameter of that circle, short by up to two grid cells.
+    diameter_m  diameter of that circle, short by up to three grid cells.
     depth_m     from the rim to the ground below that centre.
     probe_m     radius of the probe ball, 60 % of the opening.
     reach_m     how far below the rim the lowest point of that ball gets inside the solid.
@@ -98,7 +100,7 @@ def keeps_cavity(shapes: Sequence[CollisionShape], cavity: Cavity) -> bool:
 
 
 def _pour(solid: Solid, direction: FloatArray, least_volume_m3: float) -> list[Cavity]:
-    """Cavities that open along `direction` and hold at least `least_volume_m3`."""
+    """Cavities that open along `direction` and hold at least `least_volume_m3`, and wide through-holes."""
     frame = _frame(direction)
     local = solid.points @ frame.T
     ground, floor, step, corner = _landscape(local, solid.triangles)
@@ -109,24 +111,27 @@ def _pour(solid: Solid, direction: FloatArray, least_volume_m3: float) -> list[C
     depth = np.zeros(ground.shape)
     depth[~drain] = _water_level(ground)[~drain] - ground[~drain]
     pools, count = _label(depth > 0.02 * max(float(np.ptp(local[:, 2])), step))
+    size = float(np.linalg.norm(np.ptp(local, axis=0)))
     cavities = []
     for k in range(1, count + 1):
         pool = pools == k
         water = float(depth[pool].sum()) * step * step
-        if water < least_volume_m3:
+        through = bool((open_floor & ~drain)[pool].mean() > THROUGH_SHARE)
+        if not through and water < least_volume_m3:
             continue
         # Half a cell more: the distance runs to the centre of the first dry cell.
         clearance = np.asarray(ndimage.distance_transform_edt(pool))
         row, column = np.unravel_index(int(np.argmax(clearance)), pool.shape)
         radius = (float(clearance[row, column]) - 0.5) * step
         deepest = float(depth[row, column])
-        if radius <= 0.0 or deepest < LEAST_DEPTH_SHARE * 2.0 * radius:
+        deep = water >= least_volume_m3 and deepest >= LEAST_DEPTH_SHARE * 2.0 * radius
+        wide = through and 2.0 * radius >= THROUGH_DIAMETER_SHARE * size
+        if radius <= 0.0 or not (deep or wide):
             continue
         rim = float(ground[row, column]) + deepest
         opening = frame.T @ np.array([corner[0] + row * step, corner[1] + column * step, rim])
         probe = PROBE_SHARE * radius
         reach = _reach(solid, opening, direction, probe, deepest)
-        through = bool((open_floor & ~drain)[pool].mean() > THROUGH_SHARE)
         cavities.append(Cavity(direction, opening, 2.0 * radius, deepest, probe, reach, water, through))
     return cavities
 

@@ -78,6 +78,18 @@ def test_a_pipe_is_a_through_hole_listed_once():
     assert cavity.depth_m == pytest.approx(0.2)
 
 
+def test_a_window_in_a_wall_is_a_through_hole_and_a_drilled_hole_is_not():
+    wall = Manifold.cube((2.0, 0.1, 2.0))
+    window = solid_of(wall - Manifold.cube((0.8, 0.4, 0.8)).translate((0.6, -0.1, 0.6)))
+    (cavity,) = find_cavities(window)
+    assert cavity.through
+    assert cavity.diameter_m == pytest.approx(0.8, abs=0.1)
+    hull = hull_shape(window.points)
+    assert hull is not None
+    assert not keeps_cavity([hull], cavity)
+    assert find_cavities(solid_of(wall - Manifold.cube((0.1, 0.4, 0.1)).translate((0.9, -0.1, 0.9)))) == ()
+
+
 @pytest.mark.parametrize(
     "body",
     [
