@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
-from assetkit.release import RECORD
+from assetkit.release import RECORD, read_record
 from schemas.asset import AssetRecord
 
 CATALOG = "catalog.sqlite"
@@ -21,8 +21,10 @@ CREATE VIRTUAL TABLE words USING fts5 (asset_id UNINDEXED, text);
 
 def records(out: Path) -> Iterator[tuple[Path, AssetRecord]]:
     """Every package folder in `out` with its record, by name."""
-    for path in sorted(out.glob(f"*/{RECORD}")):
-        yield path.parent, AssetRecord.model_validate_json(path.read_bytes())
+    for path in sorted(out.glob(f"[!.]*/{RECORD}")):
+        record = read_record(path.parent)
+        if record is not None:
+            yield path.parent, record
 
 
 def rebuild(out: Path) -> int:
@@ -47,7 +49,7 @@ def listing(out: Path) -> list[dict[str, object]]:
 
 
 def search(out: Path, words: str) -> list[dict[str, object]]:
-    """Rows whose name, category, material, part or texture names contain all words (prefixes count), best first."""
+    """Rows whose name, category, material or part names contain all words (prefixes count), best first."""
     terms = " ".join(f'"{w}"*' for w in words.replace('"', " ").split())
     if not terms:
         return listing(out)

@@ -7,23 +7,16 @@ the corners of all hulls in `points` (k, 3) and the number of corners of each in
 
 from __future__ import annotations
 
-import ctypes
 import resource
-import signal
 import sys
 from typing import Any
 
 import numpy as np
 
-PR_SET_PDEATHSIG = 1
-
 
 def main(source: str, target: str, cpu_seconds: int) -> None:
     """Read, decompose, write; the system ends the process (SIGXCPU) when it has used `cpu_seconds`."""
     resource.setrlimit(resource.RLIMIT_CPU, (cpu_seconds, cpu_seconds + 1))
-    # A cell is a session of its own: without this it would outlive a parent that is killed (prctl(2), Linux only).
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     with np.load(source) as job:
         settings = {key: job[key] for key in job.files}
     hulls = _coacd(settings) if str(settings["method"]) == "coacd" else _vhacd(settings)

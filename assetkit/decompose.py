@@ -97,7 +97,7 @@ def decompose(
         source, target = Path(folder) / "in.npz", Path(folder) / "out.npz"
         options = {key: np.array(value) for key, value in asdict(settings).items()}
         np.savez(source, allow_pickle=False, points=light, triangles=faces, **options)
-        argv = [sys.executable, "-m", "assetkit.coacd_worker", str(source), str(target), str(CPU_SECONDS)]
+        argv = [sys.executable, "-P", "-m", "assetkit.coacd_worker", str(source), str(target), str(CPU_SECONDS)]
         cell = run_cell(argv, limits, env={"OMP_NUM_THREADS": "1"})
         if cell.status != "ok":
             return Decomposition((), f"{settings.method} {_ending(cell, limits)}")

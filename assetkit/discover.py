@@ -48,21 +48,24 @@ class Candidate:
     asset_id: str
 
 
-def discover(sources: Sequence[Path], *, root: Path | None = None) -> tuple[Candidate, ...]:
+def discover(sources: Sequence[Path], *, root: Path | None = None, out: Path | None = None) -> tuple[Candidate, ...]:
     """Every asset among `sources`, in the order of their paths; a path that does not exist raises FileNotFoundError.
 
-    An explicit file is one asset whatever its type. A folder is walked (hidden folders left out, links not followed);
-    files that another source refers to are its parts, unsupported model files are kept so that they are reported.
+    An explicit file is one asset whatever its type. A folder is walked (hidden folders, packages of Mana and `out` left
+    out, links not followed); files that another source refers to are its parts, unsupported model files are kept so
+    that they are reported. A file reached twice counts once, as first given.
     """
-    found: list[tuple[Path, Path]] = []  # (file, root)
+    found: dict[Path, tuple[Path, Path]] = {}  # real path -> (file as given, root)
     for source in sources:
         if source.is_dir():
-            found += _walk(source, root)
+            pairs = _walk(source, root, out)
         elif source.exists():
-            found.append((source, root or _package_root(source.parent)))
+            pairs = [(source, root or _package_root(source.parent))]
         else:
             raise FileNotFoundError(source)
-    unique = sorted({(str(path), path, folder) for path, folder in found})
+        for path, folder in pairs:
+            found.setdefault(path.absolute().parent.resolve() / path.name, (path, folder))
+    unique = sorted((str(path), path, folder) for path, folder in found.values())
     ids = _asset_ids([path for _, path, _ in unique])
     return tuple(
         Candidate(given, SourceFile(path, folder), format_of(path), ids[path]) for given, path, folder in unique
@@ -86,7 +89,7 @@ def _asset_ids(paths: Sequence[Path]) -> dict[Path, str]:
     """Slug of the stem; where several share it, each gets 6 hex of its content (and of its path if that is equal)."""
     slugs = {path: slug(path.stem) for path in paths}
     clashes = Counter(slugs.values())
-    ids = {p: s if clashes[s] == 1 else f"{s}-{file_sha256(p)[:6]}" for p, s in slugs.items()}
+    ids = {p: s if clashes[s] == 1 else f"{s}-{_content(p)[:6]}" for p, s in slugs.items()}
     twins = Counter(ids.values())
     parents = {p: os.path.relpath(p, os.path.commonpath([q.parent for q in paths])) for p in paths} if paths else {}
     return {
@@ -94,16 +97,28 @@ def _asset_ids(paths: Sequence[Path]) -> dict[Path, str]:
     }
 
 
-def _walk(folder: Path, root: Path | None) -> list[tuple[Path, Path]]:
+def _content(path: Path) -> str:
+    """The file's hash; of its name when it cannot be read, which intake will report."""
+    try:
+        return file_sha256(path)
+    except OSError:
+        return content_key(path.name)
+
+
+def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path, Path]]:
     """The sources below a folder, each with the largest folder that holds it and no other source."""
     known = {*MESH_FORMATS, *PLANNED_FORMATS, *UNREAD_FORMATS}
-    files = sorted(
-        Path(parent) / name
-        for parent, folders, names in os.walk(folder)
-        if not any(part.startswith(".") for part in Path(parent).relative_to(folder).parts)
-        for name in names
-        if Path(name).suffix.lower() in known and not name.startswith(".")
-    )
+    left_out = out.resolve() if out else None
+    files: list[Path] = []
+    for parent, folders, names in os.walk(folder):
+        here = Path(parent)
+        folders[:] = [
+            f
+            for f in folders
+            if not f.startswith(".") and not _is_package(here / f) and (here / f).resolve() != left_out
+        ]
+        files += [here / n for n in names if Path(n).suffix.lower() in known and not n.startswith(".")]
+    files.sort()
     files = [f for f in files if f.suffix.lower() != ".xml" or _is_mjcf(f)]
     parts = _parts(files)
     sources = [f for f in files if f not in parts]
@@ -111,9 +126,12 @@ def _walk(folder: Path, root: Path | None) -> list[tuple[Path, Path]]:
     return [(f, root or _own_folder(f, folder, below)) for f in sources]
 
 
+def _is_package(folder: Path) -> bool:
+    return (folder / "record.json").is_file() and (folder / "usd").is_dir()
+
+
 def _is_mjcf(path: Path) -> bool:
-    with path.open("rb") as file:
-        return b"<mujoco" in file.read(4096)
+    return "<mujoco" in _head(path, 4096)
 
 
 def _parts(files: Sequence[Path]) -> set[Path]:
@@ -155,9 +173,13 @@ def _is_look_library(path: Path) -> bool:
     return "def Material" in text and not _HAS_GEOMETRY_OR_ARC.search(text)
 
 
-def _head(path: Path) -> str:
-    with path.open("rb") as file:
-        return file.read(_REFERENCE_SCAN_BYTES).decode("utf-8", "ignore")
+def _head(path: Path, size: int = _REFERENCE_SCAN_BYTES) -> str:
+    """The beginning of a file as text; empty when it cannot be read, which intake will report."""
+    try:
+        with path.open("rb") as file:
+            return file.read(size).decode("utf-8", "ignore")
+    except OSError:
+        return ""
 
 
 def _package_root(folder: Path) -> Path:
@@ -168,7 +190,7 @@ def _package_root(folder: Path) -> Path:
 def _own_folder(file: Path, top: Path, sources_below: Counter[Path]) -> Path:
     """The asset's root: upwards from the file, within `top`, as long as no other source lies below."""
     package = _package_root(file.parent)
-    if package != file.parent:
+    if (package / "package.xml").is_file():
         return package
     own = file.parent
     while own != top and sources_below[own.parent] == 1:

@@ -10,14 +10,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from assetkit import memory
+from assetkit import memory, ownership
 from assetkit.discover import Candidate
 from assetkit.options import Options
 from assetkit.source import SourceFile
 from jobs.cache import content_key, file_sha256, write_atomically
 from jobs.cell import CellResult, Limits, run_cell
 from jobs.schedule import run_all
-from schemas.diagnostics import finding
+from schemas.diagnostics import Diagnostic, finding
 from schemas.outcome import ItemOutcome
 from schemas.report import ReportItem
 
@@ -49,37 +49,34 @@ class Batch:
 def ingest(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem]:
     """Yield one report item per source as it finishes; every item is on disk before it is yielded.
 
-    A source whose files, options and libraries are unchanged and whose packages are intact is taken from the store
-    (`cached = ("item",)`). Crashes and time-outs are tried again unless `resume` is set.
+    A source whose files, options, libraries and code are unchanged and whose packages are intact is taken from the
+    store (`cached = ("item",)`). Crashes and time-outs are tried again unless `resume` is set. Stopping the iteration
+    (Ctrl-C) ends the running cells and stores nothing of them.
     """
     batch.out.mkdir(parents=True, exist_ok=True)
-    for _, item in run_all(lambda c: _one(c, batch), candidates, jobs=batch.jobs):
+    owned = [ownership.settle(c, batch.out) for c in candidates]
+    for _, item in run_all(lambda c: _one(c, batch), owned, jobs=batch.jobs):
         yield item
 
 
-def collect(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem]:
-    """The stored items of these sources in their order, finished ones only."""
-    for candidate in candidates:
-        stored = memory.recall(memory.file_of(candidate, batch.out, batch.options))
-        if stored is not None:
-            yield stored.item
-
-
 def _one(candidate: Candidate, batch: Batch) -> ReportItem:
-    """The item of one source: remembered, or made in a cell."""
-    note = memory.file_of(candidate, batch.out, batch.options)
-    stored = None if batch.fresh else memory.recall(note)
-    if stored is not None and memory.is_current(stored, candidate, batch.out):
-        transient = set(stored.item.codes) & {*_CODES.values(), "asset/internal-error"}
-        if batch.resume or not transient:
-            item = stored.item.model_copy(update={"cached": ("item",)})
-            memory.remember(note, stored.model_copy(update={"item": item}))
-            return item
-    return _in_cell(candidate, batch, note)
+    """The item of one source: remembered, or made in a cell. Whatever goes wrong costs this item only."""
+    try:
+        note = memory.file_of(candidate, batch.out, batch.options)
+        stored = None if batch.fresh else memory.recall(note)
+        if stored is not None and memory.is_current(stored, candidate, batch.out):
+            transient = set(stored.item.codes) & {*_CODES.values(), "asset/internal-error"}
+            if batch.resume or not transient:
+                return stored.item.model_copy(update={"cached": ("item",)})
+        return _in_cell(candidate, batch, note)
+    except OSError as error:
+        unreadable = finding("asset/parse-error", f"the file cannot be read: {error.strerror}", value=error.errno)
+        return _rejected(candidate, unreadable)
 
 
 def _in_cell(candidate: Candidate, batch: Batch, note: Path) -> ReportItem:
-    work = batch.out / ".work" / content_key(candidate.given)[:16]
+    main_sha256 = file_sha256(candidate.file.path)
+    work = batch.out / ".work" / content_key(str(candidate.file.path.absolute()), candidate.asset_id)[:16]
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
     request = work / "request.json"
@@ -88,10 +85,11 @@ def _in_cell(candidate: Candidate, batch: Batch, note: Path) -> ReportItem:
     result = run_cell([*batch.worker, str(request)], batch.limits, env={"OMP_NUM_THREADS": "1", "PYTHONHASHSEED": "0"})
     stored = memory.recall(note)
     if stored is None:
-        stored = memory.Stored(
-            item=_lost(candidate, result, batch.limits), main_sha256=file_sha256(candidate.file.path)
-        )
-        memory.remember(note, stored)
+        stored = memory.Stored(item=_lost(candidate, result, batch.limits), main_sha256=main_sha256)
+        if result.status != "cancelled":
+            memory.remember(note, stored)
+    if result.status != "cancelled":
+        ownership.claim(candidate, stored.item.packages, batch.out)
     shutil.rmtree(work, ignore_errors=True)
     return stored.item
 
@@ -105,6 +103,7 @@ def _request(candidate: Candidate, batch: Batch, note: Path, work: Path) -> dict
         "asset_id": candidate.asset_id,
         "options": batch.options.model_dump(),
         "out": str(batch.out.absolute()),
+        "fresh": batch.fresh,
         "work_dir": str(work.absolute()),
         "note": str(note.absolute()),
     }
@@ -128,13 +127,13 @@ def _lost(candidate: Candidate, result: CellResult, limits: Limits) -> ReportIte
         bound=limit,
         unit=unit,
     )
+    lost = _rejected(candidate, diagnostic)
+    return lost.model_copy(update={"seconds": {"cell": round(result.seconds, 3)}, "traceback": result.output[-2000:]})
+
+
+def _rejected(candidate: Candidate, diagnostic: Diagnostic) -> ReportItem:
     return ReportItem(
-        source=candidate.given,
-        outcome=ItemOutcome.REJECTED,
-        codes=(diagnostic.code,),
-        diagnostics=(diagnostic,),
-        seconds={"cell": round(result.seconds, 3)},
-        traceback=result.output[-2000:],
+        source=candidate.given, outcome=ItemOutcome.REJECTED, codes=(diagnostic.code,), diagnostics=(diagnostic,)
     )
 
 
@@ -144,5 +143,5 @@ def default_jobs() -> int:
 
 
 def python_module(name: str) -> tuple[str, ...]:
-    """The command that runs a module of this installation."""
-    return (sys.executable, "-m", name)
+    """The command that runs a module of this installation; `-P` keeps the working directory off the module path."""
+    return (sys.executable, "-P", "-m", name)

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
 from assetkit.discover import Candidate
 from assetkit.options import Options
-from assetkit.release import RECORD
+from assetkit.release import RECORD, read_record
 from assetkit.versions import library_versions
 from jobs.cache import content_key, file_sha256, write_atomically
-from schemas.asset import AssetRecord
-from schemas.diagnostics import InvalidInput
 from schemas.report import ReportItem
 
 
 class Stored(BaseModel):
     """A finished item with what it depended on.
 
-    `references` maps each file read (relative to the asset's root) to its hash; `missing` lists references that led
-    nowhere; `records` maps each package to the hash of its record.
+    `references` maps each file read (relative to the asset's root) to its hash; `missing` lists the places
+    where absent ones would lie; `records` maps each package to the hash of its record.
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -34,7 +33,9 @@ class Stored(BaseModel):
 
 def file_of(candidate: Candidate, out: Path, options: Options) -> Path:
     """Where the result of a source under these options and libraries is remembered."""
-    identity = (candidate.given, candidate.asset_id, options.model_dump(), library_versions())
+    root = os.path.relpath(candidate.file.root, candidate.file.path.parent)
+    date = os.environ.get("SOURCE_DATE_EPOCH", "")
+    identity = (candidate.given, candidate.asset_id, root, options.model_dump(), library_versions(), date)
     return out / ".cache" / "items" / f"{content_key(identity)}.json"
 
 
@@ -67,16 +68,13 @@ def stored_from(item: ReportItem, candidate: Candidate, out: Path) -> Stored:
 def is_current(stored: Stored, candidate: Candidate, out: Path) -> bool:
     """Whether the source files are as they were and every package is still there, byte for byte."""
     root = candidate.file.root
-    if file_sha256(candidate.file.path) != stored.main_sha256:
+    if not candidate.file.path.is_file() or file_sha256(candidate.file.path) != stored.main_sha256:
         return False
     for name, sha in stored.references.items():
         path = root / name
         if not path.is_file() or file_sha256(path) != sha:
             return False
-    try:
-        if any(candidate.file.resolve(uri) is not None for uri in stored.missing):
-            return False
-    except InvalidInput:
+    if any((root / name).is_file() for name in stored.missing):
         return False
     return all(_is_intact(out / name, sha) for name, sha in stored.records.items())
 
@@ -85,5 +83,7 @@ def _is_intact(package: Path, record_sha256: str) -> bool:
     record = package / RECORD
     if not record.is_file() or file_sha256(record) != record_sha256:
         return False
-    hashes = AssetRecord.model_validate_json(record.read_bytes()).hashes
-    return all((package / f).is_file() and file_sha256(package / f) == sha for f, sha in hashes.items())
+    found = read_record(package)
+    return found is not None and all(
+        (package / f).is_file() and file_sha256(package / f) == sha for f, sha in found.hashes.items()
+    )

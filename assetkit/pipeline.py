@@ -52,17 +52,19 @@ class Noted:
 
 
 def process_source(
-    candidate: Candidate, *, options: Options, simulator: Simulator, out: Path, work_dir: Path
+    candidate: Candidate, *, options: Options, simulator: Simulator, out: Path, work_dir: Path, fresh: bool = False
 ) -> ReportItem:
     """Take one source through every stage and publish its packages in `out`.
 
-    Never raises for what the file holds. An exception in a stage is a bug: it becomes `asset/internal-error` with its
-    traceback in the report.
+    With `fresh` stored stage results are ignored. Never raises for what the file holds, except MemoryError. Any other
+    exception in a stage is a bug: it becomes `asset/internal-error` with its traceback in the report.
     """
     started = time.monotonic()
     trace = ""
     try:
         taken = intake.take_in(candidate, options)
+    except MemoryError:
+        raise  # The cell reports it as what it is.
     except Exception as error:  # A reader's bug; everything a file can do wrong comes back as findings.
         taken = intake.IntakeResult((), (_bug(error),), (), review=False)
         trace = traceback.format_exc()
@@ -70,12 +72,20 @@ def process_source(
     journals: list[Journal] = []
     packages: list[str] = []
     for number, item in enumerate(taken.objects, start=1):
-        asset_id = f"{candidate.asset_id}_{number:02d}" if len(taken.objects) > 1 else candidate.asset_id
+        asset_id = f"{candidate.asset_id}-{number:02d}" if len(taken.objects) > 1 else candidate.asset_id
         journal = Journal({intake.NAME: replace(entry, seconds=entry.seconds if number == 1 else 0.0)})
         tools = Tools(simulator, work_dir / asset_id, options)
         try:
-            journal, published = _process_object(Draft(asset_id, candidate.file.path.name, item), tools, journal, out)
+            journal, published = _process_object(
+                Draft(asset_id, candidate.file.path.name, item),
+                tools,
+                journal,
+                out,
+                work_dir if fresh else out / ".cache",
+            )
             packages += published
+        except MemoryError:
+            raise
         except Exception as error:  # A bug must not take the batch down; it is reported as what it is.
             journal.entries["bug"] = Entry((_bug(error),))
             trace = traceback.format_exc()
@@ -87,15 +97,16 @@ def _bug(error: Exception) -> Diagnostic:
     return finding("asset/internal-error", f"{type(error).__name__}: {error}")
 
 
-def _process_object(draft: Draft, tools: Tools, journal: Journal, out: Path) -> tuple[Journal, list[str]]:
+def _process_object(draft: Draft, tools: Tools, journal: Journal, out: Path, store: Path) -> tuple[Journal, list[str]]:
     """The journal that stands in the end, and the published package folders of one object (none or one)."""
-    cache = Cache(out / ".cache" / "stages")
+    cache = Cache(store / "stages")
     key = content_key(intake.NAME, intake.VERSION, _identity(draft.intake), draft.asset_id)
     journal.entries[intake.NAME] = replace(journal.entries[intake.NAME], version=intake.VERSION, key=key)
 
     def rerun(attempt: Draft, notes: Journal, first_stage: str) -> Draft | None:
-        names = [s.name for s in STAGES]
-        return run_stages(attempt, tools, notes, cache, key, STAGES[names.index(first_stage) :])
+        position = [s.name for s in STAGES].index(first_stage)
+        before = notes.entries[STAGES[position - 1].name].key if position else key
+        return run_stages(attempt, tools, notes, cache, before, STAGES[position:])
 
     finished = run_stages(draft, tools, journal, cache, key, STAGES)
     if finished is not None:
@@ -103,7 +114,10 @@ def _process_object(draft: Draft, tools: Tools, journal: Journal, out: Path) -> 
     if finished is None or journal.rejected:
         return journal, []
     folder = release.finish(finished, journal, tools.work_dir)
-    release.publish(folder, out / draft.asset_id)
+    occupied = release.publish(folder, out / draft.asset_id)
+    if occupied is not None:
+        journal.entries["release"] = Entry((occupied,))
+        return journal, []
     return journal, [draft.asset_id]
 
 

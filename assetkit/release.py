@@ -10,6 +10,7 @@ from assetkit.stage import Draft, need
 from assetkit.urdf import write_urdf
 from jobs.cache import file_sha256
 from schemas.asset import AssetRecord, SourceSection
+from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, declared, default
 from schemas.package import PackageContent
 from usdio.reread import reread_body
@@ -56,15 +57,30 @@ def finish(draft: Draft, journal: Journal, work_dir: Path) -> Path:
     return folder
 
 
-def publish(folder: Path, target: Path) -> None:
-    """Move a finished package into place; a reader sees the old package or the new one."""
+def publish(folder: Path, target: Path) -> Diagnostic | None:
+    """Move a finished package into place, or say what stands in its way: only an older package is ever replaced.
+
+    A process that ends in between leaves the old package as a hidden `.old` folder.
+    """
     target.parent.mkdir(parents=True, exist_ok=True)
+    if target.exists() and read_record(target) is None:
+        return finding("asset/output-occupied", f"'{target.name}' in the output folder is not a package of Mana")
     old = target.with_name(f".{target.name}.old")
     shutil.rmtree(old, ignore_errors=True)
     if target.exists():
         target.rename(old)
     folder.rename(target)
     shutil.rmtree(old, ignore_errors=True)
+    return None
+
+
+def read_record(package: Path) -> AssetRecord | None:
+    """The record of a package folder, None when the folder is no package of that name."""
+    try:
+        record = AssetRecord.model_validate_json((package / RECORD).read_bytes())
+    except (OSError, ValueError):
+        return None
+    return record if record.asset_id == package.name else None
 
 
 def _content(draft: Draft) -> PackageContent:

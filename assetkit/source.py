@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from schemas.diagnostics import Location
-from schemas.references import resolve_reference
+from schemas.references import expected_path, resolve_reference
 
 
 @dataclass(frozen=True)
 class SourceFile:
     """The main file of an asset and the folder no reference may leave.
 
-    `visited` and `missing` log which references were found and which were not; a cached result is valid as long as
-    the found ones have not changed and the missing ones have not appeared.
+    `visited` and `missing` (paths below the root) log which references were found and which were not; a stored result
+    is valid as long as the found ones have not changed and the missing ones have not appeared.
     """
 
     path: Path
@@ -29,9 +29,10 @@ class SourceFile:
 
     def resolve(self, uri: str, *, where: Location | None = None, base: Path | None = None) -> Path | None:
         """The file `uri` names, or None when absent; see `schemas.references.resolve_reference`."""
-        found = resolve_reference(uri, base=base or self.path.parent, root=self.root, where=where)
-        if found is None:
-            self.missing.add(uri)
-        else:
+        folder = base or self.path.parent
+        found = resolve_reference(uri, base=folder, root=self.root, where=where)
+        if found is not None:
             self.visited.add(found)
+        elif (expected := expected_path(uri, base=folder, root=self.root)) is not None:
+            self.missing.add(expected)
         return found

@@ -27,13 +27,17 @@ from sim.port import Simulator
 
 @dataclass(frozen=True)
 class Intake:
-    """One object as read: the model in source units and axes, and the files it came from."""
+    """One object as read: the model in source units and axes, and the files it came from.
+
+    `file_extent` is the bounding box of the whole file in source units: one file has one unit, however many objects.
+    """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
 
     format: str
     files: tuple[SourceFile, ...]
     model: Model
+    file_extent: tuple[float, float, float]
 
 
 @dataclass(frozen=True)

@@ -25,11 +25,13 @@ def repair_until_accepted(draft: Draft, journal: Journal, rerun: Rerun) -> tuple
     `rerun(draft, journal, stage)` runs `stage` and all after it, writing to the journal given.
     """
     first, attempt, notes = (draft, journal), draft, journal
+    original = draft.physics.section.collision_method if draft.physics else ""
+    before = _figures(draft)
     for _ in range(ROUNDS):
         code = failure(notes)
         if code is None or attempt.physics is None:
             break
-        failed, before = attempt.physics.section.collision_method, _figures(attempt)
+        failed = attempt.physics.section.collision_method
         attempt = replace(attempt, excluded_colliders=(*attempt.excluded_colliders, failed))
         notes = journal.copy()
         again = rerun(attempt, notes, REPAIRS[code])
@@ -37,13 +39,14 @@ def repair_until_accepted(draft: Draft, journal: Journal, rerun: Rerun) -> tuple
             break
         attempt = again
         if failure(notes) is None and not notes.rejected and again.acceptance is not None:
+            after = _figures(again)
             chosen = again.physics.section.collision_method
             repair = Repair(
                 name=f"collider_{chosen}",
                 code=code,
                 stage=REPAIRS[code],
-                before={"collider": failed, **before},
-                after={"collider": chosen, **_figures(again)},
+                before={"collider": original, **{k: v for k, v in before.items() if k in after}},
+                after={"collider": chosen, **{k: v for k, v in after.items() if k in before}},
             )
             notes.entries["repair"] = Entry(repairs=(repair,))
             return again, notes
@@ -58,6 +61,4 @@ def failure(journal: Journal) -> str | None:
 
 
 def _figures(draft: Draft) -> dict[str, float | int | str]:
-    """The checks that failed or tell how it settled."""
-    checks = draft.acceptance.section.checks if draft.acceptance else ()
-    return {c.name: c.value for c in checks if not c.passed or c.name.startswith("settle_")}
+    return {c.name: c.value for c in draft.acceptance.section.checks} if draft.acceptance else {}

@@ -103,7 +103,7 @@ def _require_plausible(largest: float, hypotheses: object) -> None:
 def _stated_in_text(hints: tuple[str, ...]) -> str | None:
     """The unit a comment states, when all statements agree."""
     text = "\n".join(hints).lower()
-    found = {unit for unit, name in _NAMES.items() if re.search(_STATEMENT.format(name=name), text)}
+    found = {unit for unit, name in _NAMES.items() if re.search(_STATEMENT.format(name=name), text, re.MULTILINE)}
     return found.pop() if len(found) == 1 else None
 
 

@@ -1,9 +1,14 @@
-"""The versions of the libraries whose results we cache: an upgrade rebuilds, nothing else does."""
+"""The versions of the code and libraries whose results we store: an upgrade rebuilds."""
 
 from __future__ import annotations
 
 from functools import cache
 from importlib.metadata import version
+from pathlib import Path
+
+from jobs.cache import content_key, file_sha256
+
+_PACKAGES = ("assetkit", "geom", "jobs", "render", "schemas", "sim", "usdio")
 
 _LIBRARIES = (
     "coacd",
@@ -24,5 +29,12 @@ _LIBRARIES = (
 
 @cache
 def library_versions() -> dict[str, str]:
-    """Installed version by distribution name."""
-    return {name: version(name) for name in _LIBRARIES}
+    """Installed version by distribution name, and a hash of Mana's own code under `code`."""
+    return {name: version(name) for name in _LIBRARIES} | {"code": _code_hash()}
+
+
+def _code_hash() -> str:
+    """One hash over the Python files of Mana's packages: an editable installation changes without a new version."""
+    home = Path(__file__).parents[1]
+    files = sorted(f for package in _PACKAGES for f in (home / package).rglob("*.py"))
+    return content_key([(f.relative_to(home).as_posix(), file_sha256(f)) for f in files])

@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 import time
 from pathlib import Path
-from typing import Annotated, cast
+from typing import Annotated, cast, get_args
 
 import typer
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from assetkit import catalog
 from assetkit.discover import Candidate, discover
-from assetkit.ingest import Batch, collect, default_jobs, ingest, python_module
+from assetkit.ingest import Batch, default_jobs, ingest, python_module
 from assetkit.options import Options, UnitName
 from assetkit.pictures import picture
 from assetkit.release import RECORD
@@ -20,9 +21,10 @@ from assetkit.report import build_report, write_report
 from assetkit.validate import main_usd_files, validate_file
 from cli import text
 from jobs.cell import Limits
+from schemas.asset import Role
 from schemas.diagnostics import Severity
 from schemas.outcome import ItemOutcome
-from schemas.report import IngestReport
+from schemas.report import IngestReport, ReportItem
 
 app = typer.Typer(help="Raw asset files in, accepted simulation packages out.", no_args_is_help=True)
 WORKER = python_module("cli.cell")
@@ -56,8 +58,10 @@ def ingest_command(
 
     Example: `mana assets ingest scans/ extra/mug.glb --out library --jobs 4 --license CC-BY-4.0`
     """
-    if units not in {"mm", "cm", "m", "in", "auto"}:
-        raise typer.BadParameter("must be mm, cm, m, in or auto", param_hint="--units")
+    if units not in get_args(UnitName):
+        raise typer.BadParameter(f"must be one of {', '.join(get_args(UnitName))}", param_hint="--units")
+    if role is not None and role not in get_args(Role):
+        raise typer.BadParameter(f"must be one of {', '.join(get_args(Role))}", param_hint="--role")
     options = Options(units=cast(UnitName, units), role=role, category=category, license=license_, author=author)
     batch = Batch(
         out=out,
@@ -68,12 +72,12 @@ def ingest_command(
         resume=resume,
         fresh=fresh,
     )
-    report = run_batch(discover(sources, root=root), batch, quiet=as_json)
+    report = run_batch(discover(sources, root=root, out=out), batch, quiet=as_json)
     if as_json:
         print(report.model_dump_json(indent=1))
     else:
         text.show_summary(report)
-        text.console.print(f"report: {out / 'report.html'}", soft_wrap=True)
+        text.console.print(f"report: {escape(str(out / 'report.html'))}", soft_wrap=True)
     if report.interrupted:
         raise typer.Exit(2)
     raise typer.Exit(1 if report.totals[ItemOutcome.REJECTED.value] else 0)
@@ -94,14 +98,17 @@ def run_batch(candidates: tuple[Candidate, ...], batch: Batch, *, quiet: bool) -
     with Progress(*columns, console=text.console, disable=quiet, transient=not text.console.is_terminal) as progress:
         task = progress.add_task("ingest", total=len(candidates), tally="")
         tally = dict.fromkeys(ItemOutcome, 0)
+        finished: dict[str, ReportItem] = {}
         try:
             for item in ingest(candidates, batch):
                 tally[item.outcome] += 1
+                finished[item.source] = item
                 shown = " ".join(f"[{text.STYLE[o]}]{n} {o.value}[/]" for o, n in tally.items() if n)
                 progress.update(task, advance=1, tally=shown)
         except KeyboardInterrupt:
             interrupted = True
-    report = build_report(collect(candidates, batch), wall_seconds=time.monotonic() - started, interrupted=interrupted)
+    items = [finished[c.given] for c in candidates if c.given in finished]
+    report = build_report(items, wall_seconds=time.monotonic() - started, interrupted=interrupted)
     write_report(report, batch.out)
     catalog.rebuild(batch.out)
     return report
@@ -162,7 +169,7 @@ def validate_command(
         print(json.dumps({f: [d.model_dump(mode="json") for d in found] for f, found in results.items()}, indent=1))
     else:
         for file, found in results.items():
-            text.console.print(f"[bold]{file}[/bold]: {len(found) or 'no'} finding{'s' * (len(found) != 1)}")
+            text.console.print(f"[bold]{escape(file)}[/bold]: {len(found) or 'no'} finding{'s' * (len(found) != 1)}")
             for diagnostic in found:
                 text.show_diagnostic(diagnostic, "  ")
     raise typer.Exit(1 if failed else 0)

@@ -26,6 +26,7 @@ def main(request_file: str) -> None:
             simulator=simulator,
             out=out,
             work_dir=Path(request["work_dir"]),
+            fresh=request["fresh"],
         )
     peak_mb = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) / 1024
     item = item.model_copy(update={"peak_memory_mb": round(peak_mb, 1)})

@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.markup import escape
 
 from assetkit.discover import discover
 from assetkit.ingest import Batch, default_jobs
 from assetkit.options import Options
 from assetkit.validate import main_usd_files, validate_file
 from cli import text
-from cli.assets import WORKER, run_batch
+from cli.assets import WORKER, AsJson, run_batch
 from cli.demo_page import write_page
 from schemas.diagnostics import Severity
 
@@ -36,6 +37,7 @@ OBJECTS = (
 def demo(
     out: Annotated[Path, typer.Option("--out", help="Where the page and packages go.")] = Path("demo_out"),
     jobs: Annotated[int, typer.Option("--jobs", min=1, help="Assets at a time.")] = default_jobs(),
+    as_json: AsJson = False,
 ) -> None:
     """Ingest real objects from pybullet_data, validate every package and write a page of pictures.
 
@@ -48,11 +50,14 @@ def demo(
     batch = Batch(
         out=out / "library", options=Options(license="Zlib", author="Bullet contributors"), worker=WORKER, jobs=jobs
     )
-    report = run_batch(discover(found, root=data), batch, quiet=False)
+    report = run_batch(discover(found, root=data), batch, quiet=as_json)
     verdicts = {file: validate_file(file) for file in main_usd_files(batch.out)}
     page = write_page(report, verdicts, out)
-    text.show_summary(report)
-    text.console.print(f"page: {page}", soft_wrap=True)
+    if as_json:
+        print(report.model_dump_json(indent=1))
+    else:
+        text.show_summary(report)
+        text.console.print(f"page: {escape(str(page))}", soft_wrap=True)
     failed = any(d.severity is Severity.ERROR for found_ in verdicts.values() for d in found_)
     raise typer.Exit(1 if failed or not verdicts else 0)
 

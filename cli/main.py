@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import traceback
 
 import typer
 
@@ -31,6 +32,9 @@ def run() -> None:
     except InvalidInput as refused:
         print(f"mana: {refused.diagnostic.code}: {refused.diagnostic.headline}", file=sys.stderr)
         raise SystemExit(1) from None
+    except Exception:  # A defect of ours; its traceback is the report, and 1 is kept for findings.
+        traceback.print_exc()
+        raise SystemExit(2) from None
 
 
 if __name__ == "__main__":

@@ -5,10 +5,12 @@ Native libraries abort, hang and eat memory; inside a cell they cannot take the 
 
 from __future__ import annotations
 
+import ctypes
 import os
 import resource
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -16,7 +18,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-Status = Literal["ok", "failed", "crashed", "timeout", "out_of_memory"]
+Status = Literal["ok", "failed", "crashed", "timeout", "out_of_memory", "cancelled"]
+_PR_SET_PDEATHSIG = 1
+_LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
+_STOPPING = threading.Event()
 _LIVE: set[int] = set()
 _LIVE_LOCK = threading.Lock()
 
@@ -31,7 +36,10 @@ class Limits:
 
 @dataclass(frozen=True)
 class CellResult:
-    """How a cell ended. `failed` is a plain non-zero exit, `crashed` a signal; `output` its last 4,000 characters."""
+    """How a cell ended: `failed` is a plain non-zero exit, `crashed` a signal, `cancelled` a batch that was stopped.
+
+    `output` holds its last 4,000 characters.
+    """
 
     status: Status
     returncode: int
@@ -42,8 +50,11 @@ class CellResult:
 def run_cell(argv: Sequence[str], limits: Limits, *, env: dict[str, str] | None = None) -> CellResult:
     """Run `argv` in its own session and wait; on time-out the whole session is killed.
 
-    Never raises for what the child does. Grandchildren die with the session.
+    Never raises for what the child does. Grandchildren die with the session, and a cell started by a cell dies with
+    its parent (Linux). Limits never exceed those of the process that asks.
     """
+    if _STOPPING.is_set():
+        return CellResult("cancelled", 0, "", 0.0)
     started = time.monotonic()
     with tempfile.TemporaryFile() as log:
         child = subprocess.Popen(
@@ -52,7 +63,7 @@ def run_cell(argv: Sequence[str], limits: Limits, *, env: dict[str, str] | None 
             stdout=log,
             stderr=subprocess.STDOUT,
             start_new_session=True,
-            preexec_fn=lambda: _limit_memory(limits.memory_mb),  # the child only; resource is POSIX
+            preexec_fn=lambda: _confine(limits.memory_mb),  # the child only; resource is POSIX
             env={**os.environ, **(env or {})},
         )
         with _LIVE_LOCK:
@@ -69,22 +80,30 @@ def run_cell(argv: Sequence[str], limits: Limits, *, env: dict[str, str] | None 
                 _LIVE.discard(child.pid)
         log.seek(max(0, log.seek(0, os.SEEK_END) - 4000))
         output = log.read().decode(errors="replace")
-    return CellResult(
-        _status(child.returncode, output, timed_out), child.returncode, output, time.monotonic() - started
-    )
+    status = "cancelled" if _STOPPING.is_set() else _status(child.returncode, output, timed_out)
+    return CellResult(status, child.returncode, output, time.monotonic() - started)
+
+
+def allow_cells() -> None:
+    """Let cells start again after `kill_all_cells`."""
+    _STOPPING.clear()
 
 
 def kill_all_cells() -> None:
-    """Stop every running cell; called on Ctrl-C."""
+    """Stop every running cell and start no further one; called on Ctrl-C."""
+    _STOPPING.set()
     with _LIVE_LOCK:
         pids = tuple(_LIVE)
     for pid in pids:
         _kill_session(pid)
 
 
-def _limit_memory(memory_mb: int) -> None:
-    limit = memory_mb * 2**20
+def _confine(memory_mb: int) -> None:
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    limit = memory_mb * 2**20 if hard == resource.RLIM_INFINITY else min(memory_mb * 2**20, hard)
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    if _LIBC is not None:  # A cell is a session of its own: without this it would outlive a killed parent (prctl(2)).
+        _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 

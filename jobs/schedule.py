@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import TypeVar
 
-from jobs.cell import kill_all_cells
+from jobs.cell import allow_cells, kill_all_cells
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -18,6 +18,7 @@ def run_all(work: Callable[[T], R], items: Iterable[T], *, jobs: int) -> Iterato
     On KeyboardInterrupt running cells are killed, nothing further starts, and the interrupt is raised again after
     the threads have ended, so that finished items stay finished.
     """
+    allow_cells()
     source = iter(items)
     running: dict[Future[R], T] = {}
     pool = ThreadPoolExecutor(max_workers=jobs)

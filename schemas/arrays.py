@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import zipfile
+import zlib
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,9 +29,12 @@ def save(value: Any, type_: type[T], path: Path) -> None:
 
 def load(type_: type[T], path: Path) -> T:
     """The value written by `save`. Raises ValueError or OSError when the file is not one."""
-    with np.load(path, allow_pickle=False) as file:
-        tree = json.loads(file[_TREE].tobytes())
-        return TypeAdapter(type_).validate_python(_attach(tree, file))
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            tree = json.loads(file[_TREE].tobytes())
+            return TypeAdapter(type_).validate_python(_attach(tree, file))
+    except (zipfile.BadZipFile, zlib.error, EOFError, KeyError) as error:
+        raise ValueError(f"{path.name} is damaged: {error}") from error
 
 
 def _detach(tree: Any, arrays: list[np.ndarray]) -> Any:

@@ -385,6 +385,12 @@ CODES: dict[str, CodeInfo] = {
         "Nothing is released that an outside validator rejects.",
         "this is a defect of Mana or an unusual input: please report it with the rule named",
     ),
+    "asset/output-occupied": CodeInfo(
+        "error",
+        "Something else stands where the package should go",
+        "Replacing it could destroy files that Mana did not make.",
+        "choose another --out, or move the folder named away",
+    ),
     "asset/internal-error": CodeInfo(
         "error",
         "A stage failed unexpectedly",

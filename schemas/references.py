@@ -26,6 +26,15 @@ def resolve_reference(uri: str, *, base: Path, root: Path, where: Location | Non
         return None  # An over-long name, a lone surrogate, a broken IPv6 address: nothing on disk is called that.
 
 
+def expected_path(uri: str, *, base: Path, root: Path) -> str | None:
+    """Where below `root` an absent reference would lie (forward slashes), None when it names no such place."""
+    try:
+        path = (base / unquote(uri.strip()).replace("\\", "/")).resolve()
+        return path.relative_to(root.resolve()).as_posix()
+    except (ValueError, OSError):
+        return None
+
+
 def _resolve(uri: str, *, base: Path, root: Path, where: Location | None) -> Path | None:
     text = unquote(uri.strip())
     scheme = urlsplit(text).scheme.lower()

@@ -237,6 +237,7 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/worker-timeout": "tests/test_batch.py",
     "asset/worker-out-of-memory": "tests/test_batch.py",
     "asset/internal-error": "tests/test_batch.py",
+    "asset/output-occupied": "tests/test_batch.py",
     "asset/package-invalid": "tests/unit/test_gate.py",
     "asset/collision-fallback": "tests/unit/test_physics_stage.py",
     "asset/render-collision-misaligned": "tests/unit/test_acceptance.py",

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Generator
 from pathlib import Path
+from typing import cast
 
 import pytest
 
+from assetkit import memory, ownership, release
 from assetkit.discover import discover
-from assetkit.ingest import Batch, collect, ingest
+from assetkit.ingest import Batch, ingest
 from assetkit.journal import Entry, Journal
 from assetkit.options import Options
 from assetkit.pipeline import process_source
@@ -17,12 +20,14 @@ from assetkit.report import build_report, write_report
 from jobs.cell import Limits
 from schemas.diagnostics import finding
 from schemas.outcome import ItemOutcome, Repair
-from schemas.report import IngestReport, ReportItem
+from schemas.report import ReportItem
 from sim.fake import FakeSimulator
 
 GOOD = """
 import json, sys
+from collections.abc import Generator
 from pathlib import Path
+from typing import cast
 from assetkit import memory
 from assetkit.ingest import candidate_of
 from schemas.report import ReportItem
@@ -47,6 +52,9 @@ def sources(tmp_path: Path) -> Path:
     for name in ("a", "b", "c"):
         (folder / f"{name}.obj").write_text("good")
     return folder
+
+
+RECORD_SAMPLE = Path(__file__).parent / "data" / "record.json"
 
 
 def batch(out: Path, **changes) -> Batch:
@@ -102,26 +110,83 @@ def test_crashed_items_are_tried_again_unless_resumed(sources: Path, tmp_path: P
     assert runs(tmp_path / "out")["crash"] == 2
 
 
-def test_interrupted_batch_keeps_what_was_finished(sources: Path, tmp_path: Path):
-    this = batch(tmp_path / "out")
+def test_ctrl_c_stores_finished_items_and_nothing_of_running_ones(sources: Path, tmp_path: Path):
+    for name in ("x", "y"):
+        (sources / f"{name}.obj").write_text("hang")
+    this = batch(tmp_path / "out", jobs=5)
     candidates = discover([sources])
-    started = ingest(candidates, this)
-    next(started)
-    started.close()
-    finished = list(collect(candidates, this))
-    assert 1 <= len(finished) < 3
-    report = build_report(finished, wall_seconds=1.0, interrupted=True)
-    write_report(report, this.out)
-    loaded = IngestReport.model_validate_json((this.out / "report.json").read_bytes())
-    assert loaded.interrupted
-    assert loaded.totals["items"] == len(finished)
-    assert len(run(sources, this)) == 3
+    running = cast(Generator[ReportItem], ingest(candidates, this))
+    finished = [next(running) for _ in range(3)]
+    running.close()
+    assert {Path(i.source).stem for i in finished} == set("abc")
+    notes = [memory.recall(memory.file_of(c, this.out, this.options)) for c in candidates]
+    assert sum(n is not None for n in notes) == 3
+    assert all(n is None or not n.item.codes for n in notes)
+    for name in ("x", "y"):
+        (sources / f"{name}.obj").write_text("good")
+    assert {i.outcome for i in run(sources, this).values()} == {ItemOutcome.ACCEPTED}
 
 
-def test_report_rows_follow_the_sources_whatever_the_order_of_finishing(sources: Path, tmp_path: Path):
-    this = batch(tmp_path / "out", jobs=2)
+def test_an_unreadable_source_costs_only_its_own_item(sources: Path, tmp_path: Path):
+    (sources / "broken.obj").symlink_to(sources / "nowhere.obj")
+    items = run(sources, batch(tmp_path / "out"))
+    assert items["broken"].codes == ("asset/parse-error",)
+    assert {items[n].outcome for n in "abc"} == {ItemOutcome.ACCEPTED}
+
+
+def test_fresh_and_root_and_code_are_other_results(sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    this = batch(tmp_path / "out")
     run(sources, this)
-    assert [Path(i.source).stem for i in collect(discover([sources]), this)] == ["a", "b", "c"]
+    assert run(sources, batch(tmp_path / "out", fresh=True))["a"].cached == ()
+    wider = {Path(i.source).stem: i for i in ingest(discover([sources], root=tmp_path), this)}
+    assert wider["a"].cached == ()
+    monkeypatch.setattr(memory, "library_versions", lambda: {"code": "other"})
+    assert run(sources, this)["a"].cached == ()
+
+
+def package(out: Path, name: str) -> Path:
+    folder = out / ".work" / name
+    folder.mkdir(parents=True)
+    record = json.loads(RECORD_SAMPLE.read_text()) | {"asset_id": name}
+    (folder / "record.json").write_text(json.dumps(record))
+    return folder
+
+
+def test_publish_replaces_packages_and_nothing_else(tmp_path: Path):
+    assert release.publish(package(tmp_path, "mug"), tmp_path / "mug") is None
+    assert release.publish(package(tmp_path, "mug"), tmp_path / "mug") is None
+    precious = tmp_path / "bowl" / "precious.blend"
+    precious.parent.mkdir()
+    precious.write_text("work of a week")
+    refused = release.publish(package(tmp_path, "bowl"), tmp_path / "bowl")
+    assert refused is not None
+    assert refused.code == "asset/output-occupied"
+    assert precious.read_text() == "work of a week"
+
+
+def test_a_package_that_is_no_longer_made_is_withdrawn_and_namesakes_keep_theirs(tmp_path: Path):
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "mug.obj").write_text(folder)
+    first, second = (discover([tmp_path / f / "mug.obj"])[0] for f in ("one", "two"))
+    release.publish(package(tmp_path, "mug"), tmp_path / "mug")
+    ownership.claim(first, ["mug"], tmp_path)
+    assert ownership.settle(first, tmp_path).asset_id == "mug"
+    assert ownership.settle(second, tmp_path).asset_id.startswith("mug-")
+    ownership.claim(first, [], tmp_path)
+    assert not (tmp_path / "mug").exists()
+    assert ownership.settle(second, tmp_path).asset_id == "mug"
+
+
+def test_the_output_folder_is_no_source(sources: Path, tmp_path: Path):
+    out = sources / "library"
+    (out / "deep").mkdir(parents=True)
+    (out / "deep" / "a.obj").write_text("good")
+    assert len(discover([sources], out=out)) == 3
+
+
+def test_a_file_reached_twice_counts_once(sources: Path):
+    assert len(discover([sources, sources / "a.obj", sources / ".." / "in" / "b.obj"])) == 3
 
 
 def test_a_bug_in_a_stage_is_reported_as_such(sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -154,8 +219,8 @@ def test_outcome_of_a_journal():
 
 def test_report_json_has_the_stable_keys(sources: Path, tmp_path: Path):
     this = batch(tmp_path / "out")
-    run(sources, this)
-    write_report(build_report(collect(discover([sources]), this), wall_seconds=2.0, interrupted=False), this.out)
+    items = run(sources, this)
+    write_report(build_report(items.values(), wall_seconds=2.0, interrupted=False), this.out)
     report = json.loads((this.out / "report.json").read_text())
     assert report["schema_version"]
     assert set(report["items"][0]) >= {"source", "outcome", "codes", "packages", "repairs", "seconds"}

@@ -29,13 +29,18 @@ _CYCLES: Final = (Pcp.ErrorType_ArcCycle, Pcp.ErrorType_SublayerCycle)
 
 
 def read_stage(
-    path: Path, root: Path, *, load_texture: LoadTexture, visited: set[Path] | None = None
+    path: Path,
+    root: Path,
+    *,
+    load_texture: LoadTexture,
+    visited: set[Path] | None = None,
+    missing: set[str] | None = None,
 ) -> Outcome[Model]:
     """The model in a USD, USDA, USDC or USDZ file, world transforms applied, in the stage's own units and axes.
 
-    `visited` collects the files that references led to. `load_texture(data, name, *, where)` decodes image bytes and
-    returns the texture or None, with findings. No file outside `root` is opened and nothing is printed. Variants stay
-    as selected, time stands at the first sample.
+    `visited` collects the files that references led to, `missing` where below the root others were expected.
+    `load_texture(data, name, *, where)` decodes image bytes and returns the texture or None, with findings. No file
+    outside `root` is opened and nothing is printed. Variants stay as selected, time stands at the first sample.
 
     Raises InvalidInput as `check_layers`, `read_mesh`, `census` and `stage_facts` do, and `asset/missing-dependency`
     (nothing is left without an absent layer), `asset/no-faces`, `asset/empty-geometry`, `asset/schema-error` for
@@ -45,8 +50,11 @@ def read_stage(
         try:
             layers = check_layers(path, root)
             outcome = _read(layers, load_texture)
+            site = layers.site(layers.root)
             if visited is not None:
-                visited |= layers.site(layers.root).visited
+                visited |= site.visited
+            if missing is not None:
+                missing |= site.missing
             return outcome
         except Tf.ErrorException as error:
             headline, reason = "OpenUSD refuses a value in the file", message(error).rpartition(" : ")[2].strip("' \n")

@@ -14,7 +14,7 @@ from urllib.parse import unquote
 from pxr import Ar
 
 from schemas.diagnostics import Location
-from schemas.references import resolve_reference
+from schemas.references import expected_path, resolve_reference
 from usdio.usdz import check_package
 
 
@@ -22,13 +22,15 @@ from usdio.usdz import check_package
 class Site:
     """A file below `root`; `inner` names an entry when `path` is a USDZ package.
 
-    `visited` logs the files that references led to; sites reached from one another share it.
+    `visited` logs the files that references led to, `missing` the places below the root where others were expected;
+    sites reached from one another share both.
     """
 
     path: Path
     root: Path
     inner: str = ""
     visited: set[Path] = field(default_factory=set, compare=False, repr=False)
+    missing: set[str] = field(default_factory=set, compare=False, repr=False)
 
     @property
     def identifier(self) -> str:
@@ -76,6 +78,8 @@ class Site:
             entry = self._entry(outer)
             return replace(self, inner=entry) if entry and not inner else None
         if found is None:
+            expected = expected_path(outer, base=folder, root=self.root)
+            self.missing.update([expected] if expected else [])
             return None
         self.visited.add(found)
         target = replace(self, path=found, inner="")

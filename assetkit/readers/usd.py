@@ -11,4 +11,6 @@ from usdio.read import read_stage
 
 def read_usd(source: SourceFile) -> Outcome[Model]:
     """The model in a USD file; see `usdio.read.read_stage` for what is read and for the InvalidInput it raises."""
-    return read_stage(source.path, source.root, load_texture=load_texture, visited=source.visited)
+    return read_stage(
+        source.path, source.root, load_texture=load_texture, visited=source.visited, missing=source.missing
+    )

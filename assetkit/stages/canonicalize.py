@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from assetkit.discover import slug
 from assetkit.options import Options
 from assetkit.stage import Canonical, Draft, Intake, Tools
 from assetkit.stages.repair_geometry import repair_geometry
@@ -53,9 +52,9 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
         unit = decide_unit(
             stated=model.meters_per_unit,
             chosen=options.units,
-            extent=_vec3(high - low),
+            extent=item.file_extent,
             format_=item.format,
-            stem=slug(Path(source_name).stem),
+            stem=Path(source_name).stem,
             hints=model.hints,
         )
     except InvalidInput as refused:
@@ -183,9 +182,9 @@ def _section(
         reobserved=mended.reobserved,
         solid_kind=solid.kind,
         volume_m3=(
-            measured(volume, str(figures["method"]))
+            measured(volume, str(figures["method"]), confidence=unit.confidence)
             if figures["method"] == "union"
-            else inferred(volume, str(figures["method"]), _VOLUME_CONFIDENCE[str(figures["method"])])
+            else inferred(volume, str(figures["method"]), _VOLUME_CONFIDENCE[str(figures["method"])] * unit.confidence)
         ),
         surface_area_m2=float(figures["area_m2"]),
     )

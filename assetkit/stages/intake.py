@@ -78,7 +78,9 @@ def _take_in(candidate: Candidate, options: Options) -> IntakeResult:
         diagnostics.append(_several(len(models), options.max_objects, too_many=too_many))
         if too_many:
             models, review = (model,), True
-    objects = tuple(Intake(candidate.format, files, m) for m in models)
+    low, high = (f([f(m.points, axis=0) for m in model.meshes], axis=0) for f in (np.min, np.max))
+    extent = (float(high[0] - low[0]), float(high[1] - low[1]), float(high[2] - low[2]))
+    objects = tuple(Intake(candidate.format, files, m, extent) for m in models)
     return IntakeResult(objects, tuple(diagnostics), outcome.repairs, review)
 
 
@@ -89,6 +91,11 @@ def _stated(options: Options) -> dict[str, str]:
 
 
 def _require_readable(candidate: Candidate) -> None:
+    source = candidate.file
+    if not source.path.resolve().is_relative_to(source.root.resolve()):
+        raise InvalidInput(
+            finding("asset/path-escape", "the file itself lies outside its root, perhaps through a link", bound="root")
+        )
     suffix = candidate.file.path.suffix.lower()
     size = candidate.file.path.stat().st_size
     if suffix in PLANNED_FORMATS:

@@ -8,7 +8,7 @@ import numpy as np
 
 from assetkit.stage import Draft, Interaction, Tools, need
 from schemas.diagnostics import Diagnostic
-from schemas.evidence import Evidence, declared
+from schemas.evidence import Evidence, measured
 from schemas.model import Mesh
 from schemas.outcome import Outcome
 
@@ -43,4 +43,4 @@ def _part(path: str, meshes: list[Mesh]) -> Evidence[dict[str, Any]]:
         "high_m": points.max(axis=0).tolist(),
         "triangles": sum(len(m.triangles) for m in meshes),
     }
-    return declared(value, "source hierarchy")
+    return measured(value, "meshes grouped by source hierarchy", confidence=0.5)

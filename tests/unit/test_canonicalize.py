@@ -27,7 +27,8 @@ CONE = trimesh.creation.cone(radius=0.05, height=0.2)
 def intake(points: np.ndarray, *, meters_per_unit: float = 1.0, up: str = "z") -> Intake:
     mesh = Mesh("cone", points, np.asarray(CONE.faces, dtype=np.int32))
     model = Model((mesh,), (), (), (), declared(meters_per_unit, "test"), declared(up, "test"))  # pyright: ignore
-    return Intake("obj", (), model)
+    x, y, z = (float(e) for e in np.ptp(points, axis=0))
+    return Intake("obj", (), model, (x, y, z))
 
 
 def canonical(item: Intake):

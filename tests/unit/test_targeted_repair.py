@@ -63,7 +63,7 @@ def test_a_repair_that_helps_is_recorded_with_figures_and_its_findings_replace_t
     assert journal.outcome is ItemOutcome.REPAIRED
     assert journal.diagnostics == ()
     assert [(r.name, r.code) for r in journal.repairs] == [("collider_hull", "asset/unstable-settling")]
-    assert journal.repairs[0].before == {"collider": "coacd", "settle_drift": 0.5}
+    assert journal.repairs[0].before == {"collider": "box", "settle_drift": 0.5}
 
 
 def test_when_nothing_helps_the_first_draft_goes_to_review():
