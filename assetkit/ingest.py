@@ -119,7 +119,8 @@ def _lost(candidate: Candidate, result: CellResult, limits: Limits) -> ReportIte
     """The item of a worker that died without a word."""
     bound = {"timeout": (result.seconds, limits.seconds, "s"), "out_of_memory": (None, limits.memory_mb, "MiB")}
     value, limit, unit = bound.get(result.status, (result.returncode, 0, "exit status"))
-    tail = result.output.strip().splitlines()[-1:] or ["no output"]
+    said = [line for line in result.output.strip().splitlines() if not line.startswith("pybullet build time")]
+    tail = said[-1:] or ["no output"]
     diagnostic = finding(
         _CODES.get(result.status, "asset/worker-crashed"),
         f"worker {result.status.replace('_', ' ')}: {tail[0][:200]}",

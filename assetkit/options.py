@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 UnitName = Literal["mm", "cm", "m", "in", "auto"]
+UpAxisName = Literal["x", "y", "z", "auto"]
 METERS_PER_UNIT: dict[str, float] = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
 
 
@@ -16,6 +17,7 @@ class Options(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     units: UnitName = "auto"
+    up_axis: UpAxisName = "auto"
     role: str | None = None
     category: str | None = None
     license: str | None = None

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assetkit.options import UpAxisName
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence
 from schemas.model import Axis, FloatArray
@@ -31,8 +32,10 @@ class UpDecision:
     repairs: tuple[Repair, ...] = ()
 
 
-def decide_up_axis(stated: Evidence[Axis], hints: tuple[str, ...]) -> UpDecision:
-    """The up axis of the source: declared by the file, else stated in a comment, else the format's habit."""
+def decide_up_axis(stated: Evidence[Axis], hints: tuple[str, ...], chosen: UpAxisName = "auto") -> UpDecision:
+    """The up axis of the source: said by the user, declared by the file, stated in a comment, or the format's habit."""
+    if chosen != "auto":
+        return UpDecision(Evidence[Axis](value=chosen, source="declared", method=f"--up-axis {chosen}", confidence=1.0))
     if stated.source != "default":
         return UpDecision(stated)
     found = {a or b for a, b in _STATEMENT.findall("\n".join(hints).lower())}

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from assetkit import catalog
 from assetkit.discover import Candidate, discover
 from assetkit.ingest import Batch, default_jobs, ingest, python_module
-from assetkit.options import Options, UnitName
+from assetkit.options import Options, UnitName, UpAxisName
 from assetkit.pictures import picture
 from assetkit.release import RECORD
 from assetkit.report import build_report, write_report
@@ -41,6 +41,7 @@ def ingest_command(
     role: Annotated[str | None, typer.Option(help="Declared role, e.g. manipulated or receptacle.")] = None,
     category: Annotated[str | None, typer.Option(help="Declared category, e.g. mug.")] = None,
     units: Annotated[str, typer.Option(help="mm, cm, m, in or auto.")] = "auto",
+    up_axis: Annotated[str, typer.Option("--up-axis", help="x, y, z or auto.")] = "auto",
     license_: Annotated[str | None, typer.Option("--license", help="Licence, e.g. CC-BY-4.0.")] = None,
     author: Annotated[str | None, typer.Option(help="Author of the source assets.")] = None,
     timeout: Annotated[float, typer.Option(help="Seconds one asset may take.")] = 300.0,
@@ -60,9 +61,18 @@ def ingest_command(
     """
     if units not in get_args(UnitName):
         raise typer.BadParameter(f"must be one of {', '.join(get_args(UnitName))}", param_hint="--units")
+    if up_axis not in get_args(UpAxisName):
+        raise typer.BadParameter(f"must be one of {', '.join(get_args(UpAxisName))}", param_hint="--up-axis")
     if role is not None and role not in get_args(Role):
         raise typer.BadParameter(f"must be one of {', '.join(get_args(Role))}", param_hint="--role")
-    options = Options(units=cast(UnitName, units), role=role, category=category, license=license_, author=author)
+    options = Options(
+        units=cast(UnitName, units),
+        up_axis=cast(UpAxisName, up_axis),
+        role=role,
+        category=category,
+        license=license_,
+        author=author,
+    )
     batch = Batch(
         out=out,
         options=options,
@@ -125,7 +135,7 @@ def list_command(library: Library, as_json: AsJson = False) -> None:
 
 @app.command("search")
 def search_command(
-    words: Annotated[str, typer.Argument(help="Words that name, category, material or parts contain.")],
+    words: Annotated[list[str], typer.Argument(help="Words that name, category, material or parts contain.")],
     library: Annotated[Path, typer.Option("--in", help="An output folder of `mana assets ingest`.")] = Path("."),
     as_json: AsJson = False,
 ) -> None:
@@ -133,7 +143,7 @@ def search_command(
 
     Example: `mana assets search "red mug" --in library`
     """
-    _rows(catalog.search(library, words), as_json)
+    _rows(catalog.search(library, " ".join(words)), as_json)
 
 
 @app.command("show")

@@ -68,8 +68,8 @@ def show_summary(report: IngestReport) -> None:
 def show_rows(rows: Iterable[dict[str, object]], columns: dict[str, str]) -> None:
     """Print a table; `columns` maps keys of the rows to headings."""
     table = Table()
-    for heading in columns.values():
-        table.add_column(heading)
+    for number, heading in enumerate(columns.values()):
+        table.add_column(heading, no_wrap=number == 0, overflow="fold")
     for row in rows:
         table.add_row(*(escape(_figure(row[key])) for key in columns))
     console.print(table)

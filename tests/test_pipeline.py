@@ -187,6 +187,22 @@ def test_render_pictures_a_package_and_a_source(library: tuple[Path, dict], tmp_
         assert len(pictures) >= 5
 
 
+def test_validate_judges_foreign_files_without_falling_over(tmp_path: Path):
+    """The smallest stage whose metersPerUnit has the wrong value type: OpenUSD's own getter raises on it."""
+    foreign = tmp_path / "foreign.usda"
+    foreign.write_text('#usda 1.0\n(\n    metersPerUnit = "one"\n)\ndef Xform "a" {}\n')
+    found = json.loads(mana("assets", "validate", foreign, "--json", expect=1))
+    assert "asset/package-invalid" in {d["code"] for d in found[str(foreign)]}
+
+
+def test_up_axis_of_the_user_is_declared(tmp_path: Path):
+    (tmp_path / "post.obj").write_text(obj_text(trimesh.creation.box((0.1, 0.5, 0.1))))
+    mana("assets", "ingest", tmp_path / "post.obj", "--out", tmp_path / "out", "--up-axis", "y")
+    record = record_of(tmp_path / "out" / "post")
+    assert record.geometry.extent_m.value == pytest.approx((0.1, 0.1, 0.5))
+    assert record.source.up_axis.source == "declared"
+
+
 def test_declared_licence_and_role_reach_the_record(tmp_path: Path):
     (tmp_path / "cube.obj").write_text(obj_text(CUBE))
     flags = ("--license", "CC0-1.0", "--author", "Jane", "--role", "manipulated", "--category", "box")

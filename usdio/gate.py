@@ -1,5 +1,8 @@
 """The static gate: plausibility of a released package that outside validators do not judge."""
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
@@ -7,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pxr import Tf
 
-from schemas.diagnostics import Diagnostic, InvalidInput
+from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from usdio.rules import (
     body_scale,
     collider_convex,
@@ -61,4 +65,13 @@ def gate(main_file: Path) -> tuple[Diagnostic, ...]:
     except InvalidInput as error:
         return (error.diagnostic,)
     with np.errstate(all="ignore"):  # Broken files hold infinities; every comparison is written so that NaN fails it.
-        return tuple(diagnostic for rule in RULES for diagnostic in rule(stage))
+        return tuple(diagnostic for rule in RULES for diagnostic in _findings(rule, stage))
+
+
+def _findings(rule: Rule, stage: Any) -> tuple[Diagnostic, ...]:
+    """What a rule says; a value that OpenUSD itself refuses to read is one finding, not the end of the gate."""
+    try:
+        return tuple(rule(stage))
+    except Tf.ErrorException as error:
+        reason = str(error.args[0] if error.args else error).rpartition(" : ")[2].strip("' \n")
+        return (finding("asset/package-invalid", "OpenUSD refuses a value in the file", value=reason[:300]),)

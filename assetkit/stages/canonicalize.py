@@ -59,7 +59,7 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
         )
     except InvalidInput as refused:
         return Outcome(None, (refused.diagnostic,))
-    up = decide_up_axis(model.up_axis, model.hints)
+    up = decide_up_axis(model.up_axis, model.hints, options.up_axis)
     R_AS = TO_Z_UP[up.axis.value]
     far = _recentred(low, high)
     centred = [replace(m, points=m.points - far.shift) for m in model.meshes]
