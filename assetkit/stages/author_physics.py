@@ -8,7 +8,6 @@ from schemas.asset import PhysicsSection
 from schemas.diagnostics import Diagnostic
 from schemas.outcome import Outcome
 
-
 # Beyond these (share of the diagonal; volume of the shapes over that of the solid) a stand-in goes to review.
 CRUDE_P95, CRUDE_RATIO = 0.05, 2.0
 
