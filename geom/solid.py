@@ -27,7 +27,7 @@ LEAST_WALL_M, MOST_WALL_M = 0.5e-3, 5e-3
 FLAT_SHARE = 1e-3
 VOXEL_TOLERANCE_CELLS = 2.0
 DISTANCE_SAMPLES = 2000
-PROTRUDING = 0.02
+PROTRUDING = 0.05  # Acceptance refuses colliders whose box misses the visible one by more.
 
 
 def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
@@ -36,7 +36,8 @@ def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
     First rule that applies:
     1. Closed bodies, holes filled and hidden faces closed (`solid_bodies`, `openings`), carry at least half of the
        area: `closed`, their union (method `union`; open decoration is left out). Open parts that reach beyond the
-       bodies by more than 2 % of the diagonal are no decoration: their hulls join the union (method `union_and_hulls`).
+       bodies by more than 5 % of the diagonal are no decoration: their hulls, cards as slabs, join the union (method
+       `union_and_hulls`).
     2. The surface is flat, or at least half of what is open is containers, or one sheet with a mouth wider than a
        quarter of its cross-section: `shell`, all faces, with an assumed wall of 1 % of the diagonal within 0.5 to 5 mm.
     3. Patches with gaps: a voxel proxy and the surface lie within two cells of each other over 95 % of either:
@@ -73,7 +74,7 @@ def _choose(
 ) -> tuple[Solid, str]:
     if united is not None and bodies.closed_area >= CLOSED_AREA_SHARE * total:
         return _with_protruding(bodies, united, diagonal(points))
-    wall = min(max(WALL_PER_DIAGONAL * diagonal(points), LEAST_WALL_M), MOST_WALL_M)
+    wall = _wall(diagonal(points))
     shell = Solid(points, triangles, kind="shell", wall_thickness_m=wall)
     mouthed = [v for v in bodies.verdicts if any(o.section_share > HOLE_SHARE for o in v.openings)]
     containers = sum(v.area for v in mouthed if v.kind == "container")
@@ -99,13 +100,25 @@ def _with_protruding(bodies: Bodies, united: Surface, size: float) -> tuple[Soli
         points = bodies.open_surface[0][np.unique(bodies.open_surface[1][part.faces])]
         if (points < low).any() or (points > high).any():
             if _is_flat(points):
-                continue
+                points = _slab(points, _wall(size))
             hull = trimesh.PointCloud(points).convex_hull
             hulls.append((np.array(hull.vertices), np.array(hull.faces, dtype=np.int32)))
     both = unite([united, *hulls]) if hulls else None
     return (
         (Solid(*united, kind="closed"), "union") if both is None else (Solid(*both, kind="closed"), "union_and_hulls")
     )
+
+
+def _wall(size: float) -> float:
+    """The thickness assumed of a sheet in an asset with this diagonal."""
+    return min(max(WALL_PER_DIAGONAL * size, LEAST_WALL_M), MOST_WALL_M)
+
+
+def _slab(points: FloatArray, thickness: float) -> FloatArray:
+    """A flat card given two faces, `thickness` apart along its thinnest direction."""
+    centred = points - points.mean(axis=0)
+    normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]
+    return np.concatenate([points - 0.5 * thickness * normal, points + 0.5 * thickness * normal])
 
 
 def _is_flat(points: FloatArray) -> bool:
