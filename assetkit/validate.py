@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from schemas.diagnostics import Diagnostic, Location, Severity, finding
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from usdio.gate import gate
 from usdio.outside import outside_verdicts
 
@@ -20,7 +20,14 @@ def main_usd_files(path: Path) -> list[Path]:
 
 
 def validate_file(file: Path) -> tuple[Diagnostic, ...]:
-    """All findings of the outside validators and of the gate, errors first."""
+    """All findings of the outside validators and of the gate, errors first; one when the file cannot be opened."""
+    try:
+        return _judged(file)
+    except InvalidInput as unreadable:
+        return (unreadable.diagnostic,)
+
+
+def _judged(file: Path) -> tuple[Diagnostic, ...]:
     outside = [
         finding("asset/package-invalid", f"{verdict.judge}: {line}", where=Location(file=file.name), severity=severity)
         for verdict in outside_verdicts(file)
