@@ -12,7 +12,7 @@ MAX_POINTS = 64
 MERGE_TOLERANCE = 1e-6
 # Points that stick out of the reduced hull by less than this share of its size are left out.
 REDUCTION_TOLERANCE = 1e-3
-MAX_GROWTH = 1.05
+MAX_GROWTH = 1.1  # A hull that must grow more is not described by so few points; it then stays too small.
 
 
 def convex_hull(points: FloatArray) -> tuple[FloatArray, IntArray]:
