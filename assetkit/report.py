@@ -49,12 +49,13 @@ def _html(report: IngestReport, out: Path) -> str:
 def _card(out: Path, name: str) -> dict[str, object]:
     """What the contact sheet shows of one package."""
     record = AssetRecord.model_validate_json((out / name / RECORD).read_bytes())
-    chosen = next((c for c in record.physics.candidates if c.accepted), None)
+    method = record.physics.collision_method
+    chosen = next((c for c in record.physics.candidates if c.method == method), None)
     return {
         "name": name,
         "record": record,
         "extent_cm": [round(100 * e, 1) for e in record.geometry.extent_m.value],
-        "collider": record.physics.collision_method,
+        "collider": method if chosen is None or chosen.accepted else f"{method}, a stand-in ({chosen.reason})",
         "shapes": chosen.shapes if chosen else 0,
         "poses": len(record.acceptance.stable_poses),
     }

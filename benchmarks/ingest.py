@@ -44,7 +44,7 @@ def main() -> None:
         ours_s = sum(item.seconds.values())
         for name in item.packages:
             record = AssetRecord.model_validate_json((out / name / RECORD).read_bytes())
-            chosen = next(c for c in record.physics.candidates if c.accepted)
+            chosen = next(c for c in record.physics.candidates if c.method == record.physics.collision_method)
             p95 = 100 * max(chosen.outside_p95, chosen.missing_p95)
             collision_s = item.seconds.get("physics", 0.0)
             ratio = collision_s / plain_s if plain_s else float("nan")

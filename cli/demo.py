@@ -30,7 +30,6 @@ OBJECTS = (
     "soccerball.obj",
     "bunny.obj",
     "random_urdfs/472/472.obj",
-    "random_urdfs/938/938.obj",
 )
 
 

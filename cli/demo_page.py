@@ -32,6 +32,6 @@ def _card(library: Path, name: str, verdicts: dict[Path, tuple[Diagnostic, ...]]
         "name": name,
         "record": record,
         "extent_cm": [round(100 * e, 1) for e in record.geometry.extent_m.value],
-        "chosen": next((c for c in record.physics.candidates if c.accepted), None),
+        "chosen": next((c for c in record.physics.candidates if c.method == record.physics.collision_method), None),
         "valid": not any(d.severity is Severity.ERROR for d in findings),
     }
