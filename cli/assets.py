@@ -89,6 +89,8 @@ def ingest_command(
         text.show_summary(report)
         text.console.print(f"report: {escape(str(out / 'report.html'))}", soft_wrap=True)
     if report.interrupted:
+        if not as_json:
+            text.console.print(f"interrupted after {len(report.items)} items; the same command continues")
         raise typer.Exit(2)
     raise typer.Exit(1 if report.totals[ItemOutcome.REJECTED.value] else 0)
 
