@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -226,6 +225,5 @@ def test_schema_is_valid_json_schema(library: tuple[Path, dict]):
     jsonschema.validate(json.loads((library[0] / "cup" / "record.json").read_text()), schema)
 
 
-@pytest.mark.skipif(os.name != "posix", reason="signals")
 def test_help_teaches():
     assert "Example" in mana("assets", "ingest", "--help")
