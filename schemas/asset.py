@@ -109,14 +109,6 @@ class SemanticsSection(_Section):
     qcode: Evidence[str]
 
 
-class MaterialClass(_Section):
-    """A physical-material class with the densities (kg/m3) it stands for."""
-
-    name: str
-    density_kgm3: float
-    density_bounds_kgm3: tuple[float, float]
-
-
 class PhysicsSection(_Section):
     """Mass properties about the mass centre in the asset frame, contact records, collider choice."""
 

@@ -77,7 +77,6 @@ class Fidelity(BaseModel):
     cavity_kept: bool | None
     accepted: bool
     reason: str = ""
-    seconds: float = 0.0
 
 
 @dataclass(frozen=True)
