@@ -6,17 +6,8 @@ A code names the pattern found, never the remedy. Codes are stable: extend, neve
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
-
-
-class CodeInfo(NamedTuple):
-    """What one code means: its default severity, one-line title, why it matters and what to do."""
-
-    severity: Literal["error", "warning", "info"]
-    title: str
-    why: str
-    help: str
-
+from schemas.code_info import CodeInfo
+from schemas.gap_codes import GAP_CODES
 
 CODES: dict[str, CodeInfo] = {
     # Intake: the file itself.
@@ -494,4 +485,5 @@ CODES: dict[str, CodeInfo] = {
         "The joint locks, or moves freely, depending on the engine.",
         "swap the limits",
     ),
+    **GAP_CODES,
 }

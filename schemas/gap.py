@@ -1,0 +1,203 @@
+"""What simgap hands on: the report and the model extension (design: sim gap contract; extend, never rename)."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+EFFECT_NAMES: tuple[str, ...] = (
+    "contact.friction",
+    "contact.restitution",
+    "contact.rolling_friction",
+    "contact.spinning_friction",
+    "contact.anisotropic_friction",
+    "contact.compliance",
+    "body.mass",
+    "body.com_offset",
+    "body.inertia",
+    "body.size",
+    "world.gravity_magnitude",
+    "world.gravity_tilt",
+    "world.linear_drag",
+    "world.quadratic_drag",
+    "world.constant_force",
+    "joint.coulomb_friction",
+    "joint.viscous_friction",
+    "joint.stribeck_friction",
+    "joint.load_dependent_friction",
+    "joint.quadratic_drag",
+    "joint.friction_asymmetry",
+    "joint.spring",
+    "joint.hard_stop",
+    "joint.backlash",
+    "joint.detent",
+    "joint.axis_tilt",
+    "joint.armature",
+    "joint.gravity_load",
+    "actuator.delay",
+    "actuator.gain",
+    "actuator.saturation",
+    "actuator.bias",
+    "actuator.lag",
+    "actuator.ripple",
+    "actuator.deadband",
+    "actuator.supply_sag",
+    "sensor.latency",
+    "sensor.bias",
+    "sensor.scale",
+    "sensor.clock_skew",
+    "sensor.frame_rotation",
+    "sensor.velocity_age",
+    "robot.payload",
+    "robot.pd_gains",
+)
+Interval = tuple[float, float]
+
+
+class _Machine(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+
+class Estimate(_Machine):
+    """A value with its unit and 95 % interval."""
+
+    value: float
+    unit: str = "1"
+    ci95: Interval
+
+
+class Place(_Machine):
+    """Where an effect acts; all None means the whole world or log."""
+
+    joint: str | None = None
+    body: str | None = None
+    pair: str | None = None
+
+    def __str__(self) -> str:
+        return self.joint or self.body or self.pair or "world"
+
+
+class AppliedEffect(_Machine):
+    """One effect of a model extension."""
+
+    name: str
+    where: Place = Place()
+    parameters: dict[str, Estimate]
+
+    def values(self) -> dict[str, float]:
+        """Parameter values alone, SI."""
+        return {name: p.value for name, p in self.parameters.items()}
+
+
+class ModelExtension(_Machine):
+    """`extension.json`: what `sim` adds to a world."""
+
+    schema_version: Literal[1] = 1
+    measurement: str
+    target: dict[str, str] = {}
+    effects: tuple[AppliedEffect, ...] = ()
+
+
+class Trap(_Machine):
+    """One simulator convention that was checked before any physics was blamed."""
+
+    name: str
+    status: Literal["ok", "fixed", "suspect"]
+    evidence: str
+
+
+class Localisation(_Machine):
+    """Where the error comes from."""
+
+    what: str
+    share_of_error: float
+    first_divergence_s: float | None = None
+    phase: str = ""
+    axis: str = ""
+    noise_ratio: float | None = None
+
+
+class Hypothesis(_Machine):
+    """One candidate effect and what speaks for it."""
+
+    name: str
+    where: Place = Place()
+    heldout_gain: float
+    ci95: Interval
+    p_adjusted: float
+    delta_bic: float
+    direct: dict[str, Estimate] = {}
+    direct_agrees: bool | None = None  # None: there is no direct route in these data
+
+
+class NamedEffect(_Machine):
+    """An effect that the verdict names."""
+
+    name: str
+    where: Place = Place()
+    confidence: float = Field(ge=0.0, le=1.0)
+    routes: dict[str, bool]
+    parameters: dict[str, Estimate]
+
+
+class AmbiguousGroup(_Machine):
+    """Effects that these data cannot tell apart, and what would."""
+
+    effects: tuple[str, ...]
+    experiment: str
+
+
+class Verdict(_Machine):
+    """The answer. `no_effect` and `ambiguous` are answers of equal rank."""
+
+    status: Literal["effect_found", "no_effect", "ambiguous", "outside_model_class"]
+    effects: tuple[NamedEffect, ...] = ()
+    ambiguous_groups: tuple[AmbiguousGroup, ...] = ()
+    statement: str
+
+
+class Gain(_Machine):
+    """Held-out error before (null refit) and after (extended model)."""
+
+    view: Literal["short_horizon", "full_rollout"]
+    horizon_s: float
+    metric: str
+    heldout_before: float
+    heldout_after: float
+    reduction: float
+    ci95: Interval
+    noise_floor: float
+    gap_closed: float
+
+
+class Baseline(_Machine):
+    """The current model as it stands."""
+
+    metrics: dict[str, Estimate]
+
+
+class Rival(_Machine):
+    """A way without names, for comparison."""
+
+    name: str
+    heldout: float
+
+
+class GapReport(_Machine):
+    """`report.json` of `mana gap find`."""
+
+    schema_version: Literal[1] = 1
+    measurement: str
+    n_train: int
+    n_test: int
+    wall_s: float
+    traps: tuple[Trap, ...] = ()
+    baseline: Baseline
+    localisation: tuple[Localisation, ...] = ()
+    hypotheses: tuple[Hypothesis, ...] = ()
+    verdict: Verdict
+    gains: tuple[Gain, ...] = ()
+    gain: Gain | None = None
+    baselines: tuple[Rival, ...] = ()
+    extension: str = "extension.json"

@@ -1,0 +1,157 @@
+"""`measurement.yaml`: what was measured, and the model as its owner believes it now (design: sim gap contract).
+
+SI units; quaternions wxyz; `inertia_kgm2` about the mass centre in body axes. Hand-written: unknown keys are errors.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from schemas.asset import Vec3
+
+Kind = Literal["free_body", "mechanism", "tracking", "impact", "push"]
+KINDS: tuple[Kind, ...] = ("free_body", "mechanism", "tracking", "impact", "push")
+Positive = Annotated[float, Field(gt=0.0)]
+NonNegative = Annotated[float, Field(ge=0.0)]
+
+
+class Strict(BaseModel):
+    """A hand-written node: a key that we do not know is a typing error, not a wish."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Box(Strict):
+    """Full edge lengths."""
+
+    size_m: tuple[Positive, Positive, Positive]
+
+
+class PairContact(Strict):
+    """Coefficients of the pair body-support."""
+
+    friction: NonNegative = 0.5
+    restitution: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+
+
+class GravityLoad(Strict):
+    """A mass hanging on a joint; at joint angle `zero_rad` it hangs straight down."""
+
+    mass_kg: Positive
+    com_distance_m: NonNegative
+    zero_rad: float = 0.0
+
+
+class Joint(Strict):
+    """One joint of a mechanism, base to tip; `inertia_kgm2` is the total about its axis, load included."""
+
+    name: str
+    type: Literal["revolute", "prismatic"] = "revolute"
+    inertia_kgm2: Positive | None = None
+    mass_kg: Positive | None = None
+    gravity_load: GravityLoad | None = None
+    limits: tuple[float, float] | None = None
+    damping: NonNegative = 0.0  # viscous, N s/m or N m s/rad
+    friction: NonNegative = 0.0  # Coulomb, N or N m
+    parent_offset_m: float = 0.0  # along the parent link, from the parent's axis
+
+
+class Controller(Strict):
+    """The robot's controller as its owner knows it (kind `tracking`)."""
+
+    type: Literal["stable_pd"]
+    kp: float | tuple[float, ...]
+    kd: float | tuple[float, ...]
+
+
+class Subject(Strict):
+    """The thing that moved. One of `box`, `mesh`, `urdf`, `package`, `joints`; paths stay inside the folder."""
+
+    box: Box | None = None
+    mesh: str | None = None
+    urdf: str | None = None
+    package: str | None = None
+    joints: tuple[Joint, ...] = ()
+    mass_kg: Positive | None = None
+    inertia_kgm2: tuple[Positive, Positive, Positive] | None = None
+    com_m: Vec3 = (0.0, 0.0, 0.0)
+    contact: PairContact = PairContact()
+    base_pose: tuple[float, ...] | None = None
+    end_effector: str | None = None
+    controller: Controller | None = None
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Subject:
+        given = [k for k in ("box", "mesh", "urdf", "package", "joints") if getattr(self, k)]
+        if len(given) > 1:
+            raise ValueError(f"give one of box, mesh, urdf, package, joints; found {' and '.join(given)}")
+        return self
+
+
+class Plane(Strict):
+    """The half-space below it is solid."""
+
+    normal: Vec3 = (0.0, 0.0, 1.0)
+    height_m: float = 0.0
+
+
+class Support(Strict):
+    """What the body lands on."""
+
+    plane: Plane = Plane()
+
+
+class WorldModel(Strict):
+    """Gravity and the support; no `support` means free space."""
+
+    gravity_mps2: Vec3 = (0.0, 0.0, -9.81)
+    support: Support | None = None
+
+
+class Actuation(Strict):
+    """What drives the joints: nothing, a known effort, or a position controller."""
+
+    type: Literal["none", "effort", "position_pd"] = "none"
+    kp: NonNegative | tuple[NonNegative, ...] = 0.0
+    kd: NonNegative | tuple[NonNegative, ...] = 0.0
+    effort_limit: Positive | None = None
+    effort_per_unit: float = 1.0  # N or N m per unit of the effort column
+
+
+class SensorNoise(Strict):
+    """One standard deviation of each measured quantity; estimated where absent."""
+
+    p_m: Positive | None = None
+    rotation_rad: Positive | None = None
+    v_mps: Positive | None = None
+    w_radps: Positive | None = None
+    q: Positive | None = None  # rad or m
+    qd: Positive | None = None
+
+
+class Split(Strict):
+    """Trial ids; never a part of a trial."""
+
+    train: tuple[str, ...]
+    test: tuple[str, ...]
+
+
+class MeasurementSpec(Strict):
+    """The whole file. `columns` and `aux` map our name to the file's column(s)."""
+
+    schema_version: Literal[1]
+    name: str
+    kind: Kind
+    description: str = ""
+    source: str = ""
+    licence: str = ""
+    rate_hz: Positive | None = None
+    columns: dict[str, str | tuple[str, ...]] = {}
+    aux: dict[str, str] = {}
+    sensor_noise: SensorNoise = SensorNoise()
+    subject: Subject
+    world: WorldModel = WorldModel()
+    actuation: Actuation = Actuation()
+    split: Split | None = None

@@ -1,0 +1,1 @@
+"""The effects library: one file per physical effect that a simulation may lack; `library.EFFECTS` lists them."""

@@ -1,0 +1,152 @@
+"""What an effect is: a formula with a source, parameters with units and bounds, and a hook that simulates it.
+
+A hook is one of the classes below; which one says where in a simulation step the effect acts:
+
+    command -> CommandMap -> controller -> EffortMap -> joint torque
+        + JointTorque (smooth) + JointFriction (opposes motion) + BodyWrench -> dynamics -> SensorMap -> readings
+    Numbers change the model before the first step.
+
+Arrays are vectorised over windows (w) and joints (j), so that one call steps every window of every trial; an engine
+that steps one world calls with w = 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from schemas.gap import Place
+from schemas.measurement import Kind
+from schemas.model import FloatArray
+
+Params = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of an effect: SI unit (also the end of its name), bounds of what is plausible, value without effect."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    null: float
+
+
+@dataclass(frozen=True)
+class Confusable:
+    """Another effect with a like signature, and the experiment that separates the two."""
+
+    effect: str
+    experiment: str
+
+
+@dataclass(frozen=True)
+class JointState:
+    """Joints in mid step: all (w, j); `load` is the magnitude of the force or moment that the bearing transmits."""
+
+    t_s: FloatArray  # (w, 1)
+    q: FloatArray
+    qd: FloatArray
+    effort: FloatArray
+    load: FloatArray
+    dt_s: float
+    aux: Mapping[str, FloatArray] = field(default_factory=dict)  # (w, 1) each
+
+
+@dataclass(frozen=True)
+class BodyState:
+    """A free body in mid step, world axes: p (w, 3) of the mass centre, quat_wxyz (w, 4), v, w_W (w, 3)."""
+
+    t_s: FloatArray
+    p: FloatArray
+    quat_wxyz: FloatArray
+    v: FloatArray
+    w_W: FloatArray
+
+
+@dataclass(frozen=True)
+class Series:
+    """A whole trial as recorded or simulated: t_s (n,) and named columns (n, k); what maps of logs work on."""
+
+    t_s: FloatArray
+    columns: Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Changes the numbers of a model (`sim.models`) before simulation."""
+
+    change: Callable[[Any, Params, Place], Any]
+
+
+@dataclass(frozen=True)
+class CommandMap:
+    """What really reaches the controller or the motor, from what was sent: works on the whole trial."""
+
+    map: Callable[[Series, Params, Place], Series]
+
+
+@dataclass(frozen=True)
+class EffortMap:
+    """Effort the motor gives (w, j) for the effort asked for; `memory` starts empty and is kept between steps."""
+
+    map: Callable[[JointState, Params, dict[str, FloatArray]], FloatArray]
+
+
+@dataclass(frozen=True)
+class JointTorque:
+    """A smooth force or torque on the joint (w, j)."""
+
+    torque: Callable[[JointState, Params, dict[str, FloatArray]], FloatArray]
+
+
+@dataclass(frozen=True)
+class JointFriction:
+    """Largest friction (w, j), at least 0, for motion along `direction` (w, j; -1 or 1); it never drives the joint."""
+
+    limit: Callable[[JointState, Params, FloatArray], FloatArray]
+
+
+@dataclass(frozen=True)
+class BodyWrench:
+    """Force (w, 3) at the mass centre and torque (w, 3) on a free body, world axes."""
+
+    wrench: Callable[[BodyState, Params], tuple[FloatArray, FloatArray]]
+
+
+@dataclass(frozen=True)
+class SensorMap:
+    """What the sensor reports for the true motion: works on the whole trial (or one window with its stamps)."""
+
+    map: Callable[[Series, Params, Place], Series]
+
+
+Hook = Numbers | CommandMap | EffortMap | JointTorque | JointFriction | BodyWrench | SensorMap
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical effect.
+
+    kinds        measurements that can reveal it.
+    formula, source   the law as text, and where it comes from.
+    reveals      what in the data shows it.
+    usd, urdf    attribute that carries it in those formats; empty where none can.
+    """
+
+    name: str
+    kinds: tuple[Kind, ...]
+    formula: str
+    source: str
+    reveals: str
+    parameters: tuple[Parameter, ...]
+    confusables: tuple[Confusable, ...]
+    hook: Hook
+    usd: str = ""
+    urdf: str = ""
+
+    def null(self) -> dict[str, float]:
+        """Parameter values at which the effect is absent."""
+        return {p.name: p.null for p in self.parameters}

@@ -1,0 +1,1 @@
+"""What a simulation gets wrong against measured data, and why."""

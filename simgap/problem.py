@@ -1,0 +1,88 @@
+"""What the statistics of `simgap` ask of one kind of measurement; nothing in them knows joints, bodies or engines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from schemas.gap import Place
+from schemas.model import FloatArray
+from sim.effects.effect import Effect
+
+View = Literal["short_horizon", "full_rollout"]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect at a place, with where to start the search (keys: parameter names)."""
+
+    effect: Effect
+    where: Place
+    start: dict[str, float]
+
+    @property
+    def key(self) -> str:
+        """Name and place as one word."""
+        return f"{self.effect.name}@{self.where}"
+
+
+@dataclass(frozen=True)
+class Term:
+    """A candidate with values: one term of a model."""
+
+    candidate: Candidate
+    values: dict[str, float]
+
+
+Model = tuple[Term, ...]  # The declared model is the empty tuple.
+
+
+@dataclass(frozen=True)
+class DirectEstimate:
+    """A simulator-free estimate of a candidate's parameters, from trials taken as independent clusters.
+
+    values, standard_errors   per parameter; `p_value` of "no effect" over trials; `trials` that could be used.
+    """
+
+    values: dict[str, float]
+    standard_errors: dict[str, float]
+    p_value: float
+    trials: int
+
+
+class Problem(Protocol):
+    """A measurement of one kind with its simulator. Every method is a pure function of its arguments."""
+
+    @property
+    def trial_ids(self) -> tuple[str, ...]:
+        """All trials, in file order."""
+        ...
+
+    def candidates(self) -> tuple[Candidate, ...]:
+        """Every effect that this kind of measurement could reveal, at every place, in library order."""
+        ...
+
+    def nuisances(self) -> tuple[Candidate, ...]:
+        """What the null model may refit: declared numbers within their tolerance, never a named effect."""
+        ...
+
+    def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
+        """Per trial (k, c): simulated minus measured, in units of the sensor noise; k over windows and frames.
+
+        Channels c are those of `channels`. Rows may hold NaN where nothing was measured. A simulation that diverges
+        gives large finite numbers, never an exception.
+        """
+        ...
+
+    def channels(self) -> tuple[str, ...]:
+        """Names of the residual's columns, e.g. `position_x` or `q_elbow`."""
+        ...
+
+    def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
+        """The candidate's parameters without a simulator, given the terms already accepted; None where no route is."""
+        ...
+
+    def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
+        """(c,) rms residual that noise in the initial state and the readings alone would leave."""
+        ...
