@@ -1,0 +1,156 @@
+"""Roll-outs of jointed mechanisms from measured states, all windows of all trials in one call.
+
+One step of length h (kick, drift, kick: second order, and energy keeps its mean without friction): half a drift, one
+velocity update at the middle, half a drift. In the update smooth forces are explicit, viscous damping is implicit, and
+dry friction is the impulse within its limit that comes nearest to stopping the joint (projected Gauss-Seidel, as
+engines do for contacts), so that a joint can stick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from schemas.model import FloatArray
+from sim.effects.effect import EffortMap, Hook, JointFriction, JointState, JointTorque, Params
+from sim.tree import Tree, inverse_dynamics, mass_matrix
+
+_SWEEPS = 12
+_LARGEST_RATE = 1e4  # rad/s or m/s: beyond, a roll-out has diverged and is held there.
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What turns commands or logged efforts into joint effort; all (j,)."""
+
+    type: Literal["none", "effort", "position_pd"] = "none"
+    kp: FloatArray = field(default_factory=lambda: np.zeros(1))
+    kd: FloatArray = field(default_factory=lambda: np.zeros(1))
+    effort_limit: float | None = None
+    effort_per_unit: float = 1.0
+
+
+@dataclass(frozen=True)
+class MechanismModel:
+    """Numbers of a mechanism: the tree, gravity in the world, dry friction and damping per joint (j,), drive."""
+
+    tree: Tree
+    gravity_W: FloatArray
+    friction: FloatArray
+    damping: FloatArray
+    drive: Drive = Drive()
+    limits: FloatArray | None = None  # (j, 2)
+
+
+@dataclass(frozen=True)
+class Law:
+    """An effect's hook with values, on one joint."""
+
+    hook: Hook
+    params: Params
+    joint: int
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Where roll-outs start and what drives them: t_s (w, k), q0, qd0 (w, j), inputs (w, k, j) held from row to row."""
+
+    t_s: FloatArray
+    q0: FloatArray
+    qd0: FloatArray
+    command: FloatArray | None = None
+    effort: FloatArray | None = None
+    aux: Mapping[str, FloatArray] = field(default_factory=dict)  # (w, k) each
+
+
+def rollout(
+    model: MechanismModel, windows: Windows, laws: Sequence[Law] = (), *, largest_step_s: float = 2e-3
+) -> tuple[FloatArray, FloatArray]:
+    """Joint positions and rates (w, k, j) at the stamps of `windows`; row 0 is the start.
+
+    Each interval between stamps is divided into equal steps of at most `largest_step_s` (by its median over windows).
+    """
+    worlds, stamps = windows.t_s.shape
+    q, qd = windows.q0.astype(float).copy(), windows.qd0.astype(float).copy()
+    Q, QD = (np.empty((worlds, stamps, q.shape[1])) for _ in range(2))
+    Q[:, 0], QD[:, 0] = q, qd
+    memory: list[dict[str, FloatArray]] = [{} for _ in laws]
+    for k in range(stamps - 1):
+        span = (windows.t_s[:, k + 1] - windows.t_s[:, k])[:, None]
+        steps = max(1, int(np.ceil(np.nanmedian(span) / largest_step_s - 1e-9)))
+        h = span / steps
+        aux = {name: values[:, k, None] for name, values in windows.aux.items()}
+        for s in range(steps):
+            q = q + 0.5 * h * qd
+            asked = _asked(model.drive, windows, k, q, qd)
+            t = windows.t_s[:, k, None] + (s + 0.5) * h
+            qd = _kick(model, laws, memory, q, qd, asked, t, h, aux)
+            q = q + 0.5 * h * qd
+        Q[:, k + 1], QD[:, k + 1] = q, qd
+    return Q, QD
+
+
+def _asked(drive: Drive, windows: Windows, k: int, q: FloatArray, qd: FloatArray) -> FloatArray:
+    """Effort that the log or the controller asks for (w, j)."""
+    if drive.type == "effort" and windows.effort is not None:
+        asked = windows.effort[:, k] * drive.effort_per_unit
+    elif drive.type == "position_pd" and windows.command is not None:
+        asked = (drive.kp * (windows.command[:, k] - q) - drive.kd * qd) * drive.effort_per_unit
+    else:
+        return np.zeros_like(q)
+    limit = drive.effort_limit
+    return asked if limit is None else np.clip(asked, -limit, limit)
+
+
+def _kick(
+    model: MechanismModel,
+    laws: Sequence[Law],
+    memory: Sequence[dict[str, FloatArray]],
+    q: FloatArray,
+    qd: FloatArray,
+    asked: FloatArray,
+    t_s: FloatArray,
+    h: FloatArray,
+    aux: Mapping[str, FloatArray],
+) -> FloatArray:
+    """Joint rates after one step of length `h` (w, 1)."""
+    bias, load = inverse_dynamics(model.tree, q, qd, np.zeros_like(q), model.gravity_W)
+    effort, smooth = asked.copy(), np.zeros_like(q)
+
+    def state(j: int) -> JointState:
+        one = np.s_[:, j : j + 1]
+        return JointState(t_s, q[one], qd[one], effort[one], load[one], float(np.median(h)), aux)
+
+    for law, kept in zip(laws, memory, strict=True):
+        if isinstance(law.hook, EffortMap):
+            effort[:, law.joint, None] = law.hook.map(state(law.joint), law.params, kept)
+    for law, kept in zip(laws, memory, strict=True):
+        if isinstance(law.hook, JointTorque):
+            smooth[:, law.joint, None] += law.hook.torque(state(law.joint), law.params, kept)
+    M = mass_matrix(model.tree, q) + h[:, :, None] * np.diag(model.damping)
+    inverse = np.linalg.inv(M)
+    momentum = np.einsum("wij,wj->wi", M - h[:, :, None] * np.diag(model.damping), qd)
+    free = np.einsum("wij,wj->wi", inverse, momentum + h * (effort + smooth - bias))
+    direction = np.where(np.abs(free) > 1e-9, np.sign(free), 1.0)
+    largest = np.broadcast_to(model.friction, q.shape).copy()
+    for law in laws:
+        if isinstance(law.hook, JointFriction):
+            one = np.s_[:, law.joint : law.joint + 1]
+            largest[one] += law.hook.limit(state(law.joint), law.params, direction[one])
+    moved = _with_friction(inverse, free, h * largest) if largest.any() else free
+    return np.clip(np.nan_to_num(moved), -_LARGEST_RATE, _LARGEST_RATE)
+
+
+def _with_friction(inverse: FloatArray, free: FloatArray, largest: FloatArray) -> FloatArray:
+    """Rates after the friction impulses, each at most `largest` (w, j), that come nearest to stopping every joint."""
+    impulse, rates = np.zeros_like(free), free.copy()
+    for _ in range(1 if free.shape[1] == 1 else _SWEEPS):
+        for j in range(free.shape[1]):
+            wanted = impulse[:, j] - rates[:, j] / inverse[:, j, j]
+            change = np.clip(wanted, -largest[:, j], largest[:, j]) - impulse[:, j]
+            impulse[:, j] += change
+            rates += inverse[:, :, j] * change[:, None]
+    return rates
