@@ -15,11 +15,18 @@ View = Literal["short_horizon", "full_rollout"]
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at a place, with where to start the search (keys: parameter names)."""
+    """An effect at a place in one measurement; all keys are parameter names.
+
+    null      values without effect: the effect's own, or what the subject declares (a declared friction, a mass).
+    start     where to begin the search.
+    bounds    plausible values here, within the effect's own.
+    """
 
     effect: Effect
     where: Place
+    null: dict[str, float]
     start: dict[str, float]
+    bounds: dict[str, tuple[float, float]]
 
     @property
     def key(self) -> str:

@@ -1,0 +1,36 @@
+"""Which trials teach and which judge; always whole trials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.measurement import MeasurementSpec
+
+TEST_SHARE = 0.4
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Ids of trials to fit on and trials to judge on."""
+
+    train: tuple[str, ...]
+    test: tuple[str, ...]
+
+
+def split_trials(spec: MeasurementSpec, ids: Sequence[str], seed: int = 0) -> Trials:
+    """The split that the file declares, else 60:40 by whole trials; order and content do not depend on the machine.
+
+    Raises ValueError with fewer than two trials: one log cannot both teach and judge.
+    """
+    if spec.split is not None:
+        known = set(ids)
+        return Trials(tuple(i for i in spec.split.train if i in known), tuple(i for i in spec.split.test if i in known))
+    if len(ids) < 2:
+        raise ValueError(f"{len(ids)} trial(s); at least 2 are needed")
+    order = np.random.default_rng(seed).permutation(len(ids))
+    n_test = min(max(1, round(TEST_SHARE * len(ids))), len(ids) - 1)
+    test = {ids[k] for k in order[:n_test]}
+    return Trials(tuple(i for i in ids if i not in test), tuple(i for i in ids if i in test))
