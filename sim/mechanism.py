@@ -140,7 +140,7 @@ def _kick(
         if isinstance(law.hook, JointFriction):
             one = np.s_[:, law.joint : law.joint + 1]
             largest[one] += law.hook.limit(state(law.joint), law.params, direction[one])
-    moved = _with_friction(inverse, free, h * largest) if largest.any() else free
+    moved = _with_friction(inverse, free, h * np.maximum(largest, 0.0)) if largest.any() else free
     return np.clip(np.nan_to_num(moved), -_LARGEST_RATE, _LARGEST_RATE)
 
 

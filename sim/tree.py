@@ -23,6 +23,7 @@ class Link:
     X_PJ          (4, 4) joint frame in the parent's frame at q = 0.
     mass_kg, com_J (3,), inertia_J (3, 3) about the mass centre, axes of J.
     armature      inertia of the drive behind the joint (kg m2, or kg), which no other joint feels.
+    gravity_factor  weight of the link over mass times gravity; 1 unless its load is in doubt.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Link:
     com_J: FloatArray
     inertia_J: FloatArray
     armature: float = 0.0
+    gravity_factor: float = 1.0
 
 
 Tree = tuple[Link, ...]
@@ -70,6 +72,8 @@ def inverse_dynamics(
             a[i] = a0
         a_com = a[i] + np.cross(a_w[i], link.com_J) + np.cross(w[i], np.cross(w[i], link.com_J))
         F[i] = link.mass_kg * a_com
+        if link.gravity_factor != 1.0:
+            F[i] -= (link.gravity_factor - 1.0) * link.mass_kg * _in_link(tree, R, i, gravity_W)
         spin = w[i] @ link.inertia_J
         N[i] = a_w[i] @ link.inertia_J + np.cross(w[i], spin) + np.cross(link.com_J, F[i])
     effort, load = np.zeros((worlds, joints)), np.zeros((worlds, joints))
@@ -116,6 +120,18 @@ def _axis_rotation(axis: FloatArray, angle: FloatArray) -> FloatArray:
     x, y, z = axis
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.eye(3) + np.sin(angle)[:, None, None] * K + (1.0 - np.cos(angle))[:, None, None] * (K @ K)
+
+
+def _in_link(tree: Tree, R: list[FloatArray], i: int, v_W: FloatArray) -> FloatArray:
+    """A world vector (3,) in the frame of link i (w, 3)."""
+    chain = []
+    while i >= 0:
+        chain.append(i)
+        i = tree[i].parent
+    v = np.broadcast_to(v_W, (len(R[0]), 3))
+    for k in reversed(chain):
+        v = _turn(R[k], v)
+    return v
 
 
 def _turn(R_PJ: FloatArray, v_P: FloatArray) -> FloatArray:

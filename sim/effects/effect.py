@@ -118,9 +118,13 @@ class BodyWrench:
 
 @dataclass(frozen=True)
 class SensorMap:
-    """What the sensor reports for the true motion: works on the whole trial (or one window with its stamps)."""
+    """What the sensor reports for the true motion (`report`), and the best guess at the truth (`recover`).
 
-    map: Callable[[Series, Params, Place], Series]
+    Both work on the whole trial: a roll-out starts from what `recover` says and is compared after `report`.
+    """
+
+    report: Callable[[Series, Params, Place], Series]
+    recover: Callable[[Series, Params, Place], Series]
 
 
 Hook = Numbers | CommandMap | EffortMap | JointTorque | JointFriction | BodyWrench | SensorMap
@@ -146,6 +150,11 @@ class Effect:
     hook: Hook
     usd: str = ""
     urdf: str = ""
+
+    @property
+    def family(self) -> str:
+        """`contact`, `body`, `world`, `joint`, `actuator`, `sensor` or `robot`."""
+        return self.name.partition(".")[0]
 
     def null(self) -> dict[str, float]:
         """Parameter values at which the effect is absent."""

@@ -1,0 +1,41 @@
+"""A drive that follows slowly."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.gap import Place
+from schemas.model import FloatArray
+from sim.effects.effect import CommandMap, Confusable, Effect, Parameter, Params, Series
+from sim.effects.series import with_columns
+
+
+def _map(series: Series, params: Params, where: Place) -> Series:
+    return with_columns(series, ("command", "effort"), lambda sent: _followed(series.t_s, sent, params["lag_s"]))
+
+
+def _followed(t_s: FloatArray, sent: FloatArray, lag_s: float) -> FloatArray:
+    """First-order answer to inputs (n, k) that are held from row to row, exact at the stamps."""
+    if lag_s <= 0.0:
+        return sent
+    keep = np.exp(-np.diff(t_s) / lag_s)
+    answer = np.empty_like(sent)
+    answer[0] = sent[0]
+    for i, share in enumerate(keep):
+        answer[i + 1] = share * answer[i] + (1.0 - share) * sent[i]
+    return answer
+
+
+EFFECT = Effect(
+    name="actuator.lag",
+    kinds=("mechanism", "tracking"),
+    formula="lag_s * d(effort)/dt = asked - effort",
+    source="first-order motor electrics or low-pass of the drive",
+    reveals="steps are rounded; fast commands are weakened and late",
+    parameters=(Parameter("lag_s", "s", 0.0, 0.5, 0.0),),
+    confusables=(
+        Confusable("actuator.delay", "command steps: a lag rounds the corner"),
+        Confusable("joint.armature", "accelerate at several frequencies"),
+    ),
+    hook=CommandMap(_map),
+)

@@ -1,0 +1,25 @@
+"""Dry friction that differs between the two directions."""
+
+from __future__ import annotations
+
+from schemas.model import FloatArray
+from sim.effects.effect import Confusable, Effect, JointFriction, JointState, Parameter, Params
+
+
+def _limit(state: JointState, params: Params, direction: FloatArray) -> FloatArray:
+    return params["torque_Nm"] * direction
+
+
+EFFECT = Effect(
+    name="joint.friction_asymmetry",
+    kinds=("mechanism", "tracking"),
+    formula="dry friction + torque_Nm in the positive direction, - torque_Nm in the negative one",
+    source="Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994, section 3",
+    reveals="unexplained torque has a different size in each direction",
+    parameters=(Parameter("torque_Nm", "N m (N for sliding joints)", -1e3, 1e3, 0.0),),
+    confusables=(
+        Confusable("actuator.bias", "hold still: a bias pushes, friction does not; or let it swing with the drive off"),
+        Confusable("joint.axis_tilt", "move over the whole range: gravity depends on position, friction does not"),
+    ),
+    hook=JointFriction(_limit),
+)

@@ -1,0 +1,32 @@
+"""A mechanical end of travel that the model does not know."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.model import FloatArray
+from sim.effects.effect import Confusable, Effect, JointState, JointTorque, Parameter, Params
+
+
+def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
+    above = np.maximum(state.q - params["upper_rad"], 0.0)
+    below = np.maximum(params["lower_rad"] - state.q, 0.0)
+    return params["stiffness_Nm_per_rad"] * (below - above)
+
+
+EFFECT = Effect(
+    name="joint.hard_stop",
+    kinds=("mechanism",),
+    formula="tau = stiffness_Nm_per_rad * (max(lower_rad - q, 0) - max(q - upper_rad, 0))",
+    source="linear contact, Hertz regime neglected",
+    reveals="motion turns back at the same position every time, with a short large torque",
+    parameters=(
+        Parameter("lower_rad", "rad (m)", -100.0, 100.0, -100.0),
+        Parameter("upper_rad", "rad (m)", -100.0, 100.0, 100.0),
+        Parameter("stiffness_Nm_per_rad", "N m/rad (N/m)", 1e-3, 1e6, 100.0),
+    ),
+    confusables=(Confusable("joint.spring", "approach the end slowly: a spring acts over the whole range"),),
+    hook=JointTorque(_torque),
+    usd="physics:lowerLimit, physics:upperLimit",
+    urdf="limit/@lower, limit/@upper",
+)
