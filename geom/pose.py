@@ -80,11 +80,13 @@ def shortest_rotation(u: FloatArray, v: FloatArray) -> FloatArray:
 
     Opposite vectors have no unique one: then a half turn about x, or about y if u is along x, made normal to u.
     """
-    cosine = float(np.dot(u, v))
-    if cosine < -1.0 + 1e-12:
-        helper = np.array([1.0, 0.0, 0.0]) if abs(u[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-        axis = helper - np.dot(helper, u) * np.asarray(u)
-        return Rotation.from_rotvec(np.pi * axis / np.linalg.norm(axis)).as_matrix()
-    axis = np.cross(u, v)
-    cross = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
-    return np.eye(3) + cross + cross @ cross / (1.0 + cosine)
+    u, cosine, axis = np.asarray(u), float(np.dot(u, v)), np.cross(u, v)
+    if cosine > 0.0:
+        cross = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+        return np.eye(3) + cross + cross @ cross / (1.0 + cosine)
+    # The formula above divides by zero near opposite vectors: it was off by half a degree a millionth before.
+    sine = float(np.linalg.norm(axis))
+    if sine < 1e-9:
+        axis = np.array([1.0, 0.0, 0.0]) if abs(u[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    axis = axis - np.dot(axis, u) * u
+    return Rotation.from_rotvec(np.arctan2(sine, cosine) * axis / np.linalg.norm(axis)).as_matrix()

@@ -79,8 +79,8 @@ def test_angle_of_many_at_once() -> None:
 def test_shortest_rotation_maps_u_to_v_and_is_a_rotation(u: np.ndarray, v: np.ndarray) -> None:
     u, v = u / np.linalg.norm(u), v / np.linalg.norm(v)
     R = shortest_rotation(u, v)
-    assert u @ R.T == pytest.approx(v, abs=1e-6)
-    assert np.allclose(R @ R.T, np.eye(3), atol=1e-6)
+    assert u @ R.T == pytest.approx(v, abs=1e-8)
+    assert np.allclose(R @ R.T, np.eye(3), rtol=0.0, atol=1e-12)
     assert np.linalg.det(R) == pytest.approx(1.0)
 
 
@@ -89,6 +89,16 @@ def test_shortest_rotation_of_equal_and_opposite_vectors(axis: list[float]) -> N
     u = np.array(axis)
     assert shortest_rotation(u, u) == pytest.approx(np.eye(3))
     assert shortest_rotation(u, -u) @ u == pytest.approx(-u)
+
+
+@given(units, units, st.floats(-12.0, -0.5))
+def test_shortest_rotation_is_exact_close_to_opposite_vectors(u: np.ndarray, off: np.ndarray, exponent: float) -> None:
+    u = u / np.linalg.norm(u)
+    v = 10.0**exponent * off / np.linalg.norm(off) - u
+    v /= np.linalg.norm(v)
+    R = shortest_rotation(u, v)
+    assert np.allclose(R @ u, v, rtol=0.0, atol=1e-8)
+    assert np.allclose(R @ R.T, np.eye(3), rtol=0.0, atol=1e-12)
 
 
 def test_identity_pose_is_the_default() -> None:
