@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
-from assetkit.release import RECORD, read_record
+from assetkit.record import RECORD, read_record
 from schemas.asset import AssetRecord
 
 CATALOG = "catalog.sqlite"

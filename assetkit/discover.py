@@ -10,8 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-import networkx as nx
-
 from assetkit.source import SourceFile
 from jobs.cache import content_key, file_sha256
 
@@ -143,12 +141,13 @@ def _parts(files: Sequence[Path]) -> set[Path]:
     by_name: dict[str, list[Path]] = {}
     for file in files:
         by_name.setdefault(file.name.lower(), []).append(file)
-    graph: nx.DiGraph[Path] = nx.DiGraph()
-    graph.add_nodes_from(files)
-    for file in files:
-        if file.suffix.lower() in _TEXT_WITH_REFERENCES:
-            graph.add_edges_from((file, target) for target in _named_by(file, by_name))
-    condensed = nx.condensation(graph)
+    naming = [f for f in files if f.suffix.lower() in _TEXT_WITH_REFERENCES]
+    references = [(file, target) for file in naming for target in _named_by(file, by_name)]
+    if not references:
+        return set()
+    import networkx as nx  # Takes longer to load than most folders to walk.
+
+    condensed = nx.condensation(nx.DiGraph(references))
     return {f for n in condensed for f in condensed.nodes[n]["members"] if condensed.in_degree(n) > 0}
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from assetkit.source import SourceFile
 from jobs.cache import content_key, file_sha256, write_atomically
 from jobs.cell import CellResult, Limits, run_cell
 from jobs.schedule import run_all
+from jobs.warm import run_module, warm_cells
 from schemas.diagnostics import Diagnostic, finding
 from schemas.outcome import ItemOutcome
 from schemas.report import ReportItem
@@ -27,6 +27,9 @@ _CODES = {
     "crashed": "asset/worker-crashed",
     "failed": "asset/worker-crashed",
 }
+# One core per asset, the batch fills the others; and USD starts no threads, which could not be forked.
+_ENVIRONMENT = {"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1", "PYTHONHASHSEED": "0"}
+_CHATTER = ("pybullet build time", "#")  # What PyBullet and, told how many threads to use, OpenUSD print on import.
 DEFAULT_LIMITS = Limits(seconds=300.0, memory_mb=8192)
 
 
@@ -34,12 +37,15 @@ DEFAULT_LIMITS = Limits(seconds=300.0, memory_mb=8192)
 class Batch:
     """One run of `ingest`: where to, how many at a time, under which limits.
 
-    `worker` is the command that runs one request file; the caller chooses it, and with it the simulator.
+    `worker` runs one request file, given as its last argument: a Python module, or any command; the caller chooses it,
+    and with it the simulator. `preload` names a module that imports what a worker module needs: it is imported once,
+    and every worker starts as a fork of that process.
     """
 
     out: Path
     options: Options
-    worker: tuple[str, ...]
+    worker: str | tuple[str, ...]
+    preload: str = ""
     jobs: int = 1
     limits: Limits = DEFAULT_LIMITS
     resume: bool = False
@@ -55,8 +61,9 @@ def ingest(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem
     """
     batch.out.mkdir(parents=True, exist_ok=True)
     owned = [ownership.settle(c, batch.out) for c in candidates]
-    for _, item in run_all(lambda c: _one(c, batch), owned, jobs=batch.jobs):
-        yield item
+    with warm_cells(batch.preload, env=_ENVIRONMENT):
+        for _, item in run_all(lambda c: _one(c, batch), owned, jobs=batch.jobs):
+            yield item
 
 
 def _one(candidate: Candidate, batch: Batch) -> ReportItem:
@@ -82,7 +89,7 @@ def _in_cell(candidate: Candidate, batch: Batch, note: Path) -> ReportItem:
     request = work / "request.json"
     write_atomically(request, json.dumps(_request(candidate, batch, note, work)).encode())
     note.unlink(missing_ok=True)
-    result = run_cell([*batch.worker, str(request)], batch.limits, env={"OMP_NUM_THREADS": "1", "PYTHONHASHSEED": "0"})
+    result = _run_worker(batch, request)
     stored = memory.recall(note)
     if stored is None:
         stored = memory.Stored(item=_lost(candidate, result, batch.limits), main_sha256=main_sha256)
@@ -92,6 +99,12 @@ def _in_cell(candidate: Candidate, batch: Batch, note: Path) -> ReportItem:
         ownership.claim(candidate, stored.item.packages, batch.out)
     shutil.rmtree(work, ignore_errors=True)
     return stored.item
+
+
+def _run_worker(batch: Batch, request: Path) -> CellResult:
+    if isinstance(batch.worker, str):
+        return run_module(batch.worker, [str(request)], batch.limits, env=_ENVIRONMENT)
+    return run_cell([*batch.worker, str(request)], batch.limits, env=_ENVIRONMENT)
 
 
 def _request(candidate: Candidate, batch: Batch, note: Path, work: Path) -> dict[str, object]:
@@ -119,7 +132,7 @@ def _lost(candidate: Candidate, result: CellResult, limits: Limits) -> ReportIte
     """The item of a worker that died without a word."""
     bound = {"timeout": (result.seconds, limits.seconds, "s"), "out_of_memory": (None, limits.memory_mb, "MiB")}
     value, limit, unit = bound.get(result.status, (result.returncode, 0, "exit status"))
-    said = [line for line in result.output.strip().splitlines() if not line.startswith("pybullet build time")]
+    said = [line for line in result.output.strip().splitlines() if not line.startswith(_CHATTER)]
     tail = said[-1:] or ["no output"]
     diagnostic = finding(
         _CODES.get(result.status, "asset/worker-crashed"),
@@ -141,8 +154,3 @@ def _rejected(candidate: Candidate, diagnostic: Diagnostic) -> ReportItem:
 def default_jobs() -> int:
     """Worker processes when the user does not say: one per core, leaving none idle."""
     return max(1, len(os.sched_getaffinity(0)))
-
-
-def python_module(name: str) -> tuple[str, ...]:
-    """The command that runs a module of this installation; `-P` keeps the working directory off the module path."""
-    return (sys.executable, "-P", "-m", name)

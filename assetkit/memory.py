@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict
 
 from assetkit.discover import Candidate
 from assetkit.options import Options
-from assetkit.release import RECORD, read_record
+from assetkit.record import RECORD, read_record
 from assetkit.versions import library_versions
 from jobs.cache import content_key, file_sha256, write_atomically
 from schemas.report import ReportItem

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from assetkit.discover import Candidate, slug
-from assetkit.release import read_record
+from assetkit.record import read_record
 from jobs.cache import content_key, write_atomically
 
 

@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 from assetkit.journal import Journal
+from assetkit.record import RECORD, read_record
 from assetkit.stage import Draft, need
 from assetkit.urdf import write_urdf
 from jobs.cache import file_sha256
@@ -18,7 +19,6 @@ from usdio.source_names import source_names
 from usdio.write_package import write_package
 
 UNKNOWN = "unknown"
-RECORD = "record.json"
 
 
 def author(draft: Draft, work_dir: Path) -> Path:
@@ -72,15 +72,6 @@ def publish(folder: Path, target: Path) -> Diagnostic | None:
     folder.rename(target)
     shutil.rmtree(old, ignore_errors=True)
     return None
-
-
-def read_record(package: Path) -> AssetRecord | None:
-    """The record of a package folder, None when the folder is no package of that name."""
-    try:
-        record = AssetRecord.model_validate_json((package / RECORD).read_bytes())
-    except (OSError, ValueError):
-        return None
-    return record if record.asset_id == package.name else None
 
 
 def _content(draft: Draft) -> PackageContent:

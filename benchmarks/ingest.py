@@ -16,8 +16,8 @@ from pathlib import Path
 from assetkit.discover import discover
 from assetkit.ingest import Batch, ingest
 from assetkit.options import Options
-from assetkit.release import RECORD
-from cli.assets import WORKER
+from assetkit.record import RECORD
+from cli.assets import PRELOAD, WORKER
 from cli.demo import OBJECTS, data_folder
 from jobs.cell import Limits, run_cell
 from schemas.asset import AssetRecord
@@ -35,7 +35,7 @@ print("RESULT", time.monotonic() - started, len(parts))
 def main() -> None:
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(tempfile.mkdtemp(prefix="mana-bench"))
     meshes = [data_folder() / name for name in OBJECTS]
-    batch = Batch(out=out, options=Options(), worker=WORKER, jobs=1, fresh=True)
+    batch = Batch(out=out, options=Options(), worker=WORKER, preload=PRELOAD, jobs=1, fresh=True)
     print(
         f"{'mesh':20} {'all s':>7} {'coll s':>7} {'shapes':>6} {'p95 %':>6}   {'plain s':>8} {'hulls':>5} {'ratio':>6}"
     )

@@ -18,7 +18,7 @@ from statistics import median
 from assetkit.discover import Candidate, discover
 from assetkit.ingest import Batch, default_jobs, ingest
 from assetkit.options import Options
-from cli.assets import WORKER
+from cli.assets import PRELOAD, WORKER
 from schemas.report import ReportItem
 
 PLANNED = {"urdf", "mjcf", "blend"}
@@ -51,7 +51,7 @@ def main() -> None:
     candidates: tuple[Candidate, ...] = tuple(found[path] for path in rows)
     started = time.monotonic()
     table = []
-    batch = Batch(out=arguments.out, options=Options(), worker=WORKER, jobs=arguments.jobs)
+    batch = Batch(out=arguments.out, options=Options(), worker=WORKER, preload=PRELOAD, jobs=arguments.jobs)
     for item in ingest(candidates, batch):
         row = rows[item.source]
         line = {

@@ -13,12 +13,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 
 from assetkit import catalog
 from assetkit.discover import Candidate, discover
-from assetkit.ingest import Batch, default_jobs, ingest, python_module
+from assetkit.ingest import Batch, default_jobs, ingest
 from assetkit.options import Options, UnitName, UpAxisName
-from assetkit.pictures import picture
-from assetkit.release import RECORD
+from assetkit.record import RECORD
 from assetkit.report import build_report, write_report
-from assetkit.validate import main_usd_files, validate_file
 from cli import text
 from jobs.cell import Limits
 from schemas.asset import Role
@@ -27,7 +25,7 @@ from schemas.outcome import ItemOutcome
 from schemas.report import IngestReport, ReportItem
 
 app = typer.Typer(help="Raw asset files in, accepted simulation packages out.", no_args_is_help=True)
-WORKER = python_module("cli.cell")
+WORKER, PRELOAD = "cli.cell", "cli.preload"
 AsJson = Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")]
 Library = Annotated[Path, typer.Argument(help="An output folder of `mana assets ingest`.", exists=True)]
 
@@ -77,6 +75,7 @@ def ingest_command(
         out=out,
         options=options,
         worker=WORKER,
+        preload=PRELOAD,
         jobs=jobs,
         limits=Limits(timeout, memory),
         resume=resume,
@@ -173,6 +172,8 @@ def validate_command(
 
     Example: `mana assets validate library/mug`
     """
+    from assetkit.validate import main_usd_files, validate_file  # Loads USD, which most commands do not need.
+
     results = {str(file): validate_file(file) for file in main_usd_files(path)}
     if not results:
         raise FileNotFoundError(f"no USD file in {path}")
@@ -197,6 +198,8 @@ def render_command(
 
     Example: `mana assets render library/mug --out pictures`
     """
+    from assetkit.pictures import picture  # Loads every reader.
+
     written = picture(path, out)
     if as_json:
         print(json.dumps([str(p) for p in written]))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import resource
 import sys
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from assetkit import memory
 from assetkit.ingest import candidate_of
 from assetkit.options import Options
 from assetkit.pipeline import process_source
+from jobs.cell import peak_memory_mb
 from sim.bullet import BulletSimulator
 
 
@@ -28,8 +28,7 @@ def main(request_file: str) -> None:
             work_dir=Path(request["work_dir"]),
             fresh=request["fresh"],
         )
-    peak_mb = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) / 1024
-    item = item.model_copy(update={"peak_memory_mb": round(peak_mb, 1)})
+    item = item.model_copy(update={"peak_memory_mb": round(peak_memory_mb(), 1)})
     memory.remember(Path(request["note"]), memory.stored_from(item, candidate, out))
 
 

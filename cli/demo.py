@@ -12,9 +12,8 @@ from rich.markup import escape
 from assetkit.discover import discover
 from assetkit.ingest import Batch, default_jobs
 from assetkit.options import Options
-from assetkit.validate import main_usd_files, validate_file
 from cli import text
-from cli.assets import WORKER, AsJson, run_batch
+from cli.assets import PRELOAD, WORKER, AsJson, run_batch
 from cli.demo_page import write_page
 from schemas.diagnostics import Severity
 
@@ -42,12 +41,18 @@ def demo(
 
     Example: `mana demo --out demo_out`
     """
+    from assetkit.validate import main_usd_files, validate_file  # Loads USD, which other commands do not need.
+
     data = data_folder()
     found = [data / name for name in OBJECTS if (data / name).is_file()]
     if not found:
         raise FileNotFoundError(data)
     batch = Batch(
-        out=out / "library", options=Options(license="Zlib", author="Bullet contributors"), worker=WORKER, jobs=jobs
+        out=out / "library",
+        options=Options(license="Zlib", author="Bullet contributors"),
+        worker=WORKER,
+        preload=PRELOAD,
+        jobs=jobs,
     )
     report = run_batch(discover(found, root=data), batch, quiet=as_json)
     verdicts = {file: validate_file(file) for file in main_usd_files(batch.out)}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from assetkit.release import RECORD
+from assetkit.record import RECORD
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, Severity

@@ -14,9 +14,9 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import IO, Literal
 
 Status = Literal["ok", "failed", "crashed", "timeout", "out_of_memory", "cancelled"]
 _PR_SET_PDEATHSIG = 1
@@ -24,6 +24,7 @@ _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
 _STOPPING = threading.Event()
 _LIVE: set[int] = set()
 _LIVE_LOCK = threading.Lock()
+_peak_mb = 0.0  # of the cells that were no children of this process
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,9 @@ class CellResult:
     seconds: float
 
 
+CANCELLED = CellResult("cancelled", 0, "", 0.0)
+
+
 def run_cell(argv: Sequence[str], limits: Limits, *, env: dict[str, str] | None = None) -> CellResult:
     """Run `argv` in its own session and wait; on time-out the whole session is killed.
 
@@ -54,8 +58,7 @@ def run_cell(argv: Sequence[str], limits: Limits, *, env: dict[str, str] | None 
     its parent (Linux). Limits never exceed those of the process that asks.
     """
     if _STOPPING.is_set():
-        return CellResult("cancelled", 0, "", 0.0)
-    started = time.monotonic()
+        return CANCELLED
     with tempfile.TemporaryFile() as log:
         child = subprocess.Popen(
             list(argv),
@@ -63,25 +66,33 @@ def run_cell(argv: Sequence[str], limits: Limits, *, env: dict[str, str] | None 
             stdout=log,
             stderr=subprocess.STDOUT,
             start_new_session=True,
-            preexec_fn=lambda: _confine(limits.memory_mb),  # the child only; resource is POSIX
+            preexec_fn=lambda: confine(limits.memory_mb),  # the child only; resource is POSIX
             env={**os.environ, **(env or {})},
         )
+        return supervise(child.pid, child.wait, limits, log)
+
+
+def supervise(pid: int, wait: Callable[[float | None], int], limits: Limits, log: IO[bytes]) -> CellResult:
+    """See a started session `pid` through to its end; `wait` returns its exit status or raises TimeoutExpired."""
+    started = time.monotonic()
+    with _LIVE_LOCK:
+        _LIVE.add(pid)
+    timed_out = False
+    try:
+        if _STOPPING.is_set():  # A session that started while the others were killed.
+            _kill_session(pid)
+        returncode = wait(limits.seconds)
+    except subprocess.TimeoutExpired:
+        timed_out = True
+    finally:
+        _kill_session(pid)
+        returncode = wait(None)
         with _LIVE_LOCK:
-            _LIVE.add(child.pid)
-        timed_out = False
-        try:
-            child.wait(timeout=limits.seconds)
-        except subprocess.TimeoutExpired:
-            timed_out = True
-        finally:
-            _kill_session(child.pid)
-            child.wait()
-            with _LIVE_LOCK:
-                _LIVE.discard(child.pid)
-        log.seek(max(0, log.seek(0, os.SEEK_END) - 4000))
-        output = log.read().decode(errors="replace")
-    status = "cancelled" if _STOPPING.is_set() else _status(child.returncode, output, timed_out)
-    return CellResult(status, child.returncode, output, time.monotonic() - started)
+            _LIVE.discard(pid)
+    log.seek(max(0, log.seek(0, os.SEEK_END) - 4000))
+    output = log.read().decode(errors="replace")
+    status = "cancelled" if _STOPPING.is_set() else _status(returncode, output, timed_out)
+    return CellResult(status, returncode, output, time.monotonic() - started)
 
 
 def allow_cells() -> None:
@@ -98,13 +109,26 @@ def kill_all_cells() -> None:
         _kill_session(pid)
 
 
-def _confine(memory_mb: int) -> None:
+def confine(memory_mb: int) -> None:
+    """Bound this process and what it starts, and tie its life to its parent's; for the first moments of a cell."""
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
     limit = memory_mb * 2**20 if hard == resource.RLIM_INFINITY else min(memory_mb * 2**20, hard)
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     if _LIBC is not None:  # A cell is a session of its own: without this it would outlive a killed parent (prctl(2)).
         _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def peak_memory_mb() -> float:
+    """The largest resident memory in MiB that this process, a child of it, or a cell it asked for has had."""
+    own = (resource.getrusage(who).ru_maxrss / 1024 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return max(_peak_mb, *own)
+
+
+def note_peak_memory(megabytes: float) -> None:
+    """Count a cell that was no child of this process in `peak_memory_mb`."""
+    global _peak_mb
+    _peak_mb = max(_peak_mb, megabytes)
 
 
 def _kill_session(pid: int) -> None:

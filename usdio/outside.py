@@ -44,7 +44,7 @@ def simready(main_file: Path) -> Verdict:
     name up to the disk root and would blame the package for where its user keeps it.
     """
     with _silence(), quiet(), tempfile.TemporaryDirectory(prefix="mana") as place:
-        validate = _simready()
+        validate = simready_rules()
         package = main_file.resolve().parent.parent
         link = Path(place) / (package.name or "root")
         link.symlink_to(package, target_is_directory=True)
@@ -71,7 +71,7 @@ def usd_validation(main_file: Path) -> Verdict:
 
 
 @cache
-def _simready() -> Any:
+def simready_rules() -> Any:
     """The SimReady module with its rules loaded (about 1 s, once per process)."""
     import simready.validate
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from pathlib import Path
 
 from assetkit.stage import Draft, Previews, Tools, need
-from jobs.cell import Limits, run_cell
+from jobs.cell import Limits
+from jobs.warm import run_module
 from render.request import RenderRequest
 from schemas import arrays
 from schemas.diagnostics import Diagnostic
@@ -43,7 +43,7 @@ def render(model: Model, shapes: tuple[CollisionShape, ...], work_dir: Path) -> 
     with tempfile.TemporaryDirectory(dir=work_dir) as place:
         request = Path(place) / "request.npz"
         arrays.save(RenderRequest(model=model, shapes=shapes, out_dir=place), RenderRequest, request)
-        result = run_cell([sys.executable, "-P", "-m", "render", str(request)], LIMITS)
+        result = run_module("render", [str(request)], LIMITS)
         if result.status != "ok":
             raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
         return {p.stem: p.read_bytes() for p in sorted(Path(place).glob("*.png"))}

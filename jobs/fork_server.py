@@ -1,0 +1,129 @@
+"""`python -P -m jobs.fork_server PRELOAD REQUESTS_FD CLIENT_FD`: import PRELOAD once, then fork a cell per request.
+
+Known as a zygote. Forking is safe because the process has one thread, which is checked: locks and thread pools of
+native libraries would otherwise be left behind half-way. A request is a JSON object with a socket and a log file
+attached. Over the socket the cell tells its process id, and the server its end; when the asking process closes it, or
+dies, the cell is killed. The server ends with its standard input.
+"""
+
+from __future__ import annotations
+
+import gc
+import importlib
+import json
+import os
+import runpy
+import selectors
+import signal
+import socket
+import sys
+import traceback
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+
+from jobs import warm
+from jobs.cell import confine
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """A running fork: its process, a descriptor that becomes readable at its end, and the line to who asked for it."""
+
+    pid: int
+    pidfd: int
+    asker: socket.socket
+
+
+def main(preload: str, requests_fd: int, client_fd: int) -> None:
+    """Serve until standard input ends."""
+    importlib.import_module(preload)
+    threads = len(os.listdir("/proc/self/task"))
+    if threads != 1:
+        raise SystemExit(f"{preload} left {threads - 1} threads running: forks of it would not be sound")
+    gc.collect()
+    gc.freeze()  # What is here now is nobody's garbage; untouched, its memory stays shared.
+    requests, client = socket.socket(fileno=requests_fd), socket.socket(fileno=client_fd)
+    address_space_mb = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE") >> 20
+    requests.send(str(address_space_mb).encode())
+    selector = selectors.DefaultSelector()
+    selector.register(sys.stdin, selectors.EVENT_READ)
+    selector.register(requests, selectors.EVENT_READ)
+    while True:
+        for key, _ in selector.select():
+            if key.fileobj is sys.stdin:
+                return  # Cells die with their parent, see `confine`.
+            if key.fileobj is requests:
+                message, fds, _, _ = socket.recv_fds(requests, 2**20, 2)
+                if not message:
+                    return
+                asker = socket.socket(fileno=fds[0])
+                pid = os.fork()
+                if pid == 0:
+                    for other in list(selector.get_map().values()):
+                        os.close(other.fd)
+                    _become_cell(json.loads(message), asker, fds[1], client, address_space_mb)
+                os.close(fds[1])
+                cell = _Cell(pid, os.pidfd_open(pid), asker)
+                selector.register(cell.pidfd, selectors.EVENT_READ, cell)
+                selector.register(cell.asker, selectors.EVENT_READ, cell)
+            elif key.fileobj is key.data.asker:
+                selector.unregister(key.data.asker)  # Closed: nobody waits for this cell any more.
+                _kill(key.data.pid)
+            else:
+                _bury(key.data, selector)
+
+
+def _bury(cell: _Cell, selector: selectors.BaseSelector) -> None:
+    """Tell how an ended cell ended, and kill what it left running."""
+    _kill(cell.pid)
+    _, status, used = os.wait4(cell.pid, 0)
+    with suppress(OSError):
+        cell.asker.send(f"{os.waitstatus_to_exitcode(status)} {used.ru_maxrss}".encode())
+    selector.unregister(cell.pidfd)
+    os.close(cell.pidfd)
+    with suppress(KeyError):
+        selector.unregister(cell.asker)
+    cell.asker.close()
+
+
+def _kill(pid: int) -> None:
+    with suppress(ProcessLookupError, PermissionError):
+        os.kill(pid, signal.SIGKILL)  # A cell that has no session yet.
+        os.killpg(pid, signal.SIGKILL)
+
+
+def _become_cell(
+    request: dict, asker: socket.socket, log_fd: int, client: socket.socket, address_space_mb: int
+) -> NoReturn:
+    """Turn this fork into `python -P -m MODULE ARGUMENTS` and run it to its end."""
+    code = 1
+    try:
+        os.setsid()
+        confine(request["memory_mb"])
+        nothing = os.open(os.devnull, os.O_RDONLY)
+        for source, target in ((nothing, 0), (log_fd, 1), (log_fd, 2)):
+            os.dup2(source, target)
+        asker.send(str(os.getpid()).encode())
+        asker.close()
+        os.environ.update(request["env"])
+        warm.inherit(client, address_space_mb)
+        sys.argv = [request["module"], *request["arguments"]]
+        runpy.run_module(request["module"], run_name="__main__", alter_sys=True)
+        code = 0
+    except SystemExit as stop:
+        code = stop.code if isinstance(stop.code, int) else int(stop.code is not None)
+        if isinstance(stop.code, str):
+            sys.stderr.write(f"{stop.code}\n")
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        with suppress(OSError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)  # Not `sys.exit`: the frames of the server lie below.
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))

@@ -1,0 +1,138 @@
+"""Cells that start warm: forks of one process that has done the imports already (Linux; elsewhere every cell is cold).
+
+A cell keeps all it has: a process and session of its own, limits, and nothing left over from the cell before it. Only
+the seconds of importing are spent once for a batch instead of once for an asset.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import resource
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator, Sequence
+from typing import IO
+
+from jobs.cell import CellResult, Limits, note_peak_memory, run_cell, supervise
+
+ROOM_MB = 1024  # Least address space beyond that of the server in which a fork of it can work.
+_PATIENCE_S = 120.0
+_server: ForkServer | None = None
+
+
+def run_module(name: str, arguments: Sequence[str], limits: Limits, *, env: dict[str, str] | None = None) -> CellResult:
+    """Run `python -P -m NAME ARGUMENTS` in a cell, warm inside `warm_cells`, else as `jobs.cell.run_cell` does."""
+    if _server is not None:
+        result = _server.run(name, arguments, limits, env or {})
+        if result is not None:
+            return result
+    return run_cell([sys.executable, "-P", "-m", name, *arguments], limits, env=env)
+
+
+@contextlib.contextmanager
+def warm_cells(preload: str, *, env: dict[str, str] | None = None) -> Iterator[None]:
+    """Within it, `run_module` forks its cells from a process that has imported the module `preload`.
+
+    The process is started by the first cell, with `env` added to the environment, and ends with the context. Where it
+    cannot work (no Linux, `preload` does not import or starts threads) cells are cold. Not reentrant.
+    """
+    global _server
+    _server = ForkServer(preload, env or {}) if preload and sys.platform == "linux" else None
+    try:
+        yield
+    finally:
+        server, _server = _server, None
+        if server is not None:
+            server.close()
+
+
+def inherit(requests: socket.socket, address_space_mb: int) -> None:
+    """For a fresh fork: the cells that it runs come from the same server."""
+    global _server
+    _server = ForkServer("", {})
+    _server.requests, _server.address_space_mb = requests, address_space_mb
+
+
+class ForkServer:
+    """The asking side. `requests` is the socket to the server, None before the first cell and when there is none."""
+
+    def __init__(self, preload: str, env: dict[str, str]) -> None:
+        self.requests: socket.socket | None = None
+        self.address_space_mb = 0
+        self._preload, self._env = preload, env
+        self._process: subprocess.Popen[bytes] | None = None
+        self._lock = threading.Lock()
+
+    def run(self, name: str, arguments: Sequence[str], limits: Limits, env: dict[str, str]) -> CellResult | None:
+        """How the cell ended; None when it has to be run cold."""
+        with self._lock:
+            if self.requests is None and self._process is None and self._preload:
+                self._start()
+        soft = resource.getrlimit(resource.RLIMIT_AS)[0]
+        memory_mb = limits.memory_mb if soft == resource.RLIM_INFINITY else min(limits.memory_mb, soft >> 20)
+        if self.requests is None or memory_mb < self.address_space_mb + ROOM_MB:
+            return None
+        request = {"module": name, "arguments": list(arguments), "memory_mb": memory_mb, "env": env}
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with ours, tempfile.TemporaryFile() as log:
+            with theirs:
+                try:
+                    socket.send_fds(self.requests, [json.dumps(request).encode()], [theirs.fileno(), log.fileno()])
+                except OSError:  # The server has gone, say, for want of memory.
+                    self.requests = None
+                    return None
+            return _supervised(ours, limits, log)
+
+    def _start(self) -> None:
+        """Start the server and wait until it has imported everything."""
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        fds = (theirs.fileno(), ours.fileno())
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "jobs.fork_server", self._preload, *map(str, fds)],
+            stdin=subprocess.PIPE,  # Its end tells the server that this process has ended.
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            pass_fds=fds,
+            start_new_session=True,  # Ctrl-C is for the batch, which then closes the server.
+            env={**os.environ, **self._env},
+        )
+        theirs.close()
+        ours.settimeout(_PATIENCE_S)
+        with contextlib.suppress(OSError):
+            if ready := ours.recv(64):
+                ours.settimeout(None)
+                self.requests, self.address_space_mb = ours, int(ready)
+                return
+        ours.close()
+
+    def close(self) -> None:
+        """End the server and with it all its cells."""
+        if self.requests is not None:
+            self.requests.close()
+        if self._process is not None and self._process.stdin is not None:
+            self._process.stdin.close()
+            self._process.wait()
+
+
+def _supervised(cell: socket.socket, limits: Limits, log: IO[bytes]) -> CellResult | None:
+    """Follow the cell at the other end of `cell`: its process id, then its exit status and peak memory."""
+
+    def wait(seconds: float | None) -> int:
+        cell.settimeout(seconds)
+        try:
+            told = ended[0] if ended else cell.recv(64)
+        except TimeoutError:
+            raise subprocess.TimeoutExpired([], seconds or 0.0) from None
+        ended[:] = [told]
+        returncode, peak_kb = (int(word) for word in told.split()) if told else (-9, 0)  # The server was killed.
+        note_peak_memory(peak_kb / 1024)
+        return returncode
+
+    ended: list[bytes] = []
+    pid = cell.recv(64)
+    return supervise(int(pid), wait, limits, log) if pid else None
