@@ -20,6 +20,7 @@ class Candidate:
     null      values without effect: the effect's own, or what the subject declares (a declared friction, a mass).
     start     where to begin the search.
     bounds    plausible values here, within the effect's own.
+    nuisance  part of the null model: a declared number within its tolerance, never named.
     """
 
     effect: Effect
@@ -27,11 +28,12 @@ class Candidate:
     null: dict[str, float]
     start: dict[str, float]
     bounds: dict[str, tuple[float, float]]
+    nuisance: bool = False
 
     @property
     def key(self) -> str:
-        """Name and place as one word."""
-        return f"{self.effect.name}@{self.where}"
+        """Name and place as one word; a nuisance never shares that of a named effect."""
+        return f"{'nuisance:' if self.nuisance else ''}{self.effect.name}@{self.where}"
 
 
 @dataclass(frozen=True)
@@ -75,10 +77,10 @@ class Problem(Protocol):
         ...
 
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
-        """Per trial (k, c): simulated minus measured, in units of the sensor noise; k over windows and frames.
+        """Per trial (k, c): simulated minus measured, SI units; k over windows and frames.
 
         Channels c are those of `channels`. Rows may hold NaN where nothing was measured. A simulation that diverges
-        gives large finite numbers, never an exception.
+        gives large finite numbers, never an exception. Equal trials give equally many rows for any model.
         """
         ...
 
@@ -91,5 +93,5 @@ class Problem(Protocol):
         ...
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
-        """(c,) rms residual that noise in the initial state and the readings alone would leave."""
+        """(c,) rms residual (SI) that noise in the initial state and the readings alone would leave."""
         ...

@@ -60,17 +60,15 @@ def _gain(before: float, after: float) -> float:
 
 
 def paired_p(before: FloatArray, after: FloatArray) -> float:
-    """One-sided p-value that `after` is not smaller, from the log ratios of the trials.
+    """One-sided p-value that `after` is not smaller: Student's test on the log ratios of the trials.
 
-    The greater of Student's and Wilcoxon's: with few trials the one trusts a bell, the other a rank.
+    Logarithms make trials of different violence comparable; rank tests cannot speak below one in 2^n.
     """
     tiny = 1e-12 + 1e-9 * before.mean()
     ratios = np.log((before + tiny) / (after + tiny))
-    if np.allclose(ratios, 0.0, atol=1e-12):
+    if np.ptp(ratios) <= 1e-12:
         return 1.0
-    student = stats.ttest_1samp(ratios, 0.0, alternative="greater")[1] if np.ptp(ratios) > 0 else 0.5
-    wilcoxon = stats.wilcoxon(ratios, alternative="greater")[1]
-    return float(np.nanmax(np.array([student, wilcoxon], dtype=float)))
+    return float(np.asarray(stats.ttest_1samp(ratios, 0.0, alternative="greater")[1]))
 
 
 def adjusted(p_values: Sequence[float]) -> FloatArray:

@@ -1,0 +1,1 @@
+"""Jointed mechanisms: doors, drawers, pendulums, servos, axes."""

@@ -1,0 +1,197 @@
+"""Which effects a mechanism's log could show, at which joints, within which bounds.
+
+Bounds follow from the log itself: torques of the size that moved the joint, speeds and positions that were reached.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.gap import Place
+from schemas.model import FloatArray
+from sim.effects.effect import Effect, Series
+from sim.effects.library import EFFECTS, effect
+from sim.mechanism import MechanismModel
+from sim.tree import inverse_dynamics, mass_matrix
+from simgap.mechanism.smooth import Smooth
+from simgap.problem import Candidate
+
+_QUANTILE = 0.95
+# Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
+TOLERANCE = 0.05
+_WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """Typical magnitudes at one joint: torque, speed, position (low, high), inertia, bearing load, asked effort."""
+
+    torque: float
+    speed: float
+    low: float
+    high: float
+    inertia: float
+    load: float
+    effort: float
+
+
+def ranges_of(model: MechanismModel, smooths: Sequence[Smooth], joint: int, effort: float) -> Ranges:
+    """Magnitudes at a joint over all trials."""
+    q, qd, qdd = (np.concatenate([getattr(s, n) for s in smooths]) for n in ("q", "qd", "qdd"))
+    thin = np.s_[:: max(1, len(q) // 4000)]
+    torque, load = inverse_dynamics(model.tree, q[thin], qd[thin], qdd[thin], model.gravity_W)
+    inertia = float(np.median(mass_matrix(model.tree, q[thin])[:, joint, joint]))
+    return Ranges(
+        torque=max(_size(torque[:, joint]), effort, 1e-9),
+        speed=max(_size(qd[:, joint]), 1e-9),
+        low=float(q[:, joint].min()),
+        high=float(q[:, joint].max()),
+        inertia=max(inertia, 1e-12),
+        load=max(_size(load[:, joint]), 1e-9),
+        effort=effort,
+    )
+
+
+def _size(values: FloatArray) -> float:
+    return float(np.quantile(np.abs(values), _QUANTILE))
+
+
+def candidates_of(model: MechanismModel, series: Sequence[Series], smooths: Sequence[Smooth]) -> tuple[Candidate, ...]:
+    """Every effect of the library that these columns can reveal, at every joint, in library order."""
+    out = []
+    for each in EFFECTS:
+        if "mechanism" not in each.kinds or not _observable(each, model, series):
+            continue
+        whole = each.name in _WHOLE_LOG
+        for j, link in enumerate(model.tree[:1] if whole else model.tree):
+            ranges = ranges_of(model, smooths, j, _effort(model, series, j))
+            where = Place() if whole else Place(joint=link.name)
+            null = _null(each, model, j, ranges, series)
+            bounds = {p.name: _bounds(p.name, each, null, ranges) for p in each.parameters}
+            start = {n: float(np.clip(_start(n, each, null[n], ranges), *bounds[n])) for n in null}
+            out.append(Candidate(each, where, null, start, bounds))
+    return tuple(out)
+
+
+def nuisances_of(model: MechanismModel) -> tuple[Candidate, ...]:
+    """Declared inertia, weight, friction and damping of each joint within their tolerance."""
+    out = []
+    for j, link in enumerate(model.tree):
+        inertia = float(mass_matrix(model.tree, np.zeros((1, len(model.tree))))[0, j, j])
+        slack = {
+            ("joint.armature", "inertia_kgm2"): (0.0, TOLERANCE * inertia),
+            ("joint.gravity_load", "factor"): (1.0, TOLERANCE if link.mass_kg > 0.0 and not link.prismatic else 0.0),
+            ("joint.coulomb_friction", "torque_Nm"): (float(model.friction[j]), TOLERANCE * float(model.friction[j])),
+            ("joint.viscous_friction", "damping_Nms_per_rad"): (
+                float(model.damping[j]),
+                TOLERANCE * float(model.damping[j]),
+            ),
+        }
+        for (name, parameter), (value, half) in slack.items():
+            if half > 0.0:
+                one = {parameter: value}
+                out.append(
+                    Candidate(
+                        effect(name), Place(joint=link.name), one, one, {parameter: (value - half, value + half)}, True
+                    )
+                )
+    return tuple(out)
+
+
+def _observable(each: Effect, model: MechanismModel, series: Sequence[Series]) -> bool:
+    """Whether the log has what the effect acts on."""
+    driven = model.drive.type != "none"
+    if each.name == "actuator.supply_sag":
+        return driven and all("aux:supply_V" in s.columns for s in series)
+    if each.name in ("sensor.latency", "joint.backlash") or each.family == "actuator":
+        return driven
+    if each.name in ("joint.gravity_load", "joint.axis_tilt", "joint.load_dependent_friction"):
+        return any(link.mass_kg > 0.0 and not link.prismatic for link in model.tree)
+    # Rates come from the positions here, so that their age is known.
+    return each.name != "sensor.velocity_age"
+
+
+def _effort(model: MechanismModel, series: Sequence[Series], joint: int) -> float:
+    """Size of the effort asked of a joint."""
+    if model.drive.type == "effort":
+        column, factor = "effort", abs(model.drive.effort_per_unit)
+    elif model.drive.type == "position_pd":
+        column, factor = "command", float(model.drive.kp[joint]) * abs(model.drive.effort_per_unit)
+    else:
+        return 0.0
+    parts = [
+        s.columns[column][:, joint] - (s.columns["q"][:, joint] if column == "command" else 0.0)
+        for s in series
+        if column in s.columns
+    ]
+    return factor * _size(np.concatenate(parts)) if parts else 0.0
+
+
+def _null(
+    each: Effect, model: MechanismModel, joint: int, ranges: Ranges, series: Sequence[Series]
+) -> dict[str, float]:
+    null = each.null()
+    declared = {
+        "joint.coulomb_friction": ("torque_Nm", model.friction[joint]),
+        "joint.viscous_friction": ("damping_Nms_per_rad", model.damping[joint]),
+    }
+    if each.name in declared:
+        name, value = declared[each.name]
+        null[name] = float(value)
+    span = ranges.high - ranges.low
+    if each.name == "joint.hard_stop":
+        null["lower_rad"], null["upper_rad"] = ranges.low - span, ranges.high + span
+    if each.name == "actuator.saturation":
+        null["limit_Nm"] = 4.0 * max(ranges.effort, 1e-9)
+    if each.name == "joint.spring":
+        null["rest_rad"] = 0.5 * (ranges.low + ranges.high)
+    if each.name == "actuator.supply_sag":
+        null["nominal_V"] = float(np.median(np.concatenate([s.columns["aux:supply_V"] for s in series])))
+    return null
+
+
+def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple[float, float]:
+    """Plausible values of a parameter at a joint with these magnitudes."""
+    span = r.high - r.low
+    signed = each.name in ("joint.friction_asymmetry", "actuator.bias")
+    table = {
+        "torque_Nm": (-r.torque if signed else 0.0, r.torque + null.get("torque_Nm", 0.0)),
+        "damping_Nms_per_rad": (0.0, r.torque / r.speed + 2.0 * null.get("damping_Nms_per_rad", 0.0)),
+        "drag_Nms2_per_rad2": (0.0, r.torque / r.speed**2),
+        "velocity_radps": (r.speed / 300.0, r.speed),
+        "radius_m": (0.0, r.torque / r.load),
+        "stiffness_Nm_per_rad": (
+            (r.torque / max(span, 1e-9) * 1.0, r.torque / max(span, 1e-9) * 1e3)
+            if each.name == "joint.hard_stop"
+            else (0.0, 4.0 * r.torque / max(span, 1e-9))
+        ),
+        "rest_rad": (r.low - span, r.high + span),
+        "lower_rad": (r.low - span, 0.5 * (r.low + r.high)),
+        "upper_rad": (0.5 * (r.low + r.high), r.high + span),
+        "inertia_kgm2": (-0.8 * r.inertia, 4.0 * r.inertia),
+        "limit_Nm": (0.1 * max(r.effort, 1e-9), 4.0 * max(r.effort, 1e-9)),
+        "band_Nm": (0.0, max(r.effort, 1e-9)),
+        "count_per_rad": (2.0 / max(span, 1e-6), 120.0 / max(span, 1e-6)),
+        "gap_rad": (0.0, 0.5 * span),
+        "crossing_radps": (r.speed / 30.0, 30.0 * r.speed),
+        "offset_rad": (-0.3 * span, 0.3 * span),
+    }
+    own = next(p for p in each.parameters if p.name == name)
+    low, high = table.get(name, (own.low, own.high))
+    if name == "nominal_V":
+        low, high = 0.999 * null[name], 1.001 * null[name]
+    return max(low, own.low), max(min(high, own.high), max(low, own.low) + 1e-12)
+
+
+def _start(name: str, each: Effect, null: float, r: Ranges) -> float:
+    """Shape parameters begin in the middle of what is plausible, strengths at no effect."""
+    span = r.high - r.low
+    return {
+        "velocity_radps": 0.1 * r.speed,
+        "count_per_rad": 12.0 / max(span, 1e-6),
+        "crossing_radps": 2.0 * r.speed,
+        "direction_rad": 1.5707963,
+    }.get(name, null)
