@@ -16,9 +16,9 @@ import numpy as np
 
 from schemas.model import FloatArray
 from sim.effects.effect import EffortMap, Hook, JointFriction, JointState, JointTorque, Params
-from sim.tree import Tree, inverse_dynamics, mass_matrix
+from sim.joint_dynamics import JointDynamics, joint_dynamics
+from sim.tree import Tree
 
-_SWEEPS = 12
 _LARGEST_RATE = 1e4  # rad/s or m/s: beyond, a roll-out has diverged and is held there.
 
 
@@ -67,7 +67,7 @@ class Windows:
 
 
 def rollout(
-    model: MechanismModel, windows: Windows, laws: Sequence[Law] = (), *, largest_step_s: float = 2e-3
+    model: MechanismModel, windows: Windows, laws: Sequence[Law] = (), *, largest_step_s: float = 5e-3
 ) -> tuple[FloatArray, FloatArray]:
     """Joint positions and rates (w, k, j) at the stamps of `windows`; row 0 is the start.
 
@@ -78,6 +78,7 @@ def rollout(
     Q, QD = (np.empty((worlds, stamps, q.shape[1])) for _ in range(2))
     Q[:, 0], QD[:, 0] = q, qd
     memory: list[dict[str, FloatArray]] = [{} for _ in laws]
+    dynamics = joint_dynamics(model.tree, model.gravity_W)
     for k in range(stamps - 1):
         span = (windows.t_s[:, k + 1] - windows.t_s[:, k])[:, None]
         steps = max(1, int(np.ceil(np.nanmedian(span) / largest_step_s - 1e-9)))
@@ -87,7 +88,7 @@ def rollout(
             q = q + 0.5 * h * qd
             asked = _asked(model.drive, windows, k, q, qd)
             t = windows.t_s[:, k, None] + (s + 0.5) * h
-            qd = _kick(model, laws, memory, q, qd, asked, t, h, aux)
+            qd = _kick(model, dynamics, laws, memory, q, qd, asked, t, h, aux)
             q = q + 0.5 * h * qd
         Q[:, k + 1], QD[:, k + 1] = q, qd
     return Q, QD
@@ -107,6 +108,7 @@ def _asked(drive: Drive, windows: Windows, k: int, q: FloatArray, qd: FloatArray
 
 def _kick(
     model: MechanismModel,
+    dynamics: JointDynamics,
     laws: Sequence[Law],
     memory: Sequence[dict[str, FloatArray]],
     q: FloatArray,
@@ -117,8 +119,10 @@ def _kick(
     aux: Mapping[str, FloatArray],
 ) -> FloatArray:
     """Joint rates after one step of length `h` (w, 1)."""
-    bias, load = inverse_dynamics(model.tree, q, qd, np.zeros_like(q), model.gravity_W)
-    effort, smooth = asked.copy(), np.zeros_like(q)
+    bias, load = dynamics.bias(q, qd)
+    effort, smooth = asked, np.zeros_like(q)
+    if any(isinstance(law.hook, EffortMap) for law in laws):
+        effort = asked.copy()
 
     def state(j: int) -> JointState:
         one = np.s_[:, j : j + 1]
@@ -130,27 +134,13 @@ def _kick(
     for law, kept in zip(laws, memory, strict=True):
         if isinstance(law.hook, JointTorque):
             smooth[:, law.joint, None] += law.hook.torque(state(law.joint), law.params, kept)
-    M = mass_matrix(model.tree, q) + h[:, :, None] * np.diag(model.damping)
-    inverse = np.linalg.inv(M)
-    momentum = np.einsum("wij,wj->wi", M - h[:, :, None] * np.diag(model.damping), qd)
-    free = np.einsum("wij,wj->wi", inverse, momentum + h * (effort + smooth - bias))
+    free = dynamics.free_rates(q, qd, effort + smooth - bias, model.damping, h)
     direction = np.where(np.abs(free) > 1e-9, np.sign(free), 1.0)
     largest = np.broadcast_to(model.friction, q.shape).copy()
     for law in laws:
         if isinstance(law.hook, JointFriction):
             one = np.s_[:, law.joint : law.joint + 1]
             largest[one] += law.hook.limit(state(law.joint), law.params, direction[one])
-    moved = _with_friction(inverse, free, h * np.maximum(largest, 0.0)) if largest.any() else free
-    return np.clip(np.nan_to_num(moved), -_LARGEST_RATE, _LARGEST_RATE)
-
-
-def _with_friction(inverse: FloatArray, free: FloatArray, largest: FloatArray) -> FloatArray:
-    """Rates after the friction impulses, each at most `largest` (w, j), that come nearest to stopping every joint."""
-    impulse, rates = np.zeros_like(free), free.copy()
-    for _ in range(1 if free.shape[1] == 1 else _SWEEPS):
-        for j in range(free.shape[1]):
-            wanted = impulse[:, j] - rates[:, j] / inverse[:, j, j]
-            change = np.clip(wanted, -largest[:, j], largest[:, j]) - impulse[:, j]
-            impulse[:, j] += change
-            rates += inverse[:, :, j] * change[:, None]
-    return rates
+    if largest.any():
+        free = dynamics.held(q, free, h * np.maximum(largest, 0.0), model.damping, h)
+    return np.clip(np.nan_to_num(free), -_LARGEST_RATE, _LARGEST_RATE)

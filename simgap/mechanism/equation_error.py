@@ -15,8 +15,8 @@ from scipy.optimize import least_squares
 
 from schemas.model import FloatArray
 from sim.effects.effect import EffortMap, JointFriction, JointState, JointTorque, Series
+from sim.joint_dynamics import joint_dynamics
 from sim.mechanism import MechanismModel
-from sim.tree import inverse_dynamics
 from simgap.mechanism.smooth import Smooth
 from simgap.mechanism.terms import Applied, apply_terms
 from simgap.problem import Candidate, DirectEstimate, Model, Term
@@ -113,7 +113,7 @@ def unexplained(applied: Applied, series: Series, smoothed: Smooth) -> FloatArra
     thin = np.s_[:: max(1, len(series.t_s) // _MOST_ROWS)]
     q, qd, qdd = smoothed.q[thin], smoothed.qd[thin], smoothed.qdd[thin]
     sent = applied.sent(series)
-    needed, load = inverse_dynamics(mechanism.tree, q, qd, qdd, mechanism.gravity_W)
+    needed, load = joint_dynamics(mechanism.tree, mechanism.gravity_W).needed(q, qd, qdd)
     given = _given(mechanism, sent, thin, q, qd)
     aux = {n[4:]: v[thin] for n, v in sent.columns.items() if n.startswith("aux:")}
     step = float(np.median(np.diff(series.t_s)))
