@@ -14,7 +14,7 @@ import numpy as np
 
 from assetkit.stable_poses import LEAN_RAD, displacement, leaning, recovers, resting_pose
 from geom.pose import matrix_of
-from geom.support import bounds, centre_heights, diagonal
+from geom.support import bounds, diagonal, foot
 from schemas.asset import Check
 from schemas.physics import RigidBody
 from sim.port import GRAVITY_MPS2, DropResult, DropSettings, Simulator, natural_time_s, stillness_for, world_for
@@ -111,13 +111,7 @@ def _energy_m2ps2(body: RigidBody, result: DropResult) -> np.ndarray:
 
 def _rolls(body: RigidBody, size: float) -> bool:
     """Whether the foot on which the body stands is smaller than 1 % of its size: it stands on a point or a line."""
-    tipped = np.array([[math.sin(a), math.cos(a)] for a in np.arange(8) * (np.pi / 4)])
-    angle = math.radians(1.0)
-    downs = np.concatenate([tipped * math.sin(angle), np.full((8, 1), -math.cos(angle))], axis=1)
-    centre = np.asarray(body.mass.centre_of_mass_m)
-    level = centre_heights(body.shapes, centre, np.array([[0.0, 0.0, -1.0]]))[0]
-    rise = centre_heights(body.shapes, centre, downs) - level
-    return bool(rise.min() < 0.01 * size * math.sin(angle))
+    return foot(body.shapes, np.asarray(body.mass.centre_of_mass_m), _DOWN)[0] < 0.01 * size
 
 
 def _check(name: str, value: float, bound: float, unit: str) -> Check:

@@ -60,7 +60,7 @@ def find_stable_poses(body: RigidBody, simulator: Simulator, *, trials: int = TR
         return StablePoses((), trials, 0, 0)
     downs = _snapped(body, np.stack([-matrix_of(r.quats_wxyz[-1])[2] for r in settled]))
     levels = centre_heights(body.shapes, np.asarray(body.mass.centre_of_mass_m), downs)
-    families = _families(body, downs, levels)
+    families = _families(body, downs)
     poses, refuted = [], 0
     for family in range(int(families.max()) + 1):
         members = np.flatnonzero(families == family)
@@ -149,22 +149,26 @@ def _snapped(body: RigidBody, downs: FloatArray) -> FloatArray:
     return np.where((close & lower)[:, None], nearest, downs)
 
 
-def _families(body: RigidBody, downs: FloatArray, levels: FloatArray) -> FloatArray:
-    """Labels (k,) of the poses: single linkage over angle, and over the highest level on the great circle between."""
-    count = len(downs)
-    first, second = np.triu_indices(count, 1)
-    cosines = np.clip(np.einsum("ki,ki->k", downs[first], downs[second]), -1.0, 1.0)
+def same_pose(body: RigidBody, first: FloatArray, second: FloatArray) -> FloatArray:
+    """Whether (k,) the down directions `first` and `second` (k, 3) are one pose, see `find_stable_poses`."""
+    cosines = np.clip(np.einsum("ki,ki->k", first, second), -1.0, 1.0)
     angles = np.arccos(cosines)
     steps = np.linspace(0.0, 1.0, 17)[None, :, None]
-    start, end = downs[first][:, None], downs[second][:, None]
-    path = start * (1.0 - steps) + end * steps  # radial projection of the chord: the great circle
+    path = first[:, None] * (1.0 - steps) + second[:, None] * steps  # projects to the great circle
     lengths = np.linalg.norm(path, axis=2, keepdims=True)
     path = path / np.where(lengths > 1e-9, lengths, 1.0)
     centre = np.asarray(body.mass.centre_of_mass_m)
-    tops = centre_heights(body.shapes, centre, path.reshape(-1, 3)).reshape(len(first), -1).max(axis=1)
+    levels = centre_heights(body.shapes, centre, path.reshape(-1, 3)).reshape(len(first), -1)
     opposite = angles > np.pi - 1e-6  # no unique great circle
-    lower = np.minimum(levels[first], levels[second])
-    low = tops - lower < _SAME_POSE_BARRIER * lower
-    linked = (angles < _SAME_POSE_RAD) | (low & ~opposite)
+    lower = np.minimum(levels[:, 0], levels[:, -1])
+    low = levels.max(axis=1) - lower < _SAME_POSE_BARRIER * lower
+    return (angles < _SAME_POSE_RAD) | (low & ~opposite)
+
+
+def _families(body: RigidBody, downs: FloatArray) -> FloatArray:
+    """Labels (k,) of the poses: single linkage of `same_pose`."""
+    count = len(downs)
+    first, second = np.triu_indices(count, 1)
+    linked = same_pose(body, downs[first], downs[second])
     graph = coo_array((np.ones(int(linked.sum())), (first[linked], second[linked])), shape=(count, count))
     return connected_components(graph, directed=False)[1]

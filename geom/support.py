@@ -12,9 +12,12 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from geom import gprims
-from geom.pose import apply
+from geom.pose import apply, shortest_rotation
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
+
+_AZIMUTHS = 720  # A long rod rolls in one direction only: the nearest of these is within a quarter of a degree.
+_TIP_RAD = np.radians(1.0)
 
 
 def support(shapes: Sequence[CollisionShape], directions_A: FloatArray) -> FloatArray:
@@ -50,6 +53,20 @@ def centre_heights(shapes: Sequence[CollisionShape], centre_m: FloatArray, down_
     stable poses (Goldberg et al. 1999, "Part pose statistics", section 3).
     """
     return support(shapes, down_A) - down_A @ centre_m
+
+
+def foot(shapes: Sequence[CollisionShape], centre_m: FloatArray, down_A: FloatArray) -> tuple[float, FloatArray]:
+    """How far (m) the mass centre (3,) is from the edge of what the body stands on with `down_A` (3,) facing down, and
+    the down direction (3,) when it is tipped by one degree to that weakest side.
+
+    Measured as the lever of the weight, `rise / sin 1 deg`: 0 for what rolls, negative for what falls over.
+    """
+    azimuths = np.arange(_AZIMUTHS) * (2.0 * np.pi / _AZIMUTHS)
+    tipped = np.stack([np.cos(azimuths), np.sin(azimuths), np.full(_AZIMUTHS, -1.0 / np.tan(_TIP_RAD))], axis=1)
+    tipped = np.sin(_TIP_RAD) * tipped @ shortest_rotation(np.array([0.0, 0.0, -1.0]), down_A).T
+    rises = centre_heights(shapes, centre_m, tipped) - centre_heights(shapes, centre_m, down_A[None])
+    weakest = int(rises.argmin())
+    return float(rises[weakest] / np.sin(_TIP_RAD)), tipped[weakest]
 
 
 def facet_directions(shapes: Sequence[CollisionShape]) -> FloatArray:
