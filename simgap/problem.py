@@ -84,6 +84,10 @@ class Problem(Protocol):
         """
         ...
 
+    def features(self, trials: Sequence[str], view: View) -> list[FloatArray]:
+        """Per trial (k, f), row by row beside the residuals: measured state, input and time since the start."""
+        ...
+
     def channels(self) -> tuple[str, ...]:
         """Names of the residual's columns, e.g. `position_x` or `q_elbow`."""
         ...

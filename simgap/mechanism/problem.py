@@ -70,6 +70,20 @@ class MechanismProblem:
             at += count
         return out
 
+    def features(self, trials: Sequence[str], view: View) -> list[FloatArray]:
+        """Smoothed q and qd at the window's start, inputs there, and the time since, beside each residual row."""
+        out = []
+        for trial in trials:
+            series, smoothed = self._series[trial], self._smooth[trial]
+            piece = cut(len(series.t_s), self._rows if view == "short_horizon" else None)
+            first = piece.rows[:, 0]
+            inputs = [series.columns[n] for n in ("effort", "command") if n in series.columns]
+            start = np.concatenate([c[first] for c in (smoothed.q, smoothed.qd, *inputs)], axis=1)
+            since = series.t_s[piece.rows[:, piece.compared]] - series.t_s[first][:, None]
+            k = len(piece.compared)
+            out.append(np.concatenate([np.repeat(start, k, axis=0), since.reshape(-1, 1)], axis=1))
+        return out
+
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         """See `simgap.problem.Problem`."""
 

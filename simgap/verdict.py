@@ -1,0 +1,143 @@
+"""From evidence to an answer: an effect is named only when held-out gain and direct estimate agree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
+from simgap.problem import DirectEstimate, Problem, Term
+from simgap.score import Comparison
+from simgap.search import LEVEL, Selection, Trial
+
+DIRECT_LEVEL = 0.05
+AGREE_ERRORS = 3.0
+AGREE_SHARE = 0.5
+NAMED = 0.8
+# What a model without names may still explain before we say that something else is there.
+LEFTOVER = 0.1
+
+
+def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftover: Comparison) -> Verdict:
+    """The verdict over all accepted effects; `leftover` compares the final model with a black box on top of it."""
+    named: list[NamedEffect] = []
+    groups: list[AmbiguousGroup] = []
+    for position, (found, rivals) in enumerate(zip(selection.accepted, selection.rivals, strict=True)):
+        base = selection.final.model
+        others = tuple(t for t in base if t.candidate.key != found.candidate.key)
+        direct = agrees(found)
+        same = [r for r in rivals if not _told_apart(problem, found, r, others, trials)]
+        term = next(t for t in base if t.candidate.key == found.candidate.key)
+        p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
+        effect = NamedEffect(
+            name=found.candidate.effect.name,
+            where=found.candidate.where,
+            confidence=_confidence(p, found.direct, direct is True, bool(same)),
+            routes={"heldout": True, "direct": direct is True},
+            parameters=parameters(term, selection.final.half_widths.get(term.candidate.key, {})),
+        )
+        if same or direct is not True:
+            names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
+            groups.append(AmbiguousGroup(effects=names, experiment=_experiment(found, same)))
+        named.append(effect)
+    certain = [e for e in named if e.confidence >= NAMED]
+    unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
+    return Verdict(
+        status=_status(bool(certain), bool(groups), unexplained),
+        effects=tuple(named),
+        ambiguous_groups=tuple(groups),
+        statement=_statement(selection, named, groups, unexplained),
+    )
+
+
+def agrees(found: Trial) -> bool | None:
+    """Whether the direct estimate says the same as the fit; None where there is no direct route."""
+    direct = found.direct
+    if direct is None:
+        return None
+    candidate = found.candidate
+    strength = next(iter(candidate.null))
+    fitted = found.fit.model[-1].values[strength]
+    half = found.fit.half_widths.get(candidate.key, {}).get(strength, 0.0)
+    step = fitted - candidate.null[strength]
+    apart = direct.values[strength] - fitted
+    slack = max(AGREE_ERRORS * float(np.hypot(direct.standard_errors[strength], half / 1.96)), AGREE_SHARE * abs(step))
+    one_way = step * (direct.values[strength] - candidate.null[strength]) > 0.0
+    return direct.p_value < DIRECT_LEVEL and one_way and abs(apart) <= slack
+
+
+def parameters(term: Term, half_widths: dict[str, float]) -> dict[str, Estimate]:
+    """Values with units and 95 % intervals."""
+    units = {p.name: p.unit for p in term.candidate.effect.parameters}
+    return {
+        name: Estimate(
+            value=value,
+            unit=units[name],
+            ci95=(value - half_widths.get(name, 0.0), value + half_widths.get(name, 0.0)),
+        )
+        for name, value in term.values.items()
+    }
+
+
+def _columns(selection: Selection, position: int) -> tuple[tuple[Trial, ...], tuple[float, ...]]:
+    this = selection.rounds[position]
+    return this.tried, this.p_adjusted
+
+
+def _told_apart(problem: Problem, best: Trial, rival: Trial, others: tuple[Term, ...], trials: Sequence[str]) -> bool:
+    """Whether the direct route keeps the best beside the rival and drops the rival beside the best."""
+    best_term, rival_term = best.fit.model[-1], rival.fit.model[-1]
+    given_rival = problem.direct(best.candidate, (*others, rival_term), trials)
+    given_best = problem.direct(rival.candidate, (*others, best_term), trials)
+    kept = given_rival is not None and given_rival.p_value < LEVEL
+    dropped = given_best is not None and given_best.p_value > DIRECT_LEVEL
+    return kept and dropped
+
+
+def _confidence(p_adjusted: float, direct: DirectEstimate | None, agreed: bool, shared: bool) -> float:
+    """At least `NAMED` with both routes and no rival; at most one half else."""
+    if shared or not agreed or direct is None:
+        return 0.5 * (1.0 - p_adjusted) / (2.0 if shared and not agreed else 1.0)
+    return float(NAMED + (1.0 - NAMED) * (1.0 - min(1.0, p_adjusted / LEVEL)) * (1.0 - min(1.0, direct.p_value)))
+
+
+def _experiment(found: Trial, rivals: Sequence[Trial]) -> str:
+    """What would tell the effect from its rivals, from their own files."""
+    names = {r.candidate.effect.name for r in rivals}
+    told = [c.experiment for c in found.candidate.effect.confusables if c.effect in names]
+    told += [
+        c.experiment for r in rivals for c in r.candidate.effect.confusables if c.effect == found.candidate.effect.name
+    ]
+    if not told:
+        told = [c.experiment for c in found.candidate.effect.confusables[:1]]
+    return "; ".join(dict.fromkeys(told)) or "more trials with larger and smaller motion"
+
+
+def _status(certain: bool, groups: bool, unexplained: bool):
+    if certain:
+        return "effect_found"
+    if groups:
+        return "ambiguous"
+    return "outside_model_class" if unexplained else "no_effect"
+
+
+def _statement(
+    selection: Selection, named: Sequence[NamedEffect], groups: Sequence[AmbiguousGroup], unexplained: bool
+) -> str:
+    """One sentence a person can act on."""
+    certain = [e for e in named if e.confidence >= NAMED]
+    share = 1.0 - selection.final_losses.sum() / max(selection.null_losses.sum(), 1e-300)
+    if certain:
+        words = " and ".join(f"{e.name} at {e.where} ({_figures(e)})" for e in certain)
+        tail = "; something structured is left" if unexplained else ""
+        return f"Add {words}: {share:.0%} of the held-out error goes away{tail}."
+    if groups:
+        return f"These data cannot tell {' from '.join(groups[0].effects)}; to tell: {groups[0].experiment}."
+    if unexplained:
+        return "The error has structure that no effect of the library explains; see where it is."
+    return "No effect is needed: what is left looks like noise."
+
+
+def _figures(effect: NamedEffect) -> str:
+    return ", ".join(f"{n} = {e.value:.3g}" for n, e in effect.parameters.items())
