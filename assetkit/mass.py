@@ -1,121 +1,278 @@
-"""Mass, mass centre and inertia with honest bounds: geometry times density, and what may be hollow."""
+"""Mass, mass centre and inertia with honest bounds: what the source states, else geometry times density."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assetkit.materials import PhysicalMaterial
-from geom.inertia import mass_properties, of_sheet
-from geom.surface_distance import triangle_areas
-from geom.weld import diagonal
-from schemas.asset import Matrix3, Vec3
-from schemas.evidence import Evidence, Source
-from schemas.model import FloatArray
+from assetkit.mass_bounds import STATED_TOLERANCE, Bounds, elementwise, filling_of, is_full, mass_bounds
+from assetkit.source_inertials import Judged, applicable, judge
+from assetkit.substances import Substance, substances_of, uniform
+from geom.cavity import Cavity
+from geom.composition import divide
+from geom.inertia import combine, mass_properties, of_sheet, scaled
+from schemas.asset import MassPart, Matrix3, Vec3
+from schemas.diagnostics import Diagnostic
+from schemas.evidence import Evidence, Source, declared
+from schemas.model import FloatArray, Mesh
+from schemas.outcome import Repair
 from schemas.physics import MassProperties, Solid
+from schemas.stated_physics import StatedMass
 
-# Mass bounds further apart than this factor tell a randomiser nothing.
-MAX_SPAN = 30.0
-# Walls of hollow things: this share of the diagonal, within these limits.
-WALL_PER_DIAGONAL, LEAST_WALL_M, MOST_WALL_M = 0.005, 0.3e-3, 3e-3
-# The wall of a sheet is a guess; a hull holds at most its own volume and often a third of it.
-SHEET_WALL_FACTORS = (0.4, 2.5)
-HULL_FILL = 0.3
-COM_SLACK_SHARE = 0.05
+COM_SLACK_SHARE, STATED_COM_SLACK_SHARE = 0.05, 0.01
 UNIFORMITY = 0.7  # how much to trust that the density is the same everywhere
+STATED_CONFIDENCE = 0.95
+METRES: Evidence[float] = declared(1.0, "metres")
+
+
+@dataclass(frozen=True)
+class Clues:
+    """What besides the solid tells mass (asset frame, metres).
+
+    meshes            visual meshes, canonical; `as_read` the same before canonicalisation (for what statements cover).
+    render_materials  names, by the meshes' material index.
+    masses            what the source states.
+    unit              metres per source unit, as sure as it is.
+    wall              wall thickness (m) of an open surface, None where the solid is none.
+    cavities          openings of the solid.
+    """
+
+    meshes: tuple[Mesh, ...] = ()
+    as_read: tuple[Mesh, ...] = ()
+    render_materials: tuple[str, ...] = ()
+    masses: tuple[StatedMass, ...] = ()
+    unit: Evidence[float] = METRES
+    wall: Evidence[float] | None = None
+    cavities: tuple[Cavity, ...] = ()
 
 
 @dataclass(frozen=True)
 class MassEvidence:
-    """The mass properties to use, and what is known about each of them."""
+    """The mass properties to use, what is known about each of them, and what was wrong in the source."""
 
     properties: MassProperties
+    material: Evidence[str]
     density_kgm3: Evidence[float]
     mass_kg: Evidence[float]
     centre_of_mass_m: Evidence[Vec3]
     inertia_kgm2: Evidence[Matrix3]
+    parts: tuple[MassPart, ...]
+    diagnostics: tuple[Diagnostic, ...] = ()
+    repairs: tuple[Repair, ...] = ()
 
 
-def mass_evidence(solid: Solid, material: PhysicalMaterial, found: Evidence[str]) -> MassEvidence:
-    """Mass properties of `solid` filled with `material`; `found` says how the material is known.
+@dataclass(frozen=True)
+class _Part:
+    """A substance with the body it fills at 1 kg/m3 (`even`) and as heavy as it is taken to be (`body`)."""
 
-    An unknown material leaves mass and inertia `default` with confidence 0; their bounds still hold. The value is never
-    clamped: a feather weighs what it weighs.
+    substance: Substance
+    even: MassProperties
+    body: MassProperties
+
+    @property
+    def confidence(self) -> float:
+        """How sure its mass is, apart from the geometry."""
+        return STATED_CONFIDENCE if self.substance.stated is not None else self.substance.density_kgm3.confidence
+
+
+def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvidence:
+    """Mass properties of `solid`; `whole` are names of the object as such (file).
+
+    Each substance (`substances_of`) has the mass its source states, if that can be true (`judge`), else its volume
+    times its density; bodies of several substances are composed, overlaps counted once (`divide`). An unknown material
+    leaves mass and inertia `default` with confidence 0; their bounds still hold. The value is never clamped: a feather
+    weighs what it weighs. Raises ValueError when all points of `solid` coincide.
     """
-    density = material.density_kgm3
-    body, method, confidence = mass_properties(solid, density)
-    low, high = mass_bounds(solid, body.mass_kg / density, material)
-    method = f"{method} times density of {material.name}"
-    trust = confidence * found.confidence
-    ratio = np.array([low, high]) / body.mass_kg
-    inertia_bounds = np.sort(body.inertia_kgm2[None] * ratio[:, None, None], axis=0)
-    geometric: Source = "measured" if solid.kind == "closed" else "inferred"
+    _, method, trust = mass_properties(solid, 1.0)
+    masses, notes = applicable(clues.masses, clues.as_read)
+    parts, exact, judged = _parts(solid, whole, clues, masses)
+    total = combine([part.body for part in parts if part.body.mass_kg > 0.0])
+    filling = filling_of(solid, clues.wall, clues.cavities)
+    volumes = [part.even.mass_kg for part in parts]
+    bounds = mass_bounds(
+        [part.substance for part in parts],
+        volumes,
+        [part.body.mass_kg for part in parts],
+        filling,
+        clues.unit,
+        exact=exact,
+    )
+    if solid.kind != "closed" and clues.wall is not None:
+        trust *= clues.wall.confidence if clues.wall.source == "declared" else 0.5
     return MassEvidence(
-        properties=body,
-        density_kgm3=Evidence(
-            value=density,
-            source=found.source,
-            method=f"material class {material.name}",
-            confidence=found.confidence,
-            bounds=material.density_bounds_kgm3,
-            inputs=found.inputs,
-        ),
-        mass_kg=Evidence(
-            value=body.mass_kg,
-            source=found.source,
-            method=method,
-            confidence=trust,
-            bounds=(low, high),
-            inputs=found.inputs,
-        ),
-        centre_of_mass_m=Evidence(
-            value=_vec3(body.centre_of_mass_m),
-            source=geometric,
-            method=f"{method}, uniform density",
-            confidence=confidence * UNIFORMITY,
-            bounds=_centre_bounds(solid, body),
-        ),
-        inertia_kgm2=Evidence(
-            value=_matrix3(body.inertia_kgm2),
-            source=found.source,
-            method=f"{method}, uniform density",
-            confidence=trust * UNIFORMITY,
-            bounds=(_matrix3(inertia_bounds[0]), _matrix3(inertia_bounds[1])),
-        ),
+        properties=total,
+        material=parts[int(np.argmax(volumes))].substance.material,
+        density_kgm3=_density(parts, total, bounds),
+        mass_kg=_mass(parts, total, bounds, method, trust * clues.unit.confidence),
+        centre_of_mass_m=_centre(solid, parts, total, method, trust),
+        inertia_kgm2=_inertia(parts, total, bounds, method, trust * clues.unit.confidence),
+        parts=tuple(_recorded(part, sum(volumes), total.mass_kg) for part in parts),
+        diagnostics=(*notes, *(d for j in judged for d in j.diagnostics)),
+        repairs=tuple(r for j in judged for r in j.repairs),
     )
 
 
-def mass_bounds(solid: Solid, volume_m3: float, material: PhysicalMaterial) -> tuple[float, float]:
-    """Least and greatest plausible mass (kg), at most a factor of 30 apart and around the value.
+def _parts(
+    solid: Solid, whole: Sequence[str], clues: Clues, masses: Sequence[StatedMass]
+) -> tuple[list[_Part], bool, list[Judged]]:
+    """The substances with their bodies, whether these have places of their own, and the verdicts on statements."""
+    full = is_full(solid, clues.cavities)
+    even = mass_properties(solid, 1.0)[0]
+    judged = [judge(s, solid.points, even, exact=solid.kind == "closed") for s in masses if s.mass_kg is None]
+    kept = [s for s in masses if s.mass_kg is not None] + [j.stated for j in judged if j.stated is not None]
+    substances = substances_of(clues.meshes, clues.render_materials, whole, kept, full=full)
+    if not clues.meshes:
+        substances = (uniform(whole, full=full),)
+    bodies, exact = (even,), True
+    if len(substances) > 1:
+        groups = [[clues.meshes[i] for i in substance.meshes] for substance in substances]
+        bodies, exact = divide(solid, groups, [s.density_kgm3.value for s in substances])
+    parts: list[_Part] = []
+    for substance, body in zip(substances, bodies, strict=True):
+        stated = substance.stated
+        if stated is not None:
+            points = solid.points
+            if len(substances) > 1:
+                points = np.concatenate([clues.meshes[i].points for i in substance.meshes])
+            if not exact:
+                stated = replace(stated, centre=None, inertia=None)  # Nothing to hold them against.
+            verdict = judge(stated, points, body, exact=exact and solid.kind == "closed")
+            judged.append(verdict)
+            substance = replace(substance, stated=verdict.stated)
+        parts.append(_Part(substance, body, _weighed(substance, body)))
+    return parts, exact, judged
 
-    Closed: full of the densest kind, or of the lightest; when things of this class are often hollow, as light as a wall
-    of 0.5 % of the diagonal. Shell: wall thickness 0.4 to 2.5 times the assumed one. Hull: filled to a third or fully.
-    """
-    value = volume_m3 * material.density_kgm3
-    low, high = (volume_m3 * d for d in material.density_bounds_kgm3)
-    if solid.kind == "shell":
-        low, high = low * SHEET_WALL_FACTORS[0], high * SHEET_WALL_FACTORS[1]
-    elif solid.kind == "hull":
-        low *= HULL_FILL
-    elif material.may_be_hollow:
-        area = float(triangle_areas(solid.points[solid.triangles]).sum())
-        wall = min(max(WALL_PER_DIAGONAL * diagonal(solid.points), LEAST_WALL_M), MOST_WALL_M)
-        low = min(low, area * wall * material.density_bounds_kgm3[0])
-    span = high / low
-    if span > MAX_SPAN:
-        shrink = math.log(MAX_SPAN) / math.log(span)
-        low, high = value * (low / value) ** shrink, value * (high / value) ** shrink
-    return low, high
+
+def _weighed(substance: Substance, even: MassProperties) -> MassProperties:
+    """`even` as heavy as the source states, with its mass centre and tensor if stated, else as dense as known."""
+    stated = substance.stated
+    if stated is None or stated.mass_kg is None:
+        return scaled(even, substance.density_kgm3.value)
+    body = scaled(even, stated.mass_kg / even.mass_kg)
+    return MassProperties(
+        stated.mass_kg,
+        body.centre_of_mass_m if stated.centre is None else stated.centre,
+        body.inertia_kgm2 if stated.inertia is None else stated.inertia,
+    )
 
 
-def _centre_bounds(solid: Solid, body: MassProperties) -> tuple[Vec3, Vec3]:
-    """From the centre of the filled body to that of its surface, and 5 % of the extent around."""
+def _mass(parts: Sequence[_Part], total: MassProperties, bounds: Bounds, method: str, trust: float) -> Evidence[float]:
+    return Evidence(
+        value=total.mass_kg,
+        source=_source(parts),
+        method=f"{_method(parts, method)}; {bounds.text}",
+        confidence=_confidence(parts, total, trust),
+        bounds=(bounds.low, bounds.high),
+        inputs=_inputs(parts),
+    )
+
+
+def _inertia(
+    parts: Sequence[_Part], total: MassProperties, bounds: Bounds, method: str, trust: float
+) -> Evidence[Matrix3]:
+    stated = all(p.substance.stated is not None and p.substance.stated.inertia is not None for p in parts)
+    ratios = (1.0 - STATED_TOLERANCE, 1.0 + STATED_TOLERANCE) if stated else bounds.ratios(total.mass_kg)
+    low, high = elementwise(total.inertia_kgm2, *ratios)
+    return Evidence(
+        value=_matrix3(total.inertia_kgm2),
+        source="declared" if stated else "inferred" if _source(parts) == "declared" else _source(parts),
+        method=_method(parts, method) if stated else f"{_method(parts, method)}, spread evenly",
+        confidence=STATED_CONFIDENCE if stated else _confidence(parts, total, trust) * UNIFORMITY,
+        bounds=(_matrix3(low), _matrix3(high)),
+        inputs=_inputs(parts),
+    )
+
+
+def _centre(solid: Solid, parts: Sequence[_Part], total: MassProperties, method: str, trust: float) -> Evidence[Vec3]:
+    """From the centre of the evenly filled body to that of its surface, 5 % of the extent around; 1 % if stated."""
+    stated = all(p.substance.stated is not None and p.substance.stated.centre is not None for p in parts)
+    extent = np.ptp(solid.points, axis=0)
+    if stated:
+        slack = STATED_COM_SLACK_SHARE * extent
+        bounds = (_vec3(total.centre_of_mass_m - slack), _vec3(total.centre_of_mass_m + slack))
+        text = "; ".join(dict.fromkeys(p.substance.stated.method for p in parts if p.substance.stated))
+        return Evidence(
+            value=_vec3(total.centre_of_mass_m),
+            source="declared",
+            method=text,
+            confidence=STATED_CONFIDENCE,
+            bounds=bounds,
+            inputs=_inputs(parts),
+        )
     surface = of_sheet(solid.points, solid.triangles, 1.0, 1.0).centre_of_mass_m
-    centres = np.stack([body.centre_of_mass_m, surface])
-    slack = COM_SLACK_SHARE * np.ptp(solid.points, axis=0)
-    return _vec3(centres.min(axis=0) - slack), _vec3(centres.max(axis=0) + slack)
+    even = combine([p.even for p in parts if p.even.mass_kg > 0.0]).centre_of_mass_m
+    centres = np.stack([total.centre_of_mass_m, even, surface])
+    slack = COM_SLACK_SHARE * extent
+    alike = len(parts) == 1 and parts[0].substance.stated is None
+    geometric: Source = "measured" if solid.kind == "closed" and alike else "inferred"
+    return Evidence(
+        value=_vec3(total.centre_of_mass_m),
+        source=geometric,
+        method=f"{method}, {'uniform density' if len(parts) == 1 else 'each substance evenly'}",
+        confidence=trust * UNIFORMITY,
+        bounds=(_vec3(centres.min(axis=0) - slack), _vec3(centres.max(axis=0) + slack)),
+    )
+
+
+def _density(parts: Sequence[_Part], total: MassProperties, bounds: Bounds) -> Evidence[float]:
+    """That of the substance; with several, or a stated mass, total mass over total volume."""
+    if len(parts) == 1 and parts[0].substance.stated is None:
+        return parts[0].substance.density_kgm3
+    volume = sum(p.even.mass_kg for p in parts)
+    return Evidence(
+        value=total.mass_kg / volume,
+        source="inferred",
+        method="effective: total mass over total volume",
+        confidence=_confidence(parts, total, 1.0),
+        bounds=(bounds.low / volume, bounds.high / volume),
+        inputs=_inputs(parts),
+    )
+
+
+def _recorded(part: _Part, volume_m3: float, mass_kg: float) -> MassPart:
+    density = part.substance.density_kgm3
+    stated = part.substance.stated
+    if stated is not None:
+        effective = part.body.mass_kg / part.even.mass_kg
+        density = declared(effective, f"{stated.method} over volume", inputs=(str(stated.where),))
+    return MassPart(
+        meshes=part.substance.names,
+        material=part.substance.material,
+        density_kgm3=density,
+        volume_share=part.even.mass_kg / volume_m3,
+        mass_share=part.body.mass_kg / mass_kg,
+    )
+
+
+def _source(parts: Sequence[_Part]) -> Source:
+    """`declared` when the source states every mass, `default` when nothing at all is known."""
+    if all(p.substance.stated is not None for p in parts):
+        return "declared"
+    known = any(p.substance.stated is not None or p.substance.density_kgm3.source != "default" for p in parts)
+    return "inferred" if known else "default"
+
+
+def _method(parts: Sequence[_Part], geometric: str) -> str:
+    """How each substance got its mass, in few words."""
+    stated = dict.fromkeys(p.substance.stated.method for p in parts if p.substance.stated is not None)
+    dense = dict.fromkeys(p.substance.density_kgm3.method for p in parts if p.substance.stated is None)
+    return "; ".join([*stated, *(f"{geometric} times density: {method}" for method in dense)])
+
+
+def _inputs(parts: Sequence[_Part]) -> tuple[str, ...]:
+    places = [str(p.substance.stated.where) for p in parts if p.substance.stated is not None]
+    names = [name for p in parts if p.substance.stated is None for name in p.substance.density_kgm3.inputs]
+    return tuple(dict.fromkeys([*places, *names]))
+
+
+def _confidence(parts: Sequence[_Part], total: MassProperties, trust: float) -> float:
+    """By share of mass; `trust` in the geometry counts only where it gave the mass."""
+    return sum(
+        p.body.mass_kg / total.mass_kg * p.confidence * (1.0 if p.substance.stated is not None else trust)
+        for p in parts
+    )
 
 
 def _vec3(values: FloatArray) -> Vec3:

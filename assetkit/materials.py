@@ -17,7 +17,7 @@ from importlib import resources
 from schemas.evidence import Evidence, default, inferred
 from schemas.physics import Contact
 
-UNKNOWN = "unknown"
+UNKNOWN, UNKNOWN_FULL = "unknown", "unknown_full"
 ANY = "any"
 UNANIMOUS, DISPUTED = 0.4, 0.25
 # Camel case, digits and punctuation end a word.

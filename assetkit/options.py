@@ -22,5 +22,6 @@ class Options(BaseModel):
     category: str | None = None
     license: str | None = None
     author: str | None = None
+    shell_thickness_m: float | None = Field(default=None, gt=0.0, description="wall thickness of open surfaces")
     max_triangles: int = Field(default=200_000, description="visual triangles above which a mesh is reduced")
     max_objects: int = Field(default=24, description="separate objects in one file above which a person decides")

@@ -42,6 +42,9 @@ def ingest_command(
     up_axis: Annotated[str, typer.Option("--up-axis", help="x, y, z or auto.")] = "auto",
     license_: Annotated[str | None, typer.Option("--license", help="Licence, e.g. CC-BY-4.0.")] = None,
     author: Annotated[str | None, typer.Option(help="Author of the source assets.")] = None,
+    shell_thickness: Annotated[
+        float | None, typer.Option("--shell-thickness", help="Wall thickness of open surfaces in millimetres.")
+    ] = None,
     timeout: Annotated[float, typer.Option(help="Seconds one asset may take.")] = 300.0,
     memory: Annotated[int, typer.Option(help="Address space of one worker in MiB.")] = 8192,
     resume: Annotated[
@@ -61,6 +64,8 @@ def ingest_command(
         raise typer.BadParameter(f"must be one of {', '.join(get_args(UnitName))}", param_hint="--units")
     if up_axis not in get_args(UpAxisName):
         raise typer.BadParameter(f"must be one of {', '.join(get_args(UpAxisName))}", param_hint="--up-axis")
+    if shell_thickness is not None and not shell_thickness > 0.0:
+        raise typer.BadParameter("must be above zero", param_hint="--shell-thickness")
     if role is not None and role not in get_args(Role):
         raise typer.BadParameter(f"must be one of {', '.join(get_args(Role))}", param_hint="--role")
     options = Options(
@@ -70,6 +75,7 @@ def ingest_command(
         category=category,
         license=license_,
         author=author,
+        shell_thickness_m=None if shell_thickness is None else shell_thickness / 1000.0,
     )
     batch = Batch(
         out=out,

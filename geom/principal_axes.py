@@ -1,8 +1,9 @@
-"""Principal moments and axes of an inertia tensor."""
+"""Principal moments and axes of an inertia tensor, and its change of frame."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import polar
 
 from geom.pose import matrix_of, quat_of
 from schemas.model import FloatArray
@@ -29,3 +30,15 @@ def inertia_from_principal(moments: FloatArray, quat_wxyz: FloatArray) -> FloatA
     """(3, 3) tensor `R diag(moments) R^T`, the inverse of `principal_axes`."""
     axes = matrix_of(quat_wxyz)
     return axes @ np.diag(moments) @ axes.T
+
+
+def turned_tensor(inertia: FloatArray, linear: FloatArray) -> FloatArray:
+    """(3, 3) tensor `R I R^T` seen from an outer frame, R being the orthogonal part of `linear` (3, 3).
+
+    `linear` maps directions of the inner frame to the outer one and may scale or mirror; scale says nothing about a
+    tensor given in kg m^2. Source: polar decomposition `linear = R P` (Higham 1986). A singular `linear` leaves R to
+    chance along the lost direction.
+    """
+    R, _ = polar(linear)
+    turned = R @ inertia @ R.T
+    return 0.5 * (turned + turned.T)

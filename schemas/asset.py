@@ -90,6 +90,7 @@ class GeometrySection(_Section):
     solid_kind: Literal["closed", "shell", "hull"]
     volume_m3: Evidence[float]
     surface_area_m2: float
+    wall_thickness_m: Evidence[float] | None = Field(default=None, description="of an open surface, else absent")
 
 
 class AppearanceSection(_Section):
@@ -109,14 +110,29 @@ class SemanticsSection(_Section):
     qcode: Evidence[str]
 
 
+class MassPart(_Section):
+    """One substance of an object: the visual meshes it is seen on, and its shares of volume and mass."""
+
+    meshes: tuple[str, ...]
+    material: Evidence[str]
+    density_kgm3: Evidence[float]
+    volume_share: float
+    mass_share: float
+
+
 class PhysicsSection(_Section):
-    """Mass properties about the mass centre in the asset frame, contact records, collider choice."""
+    """Mass properties about the mass centre in the asset frame, contact records, collider choice.
+
+    With several `mass_parts`, `material` is that of the largest share of volume and `density_kgm3` total mass over
+    total volume.
+    """
 
     material: Evidence[str]
     density_kgm3: Evidence[float]
     mass_kg: Evidence[float]
     centre_of_mass_m: Evidence[Vec3]
     inertia_kgm2: Evidence[Matrix3]
+    mass_parts: tuple[MassPart, ...] = ()
     contacts: tuple[Evidence[Contact], ...]
     collision_method: str
     candidates: tuple[Fidelity, ...]

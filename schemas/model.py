@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import ConfigDict
 
 from schemas.evidence import Evidence
+from schemas.stated_physics import StatedContact, StatedMass
 
 FloatArray: TypeAlias = np.ndarray
 IntArray: TypeAlias = np.ndarray
@@ -122,7 +123,8 @@ class Model:
 
     `meters_per_unit` and `up_axis` are Evidence: `declared` when the format or file states them, `default` when
     it does not. `hints` are texts that may tell units or axes (comments, generator names), verbatim.
-    `metadata` holds what the file says about itself (author, licence, copyright, generator).
+    `metadata` holds what the file says about itself (author, licence, copyright, generator), `masses` and `contacts`
+    what it says about the physics of its meshes.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -135,6 +137,8 @@ class Model:
     up_axis: Evidence[Axis]
     hints: tuple[str, ...] = ()
     metadata: dict[str, str] = field(default_factory=dict)
+    masses: tuple[StatedMass, ...] = ()
+    contacts: tuple[StatedContact, ...] = ()
 
     @property
     def triangle_count(self) -> int:

@@ -154,6 +154,13 @@ JOINT = """    def Cube "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {}
         rel physics:body1 = </Root/b>
     }
 """
+HEAVY = """    def Cube "heavy" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"])
+    {
+        double size = 0.1
+        float physics:mass = 1000
+    }
+"""
+KHR = "KHR_physics_rigid_bodies"
 LFS = "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 1\n"
 ANIMATION = {
     "samplers": [{"input": 2, "output": 0}],
@@ -228,6 +235,11 @@ SAMPLES: dict[str, Writer] = {
     "asset/material-extension-fallback": gltf(
         materials=[{"name": "m", "extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 0, 0]}}}],
         extensionsUsed=["KHR_materials_sheen"],
+    ),
+    "asset/source-inertia-implausible": usda(body=HEAVY),
+    "asset/source-friction-implausible": gltf(
+        nodes=[{"mesh": 0, "extensions": {KHR: {"collider": {"geometry": {"node": 0}, "physicsMaterial": 0}}}}],
+        extensions={KHR: {"physicsMaterials": [{"staticFriction": 0.2, "dynamicFriction": 0.4}]}},
     ),
     "asset/animation-dropped": gltf(animations=[ANIMATION]),
 }

@@ -1,5 +1,6 @@
 """Table of codes, documentation pages and smallest bad inputs agree."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ from assetkit.discover import discover
 from assetkit.options import Options
 from assetkit.stage import Draft, Tools
 from assetkit.stages.appearance import NormalizeAppearance
+from assetkit.stages.author_physics import AuthorPhysics
 from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.intake import take_in
 from cli.docs import file_name, index, page
@@ -21,14 +23,17 @@ GATE = "asset/gate-"  # Rules over released USD files; tests/unit/test_gate.py s
 
 
 def findings(file: Path, options: Options) -> list[Diagnostic]:
-    """What intake, canonicalize and appearance say about a file."""
+    """What intake, canonicalize and appearance say about a file, and physics where the source states some."""
     taken = take_in(discover([file])[0], options)
     found = list(taken.diagnostics)
     for item in taken.objects[:1]:
         draft = Draft("part", file.name, item)
         tools = Tools(FakeSimulator(), file.parent, options)
-        found += Canonicalize().run(draft, tools).diagnostics
+        canonical = Canonicalize().run(draft, tools)
+        found += canonical.diagnostics
         found += NormalizeAppearance().run(draft, tools).diagnostics
+        if canonical.value is not None and (item.model.masses or item.model.contacts):
+            found += AuthorPhysics().run(replace(draft, canonicalize=canonical.value), tools).diagnostics
     return found
 
 

@@ -24,9 +24,12 @@ _MATERIAL: Final = (
     "KHR_materials_variants",
     "KHR_materials_volume",
 )
+# Physics extensions never change the look; masses, mass centres, tensors and friction are read (`gltf_physics`).
+_PHYSICS: Final = ("KHR_implicit_shapes", "KHR_physics_rigid_bodies", "OMI_physics_body", "OMI_physics_shape")
 SUPPORTED: Final = frozenset(
     (
         *_MATERIAL,
+        *_PHYSICS,
         "EXT_meshopt_compression",
         "EXT_texture_webp",
         "KHR_animation_pointer",

@@ -17,8 +17,12 @@ MAX_PATH_CHARACTERS: Final = 64 * 2**20
 
 @dataclass(frozen=True)
 class PlacedNode:
-    """A node of the scene. `X_PN` and `X_MN` place it in its parent and in the model: row-major 4x4, metres."""
+    """A node of the scene, number `index` in the file.
 
+    `X_PN` and `X_MN` place it in its parent and in the model: row-major 4x4, metres.
+    """
+
+    index: int
     path: str
     X_PN: np.ndarray
     X_MN: np.ndarray
@@ -65,7 +69,7 @@ def place_nodes(document: Json) -> tuple[PlacedNode, ...]:
             X_MN = X_MP @ X_PN
         weights = node.get("weights")
         numbers = None if weights is None else tuple(w.as_number() for w in weights.elements())
-        placed.append(PlacedNode(path, X_PN, X_MN, node.index("mesh", meshes, "meshes"), numbers))
+        placed.append(PlacedNode(index, path, X_PN, X_MN, node.index("mesh", meshes, "meshes"), numbers))
         waiting.extend((child, path, X_MN) for child in reversed(children[index]))
     return tuple(placed)
 

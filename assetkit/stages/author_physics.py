@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from assetkit.mass import Clues
+from assetkit.source_inertials import in_asset_frame
 from assetkit.stage import Canonical, Draft, Physics, Tools, need
 from assetkit.stages.physics import build_physics
+from assetkit.up_axis import TO_Z_UP
 from schemas.asset import PhysicsSection
 from schemas.diagnostics import Diagnostic
 from schemas.outcome import Outcome
@@ -16,7 +19,7 @@ class AuthorPhysics:
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 1
+    version = 2
     result = Physics
 
     def accepts(self, draft: Draft) -> list[Diagnostic]:
@@ -26,12 +29,32 @@ class AuthorPhysics:
     def run(self, draft: Draft, tools: Tools) -> Outcome[Physics]:
         """Shapes, mass and contact in the asset frame; colliders that failed acceptance are left out."""
         canonical: Canonical = need(draft.canonicalize, "canonicalize")
-        names = [draft.source_name, *(m.name for m in draft.model.materials), *(m.name for m in canonical.meshes)]
         folder = tools.work_dir / "physics"
         folder.mkdir(parents=True, exist_ok=True)
-        built = build_physics(canonical.solid, names, work_dir=folder, exclude=frozenset(draft.excluded_colliders))
+        built = build_physics(
+            canonical.solid,
+            [draft.source_name],
+            work_dir=folder,
+            exclude=frozenset(draft.excluded_colliders),
+            clues=clues_of(draft, canonical),
+            contacts=draft.intake.model.contacts,
+        )
         physics = Physics(built.shapes, built.mass, built.contact, built.section)
         return Outcome(physics, built.diagnostics, built.repairs, review=_is_crude(built.section))
+
+
+def clues_of(draft: Draft, canonical: Canonical) -> Clues:
+    """What is known about the parts of the object and their masses, in its asset frame."""
+    R_AM, origin_m = TO_Z_UP[canonical.up_axis.value], canonical.section.origin_offset_m
+    scale = canonical.meters_per_unit.value
+    return Clues(
+        meshes=canonical.meshes,
+        as_read=draft.intake.model.meshes,
+        render_materials=tuple(m.name for m in draft.model.materials),
+        masses=tuple(in_asset_frame(stated, R_AM, scale, origin_m) for stated in draft.intake.model.masses),
+        unit=canonical.meters_per_unit,
+        wall=canonical.section.wall_thickness_m,
+    )
 
 
 def _is_crude(section: PhysicsSection) -> bool:

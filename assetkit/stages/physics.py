@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from assetkit.colliders import choose_colliders
-from assetkit.mass import mass_evidence
-from assetkit.materials import contacts_of, material_for, materials
+from assetkit.mass import Clues, mass_evidence
+from assetkit.source_contacts import contact_evidence
 from schemas.asset import PhysicsSection
 from schemas.diagnostics import Diagnostic
 from schemas.outcome import Repair
 from schemas.physics import CollisionShape, Contact, MassProperties, Solid
+from schemas.stated_physics import StatedContact
 
 
 @dataclass(frozen=True)
@@ -31,33 +32,41 @@ class PhysicsResult:
 
 
 def build_physics(
-    solid: Solid, names: Sequence[str], *, work_dir: Path, exclude: frozenset[str] = frozenset()
+    solid: Solid,
+    names: Sequence[str],
+    *,
+    work_dir: Path,
+    exclude: frozenset[str] = frozenset(),
+    clues: Clues | None = None,
+    contacts: Sequence[StatedContact] = (),
 ) -> PhysicsResult:
-    """Physics of one rigid body made of one material throughout.
+    """Physics of one rigid body.
 
-    `names` (file, render materials, meshes) may mention the material; `exclude` holds collision methods that must not
-    be chosen again because acceptance rejected them. Deterministic, except that a decomposition that runs into its time
-    limit falls to the next rung. Raises ValueError when all points of `solid` coincide.
+    `names` of the whole (file) may mention its material, `clues` hold what is known about its parts, `contacts` what
+    the source states about friction; `exclude` holds collision methods that must not be chosen again because
+    acceptance rejected them. Deterministic, except that a decomposition that runs into its time limit falls to the next
+    rung. Raises ValueError when all points of `solid` coincide.
     """
-    found = material_for(names)
-    material = materials()[found.value]
+    clues = clues or Clues()
     colliders = choose_colliders(solid, work_dir, exclude)
-    mass = mass_evidence(solid, material, found)
-    contacts = contacts_of(found)
+    mass = mass_evidence(solid, names, replace(clues, cavities=colliders.cavities))
+    touch = contact_evidence(mass.material, contacts, clues.as_read)
     section = PhysicsSection(
-        material=found,
+        material=mass.material,
         density_kgm3=mass.density_kgm3,
         mass_kg=mass.mass_kg,
         centre_of_mass_m=mass.centre_of_mass_m,
         inertia_kgm2=mass.inertia_kgm2,
-        contacts=contacts,
+        mass_parts=mass.parts,
+        contacts=touch.contacts,
         collision_method=colliders.method,
         candidates=colliders.candidates,
     )
     return PhysicsResult(
         shapes=colliders.shapes,
         mass=mass.properties,
-        contact=contacts[0].value,
+        contact=touch.contacts[0].value,
         section=section,
-        diagnostics=colliders.diagnostics,
+        diagnostics=(*colliders.diagnostics, *mass.diagnostics, *touch.diagnostics),
+        repairs=(*mass.repairs, *touch.repairs),
     )

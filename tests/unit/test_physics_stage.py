@@ -9,8 +9,9 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
-from assetkit.mass import MAX_SPAN, mass_bounds
-from assetkit.materials import materials
+from assetkit.mass import Clues, mass_evidence
+from assetkit.mass_bounds import MAX_SPAN
+from assetkit.materials import UNKNOWN_FULL, materials
 from assetkit.stages.physics import build_physics
 from geom.cavity import find_cavities, keeps_cavity
 from geom.inertia import is_physical
@@ -78,7 +79,7 @@ def test_a_sheet_container_stays_open_and_has_no_volume_ratio(tmp_path):
     built = build_physics(solid, ["box"], work_dir=tmp_path)
     assert all(keeps_cavity(built.shapes, cavity) for cavity in find_cavities(solid))
     assert {c.volume_ratio for c in built.section.candidates} == {None}
-    assert built.mass.mass_kg == pytest.approx(500.0 * 0.003 * 0.21)
+    assert built.mass.mass_kg == pytest.approx(materials()[UNKNOWN_FULL].density_kgm3 * 0.003 * 0.21)
     assert built.section.mass_kg.source == "default"
 
 
@@ -126,9 +127,11 @@ def test_mass_bounds_hold_the_value_and_never_span_more_than_thirty(name, kind):
     box = trimesh.creation.box((0.1, 0.1, 0.2))
     wall = 0.002 if kind == "shell" else None
     solid = Solid(np.array(box.vertices), np.array(box.faces, dtype=np.int32), kind, wall)
-    material = materials()[name]
-    low, high = mass_bounds(solid, 0.002, material)
-    assert 0 < low <= 0.002 * material.density_kgm3 <= high <= MAX_SPAN * low * (1 + 1e-9)
+    word = next(iter(sorted(materials()[name].words)), "thing")
+    mass = mass_evidence(solid, [word], Clues()).mass_kg
+    assert mass.bounds is not None
+    low, high = mass.bounds
+    assert 0 < low <= mass.value <= high <= MAX_SPAN * low * (1 + 1e-9)
 
 
 def test_a_solid_can_may_be_hollow_and_a_solid_stone_is_not(tmp_path):

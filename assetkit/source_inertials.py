@@ -1,0 +1,195 @@
+"""What the source states about mass: brought into the asset frame, and believed only as far as it is possible."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from geom.hull import contains, convex_hull
+from geom.inertia import is_physical, scaled
+from geom.surface_distance import closest_on_surface
+from geom.weld import diagonal
+from schemas.diagnostics import Diagnostic, Severity, finding
+from schemas.model import FloatArray, Mesh
+from schemas.outcome import Repair
+from schemas.physics import MassProperties
+from schemas.stated_physics import StatedMass
+
+CODE = "asset/source-inertia-implausible"
+# A balloon; a little above osmium, the densest element.
+LEAST_KGM3, MOST_KGM3 = 1.0, 25_000.0
+# The volume of a shell or hull is itself a guess by about this factor.
+GUESSED_VOLUME = 5.0
+CENTRE_SLACK = 0.01  # of the diagonal: visible meshes may be tighter than the thing.
+SINGLE_PRECISION = 1e-4  # Files keep tensors in single precision.
+# Between a massive foot and hollow walls: how far a moment may be from that of the evenly filled solid. Differences
+# below the floor (share of the largest moment) do not count, because engines pad thin rods.
+MOMENT_FACTOR, MOMENT_FLOOR = 10.0, 0.02
+# trace(I) / 2 is the sum of m r^2; with all mass in two corners of the box it is m d^2 / 4.
+MOST_SPREAD = 0.25 * 1.1
+
+Quantity = Literal["mass", "centre", "inertia"]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A statement without the quantities that cannot be true (None when not even the mass can), and why."""
+
+    stated: StatedMass | None
+    diagnostics: tuple[Diagnostic, ...] = ()
+    repairs: tuple[Repair, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Objection:
+    quantity: Quantity
+    headline: str
+    value: float
+    bound: float
+    unit: str
+
+    @property
+    def shown(self) -> float | str:
+        """The value as data; JSON has no infinity."""
+        return self.value if np.isfinite(self.value) else str(self.value)
+
+
+def in_asset_frame(
+    stated: StatedMass, R_AM: FloatArray, meters_per_unit: float, p_AoMo_A: FloatArray | Sequence[float]
+) -> StatedMass:
+    """`stated`, given in the model's frame M and units, in the asset frame A: metres, kg/m3, kg m2.
+
+    R_AM (3, 3) turns model axes into asset axes, p_AoMo_A (3,) is the model's origin in metres.
+    """
+    s, scale = stated, meters_per_unit
+    return replace(
+        s,
+        density=None if s.density is None else s.density / scale**3,
+        centre=None if s.centre is None else R_AM @ s.centre * scale + np.asarray(p_AoMo_A),
+        inertia=None if s.inertia is None else R_AM @ s.inertia @ R_AM.T * scale**2,
+    )
+
+
+def applicable(masses: Sequence[StatedMass], meshes: Sequence[Mesh]) -> tuple[list[StatedMass], list[Diagnostic]]:
+    """The statements that speak of these meshes (as read) and of no others; a mass shared with others is reported.
+
+    A density holds for any part of what it covers.
+    """
+    kept: list[StatedMass] = []
+    notes: list[Diagnostic] = []
+    for stated in masses:
+        covered = sum(len(m.triangles) for m in meshes if m.source_path in stated.covers)
+        if covered == stated.triangles or (covered and stated.mass_kg is None):
+            kept.append(stated)
+        elif covered:
+            headline = "the stated mass counts for several separate objects; it was not used"
+            figures = {"value": covered, "bound": stated.triangles, "unit": "triangles"}
+            notes.append(finding(CODE, headline, where=stated.where, severity=Severity.INFO, **figures))
+    return kept, notes
+
+
+def judge(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact: bool) -> Judged:
+    """`stated` (asset frame) held against the geometry it speaks of.
+
+    points  (n, 3) of its surface; the mass centre must lie in their hull, with 1 % of the diagonal to spare.
+    even    the same geometry filled with 1 kg/m3: bounds of the implied density, and moments within a factor of 10.
+    exact   `even` is the volume of a closed surface of its own; otherwise a guess, and density counts fivefold.
+
+    An objection to the mass drops everything, one to the mass centre also the inertia, which is about it.
+    """
+    objections = list(_objections(stated, points, even, exact=exact))
+    if not objections:
+        return Judged(stated)
+    dropped = {o.quantity for o in objections}
+    notes = tuple(
+        finding(CODE, o.headline, where=stated.where, value=o.shown, bound=o.bound, unit=o.unit) for o in objections
+    )
+    kept = None
+    if "mass" not in dropped and stated.mass_kg is not None:
+        centre = None if "centre" in dropped else stated.centre
+        kept = replace(stated, centre=centre, inertia=None)
+    elif "mass" not in dropped:
+        kept = stated
+    first = objections[0]
+    repair = Repair(
+        name="implausible_inertia",
+        code=CODE,
+        stage="physics",
+        before={"quantity": first.quantity, "value": first.shown, "bound": first.bound},
+        after={"quantity": first.quantity, "value": "computed from the solid"},
+    )
+    return Judged(kept, notes, (repair,))
+
+
+def _objections(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact: bool) -> Iterator[_Objection]:
+    """What cannot be true, the gravest first; later quantities are only looked at while earlier ones hold."""
+    mass = stated.mass_kg
+    volume = even.mass_kg
+    density = stated.density if mass is None else mass / volume if volume > 0.0 else np.inf
+    value = density if mass is None else mass
+    if value is None:
+        return
+    if not (np.isfinite(value) and value > 0.0):
+        what, unit = ("mass", "kg") if mass is not None else ("density", "kg/m3")
+        yield _Objection("mass", f"the stated {what} is not positive and finite", float(value), 0.0, unit)
+        return
+    slack = 1.0 if exact or mass is None else GUESSED_VOLUME
+    if density is not None and not LEAST_KGM3 / slack <= density <= MOST_KGM3 * slack:
+        bound = LEAST_KGM3 / slack if density < 1.0 else MOST_KGM3 * slack
+        headline = f"the stated {'density' if mass is None else 'mass'} means a density that no material has"
+        yield _Objection("mass", headline, float(density), bound, "kg/m3")
+        return
+    if mass is None:
+        return
+    size = diagonal(points)
+    if stated.centre is not None:
+        outside = _distance_outside(stated.centre, points)
+        if not outside <= CENTRE_SLACK * size:
+            headline = "the stated mass centre lies outside the object"
+            yield _Objection("centre", headline, outside, CENTRE_SLACK * size, "m")
+            return
+    if stated.inertia is not None:
+        yield from _about_inertia(stated.inertia, scaled(even, mass / volume), size)
+
+
+def _about_inertia(inertia: FloatArray, even: MassProperties, size: float) -> Iterator[_Objection]:
+    """`even` is the evenly filled body of the stated mass."""
+    low, middle, high = np.linalg.eigvalsh(inertia) if np.isfinite(inertia).all() else (np.nan,) * 3
+    if not low > 0.0:
+        yield _Objection("inertia", "a stated moment of inertia is not positive", float(low), 0.0, "kg m2")
+        return
+    if not is_physical(inertia, SINGLE_PRECISION):
+        headline = "a stated moment of inertia is above the sum of the others"
+        yield _Objection("inertia", headline, float(high), float(low + middle), "kg m2")
+        return
+    spread, most = 0.5 * float(np.trace(inertia)), MOST_SPREAD * even.mass_kg * size**2
+    if spread > most:
+        headline = "the stated inertia is larger than any mass of this size can have"
+        yield _Objection("inertia", headline, spread, most, "kg m2")
+        return
+    moments, axes = np.linalg.eigh(even.inertia_kgm2)
+    stated = np.einsum("ij,ik,kj->j", axes, inertia, axes)
+    floor = MOMENT_FLOOR * moments[2]
+    ratios = (stated + floor) / (moments + floor)
+    worst = int(np.argmax(np.abs(np.log(ratios))))
+    if not 1.0 / MOMENT_FACTOR <= ratios[worst] <= MOMENT_FACTOR:
+        headline = "a stated moment of inertia is far from that of the evenly filled object"
+        factor = MOMENT_FACTOR if ratios[worst] > 1.0 else 1.0 / MOMENT_FACTOR
+        yield _Objection("inertia", headline, float(stated[worst]), float(factor * moments[worst]), "kg m2")
+
+
+def _distance_outside(point: FloatArray, points: FloatArray) -> float:
+    """How far `point` lies outside the convex hull of `points`, or outside their bounding box when they are flat."""
+    if not np.isfinite(point).all():
+        return float("inf")
+    try:
+        hull = convex_hull(points)
+    except ValueError:
+        beyond = np.maximum(np.maximum(points.min(axis=0) - point, point - points.max(axis=0)), 0.0)
+        return float(np.linalg.norm(beyond))
+    if contains(*hull, point[None])[0]:
+        return 0.0
+    return float(np.linalg.norm(closest_on_surface(point[None], *hull)[0][0] - point))
