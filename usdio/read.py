@@ -91,7 +91,6 @@ def _read(layers: Layers, load_texture: LoadTexture) -> Outcome[Model]:
     )
     parts = (composed, unit, axis, start, shapes)
     diagnostics = [d for one in parts for d in one.diagnostics] + table.diagnostics
-    diagnostics += stage_facts.layer_contradictions(layers, where)
     diagnostics += [*_animation(found, where), *_clips(layers), *_articulation(stage, where)]
     repairs = [r for one in parts for r in one.repairs] + table.repairs
     return Outcome(model, tuple(diagnostics), tuple(repairs))
