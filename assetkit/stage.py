@@ -30,6 +30,7 @@ class Intake:
     """One object as read: the model in source units and axes, and the files it came from.
 
     `file_extent` is the bounding box of the whole file in source units: one file has one unit, however many objects.
+    `folder` is the name of the folder the file stands in: names may tell a unit.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -38,6 +39,7 @@ class Intake:
     files: tuple[SourceFile, ...]
     model: Model
     file_extent: tuple[float, float, float]
+    folder: str = ""
 
 
 @dataclass(frozen=True)

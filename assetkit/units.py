@@ -1,94 +1,245 @@
-"""Which unit are the numbers in? Declared units are used; otherwise named evidence, never a silent guess."""
+"""Which unit are the numbers in? Declared units are used; contradictions are settled by evidence or by a person.
+
+What the user says wins. A unit the file declares holds as long as the size it gives is usual; a size that no robot
+meets is a contradiction, which only a statement, a name or a doubled conversion factor can settle. Where nothing is
+declared the same signs decide, then what the format's standard implies, and last the plausibility of the size, which is
+never called certain.
+"""
 
 from __future__ import annotations
 
 import math
-import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from assetkit.options import METERS_PER_UNIT, UnitName
+from assetkit.unit_clues import Clue, Extent, scaled_nodes, stated_in_name, stated_in_text
+from assetkit.unit_size import posterior, prior_of
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
 from schemas.evidence import Evidence, declared, default, inferred
+from schemas.model import Node
 from schemas.outcome import Repair
 
-PLAUSIBLE_M = (1e-4, 1e4)  # Outside, nothing a robot handles or drives through.
-USUAL_M = (2e-3, 5.0)  # Outside, a declared size deserves a look.
-MIN_POSTERIOR = 0.6  # Below, the metre is kept and the scale is called unverified.
+PLAUSIBLE_M = (1e-4, 1e4)  # Outside, nothing a robot handles or drives through: refused.
+CREDIBLE_M = (1e-3, 100.0)  # Outside, no single prop or building: a contradiction.
+USUAL_M = (5e-3, 5.0)  # Outside, a size deserves a look.
+MIN_POSTERIOR = 0.6  # Below, plausibility does not decide.
+MIN_SHARE = 0.05  # Units less probable than this are left out of the bounds.
 
-_TYPICAL_SIZE_M, _LOG_SPREAD = 0.15, 1.2  # Largest extent of household objects: median and spread of its logarithm.
-_PRIORS = {
-    "stl": {"m": 0.20, "cm": 0.05, "mm": 0.70, "in": 0.05},  # Printing and CAD write millimetres, robotics metres.
-    "other": {"m": 0.50, "cm": 0.25, "mm": 0.15, "in": 0.10},
-}
-# A designed length is round in the designer's unit: how much more likely a reading is that makes it so.
-_ROUND_LENGTH, _BINARY_FRACTIONS = 5.0, 3.0
-_NAMES = {
-    "mm": r"mm|millimet(?:er|re)s?",
-    "cm": r"cm|centimet(?:er|re)s?",
-    "in": r"inch(?:es)?|in(?=\s*$|\s*[;,.)])",
-    "m": r"met(?:er|re)s?|m(?=\s*$|\s*[;,.)])",
-}
-_STATEMENT = r"\b(?:units?|scale|exported|measured|dimensions?|coordinates?|lengths?)\b[^\n]{{0,24}}?\b(?:{name})\b"
-_REPAIR_NAME = {"mm": "unit_mm", "cm": "unit_cm", "in": "unit_inch"}
+_NAME = {0.001: "mm", 0.01: "cm", 0.0254: "in", 1.0: "m", 0.3048: "ft", 0.1: "dm", 1e-6: "um"}
+_REPAIR_NAME = {0.001: "unit_mm", 0.01: "unit_cm", 0.0254: "unit_inch", 1.0: "unit_m"}
 
 
 @dataclass(frozen=True)
 class UnitDecision:
-    """Metres per source unit with its evidence, and what the user should know."""
+    """Metres per source unit with its evidence, and what the user should know; `review`: a person must say the unit."""
 
     meters_per_unit: Evidence[float]
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
+    review: bool = False
 
 
 def decide_unit(
     *,
     stated: Evidence[float],
-    chosen: UnitName,
-    extent: tuple[float, float, float],
+    chosen: UnitName = "auto",
+    extent: Extent,
     format_: str,
-    stem: str,
-    hints: tuple[str, ...],
+    name: str = "",
+    hints: Sequence[str] = (),
+    nodes: Sequence[Node] = (),
 ) -> UnitDecision:
-    """The unit of the source, from the user, the file, its comments, its name or the plausibility of its size.
+    """The unit of the source. `extent` is its bounding box in source units, `name` its path, `hints` its texts.
 
-    `extent` is the bounding box in source units. Raises InvalidInput (`asset/scale-implausible`) when no reading of
-    the numbers gives an object between 0.1 mm and 10 km.
+    `stated` with source `declared` and confidence above 0.5 is the file's own word; with 0.5 or less it is what the
+    format's standard implies where the file is silent. Raises InvalidInput (`asset/scale-implausible`) when no reading
+    of the numbers gives an object between 0.1 mm and 10 km.
     """
-    largest = max(extent)
     if chosen != "auto":
-        return _checked(declared(METERS_PER_UNIT[chosen], f"--units {chosen}"), largest)
-    if stated.source != "default":
-        return _checked(stated, largest)
-    _require_plausible(largest, METERS_PER_UNIT.values())
-    said = _stated_in_text(hints)
-    if said is not None:
-        return _rescaled(said, 0.9, "comment or header of the file", extent)
-    named = _stated_in_name(stem, extent)
-    if named is not None:
-        return _rescaled(named, 0.9, "size named in the file name", extent)
-    return _by_size(extent, format_)
+        return _kept(declared(METERS_PER_UNIT[chosen], f"--units {chosen}"), max(extent))
+    clues = [*stated_in_text(hints, extent), *stated_in_name(name, extent)]
+    if stated.source != "default" and stated.confidence > 0.5:
+        return _declared(stated, [*clues, *scaled_nodes(nodes, stated.value)], extent)
+    return _undeclared(stated, clues, format_, hints, extent)
 
 
-def _checked(evidence: Evidence[float], largest: float) -> UnitDecision:
+def _declared(stated: Evidence[float], clues: list[Clue], extent: Extent) -> UnitDecision:
+    """The file's own unit, unless its size is unusual and the strongest other sign gives a usual one."""
+    size = max(extent) * stated.value
+    rivals = _strongest([c for c in clues if not math.isclose(c.meters_per_unit, stated.value, rel_tol=0.01)])
+    said = [c for c in rivals if c.confidence >= 0.9]
+    if _within(size, USUAL_M):
+        return UnitDecision(stated) if not said else _overruling(stated, said, size)
+    better = {c.meters_per_unit: c for c in rivals if _within(max(extent) * c.meters_per_unit, USUAL_M)}
+    if len(better) == 1:
+        clue = next(iter(better.values()))
+        weaker = replace(clue, confidence=min(clue.confidence, 0.8))
+        return _rescaled(weaker, stated.value, extent, against=f"the declared {_unit(stated.value)}")
+    _require_plausible(max(extent), (stated.value,))
+    if _within(size, CREDIBLE_M):
+        return _kept(stated, max(extent))
+    return _for_review(
+        stated, extent, f"the declared unit makes the object {size:.3g} m large and nothing else tells its size"
+    )
+
+
+def _undeclared(
+    stated: Evidence[float], clues: list[Clue], format_: str, hints: Sequence[str], extent: Extent
+) -> UnitDecision:
+    """The unit by the strongest signs; where there are none, by the standard or the plausibility of the size."""
+    largest = max(extent)
+    signs = _strongest(clues)
+    sizes = {c.meters_per_unit: largest * c.meters_per_unit for c in signs}
+    usual = [c for c in signs if _within(sizes[c.meters_per_unit], USUAL_M)]
+    is_statement = any(c.confidence >= 0.9 for c in signs)
+    credible = all(_within(size, CREDIBLE_M) for size in sizes.values())
+    if len(sizes) == 1 and (usual or (is_statement and credible)):
+        return _rescaled(signs[0], stated.value, extent)
+    if len({c.meters_per_unit for c in usual}) == 1:
+        return _rescaled(replace(usual[0], confidence=0.5), stated.value, extent, against="another statement")
+    if is_statement:
+        _require_plausible(largest, METERS_PER_UNIT.values())
+        quotes = ", ".join(f"'{c.quote}'" for c in signs)
+        return _for_review(stated, extent, f"what the file says about its unit does not fit: {quotes}")
+    return _by_size(stated, format_, hints, extent)
+
+
+def _strongest(clues: list[Clue]) -> list[Clue]:
+    return [c for c in clues if c.confidence == max(d.confidence for d in clues)]
+
+
+def _kept(evidence: Evidence[float], largest: float) -> UnitDecision:
     """A declared unit is used as it is; an unusual size is reported, an impossible one refused."""
     _require_plausible(largest, (evidence.value,))
     size_m = largest * evidence.value
-    if USUAL_M[0] <= size_m <= USUAL_M[1]:
+    if _within(size_m, USUAL_M):
         return UnitDecision(evidence)
     warning = finding(
         "asset/scale-unverified",
-        f"declared units make the object {size_m:.3g} m large, which is unusual",
+        f"the unit {_unit(evidence.value)} makes the object {size_m:.3g} m large, which is unusual",
         value=size_m,
         bound=f"{USUAL_M[0]:g}..{USUAL_M[1]:g}",
         unit="m",
     )
-    return UnitDecision(evidence.model_copy(update={"confidence": 0.5}), (warning,))
+    return UnitDecision(evidence.model_copy(update={"confidence": min(evidence.confidence, 0.5)}), (warning,))
+
+
+def _overruling(stated: Evidence[float], said: list[Clue], size: float) -> UnitDecision:
+    """The declared unit against texts that say otherwise: it stands, since its size is usual, and this is said."""
+    note = finding(
+        "asset/contradictory-evidence",
+        f"the file declares {_unit(stated.value)}, which gives a usual size, but says '{said[0].quote}'",
+        value=size,
+        bound=f"{size / stated.value * said[0].meters_per_unit:.4g} by that text",
+        unit="m",
+    )
+    quotes = (*stated.inputs, *(c.quote for c in said))
+    return UnitDecision(stated.model_copy(update={"confidence": 0.8, "inputs": quotes}), (note,))
+
+
+def _for_review(stated: Evidence[float], extent: Extent, headline: str) -> UnitDecision:
+    """The stated unit as a placeholder of confidence 0, bounded by the units of usual size; a person must decide."""
+    largest = max(extent)
+    fitting = [s for s in METERS_PER_UNIT.values() if _within(largest * s, USUAL_M)]
+    bounds = (min(*fitting, stated.value), max(*fitting, stated.value)) if fitting else None
+    note = finding(
+        "asset/contradictory-evidence",
+        f"{headline}; say the unit with --units",
+        value=largest * stated.value,
+        bound=f"{CREDIBLE_M[0]:g}..{CREDIBLE_M[1]:g}",
+        unit="m",
+    )
+    return UnitDecision(stated.model_copy(update={"confidence": 0.0, "bounds": bounds}), (note,), review=True)
+
+
+def _by_size(stated: Evidence[float], format_: str, hints: Sequence[str], extent: Extent) -> UnitDecision:
+    """The unit by tool, format and plausible size. What cannot be decided keeps confidence 0 and bounds."""
+    largest = max(extent)
+    _require_plausible(largest, METERS_PER_UNIT.values())
+    implied = next((u for u, s in METERS_PER_UNIT.items() if s == stated.value), "m")
+    by_standard = stated.source != "default"
+    share = posterior(prior_of(format_, hints, implied if by_standard else None), extent)
+    holds = by_standard and _within(largest * stated.value, CREDIBLE_M)
+    unit = implied if holds else _most_credible(share, implied)
+    scale = METERS_PER_UNIT[unit]
+    spanned = (scale, *(METERS_PER_UNIT[u] for u, p in share.items() if p >= MIN_SHARE))
+    bounds = (min(spanned), max(spanned)) if len(set(spanned)) > 1 else None
+    usual = _within(largest * scale, USUAL_M)
+    if by_standard and unit == implied:
+        evidence = stated.model_copy(update={"bounds": bounds, "confidence": stated.confidence if usual else 0.25})
+    elif share[unit] >= MIN_POSTERIOR:
+        worth = 0.8 * share[unit] if usual else 0.4
+        evidence = inferred(scale, "habit of tool or format and plausible size", worth, bounds=bounds)
+    else:
+        evidence = default(scale, "no unit declared and the size fits several", bounds=bounds)
+    if not _within(largest * scale, CREDIBLE_M):
+        return _for_review(stated, extent, f"no unit is declared and no reading of {largest:.3g} units is credible")
+    note = _provisional(evidence, share[unit], largest)
+    if unit != implied:
+        return _with_repair(evidence, stated.value, extent, (note,))
+    if by_standard and usual:
+        return UnitDecision(evidence)
+    sure = evidence.source == "inferred" and usual
+    return UnitDecision(evidence, (note.model_copy(update={"severity": Severity.INFO}) if sure else note,))
+
+
+def _most_credible(share: dict[str, float], implied: str) -> str:
+    """The probable unit; else what the numbers imply as they stand, unless that is too improbable a placeholder."""
+    best = max(share, key=lambda u: share[u])
+    return implied if share[best] < MIN_POSTERIOR and share[implied] >= MIN_SHARE else best
+
+
+def _provisional(evidence: Evidence[float], posterior: float, largest: float) -> Diagnostic:
+    unit = _unit(evidence.value)
+    return finding(
+        "asset/scale-unverified",
+        f"no unit is declared; read in {unit} the object is {largest * evidence.value:.3g} m large",
+        value=round(posterior, 3),
+        bound=MIN_POSTERIOR,
+        unit="probability of this unit",
+    )
+
+
+def _rescaled(clue: Clue, implied: float, extent: Extent, against: str = "") -> UnitDecision:
+    """The unit a sign tells instead of the `implied` one. `against` names what it overrules, if anything."""
+    size = max(extent) * clue.meters_per_unit
+    kept = _kept(inferred(clue.meters_per_unit, clue.method, clue.confidence, inputs=(clue.quote,)), max(extent))
+    evidence, notes = kept.meters_per_unit, kept.diagnostics
+    if against:
+        headline = f"'{clue.quote}' against {against}: only {_unit(clue.meters_per_unit)} gives a usual size"
+        bound = f"{USUAL_M[0]:g}..{USUAL_M[1]:g}"
+        notes += (finding("asset/contradictory-evidence", headline, value=size, bound=bound, unit="m"),)
+    if math.isclose(clue.meters_per_unit, implied, rel_tol=1e-6):
+        return UnitDecision(evidence, notes)
+    return _with_repair(evidence, implied, extent, notes)
+
+
+def _with_repair(
+    evidence: Evidence[float], implied: float, extent: Extent, notes: tuple[Diagnostic, ...]
+) -> UnitDecision:
+    """`evidence` as a repair of what the numbers imply as they stand."""
+    size, before = max(extent) * evidence.value, max(extent) * implied
+    note = finding(
+        "asset/unit-mismatch",
+        f"the numbers are in {_unit(evidence.value)}, not in {_unit(implied)} ({evidence.method})",
+        value=size,
+        bound=f"{before:.4g} as they stand",
+        unit="m",
+    )
+    repair = Repair(
+        name=_REPAIR_NAME.get(evidence.value, "unit_scale"),
+        code="asset/unit-mismatch",
+        stage="canonicalize",
+        before={"largest_extent_m": before},
+        after={"largest_extent_m": size},
+    )
+    return UnitDecision(evidence, (note, *notes), (repair,))
 
 
 def _require_plausible(largest: float, hypotheses: object) -> None:
     sizes = [largest * h for h in hypotheses]  # pyright: ignore[reportGeneralTypeIssues]
-    if not any(PLAUSIBLE_M[0] <= s <= PLAUSIBLE_M[1] for s in sizes):
+    if not any(_within(s, PLAUSIBLE_M) for s in sizes):
         raise InvalidInput(
             finding(
                 "asset/scale-implausible",
@@ -100,107 +251,9 @@ def _require_plausible(largest: float, hypotheses: object) -> None:
         )
 
 
-def _stated_in_text(hints: tuple[str, ...]) -> str | None:
-    """The unit a comment states, when all statements agree."""
-    text = "\n".join(hints).lower()
-    found = {unit for unit, name in _NAMES.items() if re.search(_STATEMENT.format(name=name), text, re.MULTILINE)}
-    return found.pop() if len(found) == 1 else None
+def _within(size_m: float, bounds: tuple[float, float]) -> bool:
+    return bounds[0] * (1 - 1e-6) <= size_m <= bounds[1] * (1 + 1e-6)
 
 
-def _stated_in_name(stem: str, extent: tuple[float, float, float]) -> str | None:
-    """The unit of a size in the file name ("20mm-cube") when the mesh has that number as an extent."""
-    for number, unit in re.findall(r"(\d+(?:[.,]\d+)?)\s*_?(mm|cm|in|inch)(?![a-z])", stem.lower()):
-        value = float(number.replace(",", "."))
-        if any(math.isclose(value, e, rel_tol=0.03) for e in extent):
-            return "in" if unit == "inch" else unit
-    return None
-
-
-def _by_size(extent: tuple[float, float, float], format_: str) -> UnitDecision:
-    """Bayes over unit hypotheses: prior of the format, how usual the resulting size is, how round the lengths are."""
-    prior = _PRIORS.get(format_, _PRIORS["other"])
-    largest = max(extent)
-    weight = {
-        unit: p
-        * math.exp(-0.5 * (math.log(largest * METERS_PER_UNIT[unit] / _TYPICAL_SIZE_M) / _LOG_SPREAD) ** 2)
-        * _roundness(extent, unit)
-        for unit, p in prior.items()
-    }
-    total = sum(weight.values()) or 1.0
-    best = max(weight, key=lambda u: weight[u])
-    posterior = weight[best] / total
-    if best != "m" and posterior >= MIN_POSTERIOR:
-        return _rescaled(best, 0.8 * posterior, "format habit and plausible size", extent)
-    candidates = [METERS_PER_UNIT[u] for u, w in weight.items() if w / total >= 0.05] or [1.0]
-    bounds = (min(*candidates, 1.0), max(*candidates, 1.0))
-    confident = best == "m" and posterior >= MIN_POSTERIOR
-    evidence = (
-        inferred(1.0, "plausible size in metres", 0.8 * posterior, bounds=bounds)
-        if confident
-        else default(1.0, "no unit declared and the size fits several", bounds=bounds)
-    )
-    note = finding(
-        "asset/scale-unverified",
-        f"no unit is declared; read as metres the object is {largest:.3g} m large",
-        value=posterior,
-        bound=MIN_POSTERIOR,
-        unit="probability of the best unit",
-        severity=Severity.INFO if confident else None,
-    )
-    return UnitDecision(evidence, (note,))
-
-
-def _roundness(extent: tuple[float, float, float], unit: str) -> float:
-    """How much the lengths speak for a unit: lengths that become whole half-millimetres without being round as they
-    stand (1.33858 in is 34 mm), or sixteenths that nobody writes in metric units (1.375).
-    """
-    mm = [e * METERS_PER_UNIT[unit] * 1000.0 for e in extent]
-    telling = [
-        not _is_multiple(e, 0.01, 1e-4) and _is_multiple(m, 0.5, 1e-5 * max(m, 1.0))
-        for e, m in zip(extent, mm, strict=True)
-    ]
-    likelihood = _ROUND_LENGTH ** min(sum(telling), 2)
-    sixteenths = all(_is_multiple(e, 1 / 16, 1e-6) for e in extent) and not all(
-        _is_multiple(e, 0.5, 1e-6) for e in extent
-    )
-    return likelihood * (_BINARY_FRACTIONS if unit == "in" and sixteenths else 1.0)
-
-
-def _is_multiple(value: float, step: float, tolerance: float) -> bool:
-    return abs(value - step * round(value / step)) <= tolerance
-
-
-def _rescaled(unit: str, confidence: float, method: str, extent: tuple[float, float, float]) -> UnitDecision:
-    scale = METERS_PER_UNIT[unit]
-    evidence = inferred(scale, method, confidence)
-    if unit == "m":
-        return UnitDecision(evidence)
-    size = max(extent)
-    note = finding(
-        "asset/unit-mismatch",
-        f"the numbers are in {unit}, not in metres ({method})",
-        value=size * scale,
-        bound=f"{size:.4g} if read as metres",
-        unit="m",
-    )
-    extra = (
-        ()
-        if confidence >= 0.8
-        else (
-            finding(
-                "asset/scale-unverified",
-                f"the unit {unit} follows from plausibility only",
-                value=round(confidence, 3),
-                bound=0.8,
-                unit="confidence",
-            ),
-        )
-    )
-    repair = Repair(
-        name=_REPAIR_NAME[unit],
-        code="asset/unit-mismatch",
-        stage="canonicalize",
-        before={"largest_extent_m": size},
-        after={"largest_extent_m": size * scale},
-    )
-    return UnitDecision(evidence, (note, *extra), (repair,))
+def _unit(meters: float) -> str:
+    return _NAME.get(meters) or f"units of {meters:.4g} m"

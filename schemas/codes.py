@@ -188,6 +188,18 @@ CODES: dict[str, CodeInfo] = {
         "Named evidence shows another up axis; the asset was turned.",
         "check the pictures in the report",
     ),
+    "asset/up-axis-unverified": CodeInfo(
+        "info",
+        "Nothing states which way is up",
+        "The format has no up axis and no text names one, so the habit of such files was taken.",
+        "check the pictures in the report; override with --up-axis",
+    ),
+    "asset/contradictory-evidence": CodeInfo(
+        "warning",
+        "Statements about unit or up axis contradict each other or the size",
+        "One of them is wrong. The stronger one was used where there is one; otherwise the asset goes to review.",
+        "say the truth with --units or --up-axis",
+    ),
     "asset/invalid-unit-value": CodeInfo(
         "error",
         "The declared unit is not a positive number",
@@ -341,18 +353,6 @@ CODES: dict[str, CodeInfo] = {
         "nothing, or export the pose you want",
     ),
     # Physics and acceptance.
-    "asset/source-inertia-implausible": CodeInfo(
-        "warning",
-        "The mass, mass centre or inertia stated by the source cannot be true",
-        "Placeholder values (one kilogram, unit inertia) make a body tumble or resist in ways its shape forbids.",
-        "check the value in the source; the package holds one computed from the solid",
-    ),
-    "asset/source-friction-implausible": CodeInfo(
-        "warning",
-        "The friction or restitution stated by the source cannot be true",
-        "Negative or enormous coefficients make contacts jitter or stick; restitution above one adds energy.",
-        "check the value in the source; the package holds that of the material class",
-    ),
     "asset/collision-fallback": CodeInfo(
         "warning",
         "The collision shape is coarser than wanted",

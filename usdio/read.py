@@ -22,7 +22,6 @@ from usdio.placement import Census, Placed, census
 from usdio.quiet import quiet
 from usdio.read_materials import LoadTexture, MaterialTable
 from usdio.read_mesh import SOLIDS, read_mesh, read_solid
-from usdio.read_physics import stated_physics
 from usdio.surface import Surface, part, placed
 
 _STAGE: Final = "intake"
@@ -76,7 +75,6 @@ def _read(layers: Layers, load_texture: LoadTexture) -> Outcome[Model]:
     shapes = _shapes(found, table, where)
     if not shapes.value:
         raise InvalidInput(_nothing(found, composed.diagnostics, where))
-    masses, contacts = stated_physics(stage, start.value, shapes.value, where)
     model = Model(
         meshes=shapes.value,
         materials=tuple(entry.material for entry in table.entries),
@@ -86,11 +84,10 @@ def _read(layers: Layers, load_texture: LoadTexture) -> Outcome[Model]:
         up_axis=axis.value,
         hints=(*stage_facts.hints(stage, start.value), *_subdivision_hints(found)),
         metadata=stage_facts.metadata(stage, start.value),
-        masses=masses,
-        contacts=contacts,
     )
     parts = (composed, unit, axis, start, shapes)
     diagnostics = [d for one in parts for d in one.diagnostics] + table.diagnostics
+    diagnostics += stage_facts.layer_contradictions(layers, where)
     diagnostics += [*_animation(found, where), *_clips(layers), *_articulation(stage, where)]
     repairs = [r for one in parts for r in one.repairs] + table.repairs
     return Outcome(model, tuple(diagnostics), tuple(repairs))

@@ -16,12 +16,16 @@ from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, fi
 from schemas.evidence import Evidence, declared, default, inferred
 from schemas.model import Axis
 from schemas.outcome import Repair
+from usdio.guard import Layers
+from usdio.read_mesh import SOLIDS
 from usdio.shader_graph import plain
 
 T = TypeVar("T")
 _STAGE: Final = "intake"
 _FALLBACK_METERS: Final = 0.01  # UsdGeomLinearUnits: a stage that says nothing is in centimetres.
+_SURFACES: Final = ("Mesh", *SOLIDS)
 _FALLBACK_AXIS: Final[Axis] = "y"
+_BY_STANDARD: Final = 0.5  # confidence of a value that holds only because the file leaves it out
 # our key -> words that name it in customLayerData, assetInfo or SimReady_Metadata, compared without case and marks.
 _KEYS: Final = {
     "author": ("author", "authors", "artist", "createdby"),
@@ -44,14 +48,14 @@ class Fact(NamedTuple, Generic[T]):
 
 
 def meters_per_unit(stage: Usd.Stage, where: Location) -> Fact[Evidence[float]]:
-    """Evidence for the length of one unit in metres; USD's fallback 0.01 as `default` when nothing is authored.
+    """Evidence for the length of one unit in metres; USD's fallback 0.01 with confidence 0.5 when none is authored.
 
     A value of another type than double is used and repaired. Raises InvalidInput `asset/invalid-unit-value` when it is
     no positive finite number.
     """
     key = UsdGeom.Tokens.metersPerUnit
     if not stage.HasAuthoredMetadata(key):
-        return Fact(default(_FALLBACK_METERS, "USD fallback, metersPerUnit is not authored"))
+        return Fact(declared(_FALLBACK_METERS, "USD fallback, metersPerUnit is not authored", confidence=_BY_STANDARD))
     authored = _raw(stage, key)
     try:
         value = float(authored)
@@ -80,7 +84,7 @@ def up_axis(stage: Usd.Stage, where: Location) -> Fact[Evidence[Axis]]:
     """Evidence for the up axis: Y or Z as declared; X or another spelling inferred and repaired; USD's Y if absent."""
     key = UsdGeom.Tokens.upAxis
     if not stage.HasAuthoredMetadata(key):
-        return Fact(default(_FALLBACK_AXIS, "USD fallback, upAxis is not authored"))
+        return Fact(declared(_FALLBACK_AXIS, "USD fallback, upAxis is not authored", confidence=_BY_STANDARD))
     authored = str(_raw(stage, key))
     if authored in (UsdGeom.Tokens.y, UsdGeom.Tokens.z):
         return Fact(declared(_axis(authored) or _FALLBACK_AXIS, "upAxis"))
@@ -113,6 +117,31 @@ def hints(stage: Usd.Stage, start: Usd.Prim) -> tuple[str, ...]:
     texts += [str(start.GetMetadata(key) or "") for key in ("documentation", "comment")]
     texts += [f"{key}: {value}" for key, value in _texts(dict(layer.customLayerData))]
     return tuple(dict.fromkeys(text for text in texts if text))
+
+
+def layer_contradictions(layers: Layers, where: Location) -> tuple[Diagnostic, ...]:
+    """Warnings about layers that hold geometry and state another unit or up axis than the root layer.
+
+    Composition converts neither; the root layer's word counts (UsdGeomLinearUnits). None where an `xformOp` says that
+    the difference was resolved (`unitsResolve`).
+    """
+    found: list[Diagnostic] = []
+    root = layers.root.pseudoRoot
+    for layer in layers.kept if len(layers.kept) > 1 else ():
+        paths: list[Sdf.Path] = []
+        layer.Traverse(Sdf.Path.absoluteRootPath, paths.append)
+        if any(path.name.endswith(":unitsResolve") for path in paths):
+            return ()
+        specs = (layer.GetPrimAtPath(path) for path in paths if path.IsPrimPath())
+        if layer == layers.root or not any(spec and spec.typeName in _SURFACES for spec in specs):
+            continue
+        name = layers.site(layer).name
+        for key in (UsdGeom.Tokens.metersPerUnit, UsdGeom.Tokens.upAxis):
+            said = layer.pseudoRoot.GetInfo(key) if layer.pseudoRoot.HasInfo(key) else None
+            if said is not None and said != root.GetInfo(key):
+                headline = f"layer {name} states {key} {said}, the stage {root.GetInfo(key)}; the stage's was used"
+                found.append(finding("asset/contradictory-evidence", headline, where=where, value=str(said)))
+    return tuple(sorted(found, key=lambda d: d.headline))
 
 
 def metadata(stage: Usd.Stage, start: Usd.Prim) -> dict[str, str]:

@@ -13,7 +13,6 @@ from assetkit.readers.gltf_geometry import Geometry
 from assetkit.readers.gltf_json import Json
 from assetkit.readers.gltf_materials import read_material
 from assetkit.readers.gltf_nodes import place_nodes
-from assetkit.readers.gltf_physics import GltfPhysics
 from assetkit.readers.gltf_textures import Textures
 from assetkit.source import SourceFile
 from schemas.diagnostics import Location, finding
@@ -37,12 +36,10 @@ def read_gltf(source: SourceFile) -> Outcome[Model]:
     document, chunk = parse_container(source.path.read_bytes(), extension, Location(file=source.relative))
     check_required(document)
     buffers = Buffers(source, document, chunk)
-    placed = place_nodes(document)
-    meshes, nodes, notes = Geometry(document, buffers).bake(placed)
-    physics = GltfPhysics(document, placed, nodes, meshes)
+    meshes, nodes, notes = Geometry(document, buffers).bake(place_nodes(document))
     textures = Textures(source, document, buffers)
     materials, meshes, material_notes = _read_materials(document, meshes, textures)
-    notes += textures.notes + material_notes + _animation_notes(document) + Notes(physics.joints())
+    notes += textures.notes + material_notes + _animation_notes(document)
     model = Model(
         meshes=meshes,
         materials=materials,
@@ -52,8 +49,6 @@ def read_gltf(source: SourceFile) -> Outcome[Model]:
         up_axis=declared(_UP, "glTF 2.0 §3.4"),
         hints=_hints(document),
         metadata=_metadata(document),
-        masses=physics.masses(),
-        contacts=physics.contacts(),
     )
     return Outcome(model, notes.diagnostics, notes.repairs)
 
@@ -89,10 +84,13 @@ def _animation_notes(document: Json) -> Notes:
 
 
 def _hints(document: Json) -> tuple[str, ...]:
-    """Generator, copyright and the first few node and mesh names: texts that may tell units or axes."""
+    """Generator, copyright, extras of asset and scenes, names of nodes and meshes: they may tell units or axes."""
     asset = document.object("asset")
+    holders = (asset, *document.items("scenes")[:_HINT_NAMES])
+    extras = (e.value for holder in holders if (e := holder.get("extras")) is not None and isinstance(e.value, dict))
+    said = (f"{key}: {value}" for e in extras for key, value in e.items() if isinstance(value, str | int | float))
     names = (n.string("name", "") for key in ("nodes", "meshes") for n in document.items(key)[:_HINT_NAMES])
-    return tuple(t for t in (asset.string("generator", ""), asset.string("copyright", ""), *names) if t)
+    return tuple(t for t in (asset.string("generator", ""), asset.string("copyright", ""), *said, *names) if t)
 
 
 def _metadata(document: Json) -> dict[str, str]:

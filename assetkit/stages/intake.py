@@ -15,6 +15,7 @@ from assetkit.readers.obj import read_obj
 from assetkit.readers.ply import read_ply
 from assetkit.readers.stl import read_stl
 from assetkit.readers.usd import read_usd
+from assetkit.siblings import sibling_statements
 from assetkit.source import SourceFile
 from assetkit.split import split_objects
 from assetkit.stage import Intake
@@ -25,7 +26,7 @@ from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
 from schemas.model import Model
 from schemas.outcome import Outcome, Repair
 
-NAME, VERSION = "intake", 1
+NAME, VERSION = "intake", 2
 MAX_FILE_BYTES = 2**30
 
 READERS: dict[str, Callable[[SourceFile], Outcome[Model]]] = {
@@ -64,9 +65,11 @@ def _take_in(candidate: Candidate, options: Options) -> IntakeResult:
     diagnostics = list(outcome.diagnostics)
     if outcome.value is None or outcome.failed:
         return IntakeResult((), tuple(diagnostics), outcome.repairs, review=False)
+    siblings = sibling_statements(candidate.file) if outcome.value.meters_per_unit.source == "default" else ()
     model = replace(
         outcome.value,
         meshes=tuple(m for m in outcome.value.meshes if len(m.triangles)),
+        hints=(*outcome.value.hints, *siblings),
         metadata={**outcome.value.metadata, **_stated(options)},
     )
     _require_surface(model)
@@ -80,7 +83,8 @@ def _take_in(candidate: Candidate, options: Options) -> IntakeResult:
             models, review = (model,), True
     low, high = (f([f(m.points, axis=0) for m in model.meshes], axis=0) for f in (np.min, np.max))
     extent = (float(high[0] - low[0]), float(high[1] - low[1]), float(high[2] - low[2]))
-    objects = tuple(Intake(candidate.format, files, m, extent) for m in models)
+    folder = candidate.file.path.absolute().parent.name
+    objects = tuple(Intake(candidate.format, files, m, extent, folder) for m in models)
     return IntakeResult(objects, tuple(diagnostics), outcome.repairs, review)
 
 

@@ -21,12 +21,53 @@ def test_comment_overrules_a_habit(comment: str):
     assert [r.name for r in decision.repairs] == ["up_axis_y"]
 
 
-def test_declared_axis_is_never_overruled():
+def codes(decision):
+    return [d.code for d in decision.diagnostics]
+
+
+def test_declared_axis_is_never_overruled_but_a_contradiction_is_said():
     decision = decide_up_axis(declared("z", "USD"), ("exported y-up",))
     assert decision.axis.value == "z"
+    assert decision.axis.confidence < 1.0
     assert decision.repairs == ()
+    assert codes(decision) == ["asset/contradictory-evidence"]
+    assert not decision.review
 
 
-@pytest.mark.parametrize("comment", ["made in group y", "setup z", "x-up or y-up", ""])
-def test_unclear_comments_are_no_evidence(comment: str):
-    assert decide_up_axis(default("z"), (comment,)).axis.source == "default"
+def test_declared_axis_that_texts_confirm_needs_no_word():
+    decision = decide_up_axis(declared("z", "USD"), ("exported z-up",))
+    assert decision.axis.confidence == 1.0
+    assert decision.diagnostics == ()
+
+
+def test_a_text_overrules_what_a_standard_implies():
+    silent = declared("y", "COLLADA default up axis", confidence=0.5)
+    assert decide_up_axis(silent, ("z is up",)).axis.value == "z"
+    assert decide_up_axis(silent, ()).diagnostics == ()
+
+
+@pytest.mark.parametrize("texts", [("x-up or y-up",), ("z-up", "exported y-up")])
+def test_contradicting_texts_go_to_a_person(texts: tuple[str, ...]):
+    decision = decide_up_axis(default("z"), texts)
+    assert decision.review
+    assert decision.axis.confidence == 0.0
+    assert codes(decision) == ["asset/contradictory-evidence"]
+
+
+def test_a_conversion_names_its_result():
+    decision = decide_up_axis(default("z"), ("turned from z-up to y-up",))
+    assert decision.axis.value == "y"
+    assert not decision.review
+
+
+@pytest.mark.parametrize("comment", ["made in group y", "setup z", "cup x", ""])
+def test_unclear_comments_are_no_evidence_and_the_guess_is_said(comment: str):
+    decision = decide_up_axis(default("z"), (comment,))
+    assert decision.axis.source == "default"
+    assert codes(decision) == ["asset/up-axis-unverified"]
+
+
+def test_the_user_decides():
+    decision = decide_up_axis(declared("y", "glTF"), ("z-up", "x-up"), "x")
+    assert (decision.axis.value, decision.axis.source) == ("x", "declared")
+    assert decision.diagnostics == ()

@@ -82,7 +82,7 @@ def volume(mesh: Mesh) -> float:
     [
         ("metersPerUnit = 0.001", 0.001, "declared", []),
         ("metersPerUnit = 10", 10.0, "declared", []),
-        ('doc = "nothing said"', 0.01, "default", []),
+        ('doc = "nothing said"', 0.01, "declared", []),
     ],
 )
 def test_meters_per_unit(tmp_path: Path, header: str, value: float, source: str, codes: list[str]) -> None:
@@ -90,6 +90,33 @@ def test_meters_per_unit(tmp_path: Path, header: str, value: float, source: str,
     assert outcome.value is not None
     assert (outcome.value.meters_per_unit.value, outcome.value.meters_per_unit.source) == (value, source)
     assert [d.code for d in outcome.diagnostics] == codes
+
+
+def test_what_only_the_standard_implies_is_less_sure(tmp_path: Path) -> None:
+    silent, said = (read(write(tmp_path, 'def Cube "c" {}', h)).value for h in ('doc = "x"', "metersPerUnit = 0.01"))
+    assert silent is not None
+    assert said is not None
+    assert silent.meters_per_unit.confidence == silent.up_axis.confidence == 0.5
+    assert said.meters_per_unit.confidence == 1.0
+
+
+@pytest.mark.parametrize(
+    ("header", "operation", "values"),
+    [
+        ("metersPerUnit = 0.01", "", ["0.01"]),
+        ('metersPerUnit = 1\n    upAxis = "Z"', "", ["Z"]),
+        ('metersPerUnit = 1\n    upAxis = "Y"', "", []),
+        ('doc = "silent"', "", []),
+        ("metersPerUnit = 0.01", "double3 xformOp:scale:unitsResolve = (0.01, 0.01, 0.01)", []),
+    ],
+)
+def test_a_layer_of_another_unit_is_noticed(tmp_path: Path, header: str, operation: str, values: list[str]) -> None:
+    write(tmp_path, 'def Cube "c" {}', f'defaultPrim = "Root"\n    {header}').rename(tmp_path / "layer.usda")
+    body = f'def "a" (references = @layer.usda@) {{ {operation} }}'
+    outcome = read(write(tmp_path, body, 'metersPerUnit = 1\n    upAxis = "Y"'))
+    found = [d for d in outcome.diagnostics if d.code == "asset/contradictory-evidence"]
+    assert [d.value for d in found] == values
+    assert all("layer.usda" in d.headline for d in found)
 
 
 @pytest.mark.parametrize("value", ["0", "-1", "nan", "inf"])
@@ -116,7 +143,7 @@ def test_a_unit_of_the_wrong_type_is_used_and_repaired(tmp_path: Path, monkeypat
         ('upAxis = "Z"', "z", "declared", []),
         ('upAxis = "X"', "x", "inferred", ["invalid_up_axis"]),
         ('upAxis = "sideways"', "y", "default", ["invalid_up_axis"]),
-        ("metersPerUnit = 1", "y", "default", []),
+        ("metersPerUnit = 1", "y", "declared", []),
     ],
 )
 def test_up_axis(tmp_path: Path, header: str, axis: str, source: str, repairs: list[str]) -> None:

@@ -1,0 +1,69 @@
+"""What the files beside a mesh say about its unit: robot descriptions that load it scaled, notes of the same name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from assetkit.source import SourceFile
+
+_DESCRIPTIONS = {".urdf", ".xacro", ".xml", ".mjcf", ".sdf"}
+_NOTES = (".json", ".txt", ".yaml", ".yml", ".md")
+_MAX_BYTES, _MAX_FILES = 1_000_000, 32
+_ELEMENT = re.compile(r"<(?:\w+:)?mesh\b[^<>]*>(?:(?!</mesh>|<mesh\b).){0,400}", re.DOTALL)
+_SCALE = re.compile(r"""\bscale\s*=\s*["']([^"']*)["']|<scale>([^<]*)</scale>""")
+_UNIT_PASSAGE = re.compile(r"[^\n]{0,40}\bunits?\b[^\n]{0,40}", re.IGNORECASE)
+
+
+def sibling_statements(source: SourceFile) -> tuple[str, ...]:
+    """Lines such as "1 unit = 0.001 m (scale in arm.urdf)", sorted, for every file beside the source that speaks of it.
+
+    For formats without a unit only: to others a description's scale comes on top of their own unit. Nothing above the
+    root is read; files that say something become part of what the asset was made from.
+    """
+    found: list[str] = []
+    notes = {source.path.with_suffix(suffix) for suffix in _NOTES}
+    source.missing.update(p.resolve().relative_to(source.root.resolve()).as_posix() for p in notes if not p.exists())
+    for path in _near(source):
+        text = _text(path)
+        if path.suffix.lower() in _DESCRIPTIONS:
+            said = [f"1 unit = {s:.9g} m (scale in {path.name})" for s in sorted(set(_scales(text, source.path.name)))]
+        else:
+            said = [f"{passage.strip()} ({path.name})" for passage in _UNIT_PASSAGE.findall(text)]
+        if said:
+            source.visited.add(path.resolve())
+            found += said[:50]
+    return tuple(found)
+
+
+def _near(source: SourceFile) -> list[Path]:
+    """Descriptions in the folders from the source up to its root, and notes that share its stem."""
+    root = source.root.resolve()
+    folders = [f for f in source.path.resolve().parents if f.is_relative_to(root)]
+    listed = (p for f in folders for p in sorted(f.iterdir()) if p.suffix.lower() in _DESCRIPTIONS)
+    paths = [p for p, _ in zip(listed, range(_MAX_FILES), strict=False)]
+    paths += [source.path.with_suffix(suffix) for suffix in _NOTES if suffix != source.path.suffix]
+    return [p for p in paths if p.is_file() and p.resolve().is_relative_to(root)]
+
+
+def _text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            return file.read(_MAX_BYTES).decode("utf-8", "ignore")
+    except OSError:
+        return ""
+
+
+def _scales(text: str, name: str) -> Iterator[float]:
+    """The uniform scales under which a robot description loads the file `name`; 1 where none is said."""
+    for element in _ELEMENT.findall(text):
+        if not re.search(rf"""[/"'>\s]{re.escape(name)}["'<\s]""", element):
+            continue
+        match = _SCALE.search(element)
+        try:
+            numbers = [float(n) for n in (match[1] or match[2] or "").split()] if match else [1.0]
+        except ValueError:
+            continue
+        if numbers and min(numbers) > 0 and max(numbers) <= min(numbers) * 1.001:
+            yield numbers[0]

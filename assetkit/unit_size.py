@@ -1,0 +1,74 @@
+"""How plausible is a size? Bayes over unit hypotheses, for numbers whose unit nobody states."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+from assetkit.options import METERS_PER_UNIT
+
+_TYPICAL_SIZE_M, _LOG_SPREAD = 0.15, 1.2  # Largest extent of household objects: median and spread of its logarithm.
+_STANDARD_SHARE = 0.7  # Prior of the unit that a format's own standard implies where the file leaves it out.
+# A designed length is round in the designer's unit: how much more likely a reading is that makes it so.
+_ROUND_LENGTH, _BINARY_FRACTIONS = 5.0, 3.0
+
+# How likely each unit is before the numbers are looked at, by the tool that wrote the file, else by its format.
+_CAD = {"m": 0.20, "cm": 0.05, "mm": 0.70, "in": 0.05}
+_METRIC = {"m": 0.60, "cm": 0.10, "mm": 0.25, "in": 0.05}
+_UNKNOWN = {"m": 0.50, "cm": 0.25, "mm": 0.15, "in": 0.10}
+_CAD_TOOLS = re.compile(
+    r"solidworks|\brhino|fusion ?360|onshape|\bcreo\b|catia|autodesk inventor|autocad|freecad|openscad|tinkercad"
+    r"|\batf\b|slic3r|prusaslicer|\bcura\b|makerbot|materialise|netfabb|meshmixer"
+)
+_METRIC_TOOLS = re.compile(r"blender|open3d|\btrimesh\b|gazebo")
+
+
+def prior_of(format_: str, texts: Sequence[str], implied: str | None = None) -> dict[str, float]:
+    """How likely m, cm, mm and in are by the habit of the tool named in `texts`, else of the format; sums to 1.
+
+    `implied` is the unit that the format's standard prescribes, if it does.
+    """
+    said = "\n".join(texts).lower()
+    if _CAD_TOOLS.search(said):
+        prior = _CAD
+    elif _METRIC_TOOLS.search(said):
+        prior = _METRIC
+    else:
+        prior = _CAD if format_ == "stl" else _UNKNOWN  # Printing and CAD write millimetres, robotics metres.
+    if implied is None:
+        return prior
+    others = sum(p for u, p in prior.items() if u != implied)
+    return {u: (1 - _STANDARD_SHARE) * p / others for u, p in prior.items()} | {implied: _STANDARD_SHARE}
+
+
+def posterior(prior: dict[str, float], extent: tuple[float, float, float]) -> dict[str, float]:
+    """Probability of each unit of `prior`, given the extent in source units: usual sizes and round lengths win."""
+    weight = {
+        unit: p
+        * math.exp(-0.5 * (math.log(max(extent) * METERS_PER_UNIT[unit] / _TYPICAL_SIZE_M) / _LOG_SPREAD) ** 2)
+        * _roundness(extent, unit)
+        for unit, p in prior.items()
+    }
+    total = sum(weight.values()) or 1.0
+    return {unit: w / total for unit, w in weight.items()}
+
+
+def _roundness(extent: tuple[float, float, float], unit: str) -> float:
+    """How much the lengths speak for a unit: lengths that become whole half-millimetres without being round as they
+    stand (1.33858 in is 34 mm), or sixteenths that nobody writes in metric units (1.375).
+    """
+    mm = [e * METERS_PER_UNIT[unit] * 1000.0 for e in extent]
+    telling = [
+        not _is_multiple(e, 0.01, 1e-4) and _is_multiple(m, 0.5, 1e-5 * max(m, 1.0))
+        for e, m in zip(extent, mm, strict=True)
+    ]
+    likelihood = _ROUND_LENGTH ** min(sum(telling), 2)
+    sixteenths = all(_is_multiple(e, 1 / 16, 1e-6) for e in extent) and not all(
+        _is_multiple(e, 0.5, 1e-6) for e in extent
+    )
+    return likelihood * (_BINARY_FRACTIONS if unit == "in" and sixteenths else 1.0)
+
+
+def _is_multiple(value: float, step: float, tolerance: float) -> bool:
+    return abs(value - step * round(value / step)) <= tolerance
