@@ -353,6 +353,18 @@ CODES: dict[str, CodeInfo] = {
         "nothing, or export the pose you want",
     ),
     # Physics and acceptance.
+    "asset/source-inertia-implausible": CodeInfo(
+        "warning",
+        "The mass, mass centre or inertia stated by the source cannot be true",
+        "Placeholder values (one kilogram, unit inertia) make a body tumble or resist in ways its shape forbids.",
+        "check the value in the source; the package holds one computed from the solid",
+    ),
+    "asset/source-friction-implausible": CodeInfo(
+        "warning",
+        "The friction or restitution stated by the source cannot be true",
+        "Negative or enormous coefficients make contacts jitter or stick; restitution above one adds energy.",
+        "check the value in the source; the package holds that of the material class",
+    ),
     "asset/collision-fallback": CodeInfo(
         "warning",
         "The collision shape is coarser than wanted",

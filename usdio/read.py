@@ -22,6 +22,7 @@ from usdio.placement import Census, Placed, census
 from usdio.quiet import quiet
 from usdio.read_materials import LoadTexture, MaterialTable
 from usdio.read_mesh import SOLIDS, read_mesh, read_solid
+from usdio.read_physics import stated_physics
 from usdio.surface import Surface, part, placed
 
 _STAGE: Final = "intake"
@@ -75,6 +76,7 @@ def _read(layers: Layers, load_texture: LoadTexture) -> Outcome[Model]:
     shapes = _shapes(found, table, where)
     if not shapes.value:
         raise InvalidInput(_nothing(found, composed.diagnostics, where))
+    masses, contacts = stated_physics(stage, start.value, shapes.value, where)
     model = Model(
         meshes=shapes.value,
         materials=tuple(entry.material for entry in table.entries),
@@ -84,6 +86,8 @@ def _read(layers: Layers, load_texture: LoadTexture) -> Outcome[Model]:
         up_axis=axis.value,
         hints=(*stage_facts.hints(stage, start.value), *_subdivision_hints(found)),
         metadata=stage_facts.metadata(stage, start.value),
+        masses=masses,
+        contacts=contacts,
     )
     parts = (composed, unit, axis, start, shapes)
     diagnostics = [d for one in parts for d in one.diagnostics] + table.diagnostics

@@ -13,6 +13,7 @@ from assetkit.readers.gltf_geometry import Geometry
 from assetkit.readers.gltf_json import Json
 from assetkit.readers.gltf_materials import read_material
 from assetkit.readers.gltf_nodes import place_nodes
+from assetkit.readers.gltf_physics import GltfPhysics
 from assetkit.readers.gltf_textures import Textures
 from assetkit.source import SourceFile
 from schemas.diagnostics import Location, finding
@@ -36,10 +37,12 @@ def read_gltf(source: SourceFile) -> Outcome[Model]:
     document, chunk = parse_container(source.path.read_bytes(), extension, Location(file=source.relative))
     check_required(document)
     buffers = Buffers(source, document, chunk)
-    meshes, nodes, notes = Geometry(document, buffers).bake(place_nodes(document))
+    placed = place_nodes(document)
+    meshes, nodes, notes = Geometry(document, buffers).bake(placed)
+    physics = GltfPhysics(document, placed, nodes, meshes)
     textures = Textures(source, document, buffers)
     materials, meshes, material_notes = _read_materials(document, meshes, textures)
-    notes += textures.notes + material_notes + _animation_notes(document)
+    notes += textures.notes + material_notes + _animation_notes(document) + Notes(physics.joints())
     model = Model(
         meshes=meshes,
         materials=materials,
@@ -49,6 +52,8 @@ def read_gltf(source: SourceFile) -> Outcome[Model]:
         up_axis=declared(_UP, "glTF 2.0 §3.4"),
         hints=_hints(document),
         metadata=_metadata(document),
+        masses=physics.masses(),
+        contacts=physics.contacts(),
     )
     return Outcome(model, notes.diagnostics, notes.repairs)
 

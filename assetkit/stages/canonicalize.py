@@ -13,9 +13,11 @@ from assetkit.stage import Canonical, Draft, Intake, Tools
 from assetkit.stages.repair_geometry import repair_geometry
 from assetkit.units import decide_unit
 from assetkit.up_axis import TO_Z_UP, decide_up_axis
+from assetkit.wall import with_wall
 from geom.decimate import decimate_mesh
 from geom.mesh_edit import only_used_points
 from geom.solid import solidify
+from geom.surface_distance import triangle_areas
 from schemas.asset import AnnotationFrame, GeometrySection, Vec3
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.evidence import Evidence, inferred, measured
@@ -23,7 +25,14 @@ from schemas.model import FloatArray, Mesh
 from schemas.outcome import Outcome, Repair
 from schemas.physics import Solid
 
-_VOLUME_CONFIDENCE = {"union_and_hulls": 0.5, "voxel": 0.5, "shell": 0.3, "hull": 0.1}
+_VOLUME_CONFIDENCE = {
+    "union_and_hulls": 0.5,
+    "voxel": 0.5,
+    "declared_shell": 0.9,
+    "inferred_shell": 0.3,
+    "default_shell": 0.3,
+    "hull": 0.1,
+}
 FAR_DIAGONALS = 100.0  # Beyond this distance from its origin, float32 keeps fewer than five digits of the shape.
 
 
@@ -69,8 +78,16 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
     reduced, reductions, notes = _within_budget([only_used_points(m) for m in mended.meshes], options.max_triangles)
     homed, p_origin = _at_bottom_centre(reduced)
     solid, figures = solidify(homed)
+    solid, wall = with_wall(
+        solid,
+        str(figures["method"]),
+        homed,
+        stated_m=options.shell_thickness_m,
+        materials=model.materials,
+        meters_per_unit=unit.meters_per_unit.value,
+    )
     offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
-    section = _section(homed, solid, figures, unit.meters_per_unit, mended, offset)
+    section = _section(homed, solid, figures, wall, unit.meters_per_unit, mended, offset)
     return Outcome(
         Canonical(tuple(homed), solid, unit.meters_per_unit, up.axis, section),
         (*unit.diagnostics, *up.diagnostics, *far.diagnostics, *mended.diagnostics, *notes),
@@ -158,7 +175,13 @@ def _at_bottom_centre(meshes: Sequence[Mesh]) -> tuple[list[Mesh], FloatArray]:
 
 
 def _section(
-    meshes: Sequence[Mesh], solid: Solid, figures: dict, unit: Evidence[float], mended, offset: FloatArray
+    meshes: Sequence[Mesh],
+    solid: Solid,
+    figures: dict,
+    wall: Evidence[float] | None,
+    unit: Evidence[float],
+    mended,
+    offset: FloatArray,
 ) -> GeometrySection:
     points = np.concatenate([m.points for m in meshes])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -167,7 +190,9 @@ def _section(
     if unit.bounds is not None:
         factors = [b / unit.value for b in unit.bounds]
         bounds = (_vec3((high - low) * factors[0]), _vec3((high - low) * factors[1]))
-    volume = float(figures["volume_m3"])
+    area = float(triangle_areas(solid.points[solid.triangles]).sum())
+    volume = float(figures["volume_m3"]) if wall is None else area * wall.value
+    method = str(figures["method"]) if wall is None else f"{wall.source}_shell"
     return GeometrySection(
         extent_m=Evidence(
             value=extent,
@@ -184,11 +209,12 @@ def _section(
         reobserved=mended.reobserved,
         solid_kind=solid.kind,
         volume_m3=(
-            measured(volume, str(figures["method"]), confidence=unit.confidence)
-            if figures["method"] == "union"
-            else inferred(volume, str(figures["method"]), _VOLUME_CONFIDENCE[str(figures["method"])] * unit.confidence)
+            measured(volume, method, confidence=unit.confidence)
+            if method == "union"
+            else inferred(volume, method, _VOLUME_CONFIDENCE[method] * unit.confidence)
         ),
-        surface_area_m2=float(figures["area_m2"]),
+        surface_area_m2=area,
+        wall_thickness_m=wall,
     )
 
 
