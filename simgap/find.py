@@ -1,0 +1,157 @@
+"""From a measurement to a report: show the gap, name its causes, extend the model, measure the gain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.gap import (
+    AppliedEffect,
+    Baseline,
+    Estimate,
+    Gain,
+    GapReport,
+    Hypothesis,
+    Localisation,
+    ModelExtension,
+    Rival,
+    Trap,
+)
+from schemas.model import FloatArray
+from simgap.black_box import corrected
+from simgap.problem import Problem, View
+from simgap.score import Comparison, compare, trial_losses
+from simgap.search import Map, Selection, select
+from simgap.splits import Trials
+from simgap.verdict import NAMED, agrees, judge
+
+
+@dataclass(frozen=True)
+class Found:
+    """The report, the extension, and the selection behind them (for pictures)."""
+
+    report: GapReport
+    extension: ModelExtension
+    selection: Selection
+
+
+def find(
+    problem: Problem,
+    trials: Trials,
+    *,
+    measurement: str,
+    horizon_s: float,
+    traps: tuple[Trap, ...] = (),
+    localisation: tuple[Localisation, ...] = (),
+    each: Map | None = None,
+) -> Found:
+    """Everything that `mana gap find` reports; `measurement` is its content hash. Deterministic; wall time is 0 here."""
+    selection = select(problem, trials, "short_horizon", each)
+    box = _black_box(problem, selection, trials)
+    leftover = compare(selection.final_losses, box)
+    verdict = judge(problem, selection, trials.train, leftover)
+    named = [e for e in verdict.effects if e.confidence >= NAMED]
+    extension = ModelExtension(
+        measurement=measurement,
+        effects=tuple(AppliedEffect(name=e.name, where=e.where, parameters=e.parameters) for e in named),
+    )
+    short = _gain(problem, selection, trials, "short_horizon", horizon_s)
+    report = GapReport(
+        measurement=measurement,
+        n_train=len(trials.train),
+        n_test=len(trials.test),
+        wall_s=0.0,
+        traps=traps,
+        baseline=_baseline(problem, trials),
+        localisation=localisation,
+        hypotheses=_hypotheses(selection),
+        verdict=verdict,
+        gains=(short, _gain(problem, selection, trials, "full_rollout", 0.0)),
+        gain=short,
+        baselines=(
+            Rival(name="null_refit", heldout=float(selection.null_losses.mean())),
+            Rival(name="black_box", heldout=float(box.mean())),
+        ),
+    )
+    return Found(report, extension, selection)
+
+
+def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatArray:
+    """Held-out losses of the final model with a black box on top of it."""
+    model, view = selection.final.model, "short_horizon"
+    teach = problem.residuals(model, trials.train, view)
+    judged = problem.residuals(model, trials.test, view)
+    better = corrected(problem.features(trials.train, view), teach, problem.features(trials.test, view), judged)
+    return trial_losses(better, selection.scale)
+
+
+def _baseline(problem: Problem, trials: Trials) -> Baseline:
+    """Root mean square error of the declared model per channel over all trials, with intervals over trials."""
+    residuals = problem.residuals((), (*trials.train, *trials.test), "short_horizon")
+    squares = np.array([np.nanmean(r**2, axis=0) for r in residuals])
+    draws = np.random.default_rng(0).integers(0, len(squares), (1000, len(squares)))
+    spread = np.quantile(np.sqrt(squares[draws].mean(axis=1)), [0.025, 0.975], axis=0)
+    metrics = {
+        f"{name}_rmse": Estimate(
+            value=float(np.sqrt(squares[:, c].mean())), unit="SI", ci95=(float(spread[0, c]), float(spread[1, c]))
+        )
+        for c, name in enumerate(problem.channels())
+    }
+    return Baseline(metrics=metrics)
+
+
+def _gain(problem: Problem, selection: Selection, trials: Trials, view: View, horizon_s: float) -> Gain:
+    """Held-out root mean square error, in noise levels, of the null refit and of the extended model."""
+    floor = problem.noise_floor(trials.test, view)
+    before, after = (
+        np.array([np.nanmean((r / floor) ** 2) for r in problem.residuals(model, trials.test, view)])
+        for model in (selection.null.model, selection.final.model)
+    )
+    comparison: Comparison = compare(before, after)
+    was, now = float(np.sqrt(before.mean())), float(np.sqrt(after.mean()))
+    root = [1.0 - np.sqrt(max(1.0 - g, 0.0)) for g in (comparison.gain, *comparison.ci95)]
+    return Gain(
+        view=view,
+        horizon_s=horizon_s,
+        metric="rms error in noise levels",
+        heldout_before=was,
+        heldout_after=now,
+        reduction=float(root[0]),
+        ci95=(float(root[1]), float(root[2])),
+        noise_floor=1.0,
+        gap_closed=float(np.clip((was - now) / (was - 1.0), 0.0, 1.0)) if was > 1.0 else 1.0,
+    )
+
+
+def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
+    """All candidates of the first round, and those of later rounds that were accepted there; best first."""
+    rows = []
+    for number, this in enumerate(selection.rounds):
+        for trial, p in zip(this.tried, this.p_adjusted, strict=True):
+            if number and trial not in selection.accepted:
+                continue
+            units = {q.name: q.unit for q in trial.candidate.effect.parameters}
+            direct = trial.direct
+            rows.append(
+                Hypothesis(
+                    name=trial.candidate.effect.name,
+                    where=trial.candidate.where,
+                    heldout_gain=trial.comparison.gain,
+                    ci95=trial.comparison.ci95,
+                    p_adjusted=p,
+                    delta_bic=trial.delta_bic,
+                    direct={
+                        n: Estimate(
+                            value=v,
+                            unit=units[n],
+                            ci95=(v - 1.96 * direct.standard_errors[n], v + 1.96 * direct.standard_errors[n]),
+                        )
+                        for n, v in direct.values.items()
+                    }
+                    if direct
+                    else {},
+                    direct_agrees=agrees(trial),
+                )
+            )
+    return tuple(rows)
