@@ -1,11 +1,13 @@
 """`measurement.yaml`: what was measured, and the model as its owner believes it now (design: sim gap contract).
 
-SI units; quaternions wxyz; `inertia_kgm2` about the mass centre in body axes. Hand-written: unknown keys are errors.
+SI units; quaternions wxyz; `inertia_kgm2` about the mass centre in body axes. Hand-written: unknown keys are errors,
+and angles may be in degrees under a key that ends in `_deg` (`zero_deg` for `zero_rad`, `limits_deg` for `limits`).
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -20,7 +22,34 @@ NonNegative = Annotated[float, Field(ge=0.0)]
 class Strict(BaseModel):
     """A hand-written node: a key that we do not know is a typing error, not a wish."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, coerce_numbers_to_str=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _degrees(cls, data: Any) -> Any:
+        """Keys in degrees become the field in radians; a text is left for the field to refuse."""
+        if not isinstance(data, dict):
+            return data
+        given: dict[Any, Any] = {}
+        for key, value in data.items():
+            stem = str(key).removesuffix("_deg")
+            field = next((f for f in (f"{stem}_rad", stem) if f in cls.model_fields and f in _ANGLES), None)
+            if stem == key or field is None:
+                given[key] = value
+            elif field in data:
+                raise ValueError(f"both {key} and {field} are given")
+            else:
+                given[field] = _radians(value)
+        return given
+
+
+_ANGLES = ("zero_rad", "rotation_rad", "limits")
+
+
+def _radians(value: Any) -> Any:
+    if isinstance(value, list | tuple):
+        return [_radians(v) for v in value]
+    return math.radians(value) if isinstance(value, int | float) else value
 
 
 class Box(Strict):

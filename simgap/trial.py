@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,9 +19,11 @@ class Trial:
     v_W, w_B     (n, 3) velocity of that origin in world axes, m/s; angular velocity in BODY axes, rad/s.
     q, qd        (n, j) joints in the order of `Measurement.joints`, unwrapped rad (or m), rad/s (or m/s).
     effort       (n, j) as logged, in units of `actuation.effort_per_unit`.
-    command      (n, j) commanded joint positions; `command_p` (n, 3) and `command_quat_wxyz` (n, 4) of the end effector.
+    command      (n, j) commanded joint positions.
+    command_p, command_quat_wxyz   (n, 3), (n, 4) commanded pose of the end effector.
     aux          (n,) side channels by their name in the file.
     dropped      rows of the file that are not here (not finite, corrupted, stamped twice).
+    file         where it was read from, relative to the folder.
     """
 
     id: str
@@ -39,6 +41,7 @@ class Trial:
     aux: dict[str, FloatArray] = field(default_factory=dict)
     t0_s: float = 0.0
     dropped: int = 0
+    file: str = ""
 
     def __len__(self) -> int:
         return len(self.t_s)
@@ -46,6 +49,27 @@ class Trial:
     def has(self, column: str) -> bool:
         """Whether anything was measured for that field, e.g. `has("v_W")`."""
         return bool(np.isfinite(getattr(self, column)).any())
+
+    def rows(self, keep: FloatArray) -> Trial:
+        """The trial with the rows of a mask or an order of row numbers."""
+        kept = {name: getattr(self, name)[keep] for name in COLUMNS}
+        gone = len(self) - len(self.t_s[keep])
+        return replace(self, **kept, aux={k: v[keep] for k, v in self.aux.items()}, dropped=self.dropped + gone)
+
+
+COLUMNS = (
+    "t_s",
+    "p",
+    "quat_wxyz",
+    "v_W",
+    "w_B",
+    "q",
+    "qd",
+    "effort",
+    "command",
+    "command_p",
+    "command_quat_wxyz",
+)
 
 
 @dataclass(frozen=True)

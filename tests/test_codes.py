@@ -16,9 +16,12 @@ from cli.docs import file_name, index, page
 from schemas.codes import CODES
 from schemas.diagnostics import Diagnostic, finding
 from sim.fake import FakeSimulator
+from simgap.measurement import read
+from tests import gap_bad_inputs
 from tests.bad_inputs import NOT_FROM_A_FILE, SAMPLES
 
 PAGES = Path(__file__).parents[1] / "docs" / "diagnostics"
+GAP = "gap/"
 GATE = "asset/gate-"  # Rules over released USD files; tests/unit/test_gate.py seeds one defect for each.
 
 
@@ -39,11 +42,17 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
 
 def test_every_code_has_a_sample():
     covered = {*SAMPLES, *NOT_FROM_A_FILE} | {c for c in CODES if c.startswith(GATE)}
-    assert covered == set(CODES)
+    assert covered == {c for c in CODES if not c.startswith(GAP)}
     assert not set(SAMPLES) & set(NOT_FROM_A_FILE)
 
 
-@pytest.mark.parametrize(("code", "test"), sorted(NOT_FROM_A_FILE.items()))
+def test_every_gap_code_has_a_sample():
+    samples, others = set(gap_bad_inputs.SAMPLES), set(gap_bad_inputs.NOT_FROM_A_FOLDER)
+    assert samples | others == {c for c in CODES if c.startswith(GAP)}
+    assert not samples & others
+
+
+@pytest.mark.parametrize(("code", "test"), sorted({**NOT_FROM_A_FILE, **gap_bad_inputs.NOT_FROM_A_FOLDER}.items()))
 def test_codes_without_a_file_are_named_in_their_test(code: str, test: str):
     assert code in (Path(__file__).parents[1] / test).read_text()
 
@@ -55,6 +64,15 @@ def test_sample_triggers_its_code_with_place_and_help(code: str, tmp_path: Path)
     assert found, f"{code} was not reported"
     assert found[0].headline
     assert found[0].help == CODES[code].help
+
+
+@pytest.mark.parametrize("code", sorted(gap_bad_inputs.SAMPLES))
+def test_gap_sample_triggers_its_code_with_place_and_help(code: str, tmp_path: Path):
+    found = {d.code: d for d in read(gap_bad_inputs.SAMPLES[code](tmp_path)).diagnostics}
+    assert code in found
+    assert found[code].headline
+    assert found[code].where.file
+    assert found[code].help == CODES[code].help
 
 
 def test_pages_are_generated_from_the_table():

@@ -1,0 +1,54 @@
+"""Single rows that leave the path and come back: a corrupted line, a tag seen in a mirror."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.model import FloatArray
+from simgap.checks.check import Checked, Hit, Setting, over_trials
+from simgap.checks.quaternions import one_sign
+from simgap.trial import Trial
+
+_SPIKE = 6.0  # times the steps around it; real logs stay below 4
+_MOST = 0.02  # of the rows; more of them are no accident but the signal
+
+
+def drop_corrupted_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
+    """Without rows whose position, orientation or joint angle stands off both neighbours as no motion does."""
+    hits: list[Hit] = []
+    kept: list[Trial] = []
+    for trial in trials:
+        bad = np.zeros(len(trial), dtype=bool)
+        for values in (trial.p, one_sign(trial.quat_wxyz), *trial.q.T[:, :, None]):
+            if len(values) >= 7 and values.shape[1] and np.isfinite(values).all():
+                bad |= spikes(values)
+        if bad.any() and bad.sum() <= max(1.0, _MOST * len(trial)):
+            rows = ", ".join(str(r + 1) for r in np.flatnonzero(bad)[:5])
+            hits.append(Hit(trial, float(bad.sum()), f"row {rows}"))
+            trial = trial.rows(~bad)
+        kept.append(trial)
+    return Checked(tuple(kept), over_trials("gap/corrupted-rows", "rows off the path dropped", hits, len(trials)))
+
+
+def spikes(values: FloatArray) -> FloatArray:
+    """(n,) rows of (n, k) that differ from both neighbours in one direction, while the neighbours agree.
+
+    The detour over the row must exceed `_SPIKE` times the largest step of its surroundings and of the trial's
+    typical ones; an impact bends the path but does not bring it back.
+    """
+    steps = np.linalg.norm(np.diff(values, axis=0), axis=1)
+    around = 0.5 * np.linalg.norm(values[2:] - values[:-2], axis=1)
+    least = np.minimum(steps[:-1], steps[1:])
+    calm = np.maximum(around, _neighbourhood(steps))
+    count = float(steps[steps > 0.0].min(initial=np.inf))  # An encoder's single count is no jump.
+    floor = max(0.25 * float(np.percentile(steps, 90)), count if np.isfinite(count) else 0.0)
+    out = np.zeros(len(values), dtype=bool)
+    out[1:-1] = least > _SPIKE * np.maximum(calm, floor)
+    return out
+
+
+def _neighbourhood(steps: FloatArray) -> FloatArray:
+    """(n - 2,) median of the two steps before and the two after each inner row's own two."""
+    padded = np.pad(steps, 2, mode="edge")
+    n = len(steps) - 1
+    return np.median(np.stack([padded[k : k + n] for k in (0, 1, 4, 5)]), axis=0)

@@ -1,0 +1,1 @@
+"""From files to arrays: YAML with positions, tables, columns by our names."""

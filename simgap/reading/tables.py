@@ -1,0 +1,168 @@
+"""One table file (`.csv`, `.parquet`, `.npz`) as named float64 arrays; nothing in it is executed, sizes are bounded."""
+
+from __future__ import annotations
+
+import csv
+import io
+import zipfile
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from schemas.diagnostics import InvalidInput, Location, finding
+from schemas.model import FloatArray
+
+MAX_BYTES = 512_000_000  # of one file, and of its arrays when unpacked
+SUFFIXES = (".csv", ".parquet", ".npz")
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns by the file's names: (n,) each, or (n, k) where a format holds vectors. `bad_cells` are NaN in them."""
+
+    columns: dict[str, FloatArray]
+    bad_cells: int = 0
+    first_bad: Location | None = None
+
+
+def read_table(path: Path, file: str, wanted: Collection[str] | None = None) -> Table:
+    """The `wanted` columns that the file has (all of them if None); `file` is how findings call it.
+
+    A text cell without a number is NaN and counted. Raises InvalidInput (`gap/unreadable-table`, `gap/file-too-large`).
+    """
+    size = path.stat().st_size
+    if size > MAX_BYTES:
+        raise _too_large(file, size)
+    readers: dict[str, Callable[[Path, str, Collection[str] | None], Table]] = {
+        ".csv": _csv,
+        ".parquet": _parquet,
+        ".npz": _npz,
+    }
+    try:
+        return readers[path.suffix.lower()](path, file, wanted)
+    except InvalidInput:
+        raise
+    except (ValueError, OSError, KeyError, zipfile.BadZipFile, csv.Error, EOFError, NotImplementedError) as error:
+        raise unreadable(file, str(error).splitlines()[0] if str(error) else type(error).__name__) from None
+
+
+def unreadable(file: str, why: str, line: int | None = None) -> InvalidInput:
+    """The finding that ends the reading of one file."""
+    return InvalidInput(finding("gap/unreadable-table", why, where=Location(file=file, line=line)))
+
+
+def _too_large(file: str, size: int) -> InvalidInput:
+    where = Location(file=file)
+    return InvalidInput(
+        finding(
+            "gap/file-too-large", f"{file} holds {size} bytes", where=where, value=size, bound=MAX_BYTES, unit="bytes"
+        )
+    )
+
+
+def _csv(path: Path, file: str, wanted: Collection[str] | None) -> Table:
+    """Text with one header row; separator `,`, `;` or tab; lines that begin with `#` are comments."""
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise unreadable(file, "the text is not UTF-8") from None
+    skipped = 0
+    for line in text.splitlines()[:100]:
+        if line.strip() and not line.lstrip().startswith("#"):
+            break
+        skipped += 1
+    lines = text.splitlines()[skipped:]
+    if not lines:
+        raise unreadable(file, "the file is empty")
+    separator = max(",;\t", key=lines[0].count)
+    names = [name.strip().strip('"') for name in lines[0].split(separator)]
+    if len(set(names)) < len(names):
+        twice = next(n for n in names if names.count(n) > 1)
+        raise unreadable(file, f"two columns are called '{twice}'", skipped + 1)
+    if all(_number(name) is not None for name in names):
+        raise unreadable(file, "the first row holds numbers, not column names", skipped + 1)
+    kept = [i for i, name in enumerate(names) if wanted is None or name in wanted]
+    body = lines[1:]
+    if not kept or not any(line.strip() for line in body):
+        return Table({names[i]: np.empty(0) for i in kept})
+    try:
+        values = np.loadtxt(body, delimiter=separator, usecols=kept, ndmin=2)
+        return Table({names[i]: values[:, k] for k, i in enumerate(kept)})
+    except (ValueError, IndexError):
+        return _tolerant_csv(body, file, names, kept, separator, skipped + 2)
+
+
+def _tolerant_csv(
+    body: list[str], file: str, names: list[str], kept: list[int], separator: str, first_line: int
+) -> Table:
+    """Cell by cell: blanks and words become NaN; a word is counted as a bad cell, a blank is just missing."""
+    rows: list[list[float]] = []
+    bad, first = 0, None
+    for number, cells in enumerate(csv.reader(io.StringIO("\n".join(body)), delimiter=separator), first_line):
+        if not any(cell.strip() for cell in cells) or cells[0].lstrip().startswith("#"):
+            continue
+        row: list[float] = []
+        for i in kept:
+            cell = cells[i].strip() if i < len(cells) else "(row too short)"
+            value = np.nan if cell == "" else _number(cell)
+            if value is None:
+                bad, first = bad + 1, first or Location(file=file, line=number, column=i + 1)
+            row.append(np.nan if value is None else value)
+        rows.append(row)
+    values = np.array(rows).reshape(-1, len(kept))
+    for k, i in enumerate(kept):
+        if len(values) and not np.isfinite(values[:, k]).any() and bad >= len(values):
+            raise unreadable(file, f"column '{names[i]}' holds no number", first_line)
+    return Table({names[i]: values[:, k] for k, i in enumerate(kept)}, bad, first)
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def _parquet(path: Path, file: str, wanted: Collection[str] | None) -> Table:
+    import pyarrow as pa  # Slow to import, and most folders hold CSV.
+    import pyarrow.parquet as pq
+
+    try:
+        with pq.ParquetFile(path) as source:
+            groups = source.metadata
+            size = sum(groups.row_group(i).total_byte_size for i in range(groups.num_row_groups))
+            names = [n for n in source.schema_arrow.names if wanted is None or n in wanted]
+            if max(size, 8 * groups.num_rows * len(names)) > MAX_BYTES:
+                raise _too_large(file, size)
+            table = source.read(columns=names, use_threads=False)
+        return Table({name: _arrow_floats(table.column(name).combine_chunks(), name) for name in names})
+    except pa.ArrowException as error:
+        raise unreadable(file, str(error).splitlines()[0]) from None
+
+
+def _arrow_floats(column: object, name: str) -> FloatArray:
+    """(n,) of a numeric column, (n, k) of a list column whose rows are equally long; nulls are NaN."""
+    values = column.to_numpy(zero_copy_only=False)  # pyright: ignore[reportAttributeAccessIssue]
+    if values.dtype == object:
+        if len({np.shape(v) for v in values}) > 1:
+            raise ValueError(f"rows of column '{name}' differ in length")
+        values = np.stack(list(values)) if len(values) else np.empty(0)
+    return _floats(values, name)
+
+
+def _npz(path: Path, file: str, wanted: Collection[str] | None) -> Table:
+    with zipfile.ZipFile(path) as archive:
+        size = sum(entry.file_size for entry in archive.infolist())
+    if size > MAX_BYTES:
+        raise _too_large(file, size)
+    with np.load(path, allow_pickle=False) as arrays:
+        names = [name for name in arrays.files if wanted is None or name in wanted]
+        return Table({name: _floats(arrays[name], name) for name in names})
+
+
+def _floats(values: FloatArray, name: str) -> FloatArray:
+    if values.dtype.kind not in "fiub":
+        raise ValueError(f"column '{name}' holds {values.dtype}, not numbers")
+    return np.atleast_1d(values).astype(np.float64)
