@@ -39,7 +39,7 @@ def mass_properties(solid: Solid, density_kgm3: float) -> tuple[MassProperties, 
     if solid.kind == "shell" and solid.wall_thickness_m is not None:
         sheet = of_sheet(solid.points, solid.triangles, solid.wall_thickness_m, density_kgm3)
         if sheet.mass_kg > 0.0:
-            return sheet, "area times assumed wall thickness", 0.5
+            return sheet, "area times wall thickness", 0.5
     try:
         points, triangles = convex_hull(solid.points)
         if thickness(points, triangles) > FLAT_SHARE * np.linalg.norm(np.ptp(points, axis=0)):

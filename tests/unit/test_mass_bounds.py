@@ -1,0 +1,109 @@
+"""Bounds of mass: as wide as what is unknown, no wider than a factor of 30, and they say why."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from mass_samples import ball, box, inside_out, joined, weighed
+from package_samples import mesh_from
+
+from assetkit.mass import MassEvidence
+from assetkit.mass_bounds import MAX_SPAN
+from schemas.evidence import inferred
+from schemas.model import Mesh
+
+CUBE = (0.2, 0.2, 0.2)
+
+
+def cup_profile(wall: float) -> Mesh:
+    r, h = 0.04, 0.1
+    profile = [[0, 0], [r, 0], [r, h], [r - wall, h], [r - wall, wall], [0, wall]]
+    return mesh_from(trimesh.creation.revolve(profile, sections=64), "cup")
+
+
+def span(found: MassEvidence) -> float:
+    return found.mass_kg.bounds[1] / found.mass_kg.bounds[0]
+
+
+def test_a_closed_can_may_be_hollow_but_a_modelled_wall_is_full():
+    """The same can in plastic: as a scan of its outside, and with its wall in the mesh."""
+    outside = mesh_from(trimesh.creation.cylinder(0.04, 0.1), "can")
+    scan, _, _ = weighed([outside], file="plastic_can.obj")
+    mug, canonical, _ = weighed([cup_profile(0.003)], file="plastic_mug.obj")
+    wall = 0.003 * outside_area() * 890.0
+    assert "may be hollow" in scan.mass_kg.method
+    assert scan.mass_kg.bounds[0] < wall < scan.mass_kg.bounds[1]
+    assert "hollow" not in mug.mass_kg.method
+    assert span(mug) < 2.0 < 10.0 < span(scan)
+    assert mug.mass_kg.bounds[0] == pytest.approx(890.0 * canonical.section.volume_m3.value)
+
+
+def outside_area() -> float:
+    return float(trimesh.creation.cylinder(0.04, 0.1).area)
+
+
+def test_an_inner_shell_shows_the_wall_too():
+    hollow = joined(ball(0.05, subdivisions=3), inside_out(ball(0.047, subdivisions=3)))
+    found, _, _ = weighed([hollow], file="plastic_ball.obj")
+    full, _, _ = weighed([ball(0.05, subdivisions=3)], file="plastic_ball.obj")
+    assert span(found) < 2.0 < span(full)
+
+
+def test_unknown_material_is_wide_and_says_so():
+    found, _, _ = weighed([box(CUBE)], file="thing.obj")
+    assert found.mass_kg.source == "default"
+    assert found.mass_kg.confidence == 0.0
+    assert "material unknown" in found.mass_kg.method
+    assert "may be hollow" in found.mass_kg.method
+    assert "cut to 30x" in found.mass_kg.method
+    assert span(found) == pytest.approx(MAX_SPAN)
+
+
+def test_a_provisional_unit_widens_the_bounds_by_its_cube():
+    sure, _, _ = weighed([box(CUBE)])
+    unit = inferred(1.0, "a guess", 0.7, bounds=(0.9, 1.2))
+    unsure, _, _ = weighed([box(CUBE)], unit=unit)
+    low, high = sure.mass_kg.bounds
+    assert unsure.mass_kg.bounds == pytest.approx((low * 0.9**3, high * 1.2**3))
+    assert "unit provisional" in unsure.mass_kg.method
+    assert unsure.mass_kg.confidence < sure.mass_kg.confidence
+
+
+def test_a_unit_that_may_be_off_by_a_thousand_is_cut_and_said():
+    found, _, _ = weighed([box(CUBE)], unit=inferred(1.0, "a guess", 0.7, bounds=(1e-3, 1.0)))
+    assert span(found) == pytest.approx(MAX_SPAN)
+    assert "true spread 2.71e+09x, cut to 30x" in found.mass_kg.method
+    assert found.mass_kg.bounds[1] == pytest.approx(950.0 * 0.008)  # The material's own spread stays whole.
+
+
+def test_parts_that_name_no_material_widen_the_bounds():
+    parts = (box((0.1, 0.1, 0.1), (-0.05, 0, 0), "oak_block"), box((0.1, 0.1, 0.1), (0.05, 0, 0), "steel_block"))
+    unnamed = (parts[0], replace(parts[1], name="block"))
+    known, _, _ = weighed(parts, file="thing.obj")
+    partly, _, _ = weighed(unnamed, file="thing.obj")
+    assert [p.material.value for p in known.parts] == ["wood", "steel"]
+    assert [p.material.value for p in partly.parts] == ["wood", "unknown"]
+    assert [p.volume_share for p in known.parts] == pytest.approx([0.5, 0.5])
+    assert [p.mass_share for p in known.parts] == pytest.approx([650 / 8500, 7850 / 8500])
+    assert known.density_kgm3.value == pytest.approx(4250.0)
+    assert known.density_kgm3.method.startswith("effective")
+    assert partly.mass_kg.source == "inferred"
+    assert partly.mass_kg.confidence < known.mass_kg.confidence
+    assert "material unknown" in partly.mass_kg.method
+
+
+def test_shares_that_only_the_paint_tells_could_be_any_of_the_materials():
+    cup = cup_profile(0.004)
+    centres = cup.points[cup.triangles].mean(axis=1)
+    inner = (np.hypot(centres[:, 0], centres[:, 1]) < 0.0365) & (centres[:, 2] > 0.003)
+    parts = [
+        Mesh("steel", cup.points, cup.triangles[~inner]),
+        Mesh("plastic", cup.points, cup.triangles[inner]),
+    ]
+    found, canonical, _ = weighed(parts, file="cup.obj")
+    volume = canonical.section.volume_m3.value
+    assert "visible area" in found.mass_kg.method
+    assert found.mass_kg.bounds == pytest.approx((890.0 * volume, 8100.0 * volume))
