@@ -46,7 +46,7 @@ def find(
     localisation: tuple[Localisation, ...] = (),
     each: Map | None = None,
 ) -> Found:
-    """Everything that `mana gap find` reports; `measurement` is its content hash. Deterministic; wall time is 0 here."""
+    """What `mana gap find` reports; `measurement` is its content hash. Deterministic: wall time is 0 here."""
     selection = select(problem, trials, "short_horizon", each)
     box = _black_box(problem, selection, trials)
     leftover = compare(selection.final_losses, box)
