@@ -1,0 +1,183 @@
+"""PyBullet behind `sim.body_replay.BodyReplay`; the engine's traps are listed in `sim.bullet`.
+
+The support is a plane turned to lie under the given normal. Between windows the body is parked far away for one step,
+which empties the contact caches, so that no window knows the one before.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pybullet
+from scipy.spatial.transform import Rotation
+
+from geom import pose
+from geom.principal_axes import principal_axes
+from schemas.model import FloatArray
+from sim.body_replay import BodyModel, BodyMotion, BodyWindows
+from sim.bullet_shapes import clear_margins, compound
+from sim.effects.effect import BodyState, BodyWrench, Params
+
+LARGEST_STEP_S = 1.0 / 240.0
+_PARKED_M = 1000.0
+_LARGEST_M = 1e3
+
+
+class BulletBodyReplay:
+    """One private DIRECT client; close it, or use it as a context manager."""
+
+    def __init__(self, largest_step_s: float = LARGEST_STEP_S) -> None:
+        self._client = pybullet.connect(pybullet.DIRECT)
+        self._largest_step_s = largest_step_s
+        self._handle = -1
+        self._X_BI = np.eye(4)
+
+    def close(self) -> None:
+        """Free the engine's world; the object is of no use afterwards."""
+        if self._client >= 0:
+            pybullet.disconnect(physicsClientId=self._client)
+            self._client = -1
+
+    def __enter__(self) -> BulletBodyReplay:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def rollout(
+        self, model: BodyModel, windows: BodyWindows, wrenches: Sequence[tuple[BodyWrench, Params]] = ()
+    ) -> BodyMotion:
+        """See `sim.body_replay.BodyReplay`."""
+        self._load(model)
+        worlds, stamps = windows.t_s.shape
+        out = np.empty((worlds, stamps, 13))
+        for w in range(worlds):
+            self._start(windows, w)
+            out[w, 0] = self._row()
+            for k in range(1, stamps):
+                span = float(windows.t_s[w, k] - windows.t_s[w, k - 1])
+                self._advance(model, span, float(windows.t_s[w, k - 1]), wrenches)
+                row = self._row()
+                sound = np.isfinite(row).all() and np.abs(row[:3]).max() < _LARGEST_M
+                out[w, k] = row if sound else out[w, k - 1]
+        return self._motion(out)
+
+    def _load(self, model: BodyModel) -> None:
+        """An empty world with the body and the support, with the model's numbers."""
+        client = self._client
+        pybullet.resetSimulation(physicsClientId=client)
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=self._largest_step_s,
+            numSubSteps=1,
+            enableFileCaching=0,
+            deterministicOverlappingPairs=1,
+            physicsClientId=client,
+        )
+        pybullet.setGravity(*model.gravity_W.tolist(), physicsClientId=client)
+        if model.has_support:
+            plane = pybullet.createCollisionShape(
+                pybullet.GEOM_PLANE, planeNormal=model.plane_normal_W.tolist(), physicsClientId=client
+            )
+            at = (model.plane_height_m * model.plane_normal_W).tolist()
+            ground = pybullet.createMultiBody(
+                0, plane, basePosition=at, useMaximalCoordinates=1, physicsClientId=client
+            )
+            pybullet.changeDynamics(ground, -1, lateralFriction=1.0, restitution=1.0, physicsClientId=client)
+        moments, quat_wxyz = principal_axes(model.inertia_B)
+        self._X_BI = pose.pose_from_quat(quat_wxyz, model.com_B)
+        with tempfile.TemporaryDirectory() as folder:
+            shape = compound(model.shapes, 1.0, Path(folder), client)
+            clear_margins(shape, len(model.shapes), client)
+            self._handle = pybullet.createMultiBody(
+                baseMass=model.mass_kg,
+                baseCollisionShapeIndex=shape,
+                basePosition=[0.0, 0.0, _PARKED_M],
+                baseInertialFramePosition=self._X_BI[:3, 3].tolist(),
+                baseInertialFrameOrientation=pose.to_xyzw(quat_wxyz).tolist(),
+                useMaximalCoordinates=1,
+                physicsClientId=client,
+            )
+        soft = {}
+        if model.stiffness_Npm is not None and model.damping_Nspm is not None:
+            soft = {"contactStiffness": model.stiffness_Npm, "contactDamping": model.damping_Nspm}
+        pybullet.changeDynamics(
+            self._handle,
+            -1,
+            mass=model.mass_kg,
+            localInertiaDiagonal=moments.tolist(),
+            linearDamping=0.0,
+            angularDamping=0.0,
+            lateralFriction=model.friction,
+            restitution=model.restitution,
+            rollingFriction=model.rolling_friction_m,
+            spinningFriction=model.spinning_friction_m,
+            anisotropicFriction=model.friction_ratio_B.tolist(),
+            activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
+            **soft,
+            physicsClientId=client,
+        )
+
+    def _start(self, windows: BodyWindows, w: int) -> None:
+        """Park for one step, then place the body and give it its speed."""
+        R_WB = Rotation.from_quat(np.roll(windows.quat_wxyz[w], -1)).as_matrix()
+        X_WI = pose.pose(R_WB, windows.p[w]) @ self._X_BI
+        w_W = R_WB @ windows.w_B[w]
+        v_com = windows.v_W[w] + np.cross(w_W, R_WB @ self._X_BI[:3, 3])
+        self._place(pose.pose(X_WI[:3, :3], (0.0, 0.0, _PARKED_M)), np.zeros(3), np.zeros(3))
+        pybullet.setTimeStep(self._largest_step_s, physicsClientId=self._client)
+        pybullet.stepSimulation(physicsClientId=self._client)
+        self._place(X_WI, v_com, w_W)
+
+    def _place(self, X_WI: FloatArray, v_W: FloatArray, w_W: FloatArray) -> None:
+        quat_xyzw = Rotation.from_matrix(X_WI[:3, :3]).as_quat().tolist()
+        at = X_WI[:3, 3].tolist()
+        pybullet.resetBasePositionAndOrientation(self._handle, at, quat_xyzw, physicsClientId=self._client)
+        pybullet.resetBaseVelocity(self._handle, v_W.tolist(), w_W.tolist(), physicsClientId=self._client)
+
+    def _advance(
+        self, model: BodyModel, span_s: float, t_s: float, wrenches: Sequence[tuple[BodyWrench, Params]]
+    ) -> None:
+        """Equal steps over `span_s`, with the wrenches of each step's beginning."""
+        steps = max(1, int(np.ceil(span_s / self._largest_step_s - 1e-6)))
+        if span_s <= 0.0:
+            return
+        pybullet.setTimeStep(span_s / steps, physicsClientId=self._client)
+        for s in range(steps):
+            if wrenches:
+                self._push(t_s + s * span_s / steps, wrenches)
+            pybullet.stepSimulation(physicsClientId=self._client)
+
+    def _push(self, t_s: float, wrenches: Sequence[tuple[BodyWrench, Params]]) -> None:
+        row = self._row()
+        state = BodyState(
+            np.array([[t_s]]), row[None, :3], np.roll(row[3:7], 1)[None], row[None, 7:10], row[None, 10:13]
+        )
+        for hook, params in wrenches:
+            force, torque = hook.wrench(state, params)
+            frame = {"flags": pybullet.WORLD_FRAME, "physicsClientId": self._client}
+            pybullet.applyExternalForce(self._handle, -1, force[0].tolist(), row[:3].tolist(), **frame)
+            pybullet.applyExternalTorque(self._handle, -1, torque[0].tolist(), **frame)
+
+    def _row(self) -> FloatArray:
+        """(13,) mass centre, quaternion xyzw of the inertial frame, its velocity, turning rate; world axes."""
+        at = pybullet.getBasePositionAndOrientation(self._handle, physicsClientId=self._client)
+        speed = pybullet.getBaseVelocity(self._handle, physicsClientId=self._client)
+        return np.concatenate([at[0], at[1], speed[0], speed[1]])
+
+    def _motion(self, rows: FloatArray) -> BodyMotion:
+        """Rows of the inertial frame as motion of the measured frame."""
+        shape = rows.shape[:2]
+        flat = rows.reshape(-1, 13)
+        R_WI = Rotation.from_quat(flat[:, 3:7])
+        R_WB = R_WI * Rotation.from_matrix(self._X_BI[:3, :3]).inv()
+        lever = R_WB.apply(self._X_BI[:3, 3])
+        quats = np.roll(R_WB.as_quat(), 1, axis=1)
+        return BodyMotion(
+            p=(flat[:, :3] - lever).reshape(*shape, 3),
+            quat_wxyz=quats.reshape(*shape, 4),
+            v_W=(flat[:, 7:10] - np.cross(flat[:, 10:13], lever)).reshape(*shape, 3),
+            w_B=R_WB.inv().apply(flat[:, 10:13]).reshape(*shape, 3),
+        )
