@@ -1,0 +1,1 @@
+"""Free bodies: tossed, dropped, sliding, rolling things."""
