@@ -1,4 +1,4 @@
-"""`mana schema`: the JSON Schema of what Mana writes, for editors and other tools."""
+"""`mana schema`: the JSON Schema of what Mana reads and writes, for editors and other tools."""
 
 from __future__ import annotations
 
@@ -9,10 +9,15 @@ import typer
 from pydantic import BaseModel
 
 from schemas.asset import AssetRecord
+from schemas.measurement import MeasurementSpec
 from schemas.report import IngestReport
 
-app = typer.Typer(help="Print the JSON Schema of a file Mana writes.", no_args_is_help=True)
-_MODELS: dict[str, type[BaseModel]] = {"asset": AssetRecord, "report": IngestReport}
+app = typer.Typer(help="Print the JSON Schema of a file Mana reads or writes.", no_args_is_help=True)
+_MODELS: dict[str, type[BaseModel]] = {
+    "asset": AssetRecord,
+    "measurement": MeasurementSpec,
+    "report": IngestReport,
+}
 
 
 def _print(name: str) -> None:
@@ -26,6 +31,17 @@ def asset(as_json: Annotated[bool, typer.Option("--json", help="The output is JS
     Example: `mana schema asset > record.schema.json`
     """
     _print("asset")
+
+
+@app.command("measurement")
+def measurement(
+    as_json: Annotated[bool, typer.Option("--json", help="The output is JSON in any case.")] = True,
+) -> None:
+    """The schema of `measurement.yaml`.
+
+    Example: `mana schema measurement > measurement.schema.json`
+    """
+    _print("measurement")
 
 
 @app.command("report")

@@ -22,7 +22,13 @@ NonNegative = Annotated[float, Field(ge=0.0)]
 class Strict(BaseModel):
     """A hand-written node: a key that we do not know is a typing error, not a wish."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, coerce_numbers_to_str=True)
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        allow_inf_nan=False,
+        coerce_numbers_to_str=True,
+        json_schema_extra=lambda schema: _allow_degrees(schema),
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -44,6 +50,14 @@ class Strict(BaseModel):
 
 
 _ANGLES = ("zero_rad", "rotation_rad", "limits")
+
+
+def _allow_degrees(schema: dict[str, Any]) -> None:
+    """The keys in degrees stand in the JSON Schema too."""
+    properties: dict[str, Any] = schema.get("properties", {})
+    for name in [n for n in properties if n in _ANGLES]:
+        twin = {k: v for k, v in properties[name].items() if k not in ("default", "title")}
+        properties[f"{name.removesuffix('_rad')}_deg"] = twin
 
 
 def _radians(value: Any) -> Any:

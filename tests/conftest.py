@@ -19,6 +19,15 @@ def shared_assets() -> Path:
 
 
 @pytest.fixture(scope="session")
+def shared_measured() -> Path:
+    """The shared folder of public recordings beside the repository."""
+    folder = SHARED / "measured"
+    if not folder.is_dir():
+        pytest.skip("the shared data folder is not beside the repository")
+    return folder
+
+
+@pytest.fixture(scope="session")
 def bullet_data() -> Path:
     """Meshes that the installed PyBullet brings."""
     import pybullet_data

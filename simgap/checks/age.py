@@ -34,7 +34,7 @@ def check_velocity_age(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
         lag = min(off, key=lambda k: off[k])
         if lag > 0.0 and off[lag] < _CLEARER * off[0.0] and off[lag] < AGREES:
             text = f"'{column}' is the velocity of {lag:g} frames before its stamp"
-            text += f" (mismatch {off[0.0]:.3f}, then {off[lag]:.3f})"
+            text += f" (mismatch {off[0.0]:.2g}, then {off[lag]:.2g})"
             where = Location(file="measurement.yaml")
             found.append(finding("gap/velocity-age", text, where=where, value=lag, bound=0.0, unit="frames"))
     return Checked(trials, tuple(found))

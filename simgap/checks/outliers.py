@@ -31,7 +31,7 @@ def drop_corrupted_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
 
 
 def spikes(values: FloatArray) -> FloatArray:
-    """(n,) rows of (n, k) that differ from both neighbours in one direction, while the neighbours agree.
+    """(n,) inner rows of (n, k) that differ from both neighbours in one direction, while the neighbours agree.
 
     The detour over the row must exceed `_SPIKE` times the largest step of its surroundings and of the trial's
     typical ones; an impact bends the path but does not bring it back.
@@ -39,10 +39,12 @@ def spikes(values: FloatArray) -> FloatArray:
     steps = np.linalg.norm(np.diff(values, axis=0), axis=1)
     around = 0.5 * np.linalg.norm(values[2:] - values[:-2], axis=1)
     least = np.minimum(steps[:-1], steps[1:])
-    calm = np.maximum(around, _neighbourhood(steps))
-    count = float(steps[steps > 0.0].min(initial=np.inf))  # An encoder's single count is no jump.
-    floor = max(0.25 * float(np.percentile(steps, 90)), count if np.isfinite(count) else 0.0)
     out = np.zeros(len(values), dtype=bool)
+    if not (least > _SPIKE * around).any():  # As in nearly every trial: spare the rest.
+        return out
+    calm = np.maximum(around, _neighbourhood(steps))
+    count = float(steps[steps > 0.0].min())  # An encoder's single count is no jump.
+    floor = max(0.25 * float(np.percentile(steps, 90)), count)
     out[1:-1] = least > _SPIKE * np.maximum(calm, floor)
     return out
 
