@@ -108,7 +108,7 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
         material=parts[int(np.argmax(volumes))].substance.material,
         density_kgm3=_density(parts, total, bounds),
         mass_kg=_mass(parts, total, bounds, method, trust * clues.unit.confidence),
-        centre_of_mass_m=_centre(solid, parts, total, method, trust),
+        centre_of_mass_m=_centre(solid, parts, total, method, trust, clues.unit),
         inertia_kgm2=_inertia(parts, total, bounds, method, trust * clues.unit.confidence),
         parts=tuple(_recorded(part, sum(volumes), total.mass_kg) for part in parts),
         diagnostics=(*notes, *(d for j in judged for d in j.diagnostics)),
@@ -187,8 +187,13 @@ def _inertia(
     )
 
 
-def _centre(solid: Solid, parts: Sequence[_Part], total: MassProperties, method: str, trust: float) -> Evidence[Vec3]:
-    """From the centre of the evenly filled body to that of its surface, 5 % of the extent around; 1 % if stated."""
+def _centre(
+    solid: Solid, parts: Sequence[_Part], total: MassProperties, method: str, trust: float, unit: Evidence[float]
+) -> Evidence[Vec3]:
+    """From the centre of the evenly filled body to that of its surface, 5 % of the extent around; 1 % if stated.
+
+    The asset's origin is its bottom centre, so an uncertain unit moves the centre in proportion.
+    """
     stated = all(p.substance.stated is not None and p.substance.stated.centre is not None for p in parts)
     extent = np.ptp(solid.points, axis=0)
     if stated:
@@ -206,6 +211,8 @@ def _centre(solid: Solid, parts: Sequence[_Part], total: MassProperties, method:
     surface = of_sheet(solid.points, solid.triangles, 1.0, 1.0).centre_of_mass_m
     even = combine([p.even for p in parts if p.even.mass_kg > 0.0]).centre_of_mass_m
     centres = np.stack([total.centre_of_mass_m, even, surface])
+    factors = np.array([1.0, *(bound / unit.value for bound in unit.bounds or ())])
+    centres = (centres * factors[:, None, None]).reshape(-1, 3)
     slack = COM_SLACK_SHARE * extent
     alike = len(parts) == 1 and parts[0].substance.stated is None
     geometric: Source = "measured" if solid.kind == "closed" and alike else "inferred"

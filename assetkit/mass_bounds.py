@@ -62,9 +62,10 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Filling:
-    """Factors on density that the shape allows, and the reason when they are not 1.
+    """Factors on density that the shape allows.
 
-    `hollow` is the least share of the volume for substances that may be hollow; `low` and `high` hold for all.
+    `low` and `high` hold for all substances, for the reasons in `causes`; `hollow` is the least share of the volume
+    that is material where a substance may be hollow.
     """
 
     low: float = 1.0
@@ -98,6 +99,7 @@ def mass_bounds(
     causes = [
         *(["stated mass, 10 % either way"] if stated else []),
         *(["material unknown"] if any(_is_unknown(s) for s, _ in free) else []),
+        *(["may be hollow"] if filling.hollow < 1.0 and any(s.may_be_hollow for s, _ in free) else []),
         *(filling.causes if free else ()),
     ]
     if len(free) > 1 and not exact:
@@ -122,7 +124,7 @@ def filling_of(solid: Solid, wall: Evidence[float] | None, cavities: Sequence[Ca
         return Filling()
     wall_m = min(max(WALL_PER_DIAGONAL * diagonal(solid.points), LEAST_WALL_M), MOST_WALL_M)
     least = area * wall_m / volume(solid.points, solid.triangles)
-    return Filling(hollow=least, causes=("may be hollow",)) if least < 1.0 else Filling()
+    return Filling(hollow=min(1.0, least))
 
 
 def is_full(solid: Solid, cavities: Sequence[Cavity]) -> bool:

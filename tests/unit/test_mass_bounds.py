@@ -62,6 +62,12 @@ def test_unknown_material_is_wide_and_says_so():
     assert span(found) == pytest.approx(MAX_SPAN)
 
 
+def test_unknown_plates_and_rods_are_full_of_it():
+    found, _, _ = weighed([box((0.3, 0.2, 0.004))], file="thing.obj")
+    assert found.mass_kg.bounds == pytest.approx((270 * 0.3 * 0.2 * 0.004, 8000 * 0.3 * 0.2 * 0.004))
+    assert "hollow" not in found.mass_kg.method
+
+
 def test_a_provisional_unit_widens_the_bounds_by_its_cube():
     sure, _, _ = weighed([box(CUBE)])
     unit = inferred(1.0, "a guess", 0.7, bounds=(0.9, 1.2))
@@ -69,6 +75,7 @@ def test_a_provisional_unit_widens_the_bounds_by_its_cube():
     low, high = sure.mass_kg.bounds
     assert unsure.mass_kg.bounds == pytest.approx((low * 0.9**3, high * 1.2**3))
     assert "unit provisional" in unsure.mass_kg.method
+    assert unsure.centre_of_mass_m.bounds[1][2] == pytest.approx(1.2 * 0.1 + 0.05 * 0.2)
     assert unsure.mass_kg.confidence < sure.mass_kg.confidence
 
 

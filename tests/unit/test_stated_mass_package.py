@@ -7,9 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
+from gltf_files import GltfFile
 from numpy.testing import assert_allclose
 from package_samples import png
 from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
+from scipy.spatial.transform import Rotation
 
 from assetkit import release
 from assetkit.discover import discover
@@ -30,6 +33,7 @@ STAGES = (Canonicalize(), NormalizeAppearance(), DescribeObject(), ProposeParts(
 # A box of 20 x 10 x 6 cm with an eccentric mass: metres, kilograms, box frame.
 SIZE_M, MASS, CENTRE_M = np.array([0.2, 0.1, 0.06]), 1.7, np.array([0.03, -0.01, 0.005])
 MOMENTS = np.array([1.6e-3, 5.5e-3, 6.2e-3])
+Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
 def finished(file: Path, options: Options | None = None) -> tuple[Draft, list[str], list[Repair]]:
@@ -82,16 +86,19 @@ def state(stage: Usd.Stage, *, scale: float = 1.0, moments=MOMENTS, kilograms_pe
     return Path(stage.GetRootLayer().realPath)
 
 
+def bottom_centre(R_AB: np.ndarray) -> np.ndarray:
+    """Of the box turned by R_AB about its centre."""
+    corners = np.stack(np.meshgrid(*([-0.5, 0.5],) * 3), axis=-1).reshape(-1, 3) * SIZE_M @ R_AB.T
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    return np.array([*(0.5 * (low + high))[:2], low[2]])
+
+
 def expected(stage: Usd.Stage) -> tuple[np.ndarray, np.ndarray]:
     """Mass centre and tensor in the asset frame, worked out from the corners of the box."""
     X_WB = np.array(UsdGeom.XformCache().GetLocalToWorldTransform(stage.GetPrimAtPath("/Root/holder/body"))).T
     R_WB = X_WB[:3, :3] / np.linalg.norm(X_WB[:3, 0])
-    R_AW = np.eye(3) if UsdGeom.GetStageUpAxis(stage) == "Z" else np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
-    R_AB = R_AW @ R_WB
-    corners = np.stack(np.meshgrid(*([-0.5, 0.5],) * 3), axis=-1).reshape(-1, 3) * SIZE_M @ R_AB.T
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    bottom_centre = np.array([*(0.5 * (low + high))[:2], low[2]])
-    return R_AB @ CENTRE_M - bottom_centre, R_AB @ np.diag(MOMENTS) @ R_AB.T
+    R_AB = R_WB if UsdGeom.GetStageUpAxis(stage) == "Z" else Y_TO_Z @ R_WB
+    return R_AB @ CENTRE_M - bottom_centre(R_AB), R_AB @ np.diag(MOMENTS) @ R_AB.T
 
 
 @pytest.mark.parametrize(
@@ -106,6 +113,25 @@ def test_stated_mass_centre_and_tensor_are_released(tmp_path, up, meters_per_uni
     assert body.mass.mass_kg == pytest.approx(MASS)
     assert_allclose(body.mass.centre_of_mass_m, centre, atol=1e-6)
     assert_allclose(body.mass.inertia_kgm2, inertia, atol=1e-5 * MOMENTS.max())
+
+
+def test_a_gltf_body_is_released_as_stated(tmp_path):
+    """A turned and scaled node in the y-up frame of glTF."""
+    R_WN = Rotation.from_rotvec([0.3, -0.5, 0.8])
+    motion = {"mass": MASS, "centerOfMass": (CENTRE_M / 2).tolist(), "inertiaDiagonal": MOMENTS.tolist()}
+    file = GltfFile()
+    box = trimesh.creation.box(SIZE_M / 2)
+    positions = file.accessor(box.vertices.astype("<f4"))
+    file.mesh({"POSITION": positions}, indices=file.accessor(box.faces.astype("<u2").reshape(-1)))
+    extensions = {"KHR_physics_rigid_bodies": {"motion": motion}}
+    file.show({"mesh": 0, "rotation": R_WN.as_quat().tolist(), "scale": [2, 2, 2], "extensions": extensions})
+    path = tmp_path / "part.glb"
+    path.write_bytes(file.glb())
+    body = released(path)
+    R_AB = Y_TO_Z @ R_WN.as_matrix()
+    assert body.mass.mass_kg == pytest.approx(MASS)
+    assert_allclose(body.mass.centre_of_mass_m, R_AB @ CENTRE_M - bottom_centre(R_AB), atol=1e-6)
+    assert_allclose(body.mass.inertia_kgm2, R_AB @ np.diag(MOMENTS) @ R_AB.T, atol=1e-5 * MOMENTS.max())
 
 
 def test_the_record_says_that_they_are_declared(tmp_path):

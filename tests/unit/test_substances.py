@@ -1,0 +1,59 @@
+"""Which parts of an object go together, and what each is made of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from package_samples import box_mesh
+
+from assetkit.materials import UNKNOWN
+from assetkit.substances import substances_of, uniform
+from schemas.diagnostics import Location
+from schemas.stated_physics import StatedMass
+
+
+def named(*names: str):
+    return [replace(box_mesh(name=name), source_path=f"/{name}") for name in names]
+
+
+def kinds(meshes, materials=(), whole=("thing.glb",), stated=()) -> dict[str, tuple[str, ...]]:
+    found = substances_of(meshes, materials, whole, stated)
+    return {s.material.value: s.names for s in found}
+
+
+def test_render_material_and_mesh_names_tell_parts_apart():
+    meshes = [replace(m, material=i) for i, m in enumerate(named("head", "handle", "grip"))]
+    found = kinds(meshes, ("BrushedSteel", "Oak", "Material.003"))
+    assert found == {"steel": ("head",), "wood": ("handle",), UNKNOWN: ("grip",)}
+
+
+def test_the_file_name_fills_in_with_less_confidence():
+    found = substances_of(named("leg", "steel_screw"), (), ("wooden_chair.glb",), ())
+    assert {s.material.value: s.names for s in found} == {"wood": ("leg",), "steel": ("steel_screw",)}
+    assert found[0].material.confidence < found[1].material.confidence
+
+
+def test_one_class_throughout_is_one_substance_that_all_names_vote_on():
+    (only,) = substances_of(named("oak_leg", "pine_seat", "oak_back"), (), ("stool.obj",), ())
+    assert (only.meshes, only.material.value) == ((0, 1, 2), "wood")
+    assert only.material.inputs == ("oak_leg", "pine_seat", "oak_back")
+    (only,) = substances_of(named("a", "b"), (), ("thing.obj",), ())
+    assert only.material.value == UNKNOWN
+
+
+def test_a_stated_mass_keeps_its_meshes_together_and_a_density_replaces_the_class():
+    mass = StatedMass(("/oak", "/steel"), 24, "test", Location(), mass_kg=2.0)
+    density = StatedMass(("/rest",), 12, "test", Location(), density=123.0)
+    first, second, third = substances_of(named("oak", "steel", "rest", "plain"), (), ("x.usd",), [mass, density])
+    assert (first.names, first.stated) == (("oak", "steel"), mass)
+    assert (second.names, second.density_kgm3.value, second.density_kgm3.source) == (("rest",), 123.0, "declared")
+    assert not second.may_be_hollow
+    assert (third.names, third.material.value) == (("plain",), UNKNOWN)
+
+
+@pytest.mark.parametrize(("full", "density", "hollow"), [(False, 500.0, True), (True, 1000.0, False)])
+def test_unknown_walls_are_full_and_unknown_blocks_may_be_hollow(full, density, hollow):
+    substance = uniform(["thing"], full=full)
+    assert (substance.density_kgm3.value, substance.may_be_hollow) == (density, hollow)
+    assert substance.material.value == UNKNOWN
