@@ -49,17 +49,18 @@ def _plausible_range(setting: Setting, joint: str) -> float:
 
 
 def unwrap_angles(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
-    """Turning joints without jumps by a whole turn."""
+    """Turning joints without jumps by a whole turn; commands follow, on the turn nearest to the angle."""
     turning = np.flatnonzero(setting.turns)
     hits: list[Hit] = []
     kept: list[Trial] = []
     for trial in trials:
         count = sum(wraps(trial.q[:, k], _TURN_RAD) for k in turning)
         if count:
-            q = trial.q.copy()
+            q, command = trial.q.copy(), trial.command.copy()
             for k in turning:
                 q[:, k] = unwrapped(q[:, k])
-            trial = replace(trial, q=q)
+                command[:, k] = _beside(unwrapped(command[:, k]), q[:, k])
+            trial = replace(trial, q=q, command=command)
             hits.append(Hit(trial, count, f"{count} jumps by a turn"))
         kept.append(trial)
     return Checked(
@@ -81,6 +82,10 @@ def unwrapped(angle_rad: FloatArray) -> FloatArray:
     """The same angle (n,) without jumps by whole turns; single wild values are left for the outlier check."""
     turns = np.cumsum(_whole_turns(np.diff(angle_rad), _TURN_RAD))
     return angle_rad - np.concatenate([[0.0], turns * _TURN_RAD])
+
+
+def _beside(command_rad: FloatArray, angle_rad: FloatArray) -> FloatArray:
+    return command_rad - np.rint((command_rad[0] - angle_rad[0]) / _TURN_RAD) * _TURN_RAD
 
 
 def _whole_turns(steps: FloatArray, turn: float) -> FloatArray:

@@ -37,7 +37,7 @@ def check_gravity_axis(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
         return Checked(trials)
     fall, gravity = flight_acceleration(trials), np.array(setting.spec.world.gravity_mps2)
     g, a = float(np.linalg.norm(gravity)), float(np.linalg.norm(fall))
-    if g == 0.0 or not 0.7 * g < a < 1.4 * g:
+    if g == 0.0 or not 0.7 * g < a < 1.4 * g or not _gains_speed(trials, fall):
         return Checked(trials)
     angle = float(np.degrees(np.arccos(np.clip(fall @ gravity / (a * g), -1.0, 1.0))))
     if angle < _TILT_DEG:
@@ -50,6 +50,12 @@ def check_gravity_axis(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     return Checked(
         trials, (finding("gap/gravity-axis", text, where=where, value=angle, bound=_TILT_DEG, unit="degrees"),)
     )
+
+
+def _gains_speed(trials: Sequence[Trial], fall: FloatArray) -> bool:
+    """Whether bodies move along the acceleration for a part of the time, as falling ones do and braking ones do not."""
+    steps = np.concatenate([np.diff(t.p, axis=0) for t in trials]) @ fall
+    return float((steps > 0.0).mean()) > 0.2
 
 
 def _steady_windows(trials: Sequence[Trial]) -> FloatArray:

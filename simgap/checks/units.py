@@ -131,7 +131,8 @@ def _scale(setting: Setting, trials: tuple[Trial, ...], column: str, factor: flo
         return mapped(trials, lambda t: replace(t, **{field: getattr(t, field) * factor}))
     field, joint = column.split("_", 1)
     per_joint = np.array([factor if info.name == joint else 1.0 for info in setting.joints])
-    return mapped(trials, lambda t: replace(t, **{field: getattr(t, field) * per_joint}))
+    fields = ("q", "command") if field == "q" else (field,)  # A position is commanded in its own unit.
+    return mapped(trials, lambda t: replace(t, **{name: getattr(t, name) * per_joint for name in fields}))
 
 
 def _gravity(setting: Setting) -> float:

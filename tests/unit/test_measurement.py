@@ -188,6 +188,61 @@ def test_a_scale_that_no_unit_explains_is_left_alone(factor: float, tmp_path: Pa
     np.testing.assert_allclose(sound(folder).trials[0].v_W, factor * clean.trials[0].v_W, rtol=1e-6, atol=1e-7)
 
 
+def frames_late(names: str, rows: int) -> Callable[[Columns], Columns]:
+    return lambda c: c | {n: np.concatenate([np.repeat(c[n][:1], rows), c[n][:-rows]]) for n in names.split()}
+
+
+def tilted(columns: Columns) -> Columns:
+    """Orientations from a tracker whose frame is turned by 10 degrees."""
+    turn = Rotation.from_quat(np.column_stack([columns[n] for n in ("qx", "qy", "qz", "qw")]))
+    quats = (Rotation.from_rotvec([np.radians(10.0), 0.0, 0.0]) * turn).as_quat()
+    return columns | columns_of("qw qx qy qz", one_sign(np.roll(quats, 1, axis=1)))
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        scaled("px py pz", 1.03),
+        scaled("wx wy wz", 1.15),
+        scaled("t", 1.01),
+        frames_late("vx vy vz wx wy wz", 2),
+        frames_late("px py pz qw qx qy qz", 1),
+        lambda c: c | {"wx": c["wx"] + 0.5, "pz": c["pz"] + 0.02},
+        tilted,
+    ],
+)
+def test_what_may_be_an_effect_is_not_repaired_away(effect: Callable[[Columns], Columns], tmp_path: Path):
+    trial = sound(tossed(effect)(tmp_path)).trials[0]
+    given = effect(flight(0))
+    np.testing.assert_allclose(trial.t_s, given["t"], atol=1e-7)
+    for column, names in (("p", "px py pz"), ("quat_wxyz", "qw qx qy qz"), ("v_W", "vx vy vz"), ("w_B", "wx wy wz")):
+        wanted = np.column_stack([given[n] for n in names.split()])
+        np.testing.assert_allclose(getattr(trial, column), wanted, atol=1e-6, err_msg=column)
+
+
+def test_a_braking_slider_does_not_fall_sideways(tmp_path: Path):
+    t = np.arange(60) / 100.0
+    still = flight(0) | {n: np.zeros(60) for n in ("wx", "wy", "wz", "py", "pz", "vy", "vz", "qx", "qy", "qz")}
+    tables = {}
+    for k in range(4):
+        speed = np.maximum((4.0 + 0.1 * k) - 8.0 * t, 0.0)
+        tables[f"t{k}"] = still | {"qw": np.ones(60), "vx": speed, "px": np.cumsum(speed) / 100.0}
+    assert codes(folder_of(tmp_path, FREE, tables)) == set()
+
+
+def test_commands_follow_the_unwrapped_angle(tmp_path: Path):
+    spec = HINGE.replace("qd_hinge: rate", "command_hinge: goal")
+    t = np.arange(200) / 100.0
+
+    def driven(k: int) -> Columns:
+        angle = 2.5 + 1.5 * np.sin(2.0 * t + k)
+        wrap = lambda a: (a + np.pi) % (2.0 * np.pi) - np.pi  # noqa: E731
+        return {"t": t, "angle": wrap(angle), "goal": wrap(angle + 0.05)}
+
+    for trial in sound(folder_of(tmp_path, spec, {f"t{k}": driven(k) for k in range(4)})).trials:
+        np.testing.assert_allclose(trial.command - trial.q, 0.05, atol=1e-6)
+
+
 def test_late_stamps_are_evened_but_true_irregular_sampling_stays(tmp_path: Path):
     late = np.random.default_rng(0).uniform(0.0, 0.003, (4, 60))
     stamped = tossed(lambda c: c | {"t": c["t"] + late[0]})(tmp_path / "a")
@@ -212,6 +267,8 @@ def test_a_spike_is_dropped_and_an_impact_is_not(tmp_path: Path):
     assert codes(tossed(bounce)(tmp_path / "a")) == set()
     spiked = sound(tossed(lambda c: c | {"py": c["py"] + 0.4 * (np.arange(60) == 33)})(tmp_path / "b"))
     assert [(len(t), t.dropped) for t in spiked.trials] == [(59, 1)] * 4
+    fast = sound(tossed(lambda c: c | {"wy": c["wy"] + 300.0 * (np.arange(60) == 12)})(tmp_path / "c"))
+    assert [(len(t), t.dropped) for t in fast.trials] == [(59, 1)] * 4
 
 
 @settings(max_examples=20, deadline=None)
