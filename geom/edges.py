@@ -77,6 +77,15 @@ def corner_fans(triangles: IntArray, edges: Edges) -> tuple[int, IntArray]:
     return count, numbered.reshape(m, 3)
 
 
+def corners_at(triangles: IntArray, points: IntArray) -> list[tuple[IntArray, IntArray]]:
+    """For each of `points`: rows (k,) and columns (k,) of the corners that name it, in ascending order."""
+    flat = triangles.reshape(-1)
+    found = np.flatnonzero(np.isin(flat, points))
+    found = found[np.argsort(flat[found], kind="stable")]
+    first, last = (np.searchsorted(flat[found], points, side=side) for side in ("left", "right"))
+    return [(found[a:b] // 3, found[a:b] % 3) for a, b in zip(first, last, strict=True)]
+
+
 def consistent_flips(edges: Edges) -> tuple[FloatArray, FloatArray]:
     """Which faces (m,) to turn so that neighbours agree, and which (m,) lie on a one-sided (non-orientable) sheet.
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from schemas.model import FloatArray, IntArray, Mesh
 
@@ -30,30 +31,51 @@ def only_used_points(mesh: Mesh) -> Mesh:
 
 
 def flip_faces(mesh: Mesh, flipped: FloatArray) -> Mesh:
-    """Turn the faces where `flipped` (m,) is True: corners 1 and 2 swap, their normals change sign."""
+    """Turn the faces where `flipped` (m,) is True: corners 1 and 2 swap.
+
+    Their normals change sign where they would look away from the turned face; a file may hold good normals on faces
+    that are wound the wrong way.
+    """
 
     def swap(corners: FloatArray) -> FloatArray:
         return np.where(
             flipped[:, None, None] if corners.ndim == 3 else flipped[:, None], corners[:, [0, 2, 1]], corners
         )
 
-    normals = None
-    if mesh.normals is not None:
-        normals = swap(mesh.normals) * np.where(flipped, -1.0, 1.0).astype(np.float32)[:, None, None]
+    triangles = swap(mesh.triangles)
+    normals = None if mesh.normals is None else swap(mesh.normals)
+    if normals is not None:
+        away = flipped & (facing(mesh.points, triangles, normals) < 0.0).all(axis=1)
+        normals = np.where(away[:, None, None], -normals, normals)
     return replace(
         mesh,
-        triangles=swap(mesh.triangles),
+        triangles=triangles,
         normals=normals,
         uvs=tuple(swap(uv) for uv in mesh.uvs),
         colors=None if mesh.colors is None else swap(mesh.colors),
     )
 
 
-def append_faces(mesh: Mesh, points: FloatArray, triangles: IntArray, like: IntArray) -> Mesh:
+def turn_normals(mesh: Mesh, turned: FloatArray) -> Mesh:
+    """`mesh` with the normals of the faces where `turned` (m,) is True reversed; without normals it stays as it is."""
+    if mesh.normals is None:
+        return mesh
+    return replace(mesh, normals=np.where(turned[:, None, None], -mesh.normals, mesh.normals))
+
+
+def facing(points: FloatArray, triangles: IntArray, normals: FloatArray) -> FloatArray:
+    """(m, 3) cosine between each corner normal (m, 3, 3) and the normal of its face; zero for faces without area."""
+    corners = points[triangles]
+    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), np.finfo(float).tiny)
+    return np.einsum("mx,mkx->mk", flat, normals.astype(np.float64))
+
+
+def append_faces(mesh: Mesh, points: FloatArray, triangles: IntArray, mix: csr_array) -> Mesh:
     """`mesh` over `points` (which begin with its own) with `triangles` (k, 3) added.
 
-    `like` (k, 3) names for each new corner the corner (3 * face + 0..2) whose UV and colour it takes; normals of new
-    faces are flat.
+    `mix` (3 k, 3 m) gives the UV and colour of each new corner as weights over the old ones; normals of new faces are
+    flat.
     """
     if len(triangles) == 0:
         return mesh
@@ -62,7 +84,8 @@ def append_faces(mesh: Mesh, points: FloatArray, triangles: IntArray, like: IntA
     flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), np.finfo(float).tiny)
 
     def grown(values: FloatArray) -> FloatArray:
-        return np.concatenate([values, values.reshape(-1, values.shape[-1])[like]])
+        new = mix @ values.reshape(-1, values.shape[-1])
+        return np.concatenate([values, new.reshape(len(triangles), 3, -1).astype(values.dtype)])
 
     return replace(
         mesh,

@@ -15,6 +15,8 @@ from schemas.model import FloatArray, IntArray, Mesh
 Figures = dict[str, float]
 # Fins larger than this share of their component are parts of the design.
 FIN_AREA_SHARE = 0.05
+# A single triangle is a stray, not a part: up to this share.
+STRAY_TRIANGLE_SHARE = 0.15
 # Where this share of the faces has a reverse, the component is drawn double-sided on purpose.
 DOUBLE_SIDED_SHARE = 0.8
 
@@ -64,8 +66,9 @@ def drop_fins(mesh: Mesh) -> tuple[Mesh, Figures]:
     """`mesh` without the small sheets that hang on a solid's edges, where that leaves the solid closed.
 
     Sheets are faces connected through edges with exactly two faces. A fin is a sheet with a free edge that also touches
-    an edge with three or more faces; all fins of a component together have at most 5 % of its area, and without them
-    the component is closed. Other non-manifold edges are boards and cards that meet by design, and stay.
+    an edge with three or more faces; all fins of a component together have at most 5 % of its area (15 % when it is one
+    triangle), and without them the component is closed. Other non-manifold edges are boards and cards that meet by
+    design, and stay.
     Figures: `fin_faces` removed.
     """
     fins = fin_faces(mesh.points, mesh.triangles)
@@ -86,7 +89,8 @@ def fin_faces(points: FloatArray, triangles: IntArray) -> FloatArray:
     _, label = face_components(edges)
     areas = triangle_areas(points[triangles])
     share = np.bincount(label, areas * candidate) / np.maximum(np.bincount(label, areas), np.finfo(float).tiny)
-    candidate &= (share <= FIN_AREA_SHARE)[label]
+    alone = np.bincount(label, candidate) == 1
+    candidate &= (share <= np.where(alone, STRAY_TRIANGLE_SHARE, FIN_AREA_SHARE))[label]
     if not candidate.any():
         return none
     rest = np.flatnonzero(~candidate)

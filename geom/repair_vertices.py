@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from geom.edges import corner_fans, edges_of
+from geom.edges import corner_fans, corners_at, edges_of
 from geom.surface_distance import closest_on_surface
 from geom.topology import bow_ties
 from geom.weld import diagonal
@@ -28,9 +28,14 @@ def split_bow_ties(mesh: Mesh, vertices: IntArray) -> tuple[Mesh, Figures]:
     Figures: `split_points`, the points added.
     """
     _, fan = corner_fans(mesh.triangles, edges_of(mesh.triangles))
+    split = split_fans(mesh, vertices, fan)
+    return split, {"split_points": len(split.points) - len(mesh.points) - len(vertices)}
+
+
+def split_fans(mesh: Mesh, vertices: IntArray, fan: IntArray) -> Mesh:
+    """`mesh` in which each `fan` (m, 3) of corners at `vertices` has a point of its own, moved into it."""
     points, triangles = [mesh.points], mesh.triangles.copy()
-    for vertex in vertices:
-        rows, columns = np.nonzero(mesh.triangles == vertex)
+    for vertex, (rows, columns) in zip(vertices, corners_at(mesh.triangles, vertices), strict=True):
         labels = fan[rows, columns]
         for label in np.unique(labels):
             own = labels == label
@@ -38,8 +43,7 @@ def split_bow_ties(mesh: Mesh, vertices: IntArray) -> tuple[Mesh, Figures]:
             inward = cone[:, 1:].reshape(-1, 3).mean(axis=0)
             triangles[rows[own], columns[own]] = len(mesh.points) + len(points) - 1
             points.append(mesh.points[vertex] + PART_PER_DIAGONAL * diagonal(mesh.points) * inward[None])
-    split = replace(mesh, points=np.concatenate(points), triangles=triangles)
-    return split, {"split_points": len(points) - 1 - len(vertices)}
+    return replace(mesh, points=np.concatenate(points), triangles=triangles)
 
 
 def touching_points(points: FloatArray, triangles: IntArray) -> IntArray:
@@ -52,14 +56,19 @@ def touching_points(points: FloatArray, triangles: IntArray) -> IntArray:
     if (edges.uses != 2).any():
         return np.zeros(0, dtype=np.int64)
     _, fan = corner_fans(triangles, edges)
-    return np.array(
-        [v for v in bow_ties(triangles, edges) if _touches_alone(points, triangles, fan, int(v))], dtype=np.int64
-    )
+    ties = bow_ties(triangles, edges)
+    alone = [
+        _touches_alone(points, triangles, fan[rows, columns], rows, columns)
+        for rows, columns in corners_at(triangles, ties)
+    ]
+    return ties[np.array(alone, dtype=bool)]
 
 
-def _touches_alone(points: FloatArray, triangles: IntArray, fan: IntArray, vertex: int) -> bool:
-    rows, columns = np.nonzero(triangles == vertex)
-    labels = fan[rows, columns]
+def _touches_alone(
+    points: FloatArray, triangles: IntArray, labels: IntArray, rows: IntArray, columns: IntArray
+) -> bool:
+    """`labels` (k,) are the fans of the corners `rows`, `columns` (k,) around one point."""
+    vertex = int(triangles[rows[0], columns[0]])
     cones = [
         _cone(points, triangles[rows[labels == label]], columns[labels == label], vertex) for label in np.unique(labels)
     ]

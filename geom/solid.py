@@ -44,8 +44,7 @@ def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
        `closed` (method `voxel`).
     4. At least half of what is open is sheets with mouths: `shell`. Else `hull`.
     Figures: `method`, `volume_m3` (shell: area times wall), `area_m2`, `naive_volume_m3` (bodies added up),
-    `union_volume_m3`, `components`, `cavities`, `filled_openings`, `open_area_share`, and surface distances
-    `visual_to_solid_p95_m`, `solid_to_visual_p95_m`, `surface_distance_m` (larger of the two 95th percentiles).
+    `union_volume_m3`, `components`, `cavities`, `filled_openings`, `open_area_share`.
     """
     bodies = sort_bodies(meshes)
     points, triangles, _ = merge_surfaces(bodies.tidied)
@@ -64,7 +63,6 @@ def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
         "cavities": bodies.cavities,
         "filled_openings": bodies.filled,
         "open_area_share": bodies.open_area / total if total > 0.0 else 0.0,
-        **_distances(points, triangles, solid),
     }
     return solid, figures
 
@@ -132,13 +130,3 @@ def _volume(solid: Solid) -> float:
     if solid.wall_thickness_m is not None:
         return float(triangle_areas(solid.points[solid.triangles]).sum()) * solid.wall_thickness_m
     return signed_volume(solid.points, solid.triangles)
-
-
-def _distances(points: FloatArray, triangles: IntArray, solid: Solid) -> Figures:
-    """How far the physical surface strays from the visible one; the inside of overlaps counts in the first figure."""
-    d = two_way(points, triangles, solid.points, solid.triangles, DISTANCE_SAMPLES, 0)
-    return {
-        "visual_to_solid_p95_m": d.a_to_b_p95,
-        "solid_to_visual_p95_m": d.b_to_a_p95,
-        "surface_distance_m": max(d.a_to_b_p95, d.b_to_a_p95),
-    }

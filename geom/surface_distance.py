@@ -76,28 +76,62 @@ def triangle_areas(corners: FloatArray) -> FloatArray:
     return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
 
 
-def closest_on_surface(queries: FloatArray, points: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
-    """For each query (k, 3): the nearest point of the surface (k, 3) and the triangle (k,) it lies on.
+class NearestOnSurface:
+    """A surface that answers many rounds of nearest-point queries; the tree over its triangles is built once.
 
-    Exact up to single precision of the shapes' common extent: both are centred and scaled to unit size first, so the
-    place in the world does not matter. Raises ValueError when the surface has no area.
+    Exact up to single precision of the surface's extent: it is centred and scaled to unit size first, so its place in
+    the world does not matter. Raises ValueError when the surface has no area.
     """
-    import open3d as o3d  # Costs a second and 200 MB: loaded only when distances are asked for.
 
-    kept = np.flatnonzero(triangle_areas(points[triangles]) > 0.0)  # A zero-area triangle yields NaN.
-    if kept.size == 0:
-        raise ValueError("the surface has no area to measure against")
-    used = points[triangles[kept]].reshape(-1, 3)
-    low, high = np.minimum(used.min(0), queries.min(0)), np.maximum(used.max(0), queries.max(0))
-    centre, scale = 0.5 * (low + high), float(np.max(high - low)) or 1.0
-    scene = o3d.t.geometry.RaycastingScene()
-    scene.add_triangles(
-        o3d.core.Tensor.from_numpy(((points - centre) / scale).astype(np.float32)),
-        o3d.core.Tensor.from_numpy(triangles[kept].astype(np.uint32)),
-    )
-    answer = scene.compute_closest_points(o3d.core.Tensor.from_numpy(((queries - centre) / scale).astype(np.float32)))
-    nearest = answer["points"].numpy().astype(np.float64) * scale + centre
-    return nearest, kept[answer["primitive_ids"].numpy().astype(np.int64)]
+    def __init__(self, points: FloatArray, triangles: IntArray) -> None:
+        import open3d as o3d  # Costs a second and 200 MB: loaded only when distances are asked for.
+
+        self._kept = np.flatnonzero(triangle_areas(points[triangles]) > 0.0)  # A zero-area triangle yields NaN.
+        if self._kept.size == 0:
+            raise ValueError("the surface has no area to measure against")
+        used = points[triangles[self._kept]].reshape(-1, 3)
+        low, high = used.min(axis=0), used.max(axis=0)
+        self._centre, self._scale = 0.5 * (low + high), float(np.max(high - low)) or 1.0
+        self._scene = o3d.t.geometry.RaycastingScene()
+        self._tensor = o3d.core.Tensor.from_numpy
+        self._scene.add_triangles(
+            self._tensor(((points - self._centre) / self._scale).astype(np.float32)),
+            self._tensor(triangles[self._kept].astype(np.uint32)),
+        )
+
+    def __call__(self, queries: FloatArray) -> tuple[FloatArray, IntArray]:
+        """For each query (k, 3): the nearest point of the surface (k, 3) and the triangle (k,) it lies on."""
+        asked = ((queries - self._centre) / self._scale).astype(np.float32)
+        answer = self._scene.compute_closest_points(self._tensor(asked))
+        nearest = answer["points"].numpy().astype(np.float64) * self._scale + self._centre
+        return nearest, self._kept[answer["primitive_ids"].numpy().astype(np.int64)]
+
+    def inside(self, queries: FloatArray) -> FloatArray:
+        """(k,) True for queries (k, 3) inside the surface, which must be closed: the parity of most of three rays."""
+        asked = self._tensor(((queries - self._centre) / self._scale).astype(np.float32))
+        return self._scene.compute_occupancy(asked, nsamples=3).numpy() > 0.5
+
+
+def closest_on_surface(queries: FloatArray, points: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
+    """`NearestOnSurface` for a single round of queries."""
+    return NearestOnSurface(points, triangles)(queries)
+
+
+class SolidDistance:
+    """Distance to the surface of one closed body, negative inside: built once, asked often."""
+
+    def __init__(self, points: FloatArray, triangles: IntArray) -> None:
+        """Points (n, 3) and triangles (m, 3) of a closed surface about the origin, of about unit size."""
+        import open3d as o3d
+
+        self._tensor = o3d.core.Tensor.from_numpy
+        self._scene = o3d.t.geometry.RaycastingScene()
+        self._scene.add_triangles(self._tensor(points.astype(np.float32)), self._tensor(triangles.astype(np.uint32)))
+
+    def __call__(self, queries: FloatArray) -> FloatArray:
+        """(k,) for queries (k, 3); inside is where most of three rays leave through an odd number of faces."""
+        asked = self._tensor(np.ascontiguousarray(queries, dtype=np.float32))
+        return self._scene.compute_signed_distance(asked, nsamples=3).numpy().astype(np.float64)
 
 
 def _one_way(

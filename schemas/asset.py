@@ -91,6 +91,13 @@ class GeometrySection(_Section):
     volume_m3: Evidence[float]
     surface_area_m2: float
     wall_thickness_m: Evidence[float] | None = Field(default=None, description="of an open surface, else absent")
+    repaired_distance_m: Evidence[float] | None = Field(
+        default=None, description="two-way Hausdorff distance between the visible surface as read and as released"
+    )
+    solid_distance_m: Evidence[float] | None = Field(
+        default=None,
+        description="how far the physical surface lies from the visible one, or visible parts outside of it",
+    )
 
 
 class AppearanceSection(_Section):

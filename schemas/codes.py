@@ -279,6 +279,18 @@ CODES: dict[str, CodeInfo] = {
         "Duplicate, degenerate or crossing faces together make single repairs meaningless; it was rebuilt.",
         "nothing; compare the distance figures in the record",
     ),
+    "asset/loose-fragments": CodeInfo(
+        "warning",
+        "Tiny pieces float beside the object",
+        "Debris of scanning or modelling stretches the bounding box and becomes matter that is not there.",
+        "nothing; they were removed, count, area and largest size are in the record",
+    ),
+    "asset/repair-distorts": CodeInfo(
+        "warning",
+        "A repair may have changed the shape",
+        "The surface may lie more than 1 % of the diagonal from the true one, and no figure can tell which is right.",
+        "compare source and package at the place named: accept the repaired shape, or mend the source and ingest again",
+    ),
     "asset/too-many-triangles": CodeInfo(
         "warning",
         "The mesh is heavier than the budget",
@@ -287,9 +299,9 @@ CODES: dict[str, CodeInfo] = {
     ),
     "asset/bad-normals": CodeInfo(
         "warning",
-        "Normals are zero, not unit length or not finite",
+        "Normals are zero, not unit length, not finite, or look inwards",
         "Shading would be black or random.",
-        "nothing; normals were recomputed from the faces",
+        "nothing; normals were recomputed from the faces or turned",
     ),
     "asset/empty-face": CodeInfo(
         "warning",

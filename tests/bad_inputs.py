@@ -130,6 +130,12 @@ def lidless() -> trimesh.Trimesh:
     return faces_of(box, box.faces[(box.vertices[box.faces][:, :, 2] < 0).any(axis=1)])
 
 
+def cut_corner() -> trimesh.Trimesh:
+    """A dense cube that lost a corner: a hole that is filled, but the corner is anyone's guess."""
+    dense = CUBE.subdivide().subdivide().subdivide()
+    return faces_of(dense, dense.faces[np.linalg.norm(dense.triangles_center - 0.05, axis=1) > 0.02])
+
+
 def dirty() -> trimesh.Trimesh:
     """Many duplicates, slivers and extra sheets at once."""
     rng = np.random.default_rng(1)
@@ -221,6 +227,10 @@ SAMPLES: dict[str, Writer] = {
     "asset/overlapping-bodies": obj(joined(CUBE, moved(CUBE, 0.05, 0.02, 0.0))),
     "asset/open-shell": obj(lidless()),
     "asset/dirty-mesh": obj(dirty()),
+    "asset/loose-fragments": obj(
+        joined(SPHERE, moved(faces_of(CUBE.copy().apply_scale(0.005), CUBE.faces[:3]), 0.06, 0.0, 0.0))
+    ),
+    "asset/repair-distorts": obj(cut_corner()),
     "asset/too-many-triangles": obj(trimesh.creation.icosphere(subdivisions=4, radius=0.05)),
     "asset/bad-normals": text("part.obj", "vn 0 0 0\n" + SOUND_FACES.replace("f 1 3 2", "f 1//1 3//1 2//1")),
     "asset/empty-face": text("part.obj", SOUND_FACES + "f\n"),

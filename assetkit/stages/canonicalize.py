@@ -10,13 +10,15 @@ import numpy as np
 
 from assetkit.options import Options
 from assetkit.stage import Canonical, Draft, Intake, Tools
-from assetkit.stages.repair_geometry import repair_geometry
+from assetkit.stages.distortion import distortion_finding
+from assetkit.stages.repair_geometry import RepairResult, repair_geometry
+from assetkit.stages.triangle_budget import Budgeted, within_budget
 from assetkit.units import decide_unit
 from assetkit.up_axis import TO_Z_UP, decide_up_axis
 from assetkit.wall import with_wall
-from geom.decimate import decimate_mesh
 from geom.mesh_edit import only_used_points
 from geom.solid import solidify
+from geom.solid_distance import solid_distance
 from geom.surface_distance import triangle_areas
 from schemas.asset import AnnotationFrame, GeometrySection, Vec3
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
@@ -75,8 +77,8 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
     centred = [replace(m, points=m.points - far.shift) for m in model.meshes]
     posed = [_posed(m, R_AS, unit.meters_per_unit.value) for m in centred]
     mended = repair_geometry(posed)
-    reduced, reductions, notes = _within_budget([only_used_points(m) for m in mended.meshes], options.max_triangles)
-    homed, p_origin = _at_bottom_centre(reduced)
+    light = within_budget([only_used_points(m) for m in mended.meshes], options.max_triangles)
+    homed, p_origin = _at_bottom_centre(light.meshes)
     solid, figures = solidify(homed)
     solid, wall = with_wall(
         solid,
@@ -87,12 +89,14 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
         meters_per_unit=unit.meters_per_unit.value,
     )
     offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
-    section = _section(homed, solid, figures, wall, unit.meters_per_unit, mended, offset)
+    section = _section(homed, solid, figures, wall, unit.meters_per_unit, mended, light, offset)
+    found = [distortion_finding(d, p_origin) for d in (*mended.distortions, *light.distortions)]
+    distorted = tuple(f for f in found if f is not None)
     return Outcome(
         Canonical(tuple(homed), solid, unit.meters_per_unit, up.axis, section),
-        (*unit.diagnostics, *up.diagnostics, *far.diagnostics, *mended.diagnostics, *notes),
-        (*unit.repairs, *up.repairs, *far.repairs, *mended.repairs, *reductions),
-        review=unit.review or up.review,
+        (*unit.diagnostics, *up.diagnostics, *far.diagnostics, *mended.diagnostics, *light.diagnostics, *distorted),
+        (*unit.repairs, *up.repairs, *far.repairs, *mended.repairs, *light.repairs),
+        review=unit.review or up.review or bool(distorted),
     )
 
 
@@ -138,34 +142,6 @@ def _posed(mesh: Mesh, R_AS: FloatArray, meters_per_unit: float) -> Mesh:
     )
 
 
-def _within_budget(meshes: Sequence[Mesh], budget: int) -> tuple[list[Mesh], list[Repair], list[Diagnostic]]:
-    """Meshes reduced in proportion when together they exceed the triangle budget."""
-    total = sum(len(m.triangles) for m in meshes)
-    if total <= budget:
-        return list(meshes), [], []
-    reduced, worst = [], 0.0
-    for mesh in meshes:
-        light, figures = decimate_mesh(mesh, max(64, len(mesh.triangles) * budget // total))
-        worst = max(worst, float(figures["surface_distance_max_m"]))
-        reduced.append(light)
-    after = sum(len(m.triangles) for m in reduced)
-    note = finding(
-        "asset/too-many-triangles",
-        f"{total} triangles were reduced to {after}",
-        value=total,
-        bound=budget,
-        unit="triangles",
-    )
-    repair = Repair(
-        name="decimate",
-        code="asset/too-many-triangles",
-        stage="canonicalize",
-        before={"triangles": total},
-        after={"triangles": after, "surface_distance_max_m": worst},
-    )
-    return reduced, [repair], [note]
-
-
 def _at_bottom_centre(meshes: Sequence[Mesh]) -> tuple[list[Mesh], FloatArray]:
     """Meshes with the origin at the bottom centre of their bounding box, and where that point was before."""
     points = np.concatenate([m.points for m in meshes])
@@ -180,7 +156,8 @@ def _section(
     figures: dict,
     wall: Evidence[float] | None,
     unit: Evidence[float],
-    mended,
+    mended: RepairResult,
+    light: Budgeted,
     offset: FloatArray,
 ) -> GeometrySection:
     points = np.concatenate([m.points for m in meshes])
@@ -190,6 +167,7 @@ def _section(
     if unit.bounds is not None:
         factors = [b / unit.value for b in unit.bounds]
         bounds = (_vec3((high - low) * factors[0]), _vec3((high - low) * factors[1]))
+    off = solid_distance(meshes, solid)
     area = float(triangle_areas(solid.points[solid.triangles]).sum())
     volume = float(figures["volume_m3"]) if wall is None else area * wall.value
     method = str(figures["method"]) if wall is None else f"{wall.source}_shell"
@@ -215,6 +193,23 @@ def _section(
         ),
         surface_area_m2=area,
         wall_thickness_m=wall,
+        repaired_distance_m=_repaired_distance(mended, light),
+        solid_distance_m=measured(
+            off.attained,
+            "largest distance of the physical surface from the visible one, and of visible parts outside it",
+            bounds=(off.attained, off.bound),
+        ),
+    )
+
+
+def _repaired_distance(mended: RepairResult, light: Budgeted) -> Evidence[float]:
+    """Two-way distance between the visible surface as read and as released; reductions add to the edits."""
+    lost = sum(d.hausdorff for d in light.distortions)
+    return measured(
+        max(mended.change.hausdorff, lost),
+        "two-way Hausdorff distance: changed faces by branch and bound"
+        + (", reduction by its vertices and samples" if light.distortions else ""),
+        bounds=(max(mended.change.hausdorff, lost), mended.change.bound + lost),
     )
 
 

@@ -6,67 +6,41 @@ quads, a few slivers. What is removed without harm is removed silently; the coun
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from assetkit.stages.edit import Edit, Item
+from assetkit.stages.hole_edit import fill_holes
+from geom.cap_doubt import Doubt
 from geom.components import components_of
+from geom.debris import loose_debris
 from geom.duplicate_shells import has_reverse
 from geom.edges import edges_of
-from geom.mesh_edit import keep_faces, merge_surfaces
-from geom.openings import OpenBody, Opening, judge_open_bodies
-from geom.repair_faces import drop_fins, drop_surplus_faces, true_degenerates
-from geom.repair_holes import fill_openings
+from geom.hausdorff import reach
+from geom.mesh_edit import facing, keep_faces, merge_surfaces, turn_normals
+from geom.repair_edges import split_touching_edges
+from geom.repair_faces import drop_fins, drop_surplus_faces, fin_faces, true_degenerates
 from geom.repair_shells import drop_duplicate_shells
 from geom.repair_vertices import split_bow_ties, touching_points
 from geom.repair_winding import orient, outward_flips
-from geom.surface_distance import closest_on_surface, triangle_areas
+from geom.shape_change import TOLERANCE_SHARE
+from geom.surface_distance import triangle_areas
 from geom.topology import repeats_point
-from geom.weld import weld, weld_points
-from schemas.model import FloatArray, IntArray, Mesh
-
-Counts = Mapping[str, float]
-Surface = tuple[FloatArray, IntArray]
+from geom.weld import diagonal, weld, weld_points
+from schemas.model import FloatArray, Mesh
 
 # Fewer surplus faces than this share are what exporters leave behind, unless removing them closes a solid.
 SURPLUS_SHARE = 5e-3
 # Zero-area faces alone do no harm to a surface; above this share the export went wrong.
 DEGENERATE_SHARE = 0.05
 FLIPPED_SHARE = 2e-3
-# A loop this thin (area over squared perimeter; a circle has 0.08) is a T-junction, not a hole.
-CRACK_THINNESS = 2e-3
-# An eye in its socket, a dial in its housing: gap between the rim and the other part, over the hole's mean radius.
-FITTED_GAP = 0.1
-
-
-@dataclass(frozen=True)
-class Item:
-    """One mesh on its way through the edits, and all meshes at this point, of which it is number `index`."""
-
-    source: Mesh
-    index: int
-    meshes: Sequence[Mesh]
-
-    @property
-    def mesh(self) -> Mesh:
-        """The mesh as edited so far."""
-        return self.meshes[self.index]
-
-    @property
-    def others(self) -> Surface:
-        """The surface of the other meshes."""
-        points, triangles, _ = merge_surfaces([m for i, m in enumerate(self.meshes) if i != self.index])
-        return points, triangles
-
-
-@dataclass(frozen=True)
-class Edit:
-    """An edited mesh; `before` and `after` are None when nothing was wrong enough to be reported."""
-
-    mesh: Mesh
-    before: Counts | None = None
-    after: Counts = field(default_factory=dict[str, float])
+# Smooth shading bends normals; beyond a third of a turn they belong to the other side.
+INWARD_COSINE = -0.5
+MEANT_AREA_SHARE = 0.01
+# Debris is less than 1 % of the area and touches nothing: without it the shape is the same.
+NO_DOUBT = Doubt(0.0, np.zeros(3))
 
 
 def _surplus_faces(item: Item) -> Edit:
@@ -106,8 +80,24 @@ def _winding(item: Item) -> Edit:
     return Edit(mended, {"misoriented_faces": flipped}, {"misoriented_faces": 0})
 
 
+def _normals(item: Item) -> Edit:
+    """Corner normals that look into a solid. Reported from 0.2 % of the faces on."""
+    mesh = item.mesh
+    if mesh.normals is None:
+        return Edit(mesh)
+    away = (facing(mesh.points, mesh.triangles, mesh.normals) < INWARD_COSINE).all(axis=1)
+    if not away.any():
+        return Edit(mesh)
+    parts = components_of(mesh.points, mesh.triangles)
+    away &= parts.solid[parts.label]
+    turned = int(away.sum())
+    if turned < FLIPPED_SHARE * len(mesh.triangles) or turned == 0:
+        return Edit(mesh)
+    return Edit(turn_normals(mesh, away), {"inward_normals": turned}, {"inward_normals": 0})
+
+
 def _fins(item: Item) -> Edit:
-    """Small sheets hanging on an otherwise closed solid."""
+    """Small sheets hanging on an otherwise closed solid. One triangle is a stray; a larger sheet may be meant."""
     mended, figures = drop_fins(item.mesh)
     if not figures["fin_faces"]:
         return Edit(item.mesh)
@@ -116,7 +106,27 @@ def _fins(item: Item) -> Edit:
         mended,
         {"fin_faces": figures["fin_faces"], "non_manifold_edges": crowded[0]},
         {"fin_faces": 0, "non_manifold_edges": crowded[1]},
+        _loss(item.mesh, fin_faces(item.mesh.points, item.mesh.triangles), mended),
     )
+
+
+def _loss(mesh: Mesh, gone: FloatArray, left: Mesh) -> Doubt:
+    """How far removed sheets of more than one triangle and 1 % of the area reached out of what is left."""
+    removed = mesh.triangles[gone]
+    parts = components_of(mesh.points, removed)
+    meant = (parts.faces > 1) & (parts.area > MEANT_AREA_SHARE * triangle_areas(mesh.points[mesh.triangles]).sum())
+    corners = mesh.points[removed[meant[parts.label]]]
+    far = reach(corners, left.points, left.triangles, TOLERANCE_SHARE * diagonal(mesh.points))
+    return Doubt(far.attained, far.at)
+
+
+def _touching_edges(item: Item) -> Edit:
+    """Solids that touch along single edges; every wedge then gets its own points."""
+    split, figures = split_touching_edges(item.mesh)
+    if not figures["split_edges"]:
+        return Edit(item.mesh)
+    crowded = [int((edges_of(m.triangles).uses > 2).sum()) for m in (item.mesh, split)]
+    return Edit(split, {"touching_edges": crowded[0]}, {"touching_edges": crowded[1]})
 
 
 def _bow_ties(item: Item) -> Edit:
@@ -128,23 +138,24 @@ def _bow_ties(item: Item) -> Edit:
     return Edit(weld(split), {"non_manifold_vertices": len(touching)}, {"non_manifold_vertices": 0})
 
 
-def _holes(item: Item) -> Edit:
-    """Holes in nearly closed surfaces, except T-junction cracks and holes that another part is fitted into."""
-    mesh = item.mesh
-    edges = edges_of(mesh.triangles)
-    parts = components_of(mesh.points, mesh.triangles, edges)
-    bodies = judge_open_bodies(mesh.points, mesh.triangles, edges, parts)
-    holes = [o for b in bodies if b.kind == "holes" for o in _true_holes(b, item)]
-    if not holes:
-        return Edit(mesh)
-    filled, figures = fill_openings(mesh, holes)
-    looped = sum(len(o.points) for o in holes)
-    boundary = int((edges.uses == 1).sum())
-    return Edit(
-        weld(filled),
-        {"holes": len(holes), "boundary_edges": boundary, "filled_area_m2": 0.0},
-        {"holes": 0, "boundary_edges": boundary - looped, "filled_area_m2": figures["filled_area"]},
-    )
+def _debris(items: Sequence[Item]) -> list[Edit]:
+    """Tiny pieces that float, over all meshes: what floats beside one mesh may sit on another. No mesh is emptied."""
+    points, triangles, owner = merge_surfaces([item.mesh for item in items])
+    gone = loose_debris(*weld_points(points, triangles))
+    edits = []
+    for index, item in enumerate(items):
+        own = gone[owner == index]
+        if not own.any() or own.all():
+            edits.append(Edit(item.mesh))
+            continue
+        parts = components_of(item.mesh.points, item.mesh.triangles[own])
+        before = {
+            "fragments": parts.count,
+            "fragment_area_m2": float(parts.area.sum()),
+            "largest_fragment_m": float(parts.extent.max()),
+        }
+        edits.append(Edit(keep_faces(item.mesh, ~own), before, dict.fromkeys(before, 0), NO_DOUBT))
+    return edits
 
 
 def _open_faces(mesh: Mesh) -> int:
@@ -152,29 +163,6 @@ def _open_faces(mesh: Mesh) -> int:
     proper = mesh.triangles[~repeats_point(mesh.triangles)]
     parts = components_of(mesh.points, proper)
     return int(parts.faces[~parts.closed].sum())
-
-
-def _true_holes(body: OpenBody, item: Item) -> list[Opening]:
-    others = np.ones(len(item.mesh.triangles), dtype=bool)
-    others[body.faces] = False
-    rest = keep_faces(item.mesh, others)
-    surfaces = [(rest.points, rest.triangles), item.others]
-    around = [(p, t) for p, t in surfaces if len(t) and triangle_areas(p[t]).any()]
-    return [o for o in body.openings if not _is_crack(o, item.mesh) and not _is_fitted(o, item.mesh, around)]
-
-
-def _is_crack(opening: Opening, mesh: Mesh) -> bool:
-    rim = mesh.points[opening.points]
-    perimeter = float(np.linalg.norm(np.roll(rim, -1, axis=0) - rim, axis=1).sum())
-    return opening.area < CRACK_THINNESS * perimeter**2
-
-
-def _is_fitted(opening: Opening, mesh: Mesh, around: Sequence[Surface]) -> bool:
-    """True iff another part is fitted into the hole: half of the rim lies within a tenth of its radius of that part."""
-    rim = mesh.points[opening.points]
-    reach = FITTED_GAP * float(np.sqrt(opening.area / np.pi))
-    gaps = [np.linalg.norm(closest_on_surface(rim, p, t)[0] - rim, axis=1) for p, t in around]
-    return any(float(np.median(gap)) <= reach for gap in gaps)
 
 
 def _backed_elsewhere(item: Item) -> FloatArray | None:
@@ -188,12 +176,48 @@ def _backed_elsewhere(item: Item) -> FloatArray | None:
     return has_reverse(weld_points(points, triangles)[1])[owner == item.index]
 
 
+class Step(NamedTuple):
+    """One kind of edit over all meshes: the repair's name, the code it answers, what is said, and what is done."""
+
+    name: str
+    code: str
+    headline: str
+    edit: Callable[[Sequence[Item]], list[Edit]]
+
+
+def _each(edit: Callable[[Item], Edit]) -> Callable[[Sequence[Item]], list[Edit]]:
+    return lambda items: [edit(item) for item in items]
+
+
 # The order matters: a shell's copies are also duplicate faces, surplus faces hide edges, holes need winding.
-EDITS: tuple[tuple[str, str, str, Callable[[Item], Edit]], ...] = (
-    ("duplicate_shell", "asset/duplicate-shell", "copies of a closed surface were removed", _duplicate_shells),
-    ("degenerate_faces", "asset/degenerate-faces", "faces without area or present twice were removed", _surplus_faces),
-    ("flip_winding", "asset/inverted-winding", "faces wound the wrong way were turned", _winding),
-    ("non_manifold_edge", "asset/non-manifold-edge", "surplus faces on a solid's edges were removed", _fins),
-    ("non_manifold_vertex", "asset/non-manifold-vertex", "points where solids touch were split", _bow_ties),
-    ("hole_fill", "asset/small-holes", "holes in a nearly closed surface were filled", _holes),
+EDITS: tuple[Step, ...] = (
+    Step(
+        "duplicate_shell",
+        "asset/duplicate-shell",
+        "copies of a closed surface were removed",
+        _each(_duplicate_shells),
+    ),
+    Step(
+        "degenerate_faces",
+        "asset/degenerate-faces",
+        "faces without area or present twice were removed",
+        _each(_surplus_faces),
+    ),
+    Step("fragment_removal", "asset/loose-fragments", "tiny pieces that float beside the object were removed", _debris),
+    Step("flip_winding", "asset/inverted-winding", "faces wound the wrong way were turned", _each(_winding)),
+    Step("bad_normals", "asset/bad-normals", "normals that look into a solid were turned", _each(_normals)),
+    Step("non_manifold_edge", "asset/non-manifold-edge", "surplus faces on a solid's edges were removed", _each(_fins)),
+    Step(
+        "non_manifold_edge",
+        "asset/non-manifold-edge",
+        "edges along which solids touch were split",
+        _each(_touching_edges),
+    ),
+    Step(
+        "non_manifold_vertex",
+        "asset/non-manifold-vertex",
+        "points where solids touch were split",
+        _each(_bow_ties),
+    ),
+    Step("hole_fill", "asset/small-holes", "holes in a nearly closed surface were filled", _each(fill_holes)),
 )

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from assetkit.stages.geometry_edits import EDITS, Counts, Item
+from assetkit.stages.distortion import Distortion, distortion
+from assetkit.stages.edit import Counts, Item
+from assetkit.stages.geometry_edits import EDITS
 from assetkit.stages.geometry_judgements import judge
 from geom.mesh_edit import merge_surfaces
+from geom.shape_change import ShapeChange, shape_change
 from geom.topology import observe
 from geom.weld import weld
 from schemas.asset import Topology
@@ -18,13 +21,19 @@ from schemas.outcome import Repair
 
 @dataclass(frozen=True)
 class RepairResult:
-    """Meshes after the edits, what was observed per mesh and on all (`merged`) before, and on all after."""
+    """Meshes after the edits, what was observed per mesh and on all (`merged`) before, and on all after.
+
+    `distortions` tells for each edit that was made what it did to the shape, `change` what all did together, also
+    those too slight to be reported.
+    """
 
     meshes: tuple[Mesh, ...]
     observed: tuple[Topology, ...]
     reobserved: Topology
     diagnostics: tuple[Diagnostic, ...]
     repairs: tuple[Repair, ...]
+    distortions: tuple[Distortion, ...]
+    change: ShapeChange
 
 
 def repair_geometry(meshes: Sequence[Mesh]) -> RepairResult:
@@ -34,22 +43,33 @@ def repair_geometry(meshes: Sequence[Mesh]) -> RepairResult:
     """
     observed = [observe(m.points, m.triangles, m.name) for m in meshes]
     merged = _observe_all(meshes)
-    current = [weld(m) for m in meshes]
+    welded = current = [weld(m) for m in meshes]
     repairs: list[Repair] = []
     notes: list[Diagnostic] = []
+    distortions: list[Distortion] = []
     for name, code, headline, edit in EDITS:
-        edits = [edit(Item(source, i, current)) for i, source in enumerate(meshes)]
+        before, edits = current, edit([Item(source, i, current) for i, source in enumerate(meshes)])
         current = [e.mesh for e in edits]
         if reported := [i for i, e in enumerate(edits) if e.before is not None]:
-            before = _summed(edits[i].before or {} for i in reported)
-            after = _summed(edits[i].after for i in reported)
-            repairs.append(_repair(name, code, before, after))
+            made = distortion(name, before, current, edits)
+            was = {**_summed(edits[i].before or {} for i in reported), **made.figures()[0]}
+            now = {**_summed(edits[i].after for i in reported), **made.figures()[1]}
+            distortions.append(made)
+            repairs.append(_repair(name, code, was, now))
             where = Location(mesh=meshes[reported[0]].name if len(reported) == 1 else None)
-            notes.append(_note(code, headline, where, before, after))
+            notes.append(_note(code, headline, where, was, now))
     for found in judge(current, any(r.name == "degenerate_faces" for r in repairs)):
         repairs.append(_repair(found.name, found.code, found.before, found.after))
         notes.append(_note(found.code, found.headline, Location(), found.before, found.after))
-    return RepairResult(tuple(current), (*observed, merged), _observe_all(current), tuple(notes), tuple(repairs))
+    return RepairResult(
+        tuple(current),
+        (*observed, merged),
+        _observe_all(current),
+        tuple(notes),
+        tuple(repairs),
+        tuple(distortions),
+        shape_change(merge_surfaces(welded)[:2], merge_surfaces(current)[:2]),
+    )
 
 
 def _observe_all(meshes: Sequence[Mesh]) -> Topology:
@@ -58,9 +78,12 @@ def _observe_all(meshes: Sequence[Mesh]) -> Topology:
 
 
 def _summed(counts: Iterable[Counts]) -> Counts:
-    total: Counts = {}
+    """Figures added up; of the `largest` of something the largest."""
+    total: dict[str, float] = {}
     for each in counts:
-        total = {key: total.get(key, 0) + value for key, value in each.items()}
+        for key, value in each.items():
+            known = total.get(key, 0)
+            total[key] = max(known, value) if key.startswith("largest") else known + value
     return total
 
 

@@ -95,4 +95,4 @@ def test_heavy_meshes_are_reduced_within_the_stated_error():
     assert outcome.value is not None
     assert sum(len(m.triangles) for m in outcome.value.meshes) <= 1000
     repair = next(r for r in outcome.repairs if r.name == "decimate")
-    assert 0 < float(repair.after["surface_distance_max_m"]) < 0.002
+    assert 0 < float(repair.after["hausdorff_m"]) < 0.002

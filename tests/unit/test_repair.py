@@ -225,7 +225,7 @@ def test_a_ball_with_scattered_faces_missing_is_filled(percent: int) -> None:
     mesh = mesh_of(points, triangles[kept])
     (body,) = [b for b in bodies_of((mesh.points, mesh.triangles)) if b.area > 1.0]
     assert body.kind == "holes"
-    filled, figures = fill_openings(mesh, body.openings)
+    filled, figures, _ = fill_openings(mesh, body.openings)
     whole = seen(weld(filled))
     assert figures["holes"] == len(body.openings)
     assert seen(mesh).boundary_edges - sum(len(o.points) for o in body.openings) == whole.boundary_edges
@@ -242,7 +242,7 @@ def test_neighbouring_faces_missing_from_a_solid_are_filled_without_loss(seed: i
     near = np.argsort(np.linalg.norm(points[triangles].mean(axis=1) - centre, axis=1))
     mesh = mesh_of(points, np.delete(triangles, near[:count], axis=0))
     (body,) = bodies_of((mesh.points, mesh.triangles))
-    filled, figures = fill_openings(mesh, body.openings)
+    filled, figures, _ = fill_openings(mesh, body.openings)
     after = seen(weld(filled))
     assert body.kind == "holes"
     assert after.watertight
@@ -258,7 +258,7 @@ def test_a_cap_takes_the_attributes_of_its_rim() -> None:
     points, triangles = box()
     mesh = mesh_of(points, triangles[1:])
     (body,) = bodies_of((mesh.points, mesh.triangles))
-    filled, _ = fill_openings(mesh, body.openings)
+    filled, _, _ = fill_openings(mesh, body.openings)
     assert_attributes_follow(filled)
 
 

@@ -116,7 +116,7 @@ def test_every_repair_has_a_known_code_and_figures_before_and_after() -> None:
             assert repair.stage == "canonicalize"
             assert repair.before
             assert repair.before.keys() == repair.after.keys()
-    assert {code for _, code, _, _ in EDITS} <= CODES.keys()
+    assert {step.code for step in EDITS} <= CODES.keys()
 
 
 def test_meshes_keep_number_order_names_and_materials() -> None:

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from geom.solid import solidify
 from geom.solid_bodies import as_manifold, signed_volume, unite
+from geom.solid_distance import solid_distance
 from geom.solid_voxel import voxel_hull
 from geom.topology import observe
 from geom.winding_number import winding_numbers
@@ -33,7 +34,7 @@ def test_a_clean_solid_is_taken_as_it_is() -> None:
     assert solid.wall_thickness_m is None
     assert figures["volume_m3"] == pytest.approx(6.0)
     assert figures["area_m2"] == pytest.approx(22.0)
-    assert figures["surface_distance_m"] < 1e-6
+    assert solid_distance([mesh_of(*box((1, 2, 3)))], solid).bound < 1e-6
 
 
 @pytest.mark.parametrize("split", [False, True])
@@ -134,10 +135,11 @@ def test_a_surface_with_small_gaps_everywhere_gets_a_close_voxel_body() -> None:
     points, triangles = ball(subdivisions=3)
     corners = points[triangles]
     shrunk = corners + 0.03 * (corners.mean(axis=1, keepdims=True) - corners)  # No two faces touch any more.
-    solid, figures = solid_of((shrunk.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)))
+    visible = mesh_of(shrunk.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3))
+    solid, figures = solidify([visible])
     assert (solid.kind, figures["method"]) == ("closed", "voxel")
     assert figures["volume_m3"] == pytest.approx(4 / 3 * np.pi, rel=0.05)
-    assert figures["surface_distance_m"] < 0.1
+    assert solid_distance([visible], solid).bound < 0.1
     assert_closed_outward(solid)
 
 

@@ -1,0 +1,85 @@
+"""How far the piece that is missing at a filled hole may lie from its cap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geom.openings import Opening
+from geom.surface_distance import triangle_areas
+from schemas.model import FloatArray, IntArray
+
+# A face steeper than this against the cap is a side of the design: it tells nothing about the piece between.
+STEEP_COSINE = 0.5
+# One triangle, or two at most this much larger than the faces beyond the rim, are what was there: no point is missing.
+SAME_SIZE = 1.33
+_TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A length that a person should know about, and the point (3,) where it applies; same unit as the points."""
+
+    length: float
+    at: FloatArray
+
+
+def cap_doubt(points: FloatArray, triangles: IntArray, opening: Opening, cap: IntArray) -> Doubt:
+    """How far the `cap` (k, 3) of an opening of the surface may lie from the piece that is missing.
+
+    The missing piece is modelled over the rim's mean plane: a quadric fitted to the rim and to the slopes of the faces
+    beyond it (least squares, sides weighted by length), plus what it misses of the rim, carried inwards with the
+    inverse squared distance. The doubt is the largest height between model and cap at the middles of the cap's
+    triangles and edges. A cap of one triangle, or of two like their neighbours, is exact.
+    """
+    corners, beyond = points[cap], points[triangles[opening.faces]]
+    centre = points[opening.points].mean(axis=0)
+    areas = triangle_areas(beyond)
+    usual = float(areas @ areas) / max(float(areas.sum()), _TINY)  # Mean over area, not over faces.
+    if len(cap) == 1 or (len(cap) == 2 and triangle_areas(corners).mean() <= SAME_SIZE * usual):
+        return Doubt(0.0, centre)
+    frame = _loop_frame(points[opening.points] - centre)
+    size = float(np.linalg.norm(points[opening.points] - centre, axis=1).max())
+    rim = (points[opening.points] - centre) @ frame.T / size
+    normals = np.cross(beyond[:, 1] - beyond[:, 0], beyond[:, 2] - beyond[:, 0]) @ frame.T
+    quadric = _fitted_quadric(rim, normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), _TINY))
+    inside = np.concatenate([corners.mean(axis=1), *(0.5 * (corners[:, k] + corners[:, k - 1]) for k in range(3))])
+    seen = (inside - centre) @ frame.T / size
+    missed = rim[:, 2] - _terms(rim) @ quadric
+    closeness = 1.0 / np.maximum(((seen[:, None] - rim) ** 2).sum(axis=2), 1e-12)
+    model = _terms(seen) @ quadric + (closeness @ missed) / closeness.sum(axis=1)
+    off = size * np.abs(model - seen[:, 2])
+    return Doubt(float(off.max()), inside[off.argmax()])
+
+
+def _fitted_quadric(rim: FloatArray, normals: FloatArray) -> FloatArray:
+    """(6,) coefficients of the quadric that best fits heights of the rim's sides and the slopes beyond them."""
+    ahead = np.roll(rim, -1, axis=0)
+    middle, length = 0.5 * (rim + ahead), np.linalg.norm(ahead - rim, axis=1)
+    sloped = normals[:, 2] > STEEP_COSINE
+    u, v = middle[sloped, 0], middle[sloped, 1]
+    zero, one = np.zeros(len(u)), np.ones(len(u))
+    slopes = -normals[sloped, :2] / normals[sloped, 2:]
+    rows = [
+        _terms(middle),
+        np.stack([zero, one, zero, 2 * u, v, zero], axis=1),
+        np.stack([zero, zero, one, zero, u, 2 * v], axis=1),
+    ]
+    known = np.concatenate([middle[:, 2], slopes[:, 0], slopes[:, 1]])
+    weight = np.sqrt(np.concatenate([length, length[sloped], length[sloped]]) / length.sum())
+    return np.linalg.lstsq(np.concatenate(rows) * weight[:, None], known * weight, rcond=None)[0]
+
+
+def _terms(at: FloatArray) -> FloatArray:
+    """(k, 6) the terms of a quadric over a plane."""
+    u, v = at[:, 0], at[:, 1]
+    return np.stack([np.ones(len(u)), u, v, u * u, u * v, v * v], axis=1)
+
+
+def _loop_frame(rim: FloatArray) -> FloatArray:
+    """(3, 3) rows x, y, z of a right-handed frame whose z is the direction of the loop's vector area."""
+    vector_area = np.cross(rim, np.roll(rim, -1, axis=0)).sum(axis=0)
+    x, y = np.linalg.svd(vector_area[None])[2][1:]
+    z = vector_area / max(float(np.linalg.norm(vector_area)), _TINY)
+    return np.stack([x, y if np.cross(x, y) @ z > 0.0 else -y, z])
