@@ -271,7 +271,7 @@ CODES: dict[str, CodeInfo] = {
         "warning",
         "The surface is a thin sheet with a large opening",
         "Closing it would turn a container into a block, so it stays a shell of assumed wall thickness.",
-        "give the walls a thickness in the source, or accept the assumed one",
+        "state the wall with --shell-thickness, give it a thickness in the source, or accept the assumed one",
     ),
     "asset/dirty-mesh": CodeInfo(
         "warning",
