@@ -1,0 +1,109 @@
+"""Which effects the log of a free body could show, and within which bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from schemas.gap import Place
+from sim.body_replay import BodyModel
+from sim.effects.effect import Effect, Series
+from sim.effects.library import EFFECTS, effect
+from simgap.problem import Candidate
+
+# Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
+TOLERANCE = 0.05
+_NEED_SUPPORT = ("contact", "body.size")
+
+
+def candidates_of(model: BodyModel, series: Sequence[Series]) -> tuple[Candidate, ...]:
+    """Every effect of the library that poses of a free body can reveal, in library order."""
+    out = []
+    for each in EFFECTS:
+        if "free_body" not in each.kinds or each.family == "joint" or not _observable(each, model):
+            continue
+        null = each.null() | _declared(each.name, model)
+        table = _bounds(model, series)
+        bounds = {p.name: table.get((each.name, p.name), (p.low, p.high)) for p in each.parameters}
+        start = {n: float(np.clip(v, *bounds[n])) for n, v in null.items()}
+        out.append(Candidate(each, _where(each), null, start, bounds))
+    return tuple(out)
+
+
+def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
+    """Declared friction and bounce of the pair within their tolerance."""
+    out = []
+    for name, parameter, value, half in (
+        ("contact.friction", "mu", model.friction, TOLERANCE * model.friction),
+        ("contact.restitution", "restitution", model.restitution, TOLERANCE),
+    ):
+        if model.has_support and half > 0.0:
+            one = {parameter: value}
+            low, high = max(0.0, value - half), min(1.5, value + half)
+            out.append(Candidate(effect(name), Place(pair="body-support"), one, one, {parameter: (low, high)}, True))
+    return tuple(out)
+
+
+def _observable(each: Effect, model: BodyModel) -> bool:
+    if not model.has_support and each.name.startswith(_NEED_SUPPORT):
+        return False
+    # A passive body shows its mass only through forces that do not scale with it.
+    return each.name != "body.mass"
+
+
+def _where(each: Effect) -> Place:
+    if each.family == "contact":
+        return Place(pair="body-support")
+    return Place(body="body") if each.family == "body" else Place()
+
+
+def _declared(name: str, model: BodyModel) -> dict[str, float]:
+    """Parameter values that the subject declares."""
+    g = float(np.linalg.norm(model.gravity_W))
+    com = {f"{axis}_m": float(v) for axis, v in zip("xyz", model.com_B, strict=True)}
+    return {
+        "contact.friction": {"mu": model.friction},
+        "contact.restitution": {"restitution": model.restitution},
+        "body.com_offset": com,
+        "world.gravity_magnitude": {"gravity_mps2": g},
+    }.get(name, {})
+
+
+def _bounds(model: BodyModel, series: Sequence[Series]) -> dict[tuple[str, str], tuple[float, float]]:
+    """Bounds that follow from the body's size and speed: forces up to half its weight, offsets up to a third of it."""
+    g = float(np.linalg.norm(model.gravity_W)) or 9.81
+    speed = max(
+        float(np.quantile(np.concatenate([np.linalg.norm(s.columns["v_W"], axis=1) for s in series]), 0.95)), 0.1
+    )
+    corners = np.concatenate([_extent(shape) for shape in model.shapes])
+    size = float(np.ptp(corners, axis=0).max())
+    weight = model.mass_kg * g
+    table: dict[tuple[str, str], tuple[float, float]] = {
+        ("contact.friction", "mu"): (0.0, 1.5),
+        ("contact.rolling_friction", "lever_m"): (0.0, 0.2 * size),
+        ("contact.spinning_friction", "lever_m"): (0.0, 0.2 * size),
+        ("contact.anisotropic_friction", "ratio"): (0.1, 5.0),
+        ("contact.compliance", "stiffness_Npm"): (weight / (0.1 * size), weight / (1e-4 * size)),
+        ("contact.compliance", "damping_Nspm"): (0.0, 4.0 * model.mass_kg * np.sqrt(g / (1e-3 * size))),
+        ("body.inertia", "factor"): (0.3, 3.0),
+        ("body.size", "factor"): (0.7, 1.4),
+        ("world.gravity_magnitude", "gravity_mps2"): (0.5 * g, 1.5 * g),
+        ("world.linear_drag", "drag_Nspm"): (0.0, weight / speed),
+        ("world.quadratic_drag", "drag_Ns2pm2"): (0.0, weight / speed**2),
+        ("sensor.scale", "factor"): (0.7, 1.4),
+        ("sensor.clock_skew", "factor"): (0.7, 1.4),
+    }
+    for axis, centre in zip("xyz", model.com_B, strict=True):
+        table[("body.com_offset", f"{axis}_m")] = (float(centre) - size / 3.0, float(centre) + size / 3.0)
+        table[("world.constant_force", f"{axis}_N")] = (-0.5 * weight, 0.5 * weight)
+    return table
+
+
+def _extent(shape) -> np.ndarray:
+    """Corners (n, 3) that bound a shape."""
+    if shape.points is not None:
+        return shape.points
+    half = 0.5 * np.array([*shape.size_m, *shape.size_m])[:3]
+    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    return (signs * half) @ shape.X_AS[:3, :3].T + shape.X_AS[:3, 3]

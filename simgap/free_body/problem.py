@@ -1,0 +1,169 @@
+"""A `free_body` measurement as a problem for the statistics (`simgap.problem.Problem`)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from geom.support import heights
+from schemas.model import FloatArray
+from sim.body_replay import BodyModel, BodyReplay, BodyWindows
+from sim.effects.effect import Series
+from simgap.free_body.build import build_body
+from simgap.free_body.direct import estimate
+from simgap.free_body.places import candidates_of, nuisances_of
+from simgap.free_body.terms import AppliedBody, apply_terms
+from simgap.measurement import Measurement
+from simgap.problem import Candidate, DirectEstimate, Model, View
+from simgap.trial import Trial
+
+HORIZON_S = 0.081
+_LARGEST_M, _LARGEST_RAD = 1e3, np.pi
+_COMPARED = 4  # rows per short window that are compared
+_MOST_WINDOWS = 12  # per trial
+
+
+class FreeBodyProblem:
+    """Engine roll-outs against poses; direct estimates from flight, impacts, sliding and rest."""
+
+    def __init__(self, measurement: Measurement, engine: BodyReplay, horizon_s: float = HORIZON_S) -> None:
+        self.measurement = measurement
+        self.declared: BodyModel = build_body(measurement.spec, measurement.root)
+        self.horizon_s = horizon_s
+        self._engine = engine
+        self._series = {t.id: _series(t) for t in measurement.trials}
+        step = float(np.median(np.concatenate([np.diff(s.t_s) for s in self._series.values()])))
+        self._rows = max(4, round(horizon_s / step) + 1)
+        self._step_s = step
+
+    @property
+    def trial_ids(self) -> tuple[str, ...]:
+        """All trials, in file order."""
+        return tuple(self._series)
+
+    def channels(self) -> tuple[str, ...]:
+        """Position and the rotation vector between simulated and measured, world axes."""
+        return ("position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z")
+
+    def candidates(self) -> tuple[Candidate, ...]:
+        """See `simgap.problem.Problem`."""
+        return candidates_of(self.declared, list(self._series.values()))
+
+    def nuisances(self) -> tuple[Candidate, ...]:
+        """See `simgap.problem.Problem`."""
+        return nuisances_of(self.declared)
+
+    def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
+        """See `simgap.problem.Problem`; m and rad."""
+        applied = apply_terms(self.declared, model)
+        out = []
+        for trial in trials:
+            series = applied.recovered(self._series[trial])
+            rows, compared = self._cut(len(series.t_s), view)
+            first = rows[:, 0]
+            windows = BodyWindows(
+                t_s=series.t_s[rows],
+                p=series.columns["p"][first],
+                quat_wxyz=series.columns["quat_wxyz"][first],
+                v_W=series.columns["v_W"][first],
+                w_B=series.columns["w_B"][first],
+            )
+            motion = self._engine.rollout(applied.body, windows, applied.wrenches)
+            said = _reported(applied, series, rows, motion.p, motion.quat_wxyz)
+            out.append(_errors(*said, compared))
+        return out
+
+    def features(self, trials: Sequence[str], view: View) -> list[FloatArray]:
+        """Velocity, turning rate (world), height of the lowest point at the start, and the time since."""
+        out = []
+        for trial in trials:
+            series = self._series[trial]
+            rows, compared = self._cut(len(series.t_s), view)
+            first = rows[:, 0]
+            R = Rotation.from_quat(np.roll(series.columns["quat_wxyz"][first], -1, axis=1))
+            gap = self.gaps(series)[first, None]
+            start = np.concatenate([series.columns["v_W"][first], R.apply(series.columns["w_B"][first]), gap], axis=1)
+            since = series.t_s[rows[:, compared]] - series.t_s[first][:, None]
+            out.append(np.concatenate([np.repeat(start, len(compared), axis=0), since.reshape(-1, 1)], axis=1))
+        return out
+
+    def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
+        """See `simgap.problem.Problem`."""
+        applied = apply_terms(self.declared, model)
+        series = [applied.recovered(self._series[t]) for t in trials]
+        return estimate(candidate, applied, series, [self.gaps(s) for s in series])
+
+    def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
+        """See `simgap.problem.Problem`: reading noise twice, and the start's velocity noise carried along."""
+        noise, length = self.measurement.noise, self.horizon_s
+        p, turn = noise.p_m or 1e-4, noise.rotation_rad or 1e-3
+        v = noise.v_mps or p / self._step_s
+        w = noise.w_radps or turn / self._step_s
+        position = np.sqrt(2.0 * p**2 + (v * length) ** 2 / 3.0)
+        rotation = np.sqrt(2.0 * turn**2 + (w * length) ** 2 / 3.0)
+        return np.array([position] * 3 + [rotation] * 3)
+
+    def gaps(self, series: Series) -> FloatArray:
+        """(n,) distance of the lowest point of the declared shapes from the support; negative is penetration."""
+        body = self.declared
+        R = Rotation.from_quat(np.roll(series.columns["quat_wxyz"], -1, axis=1)).as_matrix()
+        level = Rotation.align_vectors([[0.0, 0.0, 1.0]], [body.plane_normal_W])[0].as_matrix()
+        origins = series.columns["p"] @ level.T - np.array([0.0, 0.0, body.plane_height_m])
+        return heights(body.shapes, origins, level @ R)
+
+    def _cut(self, length: int, view: View) -> tuple[np.ndarray, np.ndarray]:
+        """Rows (w, k) of the windows of a trial, and the positions in a window that are compared."""
+        if view == "full_rollout" or self._rows >= length:
+            return np.arange(length)[None], np.arange(1, length)
+        k = self._rows
+        starts = np.arange(0, length - k + 1, k - 1)
+        if len(starts) > _MOST_WINDOWS:
+            starts = starts[np.unique(np.linspace(0, len(starts) - 1, _MOST_WINDOWS).round().astype(int))]
+        compared = np.unique(np.linspace(1, k - 1, _COMPARED).round().astype(int))
+        return starts[:, None] + np.arange(k), compared
+
+
+def _reported(
+    applied: AppliedBody, series: Series, rows: np.ndarray, p: FloatArray, quat_wxyz: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Simulated and measured p (w, k, 3) and quaternions (w, k, 4), both as the sensor would report them."""
+    measured_p, measured_quat = series.columns["p"][rows], series.columns["quat_wxyz"][rows]
+    if not applied.sensors:
+        return p, quat_wxyz, measured_p, measured_quat
+    out: list[list[FloatArray]] = [[], [], [], []]
+    for w in range(len(rows)):
+        stamps = series.t_s[rows[w]]
+        pairs = ((p[w], quat_wxyz[w]), (measured_p[w], measured_quat[w]))
+        for at, (where, turn) in enumerate(pairs):
+            said = applied.reported(Series(stamps, {"p": where, "quat_wxyz": turn})).columns
+            out[2 * at].append(said["p"])
+            out[2 * at + 1].append(said["quat_wxyz"])
+    a, b, c, d = (np.stack(values) for values in out)
+    return a, b, c, d
+
+
+def _errors(
+    p: FloatArray, quat_wxyz: FloatArray, measured_p: FloatArray, measured_quat: FloatArray, compared: np.ndarray
+) -> FloatArray:
+    """(w * c, 6) simulated minus measured at the compared rows; rotation as a vector in world axes."""
+    position = np.clip((p - measured_p)[:, compared], -_LARGEST_M, _LARGEST_M).reshape(-1, 3)
+    simulated = Rotation.from_quat(np.roll(quat_wxyz[:, compared].reshape(-1, 4), -1, axis=1))
+    truth = Rotation.from_quat(np.roll(measured_quat[:, compared].reshape(-1, 4), -1, axis=1))
+    return np.concatenate([position, (simulated * truth.inv()).as_rotvec()], axis=1)
+
+
+def _series(trial: Trial) -> Series:
+    """Pose and rates of a trial; rates that were not measured are central differences of the poses."""
+    quats = trial.quat_wxyz
+    v = trial.v_W if trial.has("v_W") else np.gradient(trial.p, trial.t_s, axis=0)
+    w = trial.w_B if trial.has("w_B") else _rates(trial.t_s, quats)
+    return Series(trial.t_s, {"p": trial.p, "quat_wxyz": quats, "v_W": v, "w_B": w})
+
+
+def _rates(t_s: FloatArray, quat_wxyz: FloatArray) -> FloatArray:
+    """(n, 3) body rates from orientations, central differences."""
+    R = Rotation.from_quat(np.roll(quat_wxyz, -1, axis=1))
+    between = (R[:-1].inv() * R[1:]).as_rotvec() / np.diff(t_s)[:, None]
+    return np.concatenate([between[:1], 0.5 * (between[:-1] + between[1:]), between[-1:]])
