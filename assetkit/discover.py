@@ -33,6 +33,7 @@ _HAS_GEOMETRY_OR_ARC = re.compile(
     r"def (?:Mesh|Cube|Sphere|Cylinder|Cone|Capsule|Plane)|references =|payload =|subLayers ="
 )
 _REFERENCE_SCAN_BYTES = 4_000_000
+_MAX_SLUG = 78  # Names of files and folders are made from it, and they may have 255 bytes.
 _TOKEN = re.compile(r"""[^\s"'@<>|*?=]+?\.(?:obj|glb|gltf|stl|ply|dae|usd[acz]?|xml)(?![a-z0-9])""", re.IGNORECASE)
 
 
@@ -66,7 +67,8 @@ def discover(sources: Sequence[Path], *, root: Path | None = None, out: Path | N
     unique = sorted((str(path), path, folder) for path, folder in found.values())
     ids = _asset_ids([path for _, path, _ in unique])
     return tuple(
-        Candidate(given, SourceFile(path, folder), format_of(path), ids[path]) for given, path, folder in unique
+        Candidate(printable(given), SourceFile(path, folder), format_of(path), ids[path])
+        for given, path, folder in unique
     )
 
 
@@ -77,10 +79,15 @@ def format_of(path: Path) -> str:
 
 
 def slug(stem: str) -> str:
-    """A stable identifier: ASCII letters, digits and underscores, never empty, never starting with a digit."""
+    """A stable identifier: at most 80 ASCII letters, digits, underscores, never empty, never starting with a digit."""
     ascii_ = unicodedata.normalize("NFKD", stem).encode("ascii", "ignore").decode()
-    text = re.sub(r"[^A-Za-z0-9]+", "_", ascii_).strip("_").lower()
+    text = re.sub(r"[^A-Za-z0-9]+", "_", ascii_).strip("_").lower()[:_MAX_SLUG].rstrip("_")
     return f"a_{text}" if not text or text[0].isdigit() else text
+
+
+def printable(name: str) -> str:
+    """A file name as text that can be written down: bytes that are no UTF-8 become escapes."""
+    return os.fsencode(name).decode("utf-8", "backslashreplace")
 
 
 def _asset_ids(paths: Sequence[Path]) -> dict[Path, str]:
@@ -89,18 +96,19 @@ def _asset_ids(paths: Sequence[Path]) -> dict[Path, str]:
     clashes = Counter(slugs.values())
     ids = {p: s if clashes[s] == 1 else f"{s}-{_content(p)[:6]}" for p, s in slugs.items()}
     twins = Counter(ids.values())
-    parents = {p: os.path.relpath(p, os.path.commonpath([q.parent for q in paths])) for p in paths} if paths else {}
+    top = os.path.commonpath([p.absolute().parent for p in paths]) if paths else ""
     return {
-        p: i if twins[i] == 1 else f"{slugs[p]}-{content_key(file_sha256(p), parents[p])[:6]}" for p, i in ids.items()
+        p: i if twins[i] == 1 else f"{slugs[p]}-{content_key(_content(p), os.path.relpath(p.absolute(), top))[:6]}"
+        for p, i in ids.items()
     }
 
 
 def _content(path: Path) -> str:
     """The file's hash; of its name when it cannot be read, which intake will report."""
     try:
-        return file_sha256(path)
+        return file_sha256(path) if path.is_file() else content_key(printable(path.name))
     except OSError:
-        return content_key(path.name)
+        return content_key(printable(path.name))
 
 
 def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path, Path]]:
@@ -175,6 +183,8 @@ def _is_look_library(path: Path) -> bool:
 def _head(path: Path, size: int = _REFERENCE_SCAN_BYTES) -> str:
     """The beginning of a file as text; empty when it cannot be read, which intake will report."""
     try:
+        if not path.is_file():  # A pipe would keep us waiting.
+            return ""
         with path.open("rb") as file:
             return file.read(size).decode("utf-8", "ignore")
     except OSError:

@@ -12,7 +12,7 @@ from pathlib import Path
 from assetkit import memory, ownership
 from assetkit.discover import Candidate
 from assetkit.options import Options
-from assetkit.source import SourceFile
+from assetkit.source import SourceFile, refusal
 from jobs.cache import content_key, file_sha256, write_atomically
 from jobs.cell import CellResult, Limits, run_cell
 from jobs.schedule import run_all
@@ -69,6 +69,8 @@ def ingest(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem
 def _one(candidate: Candidate, batch: Batch) -> ReportItem:
     """The item of one source: remembered, or made in a cell. Whatever goes wrong costs this item only."""
     try:
+        if (unusable := refusal(candidate.file)) is not None:
+            return _rejected(candidate, unusable)
         note = memory.file_of(candidate, batch.out, batch.options)
         stored = None if batch.fresh else memory.recall(note)
         if stored is not None and memory.is_current(stored, candidate, batch.out):

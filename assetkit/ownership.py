@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,7 +26,7 @@ def claim(candidate: Candidate, packages: Sequence[str], out: Path) -> None:
     """Note which packages this source made, and remove those it made before and no longer makes."""
     source = str(candidate.file.path.absolute())
     for package in packages:
-        write_atomically(_owner_note(package, out), source.encode())
+        write_atomically(_owner_note(package, out), os.fsencode(source))
     made = out / ".cache" / "made" / content_key(source)[:24]
     before = made.read_text().splitlines() if made.is_file() else []
     for package in set(before) - set(packages):
@@ -37,7 +38,7 @@ def claim(candidate: Candidate, packages: Sequence[str], out: Path) -> None:
 
 def _owner(asset_id: str, out: Path) -> Path | None:
     note = _owner_note(asset_id, out)
-    return Path(note.read_text()) if note.is_file() else None
+    return Path(os.fsdecode(note.read_bytes())) if note.is_file() else None
 
 
 def _owner_note(package: str, out: Path) -> Path:

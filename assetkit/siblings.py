@@ -23,8 +23,6 @@ def sibling_statements(source: SourceFile) -> tuple[str, ...]:
     root is read; files that say something become part of what the asset was made from.
     """
     found: list[str] = []
-    notes = {source.path.with_suffix(suffix) for suffix in _NOTES}
-    source.missing.update(p.resolve().relative_to(source.root.resolve()).as_posix() for p in notes if not p.exists())
     for path in _near(source):
         text = _text(path)
         if path.suffix.lower() in _DESCRIPTIONS:
@@ -32,19 +30,32 @@ def sibling_statements(source: SourceFile) -> tuple[str, ...]:
         else:
             said = [f"{passage.strip()} ({path.name})" for passage in _UNIT_PASSAGE.findall(text)]
         if said:
-            source.visited.add(path.resolve())
+            source.visited.add(path)
             found += said[:50]
     return tuple(found)
 
 
 def _near(source: SourceFile) -> list[Path]:
-    """Descriptions in the folders from the source up to its root, and notes that share its stem."""
+    """Descriptions in the folders from the source up to its root, and notes that share its stem, with links followed.
+
+    Notes that are not there yet are logged as missing: they would count if they appeared.
+    """
     root = source.root.resolve()
-    folders = [f for f in source.path.resolve().parents if f.is_relative_to(root)]
+    own = source.path.resolve()
+    folders = [f for f in own.parents if f.is_relative_to(root)]
     listed = (p for f in folders for p in sorted(f.iterdir()) if p.suffix.lower() in _DESCRIPTIONS)
     paths = [p for p, _ in zip(listed, range(_MAX_FILES), strict=False)]
-    paths += [source.path.with_suffix(suffix) for suffix in _NOTES if suffix != source.path.suffix]
-    return [p for p in paths if p.is_file() and p.resolve().is_relative_to(root)]
+    notes = [own.with_suffix(suffix) for suffix in _NOTES if suffix != own.suffix]
+    source.missing.update(p.relative_to(root).as_posix() for p in notes if not p.exists())
+    real = (_followed(p) for p in (*paths, *notes))
+    return [p for p in real if p is not None and p.is_file() and p.is_relative_to(root)]
+
+
+def _followed(path: Path) -> Path | None:
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError):  # A circle of links.
+        return None
 
 
 def _text(path: Path) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from schemas.diagnostics import Location
+from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.references import expected_path, resolve_reference
 
 
@@ -36,3 +36,14 @@ class SourceFile:
         elif (expected := expected_path(uri, base=folder, root=self.root)) is not None:
             self.missing.add(expected)
         return found
+
+
+def refusal(source: SourceFile) -> Diagnostic | None:
+    """Why a source cannot even be opened: it is no regular file, or its path is no text; None when it can."""
+    try:
+        str(source.path.absolute()).encode()
+    except UnicodeEncodeError:
+        return finding("asset/parse-error", "the path of the file is not UTF-8 text, which packages need; rename it")
+    if not source.path.is_file():
+        return finding("asset/parse-error", "this is no regular file that can be read")
+    return None

@@ -13,7 +13,7 @@ from typing import Any
 def content_key(*parts: Any) -> str:
     """A SHA-256 hex key over JSON-serialisable parts; equal parts give equal keys in every process."""
     text = json.dumps(parts, sort_keys=True, default=str, ensure_ascii=False)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()  # File names need not be UTF-8.
 
 
 def file_sha256(path: Path) -> str:

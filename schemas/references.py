@@ -22,8 +22,8 @@ def resolve_reference(uri: str, *, base: Path, root: Path, where: Location | Non
     """
     try:
         return _resolve(uri, base=base, root=root, where=where)
-    except (ValueError, OSError):
-        return None  # An over-long name, a lone surrogate, a broken IPv6 address: nothing on disk is called that.
+    except (ValueError, OSError, RuntimeError):
+        return None  # An over-long name, a lone surrogate, a broken IPv6 address, a circle of links: no such file.
 
 
 def expected_path(uri: str, *, base: Path, root: Path) -> str | None:
@@ -31,7 +31,7 @@ def expected_path(uri: str, *, base: Path, root: Path) -> str | None:
     try:
         path = (base / unquote(uri.strip()).replace("\\", "/")).resolve()
         return path.relative_to(root.resolve()).as_posix()
-    except (ValueError, OSError):
+    except (ValueError, OSError, RuntimeError):
         return None
 
 

@@ -143,12 +143,12 @@ def _parse_error(error: Tf.ErrorException, site: Site, data: bytes) -> Diagnosti
     match = _POSITION.search(text)
     if match is None:
         code = "asset/truncated" if data.startswith(_CRATE) else "asset/parse-error"
-        return finding(code, "OpenUSD cannot read the layer", where=site.where(), value=_reason(text))
+        return finding(code, "OpenUSD cannot read the layer", where=site.where(), value=_reason(text, site))
     line, column = int(match[1]), int(match[2])
     where = site.where(line=line, column=column)
     if line >= len(data.rstrip().splitlines()) and not data.rstrip().endswith(b"}"):
         return finding("asset/truncated", "the text ends inside a prim or value", where=where)
-    return finding("asset/parse-error", "the layer has a syntax error", where=where, value=_reason(match[3]))
+    return finding("asset/parse-error", "the layer has a syntax error", where=where, value=_reason(match[3], site))
 
 
 def message(error: Tf.ErrorException) -> str:
@@ -159,8 +159,9 @@ def message(error: Tf.ErrorException) -> str:
         return undecodable.object.decode(errors="replace")
 
 
-def _reason(text: str) -> str:
-    """OpenUSD's message without its C++ names."""
+def _reason(text: str, site: Site) -> str:
+    """OpenUSD's message without its C++ names and without the folder the asset lies in."""
+    text = text.replace(f"{site.root}/", "")
     text = re.sub(r"Error in '.*?' at line \d+ in file \S+ : ", "", text)
     text = re.sub(r"\s*parse error matching \S+?::(\w+)", r"expected \1", text)
     return " ".join(text.split()).strip("' \"")[:300]

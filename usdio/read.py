@@ -59,6 +59,7 @@ def read_stage(
             return outcome
         except Tf.ErrorException as error:
             headline, reason = "OpenUSD refuses a value in the file", message(error).rpartition(" : ")[2].strip("' \n")
+            reason = reason.replace(f"{root.resolve()}/", "")
         except UnicodeDecodeError as error:
             headline, reason = "a text in the file is not UTF-8", error.reason
     where = Location(file=path.resolve().relative_to(root.resolve()).as_posix())

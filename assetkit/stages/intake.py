@@ -16,7 +16,7 @@ from assetkit.readers.ply import read_ply
 from assetkit.readers.stl import read_stl
 from assetkit.readers.usd import read_usd
 from assetkit.siblings import sibling_statements
-from assetkit.source import SourceFile
+from assetkit.source import SourceFile, refusal
 from assetkit.split import split_objects
 from assetkit.stage import Intake
 from geom.topology import is_all_degenerate, is_triangle_soup, observe
@@ -96,6 +96,8 @@ def _stated(options: Options) -> dict[str, str]:
 
 def _require_readable(candidate: Candidate) -> None:
     source = candidate.file
+    if (unusable := refusal(source)) is not None:
+        raise InvalidInput(unusable)
     if not source.path.resolve().is_relative_to(source.root.resolve()):
         raise InvalidInput(
             finding("asset/path-escape", "the file itself lies outside its root, perhaps through a link", bound="root")

@@ -1,8 +1,10 @@
+import os
 from pathlib import Path
 
 import pytest
 
 from assetkit.discover import discover, slug
+from assetkit.source import refusal
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
@@ -72,3 +74,43 @@ def test_ids_on_a_clash_depend_on_content_not_on_order(tmp_path: Path):
 def test_a_missing_source_raises(tmp_path: Path):
     with pytest.raises(FileNotFoundError):
         discover([tmp_path / "none.obj"])
+
+
+def test_relative_and_absolute_sources_go_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "part.obj").write_text(TRIANGLE)
+    found = discover([Path("a"), tmp_path / "b"])
+    assert len({c.asset_id for c in found}) == 2
+
+
+def test_odd_kinds_of_files_are_listed_but_not_opened(tmp_path: Path):
+    os.mkfifo(tmp_path / "pipe.gltf")
+    (tmp_path / "loop.obj").symlink_to("loop.obj")
+    (tmp_path / "gone.obj").symlink_to("nothing")
+    (tmp_path / "folder.obj").mkdir()
+    candidates = discover([tmp_path])
+    assert [Path(c.given).name for c in candidates] == ["gone.obj", "loop.obj", "pipe.gltf"]
+    for candidate in candidates:
+        found = refusal(candidate.file)
+        assert found is not None
+        assert found.code == "asset/parse-error"
+
+
+def test_a_name_that_is_no_text_can_still_be_reported(tmp_path: Path):
+    Path(os.fsdecode(os.fsencode(tmp_path) + b"/caf\xe9.obj")).write_text("v 0 0 0")
+    [candidate] = discover([tmp_path])
+    assert candidate.given.endswith("caf\\xe9.obj")
+    assert candidate.given.encode()
+    found = refusal(candidate.file)
+    assert found is not None
+    assert "UTF-8" in found.headline
+
+
+def test_a_long_name_becomes_an_id_that_fits_into_file_names(tmp_path: Path):
+    (tmp_path / ("x" * 240 + ".obj")).write_text("v 0 0 0")
+    (tmp_path / ("x" * 239 + ".obj")).write_text("v 0 0 1")
+    ids = [c.asset_id for c in discover([tmp_path])]
+    assert len(set(ids)) == 2
+    assert max(map(len, ids)) < 100

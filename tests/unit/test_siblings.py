@@ -1,3 +1,4 @@
+import os
 from pathlib import Path
 
 import pytest
@@ -63,6 +64,15 @@ def test_nothing_above_the_root_is_read(tmp_path: Path):
     (tmp_path / "arm.urdf").write_text(URDF.format(name="part.obj", scale="0.001 0.001 0.001"))
     (root / "part.json").symlink_to(tmp_path / "arm.urdf")
     assert sibling_statements(SourceFile(part(root), root)) == ()
+
+
+def test_odd_files_beside_the_mesh_do_no_harm(tmp_path: Path):
+    source = SourceFile(part(tmp_path), tmp_path)
+    (tmp_path / "part.json").symlink_to("part.json")
+    (tmp_path / "part.txt").mkdir()
+    os.mkfifo(tmp_path / "arm.urdf")
+    assert sibling_statements(source) == ()
+    assert "part.yaml" in source.missing
 
 
 def test_a_robot_description_settles_the_unit(tmp_path: Path):
