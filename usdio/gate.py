@@ -1,77 +1,176 @@
-"""The static gate: plausibility of a released package that outside validators do not judge."""
+"""The static gate: plausibility of an asset that outside validators do not judge."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from pxr import Tf
 
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
+from usdio.quiet import quiet
 from usdio.rules import (
+    articulation,
+    body_flags,
     body_scale,
+    category_size,
     collider_convex,
     collider_displaced,
+    collider_incomplete,
     collider_present,
+    collider_rendered,
+    collider_shape,
+    collision_offset,
+    contact_material,
     default_prim,
     density,
+    density_stated,
+    drive,
     extent,
     files,
     friction,
     inertia,
     inertia_scale,
+    inverted_mesh,
+    joint_anchor,
+    joint_axis,
+    joint_bodies,
+    joint_flags,
+    joint_frames,
     joint_limits,
+    joint_range,
+    joint_rest,
+    label,
+    links_overlap,
     mass,
     mass_centre,
+    mass_twice,
+    material_binding,
+    mesh_extent,
+    mesh_topology,
+    mesh_values,
+    metadata,
+    nested_body,
+    nonfinite_value,
+    normals,
+    not_visible,
+    open_mesh,
+    origin,
+    outside_file,
+    physics_scene,
+    record,
     restitution,
+    shader_network,
+    shader_value,
+    texture_coordinates,
+    texture_image,
+    texture_reader,
+    time_samples,
+    transform,
     units,
+    velocity,
 )
+from usdio.rules.rule import Rule
 from usdio.stage import open_stage
-
-Rule = Callable[[Any], Iterator[Diagnostic]]  # takes a Usd.Stage
+from usdio.subject import Subject
 
 RULES: tuple[Rule, ...] = (
-    units.check,
-    default_prim.check,
-    files.check,
-    extent.check,
-    body_scale.check,
-    mass.check,
-    density.check,
-    inertia.check,
-    inertia_scale.check,
-    mass_centre.check,
-    collider_present.check,
-    collider_convex.check,
-    collider_displaced.check,
-    friction.check,
-    restitution.check,
-    joint_limits.check,
+    # the file as a whole
+    units.RULE,
+    default_prim.RULE,
+    files.RULE,
+    outside_file.RULE,
+    physics_scene.RULE,
+    time_samples.RULE,
+    extent.RULE,
+    category_size.RULE,
+    origin.RULE,
+    label.RULE,
+    metadata.RULE,
+    record.RULE,
+    # bodies
+    transform.RULE,
+    body_scale.RULE,
+    nested_body.RULE,
+    body_flags.RULE,
+    velocity.RULE,
+    mass.RULE,
+    mass_twice.RULE,
+    density.RULE,
+    density_stated.RULE,
+    inertia.RULE,
+    inertia_scale.RULE,
+    mass_centre.RULE,
+    # colliders and contact
+    collider_present.RULE,
+    collider_convex.RULE,
+    collider_shape.RULE,
+    collider_displaced.RULE,
+    collider_incomplete.RULE,
+    collider_rendered.RULE,
+    collision_offset.RULE,
+    contact_material.RULE,
+    friction.RULE,
+    restitution.RULE,
+    # joints
+    joint_bodies.RULE,
+    joint_axis.RULE,
+    joint_limits.RULE,
+    joint_range.RULE,
+    joint_frames.RULE,
+    joint_rest.RULE,
+    joint_anchor.RULE,
+    joint_flags.RULE,
+    drive.RULE,
+    articulation.RULE,
+    links_overlap.RULE,
+    # looks
+    not_visible.RULE,
+    mesh_topology.RULE,
+    mesh_values.RULE,
+    mesh_extent.RULE,
+    normals.RULE,
+    inverted_mesh.RULE,
+    open_mesh.RULE,
+    material_binding.RULE,
+    shader_network.RULE,
+    shader_value.RULE,
+    texture_reader.RULE,
+    texture_coordinates.RULE,
+    texture_image.RULE,
+    nonfinite_value.RULE,
 )
 
 
 def gate(main_file: Path) -> tuple[Diagnostic, ...]:
-    """Every finding of every rule on the package with this main file, in rule order; empty means passed.
+    """Every finding of every rule on the asset with this main file, in rule order; empty means passed.
 
-    A file that cannot be opened gives the one finding `asset/package-invalid`.
+    An error is wrong in any file, or in a package that claims to be SimReady; a warning is suspicious; `info` says what
+    keeps a file that claims nothing from being such a package. A file that cannot be opened gives the one finding
+    `asset/package-invalid`.
     """
-    try:
-        stage = open_stage(main_file)
-    except InvalidInput as error:
-        return (error.diagnostic,)
-    with np.errstate(all="ignore"):  # Broken files hold infinities; every comparison is written so that NaN fails it.
-        return tuple(diagnostic for rule in RULES for diagnostic in _findings(rule, stage))
+    with quiet():
+        try:
+            subject = Subject(open_stage(main_file), main_file)
+        except InvalidInput as error:
+            return (error.diagnostic,)
+        with np.errstate(all="ignore"):  # Broken files hold infinities; comparisons are written so that NaN fails them.
+            found = (diagnostic for rule in RULES for diagnostic in _findings(rule, subject))
+            return tuple({diagnostic.model_dump_json(): diagnostic for diagnostic in found}.values())
 
 
-def _findings(rule: Rule, stage: Any) -> tuple[Diagnostic, ...]:
-    """What a rule says; a value that OpenUSD itself refuses to read is one finding, not the end of the gate."""
+def _findings(rule: Rule, subject: Subject) -> tuple[Diagnostic, ...]:
+    """What a rule says. A value that OpenUSD refuses to read, or a defect of the rule, is a finding and not the end."""
     try:
-        return tuple(rule(stage))
+        return tuple(rule.check(subject))
     except Tf.ErrorException as error:
         reason = str(error.args[0] if error.args else error).rpartition(" : ")[2].strip("' \n")
         return (finding("asset/package-invalid", "OpenUSD refuses a value in the file", value=reason[:300]),)
+    except (
+        Exception
+    ) as error:  # Any file may be asked about; one that a rule does not foresee must not hide the others.
+        value = f"{type(error).__name__}: {error}"[:300]
+        return (finding("asset/internal-error", f"the rule {rule.code} failed", value=value),)

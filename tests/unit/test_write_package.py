@@ -46,7 +46,7 @@ def test_outside_judges_pass(name: str, tmp_path: Path) -> None:
     main_file = write(VARIANTS[name], tmp_path)
     for verdict in outside_verdicts(main_file):
         assert verdict.passed, verdict.findings
-    assert gate(main_file) == ()
+    assert not [d for d in gate(main_file) if d.severity == "error"]
 
 
 def test_the_judge_is_awake_and_silent(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -1,31 +1,35 @@
 """Rule: bodies stand unscaled and unmirrored."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import numpy as np
-from pxr import Usd, UsdGeom
 
 from schemas.diagnostics import Diagnostic, finding
-from usdio.rules.subject import at, bodies
+from usdio.rules.rule import Rule
+from usdio.subject import Subject
+from usdio.subject.values import at, figure
 
+CODE = "asset/gate-body-scale"
 _TOLERANCE = 1e-4
 
 
-def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per body whose transform, ancestors included, is no rigid motion: engines drop or misread the rest."""
-    for body in bodies(stage):
-        rows = np.array(UsdGeom.Xformable(body).ComputeLocalToWorldTransform(Usd.TimeCode.Default()))[:3, :3]
-        deviation = float(np.abs(rows @ rows.T - np.eye(3)).max())
-        if deviation > _TOLERANCE or np.linalg.det(rows) < 0.0:
+    for body in subject.bodies:
+        if not np.all(np.isfinite(body.linear)):
+            continue  # The transform rule says so.
+        deviation = float(np.abs(body.linear.T @ body.linear - np.eye(3)).max())
+        if deviation > _TOLERANCE or np.linalg.det(body.linear) < 0.0:
             yield finding(
-                "asset/gate-body-scale",
+                CODE,
                 "the body is scaled, sheared or mirrored",
-                where=at(body),
-                value=str([round(float(np.linalg.norm(row)), 6) for row in rows]),
-                bound="[1, 1, 1]",
+                where=at(body.prim),
+                value=figure(np.linalg.norm(body.linear, axis=0)),
+                bound="(1, 1, 1)",
+                severity=subject.suspect,
             )
+
+
+RULE = Rule(CODE, "scale 1, no shear, no mirror, to 1e-4", "SimReady RB.007, RB.009, RB.010", check)

@@ -1,36 +1,38 @@
 """Rule: mesh colliders of moving bodies are convex."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pxr import Usd, UsdGeom, UsdPhysics
-
 from schemas.diagnostics import Diagnostic, finding
-from usdio.reread import collider_prims
-from usdio.rules.subject import at, bodies
+from usdio.rules.rule import Rule
+from usdio.subject import Subject
+from usdio.subject.values import at, flag
 
-_CONVEX = ("convexHull", "convexDecomposition", "boundingCube", "boundingSphere")
+CODE = "asset/gate-collider-not-convex"
+CONVEX = ("convexHull", "convexDecomposition", "boundingCube", "boundingSphere")
 
 
-def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
-    """A finding per mesh collider of a body whose approximation is none of the convex ones.
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per mesh collider of a moving body whose approximation is none of the convex ones.
 
     Simulators either refuse moving triangle meshes or let them fall through the floor.
     """
-    for collider in (prim for body in bodies(stage) for prim in collider_prims(body)):
-        if not collider.IsA(UsdGeom.Mesh):
+    for body in subject.active_bodies:
+        if flag(body.prim, "physics:kinematicEnabled", fallback=False) and not subject.released:
             continue
-        applied = collider.HasAPI(UsdPhysics.MeshCollisionAPI)
-        value = UsdPhysics.MeshCollisionAPI(collider).GetApproximationAttr().Get() if applied else "none"
-        if value not in _CONVEX:
-            yield finding(
-                "asset/gate-collider-not-convex",
-                "a moving mesh collider is not convex",
-                where=at(collider),
-                value=str(value),
-                bound="convexHull",
-            )
+        for collider in body.active_colliders:
+            if collider.approximation and collider.approximation not in CONVEX:
+                yield finding(
+                    CODE,
+                    "a moving mesh collider is not convex",
+                    where=at(collider.prim),
+                    value=collider.approximation,
+                    bound="convexHull",
+                    severity=subject.suspect,
+                )
+
+
+RULE = Rule(
+    CODE, "approximation convexHull, convexDecomposition or a bounding shape", "UsdPhysicsMeshCollisionAPI", check
+)

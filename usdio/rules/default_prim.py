@@ -9,23 +9,40 @@ from collections.abc import Iterator
 
 from pxr import Kind, Usd, UsdGeom
 
-from schemas.diagnostics import Diagnostic, finding
-from usdio.rules.subject import at
+from schemas.diagnostics import Diagnostic, Severity, finding
+from usdio.rules.rule import Rule
+from usdio.subject import Subject
+from usdio.subject.values import at
+
+CODE = "asset/gate-default-prim"
 
 
-def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding for a missing default prim, further root prims, a wrong kind or a prim that cannot be placed."""
+    stage = subject.stage
     prim = stage.GetDefaultPrim()
     if not prim:
-        yield finding("asset/gate-default-prim", "there is no default prim")
+        named = stage.GetRootLayer().defaultPrim
+        headline = f"the default prim '{named}' does not exist" if named else "there is no default prim"
+        yield finding(CODE, headline, severity=Severity.ERROR if named else subject.suspect)
         return
+    if not prim.IsActive() or prim.IsAbstract():
+        yield finding(CODE, "the default prim is inactive or abstract", where=at(prim))
     roots = stage.GetPseudoRoot().GetChildren()
-    if len(roots) != 1:
-        yield finding("asset/gate-default-prim", "there are several root prims", value=len(roots), bound=1)
+    if len(roots) > 1:
+        yield finding(CODE, "there are several root prims", value=len(roots), bound=1, severity=subject.required)
     if not prim.IsA(UsdGeom.Xformable):
-        yield finding("asset/gate-default-prim", "the default prim has no transform", where=at(prim))
+        yield finding(CODE, "the default prim has no transform", where=at(prim), severity=subject.suspect)
     kind = str(Usd.ModelAPI(prim).GetKind())
     if kind != Kind.Tokens.component:
         yield finding(
-            "asset/gate-default-prim", "the default prim is no component", where=at(prim), value=kind, bound="component"
+            CODE,
+            "the default prim is no component",
+            where=at(prim),
+            value=kind,
+            bound="component",
+            severity=subject.required,
         )
+
+
+RULE = Rule(CODE, "one root Xform of kind component", "SimReady HI.001, HI.003, HI.004; UsdModelAPI", check)

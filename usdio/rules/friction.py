@@ -1,35 +1,44 @@
-"""Rule: every collider has a contact material, with static >= dynamic >= 0 friction."""
-
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
+"""Rule: static >= dynamic >= 0 friction, as materials have it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pxr import Usd
+from schemas.diagnostics import Diagnostic, Severity, finding
+from usdio.rules.rule import Rule
+from usdio.subject import Subject
+from usdio.subject.values import at, authored, number
 
-from schemas.diagnostics import Diagnostic, finding
-from usdio.reread import bound_contact_material, collider_prims
-from usdio.rules.subject import at, bodies
+CODE = "asset/gate-friction"
+USUAL_MOST, MOST = 2.0, 10.0  # Rubber on dry concrete reaches 1.2, racing tyres 2.
+_ROUNDING = 1e-6
+NAMES = ("physics:staticFriction", "physics:dynamicFriction")
 
 
-def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
-    """A finding per collider without contact material, and per material with impossible friction."""
-    seen: set[str] = set()
-    for collider in (prim for body in bodies(stage) for prim in collider_prims(body)):
-        material = bound_contact_material(collider)
-        if material is None:
-            yield finding("asset/gate-friction", "the collider has no contact material", where=at(collider))
-            continue
-        if str(material.GetPath()) in seen:
-            continue
-        seen.add(str(material.GetPath()))
-        static, dynamic = material.GetStaticFrictionAttr().Get(), material.GetDynamicFrictionAttr().Get()
-        where = at(material.GetPrim())
-        if not dynamic >= 0.0:
-            yield finding("asset/gate-friction", "dynamic friction is negative", where=where, value=dynamic, bound=0.0)
-        if not static >= dynamic:
-            yield finding(
-                "asset/gate-friction", "static friction is below dynamic", where=where, value=static, bound=dynamic
-            )
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per contact material with impossible, inverted, huge or missing friction."""
+    for prim in subject.contact_materials:
+        static, dynamic = (number(prim, name, 0.0) for name in NAMES)
+        where = at(prim)
+        for name, value in zip(NAMES, (static, dynamic), strict=True):
+            if not 0.0 <= value <= MOST:
+                headline = f"{name} is {'absurd' if value > 0.0 else 'negative or no number'}"
+                severity = subject.suspect if value > MOST else Severity.ERROR
+                bound = MOST if value > MOST else 0.0
+                yield finding(CODE, headline, where=where, value=value, bound=bound, severity=severity)
+            elif value > USUAL_MOST:
+                headline = f"{name} is higher than that of any dry pair"
+                severity = Severity.WARNING
+                yield finding(CODE, headline, where=where, value=value, bound=USUAL_MOST, severity=severity)
+        if dynamic - static > _ROUNDING:
+            headline = "static friction is below dynamic"
+            yield finding(CODE, headline, where=where, value=static, bound=dynamic)
+        if static == dynamic == 0.0:
+            # The schema's fallback is 0: a material that states nothing is smoother than ice.
+            stated = any(authored(prim, name) for name in NAMES)
+            headline = "the material has no friction" if stated else "friction is not stated, which means none"
+            severity = Severity.WARNING if stated else subject.suspect
+            yield finding(CODE, headline, where=where, value=0.0, bound=0.0, severity=severity)
+
+
+RULE = Rule(CODE, "0 <= dynamic <= static <= 2 (error above 10)", "Coulomb friction; UsdPhysicsMaterialAPI", check)

@@ -1,42 +1,73 @@
-"""Rule: the inertia fits the mass and the size of the colliders."""
-
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
+"""Rule: the inertia fits the mass and the shape of the colliders."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import numpy as np
-from pxr import Usd, UsdPhysics
 
+from geom.principal_axes import inertia_from_principal
 from schemas.diagnostics import Diagnostic, finding
-from usdio.rules.subject import at, bodies, collider_points, mass_kg
+from usdio.rules.rule import Rule
+from usdio.subject import Body, Subject
+from usdio.subject.values import at, quaternion, vector
 
-# A hollow box of corners alone has 3 times the spread of the full box; a lamp with a lead foot has a small one.
-LEAST_RATIO, MOST_RATIO = 1.0 / 30.0, 4.5
+CODE = "asset/gate-inertia-scale"
+# Against the colliders filled evenly with the same mass: a hollow box has 5/3, a box of edges alone 7/3 of its
+# inertia, a lamp with a lead foot a fifth. One order of magnitude is out either way.
+LEAST_RATIO, MOST_RATIO = 0.125, 4.0
+MOST_APART = 0.25  # of the trace; a rod turned by 90 degrees is 0.5 off
+ELSEWHERE = 2.5  # times looser: the colliders of other files may be coarse
 
 
-def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
-    """A finding per body whose `trace(I) / 2` is far from that of a solid box around its colliders.
-
-    `trace(I) / 2` is the sum of `m r^2` about the mass centre, whatever the axes; for a solid box with edges a, b, c
-    it is `m (a^2 + b^2 + c^2) / 12`.
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per body whose `trace(I) / 2`, the sum of `m r^2` about the mass centre, is far from that of its
+    colliders filled with its mass; and per axis for which the moment is.
     """
-    for body in bodies(stage):
-        mass, points = mass_kg(body), collider_points(body)
-        if mass is None or len(points) == 0:
+    for body in subject.active_bodies:
+        stated = _inertia(body, subject)
+        if stated is None or body.filled is None or body.mass_kg is None:
             continue
-        moments = np.asarray(UsdPhysics.MassAPI(body).GetDiagonalInertiaAttr().Get(), dtype=np.float64)
-        if not np.all(moments > 0.0):
-            continue  # The inertia rule says so.
-        box = mass * float(np.sum(np.ptp(points, axis=0) ** 2)) / 12.0
-        ratio = 0.5 * float(moments.sum()) / box if box > 0.0 else 1.0
-        if not LEAST_RATIO <= ratio <= MOST_RATIO:
+        even = body.filled.inertia_kgm2 * (body.mass_kg / body.filled.mass_kg)
+        ratio = float(np.trace(stated) / np.trace(even))
+        slack = 1.0 if subject.released else ELSEWHERE
+        if not LEAST_RATIO / slack <= ratio <= MOST_RATIO * slack:
             yield finding(
-                "asset/gate-inertia-scale",
-                f"the inertia is {ratio:.3g} times that of a solid box of this size and mass",
-                where=at(body),
+                CODE,
+                f"the inertia is {ratio:.3g} times that of its colliders filled evenly",
+                where=at(body.prim),
                 value=ratio,
-                bound=LEAST_RATIO if ratio < 1.0 else MOST_RATIO,
+                bound=LEAST_RATIO / slack if ratio < 1.0 else MOST_RATIO * slack,
+                severity=subject.suspect,
             )
+            continue
+        # The shape of the tensor, whatever its size: axes swapped or turned show here.
+        apart = float(np.abs(np.linalg.eigvalsh(stated / ratio - even)).max() / np.trace(even))
+        if apart > MOST_APART * slack:
+            yield finding(
+                CODE,
+                "the inertia lies along other axes than the shape",
+                where=at(body.prim),
+                value=apart,
+                bound=MOST_APART,
+                severity=subject.suspect,
+            )
+
+
+def _inertia(body: Body, subject: Subject) -> np.ndarray | None:
+    """(3, 3) the stated tensor in kg m2 along the body's axes, or None where the inertia rule speaks."""
+    moments = vector(body.prim, "physics:diagonalInertia", (0.0, 0.0, 0.0))
+    quat_wxyz = quaternion(body.prim, "physics:principalAxes")
+    if not (np.all(moments > 0.0) and np.all(np.isfinite(moments)) and np.all(np.isfinite(quat_wxyz))):
+        return None
+    to_si = subject.kilograms_per_unit * subject.frames.meters_per_unit**2
+    turned = quat_wxyz if np.any(quat_wxyz) else np.array([1.0, 0.0, 0.0, 0.0])
+    return inertia_from_principal(moments * to_si, turned)
+
+
+RULE = Rule(
+    CODE,
+    "0.125 .. 4 times the evenly filled colliders; within 0.25 of the trace in direction",
+    "polyhedral mass properties (Mirtich 1996)",
+    check,
+)

@@ -1,24 +1,50 @@
 """Rule: metres, kilograms, z up."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
-from pxr import Usd, UsdGeom, UsdPhysics
+import numpy as np
 
-from schemas.diagnostics import Diagnostic, finding
+from schemas.diagnostics import Diagnostic, Severity, finding
+from usdio.rules.rule import Rule
+from usdio.subject import Subject
+
+CODE = "asset/gate-units"
+EXPECTED: dict[str, float | str] = {"metersPerUnit": 1.0, "kilogramsPerUnit": 1.0, "upAxis": "Z"}
+# What USD assumes where nothing is stated. A mass scale of 1 is harmless; centimetres and y-up are not.
+FALLBACK: dict[str, float | str] = {"metersPerUnit": 0.01, "kilogramsPerUnit": 1.0, "upAxis": "Y"}
 
 
-def check(stage: Usd.Stage) -> Iterator[Diagnostic]:
-    """One finding per unit or axis that differs from metersPerUnit 1, kilogramsPerUnit 1, upAxis Z."""
-    found = {
-        "metersPerUnit": (UsdGeom.GetStageMetersPerUnit(stage), 1.0),
-        "kilogramsPerUnit": (UsdPhysics.GetStageKilogramsPerUnit(stage), 1.0),
-        "upAxis": (str(UsdGeom.GetStageUpAxis(stage)), "Z"),
-    }
-    for name, (value, bound) in found.items():
-        if value != bound:
-            yield finding("asset/gate-units", f"{name} is {value}, not {bound}", value=value, bound=bound)
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """One finding per unit or axis that is missing, impossible, or not the one released packages use."""
+    root = subject.stage.GetRootLayer().pseudoRoot
+    for name, expected in EXPECTED.items():
+        if not root.HasInfo(name):
+            yield from _missing(subject, name)
+            continue
+        value = root.GetInfo(name)
+        if not _possible(value, expected):
+            yield finding(CODE, f"{name} is {value}, which USD does not allow", value=str(value), bound=expected)
+        elif value != expected:
+            headline = f"{name} is {value}, not {expected} as in a released package"
+            yield finding(CODE, headline, value=value, bound=expected, severity=subject.required)
+
+
+def _missing(subject: Subject, name: str) -> Iterator[Diagnostic]:
+    """Where there is physics a missing length or axis is a guess about every number."""
+    physical = bool(subject.bodies or subject.colliders) and FALLBACK[name] != EXPECTED[name]
+    severity = subject.suspect if physical else subject.required
+    if severity is not Severity.INFO:
+        headline = f"{name} is not stated; USD then assumes {FALLBACK[name]}"
+        yield finding(CODE, headline, value="absent", bound=EXPECTED[name], severity=severity)
+
+
+def _possible(value: Any, expected: float | str) -> bool:
+    if isinstance(expected, str):
+        return str(value) in ("Y", "Z")
+    return isinstance(value, int | float) and bool(np.isfinite(value)) and value > 0.0
+
+
+RULE = Rule(CODE, "metersPerUnit 1, kilogramsPerUnit 1, upAxis Z, all stated", "SimReady UN.006, UN.007", check)

@@ -1,0 +1,130 @@
+"""Rule: links do not occupy the same space at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import networkx as nx
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from geom.penetration import penetration_depth, shared_volume
+from geom.pose import apply
+from schemas.diagnostics import Diagnostic, Label, Severity, finding
+from usdio.rules.rule import Rule
+from usdio.subject import Body, Joint, Subject
+from usdio.subject.body import Hull
+from usdio.subject.filters import may_collide
+from usdio.subject.joint import AXES, FREE
+from usdio.subject.values import at
+
+CODE = "asset/gate-links-overlap"
+LEAST_M, LEAST_SHARE = 2e-3, 0.01  # of the smaller diagonal: what fitted hulls are off by
+SWALLOWED = 0.5  # of the smaller body's volume
+THROUGH = 0.5  # of the thinner hull: a joint housing stays well below, a board stuck in another one does not
+_POSES = 5
+_MOST_TESTS = 20_000  # hull pairs; a heavier file is not judged to the end
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per two links whose convex colliders overlap deeper than fitted hulls do.
+
+    Links welded by fixed joints may overlap. For links that share a moving joint only the overlap that the joint's
+    motion can undo counts: a housing overlaps its shaft wherever that turns, a drawer that sticks in the back wall
+    comes free when pulled.
+    """
+    welded = _welded(subject)
+    movers = {frozenset((welded[a.path], welded[b.path])): joint for joint, a, b in _moving(subject)}
+    tests = 0
+    for first, second in combinations(subject.active_bodies, 2):
+        if welded[first.path] == welded[second.path]:
+            continue
+        tests += len(first.active_colliders) * len(second.active_colliders)
+        if tests > _MOST_TESTS:
+            return
+        joint = movers.get(frozenset((welded[first.path], welded[second.path])))
+        yield from _pair(subject, first, second, joint)
+
+
+def _pair(subject: Subject, first: Body, second: Body, joint: Joint | None) -> Iterator[Diagnostic]:
+    hulls_a, hulls_b = _hulls(first), _hulls(second)
+    bound_m = max(LEAST_M, LEAST_SHARE * min(first.diagonal_m, second.diagonal_m))
+    depth_m, thickness_m = _deepest(hulls_a, hulls_b)
+    if depth_m <= bound_m or first.filled is None or second.filled is None:
+        return
+    smaller = min(first.filled.mass_kg, second.filled.mass_kg)
+    share = sum(shared_volume(a.points, b.points) for a in hulls_a for b in hulls_b) / smaller
+    swallowed = share > SWALLOWED
+    if joint is not None:
+        depth_m -= min((_deepest(hulls_a, moved)[0] for moved in _along(joint, second, hulls_b)), default=depth_m)
+        if depth_m <= bound_m and not swallowed:
+            return
+    through = joint is not None and depth_m > THROUGH * thickness_m
+    yield finding(
+        CODE,
+        "one link lies inside another" if swallowed else "two links overlap at rest",
+        where=at(first.prim),
+        value=share if swallowed else depth_m,
+        bound=SWALLOWED if swallowed else bound_m,
+        unit="of its volume" if swallowed else "m",
+        labels=(Label(where=at(second.prim), text="the other link"),),
+        severity=subject.suspect if swallowed or through or may_collide(first, second, joint) else Severity.WARNING,
+    )
+
+
+def _hulls(body: Body) -> list[Hull]:
+    """The hulls that engines collide; a mesh that is no hull is left to the collider rules."""
+    return [c.hull_W for c in body.active_colliders if c.convex and c.hull_W is not None]
+
+
+def _deepest(hulls_a: list[Hull], hulls_b: list[Hull]) -> tuple[float, float]:
+    """The largest depth over all pairs, and the thickness of the thinner hull of that pair; zeros without a pair."""
+    pairs = ((penetration_depth(a.points, b.points), a, b) for a in hulls_a for b in hulls_b)
+    depth_m, a, b = max(pairs, key=lambda pair: pair[0], default=(0.0, None, None))
+    return (depth_m, min(a.thickness, b.thickness)) if a is not None and b is not None else (0.0, 0.0)
+
+
+def _along(joint: Joint, second: Body, hulls: list[Hull]) -> Iterator[list[Hull]]:
+    """The hulls of `second` at poses from limit to limit, the other link held still."""
+    rest = joint.rest()
+    if joint.kind not in FREE or rest is None:
+        return
+    turning = joint.kind == "revolute"
+    lower, upper = np.clip(joint.limits, *((-180.0, 180.0) if turning else (-joint.size_m, joint.size_m)))
+    sign = 1.0 if joint.sides[1].body is not None and joint.sides[1].body.path == second.path else -1.0
+    X_WJ = joint.sides[0].X_WJ
+    axis_W = X_WJ[:3, :3] @ AXES.get(joint.axis, AXES["X"])
+    for coordinate in np.linspace(lower, upper, _POSES):
+        move = sign * (coordinate - rest.coordinate)
+        X_WW = np.eye(4)
+        if turning:
+            X_WW[:3, :3] = Rotation.from_rotvec(np.deg2rad(move) * axis_W).as_matrix()
+            X_WW[:3, 3] = X_WJ[:3, 3] - X_WW[:3, :3] @ X_WJ[:3, 3]
+        else:
+            X_WW[:3, 3] = move * axis_W
+        yield [Hull(apply(X_WW, hull.points), hull.triangles) for hull in hulls]
+
+
+def _moving(subject: Subject) -> Iterator[tuple[Joint, Body, Body]]:
+    for joint in subject.joints:
+        if joint.enabled and joint.kind != "fixed" and len(joint.bodies) == 2:
+            yield joint, joint.bodies[0], joint.bodies[1]
+
+
+def _welded(subject: Subject) -> dict[str, int]:
+    """Body path -> number of the group of bodies that fixed joints make one."""
+    graph = nx.Graph()
+    graph.add_nodes_from(body.path for body in subject.active_bodies)
+    for joint in subject.joints:
+        if joint.enabled and joint.kind == "fixed" and len(joint.bodies) == 2:
+            graph.add_edge(joint.bodies[0].path, joint.bodies[1].path)
+    return {path: number for number, group in enumerate(nx.connected_components(graph)) for path in group}
+
+
+RULE = Rule(
+    CODE,
+    "depth <= 2 mm or 1 % of the smaller link; half of its volume for links that share a joint",
+    "exact penetration depth of convex hulls (Minkowski difference)",
+    check,
+)

@@ -1,0 +1,101 @@
+"""Rule: the USD says what its record.json says."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from geom.principal_axes import inertia_from_principal
+from schemas.diagnostics import Diagnostic, finding
+from usdio.rules.rule import Rule
+from usdio.subject import Body, Subject
+from usdio.subject.category import UNKNOWN, labels, words
+from usdio.subject.values import at, figure, number, quaternion, vector
+
+CODE = "asset/gate-record"
+RELATIVE = 1e-3  # USD keeps single precision.
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per figure of the record that the USD contradicts: size, category, mass properties, contact."""
+    if subject.record is None:
+        return
+    where = at(subject.root)
+    for what, unit, found, stated in _figures(subject, subject.record):
+        scale = float(np.abs(stated).max())
+        if found.shape != stated.shape or not float(np.abs(found - stated).max()) <= RELATIVE * scale:
+            headline = f"{what} is not that of the record"
+            yield finding(CODE, headline, where=where, value=figure(found), bound=figure(stated), unit=unit)
+    category, found = _value(subject.record, "semantics", "category"), labels(subject.root).get("class", ())
+    known = isinstance(category, str) and category not in UNKNOWN
+    if known and found and all(words(label) != words(category) for label in found):
+        headline = "the class label is not the category of the record"
+        yield finding(CODE, headline, where=where, value=", ".join(found), bound=category)
+
+
+def _figures(subject: Subject, record: dict[str, Any]) -> Iterator[tuple[str, str, np.ndarray, np.ndarray]]:
+    """(name, unit, value in the USD, value in the record)."""
+    extent = _array(record, "geometry", "extent_m")
+    if extent is not None and len(subject.visible_points_W):
+        yield "the size", "m", np.ptp(subject.visible_points_W, axis=0), extent
+    mass, bodies = _array(record, "physics", "mass_kg"), subject.active_bodies
+    if mass is not None and bodies:
+        yield "the mass", "kg", np.array(sum(body.mass_kg or 0.0 for body in bodies)), mass
+    if len(bodies) == 1:
+        yield from _one_body(bodies[0], record)
+    for prim in subject.contact_materials if len(subject.contact_materials) == 1 else ():
+        for name, key in (
+            ("staticFriction", "static_friction"),
+            ("dynamicFriction", "dynamic_friction"),
+            ("restitution",) * 2,
+        ):
+            stated = _contact(record, key)
+            if stated is not None:
+                yield name, "", np.array(number(prim, f"physics:{name}", 0.0)), np.array(stated)
+
+
+def _one_body(body: Body, record: dict[str, Any]) -> Iterator[tuple[str, str, np.ndarray, np.ndarray]]:
+    centre, inertia = _array(record, "physics", "centre_of_mass_m"), _array(record, "physics", "inertia_kgm2")
+    if centre is not None and body.diagonal_m > 0.0:
+        # Lengths near zero are judged against the size of the body, not against themselves.
+        found = vector(body.prim, "physics:centerOfMass", (0.0, 0.0, 0.0))
+        if float(np.abs(found - centre).max()) > RELATIVE * body.diagonal_m:
+            yield "the mass centre", "m", found, centre
+    quat_wxyz = quaternion(body.prim, "physics:principalAxes")
+    if inertia is not None and np.all(np.isfinite(quat_wxyz)) and np.any(quat_wxyz):
+        moments = vector(body.prim, "physics:diagonalInertia", (0.0, 0.0, 0.0))
+        yield "the inertia", "kg m2", inertia_from_principal(moments, quat_wxyz), inertia
+
+
+def _value(record: dict[str, Any], section: str, key: str) -> Any:
+    """The value of an Evidence, None where the record has another form."""
+    try:
+        return record[section][key]["value"]
+    except (KeyError, TypeError):
+        return None
+
+
+def _array(record: dict[str, Any], section: str, key: str) -> np.ndarray | None:
+    try:
+        array = np.asarray(_value(record, section, key), dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
+    return array if array.size and np.all(np.isfinite(array)) else None
+
+
+def _contact(record: dict[str, Any], key: str) -> float | None:
+    try:
+        contacts = [c["value"] for c in record["physics"]["contacts"]]
+        return float(contacts[0][key]) if len(contacts) == 1 else None
+    except (KeyError, TypeError, ValueError):
+        return None
+
+
+RULE = Rule(
+    CODE, "size, mass, mass centre, inertia, friction, category to 0.1 %", "AssetRecord (`mana schema asset`)", check
+)
