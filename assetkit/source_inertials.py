@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from geom.hull import contains, convex_hull
+from geom.hull import contains, convex_hull, volume
 from geom.inertia import is_physical, scaled
 from geom.surface_distance import closest_on_surface
 from geom.weld import diagonal
@@ -19,17 +19,17 @@ from schemas.physics import MassProperties
 from schemas.stated_physics import StatedMass
 
 CODE = "asset/source-inertia-implausible"
-# A balloon; a little above osmium, the densest element.
-LEAST_KGM3, MOST_KGM3 = 1.0, 25_000.0
-# The volume of a shell or hull is itself a guess by about this factor.
-GUESSED_VOLUME = 5.0
-CENTRE_SLACK = 0.01  # of the diagonal: visible meshes may be tighter than the thing.
+# Over the convex hull, for a thing is at least as heavy as the air in it; over the solid, a little above osmium.
+LEAST_KGM3, MOST_KGM3 = 1.25, 25_000.0
+GUESSED_VOLUME = 2.5  # The wall of a shell may be so much thicker than assumed.
+CENTRE_SLACK = 0.005  # of the diagonal: visible meshes may be tighter than the thing.
 SINGLE_PRECISION = 1e-4  # Files keep tensors in single precision.
 # Between a massive foot and hollow walls: how far a moment may be from that of the evenly filled solid. Differences
 # below the floor (share of the largest moment) do not count, because engines pad thin rods.
 MOMENT_FACTOR, MOMENT_FLOOR = 10.0, 0.02
-# trace(I) / 2 is the sum of m r^2; with all mass in two corners of the box it is m d^2 / 4.
-MOST_SPREAD = 0.25 * 1.1
+# trace(I) / 2 is the sum of m r^2: m d^2 / 4 with all mass in the corners of the box, m d^2 / 12 when it fills the box,
+# and not a twenty-fifth of that even around a massive core.
+LEAST_SPREAD, MOST_SPREAD = 1.0 / (12.0 * 25.0), 0.25 * 1.1
 
 Quantity = Literal["mass", "centre", "inertia"]
 
@@ -94,11 +94,12 @@ def applicable(masses: Sequence[StatedMass], meshes: Sequence[Mesh]) -> tuple[li
 def judge(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact: bool) -> Judged:
     """`stated` (asset frame) held against the geometry it speaks of.
 
-    points  (n, 3) of its surface; the mass centre must lie in their hull, with 1 % of the diagonal to spare.
+    points  (n, 3) of its surface; the mass centre must lie in their hull, with 0.5 % of the diagonal to spare.
     even    the same geometry filled with 1 kg/m3: bounds of the implied density, and moments within a factor of 10.
-    exact   `even` is the volume of a closed surface of its own; otherwise a guess, and density counts fivefold.
+    exact   `even` is the volume of a closed surface of its own; otherwise its wall is a guess.
 
-    An objection to the mass drops everything, one to the mass centre also the inertia, which is about it.
+    An objection to the mass drops everything, one to the mass centre also the inertia, which is about it. The bounds
+    are narrower than those of the static gate, so that what is believed here is released.
     """
     objections = list(_objections(stated, points, even, exact=exact))
     if not objections:
@@ -127,20 +128,20 @@ def judge(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact
 def _objections(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact: bool) -> Iterator[_Objection]:
     """What cannot be true, the gravest first; later quantities are only looked at while earlier ones hold."""
     mass = stated.mass_kg
-    volume = even.mass_kg
-    density = stated.density if mass is None else mass / volume if volume > 0.0 else np.inf
-    value = density if mass is None else mass
+    what, unit, value = ("density", "kg/m3", stated.density) if mass is None else ("mass", "kg", mass)
     if value is None:
         return
     if not (np.isfinite(value) and value > 0.0):
-        what, unit = ("mass", "kg") if mass is not None else ("density", "kg/m3")
         yield _Objection("mass", f"the stated {what} is not positive and finite", float(value), 0.0, unit)
         return
-    slack = 1.0 if exact or mass is None else GUESSED_VOLUME
-    if density is not None and not LEAST_KGM3 / slack <= density <= MOST_KGM3 * slack:
-        bound = LEAST_KGM3 / slack if density < 1.0 else MOST_KGM3 * slack
-        headline = f"the stated {'density' if mass is None else 'mass'} means a density that no material has"
-        yield _Objection("mass", headline, float(density), bound, "kg/m3")
+    filled, hull = even.mass_kg, max(even.mass_kg, _hull_volume(points))
+    most = MOST_KGM3 if exact or mass is None else GUESSED_VOLUME * MOST_KGM3
+    densest = value if mass is None else mass / filled if filled > 0.0 else np.inf
+    lightest = value * filled / hull if mass is None else mass / hull if hull > 0.0 else np.inf
+    if densest > most or lightest < LEAST_KGM3:
+        headline = f"the stated {what} means a density that no object has"
+        shown, bound = (densest, most) if densest > most else (lightest, LEAST_KGM3)
+        yield _Objection("mass", headline, float(shown), bound, "kg/m3")
         return
     if mass is None:
         return
@@ -152,7 +153,7 @@ def _objections(stated: StatedMass, points: FloatArray, even: MassProperties, *,
             yield _Objection("centre", headline, outside, CENTRE_SLACK * size, "m")
             return
     if stated.inertia is not None:
-        yield from _about_inertia(stated.inertia, scaled(even, mass / volume), size)
+        yield from _about_inertia(stated.inertia, scaled(even, mass / filled), size)
 
 
 def _about_inertia(inertia: FloatArray, even: MassProperties, size: float) -> Iterator[_Objection]:
@@ -165,10 +166,11 @@ def _about_inertia(inertia: FloatArray, even: MassProperties, size: float) -> It
         headline = "a stated moment of inertia is above the sum of the others"
         yield _Objection("inertia", headline, float(high), float(low + middle), "kg m2")
         return
-    spread, most = 0.5 * float(np.trace(inertia)), MOST_SPREAD * even.mass_kg * size**2
-    if spread > most:
-        headline = "the stated inertia is larger than any mass of this size can have"
-        yield _Objection("inertia", headline, spread, most, "kg m2")
+    spread, reach = 0.5 * float(np.trace(inertia)), even.mass_kg * size**2
+    if not LEAST_SPREAD * reach <= spread <= MOST_SPREAD * reach:
+        large = spread > MOST_SPREAD * reach
+        headline = f"the stated inertia is {'larger' if large else 'smaller'} than any object of this size and mass has"
+        yield _Objection("inertia", headline, spread, (MOST_SPREAD if large else LEAST_SPREAD) * reach, "kg m2")
         return
     moments, axes = np.linalg.eigh(even.inertia_kgm2)
     stated = np.einsum("ij,ik,kj->j", axes, inertia, axes)
@@ -179,6 +181,13 @@ def _about_inertia(inertia: FloatArray, even: MassProperties, size: float) -> It
         headline = "a stated moment of inertia is far from that of the evenly filled object"
         factor = MOMENT_FACTOR if ratios[worst] > 1.0 else 1.0 / MOMENT_FACTOR
         yield _Objection("inertia", headline, float(stated[worst]), float(factor * moments[worst]), "kg m2")
+
+
+def _hull_volume(points: FloatArray) -> float:
+    try:
+        return volume(*convex_hull(points))
+    except ValueError:
+        return 0.0
 
 
 def _distance_outside(point: FloatArray, points: FloatArray) -> float:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import manifold3d
 import numpy as np
 
 from geom.inertia import mass_properties, of_closed_surface, of_sheet, scaled
 from geom.mesh_edit import keep_faces, merge_surfaces
-from geom.openings import OpenBody
 from geom.repair_holes import cap_openings
 from geom.solid_bodies import Bodies, Surface, as_manifold, signed_volume, sort_bodies
 from geom.surface_distance import triangle_areas
@@ -18,6 +17,7 @@ from schemas.physics import MassProperties, Solid
 
 # The groups' own bodies must add up to the solid within this share of it, else they are not what it is made of.
 SUM_TOLERANCE = 0.02
+NOTHING = MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def divide(
@@ -33,34 +33,33 @@ def divide(
     spread evenly, and the second value is False. Raises ValueError when all points coincide.
     """
     whole = mass_properties(solid, 1.0)[0]
-    sorted_groups = [sort_bodies(meshes) for meshes in groups]
-    attempts = []
-    if solid.kind == "closed":
-        attempts = [lambda: _volumes(sorted_groups, densities_kgm3, _closed)]
-        attempts += [lambda: _volumes(sorted_groups, densities_kgm3, _closed_and_capped)]
-    elif solid.wall_thickness_m is not None:
-        wall = solid.wall_thickness_m
-        attempts = [lambda: [_sheet(bodies, wall) for bodies in sorted_groups]]
-    for attempt in attempts:
-        bodies = attempt()
-        total = sum(b.mass_kg for b in bodies)
+    bodies = [sort_bodies(meshes) for meshes in groups]
+    for shares in _attempts(solid, bodies, densities_kgm3):
+        total = sum(share.mass_kg for share in shares)
         if abs(total - whole.mass_kg) <= SUM_TOLERANCE * whole.mass_kg:
-            return tuple(scaled(b, whole.mass_kg / total) for b in bodies), True
-    areas = np.array([bodies.closed_area + bodies.open_area for bodies in sorted_groups])
+            return tuple(scaled(share, whole.mass_kg / total) for share in shares), True
+    areas = np.array([group.closed_area + group.open_area for group in bodies])
     return tuple(scaled(whole, float(share)) for share in areas / areas.sum()), False
 
 
-def _volumes(groups: Sequence[Bodies], densities_kgm3: Sequence[float], surfaces_of) -> list[MassProperties]:
-    """Per group the volume that no denser group holds; nothing for a group with a surface that is no manifold."""
-    surfaces = [surfaces_of(bodies) for bodies in groups]
-    points = [p for group in surfaces for p, _ in group]
-    nothing = MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
-    if not points:
-        return [nothing] * len(groups)
-    centre = np.concatenate(points).mean(axis=0)
-    shares, taken = [nothing] * len(groups), manifold3d.Manifold()
+def _attempts(
+    solid: Solid, groups: Sequence[Bodies], densities_kgm3: Sequence[float]
+) -> Iterator[list[MassProperties]]:
+    """Ways to give each group a place of its own, the plainest first."""
+    if solid.kind == "closed":
+        yield _volumes([group.closed for group in groups], densities_kgm3)
+        yield _volumes([(*group.closed, *_capped_sheets(group)) for group in groups], densities_kgm3)
+    elif solid.wall_thickness_m is not None:
+        yield [_sheet(group, solid.wall_thickness_m) for group in groups]
+
+
+def _volumes(groups: Sequence[Sequence[Surface]], densities_kgm3: Sequence[float]) -> list[MassProperties]:
+    """Per group the volume that no denser group holds; nothing where a surface is no manifold."""
+    shares, taken = [NOTHING] * len(groups), manifold3d.Manifold()
+    points = [points for group in groups for points, _ in group]
+    centre = np.concatenate(points).mean(axis=0) if points else np.zeros(3)
     for index in sorted(range(len(groups)), key=lambda i: -densities_kgm3[i]):
-        solids = [as_manifold(p - centre, triangles) for p, triangles in surfaces[index]]
+        solids = [as_manifold(points - centre, triangles) for points, triangles in groups[index]]
         own = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
         shares[index] = _integrated(own - taken, centre)
         taken = taken + own
@@ -68,32 +67,24 @@ def _volumes(groups: Sequence[Bodies], densities_kgm3: Sequence[float], surfaces
 
 
 def _integrated(body: manifold3d.Manifold, centre: FloatArray) -> MassProperties:
+    if body.is_empty():
+        return NOTHING
     mesh = body.to_mesh64()
-    points = np.asarray(mesh.vert_properties)[:, :3]
-    if body.is_empty() or len(points) == 0:
-        return MassProperties(0.0, centre, np.zeros((3, 3)))
-    local = of_closed_surface(points, np.asarray(mesh.tri_verts).astype(np.int64), 1.0)
+    points, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64)
+    local = of_closed_surface(points, triangles, 1.0)
     return MassProperties(local.mass_kg, local.centre_of_mass_m + centre, local.inertia_kgm2)
 
 
-def _closed(bodies: Bodies) -> list[Surface]:
-    return list(bodies.closed)
-
-
-def _closed_and_capped(bodies: Bodies) -> list[Surface]:
-    """The closed bodies, and each open surface with all its loops capped, outward."""
-    return [*bodies.closed, *(_capped(bodies, part) for part in bodies.verdicts if part.openings and part.complete)]
-
-
-def _capped(bodies: Bodies, part: OpenBody) -> Surface:
-    points, triangles = bodies.open_surface
-    sheet = keep_faces(Mesh("part", points, triangles), part.faces)
-    points, triangles, _ = cap_openings(sheet.points, sheet.triangles, part.openings)
-    return points, triangles if signed_volume(points, triangles) >= 0.0 else triangles[:, ::-1]
+def _capped_sheets(bodies: Bodies) -> Iterator[Surface]:
+    """Each open surface with all its loops capped, outward."""
+    for part in bodies.verdicts:
+        if part.openings and part.complete:
+            points, triangles = bodies.open_surface
+            sheet = keep_faces(Mesh("part", points, triangles), part.faces)
+            points, triangles, _ = cap_openings(sheet.points, sheet.triangles, part.openings)
+            yield points, triangles if signed_volume(points, triangles) >= 0.0 else triangles[:, ::-1]
 
 
 def _sheet(bodies: Bodies, wall_m: float) -> MassProperties:
     points, triangles, _ = merge_surfaces(bodies.tidied)
-    if not triangle_areas(points[triangles]).any():
-        return MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
-    return of_sheet(points, triangles, wall_m, 1.0)
+    return of_sheet(points, triangles, wall_m, 1.0) if triangle_areas(points[triangles]).any() else NOTHING

@@ -67,6 +67,16 @@ def test_a_wooden_handle_and_a_steel_head_side_by_side():
     assert_same(total, combine([handle, head]))
 
 
+def test_a_million_metres_away_the_division_is_the_same():
+    away = np.array([1e6, -5e5, 2e5])
+    near = [box(*LONG), box(SHORT[0], (-0.12, 0, 0))]
+    far = [Mesh(m.name, m.points + away, m.triangles) for m in near]
+    _, here, _ = weighed([[m] for m in near], [650.0, 7850.0])
+    _, there, exact = weighed([[m] for m in far], [650.0, 7850.0])
+    assert exact
+    assert_same(there, moved(here, pose(None, away)), rtol=1e-6)
+
+
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])
 def test_the_denser_body_keeps_the_shared_volume(order):
     """A block of 0.2 x 0.1 x 0.1 and one half as long that reaches into it by a quarter of its length."""

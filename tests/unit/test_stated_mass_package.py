@@ -145,6 +145,21 @@ def test_the_record_says_that_they_are_declared(tmp_path):
     assert repairs == []
 
 
+def test_a_package_read_as_a_source_keeps_its_physics(tmp_path):
+    draft, _, _ = finished(state(box_stage(tmp_path)))
+    main_file = release.author(draft, tmp_path / "out")
+    first = reread_body(main_file)
+    again, _, repairs = finished(main_file)
+    assert repairs == []
+    assert again.physics.section.mass_kg.source == "declared"
+    assert again.physics.section.contacts[0].source == "declared"
+    second = again.physics
+    assert second.mass.mass_kg == pytest.approx(first.mass.mass_kg)
+    assert_allclose(second.mass.centre_of_mass_m, first.mass.centre_of_mass_m, atol=1e-6)
+    assert_allclose(second.mass.inertia_kgm2, first.mass.inertia_kgm2, atol=1e-5 * MOMENTS.max())
+    assert second.contact.dynamic_friction == pytest.approx(first.contact.dynamic_friction)
+
+
 def test_a_placeholder_tensor_is_replaced_and_said(tmp_path):
     draft, codes, repairs = finished(state(box_stage(tmp_path), moments=(1.0, 1.0, 1.0)))
     assert "asset/source-inertia-implausible" in codes
