@@ -24,12 +24,10 @@ LEAST_KGM3, MOST_KGM3 = 1.25, 25_000.0
 GUESSED_VOLUME = 2.5  # The wall of a shell may be so much thicker than assumed.
 CENTRE_SLACK = 0.005  # of the diagonal: visible meshes may be tighter than the thing.
 SINGLE_PRECISION = 1e-4  # Files keep tensors in single precision.
-# Between a massive foot and hollow walls: how far a moment may be from that of the evenly filled solid. Differences
-# below the floor (share of the largest moment) do not count, because engines pad thin rods.
-MOMENT_FACTOR, MOMENT_FLOOR = 10.0, 0.02
-# trace(I) / 2 is the sum of m r^2: m d^2 / 4 with all mass in the corners of the box, m d^2 / 12 when it fills the box,
-# and not a twenty-fifth of that even around a massive core.
-LEAST_SPREAD, MOST_SPREAD = 1.0 / (12.0 * 25.0), 0.25 * 1.1
+# trace(I) / 2 is the sum of m r^2. Against the evenly filled solid: a hollow box has 5/3, a box of edges alone 7/3, a
+# lamp with a lead foot a fifth.
+LEAST_SPREAD, MOST_SPREAD = 0.15, 3.5
+MOST_APART = 0.2  # of the trace; a rod turned by 90 degrees is 0.5 off
 
 Quantity = Literal["mass", "centre", "inertia"]
 
@@ -95,7 +93,7 @@ def judge(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact
     """`stated` (asset frame) held against the geometry it speaks of.
 
     points  (n, 3) of its surface; the mass centre must lie in their hull, with 0.5 % of the diagonal to spare.
-    even    the same geometry filled with 1 kg/m3: bounds of the implied density, and moments within a factor of 10.
+    even    the same geometry filled with 1 kg/m3: bounds of the implied density, of the size and axes of the tensor.
     exact   `even` is the volume of a closed surface of its own; otherwise its wall is a guess.
 
     An objection to the mass drops everything, one to the mass centre also the inertia, which is about it. The bounds
@@ -153,10 +151,10 @@ def _objections(stated: StatedMass, points: FloatArray, even: MassProperties, *,
             yield _Objection("centre", headline, outside, CENTRE_SLACK * size, "m")
             return
     if stated.inertia is not None:
-        yield from _about_inertia(stated.inertia, scaled(even, mass / filled), size)
+        yield from _about_inertia(stated.inertia, scaled(even, mass / filled))
 
 
-def _about_inertia(inertia: FloatArray, even: MassProperties, size: float) -> Iterator[_Objection]:
+def _about_inertia(inertia: FloatArray, even: MassProperties) -> Iterator[_Objection]:
     """`even` is the evenly filled body of the stated mass."""
     low, middle, high = np.linalg.eigvalsh(inertia) if np.isfinite(inertia).all() else (np.nan,) * 3
     if not low > 0.0:
@@ -166,21 +164,17 @@ def _about_inertia(inertia: FloatArray, even: MassProperties, size: float) -> It
         headline = "a stated moment of inertia is above the sum of the others"
         yield _Objection("inertia", headline, float(high), float(low + middle), "kg m2")
         return
-    spread, reach = 0.5 * float(np.trace(inertia)), even.mass_kg * size**2
-    if not LEAST_SPREAD * reach <= spread <= MOST_SPREAD * reach:
-        large = spread > MOST_SPREAD * reach
-        headline = f"the stated inertia is {'larger' if large else 'smaller'} than any object of this size and mass has"
-        yield _Objection("inertia", headline, spread, (MOST_SPREAD if large else LEAST_SPREAD) * reach, "kg m2")
+    ratio = float(np.trace(inertia) / np.trace(even.inertia_kgm2))
+    if not LEAST_SPREAD <= ratio <= MOST_SPREAD:
+        large = ratio > MOST_SPREAD
+        headline = f"the stated inertia is too {'large' if large else 'small'} for the mass and size of the object"
+        yield _Objection("inertia", headline, ratio, MOST_SPREAD if large else LEAST_SPREAD, "of the evenly filled")
         return
-    moments, axes = np.linalg.eigh(even.inertia_kgm2)
-    stated = np.einsum("ij,ik,kj->j", axes, inertia, axes)
-    floor = MOMENT_FLOOR * moments[2]
-    ratios = (stated + floor) / (moments + floor)
-    worst = int(np.argmax(np.abs(np.log(ratios))))
-    if not 1.0 / MOMENT_FACTOR <= ratios[worst] <= MOMENT_FACTOR:
-        headline = "a stated moment of inertia is far from that of the evenly filled object"
-        factor = MOMENT_FACTOR if ratios[worst] > 1.0 else 1.0 / MOMENT_FACTOR
-        yield _Objection("inertia", headline, float(stated[worst]), float(factor * moments[worst]), "kg m2")
+    # The shape of the tensor, whatever its size: axes swapped or turned show here.
+    apart = np.abs(np.linalg.eigvalsh(inertia / ratio - even.inertia_kgm2)).max() / np.trace(even.inertia_kgm2)
+    if apart > MOST_APART:
+        headline = "the stated inertia lies along other axes than the shape"
+        yield _Objection("inertia", headline, float(apart), MOST_APART, "of the trace")
 
 
 def _hull_volume(points: FloatArray) -> float:

@@ -92,8 +92,8 @@ def test_a_centre_on_the_skin_is_kept():
         (np.diag([1e-3, 1e-3, -1e-3]), "positive"),
         (np.diag([np.nan, 1e-3, 1e-3]), "positive"),
         (np.diag([1e-3, 1e-3, 2.1e-3]), "sum"),
-        (np.eye(3), "larger than any object"),  # The placeholder of many files.
-        (1e-7 * np.eye(3), "smaller than any"),
+        (np.eye(3), "too large"),  # The placeholder of many files.
+        (1e-7 * np.eye(3), "too small"),
     ],
 )
 def test_an_impossible_tensor_is_dropped_and_the_rest_kept(inertia, word):
@@ -111,7 +111,7 @@ def test_a_rod_whose_long_axis_is_another_is_noticed():
     points = box_mesh((0.01, 0.01, 0.4)).points
     assert judge(truth, points, rod, exact=True).diagnostics == ()
     along_x = replace(truth, inertia=np.roll(truth.inertia, 1, axis=(0, 1)))
-    assert "far from" in judge(along_x, points, rod, exact=True).diagnostics[0].headline
+    assert "other axes" in judge(along_x, points, rod, exact=True).diagnostics[0].headline
 
 
 @settings(max_examples=30, deadline=None)
