@@ -60,7 +60,7 @@ def find_stable_poses(body: RigidBody, simulator: Simulator, *, trials: int = TR
         return StablePoses((), trials, 0, 0)
     downs = _snapped(body, np.stack([-matrix_of(r.quats_wxyz[-1])[2] for r in settled]))
     levels = centre_heights(body.shapes, np.asarray(body.mass.centre_of_mass_m), downs)
-    families = _families(body, downs)
+    families = pose_families(body, downs)
     poses, refuted = [], 0
     for family in range(int(families.max()) + 1):
         members = np.flatnonzero(families == family)
@@ -134,6 +134,15 @@ def spread_directions(count: int) -> FloatArray:
     return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=1)
 
 
+def pose_families(body: RigidBody, downs: FloatArray) -> FloatArray:
+    """Labels (k,) of the poses that down directions (k, 3) belong to, see `find_stable_poses`: single linkage."""
+    count = len(downs)
+    first, second = np.triu_indices(count, 1)
+    linked = _same_pose(body, downs[first], downs[second])
+    graph = coo_array((np.ones(int(linked.sum())), (first[linked], second[linked])), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
+
+
 def _snapped(body: RigidBody, downs: FloatArray) -> FloatArray:
     """The directions (k, 3), each moved to a facet of the convex hull within 2 degrees if the mass centre gets lower.
 
@@ -149,26 +158,18 @@ def _snapped(body: RigidBody, downs: FloatArray) -> FloatArray:
     return np.where((close & lower)[:, None], nearest, downs)
 
 
-def same_pose(body: RigidBody, first: FloatArray, second: FloatArray) -> FloatArray:
-    """Whether (k,) the down directions `first` and `second` (k, 3) are one pose, see `find_stable_poses`."""
+def _same_pose(body: RigidBody, first: FloatArray, second: FloatArray) -> FloatArray:
+    """Whether (k,) the down directions `first` and `second` (k, 3) are one pose."""
     cosines = np.clip(np.einsum("ki,ki->k", first, second), -1.0, 1.0)
     angles = np.arccos(cosines)
-    steps = np.linspace(0.0, 1.0, 17)[None, :, None]
-    path = first[:, None] * (1.0 - steps) + second[:, None] * steps  # projects to the great circle
-    lengths = np.linalg.norm(path, axis=2, keepdims=True)
-    path = path / np.where(lengths > 1e-9, lengths, 1.0)
+    side = second - cosines[:, None] * first
+    lengths = np.linalg.norm(side, axis=1)
+    opposite = (cosines < 0.0) & (lengths < 1e-6)  # no unique great circle
+    side /= np.maximum(lengths, 1e-12)[:, None]
+    turns = (angles[:, None] * np.linspace(0.0, 1.0, 17))[:, :, None]
+    path = np.cos(turns) * first[:, None] + np.sin(turns) * side[:, None]  # the great circle, in even steps
     centre = np.asarray(body.mass.centre_of_mass_m)
     levels = centre_heights(body.shapes, centre, path.reshape(-1, 3)).reshape(len(first), -1)
-    opposite = angles > np.pi - 1e-6  # no unique great circle
     lower = np.minimum(levels[:, 0], levels[:, -1])
     low = levels.max(axis=1) - lower < _SAME_POSE_BARRIER * lower
     return (angles < _SAME_POSE_RAD) | (low & ~opposite)
-
-
-def _families(body: RigidBody, downs: FloatArray) -> FloatArray:
-    """Labels (k,) of the poses: single linkage of `same_pose`."""
-    count = len(downs)
-    first, second = np.triu_indices(count, 1)
-    linked = same_pose(body, downs[first], downs[second])
-    graph = coo_array((np.ones(int(linked.sum())), (first[linked], second[linked])), shape=(count, count))
-    return connected_components(graph, directed=False)[1]

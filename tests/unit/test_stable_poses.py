@@ -9,8 +9,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
 
-from assetkit.stable_poses import StablePoses, find_stable_poses, holds, recovers, resting_pose, spread_directions
+from assetkit.stable_poses import (
+    StablePoses,
+    find_stable_poses,
+    holds,
+    pose_families,
+    recovers,
+    resting_pose,
+    spread_directions,
+)
 from geom.pose import matrix_of
 from geom.support import support
 from schemas.asset import StablePose
@@ -172,3 +182,18 @@ def test_a_resting_pose_faces_the_direction_down_without_yaw() -> None:
         assert X_WA[:3, :3] @ down_A == pytest.approx([0.0, 0.0, -1.0], abs=1e-9)
         assert X_WA[2, 3] == pytest.approx(support(body.shapes, down_A[None])[0] + 0.01)
         assert abs(X_WA[1, 0] - X_WA[0, 1]) < 1e-9  # the rotation axis is horizontal
+
+
+@given(st.floats(-9.0, -1.5), st.floats(0.0, 2.0 * np.pi))
+def test_almost_opposite_faces_are_two_poses(exponent: float, azimuth: float) -> None:
+    """The way between them leads over the edges of the box, whichever great circle it takes."""
+    off = 10.0**exponent * np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+    downs = np.array([[0.0, 0.0, 1.0], off - [0.0, 0.0, 1.0]])
+    downs /= np.linalg.norm(downs, axis=1)[:, None]
+    assert len(set(pose_families(box((0.1, 0.1, 0.1)), downs).tolist())) == 2
+
+
+@given(st.lists(st.floats(0.0, 2.0 * np.pi), min_size=2, max_size=6))
+def test_a_rod_is_in_one_pose_however_it_rolled(rolls: list[float]) -> None:
+    downs = np.array([[np.cos(roll), np.sin(roll), 0.0] for roll in (*rolls, 0.0, 2.0, 4.0)])
+    assert set(pose_families(cylinder(0.01, 0.3), downs).tolist()) == {0}
