@@ -3,51 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from assetkit.mass_bounds import STATED_TOLERANCE, Bounds, elementwise, filling_of, is_full, mass_bounds
-from assetkit.source_inertials import Judged, applicable, judge
-from assetkit.substances import Substance, substances_of, uniform
-from geom.cavity import Cavity
-from geom.composition import divide
-from geom.inertia import combine, mass_properties, of_sheet, scaled
+from assetkit.mass_bounds import STATED_TOLERANCE, Bounds, elementwise, filling_of, mass_bounds
+from assetkit.mass_parts import STATED_CONFIDENCE, Clues, Part, parts_of
+from assetkit.source_inertials import applicable
+from geom.inertia import combine, mass_properties, of_sheet
 from schemas.asset import MassPart, Matrix3, Vec3
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, Source, declared
-from schemas.model import FloatArray, Mesh
+from schemas.model import FloatArray
 from schemas.outcome import Repair
 from schemas.physics import MassProperties, Solid
-from schemas.stated_physics import StatedMass
 
 COM_SLACK_SHARE, STATED_COM_SLACK_SHARE = 0.05, 0.01
 UNIFORMITY = 0.7  # how much to trust that the density is the same everywhere
-STATED_CONFIDENCE = 0.95
 # How much to trust area times wall thickness, by how the thickness is known.
 WALL_TRUST: dict[Source, float] = {"declared": 0.9, "measured": 0.9, "inferred": 0.4, "default": 0.2}
-METRES: Evidence[float] = declared(1.0, "metres")
-
-
-@dataclass(frozen=True)
-class Clues:
-    """What besides the solid tells mass (asset frame, metres).
-
-    meshes            visual meshes, canonical; `as_read` the same before canonicalisation (for what statements cover).
-    render_materials  names, by the meshes' material index.
-    masses            what the source states.
-    unit              metres per source unit, as sure as it is.
-    wall              wall thickness (m) of an open surface, None where the solid is none.
-    cavities          openings of the solid.
-    """
-
-    meshes: tuple[Mesh, ...] = ()
-    as_read: tuple[Mesh, ...] = ()
-    render_materials: tuple[str, ...] = ()
-    masses: tuple[StatedMass, ...] = ()
-    unit: Evidence[float] = METRES
-    wall: Evidence[float] | None = None
-    cavities: tuple[Cavity, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -65,20 +39,6 @@ class MassEvidence:
     repairs: tuple[Repair, ...] = ()
 
 
-@dataclass(frozen=True)
-class _Part:
-    """A substance with the body it fills at 1 kg/m3 (`even`) and as heavy as it is taken to be (`body`)."""
-
-    substance: Substance
-    even: MassProperties
-    body: MassProperties
-
-    @property
-    def confidence(self) -> float:
-        """How sure its mass is, apart from the geometry."""
-        return STATED_CONFIDENCE if self.substance.stated is not None else self.substance.density_kgm3.confidence
-
-
 def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvidence:
     """Mass properties of `solid`; `whole` are names of the object as such (file).
 
@@ -89,7 +49,7 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
     """
     _, method, trust = mass_properties(solid, 1.0)
     masses, notes = applicable(clues.masses, clues.as_read)
-    parts, exact, judged = _parts(solid, whole, clues, masses)
+    parts, exact, judged = parts_of(solid, whole, clues, masses)
     total = combine([part.body for part in parts if part.body.mass_kg > 0.0])
     filling = filling_of(solid, clues.wall, clues.cavities)
     volumes = [part.even.mass_kg for part in parts]
@@ -116,51 +76,7 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
     )
 
 
-def _parts(
-    solid: Solid, whole: Sequence[str], clues: Clues, masses: Sequence[StatedMass]
-) -> tuple[list[_Part], bool, list[Judged]]:
-    """The substances with their bodies, whether these have places of their own, and the verdicts on statements."""
-    full = is_full(solid, clues.cavities)
-    even = mass_properties(solid, 1.0)[0]
-    judged = [judge(s, solid.points, even, exact=solid.kind == "closed") for s in masses if s.mass_kg is None]
-    kept = [s for s in masses if s.mass_kg is not None] + [j.stated for j in judged if j.stated is not None]
-    substances = substances_of(clues.meshes, clues.render_materials, whole, kept, full=full)
-    if not clues.meshes:
-        substances = (uniform(whole, full=full),)
-    bodies, exact = (even,), True
-    if len(substances) > 1:
-        groups = [[clues.meshes[i] for i in substance.meshes] for substance in substances]
-        bodies, exact = divide(solid, groups, [s.density_kgm3.value for s in substances])
-    parts: list[_Part] = []
-    for substance, body in zip(substances, bodies, strict=True):
-        stated = substance.stated
-        if stated is not None:
-            points = solid.points
-            if len(substances) > 1:
-                points = np.concatenate([clues.meshes[i].points for i in substance.meshes])
-            if not exact:
-                stated = replace(stated, centre=None, inertia=None)  # Nothing to hold them against.
-            verdict = judge(stated, points, body, exact=exact and solid.kind == "closed")
-            judged.append(verdict)
-            substance = replace(substance, stated=verdict.stated)
-        parts.append(_Part(substance, body, _weighed(substance, body)))
-    return parts, exact, judged
-
-
-def _weighed(substance: Substance, even: MassProperties) -> MassProperties:
-    """`even` as heavy as the source states, with its mass centre and tensor if stated, else as dense as known."""
-    stated = substance.stated
-    if stated is None or stated.mass_kg is None:
-        return scaled(even, substance.density_kgm3.value)
-    body = scaled(even, stated.mass_kg / even.mass_kg)
-    return MassProperties(
-        stated.mass_kg,
-        body.centre_of_mass_m if stated.centre is None else stated.centre,
-        body.inertia_kgm2 if stated.inertia is None else stated.inertia,
-    )
-
-
-def _mass(parts: Sequence[_Part], total: MassProperties, bounds: Bounds, method: str, trust: float) -> Evidence[float]:
+def _mass(parts: Sequence[Part], total: MassProperties, bounds: Bounds, method: str, trust: float) -> Evidence[float]:
     return Evidence(
         value=total.mass_kg,
         source=_source(parts),
@@ -172,7 +88,7 @@ def _mass(parts: Sequence[_Part], total: MassProperties, bounds: Bounds, method:
 
 
 def _inertia(
-    parts: Sequence[_Part], total: MassProperties, bounds: Bounds, method: str, trust: float
+    parts: Sequence[Part], total: MassProperties, bounds: Bounds, method: str, trust: float
 ) -> Evidence[Matrix3]:
     stated = all(p.substance.stated is not None and p.substance.stated.inertia is not None for p in parts)
     ratios = (1.0 - STATED_TOLERANCE, 1.0 + STATED_TOLERANCE) if stated else bounds.ratios(total.mass_kg)
@@ -188,7 +104,7 @@ def _inertia(
 
 
 def _centre(
-    solid: Solid, parts: Sequence[_Part], total: MassProperties, method: str, trust: float, unit: Evidence[float]
+    solid: Solid, parts: Sequence[Part], total: MassProperties, method: str, trust: float, unit: Evidence[float]
 ) -> Evidence[Vec3]:
     """From the centre of the evenly filled body to that of its surface, 5 % of the extent around; 1 % if stated.
 
@@ -225,7 +141,7 @@ def _centre(
     )
 
 
-def _density(parts: Sequence[_Part], total: MassProperties, bounds: Bounds) -> Evidence[float]:
+def _density(parts: Sequence[Part], total: MassProperties, bounds: Bounds) -> Evidence[float]:
     """That of the substance; with several, or a stated mass, total mass over total volume."""
     if len(parts) == 1 and parts[0].substance.stated is None:
         return parts[0].substance.density_kgm3
@@ -240,7 +156,7 @@ def _density(parts: Sequence[_Part], total: MassProperties, bounds: Bounds) -> E
     )
 
 
-def _recorded(part: _Part, volume_m3: float, mass_kg: float) -> MassPart:
+def _recorded(part: Part, volume_m3: float, mass_kg: float) -> MassPart:
     density = part.substance.density_kgm3
     stated = part.substance.stated
     if stated is not None:
@@ -255,7 +171,7 @@ def _recorded(part: _Part, volume_m3: float, mass_kg: float) -> MassPart:
     )
 
 
-def _source(parts: Sequence[_Part]) -> Source:
+def _source(parts: Sequence[Part]) -> Source:
     """`declared` when the source states every mass, `default` when nothing at all is known."""
     if all(p.substance.stated is not None for p in parts):
         return "declared"
@@ -263,20 +179,20 @@ def _source(parts: Sequence[_Part]) -> Source:
     return "inferred" if known else "default"
 
 
-def _method(parts: Sequence[_Part], geometric: str) -> str:
+def _method(parts: Sequence[Part], geometric: str) -> str:
     """How each substance got its mass, in few words."""
     stated = dict.fromkeys(p.substance.stated.method for p in parts if p.substance.stated is not None)
     dense = dict.fromkeys(p.substance.density_kgm3.method for p in parts if p.substance.stated is None)
     return "; ".join([*stated, *(f"{geometric} times density: {method}" for method in dense)])
 
 
-def _inputs(parts: Sequence[_Part]) -> tuple[str, ...]:
+def _inputs(parts: Sequence[Part]) -> tuple[str, ...]:
     places = [str(p.substance.stated.where) for p in parts if p.substance.stated is not None]
     names = [name for p in parts if p.substance.stated is None for name in p.substance.density_kgm3.inputs]
     return tuple(dict.fromkeys([*places, *names]))
 
 
-def _confidence(parts: Sequence[_Part], total: MassProperties, trust: float) -> float:
+def _confidence(parts: Sequence[Part], total: MassProperties, trust: float) -> float:
     """By share of mass; `trust` in the geometry counts only where it gave the mass."""
     return sum(
         p.body.mass_kg / total.mass_kg * p.confidence * (1.0 if p.substance.stated is not None else trust)

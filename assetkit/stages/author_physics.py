@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assetkit.mass import Clues
+from assetkit.mass_parts import Clues
 from assetkit.source_inertials import in_asset_frame
 from assetkit.stage import Canonical, Draft, Physics, Tools, need
 from assetkit.stages.physics import build_physics

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from assetkit.colliders import choose_colliders
-from assetkit.mass import Clues, mass_evidence
+from assetkit.mass import mass_evidence
+from assetkit.mass_parts import Clues
 from assetkit.source_contacts import contact_evidence
 from schemas.asset import PhysicsSection
 from schemas.diagnostics import Diagnostic

@@ -9,8 +9,9 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
-from assetkit.mass import Clues, mass_evidence
+from assetkit.mass import mass_evidence
 from assetkit.mass_bounds import MAX_SPAN
+from assetkit.mass_parts import Clues
 from assetkit.materials import UNKNOWN_FULL, materials
 from assetkit.stages.physics import build_physics
 from geom.cavity import find_cavities, keeps_cavity

@@ -13,7 +13,8 @@ from numpy.testing import assert_allclose
 from package_samples import box_mesh
 from scipy.spatial.transform import Rotation
 
-from assetkit.mass import Clues, mass_evidence
+from assetkit.mass import mass_evidence
+from assetkit.mass_parts import Clues
 from assetkit.source_inertials import applicable, in_asset_frame, judge
 from assetkit.up_axis import TO_Z_UP
 from geom.inertia import inertia_about, moved, of_box, of_closed_surface, of_sheet, scaled

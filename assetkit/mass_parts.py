@@ -1,0 +1,101 @@
+"""The parts an object's mass is made of: each substance with its body, as heavy as stated or as dense as known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from assetkit.mass_bounds import is_full
+from assetkit.source_inertials import Judged, judge
+from assetkit.substances import Substance, substances_of, uniform
+from geom.cavity import Cavity
+from geom.composition import divide
+from geom.inertia import mass_properties, scaled
+from schemas.evidence import Evidence, declared
+from schemas.model import Mesh
+from schemas.physics import MassProperties, Solid
+from schemas.stated_physics import StatedMass
+
+STATED_CONFIDENCE = 0.95
+METRES: Evidence[float] = declared(1.0, "metres")
+
+
+@dataclass(frozen=True)
+class Clues:
+    """What besides the solid tells mass (asset frame, metres).
+
+    meshes            visual meshes, canonical; `as_read` the same before canonicalisation (for what statements cover).
+    render_materials  names, by the meshes' material index.
+    masses            what the source states.
+    unit              metres per source unit, as sure as it is.
+    wall              wall thickness (m) of an open surface, None where the solid is none.
+    cavities          openings of the solid.
+    """
+
+    meshes: tuple[Mesh, ...] = ()
+    as_read: tuple[Mesh, ...] = ()
+    render_materials: tuple[str, ...] = ()
+    masses: tuple[StatedMass, ...] = ()
+    unit: Evidence[float] = METRES
+    wall: Evidence[float] | None = None
+    cavities: tuple[Cavity, ...] = ()
+
+
+@dataclass(frozen=True)
+class Part:
+    """A substance with the body it fills at 1 kg/m3 (`even`) and as heavy as it is taken to be (`body`)."""
+
+    substance: Substance
+    even: MassProperties
+    body: MassProperties
+
+    @property
+    def confidence(self) -> float:
+        """How sure its mass is, apart from the geometry."""
+        return STATED_CONFIDENCE if self.substance.stated is not None else self.substance.density_kgm3.confidence
+
+
+def parts_of(
+    solid: Solid, whole: Sequence[str], clues: Clues, masses: Sequence[StatedMass]
+) -> tuple[list[Part], bool, list[Judged]]:
+    """The substances with their bodies, whether these have places of their own, and the verdicts on statements."""
+    full = is_full(solid, clues.cavities)
+    even = mass_properties(solid, 1.0)[0]
+    judged = [judge(s, solid.points, even, exact=solid.kind == "closed") for s in masses if s.mass_kg is None]
+    kept = [s for s in masses if s.mass_kg is not None] + [j.stated for j in judged if j.stated is not None]
+    substances = substances_of(clues.meshes, clues.render_materials, whole, kept, full=full)
+    if not clues.meshes:
+        substances = (uniform(whole, full=full),)
+    bodies, exact = (even,), True
+    if len(substances) > 1:
+        groups = [[clues.meshes[i] for i in substance.meshes] for substance in substances]
+        bodies, exact = divide(solid, groups, [s.density_kgm3.value for s in substances])
+    parts: list[Part] = []
+    for substance, body in zip(substances, bodies, strict=True):
+        stated = substance.stated
+        if stated is not None:
+            points = solid.points
+            if len(substances) > 1:
+                points = np.concatenate([clues.meshes[i].points for i in substance.meshes])
+            if not exact:
+                stated = replace(stated, centre=None, inertia=None)  # Nothing to hold them against.
+            verdict = judge(stated, points, body, exact=exact and solid.kind == "closed")
+            judged.append(verdict)
+            substance = replace(substance, stated=verdict.stated)
+        parts.append(Part(substance, body, _weighed(substance, body)))
+    return parts, exact, judged
+
+
+def _weighed(substance: Substance, even: MassProperties) -> MassProperties:
+    """`even` as heavy as the source states, with its mass centre and tensor if stated, else as dense as known."""
+    stated = substance.stated
+    if stated is None or stated.mass_kg is None:
+        return scaled(even, substance.density_kgm3.value)
+    body = scaled(even, stated.mass_kg / even.mass_kg)
+    return MassProperties(
+        stated.mass_kg,
+        body.centre_of_mass_m if stated.centre is None else stated.centre,
+        body.inertia_kgm2 if stated.inertia is None else stated.inertia,
+    )
