@@ -36,14 +36,19 @@ def build_report(items: Iterable[ReportItem], *, wall_seconds: float, interrupte
 def write_report(report: IngestReport, out: Path) -> None:
     """Write `report.json` and `report.html` into `out`."""
     write_atomically(out / "report.json", report.model_dump_json(indent=1).encode())
-    write_atomically(out / "report.html", _html(report, out).encode())
+    _write_html(report, out)
 
 
-def _html(report: IngestReport, out: Path) -> str:
+def _write_html(report: IngestReport, out: Path) -> None:
+    """Written as it is made: neither the page nor the records of ten thousand packages are ever all in memory."""
     loader = PackageLoader("assetkit", "templates")
     page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("report.html")
-    rows = [(item, [_card(out, name) for name in item.packages]) for item in report.items]
-    return page.render(report=report, rows=rows, outcomes=[o.value for o in ItemOutcome])
+    rows = ((item, [_card(out, name) for name in item.packages]) for item in report.items)
+    temporary = out / ".report.html"
+    text = page.stream(report=report, rows=rows, outcomes=[o.value for o in ItemOutcome])
+    text.enable_buffering(1000)
+    text.dump(str(temporary), encoding="utf-8")
+    temporary.replace(out / "report.html")
 
 
 def _card(out: Path, name: str) -> dict[str, object]:
