@@ -117,8 +117,8 @@ GAP_CODES: dict[str, CodeInfo] = {
     ),
     "gap/clock-restarts": CodeInfo(
         "warning",
-        "The clock of a trial starts again",
-        "Two recordings in one file cannot be sorted into one motion. The trial is left out.",
+        "The stamps of a trial are no one clock",
+        "Two recordings in one file, or a clock that hardly ticks, give no one motion. The trial is left out.",
         "write one file per recording",
     ),
     "gap/time-unit": CodeInfo(

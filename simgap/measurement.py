@@ -18,7 +18,7 @@ from simgap.reading.columns import Column, declared_columns, sources_of
 from simgap.reading.folder import SPEC_FILE, content_hash, inside, trajectory_files
 from simgap.reading.impact import impact_rows
 from simgap.reading.push import push_trial
-from simgap.reading.series import series_trial
+from simgap.reading.series import absent_side_channels, series_trial
 from simgap.reading.spec import read_spec
 from simgap.reading.subject import JointInfo, subject_files, subject_findings, subject_joints
 from simgap.reading.trials import Parts, each, tables_by_trial
@@ -119,11 +119,12 @@ def _with_series(bare: Measurement, trials: Mapping[str, Parts], columns: Column
 
     raw, refused = each(trials, build)
     clean, noise, found = check_series(Setting(spec, joints), raw) if raw else ((), spec.sensor_noise, ())
-    return replace(bare, trials=clean, noise=noise), (*refused, *found)
+    return replace(bare, trials=clean, noise=noise), (*refused, *absent_side_channels(spec.aux, raw), *found)
 
 
 def _with_impacts(bare: Measurement, trials: Mapping[str, Parts], columns: Columns, joints: Joints) -> Built:
-    impacts, found = check_impacts(impact_rows([parts[""] for parts in trials.values()], columns), bare.spec.subject)
+    rows = impact_rows([parts[""] for parts in trials.values()], columns)
+    impacts, found = check_impacts(rows, bare.spec.subject)
     return replace(bare, impacts=impacts), found
 
 

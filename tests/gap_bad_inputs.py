@@ -279,7 +279,7 @@ SAMPLES: dict[str, Writer] = {
     "gap/missing-file": no_folder,
     "gap/path-escape": linked,
     "gap/yaml-syntax": spec_text(FREE.replace("{size_m: [0.1, 0.06, 0.04]}", "{size_m: [0.1, 0.06")),
-    "gap/file-too-large": spec_text(FREE + "#" * 4_000_001),
+    "gap/file-too-large": spec_text(FREE + "#" * 1_000_001),
     "gap/unknown-key": spec_text(FREE.replace("mass_kg", "mass")),
     "gap/missing-key": spec_text(FREE.replace("  mass_kg: 0.3\n", "")),
     "gap/invalid-value": spec_text(FREE.replace("mass_kg: 0.3", "mass_kg: -0.3")),

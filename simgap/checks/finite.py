@@ -13,6 +13,7 @@ from simgap.trial import COLUMNS, Trial
 
 MIN_ROWS = 3
 _INPUTS = ("effort", "command", "command_p", "command_quat_wxyz")
+LARGEST = 1e12  # in SI units; no reading is larger, and its square must not overflow
 _SPARSE = 0.5  # An input that is mostly empty is logged slower than the rest, not broken.
 
 
@@ -24,7 +25,8 @@ def drop_non_finite_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked
     kept: list[Trial] = []
     holes: list[Hit] = []
     empty: list[Hit] = []
-    for trial in trials:
+    for recorded in trials:
+        trial = _without_wild_numbers(recorded)
         keep = _whole_rows(setting, trial)
         sound = trial.rows(keep) if not keep.all() else trial
         gone = len(trial) - len(sound)
@@ -34,7 +36,7 @@ def drop_non_finite_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked
         if gone:
             text = f"{gone} of {len(trial)} rows dropped, the first is row {int(np.argmin(keep)) + 1}"
             holes.append(Hit(trial, gone, text))
-        kept.append(_without_infinity(sound))
+        kept.append(sound)
     found = over_trials("gap/non-finite-rows", "rows without a number", holes, len(trials), unit="rows")
     found += over_trials(
         "gap/empty-trial",
@@ -64,6 +66,7 @@ def _whole_rows(setting: Setting, trial: Trial) -> FloatArray:
     return keep
 
 
-def _without_infinity(trial: Trial) -> Trial:
-    changed = {name: getattr(trial, name) for name in COLUMNS if np.isinf(getattr(trial, name)).any()}
-    return replace(trial, **{name: np.where(np.isinf(v), np.nan, v) for name, v in changed.items()})
+def _without_wild_numbers(trial: Trial) -> Trial:
+    """Infinite and absurd readings as missing ones."""
+    wild = {name: np.abs(getattr(trial, name)) > LARGEST for name in COLUMNS[1:]}
+    return replace(trial, **{k: np.where(bad, np.nan, getattr(trial, k)) for k, bad in wild.items() if bad.any()})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from schemas.diagnostics import Diagnostic, finding
+from schemas.diagnostics import Diagnostic, Severity, finding
 from schemas.measurement import MeasurementSpec
 from simgap.reading.yaml_text import YamlDocument
 
@@ -41,7 +41,8 @@ def check_split(
             found.append(finding("gap/unknown-trial", text, where=where, value=len(unknown), bound=0, unit="trials"))
         elif not set(ids) & set(usable):
             where = document.place(("split", part), of_key=True)
-            found.append(finding("gap/too-few-trials", f"split.{part} has no usable trial", where=where, value=0))
+            text = f"split.{part} has no usable trial"
+            found.append(finding("gap/too-few-trials", text, where=where, value=0, severity=Severity.ERROR))
     unused = [i for i in usable if i not in {*split.train, *split.test}]
     if unused:
         text = f"{_named(unused)} {'is' if len(unused) == 1 else 'are'} neither in train nor in test"

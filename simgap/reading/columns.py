@@ -95,8 +95,8 @@ def declared_columns(
             found.append(finding("gap/missing-column", text, where=where))
             continue
         width = 1 if joint is not None else WIDTHS[spec.kind][name]
-        if len(sources) > 1 and width not in (0, len(sources)):
-            text = f"'{name}' has {width} number{'s' * (width > 1)} per row, {len(sources)} columns are given"
+        if (len(sources) != 1 and width not in (0, len(sources))) or not sources:
+            text = f"'{name}' has {width or 'some'} numbers per row, {len(sources)} columns are given"
             found.append(finding("gap/invalid-value", text, where=where, value=len(sources), bound=width))
             continue
         columns.append(Column(name, joint, sources, width))

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from geom.pose import matrix_of
-from schemas.diagnostics import Location
+from schemas.diagnostics import Diagnostic, Location, Severity, finding
 from schemas.model import FloatArray
 from simgap.reading.columns import Column, take
 from simgap.reading.tables import Table, unreadable
@@ -70,6 +70,13 @@ def in_body(vectors_W: FloatArray, quat_wxyz: FloatArray) -> FloatArray:
     return out
 
 
-def bad_cells(table: Table, file: str) -> tuple[int, Location]:
-    """How many cells hold no number, and where the first stands."""
-    return table.bad_cells, table.first_bad or Location(file=file)
+def absent_side_channels(aux: Mapping[str, str], trials: Sequence[Trial]) -> tuple[Diagnostic, ...]:
+    """A warning for each side channel that some trial lacks; it only hides the effects that need it."""
+    found: list[Diagnostic] = []
+    for name, source in aux.items():
+        lacking = [trial for trial in trials if name not in trial.aux]
+        if lacking:
+            text = f"aux '{name}' is declared as {source}; {len(lacking)} of {len(trials)} files have no such column"
+            where = Location(file=lacking[0].file)
+            found.append(finding("gap/missing-column", text, where=where, severity=Severity.WARNING))
+    return tuple(found)

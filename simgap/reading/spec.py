@@ -76,4 +76,5 @@ def _models_in(annotation: Any) -> list[type[BaseModel]]:
 
 
 def _short(value: Any) -> str | None:
-    return None if isinstance(value, dict) else str(value)[:60]
+    """Scalars only: the text of a list of aliases can be longer than any memory."""
+    return str(value)[:60] if isinstance(value, str | int | float | bool) else None

@@ -95,7 +95,8 @@ def _urdf_joints(path: Path, relative: str, document: YamlDocument) -> tuple[Joi
         parser = etree.XMLParser(resolve_entities=False, no_network=True)
         robot = etree.fromstring(path.read_bytes(), parser)
     except (etree.XMLSyntaxError, ValueError, OSError) as error:
-        raise InvalidInput(finding("gap/unreadable-subject", f"{relative}: {error}", where=where)) from None
+        why = error.strerror if isinstance(error, OSError) else error
+        raise InvalidInput(finding("gap/unreadable-subject", f"{relative}: {why}", where=where)) from None
     if robot.tag != "robot":
         raise InvalidInput(finding("gap/unreadable-subject", f"{relative} is no URDF: <{robot.tag}>", where=where))
     joints = [j for j in robot.findall("joint") if j.get("type") in _MOVABLE and j.find("mimic") is None]

@@ -44,7 +44,9 @@ def read_table(path: Path, file: str, wanted: Collection[str] | None = None) -> 
         return readers[path.suffix.lower()](path, file, wanted)
     except InvalidInput:
         raise
-    except (ValueError, OSError, KeyError, zipfile.BadZipFile, csv.Error, EOFError, NotImplementedError) as error:
+    except OSError as error:
+        raise unreadable(file, error.strerror or "the file cannot be read") from None
+    except (ValueError, KeyError, zipfile.BadZipFile, csv.Error, EOFError, NotImplementedError, MemoryError) as error:
         raise unreadable(file, str(error).splitlines()[0] if str(error) else type(error).__name__) from None
 
 
@@ -87,6 +89,8 @@ def _csv(path: Path, file: str, wanted: Collection[str] | None) -> Table:
     body = lines[1:]
     if not kept or not any(line.strip() for line in body):
         return Table({names[i]: np.empty(0) for i in kept})
+    if separator != "," and not any("." in line for line in body):
+        body = [line.replace(",", ".") for line in body]  # The spreadsheet of a country with decimal commas.
     try:
         values = np.loadtxt(body, delimiter=separator, usecols=kept, ndmin=2)
         return Table({names[i]: values[:, k] for k, i in enumerate(kept)})
@@ -145,11 +149,15 @@ def _parquet(path: Path, file: str, wanted: Collection[str] | None) -> Table:
 def _arrow_floats(column: object, name: str) -> FloatArray:
     """(n,) of a numeric column, (n, k) of a list column whose rows are equally long; nulls are NaN."""
     values = column.to_numpy(zero_copy_only=False)  # pyright: ignore[reportAttributeAccessIssue]
-    if values.dtype == object:
-        if len({np.shape(v) for v in values}) > 1:
-            raise ValueError(f"rows of column '{name}' differ in length")
-        values = np.stack(list(values)) if len(values) else np.empty(0)
-    return _floats(values, name)
+    if values.dtype.kind in "mM":  # Stamps of a clock become seconds.
+        return values.astype(f"{values.dtype.kind}8[ns]").astype(np.int64) * 1e-9
+    if values.dtype != object:
+        return _floats(values, name)
+    if all(v is None or np.isscalar(v) for v in values):
+        return values.astype(np.float64)
+    if len({np.shape(v) for v in values}) > 1:
+        raise ValueError(f"rows of column '{name}' differ in length")
+    return _floats(np.stack(list(values)), name)
 
 
 def _npz(path: Path, file: str, wanted: Collection[str] | None) -> Table:

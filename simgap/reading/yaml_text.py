@@ -12,7 +12,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from schemas.diagnostics import InvalidInput, Location, finding
 
-MAX_BYTES = 4_000_000
+MAX_BYTES = 1_000_000
 
 
 @dataclass(frozen=True)
