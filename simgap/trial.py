@@ -21,7 +21,7 @@ class Trial:
     effort       (n, j) as logged, in units of `actuation.effort_per_unit`.
     command      (n, j) commanded joint positions.
     command_p, command_quat_wxyz   (n, 3), (n, 4) commanded pose of the end effector.
-    aux          (n,) side channels by their name in the file.
+    aux          (n,) side channels by their names in `aux`, e.g. `supply_V`.
     dropped      rows of the file that are not here (not finite, corrupted, stamped twice).
     file         where it was read from, relative to the folder.
     """

@@ -16,15 +16,21 @@ from simgap.trial import Trial
 SAME_RATE = 0.005
 JITTER = 0.02  # of a period
 _PLAUSIBLE_STEP = 0.3  # of the median step: closer stamps are two clocks interleaved
+_LATE = 3.0  # periods
 _UNITS = {1e3: "ms", 1e6: "us", 1e9: "ns"}
 _SMOOTHER = 0.6
 _NEARBY = 15  # steps
 
 
 def order_stamps(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
-    """Rows sorted by stamp, one per stamp, `t_s` from 0; a trial whose clock restarts is left out."""
+    """Rows sorted by stamp, one per stamp, `t_s` from 0.
+
+    Stamps that run back by less than _LATE periods in no sortable way are late ones: the rows keep their order, on the
+    regular clock through them. A trial whose clock restarts is left out.
+    """
     kept: list[Trial] = []
     repaired: list[Hit] = []
+    late: list[Hit] = []
     broken: list[Hit] = []
     for trial in trials:
         steps = np.diff(trial.t_s)
@@ -39,11 +45,18 @@ def order_stamps(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
             continue
         if backward and sorted_steps.min() < _PLAUSIBLE_STEP * np.median(sorted_steps):
             text = f"the clock goes back {backward} times, by up to {-steps.min():.3g} s"
-            broken.append(Hit(trial, max(backward, 1), text))
+            period = float(np.ptp(t_s)) / (len(trial) - 1)
+            if -steps.min() < _LATE * period:
+                late.append(Hit(trial, backward, text))
+                kept.append(replace(trial, t_s=period * np.arange(len(trial)), t0_s=float(t_s[0])))
+            else:
+                broken.append(Hit(trial, backward, text))
             continue
         repaired.append(Hit(trial, backward + doubled, f"{backward} rows out of order, {doubled} stamped twice"))
         kept.append(_from_zero(trial.rows(order)))
     found = over_trials("gap/time-not-increasing", "rows sorted by stamp", repaired, len(trials), unit="rows")
+    text = "stamps run back; the rows are put on a regular clock"
+    found += over_trials("gap/stamp-jitter", text, late, len(trials), unit="rows")
     found += over_trials(
         "gap/clock-restarts",
         "no one clock through these trials, left out",

@@ -255,6 +255,48 @@ def test_late_stamps_are_evened_but_true_irregular_sampling_stays(tmp_path: Path
     assert np.ptp(np.diff(sound(sampled).trials[0].t_s)) > 1e-3
 
 
+def test_stamps_later_than_the_next_row_keep_the_order_of_rows(tmp_path: Path):
+    late = np.random.default_rng(1).uniform(0.0, 0.02, 60)
+    clean = sound(tossed()(tmp_path / "a"))
+    folder = tossed(lambda c: c | {"t": c["t"] + late})(tmp_path / "b")
+    assert codes(folder) == {"gap/stamp-jitter"}
+    for a, b in zip(clean.trials, sound(folder).trials, strict=True):
+        np.testing.assert_allclose(a.p, b.p, atol=1e-9)
+        np.testing.assert_allclose(a.t_s, b.t_s, atol=0.03)
+
+
+ARM = """\
+<robot name="arm">
+  <link name="base"/><link name="upper"/><link name="lower"/><link name="finger"/><link name="tip"/>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/></joint>
+  <joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/></joint>
+  <joint name="slide" type="prismatic"><parent link="lower"/><child link="finger"/></joint>
+  <joint name="flange" type="fixed"><parent link="lower"/><child link="tip"/></joint>
+</robot>
+"""
+TRACKING = """\
+schema_version: 1
+name: arm
+kind: tracking
+rate_hz: 100
+columns: {q_elbow: e, q_shoulder: s, command_elbow: ce, command_shoulder: cs, p: [x, y, z], q_wxyz: [qw, qx, qy, qz]}
+subject: {urdf: arm.urdf, end_effector: tip, controller: {type: stable_pd, kp: 100, kd: 10}}
+"""
+
+
+def test_tracked_joints_come_in_the_order_of_the_model(tmp_path: Path):
+    t = np.arange(100) / 100.0
+    pose = columns_of("x y z", np.zeros((100, 3))) | columns_of("qw qx qy qz", np.tile([1.0, 0.0, 0.0, 0.0], (100, 1)))
+    moves = {"e": np.sin(t), "s": np.cos(t), "ce": np.sin(t) + 0.1, "cs": np.cos(t) + 0.1}
+    folder = folder_of(tmp_path, TRACKING, {f"t{k}": moves | pose | {"e": np.sin(t + k)} for k in range(4)})
+    (folder / "arm.urdf").write_text(ARM)
+    measurement = sound(folder)
+    assert measurement.joints == ("shoulder", "elbow")  # the slide is in the model, but nobody measured it
+    np.testing.assert_allclose(measurement.trials[0].q, np.column_stack([np.cos(t), np.sin(t)]), atol=1e-8)
+    assert measurement.trials[0].has("command")
+    assert not measurement.trials[0].has("command_p")
+
+
 def test_a_spike_is_dropped_and_an_impact_is_not(tmp_path: Path):
     def bounce(columns: Columns) -> Columns:
         hit = columns["t"] >= 0.3
