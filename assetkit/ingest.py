@@ -21,14 +21,14 @@ from schemas.diagnostics import Diagnostic, finding
 from schemas.outcome import ItemOutcome
 from schemas.report import ReportItem
 
-_CODES = {
+LOST_CODES = {
     "timeout": "asset/worker-timeout",
     "out_of_memory": "asset/worker-out-of-memory",
     "crashed": "asset/worker-crashed",
     "failed": "asset/worker-crashed",
 }
 # One core per asset, the batch fills the others; and USD starts no threads, which could not be forked.
-_ENVIRONMENT = {"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1", "PYTHONHASHSEED": "0"}
+ENVIRONMENT = {"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1", "PYTHONHASHSEED": "0"}
 _CHATTER = ("pybullet build time", "#")  # What PyBullet and, told how many threads to use, OpenUSD print on import.
 DEFAULT_LIMITS = Limits(seconds=300.0, memory_mb=8192)
 
@@ -61,7 +61,7 @@ def ingest(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem
     """
     batch.out.mkdir(parents=True, exist_ok=True)
     owned = [ownership.settle(c, batch.out) for c in candidates]
-    with warm_cells(batch.preload, env=_ENVIRONMENT):
+    with warm_cells(batch.preload, env=ENVIRONMENT):
         for _, item in run_all(lambda c: _one(c, batch), owned, jobs=batch.jobs):
             yield item
 
@@ -74,7 +74,7 @@ def _one(candidate: Candidate, batch: Batch) -> ReportItem:
         note = memory.file_of(candidate, batch.out, batch.options)
         stored = None if batch.fresh else memory.recall(note)
         if stored is not None and memory.is_current(stored, candidate, batch.out):
-            transient = set(stored.item.codes) & {*_CODES.values(), "asset/internal-error"}
+            transient = set(stored.item.codes) & {*LOST_CODES.values(), "asset/internal-error"}
             if batch.resume or not transient:
                 return stored.item.model_copy(update={"cached": ("item",)})
         return _in_cell(candidate, batch, note)
@@ -105,8 +105,8 @@ def _in_cell(candidate: Candidate, batch: Batch, note: Path) -> ReportItem:
 
 def _run_worker(batch: Batch, request: Path) -> CellResult:
     if isinstance(batch.worker, str):
-        return run_module(batch.worker, [str(request)], batch.limits, env=_ENVIRONMENT)
-    return run_cell([*batch.worker, str(request)], batch.limits, env=_ENVIRONMENT)
+        return run_module(batch.worker, [str(request)], batch.limits, env=ENVIRONMENT)
+    return run_cell([*batch.worker, str(request)], batch.limits, env=ENVIRONMENT)
 
 
 def _request(candidate: Candidate, batch: Batch, note: Path, work: Path) -> dict[str, object]:
@@ -137,7 +137,7 @@ def _lost(candidate: Candidate, result: CellResult, limits: Limits) -> ReportIte
     said = [line for line in result.output.strip().splitlines() if not line.startswith(_CHATTER)]
     tail = said[-1:] or ["no output"]
     diagnostic = finding(
-        _CODES.get(result.status, "asset/worker-crashed"),
+        LOST_CODES.get(result.status, "asset/worker-crashed"),
         f"worker {result.status.replace('_', ' ')}: {tail[0][:200]}",
         value=None if value is None else round(value, 1),
         bound=limit,

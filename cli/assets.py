@@ -18,6 +18,7 @@ from assetkit.options import Options, UnitName, UpAxisName
 from assetkit.record import RECORD
 from assetkit.report import build_report, write_report
 from cli import text
+from cli.findings import show_findings
 from jobs.cell import Limits
 from schemas.asset import Role
 from schemas.diagnostics import Severity
@@ -171,26 +172,33 @@ def show_command(
 
 @app.command("validate")
 def validate_command(
-    path: Annotated[Path, typer.Argument(help="A USD file, a package or a library.", exists=True)],
+    path: Annotated[Path, typer.Argument(help="A USD file, a folder, a package or a library.", exists=True)],
+    gate_only: Annotated[bool, typer.Option("--gate-only", help="Skip SimReady and UsdValidation.")] = False,
+    timeout: Annotated[float, typer.Option(help="Seconds one file may take.")] = 120.0,
     as_json: AsJson = False,
 ) -> None:
-    """Judge any USD asset: SimReady Robotics-Prop 4.0.0, UsdValidation and Mana's own plausibility gate.
+    """Judge any USD asset: SimReady Robotics-Prop 4.0.0, OpenUSD's validators and Mana's plausibility gate.
 
-    Example: `mana assets validate library/mug`
+    Errors are wrong in any file, or in a package that claims to be SimReady. Warnings are suspicious. Remarks say what
+    keeps a file of somebody else from being such a package. Every finding names its prim; `docs/reference/gate.md` has
+    all rules with their bounds. Exit code 1 when there is an error, 2 when nothing could be judged.
+
+    Examples: `mana assets validate library`, `mana assets validate robot.usd --gate-only --json`
     """
-    from assetkit.validate import main_usd_files, validate_file  # Loads USD, which most commands do not need.
+    from assetkit.validate import main_usd_files, validate_files  # Loads USD, which most commands do not need.
 
-    results = {str(file): validate_file(file) for file in main_usd_files(path)}
-    if not results:
+    files = main_usd_files(path)
+    if not files:
         raise FileNotFoundError(f"no USD file in {path}")
-    failed = any(d.severity is Severity.ERROR for found in results.values() for d in found)
+    results: dict[str, list[dict]] = {}
+    failed = False
+    for file, found in validate_files(files, outside=not gate_only, limits=Limits(seconds=timeout)):
+        failed = failed or any(d.severity is Severity.ERROR for d in found)
+        results[str(file)] = [d.model_dump(mode="json") for d in found]
+        if not as_json:
+            show_findings(file, found)
     if as_json:
-        print(json.dumps({f: [d.model_dump(mode="json") for d in found] for f, found in results.items()}, indent=1))
-    else:
-        for file, found in results.items():
-            text.console.print(f"[bold]{escape(file)}[/bold]: {len(found) or 'no'} finding{'s' * (len(found) != 1)}")
-            for diagnostic in found:
-                text.show_diagnostic(diagnostic, "  ")
+        print(json.dumps(results, indent=1))
     raise typer.Exit(1 if failed else 0)
 
 

@@ -41,7 +41,8 @@ def demo(
 
     Example: `mana demo --out demo_out`
     """
-    from assetkit.validate import main_usd_files, validate_file  # Loads USD, which other commands do not need.
+    from assetkit.judge import judge  # Loads USD, which other commands do not need.
+    from assetkit.validate import main_usd_files
 
     data = data_folder()
     found = [data / name for name in OBJECTS if (data / name).is_file()]
@@ -55,7 +56,7 @@ def demo(
         jobs=jobs,
     )
     report = run_batch(discover(found, root=data), batch, quiet=as_json)
-    verdicts = {file: validate_file(file) for file in main_usd_files(batch.out)}
+    verdicts = {file: judge(file) for file in main_usd_files(batch.out)}
     page = write_page(report, verdicts, out)
     if as_json:
         print(report.model_dump_json(indent=1))

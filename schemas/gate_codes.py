@@ -1,4 +1,4 @@
-"""Codes of the static gate (`usdio.gate`), one per rule; part of the table in `schemas.codes`."""
+"""Codes of the static gate (`usdio.gate`), one per rule, and of outside validators; part of `schemas.codes`."""
 
 from __future__ import annotations
 
@@ -309,5 +309,16 @@ GATE_CODES: dict[str, CodeInfo] = {
         "An engine parameter is not a number",
         "NaN spreads through a solver in one step.",
         "remove the attribute or give it a number",
+    ),
+    # What outside validators say, as `mana assets validate` reports it.
+    "asset/simready-rule": _error(
+        "SimReady Foundation refuses something",
+        "Isaac Sim and its kin take packages that pass its profile; a file that claims nothing may ignore it.",
+        "see the requirement named in the SimReady Foundation documentation",
+    ),
+    "asset/usd-rule": _error(
+        "OpenUSD's own validators refuse something",
+        "The file breaks a rule of a USD schema, so readers will disagree about it.",
+        "see the validator named in the OpenUSD documentation",
     ),
 }

@@ -263,6 +263,8 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/internal-error": "tests/test_batch.py",
     "asset/output-occupied": "tests/test_batch.py",
     "asset/package-invalid": "tests/unit/test_gate.py",
+    "asset/simready-rule": "tests/unit/test_validate.py",
+    "asset/usd-rule": "tests/unit/test_validate.py",
     "asset/collision-fallback": "tests/unit/test_physics_stage.py",
     "asset/render-collision-misaligned": "tests/unit/test_acceptance.py",
     "asset/unstable-settling": "tests/unit/test_acceptance.py",

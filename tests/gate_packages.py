@@ -6,6 +6,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,6 +22,7 @@ from geom.topology import observe
 from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, MassProperties
 from tests.unit import package_samples as samples
+from usdio.quiet import quiet
 from usdio.write_materials import label_material
 from usdio.write_meshes import author_normals, define_mesh
 from usdio.write_package import write_package
@@ -116,6 +119,20 @@ def cabinet(folder: Path, scale: float = 1.0) -> Path:
     thumbnail.parent.mkdir(parents=True)
     thumbnail.write_bytes(samples.png())
     return main_file
+
+
+def seeded(edit: Callable[[Usd.Stage], object], main_file: Path, folder: Path) -> Path:
+    """The main file of a copy of a package with one edit in it; `folder` is emptied first."""
+    package = main_file.parent.parent
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(package, folder / package.name)
+    copy = folder / package.name / main_file.relative_to(package)
+    with quiet():
+        stage = Usd.Stage.Open(str(copy))
+        edit(stage)
+        stage.GetRootLayer().Save()
+        del stage
+    return copy
 
 
 def origin_of(link: str) -> np.ndarray:

@@ -162,6 +162,15 @@ def gate(main_file: Path) -> tuple[Diagnostic, ...]:
             return tuple({diagnostic.model_dump_json(): diagnostic for diagnostic in found}.values())
 
 
+def claims_release(main_file: Path) -> bool:
+    """True iff the asset claims to be a SimReady package: by its metadata, or by a record.json beside its USD folder.
+
+    Raises InvalidInput (`asset/package-invalid`) when the file cannot be opened.
+    """
+    with quiet():
+        return Subject(open_stage(main_file), main_file).released
+
+
 def _findings(rule: Rule, subject: Subject) -> tuple[Diagnostic, ...]:
     """What a rule says. A value that OpenUSD refuses to read, or a defect of the rule, is a finding and not the end."""
     try:

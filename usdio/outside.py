@@ -9,7 +9,7 @@ import contextlib
 import io
 import logging
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,41 +19,79 @@ from pxr import UsdValidation
 from usdio.quiet import quiet
 from usdio.stage import open_stage
 
+SIMREADY, USD_VALIDATION = "simready", "usd-validation"
 SIMREADY_PROFILE, SIMREADY_VERSION = "Robotics-Prop", "4.0.0"
 
 
+class Remark(NamedTuple):
+    """One thing a judge says: its rule, its words, and the prim it is about ("" for the whole file)."""
+
+    rule: str
+    message: str
+    prim: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.rule}: {self.message}"
+
+
 class Verdict(NamedTuple):
-    """What a judge says: sorted lines `rule: message`. `findings` are failures; without any the package passed."""
+    """What a judge says, sorted. `findings` are failures; without any the package passed."""
 
     judge: str
     passed: bool
-    findings: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    findings: tuple[Remark, ...] = ()
+    warnings: tuple[Remark, ...] = ()
 
 
 def outside_verdicts(main_file: Path) -> tuple[Verdict, ...]:
-    """Every outside judge on the package with this main file, silently."""
-    return simready(main_file), usd_validation(main_file)
+    """Every outside judge on the package with this main file, silently.
+
+    A judge that fails on the file has not passed it: its error is its finding. Raises InvalidInput
+    (`asset/package-invalid`) when the file cannot be opened.
+    """
+    open_stage(main_file)
+    return tuple(_asked(name, judge, main_file) for name, judge in JUDGES)
+
+
+def _asked(name: str, judge: Callable[[Path], Verdict], main_file: Path) -> Verdict:
+    try:
+        return judge(main_file)
+    except Exception as error:  # Code of others, on any file.
+        message = f"the judge itself fails on this file: {type(error).__name__}: {error}"[:300]
+        return Verdict(name, False, (Remark("unjudged", message),))
 
 
 def simready(main_file: Path) -> Verdict:
     """The same answer as `simready-validate --profile Robotics-Prop --version 4.0.0 FILE`.
 
-    Findings are the blocking failures; failures of optional features (joints, grasps, runtime variants) are not
-    listed. The package is judged under a link in a plain temporary folder, because NP.003 and NP.004 test every folder
-    name up to the disk root and would blame the package for where its user keeps it.
+    Findings are the blocking failures; for the others see `simready_optional`.
+    """
+    result, places = _simready_result(main_file)
+    if result is None:
+        return Verdict(SIMREADY, False, (Remark("unjudged", "the profile could not be loaded"),))
+    findings = tuple(sorted({_remark(issue, places) for issue in result.issues}))
+    return Verdict(SIMREADY, simready_rules().features_summary_passed(result.features_summary), findings)
+
+
+def simready_optional(main_file: Path) -> tuple[Remark, ...]:
+    """Failures of optional features (joints, grasps, runtime variants), which every package has some of; sorted."""
+    result, places = _simready_result(main_file)
+    return () if result is None else tuple(sorted({_remark(issue, places) for issue in result.soft_issues}))
+
+
+def _simready_result(main_file: Path) -> tuple[Any, dict[str, str]]:
+    """SimReady's result and the temporary folders that its messages name, with what they stand for.
+
+    The package is judged under a link in a plain temporary folder, because NP.003 and NP.004 test every folder name up
+    to the disk root and would blame the package for where its user keeps it.
     """
     with _silence(), quiet(), tempfile.TemporaryDirectory(prefix="mana") as place:
-        validate = simready_rules()
         package = main_file.resolve().parent.parent
         link = Path(place) / (package.name or "root")
         link.symlink_to(package, target_is_directory=True)
         linked = link / main_file.resolve().relative_to(package)
-        result = validate.validate_stage(open_stage(linked), SIMREADY_PROFILE, SIMREADY_VERSION)
-    if result is None:
-        return Verdict("simready", False, ("the profile could not be loaded",))
-    findings = {_issue_line(issue).replace(str(link), package.name) for issue in result.issues}
-    return Verdict("simready", validate.features_summary_passed(result.features_summary), tuple(sorted(findings)))
+        result = simready_rules().validate_stage(open_stage(linked), SIMREADY_PROFILE, SIMREADY_VERSION)
+    return result, {str(link): package.name}
 
 
 def usd_validation(main_file: Path) -> Verdict:
@@ -66,8 +104,11 @@ def usd_validation(main_file: Path) -> Verdict:
     failures, warnings = set(), set()
     for error in found:
         failed = error.GetType() == UsdValidation.ValidationErrorType.Error
-        (failures if failed else warnings).add(f"{error.GetIdentifier()}: {error.GetMessage()}")
-    return Verdict("usd-validation", not failures, tuple(sorted(failures)), tuple(sorted(warnings)))
+        prims = [site.GetPrim() if site.IsPrim() else site.GetProperty() for site in error.GetSites()]
+        paths = [str(prim.GetPath()) for prim in prims if prim]
+        message = error.GetMessage().replace(f"{main_file.parent}/", "")
+        (failures if failed else warnings).add(Remark(error.GetIdentifier(), message, *paths[:1]))
+    return Verdict(USD_VALIDATION, not failures, tuple(sorted(failures)), tuple(sorted(warnings)))
 
 
 @cache
@@ -79,9 +120,14 @@ def simready_rules() -> Any:
     return simready.validate
 
 
-def _issue_line(issue: Any) -> str:
+def _remark(issue: Any, places: dict[str, str]) -> Remark:
+    """An issue without the temporary folders in `places`, which become the names of what they stand for."""
+    message = issue.message
+    for place, name in places.items():
+        message = message.replace(place, name)
+    path = getattr(issue.at, "path", None)
     code = issue.requirement.code if issue.requirement is not None else "unnamed"
-    return f"{code}: {issue.message}"
+    return Remark(code, message, "" if path is None else str(path))
 
 
 @contextlib.contextmanager
@@ -94,3 +140,6 @@ def _silence() -> Iterator[None]:
             yield
     finally:
         logging.disable(previous)
+
+
+JUDGES: tuple[tuple[str, Callable[[Path], Verdict]], ...] = ((SIMREADY, simready), (USD_VALIDATION, usd_validation))

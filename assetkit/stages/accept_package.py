@@ -9,7 +9,7 @@ from schemas.asset import Check
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
 from schemas.outcome import Outcome
 from usdio.gate import gate
-from usdio.outside import outside_verdicts
+from usdio.outside import Remark, outside_verdicts
 from usdio.reread import reread_body, reread_visual
 from usdio.source_names import renamed, source_names
 
@@ -50,11 +50,11 @@ def _check(name: str, errors: int) -> Check:
     return Check(name=name, value=errors, bound=0, unit="errors", passed=errors == 0)
 
 
-def _refused(name: str, found: tuple[str, ...]) -> Diagnostic:
+def _refused(name: str, found: tuple[Remark, ...]) -> Diagnostic:
     return finding(
         "asset/package-invalid",
         f"{name} refuses the package: {found[0]}",
-        where=Location(),
+        where=Location(prim=found[0].prim or None),
         value=len(found),
         bound=0,
         unit="errors",

@@ -1,20 +1,14 @@
 """Seeded defects: each one in a clean package is found by its rule, with its severity, and points at a prim."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
-from pxr import Usd
 
 from tests.gate_defects import DEFECTS, Defect
-from tests.gate_packages import cabinet, prop
+from tests.gate_packages import cabinet, prop, seeded
 from usdio.gate import RULES, gate
-from usdio.quiet import quiet
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +19,7 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 @pytest.mark.parametrize("defect", DEFECTS, ids=lambda d: d.name)
 def test_each_defect_is_found_by_its_rule(defect: Defect, clean: dict[str, Path], tmp_path: Path) -> None:
-    found = gate(seeded(defect, clean[defect.package], tmp_path))
+    found = gate(seeded(defect.edit, clean[defect.package], tmp_path))
     own = [d for d in found if d.code == defect.code]
     assert own, [f"{d.code}: {d.headline}" for d in found]
     assert max(own, key=lambda d: d.severity == "error").severity == defect.severity
@@ -40,16 +34,3 @@ def test_the_packages_are_clean(clean: dict[str, Path]) -> None:
 def test_every_rule_has_a_defect() -> None:
     assert {defect.code for defect in DEFECTS} == {rule.code for rule in RULES}
     assert len({defect.name for defect in DEFECTS}) == len(DEFECTS)
-
-
-def seeded(defect: Defect, main_file: Path, folder: Path) -> Path:
-    """A copy of the package with the defect in it."""
-    package = main_file.parent.parent
-    shutil.copytree(package, folder / package.name)
-    copy = folder / package.name / main_file.relative_to(package)
-    with quiet():
-        stage = Usd.Stage.Open(str(copy))
-        defect.edit(stage)
-        stage.GetRootLayer().Save()
-        del stage
-    return copy

@@ -53,7 +53,7 @@ def test_the_judge_is_awake_and_silent(tmp_path: Path, capfd: pytest.CaptureFixt
     main_file = write(VARIANTS["plain"], tmp_path / "a folder (1) with ümlaut")
     assert simready(main_file).passed
     (main_file.parent / ".thumbs" / "256x256" / "sample-1.usda.png").unlink()
-    assert [line.split(":")[0] for line in simready(main_file).findings] == ["com.nvidia.simready.SR.002"]
+    assert [remark.rule for remark in simready(main_file).findings] == ["com.nvidia.simready.SR.002"]
     assert capfd.readouterr() == ("", "")
 
 

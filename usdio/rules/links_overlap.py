@@ -63,7 +63,7 @@ def _pair(subject: Subject, first: Body, second: Body, joint: Joint | None) -> I
     through = joint is not None and depth_m > THROUGH * thickness_m
     yield finding(
         CODE,
-        "one link lies inside another" if swallowed else "two links overlap at rest",
+        f"the link {'lies inside or around' if swallowed else 'overlaps'} {second.path} at rest",
         where=at(first.prim),
         value=share if swallowed else depth_m,
         bound=SWALLOWED if swallowed else bound_m,
