@@ -155,7 +155,7 @@ def test_sheets_divide_by_their_area():
     assert_allclose(shares[0].centre_of_mass_m, [0, 0, -0.05], atol=1e-9)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_equal_densities_give_back_the_whole(seed):
     rng = np.random.default_rng(seed)

@@ -37,7 +37,7 @@ def random_boxes(seed: int) -> list[Mesh]:
     return meshes
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 2**32 - 1))
 def test_law_turning_and_moving(seed, turn):
     X = pose(Rotation.random(random_state=turn).as_matrix(), np.random.default_rng(turn).uniform(-3, 3, 3))
@@ -47,7 +47,7 @@ def test_law_turning_and_moving(seed, turn):
     assert_same(there, moved(here, X), 1e-6)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0.01, 100.0))
 def test_law_scaling(seed, s):
     meshes = random_boxes(seed)
@@ -56,7 +56,7 @@ def test_law_scaling(seed, s):
     assert_same(large, scaled_up, 1e-6)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 2**32 - 1))
 def test_law_disjoint_bodies_add(first, second):
     left = random_boxes(first)

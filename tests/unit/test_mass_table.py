@@ -206,9 +206,9 @@ def counted(density: Callable[[FloatArray], FloatArray], low: FloatArray, high: 
 
 def half_ball(radius=0.1) -> Mesh:
     """The lower half of a spherical sheet, rim up."""
-    angle = np.linspace(0.0, np.pi / 2, 33)
+    angle = np.linspace(0.0, np.pi / 2, 17)
     profile = radius * np.stack([np.sin(angle), -np.cos(angle)], axis=1)
-    return mesh_from(trimesh.creation.revolve(profile, sections=96), "bowl")
+    return mesh_from(trimesh.creation.revolve(profile, sections=48), "bowl")
 
 
 def test_a_declared_wall_makes_a_shell_with_its_closed_form():
@@ -242,8 +242,8 @@ def test_an_undeclared_wall_is_little_believed_and_may_be_a_filled_body():
 def scraps() -> Mesh:
     """Confetti in a box: neither a body nor a sheet."""
     rng = np.random.default_rng(4)
-    corners = rng.uniform(-0.1, 0.1, (3000, 1, 3)) + rng.uniform(-0.004, 0.004, (3000, 3, 3))
-    return Mesh("scraps", corners.reshape(-1, 3), np.arange(9000, dtype=np.int32).reshape(-1, 3))
+    corners = rng.uniform(-0.1, 0.1, (1500, 1, 3)) + rng.uniform(-0.004, 0.004, (1500, 3, 3))
+    return Mesh("scraps", corners.reshape(-1, 3), np.arange(4500, dtype=np.int32).reshape(-1, 3))
 
 
 def test_what_is_neither_body_nor_sheet_falls_back_to_its_hull_unless_a_wall_is_declared():
