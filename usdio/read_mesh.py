@@ -12,10 +12,11 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from geom import gprims
+from geom.finite import require_finite
 from geom.polygons import triangulate_polygons
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.outcome import Outcome
-from usdio.surface import Surface, check_finite, turned
+from usdio.surface import Surface, turned
 
 # Where an attribute has samples, the earliest counts; otherwise its default value.
 EARLIEST: Final = Usd.TimeCode.EarliestTime()
@@ -135,7 +136,7 @@ def _check_topology(points: np.ndarray, counts: np.ndarray, indices: np.ndarray,
                 bound=len(points) - 1,
             )
         )
-    check_finite(points, where)
+    require_finite(points, where, row="point")
 
 
 def _array(attribute: Usd.Attribute, shape: tuple[int, ...], dtype: type) -> np.ndarray:

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from schemas.diagnostics import InvalidInput, Location, finding
+from geom.finite import require_finite
+from schemas.diagnostics import Location
 from schemas.model import Mesh
 
 
@@ -52,7 +53,7 @@ def placed(surface: Surface, X_WS: np.ndarray, where: Location) -> tuple[Surface
     with np.errstate(all="ignore"):
         points = surface.points @ A.T + X_WS[:3, 3]
         mirrored = np.linalg.det(A) < 0
-    check_finite(points, where)
+    require_finite(points, where, row="point")
     moved = turned(surface) if mirrored else surface
     if moved.normals is None:
         return replace(moved, points=points), 0
@@ -82,22 +83,6 @@ def part(surface: Surface, rows: np.ndarray, uv_names: tuple[str, ...], *, color
         uvs=tuple(uvs),
         colors=surface.colors[rows].astype(np.float32) if colors and surface.colors is not None else None,
     )
-
-
-def check_finite(points: np.ndarray, where: Location) -> None:
-    """Raise InvalidInput `asset/nonfinite-vertices` when (n, 3) `points` hold NaN or infinity."""
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(bad):
-        raise InvalidInput(
-            finding(
-                "asset/nonfinite-vertices",
-                f"point {bad[0]} is not finite; {len(bad)} of {len(points)} are not",
-                where=where,
-                value=len(bad),
-                bound=0,
-                unit="points",
-            )
-        )
 
 
 def _unit(normals: np.ndarray, points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, int]:

@@ -35,23 +35,6 @@ def srgb_to_linear(values: np.ndarray) -> np.ndarray:
     return np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4)
 
 
-def check_finite(points: np.ndarray, where: Location, *, row: str = "vertex") -> None:
-    """Raise InvalidInput `asset/nonfinite-vertices` when any coordinate of (n, 3) `points` is NaN or infinite."""
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(bad):
-        at = ", ".join(f"{c:g}" for c in points[bad[0]])
-        raise InvalidInput(
-            finding(
-                "asset/nonfinite-vertices",
-                f"{row} {bad[0]} is ({at}); {len(bad)} of {len(points)} are not finite",
-                where=where,
-                value=len(bad),
-                bound=0,
-                unit="vertices",
-            )
-        )
-
-
 def stray_faces(bad: np.ndarray, where: Location, *, points: int) -> Notes:
     """Notes for faces, marked True in (f,) `bad`, that refer to points that do not exist; they are to be dropped.
 

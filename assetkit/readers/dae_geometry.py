@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from assetkit.readers.corners import (
-    check_finite,
     compact,
     empty_faces,
     srgb_to_linear,
@@ -15,6 +14,7 @@ from assetkit.readers.corners import (
     unit_normals,
 )
 from assetkit.readers.dae_xml import Document, Element
+from geom.finite import require_finite
 from geom.polygons import triangulate_polygons, triangulate_with_holes
 from schemas.diagnostics import InvalidInput, Location, Severity, finding
 
@@ -72,7 +72,7 @@ def _read_primitive(primitive: Element, mesh: Element, document: Document) -> Pa
     if points.shape[1] < 3:
         points = np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
     points = points[:, :3]
-    check_finite(points, where)
+    require_finite(points, where)
     document.notes += empty_faces(int((counts < 3).sum()), where)
     table, counts = _faces(table, counts, counts >= 3)
     corners = table[:, position]

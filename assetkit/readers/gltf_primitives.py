@@ -12,6 +12,7 @@ from assetkit.readers.corners import Notes, compact, repaired, stray_faces
 from assetkit.readers.gltf_accessors import Accessors, normalised
 from assetkit.readers.gltf_buffers import Buffers
 from assetkit.readers.gltf_json import Json
+from geom.finite import require_finite
 from schemas.diagnostics import InvalidInput, Location, finding
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
@@ -72,7 +73,7 @@ def read_primitive(
     for weight, target in morphs:
         if "POSITION" in target:
             points += weight * target["POSITION"][used]
-    _check_finite(points, used, where)
+    require_finite(points, where, numbers=used)
     normals, normal_notes = _normals(attributes, morphs, corners, where)
     uvs, uv_notes = _uvs(attributes, corners, where)
     colors, color_notes = _colors(attributes, corners, where)
@@ -179,16 +180,6 @@ def _morphs(
             raise target.schema_error(f"the morph target does not have {vertices} vertices")
         result.append((weight, arrays))
     return result
-
-
-def _check_finite(points: np.ndarray, used: np.ndarray, where: Location) -> None:
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(bad):
-        at = ", ".join(f"{c:g}" for c in points[bad[0]])
-        headline = f"vertex {used[bad[0]]} of mesh '{where.mesh}' is ({at}); {len(bad)} of {len(points)} are not finite"
-        raise InvalidInput(
-            finding("asset/nonfinite-vertices", headline, where=where, value=len(bad), bound=0, unit="vertices")
-        )
 
 
 def _normals(

@@ -10,7 +10,6 @@ import numpy as np
 from assetkit.readers import obj_text
 from assetkit.readers.corners import (
     Notes,
-    check_finite,
     compact,
     empty_faces,
     repaired,
@@ -23,6 +22,7 @@ from assetkit.readers.obj_text import ObjText
 from assetkit.readers.screen import screen_text
 from assetkit.readers.texture_table import TextureTable
 from assetkit.source import SourceFile
+from geom.finite import require_finite
 from geom.polygons import triangulate_polygons
 from schemas.diagnostics import InvalidInput, Location, Severity, finding
 from schemas.evidence import default
@@ -83,7 +83,7 @@ def _points(text: ObjText, where: Location) -> tuple[np.ndarray, np.ndarray | No
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
         line = text.vertex_lines[bad[0]]
-        check_finite(points, Location(file=where.file, line=line, column=1))
+        require_finite(points, Location(file=where.file, line=line, column=1))
     if rows.shape[1] < 6:
         return points, None, Notes()
     widths = obj_text.row_widths(text.vertices)

@@ -6,7 +6,6 @@ import numpy as np
 
 from assetkit.readers.corners import (
     Notes,
-    check_finite,
     compact,
     empty_faces,
     stray_faces,
@@ -17,6 +16,7 @@ from assetkit.readers.ply_data import Element, Header, Table, parse_header, read
 from assetkit.readers.screen import screen
 from assetkit.readers.texture_table import TextureTable
 from assetkit.source import SourceFile
+from geom.finite import require_finite
 from geom.polygons import triangulate_polygons
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.evidence import default
@@ -96,7 +96,7 @@ def _meshes(
 ) -> tuple[tuple[Mesh, ...], Notes]:
     vertices, faces = tables[vertex.name], tables[face.name]
     points = np.stack([vertices.scalars[axis] for axis in "xyz"], axis=1).astype(np.float64)
-    check_finite(points, where)
+    require_finite(points, where)
     flat, counts = faces.lists[_corner_list(face) or ""]
     corners = _whole(flat)
     if face.name == "tristrips":

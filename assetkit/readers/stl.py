@@ -8,9 +8,10 @@ from typing import NoReturn
 
 import numpy as np
 
-from assetkit.readers.corners import Notes, check_finite, repaired
+from assetkit.readers.corners import Notes, repaired
 from assetkit.readers.screen import screen
 from assetkit.source import SourceFile
+from geom.finite import require_finite
 from schemas.diagnostics import InvalidInput, Location, Severity, finding
 from schemas.evidence import default
 from schemas.model import Mesh, Model, Node
@@ -93,9 +94,9 @@ def _binary_corners(data: bytes, where: Location) -> tuple[np.ndarray, Notes]:
         )
         notes, count = repaired(diagnostic, "triangle_count", declared=count, held=held), held
     records = np.frombuffer(data, dtype=_RECORD, count=count, offset=HEADER_BYTES)
-    with np.errstate(invalid="ignore"):  # signalling NaNs: check_finite names them
+    with np.errstate(invalid="ignore"):  # signalling NaNs: require_finite names them
         corners = records["corners"].astype(np.float64)
-    check_finite(corners.reshape(-1, 3), where, row="corner")
+    require_finite(corners.reshape(-1, 3), where, row="corner")
     return corners, notes
 
 
@@ -135,7 +136,7 @@ def _ascii_corners(data: bytes, start: int, end: int, where: Location) -> np.nda
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
         match = list(_VERTEX.finditer(data, start, end))[bad[0]]
-        check_finite(points, _place(data, match.start(), where), row="corner")
+        require_finite(points, _place(data, match.start(), where), row="corner")
     return points.reshape(-1, 3, 3)
 
 

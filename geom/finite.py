@@ -1,0 +1,27 @@
+"""The one check that every reader makes on its points."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.diagnostics import InvalidInput, Location, finding
+from schemas.model import FloatArray, IntArray
+
+
+def require_finite(
+    points: FloatArray, where: Location, *, row: str = "vertex", numbers: IntArray | None = None
+) -> None:
+    """Raise InvalidInput `asset/nonfinite-vertices` when a coordinate of (n, 3) `points` is NaN or infinite.
+
+    `row` is what the source calls a point; `numbers` (n,) says how it numbers them, where not from 0 on.
+    """
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if not len(bad):
+        return
+    number = bad[0] if numbers is None else numbers[bad[0]]
+    mesh = f" of mesh '{where.mesh}'" if where.mesh else ""
+    at = ", ".join(f"{c:g}" for c in points[bad[0]])
+    headline = f"{row} {number}{mesh} is ({at}); {len(bad)} of {len(points)} are not finite"
+    raise InvalidInput(
+        finding("asset/nonfinite-vertices", headline, where=where, value=len(bad), bound=0, unit="vertices")
+    )
