@@ -29,8 +29,9 @@ _METADATA: Final = ("author", "copyright", "generator", "license", "source", "ti
 def read_gltf(source: SourceFile) -> Outcome[Model]:
     """The model in a .gltf or .glb file: points in the model frame (glTF axes: y up, +z forward), metres.
 
-    One Mesh per node and primitive. Skinned meshes keep their bind pose, morph targets their default weights,
-    material variants their default look; cameras and lights are left out.
+    One Mesh per node and primitive, and per copy where a node draws several. Skinned meshes stand in the pose their
+    joints are stored in, morph targets keep their default weights, material variants their default look; cameras and
+    lights are left out.
     Raises InvalidInput for every fatal finding; repaired ones are in the outcome.
     """
     extension = source.path.suffix.lower().removeprefix(".")
@@ -80,12 +81,14 @@ def _read_materials(
 
 
 def _animation_notes(document: Json) -> Notes:
-    animations = document.items("animations")
-    if not animations:
+    found = {"animations": len(document.items("animations")), "skins": len(document.items("skins"))}
+    named = [key for key, count in found.items() if count]
+    if not named:
         return Notes()
-    headline = f"{len(animations)} animations are left out; meshes stand in their stored pose"
-    where = document.require("animations").where
-    return Notes((finding("asset/animation-dropped", headline, where=where, value=len(animations)),))
+    what = " and ".join(f"{found[key]} {key}" for key in named)
+    headline = f"{what} are left out; meshes stand in their stored pose"
+    where = document.require(named[0]).where
+    return Notes((finding("asset/animation-dropped", headline, where=where, value=found[named[0]]),))
 
 
 def _hints(document: Json) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from assetkit.readers.gltf_buffers import MAX_DECODED_BYTES, Buffers
 from assetkit.readers.gltf_json import Json
 from schemas.diagnostics import InvalidInput, finding
 
-_COMPONENTS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+_COMPONENTS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _DTYPES: Final = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _INDEX_DTYPES: Final = {k: _DTYPES[k] for k in (5121, 5123, 5125)}
 

@@ -30,6 +30,7 @@ SUPPORTED: Final = frozenset(
     (
         *_MATERIAL,
         *_PHYSICS,
+        "EXT_mesh_gpu_instancing",
         "EXT_meshopt_compression",
         "EXT_texture_webp",
         "KHR_animation_pointer",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -9,9 +10,11 @@ import numpy as np
 from assetkit.readers.corners import Notes
 from assetkit.readers.gltf_accessors import Accessors
 from assetkit.readers.gltf_buffers import Buffers
+from assetkit.readers.gltf_instances import instances
 from assetkit.readers.gltf_json import Json
 from assetkit.readers.gltf_nodes import PlacedNode
 from assetkit.readers.gltf_primitives import Primitive, draws_triangles, read_primitive, unit_or_none
+from assetkit.readers.gltf_skins import Skins, posed
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.model import Mesh, Node
 
@@ -26,8 +29,9 @@ class Geometry:
         self._buffers = buffers
         self._accessors = Accessors(document, buffers)
         self._meshes = document.items("meshes")
+        self._nodes = document.items("nodes")
         self._materials = document.items("materials")
-        self._read: dict[tuple[int, tuple[float, ...]], tuple[tuple[Json, Primitive], ...]] = {}
+        self._read: dict[tuple[int, tuple[float, ...], bool], tuple[tuple[Json, Primitive], ...]] = {}
         self._notes = Notes()
         self._without_faces = 0
 
@@ -39,37 +43,49 @@ class Geometry:
         meshes: list[Mesh] = []
         nodes: list[Node] = []
         triangles = 0
+        skins = Skins(self._document, self._accessors, placed)
         for node in placed:
             first = len(meshes)
-            for primitive, geometry in self._primitives(node):
-                triangles += len(geometry.triangles)
+            X_MJ = None if node.mesh is None else skins.of(node)
+            copies = None if node.mesh is None else instances(self._nodes[node.index], self._accessors)
+            for primitive, geometry in self._primitives(node, skinned=X_MJ is not None):
+                triangles += len(geometry.triangles) * (1 if copies is None else len(copies))
                 self._check_triangles(triangles, primitive)
-                meshes.append(self._baked(node, primitive, geometry))
+                if X_MJ is not None and geometry.influences is not None:
+                    held = posed(geometry, X_MJ, primitive.where)
+                    meshes.append(self._baked(node, primitive, held, np.eye(4)))
+                elif copies is None:
+                    meshes.append(self._baked(node, primitive, geometry, node.X_MN))
+                else:
+                    baked = (
+                        self._baked(node, primitive, geometry, node.X_MN @ X_NC, i) for i, X_NC in enumerate(copies)
+                    )
+                    meshes.extend(baked)
             nodes.append(Node(node.path, node.X_PN, tuple(range(first, len(meshes)))))
         if not meshes:
             self._fail_empty()
         return tuple(meshes), tuple(nodes), self._notes
 
-    def _primitives(self, node: PlacedNode) -> tuple[tuple[Json, Primitive], ...]:
+    def _primitives(self, node: PlacedNode, *, skinned: bool) -> tuple[tuple[Json, Primitive], ...]:
         if node.mesh is None:
             return ()
         mesh = self._meshes[node.mesh]
         weights = node.weights
         if weights is None:
             weights = tuple(w.as_number() for w in mesh.items("weights"))
-        key = (node.mesh, weights)
+        key = (node.mesh, weights, skinned)
         if key not in self._read:
-            self._read[key] = tuple(self._read_mesh(mesh, weights))
+            self._read[key] = tuple(self._read_mesh(mesh, weights, skinned))
         return self._read[key]
 
-    def _read_mesh(self, mesh: Json, weights: tuple[float, ...]) -> list[tuple[Json, Primitive]]:
+    def _read_mesh(self, mesh: Json, weights: tuple[float, ...], skinned: bool) -> list[tuple[Json, Primitive]]:
         result: list[tuple[Json, Primitive]] = []
         for primitive in mesh.require("primitives").elements():
             if not draws_triangles(primitive):
                 self._without_faces += 1
                 continue
             name = self._name(mesh, primitive)
-            geometry, notes = read_primitive(primitive, self._accessors, self._buffers, weights, name)
+            geometry, notes = read_primitive(primitive, self._accessors, self._buffers, weights, name, skinned=skinned)
             self._notes += notes
             if geometry is not None:
                 result.append((primitive, geometry))
@@ -79,22 +95,21 @@ class Geometry:
         name = mesh.string("name", "") or f"mesh_{mesh.key}"
         return name if len(mesh.items("primitives")) == 1 else f"{name}_{primitive.key}"
 
-    def _baked(self, node: PlacedNode, primitive: Json, geometry: Primitive) -> Mesh:
+    def _baked(
+        self, node: PlacedNode, primitive: Json, geometry: Primitive, X_MG: np.ndarray, copy: int | None = None
+    ) -> Mesh:
         mesh = self._meshes[int(primitive.pointer.split("/")[2])]
         name = self._name(mesh, primitive)
         where = primitive.where.model_copy(update={"mesh": name})
-        points, triangles, normals, turned = _placed(geometry, node.X_MN, where)
-        uvs, colors = geometry.uvs, geometry.colors
-        if turned:
-            uvs = tuple(uv[:, ::-1] for uv in uvs)
-            colors = None if colors is None else colors[:, ::-1]
+        placed = _placed(geometry, X_MG, where)
+        name = name if copy is None else f"{name}_{copy}"
         return Mesh(
             name=name,
-            points=points,
-            triangles=triangles,
-            normals=normals,
-            uvs=uvs,
-            colors=colors,
+            points=placed.points,
+            triangles=placed.triangles,
+            normals=placed.normals,
+            uvs=placed.uvs,
+            colors=placed.colors,
             material=primitive.index("material", self._materials, "materials"),
             source_path=f"{node.path}/{name}",
         )
@@ -121,19 +136,18 @@ class Geometry:
         raise InvalidInput(finding("asset/empty-geometry", headline, where=where, value=len(self._meshes)))
 
 
-def _placed(
-    geometry: Primitive, X_MN: np.ndarray, where: Location
-) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, bool]:
-    """Points, triangles and normals of `geometry` in the model frame, and whether corners run backwards now.
+def _placed(geometry: Primitive, X_MG: np.ndarray, where: Location) -> Primitive:
+    """`geometry` in the model frame.
 
-    A mirroring node (negative determinant) turns faces inside out, so their corners are reversed (glTF 2.0, 3.7.4).
-    Normals follow the inverse transpose, written as cofactors times the determinant's sign so that flat scales work.
+    A mirroring transform (negative determinant) turns faces inside out, so their corners are reversed (glTF 2.0,
+    3.7.4). Normals follow the inverse transpose, written as cofactors times the determinant's sign so that flat scales
+    work.
     """
-    linear = X_MN[:3, :3]
+    linear = X_MG[:3, :3]
     with np.errstate(all="ignore"):
-        points = geometry.points @ linear.T + X_MN[:3, 3]
-        turned = bool(np.linalg.det(linear) < 0.0)
-        cofactors = np.cross(linear[[1, 2, 0]], linear[[2, 0, 1]]) * (-1.0 if turned else 1.0)
+        points = geometry.points @ linear.T + X_MG[:3, 3]
+        mirrored = bool(np.linalg.det(linear) < 0.0)
+        cofactors = np.cross(linear[[1, 2, 0]], linear[[2, 0, 1]]) * (-1.0 if mirrored else 1.0)
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
         headline = f"mesh '{where.mesh}' overflows when its node transforms are applied"
@@ -141,6 +155,5 @@ def _placed(
             finding("asset/nonfinite-vertices", headline, where=where, value=len(bad), bound=0, unit="vertices")
         )
     normals = None if geometry.normals is None else unit_or_none(geometry.normals @ cofactors.T)
-    if not turned:
-        return points, geometry.triangles, normals, False
-    return points, geometry.triangles[:, ::-1], None if normals is None else normals[:, ::-1], True
+    placed = replace(geometry, points=points, normals=normals)
+    return placed.reversed() if mirrored else placed

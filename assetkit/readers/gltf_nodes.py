@@ -110,25 +110,23 @@ def _local_transform(node: Json) -> np.ndarray:
         X_PN[3] = (0.0, 0.0, 0.0, 1.0)
         return X_PN
     X_PN = np.eye(4)
-    X_PN[:3, :3] = _rotation(node.vector("rotation", (0.0, 0.0, 0.0, 1.0))) * node.vector("scale", (1.0, 1.0, 1.0))
+    rotation = rotations(np.array([node.vector("rotation", (0.0, 0.0, 0.0, 1.0))]))[0]
+    X_PN[:3, :3] = rotation * node.vector("scale", (1.0, 1.0, 1.0))
     X_PN[:3, 3] = node.vector("translation", (0.0, 0.0, 0.0))
     return X_PN
 
 
-def _rotation(quat_xyzw: tuple[float, ...]) -> np.ndarray:
-    """3x3 rotation of a quaternion of any length; the zero quaternion turns nothing."""
-    largest = max(abs(q) for q in quat_xyzw)
-    if largest == 0.0:
-        return np.eye(3)
-    q = np.array(quat_xyzw) / largest
-    x, y, z, w = q / np.linalg.norm(q)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+def rotations(quats_xyzw: np.ndarray) -> np.ndarray:
+    """(n, 3, 3) rotations of (n, 4) quaternions of any length; the zero quaternion turns nothing."""
+    largest = np.abs(quats_xyzw).max(axis=1, keepdims=True)
+    q = np.where(largest > 0.0, quats_xyzw / np.where(largest > 0.0, largest, 1.0), [0.0, 0.0, 0.0, 1.0])
+    x, y, z, w = (q / np.linalg.norm(q, axis=1, keepdims=True)).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
 
 
 def _cyclic(node: Json, headline: str, *others: Json) -> InvalidInput:

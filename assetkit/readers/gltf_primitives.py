@@ -29,6 +29,17 @@ class Primitive:
     normals: np.ndarray | None = None
     uvs: tuple[np.ndarray, ...] = ()
     colors: np.ndarray | None = None
+    influences: tuple[np.ndarray, np.ndarray] | None = None  # (n, k) joints and weights of the points.
+
+    def reversed(self) -> Primitive:
+        """The same surface with the corners of every triangle the other way round."""
+        return replace(
+            self,
+            triangles=self.triangles[:, ::-1],
+            normals=None if self.normals is None else self.normals[:, ::-1],
+            uvs=tuple(uv[:, ::-1] for uv in self.uvs),
+            colors=None if self.colors is None else self.colors[:, ::-1],
+        )
 
 
 @dataclass(frozen=True)
@@ -49,7 +60,7 @@ def draws_triangles(primitive: Json) -> bool:
 
 
 def read_primitive(
-    primitive: Json, accessors: Accessors, buffers: Buffers, weights: tuple[float, ...], mesh: str
+    primitive: Json, accessors: Accessors, buffers: Buffers, weights: tuple[float, ...], mesh: str, *, skinned: bool
 ) -> tuple[Primitive | None, Notes]:
     """The triangles of `primitive`, morphed by `weights`; None when it draws none. `mesh` is its name in findings.
 
@@ -61,7 +72,7 @@ def read_primitive(
     where = primitive.where.model_copy(update={"mesh": mesh})
     if primitive.object("attributes").get("POSITION") is None:
         return None, Notes()
-    attributes = _read_attributes(primitive, accessors, buffers)
+    attributes = _read_attributes(primitive, accessors, buffers, skinned)
     positions = attributes.values["POSITION"]
     corners, notes = _triangles(attributes, len(positions), where)
     if len(corners) == 0:
@@ -77,18 +88,21 @@ def read_primitive(
     normals, normal_notes = _normals(attributes, morphs, corners, where)
     uvs, uv_notes = _uvs(attributes, corners, where)
     colors, color_notes = _colors(attributes, corners, where)
-    return Primitive(points, triangles, normals, uvs, colors), notes + normal_notes + uv_notes + color_notes
+    influences = _influences(attributes, used)
+    return Primitive(points, triangles, normals, uvs, colors, influences), notes + normal_notes + uv_notes + color_notes
 
 
-def _read_attributes(primitive: Json, accessors: Accessors, buffers: Buffers) -> _Attributes:
+def _read_attributes(primitive: Json, accessors: Accessors, buffers: Buffers, skinned: bool) -> _Attributes:
     """All attributes in use: from Draco data where the extension names them, from their accessors otherwise."""
     types = {"POSITION": ("VEC3",), "NORMAL": ("VEC3",), "COLOR_0": ("VEC3", "VEC4")}
     described = {a.key: a for a in primitive.object("attributes").members()}
-    uv_sets = [f"TEXCOORD_{i}" for i in range(_uv_set_count(described))]
+    uv_sets = _numbered("TEXCOORD", described)
+    followed = [n for kind in ("JOINTS", "WEIGHTS") for n in _numbered(kind, described)] if skinned else []
+    types |= dict.fromkeys(followed, ("VEC4",))
     packed = primitive.extension("KHR_draco_mesh_compression")
     unpacked, faces = ({}, None) if packed is None else _decode_draco(packed, buffers)
     values: dict[str, np.ndarray] = {}
-    for name in ("POSITION", "NORMAL", *uv_sets, "COLOR_0"):
+    for name in ("POSITION", "NORMAL", *uv_sets, "COLOR_0", *followed):
         if name not in described:
             continue
         allowed = types.get(name, ("VEC2",))
@@ -109,9 +123,21 @@ def _read_attributes(primitive: Json, accessors: Accessors, buffers: Buffers) ->
     return _Attributes(values, flat, primitive.integer("mode", _TRIANGLES))
 
 
-def _uv_set_count(described: dict[str, Json]) -> int:
-    """UV sets are numbered without gaps (3.7.2.1)."""
-    return next(i for i in range(len(described) + 1) if f"TEXCOORD_{i}" not in described)
+def _numbered(kind: str, described: dict[str, Json]) -> list[str]:
+    """The attributes of a kind, which are numbered without gaps (3.7.2.1)."""
+    count = next(i for i in range(len(described) + 1) if f"{kind}_{i}" not in described)
+    return [f"{kind}_{i}" for i in range(count)]
+
+
+def _influences(attributes: _Attributes, used: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """(n, k) joints and weights of the vertices `used`; None when the primitive is not skinned (3.7.3.3)."""
+    joints, weights = (
+        [values[used] for name, values in attributes.values.items() if name.startswith(kind)]
+        for kind in ("JOINTS_", "WEIGHTS_")
+    )
+    if not joints or len(joints) != len(weights):
+        return None
+    return np.concatenate(joints, axis=1).astype(np.int64), np.concatenate(weights, axis=1).astype(np.float64)
 
 
 def _decode_draco(packed: Json, buffers: Buffers) -> tuple[dict[str, np.ndarray], np.ndarray]:
