@@ -1,10 +1,20 @@
 """What every asset needs: imported once, before the cells are forked (see `jobs.fork_server`)."""
 
-import open3d  # noqa: F401  (`geom` loads it late, because callers without meshes do not need it)
+import sys
+from types import ModuleType
 
-import assetkit.pipeline  # noqa: F401
-import render.views  # noqa: F401
-import sim.bullet  # noqa: F401
-from usdio.outside import simready_rules
+# Open3D would load a stack of plotting packages that takes as long as Open3D itself and that nothing here uses.
+sys.modules.setdefault("open3d.visualization", ModuleType("open3d.visualization"))
+
+import open3d  # noqa: E402, F401  (`geom` imports it late: callers without meshes do not need it)
+
+import assetkit.pipeline  # noqa: E402
+import render.views  # noqa: E402, F401
+import sim.bullet  # noqa: E402, F401
+from render.request import RenderRequest  # noqa: E402
+from schemas import arrays  # noqa: E402
+from usdio.outside import simready_rules  # noqa: E402
 
 simready_rules()
+for _type in (assetkit.pipeline.Noted, RenderRequest, *(stage.result for stage in assetkit.pipeline.STAGES)):
+    arrays.adapter(_type)

@@ -38,11 +38,12 @@ class _Cell:
 
 def main(preload: str, requests_fd: int, client_fd: int) -> None:
     """Serve until standard input ends."""
+    gc.disable()  # While modules load, next to nothing is garbage, and looking for it takes a sixth of the time.
     importlib.import_module(preload)
+    gc.enable()
     threads = len(os.listdir("/proc/self/task"))
     if threads != 1:
         raise SystemExit(f"{preload} left {threads - 1} threads running: forks of it would not be sound")
-    gc.collect()
     gc.freeze()  # What is here now is nobody's garbage; untouched, its memory stays shared.
     requests, client = socket.socket(fileno=requests_fd), socket.socket(fileno=client_fd)
     address_space_mb = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE") >> 20

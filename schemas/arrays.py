@@ -6,6 +6,7 @@ import json
 import os
 import zipfile
 import zlib
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,7 +20,7 @@ _TREE = "tree"
 def save(value: Any, type_: type[T], path: Path) -> None:
     """Write `value` (an instance of `type_`, a dataclass or pydantic model) to `path`, atomically."""
     arrays: list[np.ndarray] = []
-    tree = _detach(TypeAdapter(type_).dump_python(value), arrays)
+    tree = _detach(adapter(type_).dump_python(value), arrays)
     text = np.frombuffer(json.dumps(tree, sort_keys=True, default=str).encode(), dtype=np.uint8)
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     with temporary.open("wb") as file:
@@ -32,9 +33,15 @@ def load(type_: type[T], path: Path) -> T:
     try:
         with np.load(path, allow_pickle=False) as file:
             tree = json.loads(file[_TREE].tobytes())
-            return TypeAdapter(type_).validate_python(_attach(tree, file))
+            return adapter(type_).validate_python(_attach(tree, file))
     except (zipfile.BadZipFile, zlib.error, EOFError, KeyError) as error:
         raise ValueError(f"{path.name} is damaged: {error}") from error
+
+
+@cache
+def adapter(type_: type[T]) -> TypeAdapter[T]:
+    """What turns values of a type into plain ones and back; made once, which takes longer than to use it."""
+    return TypeAdapter(type_)
 
 
 def _detach(tree: Any, arrays: list[np.ndarray]) -> Any:
