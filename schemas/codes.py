@@ -218,6 +218,12 @@ CODES: dict[str, CodeInfo] = {
         "References to the file would bring in nothing; the whole stage was read instead.",
         "correct defaultPrim in the source file",
     ),
+    "asset/geometry-left-out": CodeInfo(
+        "warning",
+        "Geometry without triangles was left out",
+        "Curved patches, tetrahedra, lines and points are no triangle surface; the asset is made from the rest.",
+        "convert what is missing to a mesh, if it belongs to the object",
+    ),
     # Geometry, repaired.
     "asset/far-from-origin": CodeInfo(
         "warning",

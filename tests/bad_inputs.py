@@ -212,6 +212,7 @@ SAMPLES: dict[str, Writer] = {
     "asset/unit-mismatch": obj(CUBE.copy().apply_scale(1000), "# units: mm\n"),
     "asset/scale-unverified": obj(CUBE.copy().apply_scale(20)),
     "asset/up-axis-mismatch": obj(CUBE, "# exported y-up\n"),
+    "asset/geometry-left-out": usda(body='    def NurbsPatch "p" {}\n'),
     "asset/up-axis-unverified": obj(CUBE),
     "asset/contradictory-evidence": gltf(nodes=[{"mesh": 0, "scale": [1800, 1800, 1800]}]),
     "asset/invalid-unit-value": usda("metersPerUnit = 0"),

@@ -15,7 +15,7 @@ from pxr import Gf, Usd, UsdGeom
 from schemas.diagnostics import InvalidInput, finding
 from schemas.model import Node
 from usdio.guard import Layers
-from usdio.read_mesh import EARLIEST, FACELESS, SOLIDS
+from usdio.read_mesh import EARLIEST, FACELESS, SOLIDS, UNREAD
 
 MAX_INSTANCES: Final = 1000
 MAX_PRIMS: Final = 200_000
@@ -91,7 +91,7 @@ class _Walk:
             elif kind == "Mesh" or kind in SOLIDS:
                 purpose = UsdGeom.Imageable(prim).ComputePurpose()
                 yield Placed(prim, self._pose(prim, start, X_WS), purpose, None if X_WS is None else self._copies)
-            elif kind in FACELESS:
+            elif kind in FACELESS or kind in UNREAD:
                 self.faceless.append(prim)
 
     def _pose(self, prim: Usd.Prim, start: Usd.Prim, X_WS: np.ndarray | None) -> np.ndarray:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -21,7 +22,7 @@ from usdio.guard import Layers, check_layers, message
 from usdio.placement import Census, Placed, census
 from usdio.quiet import quiet
 from usdio.read_materials import LoadTexture, MaterialTable
-from usdio.read_mesh import SOLIDS, read_mesh, read_solid
+from usdio.read_mesh import SOLIDS, UNREAD, read_mesh, read_solid
 from usdio.read_physics import stated_physics
 from usdio.surface import Surface, part, placed
 
@@ -93,6 +94,7 @@ def _read(layers: Layers, load_texture: LoadTexture) -> Outcome[Model]:
     parts = (composed, unit, axis, start, shapes)
     diagnostics = [d for one in parts for d in one.diagnostics] + table.diagnostics
     diagnostics += stage_facts.layer_contradictions(layers, where)
+    diagnostics += _left_out(found, where)
     diagnostics += [*_animation(found, where), *_clips(layers), *_articulation(stage, where)]
     repairs = [r for one in parts for r in one.repairs] + table.repairs
     return Outcome(model, tuple(diagnostics), tuple(repairs))
@@ -193,8 +195,20 @@ def _nothing(found: Census, absent: tuple[Diagnostic, ...], where: Location) -> 
     bare = points or next(iter(found.faceless), None)
     if bare:
         at = where.model_copy(update={"prim": str(bare.GetPath())})
-        return finding("asset/no-faces", f"{bare.GetTypeName()} prims have points but no faces", where=at)
+        return finding("asset/no-faces", f"{bare.GetTypeName()} prims have no triangles to read", where=at)
     return finding("asset/empty-geometry", "the stage holds no surface", where=where)
+
+
+def _left_out(found: Census, where: Location) -> tuple[Diagnostic, ...]:
+    """One finding that counts the prims without triangles; curves and points alone are worth no warning."""
+    kinds = Counter(str(prim.GetTypeName()) for prim in found.faceless)
+    if not kinds:
+        return ()
+    listed = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
+    severity = None if set(kinds) & set(UNREAD) else Severity.INFO
+    at = where.model_copy(update={"prim": str(found.faceless[0].GetPath())})
+    headline = f"{listed}: prims without triangles were left out"
+    return (finding("asset/geometry-left-out", headline, where=at, value=len(found.faceless), severity=severity),)
 
 
 def _subdivision_hints(found: Census) -> tuple[str, ...]:

@@ -22,6 +22,7 @@ from usdio.surface import Surface, turned
 EARLIEST: Final = Usd.TimeCode.EarliestTime()
 SOLIDS: Final = ("Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1", "Plane")
 FACELESS: Final = ("Points", "BasisCurves", "NurbsCurves", "HermiteCurves")
+UNREAD: Final = ("NurbsPatch", "TetMesh", "Volume")  # These bound or fill a body, but not by triangles.
 
 
 def read_solid(prim: Usd.Prim, where: Location) -> Outcome[Surface]:

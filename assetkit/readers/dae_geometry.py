@@ -50,7 +50,17 @@ def read_geometry(geometry: Element, document: Document) -> tuple[Part, ...]:
     """
     mesh = geometry.find("mesh")
     if mesh is None:
+        for other in geometry.iterchildren("brep", "convex_mesh", "spline"):
+            severity = Severity.INFO if other.tag == "spline" else None
+            headline = f"<{other.tag}> geometry is not read"
+            left_out = finding("asset/geometry-left-out", headline, where=document.place(other), severity=severity)
+            document.say(left_out, once=f"{other.tag}")
         return ()
+    if (line := next(mesh.iterchildren("lines", "linestrips"), None)) is not None:
+        where = document.place(line)
+        headline = "lines were left out"
+        left_out = finding("asset/geometry-left-out", headline, where=where, severity=Severity.INFO)
+        document.say(left_out, once="lines")
     parts = (_read_primitive(p, mesh, document) for p in mesh if p.tag in PRIMITIVES)
     return tuple(p for p in parts if p is not None)
 

@@ -15,7 +15,7 @@ from assetkit.readers.gltf_json import Json
 from assetkit.readers.gltf_nodes import PlacedNode
 from assetkit.readers.gltf_primitives import Primitive, draws_triangles, read_primitive, unit_or_none
 from assetkit.readers.gltf_skins import Skins, posed
-from schemas.diagnostics import InvalidInput, Location, finding
+from schemas.diagnostics import InvalidInput, Location, Severity, finding
 from schemas.model import Mesh, Node
 
 MAX_TRIANGLES: Final = 20_000_000
@@ -64,6 +64,10 @@ class Geometry:
             nodes.append(Node(node.path, node.X_PN, tuple(range(first, len(meshes)))))
         if not meshes:
             self._fail_empty()
+        if self._without_faces:
+            headline = f"{self._without_faces} primitives of points or lines were left out"
+            where = Location(file=self._document.file)
+            self._notes += Notes((finding("asset/geometry-left-out", headline, where=where, severity=Severity.INFO),))
         return tuple(meshes), tuple(nodes), self._notes
 
     def _primitives(self, node: PlacedNode, *, skinned: bool) -> tuple[tuple[Json, Primitive], ...]:

@@ -24,7 +24,7 @@ from assetkit.readers.texture_table import TextureTable
 from assetkit.source import SourceFile
 from geom.finite import require_finite
 from geom.polygons import triangulate_polygons
-from schemas.diagnostics import InvalidInput, Location, Severity, finding
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.evidence import default
 from schemas.model import Material, Mesh, Model, Node
 from schemas.outcome import Outcome
@@ -51,7 +51,7 @@ def read_obj(source: SourceFile) -> Outcome[Model]:
     materials, used, found = _materials(text, source, textures)
     notes += found
     meshes, found = _meshes(text, points, colors, used, where)
-    notes += found + Notes(tuple(textures.diagnostics), tuple(textures.repairs))
+    notes += _left_out(text, where) + found + Notes(tuple(textures.diagnostics), tuple(textures.repairs))
     paths = sorted({m.source_path for m in meshes}, key=[m.source_path for m in meshes].index)
     nodes = tuple(Node(p, np.eye(4), tuple(i for i, m in enumerate(meshes) if m.source_path == p)) for p in paths)
     model = Model(
@@ -71,6 +71,19 @@ def _raise_without_faces(text: ObjText, where: Location) -> None:
         headline = f"{len(text.vertices)} vertices, {text.other_elements} points or lines, no faces"
         raise InvalidInput(finding("asset/no-faces", headline, where=where, value=0, bound=1, unit="faces"))
     raise InvalidInput(finding("asset/empty-geometry", "no vertices and no faces", where=where))
+
+
+def _left_out(text: ObjText, where: Location) -> Notes:
+    """A remark on points and lines, a warning about curved surfaces."""
+    found: list[Diagnostic] = []
+    if text.other_elements:
+        headline = f"{text.other_elements} points or lines were left out"
+        found.append(finding("asset/geometry-left-out", headline, where=where, severity=Severity.INFO))
+    if text.surface_lines:
+        headline = f"{len(text.surface_lines)} curved surfaces (surf) were left out"
+        at = where.model_copy(update={"line": text.surface_lines[0]})
+        found.append(finding("asset/geometry-left-out", headline, where=at))
+    return Notes(tuple(found))
 
 
 def _points(text: ObjText, where: Location) -> tuple[np.ndarray, np.ndarray | None, Notes]:

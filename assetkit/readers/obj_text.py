@@ -55,6 +55,7 @@ class ObjText:
     material_lines: dict[str, int] = field(default_factory=dict)
     comments: tuple[str, ...] = ()
     other_elements: int = 0
+    surface_lines: list[int] = field(default_factory=list)
 
 
 def scan(data: bytes, where: Location) -> ObjText:
@@ -114,6 +115,8 @@ def scan(data: bytes, where: Location) -> ObjText:
             text.libraries.append((number, _decoded(row.strip())))
         elif keyword in {b"p", b"l"}:
             text.other_elements += 1
+        elif keyword == b"surf":
+            text.surface_lines.append(number)
         elif keyword.lower() not in _PASSED_OVER:
             stranger = stranger or number
     faces.keys = list(key_index)
@@ -127,7 +130,7 @@ _COMMON = frozenset({b"v", b"vt", b"vn", b"f", b"g", b"o", b"usemtl", b"mtllib",
 _NAMES = frozenset({b"g", b"o", b"usemtl", b"mtllib"})  # may hold a "#"
 _TRAILING_COMMENT = re.compile(rb"(^|\s)#.*")
 _PASSED_OVER = frozenset(
-    b"s vp deg bmat step cstype curv curv2 surf parm trim hole scrv sp end con mg bevel c_interp d_interp lod "
+    b"s vp deg bmat step cstype curv curv2 parm trim hole scrv sp end con mg bevel c_interp d_interp lod "
     b"shadow_obj trace_obj ctech stech maplib usemap call csh".split()
 )
 
