@@ -132,6 +132,11 @@ GATE_CODES: dict[str, CodeInfo] = {
         "The object would topple or balance in ways its shape forbids.",
         "check the frame of physics:centerOfMass: it is the body's own",
     ),
+    "asset/gate-mass-centre-far": _error(
+        "The mass centre is far from the middle of the body",
+        "Few things are that much heavier at one end; an origin left as mass centre looks like this.",
+        "recompute physics:centerOfMass from the solid, in the frame of the body",
+    ),
     # Colliders and contact.
     "asset/gate-no-collider": _error(
         "A moving body has no collider, or a disabled one",
@@ -182,6 +187,11 @@ GATE_CODES: dict[str, CodeInfo] = {
         "Restitution lies outside 0 to 1",
         "Above 1 every bounce adds energy; below 0 is undefined.",
         "set physics:restitution between 0 and 1",
+    ),
+    "asset/gate-dangling-target": _error(
+        "A physics relationship names a prim that does not exist",
+        "The filter, group or scene that was meant has no effect.",
+        "name an existing prim or remove the target",
     ),
     # Joints.
     "asset/gate-joint-bodies": _error(
@@ -238,6 +248,11 @@ GATE_CODES: dict[str, CodeInfo] = {
         "Links occupy the same space at rest",
         "They burst apart in the first step, or never move.",
         "move the links apart, shrink their colliders, or filter pairs that are meant to overlap",
+    ),
+    "asset/gate-joint-motion": _error(
+        "A joint drives one link through the other",
+        "The axis, the place of the joint or a limit is wrong: the drawer leaves through the side of its cabinet.",
+        "check physics:axis, localPos, localRot and the limits; look at the asset at both limits",
     ),
     # Looks.
     "asset/gate-not-visible": _error(

@@ -158,12 +158,13 @@ def move_link(path: str, by: tuple[float, float, float], joint: str) -> Edit:
     return edit
 
 
-def reverse_faces(path: str) -> Edit:
-    """Wind every triangle the other way; normals stay."""
+def reverse_faces(path: str, count: int | None = None) -> Edit:
+    """Wind the first `count` triangles, or all, the other way; normals stay."""
 
     def edit(stage: Usd.Stage) -> None:
         attribute = UsdGeom.Mesh(stage.GetPrimAtPath(path)).GetFaceVertexIndicesAttr()
-        faces = np.array(attribute.Get()).reshape(-1, 3)[:, ::-1]
+        faces = np.array(attribute.Get()).reshape(-1, 3)
+        faces[:count] = faces[:count, ::-1]
         attribute.Set(Vt.IntArray.FromNumpy(np.ascontiguousarray(faces.reshape(-1), dtype=np.int32)))
 
     return edit

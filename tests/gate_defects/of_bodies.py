@@ -85,5 +85,7 @@ DEFECTS: tuple[Defect, ...] = (
     cabinet("inertia along other axes", permute_inertia, "inertia-scale"),
     prop("mass centre outside", put(PROP, CENTRE, Gf.Vec3f(0, 0, 0.2)), "mass-centre-outside"),
     cabinet("mass centre in the asset frame", put(DOOR, CENTRE, Gf.Vec3f(0.2, 0, 0.25)), "mass-centre-outside"),
+    prop("mass centre in a corner", put(PROP, CENTRE, Gf.Vec3f(0.045, 0.035, 0.01)), "mass-centre-far", "warning"),
+    cabinet("mass centre at the origin", put(DOOR, CENTRE, Gf.Vec3f(0)), "mass-centre-far", "warning"),
     prop("NaN mass centre", put(PROP, CENTRE, Gf.Vec3f(0, NAN, 0)), "mass-centre-outside"),
 )

@@ -82,6 +82,7 @@ DEFECTS: tuple[Defect, ...] = (
     prop("NaN friction", put(PROP_MATERIAL, STATIC, NAN), "friction"),
     prop("friction 50", both(put(PROP_MATERIAL, STATIC, 50.0), put(PROP_MATERIAL, DYNAMIC, 50.0)), "friction"),
     cabinet("smoother than ice", both(put(WOOD, STATIC, 0.0), put(WOOD, DYNAMIC, 0.0)), "friction", "warning"),
+    cabinet("filter of a pair that is gone", target(DOOR, "physics:filteredPairs", "/cabinet/lid"), "dangling-target"),
     prop("restitution 1.5", put(PROP_MATERIAL, RESTITUTION, 1.5), "restitution"),
     prop("negative restitution", put(PROP_MATERIAL, RESTITUTION, -0.5), "restitution"),
     cabinet("NaN restitution", put(WOOD, RESTITUTION, NAN), "restitution"),

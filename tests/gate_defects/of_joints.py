@@ -36,7 +36,7 @@ LOWER, UPPER = "physics:lowerLimit", "physics:upperLimit"
 BODY_0, BODY_1 = "physics:body0", "physics:body1"
 P_0, P_1, R_0, R_1 = "physics:localPos0", "physics:localPos1", "physics:localRot0", "physics:localRot1"
 HINGE_DRIVE, SLIDE_DRIVE = "drive:angular:physics", "drive:linear:physics"
-AWAY = Gf.Vec3f(0, 2, 0)
+AWAY, MIDDLE = Gf.Vec3f(0, 2, 0), Gf.Vec3f(0, -0.25, 0)
 
 DEFECTS: tuple[Defect, ...] = (
     cabinet("joint without bodies", both(target(HINGE, BODY_0), target(HINGE, BODY_1)), "joint-bodies"),
@@ -74,6 +74,13 @@ DEFECTS: tuple[Defect, ...] = (
     cabinet("door starts beyond its limits", put(HINGE, LOWER, 80.0), "joint-rest"),
     cabinet("drawer starts beyond its limits", put(SLIDE, LOWER, 0.25), "joint-rest"),
     cabinet("hinge 2 m away", both(shift(HINGE, P_0, AWAY), shift(HINGE, P_1, AWAY)), "joint-anchor", "warning"),
+    cabinet("drawer sliding sideways", put(SLIDE, "physics:axis", "Y"), "joint-motion", "warning"),
+    cabinet(
+        "hinge in the middle of the door",
+        both(shift(HINGE, P_0, MIDDLE), shift(HINGE, P_1, MIDDLE)),
+        "joint-motion",
+        "warning",
+    ),
     cabinet("joint disabled", put(HINGE, "physics:jointEnabled", False), "joint-flags"),
     cabinet("joint of glass", put(HINGE, "physics:breakForce", 0.0), "joint-flags"),
     cabinet("negative joint friction", put(HINGE, "physxJoint:jointFriction", -0.2, TYPES.Float), "joint-flags"),
@@ -97,6 +104,9 @@ DEFECTS: tuple[Defect, ...] = (
         ),
         "drive",
         "warning",
+    ),
+    cabinet(
+        "drive that turns by itself", put(HINGE, f"{HINGE_DRIVE}:targetVelocity", 90.0, TYPES.Float), "drive", "warning"
     ),
     cabinet("articulation root removed", unapply(CABINET, UsdPhysics.ArticulationRootAPI), "articulation"),
     cabinet("nested articulation root", on_prim(BASE, UsdPhysics.ArticulationRootAPI.Apply), "articulation"),

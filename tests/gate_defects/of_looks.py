@@ -51,6 +51,12 @@ def _stray_index(prim: Usd.Prim) -> None:
     indices.Set(Vt.IntArray([99, *list(indices.Get())[1:]]))
 
 
+def _nan_coordinate(prim: Usd.Prim) -> None:
+    coordinates = np.array(prim.GetAttribute("primvars:st").Get())
+    coordinates[3] = NAN
+    prim.GetAttribute("primvars:st").Set(Vt.Vec2fArray.FromNumpy(coordinates))
+
+
 def _packed(prim: Usd.Prim) -> None:
     prim.GetAttribute("inputs:scale").Set(Gf.Vec4f(1))
     prim.GetAttribute("inputs:bias").Set(Gf.Vec4f(0))
@@ -73,6 +79,7 @@ DEFECTS: tuple[Defect, ...] = (
     cabinet("counts disagree", put(PANEL, "faceVertexCounts", Vt.IntArray([3] * 11)), "mesh-topology"),
     prop("too few texture coordinates", put(BODY_MESH, "primvars:st", Vt.Vec2fArray(5)), "mesh-topology"),
     cabinet("NaN point", points(PANEL, lambda p: np.where(np.arange(len(p))[:, None] == 0, NAN, p)), "mesh-values"),
+    prop("NaN texture coordinate", on_prim(BODY_MESH, _nan_coordinate), "mesh-values"),
     prop("extent of another mesh", put(BODY_MESH, "extent", Vt.Vec3fArray([(0, 0, 0), (9, 9, 9)])), "mesh-extent"),
     cabinet("extent too small", put(TOP, "extent", Vt.Vec3fArray([(0, 0, 0), (0.01, 0.01, 0.01)])), "mesh-extent"),
     cabinet("normals inwards", on_prim(TOP, _scale_normals(-1.0)), "normals"),
@@ -81,6 +88,7 @@ DEFECTS: tuple[Defect, ...] = (
     prop("mesh inside out", turn_inside_out(BODY_MESH), "inverted-mesh"),
     cabinet("one board inside out", turn_inside_out(PANEL), "inverted-mesh"),
     cabinet("left-handed by mistake", put(KNOB, "orientation", "leftHanded"), "inverted-mesh"),
+    prop("four faces turned round", reverse_faces(BODY_MESH, 4), "inverted-mesh"),
     prop("a third of the faces gone", drop_faces(BODY_MESH, slice(0, 8)), "open-mesh"),
     prop("one face gone", drop_faces(BODY_MESH, slice(1, None)), "open-mesh"),
     cabinet("a face gone, no record to compare", drop_faces(TOP, slice(2, None)), "open-mesh", "warning"),

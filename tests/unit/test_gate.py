@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from pxr import Usd, UsdGeom, UsdPhysics
 
 from geom.inertia import mass_properties
-from geom.penetration import penetration_depth, shared_volume
+from geom.penetration import box_overlap, penetration_depth, shared_volume
 from schemas.diagnostics import Diagnostic
 from schemas.package import PackageContent
 from schemas.physics import Solid
@@ -180,3 +180,18 @@ def test_boxes_overlap_as_deep_as_their_edges_say(offset: float, a: float, b: fl
     along = 0.5 * (a + b) - abs(offset)
     assert penetration_depth(first, second) == pytest.approx(max(0.0, min(along, 0.4)), abs=1e-9)
     assert shared_volume(first, second) == pytest.approx(max(0.0, min(along, a, b)) * 0.24, abs=1e-9)
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=30, deadline=None, derandomize=True)
+def test_the_depth_is_the_least_way_out(seed: int) -> None:
+    """Moved by its depth along some direction the hulls part; along none of 500 do they part sooner."""
+    random_ = np.random.default_rng(seed)
+    first, second = random_.normal(size=(20, 3)), random_.normal(size=(30, 3)) * [0.2, 1.0, 2.0]
+    depth = penetration_depth(first, second)
+    assert 0.0 <= depth <= max(0.0, box_overlap(first, second)) + 1e-12
+    directions = random_.normal(size=(500, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    needed = (first @ directions.T).max(axis=0) - (second @ directions.T).min(axis=0)
+    assert needed.min() >= depth - 1e-9
+    assert penetration_depth(first, second + np.array([50.0, 0.0, 0.0])) == 0.0

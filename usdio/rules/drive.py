@@ -66,6 +66,8 @@ def _use(subject: Subject, joint: Joint, name: str) -> Iterator[Diagnostic]:
         value = number(joint.prim, f"{prefix}{target}", 0.0)
         if not np.isfinite(value):
             yield finding(CODE, f"the {target} of the {name} drive is not finite", where=where, value=value)
+    if damping > 0.0 and abs(number(joint.prim, f"{prefix}targetVelocity", 0.0)) > 0.0 and subject.released:
+        yield finding(CODE, "the drive moves the joint by itself", where=where, severity=Severity.WARNING)
     if joint.kind in FREE and stiffness > 0.0:
         length = subject.frames.meters_per_unit if joint.kind == "prismatic" else 1.0
         target = number(joint.prim, f"{prefix}targetPosition", 0.0) * length

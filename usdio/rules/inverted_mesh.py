@@ -42,6 +42,11 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 severity=subject.suspect,
             )
 
+    edges, released = subject.visible_edges, subject.recorded("geometry", "reobserved", "inconsistent_edges")
+    if edges is not None and isinstance(released, int) and edges.inconsistent > 1.01 * released:
+        headline, found = "neighbouring faces look to opposite sides", edges.inconsistent
+        yield finding(CODE, headline, where=at(subject.root), value=found, bound=released, unit="edges")
+
 
 def _votes(surfaces: list[Surface]) -> list[tuple[int, float]]:
     """Per surface: in how many directions it alone is outermost, and the share of them in which its faces look out."""
@@ -104,5 +109,8 @@ def _encloses_nothing(surface: Surface, surfaces: list[Surface]) -> bool:
 
 
 RULE = Rule(
-    CODE, "outermost faces look outwards in 20 % of 64 directions or more", "SimReady VG.029; support mapping", check
+    CODE,
+    "outermost faces look outwards in 20 % of 64 directions or more; no more turned edges than in record.json",
+    "SimReady VG.029; support mapping",
+    check,
 )

@@ -6,24 +6,20 @@ from collections.abc import Iterator
 from itertools import combinations
 
 import networkx as nx
-import numpy as np
-from scipy.spatial.transform import Rotation
 
-from geom.penetration import penetration_depth, shared_volume
-from geom.pose import apply
+from geom.penetration import shared_volume
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
 from usdio.rules.rule import Rule
 from usdio.subject import Body, Joint, Subject
-from usdio.subject.body import Hull
 from usdio.subject.filters import may_collide
-from usdio.subject.joint import AXES, FREE
+from usdio.subject.overlap import along, deepest, hulls_of
 from usdio.subject.values import at
 
 CODE = "asset/gate-links-overlap"
 LEAST_M, LEAST_SHARE = 2e-3, 0.01  # of the smaller diagonal: what fitted hulls are off by
 SWALLOWED = 0.5  # of the smaller body's volume
 THROUGH = 0.5  # of the thinner hull: a joint housing stays well below, a board stuck in another one does not
-_POSES = 5
+_SHARES = (0.25, 0.5, 1.0)  # of the way to each limit
 _MOST_TESTS = 20_000  # hull pairs; a heavier file is not judged to the end
 
 
@@ -48,16 +44,18 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _pair(subject: Subject, first: Body, second: Body, joint: Joint | None) -> Iterator[Diagnostic]:
-    hulls_a, hulls_b = _hulls(first), _hulls(second)
+    hulls_a, hulls_b = hulls_of(first), hulls_of(second)
     bound_m = max(LEAST_M, LEAST_SHARE * min(first.diagonal_m, second.diagonal_m))
-    depth_m, thickness_m = _deepest(hulls_a, hulls_b)
+    depth_m, thickness_m = deepest(hulls_a, hulls_b)
     if depth_m <= bound_m or first.filled is None or second.filled is None:
         return
     smaller = min(first.filled.mass_kg, second.filled.mass_kg)
     share = sum(shared_volume(a.points, b.points) for a in hulls_a for b in hulls_b) / smaller
     swallowed = share > SWALLOWED
     if joint is not None:
-        depth_m -= min((_deepest(hulls_a, moved)[0] for moved in _along(joint, second, hulls_b)), default=depth_m)
+        depth_m -= min(
+            (deepest(hulls_a, moved)[0] for _, moved in along(joint, second, hulls_b, _SHARES)), default=depth_m
+        )
         if depth_m <= bound_m and not swallowed:
             return
     through = joint is not None and depth_m > THROUGH * thickness_m
@@ -71,39 +69,6 @@ def _pair(subject: Subject, first: Body, second: Body, joint: Joint | None) -> I
         labels=(Label(where=at(second.prim), text="the other link"),),
         severity=subject.suspect if swallowed or through or may_collide(first, second, joint) else Severity.WARNING,
     )
-
-
-def _hulls(body: Body) -> list[Hull]:
-    """The hulls that engines collide; a mesh that is no hull is left to the collider rules."""
-    return [c.hull_W for c in body.active_colliders if c.convex and c.hull_W is not None]
-
-
-def _deepest(hulls_a: list[Hull], hulls_b: list[Hull]) -> tuple[float, float]:
-    """The largest depth over all pairs, and the thickness of the thinner hull of that pair; zeros without a pair."""
-    pairs = ((penetration_depth(a.points, b.points), a, b) for a in hulls_a for b in hulls_b)
-    depth_m, a, b = max(pairs, key=lambda pair: pair[0], default=(0.0, None, None))
-    return (depth_m, min(a.thickness, b.thickness)) if a is not None and b is not None else (0.0, 0.0)
-
-
-def _along(joint: Joint, second: Body, hulls: list[Hull]) -> Iterator[list[Hull]]:
-    """The hulls of `second` at poses from limit to limit, the other link held still."""
-    rest = joint.rest()
-    if joint.kind not in FREE or rest is None:
-        return
-    turning = joint.kind == "revolute"
-    lower, upper = np.clip(joint.limits, *((-180.0, 180.0) if turning else (-joint.size_m, joint.size_m)))
-    sign = 1.0 if joint.sides[1].body is not None and joint.sides[1].body.path == second.path else -1.0
-    X_WJ = joint.sides[0].X_WJ
-    axis_W = X_WJ[:3, :3] @ AXES.get(joint.axis, AXES["X"])
-    for coordinate in np.linspace(lower, upper, _POSES):
-        move = sign * (coordinate - rest.coordinate)
-        X_WW = np.eye(4)
-        if turning:
-            X_WW[:3, :3] = Rotation.from_rotvec(np.deg2rad(move) * axis_W).as_matrix()
-            X_WW[:3, 3] = X_WJ[:3, 3] - X_WW[:3, :3] @ X_WJ[:3, 3]
-        else:
-            X_WW[:3, 3] = move * axis_W
-        yield [Hull(apply(X_WW, hull.points), hull.triangles) for hull in hulls]
 
 
 def _moving(subject: Subject) -> Iterator[tuple[Joint, Body, Body]]:

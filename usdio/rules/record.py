@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -26,41 +25,41 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     if subject.record is None:
         return
     where = at(subject.root)
-    for what, unit, found, stated in _figures(subject, subject.record):
+    for what, unit, found, stated in _figures(subject):
         scale = float(np.abs(stated).max())
         if found.shape != stated.shape or not float(np.abs(found - stated).max()) <= RELATIVE * scale:
             headline = f"{what} is not that of the record"
             yield finding(CODE, headline, where=where, value=figure(found), bound=figure(stated), unit=unit)
-    category, found = _value(subject.record, "semantics", "category"), labels(subject.root).get("class", ())
+    category, found = subject.recorded("semantics", "category", "value"), labels(subject.root).get("class", ())
     known = isinstance(category, str) and category not in UNKNOWN
     if known and found and all(words(label) != words(category) for label in found):
         headline = "the class label is not the category of the record"
         yield finding(CODE, headline, where=where, value=", ".join(found), bound=category)
 
 
-def _figures(subject: Subject, record: dict[str, Any]) -> Iterator[tuple[str, str, np.ndarray, np.ndarray]]:
+def _figures(subject: Subject) -> Iterator[tuple[str, str, np.ndarray, np.ndarray]]:
     """(name, unit, value in the USD, value in the record)."""
-    extent = _array(record, "geometry", "extent_m")
+    extent = _array(subject, "geometry", "extent_m")
     if extent is not None and len(subject.visible_points_W):
         yield "the size", "m", np.ptp(subject.visible_points_W, axis=0), extent
-    mass, bodies = _array(record, "physics", "mass_kg"), subject.active_bodies
+    mass, bodies = _array(subject, "physics", "mass_kg"), subject.active_bodies
     if mass is not None and bodies:
         yield "the mass", "kg", np.array(sum(body.mass_kg or 0.0 for body in bodies)), mass
     if len(bodies) == 1:
-        yield from _one_body(bodies[0], record)
+        yield from _one_body(subject, bodies[0])
     for prim in subject.contact_materials if len(subject.contact_materials) == 1 else ():
         for name, key in (
             ("staticFriction", "static_friction"),
             ("dynamicFriction", "dynamic_friction"),
             ("restitution",) * 2,
         ):
-            stated = _contact(record, key)
+            stated = _contact(subject, key)
             if stated is not None:
                 yield name, "", np.array(number(prim, f"physics:{name}", 0.0)), np.array(stated)
 
 
-def _one_body(body: Body, record: dict[str, Any]) -> Iterator[tuple[str, str, np.ndarray, np.ndarray]]:
-    centre, inertia = _array(record, "physics", "centre_of_mass_m"), _array(record, "physics", "inertia_kgm2")
+def _one_body(subject: Subject, body: Body) -> Iterator[tuple[str, str, np.ndarray, np.ndarray]]:
+    centre, inertia = _array(subject, "physics", "centre_of_mass_m"), _array(subject, "physics", "inertia_kgm2")
     if centre is not None and body.diagonal_m > 0.0:
         # Lengths near zero are judged against the size of the body, not against themselves.
         found = vector(body.prim, "physics:centerOfMass", (0.0, 0.0, 0.0))
@@ -72,25 +71,18 @@ def _one_body(body: Body, record: dict[str, Any]) -> Iterator[tuple[str, str, np
         yield "the inertia", "kg m2", inertia_from_principal(moments, quat_wxyz), inertia
 
 
-def _value(record: dict[str, Any], section: str, key: str) -> Any:
-    """The value of an Evidence, None where the record has another form."""
+def _array(subject: Subject, section: str, key: str) -> np.ndarray | None:
+    """The numbers of an Evidence; None where the record has another form."""
     try:
-        return record[section][key]["value"]
-    except (KeyError, TypeError):
-        return None
-
-
-def _array(record: dict[str, Any], section: str, key: str) -> np.ndarray | None:
-    try:
-        array = np.asarray(_value(record, section, key), dtype=np.float64)
+        array = np.asarray(subject.recorded(section, key, "value"), dtype=np.float64)
     except (TypeError, ValueError):
         return None
     return array if array.size and np.all(np.isfinite(array)) else None
 
 
-def _contact(record: dict[str, Any], key: str) -> float | None:
+def _contact(subject: Subject, key: str) -> float | None:
     try:
-        contacts = [c["value"] for c in record["physics"]["contacts"]]
+        contacts = [c["value"] for c in subject.recorded("physics", "contacts")]
         return float(contacts[0][key]) if len(contacts) == 1 else None
     except (KeyError, TypeError, ValueError):
         return None

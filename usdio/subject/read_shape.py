@@ -21,6 +21,7 @@ from usdio.subject.values import integers, number, rows, text
 
 SHAPES = ("Mesh", "Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1", "Plane")
 CONVEX_APPROXIMATIONS = ("convexHull", "boundingCube", "boundingSphere")
+_COLLIDER_SEGMENTS = 24  # within 1 % of the round shape, at a quarter of the points
 _CYCLE = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}  # cyclic, so handedness stays
 
 
@@ -36,8 +37,8 @@ def surface_of(prim: Any, frames: Frames) -> Surface:
 
 
 def collider_points(prim: Any, frames: Frames) -> FloatArray:
-    """(n, 3) points on the surface of a collider, in the world; round shapes inscribed with 48 segments."""
-    points = rows(prim, "points", 3) if prim.IsA(UsdGeom.Mesh) else _solid(prim)[0]
+    """(n, 3) points on the surface of a collider, in the world; round shapes inscribed with 24 segments."""
+    points = rows(prim, "points", 3) if prim.IsA(UsdGeom.Mesh) else _solid(prim, _COLLIDER_SEGMENTS)[0]
     return apply(frames.matrix(prim), points)
 
 
@@ -73,7 +74,7 @@ def _mesh(prim: Any) -> tuple[FloatArray, IntArray]:
     return points, indices[triangulate_polygons(points, indices, counts)[0]]
 
 
-def _solid(prim: Any) -> tuple[FloatArray, IntArray]:
+def _solid(prim: Any, segments: int = gprims.SEGMENTS) -> tuple[FloatArray, IntArray]:
     """The tessellated implicit shape in its own frame; nothing for another type or a size that is no length."""
     kind = prim.GetTypeName()
     size = {name: number(prim, name) for name in ("size", "radius", "height", "width", "length")}
@@ -82,14 +83,20 @@ def _solid(prim: Any) -> tuple[FloatArray, IntArray]:
         case "Cube":
             needed, make = [size["size"]], partial(gprims.cube, size["size"])
         case "Sphere":
-            needed, make = [size["radius"]], partial(gprims.sphere, size["radius"])
+            needed, make = [size["radius"]], partial(gprims.sphere, size["radius"], segments)
         case "Cylinder" | "Cylinder_1":
-            needed, make = [size["height"], bottom, top], partial(gprims.cylinder, size["height"], bottom, top)
+            needed, make = (
+                [size["height"], bottom, top],
+                partial(gprims.cylinder, size["height"], bottom, top, segments),
+            )
         case "Cone":
             lengths = [size["height"], size["radius"]]
-            needed, make = lengths, partial(gprims.cylinder, *lengths, 0.0)
+            needed, make = lengths, partial(gprims.cylinder, *lengths, 0.0, segments)
         case "Capsule" | "Capsule_1":
-            needed, make = [bottom, top, size["height"] + bottom], partial(gprims.capsule, size["height"], bottom, top)
+            needed, make = (
+                [bottom, top, size["height"] + bottom],
+                partial(gprims.capsule, size["height"], bottom, top, segments),
+            )
         case "Plane":
             needed, make = [size["width"], size["length"]], partial(gprims.plane, size["width"], size["length"])
         case _:

@@ -22,6 +22,7 @@ from usdio.subject.joint import Joint
 from usdio.subject.read_joint import is_joint, read_joint
 from usdio.subject.read_shape import SHAPES, approximation_of, collider_points, is_convex, surface_of
 from usdio.subject.values import TIME, flag, number
+from usdio.subject.whole_surface import EdgeCounts, count_edges
 
 METADATA = "SimReady_Metadata"
 _SHOWN = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
@@ -64,6 +65,13 @@ class Subject:
         except (OSError, ValueError):
             return None
         return record if isinstance(record, dict) and "asset_id" in record else None
+
+    def recorded(self, *keys: str) -> Any:
+        """What the record holds under nested keys; None when it does not go that deep."""
+        found: Any = self.record
+        for key in keys:
+            found = found.get(key) if isinstance(found, dict) else None
+        return found
 
     @cached_property
     def released(self) -> bool:
@@ -153,6 +161,11 @@ class Subject:
     def visible_points_W(self) -> FloatArray:
         """(n, 3) points of everything visible."""
         return stacked([s.points_W for s in self.surfaces])
+
+    @cached_property
+    def visible_edges(self) -> EdgeCounts | None:
+        """How the faces of everything visible hang together; None when there is nothing or too much."""
+        return count_edges(self.surfaces)
 
     def body_of(self, prim: Any) -> Body | None:
         """The body `prim` belongs to: itself or its nearest ancestor with a rigid-body API."""
