@@ -10,7 +10,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from geom.pose import matrix_of, pose, quat_of, shortest_rotation
-from geom.support import centre_heights, diagonal, facet_directions, support
+from geom.principal_axes import principal_axes
+from geom.support import centre_heights, diagonal, facet_directions, foot, support
 from schemas.asset import StablePose
 from schemas.model import FloatArray
 from schemas.physics import RigidBody
@@ -22,6 +23,7 @@ _DOWN = np.array([0.0, 0.0, -1.0])
 _SAME_POSE_RAD = math.radians(5.0)
 _SAME_POSE_BARRIER = 0.06  # of the height of the mass centre: a prism of ten sides or more rolls, a cube does not
 _SNAP_RAD = math.radians(2.0)
+_STEPS = np.linspace(0.0, 1.0, 17)
 
 
 @dataclass(frozen=True)
@@ -97,15 +99,18 @@ def holds(body: RigidBody, simulator: Simulator, down_A: FloatArray) -> bool:
 
 
 def recovers(body: RigidBody, simulator: Simulator, down_A: FloatArray) -> bool:
-    """Whether the body, set down leaning by 2 degrees to one side or to the other, ends within 5 degrees of `down_A`.
+    """Whether the body, set down leaning by 2 degrees to its weakest side or away from it, ends within 5 degrees.
 
     What balances on a point or an edge, held by rolling resistance alone, falls to both sides; so does what stands on
     too narrow a foot. One side is enough: a figure may stand close to the edge of its foot.
     """
     size = diagonal(body.shapes)
     settings = DropSettings(max(1.0, 8.0 * natural_time_s(size)), world_for(size), stillness_for(size))
+    _, tipped = foot(body.shapes, np.asarray(body.mass.centre_of_mass_m), down_A)
+    side = tipped - (tipped @ down_A) * down_A
     for lean_rad in (LEAN_RAD, -LEAN_RAD):
-        result = simulator.drop(body, resting_pose(body, leaning(down_A, lean_rad), gap_m=0.0), settings)
+        start = math.cos(lean_rad) * down_A + math.sin(lean_rad) * side / np.linalg.norm(side)
+        result = simulator.drop(body, resting_pose(body, start, gap_m=0.0), settings)
         end_A = -matrix_of(result.quats_wxyz[-1])[2]
         if result.finite and end_A @ down_A > math.cos(_SAME_POSE_RAD):
             return True
@@ -159,17 +164,55 @@ def _snapped(body: RigidBody, downs: FloatArray) -> FloatArray:
 
 
 def _same_pose(body: RigidBody, first: FloatArray, second: FloatArray) -> FloatArray:
-    """Whether (k,) the down directions `first` and `second` (k, 3) are one pose."""
-    cosines = np.clip(np.einsum("ki,ki->k", first, second), -1.0, 1.0)
-    angles = np.arccos(cosines)
-    side = second - cosines[:, None] * first
-    lengths = np.linalg.norm(side, axis=1)
-    opposite = (cosines < 0.0) & (lengths < 1e-6)  # no unique great circle
-    side /= np.maximum(lengths, 1e-12)[:, None]
-    turns = (angles[:, None] * np.linspace(0.0, 1.0, 17))[:, :, None]
-    path = np.cos(turns) * first[:, None] + np.sin(turns) * side[:, None]  # the great circle, in even steps
-    centre = np.asarray(body.mass.centre_of_mass_m)
-    levels = centre_heights(body.shapes, centre, path.reshape(-1, 3)).reshape(len(first), -1)
+    """Whether (k,) the down directions `first` and `second` (k, 3) are one pose.
+
+    Tried are the great circle between them and, for what rolls like a cone, the turns about each principal axis of
+    inertia to which both are inclined alike, either way round.
+    """
+    angles = np.arccos(np.clip(np.einsum("ki,ki->k", first, second), -1.0, 1.0))
+    same = (angles < _SAME_POSE_RAD) | _stays_level(body, _great_circles(first, second))
+    for axis in matrix_of(principal_axes(body.mass.inertia_kgm2)[1]).T:
+        polar, other = (np.arccos(np.clip(downs @ axis, -1.0, 1.0)) for downs in (first, second))
+        alike = ~same & (np.abs(polar - other) < _SAME_POSE_RAD)
+        for path in _turns_about(axis, first[alike], second[alike]):
+            same[alike] |= _stays_level(body, path)
+    return same
+
+
+def _stays_level(body: RigidBody, paths: FloatArray) -> FloatArray:
+    """Whether (k,) along a path of down directions (k, n, 3) the height of the mass centre stays within 6 % of that at
+    the lower end. A path that dips leads through another pose.
+    """
+    flat = centre_heights(body.shapes, np.asarray(body.mass.centre_of_mass_m), paths.reshape(-1, 3))
+    levels = flat.reshape(paths.shape[:2])
     lower = np.minimum(levels[:, 0], levels[:, -1])
-    low = levels.max(axis=1) - lower < _SAME_POSE_BARRIER * lower
-    return (angles < _SAME_POSE_RAD) | (low & ~opposite)
+    return np.abs(levels - lower[:, None]).max(axis=1) < _SAME_POSE_BARRIER * lower
+
+
+def _great_circles(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Unit vectors (k, 17, 3) in even steps from `first` to `second` (k, 3); opposite ones are joined in any plane."""
+    cosines = np.clip(np.einsum("ki,ki->k", first, second), -1.0, 1.0)[:, None]
+    side = second - cosines * first
+    arbitrary = np.cross(first, np.eye(3)[np.abs(first).argmin(axis=1)])
+    side = np.where(np.linalg.norm(side, axis=1)[:, None] < 1e-6, arbitrary, side)
+    side /= np.linalg.norm(side, axis=1)[:, None]
+    turns = (np.arccos(cosines) * _STEPS)[:, :, None]
+    return np.cos(turns) * first[:, None] + np.sin(turns) * side[:, None]
+
+
+def _turns_about(axis: FloatArray, first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Unit vectors (k, 17, 3) from `first` to `second` (k, 3), turning about the unit vector `axis` (3,) either way."""
+    across = shortest_rotation(np.array([0.0, 0.0, 1.0]), axis)[:, :2]
+    start, end = first @ across, second @ across
+    azimuths = np.arctan2(start[:, 1], start[:, 0])[:, None]
+    turn = np.arctan2(end[:, 1], end[:, 0])[:, None] - azimuths
+    heights = first @ axis
+    heights = heights[:, None] + (second @ axis - heights)[:, None] * _STEPS
+    radii = np.sqrt(np.maximum(1.0 - heights**2, 0.0))
+
+    def path(turn: FloatArray) -> FloatArray:
+        angles = azimuths + turn * _STEPS
+        plane = np.stack([np.cos(angles), np.sin(angles)], axis=2) @ across.T
+        return heights[:, :, None] * axis + radii[:, :, None] * plane
+
+    return path(turn), path(turn - 2.0 * np.pi * np.where(turn > 0.0, 1.0, -1.0))

@@ -197,3 +197,26 @@ def test_almost_opposite_faces_are_two_poses(exponent: float, azimuth: float) ->
 def test_a_rod_is_in_one_pose_however_it_rolled(rolls: list[float]) -> None:
     downs = np.array([[np.cos(roll), np.sin(roll), 0.0] for roll in (*rolls, 0.0, 2.0, 4.0)])
     assert set(pose_families(cylinder(0.01, 0.3), downs).tolist()) == {0}
+
+
+@pytest.mark.parametrize("azimuth", np.arange(8) * (np.pi / 4.0))
+def test_a_can_on_its_rim_does_not_recover_whichever_way_it_leans(bullet, azimuth: float) -> None:
+    can = cylinder(0.033, 0.1)
+    steep = math.atan2(0.033, 0.05)
+    rim = np.array([math.sin(steep) * math.cos(azimuth), math.sin(steep) * math.sin(azimuth), -math.cos(steep)])
+    assert not recovers(can, bullet, rim)
+
+
+def test_a_plank_on_either_long_edge_is_in_two_poses() -> None:
+    """The way from one to the other stays below the top of the edge, but it leads through the flat pose."""
+    edges = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.01, -1.0, 0.0]])
+    edges /= np.linalg.norm(edges, axis=1)[:, None]
+    assert pose_families(box((0.3, 0.08, 0.01)), edges).tolist() == [0, 1, 1]
+
+
+def test_a_cone_on_its_side_is_in_one_pose_however_it_rolled() -> None:
+    cone = hull(trimesh.creation.cone(0.04, 0.09, sections=32))
+    incline, turns = math.atan2(0.04, 0.09), np.array([0.0, 1.9, 3.2, 4.6])
+    across = math.cos(incline) * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    downs = np.column_stack([across, np.full(4, math.sin(incline))])
+    assert set(pose_families(cone, downs).tolist()) == {0}
