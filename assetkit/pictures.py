@@ -2,47 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import json
+import os
+import tempfile
 from pathlib import Path
 
-from assetkit.discover import discover
-from assetkit.options import Options
-from assetkit.stages.appearance import normalize
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
-from assetkit.stages.previews import render
+from assetkit.ingest import DEFAULT_LIMITS, ENVIRONMENT, LOST_CODES
 from assetkit.validate import main_usd_files
-from schemas.diagnostics import InvalidInput
-from schemas.physics import CollisionShape
-from usdio.reread import reread_body
+from jobs.cell import Limits
+from jobs.warm import run_module
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 
 
-def picture(path: Path, out: Path) -> list[Path]:
-    """Render the first object of a source file, or a package with its collision shapes; returns the PNGs written.
+def picture(path: Path, out: Path, *, limits: Limits = DEFAULT_LIMITS) -> list[Path]:
+    """Draw the first object of a source file, or a package with its collision shapes; returns the PNGs written.
 
-    Raises InvalidInput when the file cannot be read and FileNotFoundError when a folder holds no USD file.
+    Reading and drawing run in a cell, because the file may be anything. Raises InvalidInput when the file cannot be
+    read or takes its cell down, and FileNotFoundError when a folder holds no USD file.
     """
-    shapes: tuple[CollisionShape, ...] = ()
-    if path.is_dir():
-        files = main_usd_files(path)
-        if not files:
-            raise FileNotFoundError(path)
-        path = files[0]
-        shapes = reread_body(path).shapes
-    options = Options()
-    taken = take_in(discover([path])[0], options)
-    if not taken.objects:
-        raise InvalidInput(taken.diagnostics[-1])
-    item = taken.objects[0]
-    canonical = canonicalize(item, path.name, options)
-    if canonical.value is None:
-        raise InvalidInput(canonical.diagnostics[-1])
-    appearance = normalize(item.model).value
-    materials = appearance.materials if appearance else ()
-    model = replace(item.model, meshes=canonical.value.meshes, materials=materials)
-    out.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name, data in render(model, shapes, out).items():
-        written.append(out / f"{name}.png")
-        written[-1].write_bytes(data)
-    return written
+    if path.is_dir() and not main_usd_files(path):
+        raise FileNotFoundError(path)
+    with tempfile.TemporaryDirectory(prefix="mana") as folder:
+        note = Path(folder) / "note.json"
+        arguments = [os.fspath(path.absolute()), os.fspath(out), os.fspath(note)]
+        result = run_module("assetkit.draw", arguments, limits, env=ENVIRONMENT)
+        said = json.loads(note.read_text()) if note.is_file() else {}
+    if "refused" in said:
+        raise InvalidInput(Diagnostic.model_validate(said["refused"]))
+    if "written" not in said:
+        code = LOST_CODES.get(result.status, "asset/worker-crashed")
+        last = (result.output.strip().splitlines() or ["no output"])[-1]
+        headline = f"drawing {result.status.replace('_', ' ')}: {last[:200]}"
+        raise InvalidInput(finding(code, headline, where=Location(file=path.name), value=result.returncode))
+    return [Path(p) for p in said["written"]]
