@@ -13,12 +13,15 @@ from usdio.outside import Remark, outside_verdicts
 from usdio.reread import reread_body, reread_visual
 from usdio.source_names import renamed, source_names
 
+# Either the unit of the source or its category is wrong, or the thing is a toy: a person must say which.
+UNDECIDED = frozenset({"asset/gate-category-size"})
+
 
 class AcceptPackage:
     """Nothing is released on the strength of what is in memory: the bytes judged are the bytes shipped."""
 
     name = "acceptance"
-    version = 1
+    version = 2
     result = Acceptance
 
     def accepts(self, draft: Draft) -> list[Diagnostic]:
@@ -29,7 +32,9 @@ class AcceptPackage:
         """Validator verdicts, gate findings and simulator figures of the package on disk."""
         main_file = release.author(draft, tools.work_dir)
         verdicts = outside_verdicts(main_file)
-        gate_findings = gate(main_file)
+        judged_by_gate = gate(main_file)
+        review = any(d.code in UNDECIDED and d.severity is Severity.ERROR for d in judged_by_gate)
+        gate_findings = tuple(_for_a_person(d) for d in judged_by_gate)
         errors = [d for d in gate_findings if d.severity is Severity.ERROR]
         validators = tuple(_check(v.judge, len(v.findings)) for v in verdicts)
         validators += (_check("mana gate", len(errors)),)
@@ -43,7 +48,13 @@ class AcceptPackage:
         section = judged.section.model_copy(update={"validators": validators})
         refused = tuple(_refused(v.judge, v.findings) for v in verdicts if not v.passed)
         names = renamed(source_names(draft.model))
-        return Outcome(Acceptance(section), (*names, *refused, *gate_findings, *judged.diagnostics))
+        return Outcome(Acceptance(section), (*names, *refused, *gate_findings, *judged.diagnostics), review=review)
+
+
+def _for_a_person(diagnostic: Diagnostic) -> Diagnostic:
+    """A finding about what only a person can decide no longer refuses the package."""
+    undecided = diagnostic.code in UNDECIDED
+    return diagnostic.model_copy(update={"severity": Severity.WARNING}) if undecided else diagnostic
 
 
 def _check(name: str, errors: int) -> Check:

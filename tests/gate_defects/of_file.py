@@ -64,7 +64,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     prop("metadata state another size", metadata("asset_extents", Gf.Vec3f(1, 1, 1)), "extent"),
     prop("metadata state a size in mm", metadata("asset_extents", Gf.Vec3f(100, 80, 60)), "extent"),
-    prop("a cabinet of 8 cm", both(label("class", "cabinet"), metadata("category", "cabinet")), "category-size"),
+    prop("a wardrobe of 10 cm", both(label("class", "wardrobe"), metadata("category", "wardrobe")), "category-size"),
     cabinet("a mug of 80 cm", both(label("class", "mug"), metadata("category", "mug")), "category-size"),
     prop("asset lifted by 10 cm", place(PROP, (0, 0, 0.1)), "origin"),
     cabinet("asset lying on its side", place(CABINET, rotate=(90, 0, 0)), "origin"),

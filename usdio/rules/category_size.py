@@ -13,7 +13,7 @@ from usdio.subject.category import category_sizes, known_category, labels
 from usdio.subject.values import at
 
 CODE = "asset/gate-category-size"
-_FAR = 2.0  # times beyond the range: the unit or the label is wrong; below, it may be a toy or a giant
+_FAR = 3.0  # times beyond the range: the unit or the label is wrong; below, it may be a toy or a giant
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -37,4 +37,4 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         )
 
 
-RULE = Rule(CODE, "usdio/rules/category_sizes.csv (error beyond twice the range)", "sizes of everyday things", check)
+RULE = Rule(CODE, "usdio/rules/category_sizes.csv (error beyond 3 times the range)", "sizes of everyday things", check)
