@@ -10,7 +10,7 @@ from trimesh.triangles import closest_point
 from geom.surface_distance import NearestOnSurface, triangle_areas
 from schemas.model import FloatArray, IntArray
 
-# Parts looked at before the search gives up and leaves a wider gap.
+# Parts looked at before the search gives up and leaves a wider gap; the first look at every triangle is not counted.
 BUDGET = 400_000
 
 
@@ -31,7 +31,13 @@ NO_REACH = Reach(0.0, 0.0, np.full(3, np.nan))
 
 
 def reach(
-    corners: FloatArray, points: FloatArray, triangles: IntArray, tolerance: float, *, solid: bool = False
+    corners: FloatArray,
+    points: FloatArray,
+    triangles: IntArray,
+    tolerance: float,
+    *,
+    solid: bool = False,
+    budget: int = BUDGET,
 ) -> Reach:
     """The largest distance from the triangles `corners` (k, 3, 3) to the surface `points`, `triangles`.
 
@@ -40,7 +46,7 @@ def reach(
     Branch and bound. The distance to one triangle is convex, so over a part it is largest at a corner; the distance to
     the surface is at most that to the triangle nearest to the part's centroid, and at most the centroid's distance plus
     the part's radius. Parts that may exceed the largest distance found by more than `tolerance` are quartered, until
-    none is left or `BUDGET` is spent. Deterministic. Source: Tang, Lee and Kim 2009, "Interactive Hausdorff distance
+    none is left or the `budget` is spent. Deterministic. Source: Tang, Lee and Kim 2009, "Interactive Hausdorff distance
     computation for general polygonal models". Raises ValueError when the surface has no area.
     """
     parts = corners[triangle_areas(corners) > 0.0]
@@ -52,7 +58,7 @@ def reach(
     if solid:
         away[target.inside(vertices)] = 0.0
     attained, at = float(away.max()), vertices[away.argmax()]
-    bound, looked_at = attained, 0
+    bound, looked_at = attained, -len(parts)
     while len(parts):
         centroids = parts.mean(axis=1)
         nearest = surface[target(centroids)[1]]
@@ -68,7 +74,7 @@ def reach(
             attained, at = float(away.max()), centroids[away.argmax()]
         looked_at += len(parts)
         undecided = bounds > attained + tolerance
-        if looked_at + 4 * int(undecided.sum()) > BUDGET:
+        if looked_at + 4 * int(undecided.sum()) > budget:
             undecided[:] = False
         bound = max(bound, attained, float(bounds[~undecided].max(initial=0.0)))
         parts = _quartered(parts[undecided])

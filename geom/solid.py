@@ -11,7 +11,7 @@ from geom.mesh_edit import merge_surfaces
 from geom.openings import HOLE_SHARE
 from geom.solid_bodies import Bodies, Surface, signed_volume, sort_bodies, unite
 from geom.solid_voxel import voxel_hull
-from geom.surface_distance import triangle_areas, two_way
+from geom.surface_distance import P95, NearestOnSurface, closest_on_surface, sample_surface, triangle_areas
 from geom.weld import diagonal, weld_points
 from schemas.model import FloatArray, IntArray, Mesh
 from schemas.physics import Solid
@@ -30,8 +30,11 @@ DISTANCE_SAMPLES = 2000
 PROTRUDING = 0.05  # Acceptance refuses colliders whose box misses the visible one by more.
 
 
-def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
+def solidify(meshes: Sequence[Mesh], bodies: Bodies | None = None, *, rebuild: bool = False) -> tuple[Solid, Figures]:
     """The physical surface of `meshes` (metres), and how it came about. At least one face must have area.
+
+    `bodies` are those of the meshes where they are known already (`sort_bodies`). With `rebuild` the meshes are too
+    damaged for the first two rules, and the third is tried before them.
 
     First rule that applies:
     1. Closed bodies, holes filled and hidden faces closed (`solid_bodies`, `openings`), carry at least half of the
@@ -46,13 +49,14 @@ def solidify(meshes: Sequence[Mesh]) -> tuple[Solid, Figures]:
     Figures: `method`, `volume_m3` (shell: area times wall), `area_m2`, `naive_volume_m3` (bodies added up),
     `union_volume_m3`, `components`, `cavities`, `filled_openings`, `open_area_share`.
     """
-    bodies = sort_bodies(meshes)
+    bodies = bodies or sort_bodies(meshes)
     points, triangles, _ = merge_surfaces(bodies.tidied)
     points, triangles = weld_points(points, triangles)
     united = unite(bodies.closed) if bodies.closed else None
     naive = sum(signed_volume(*body) for body in bodies.closed)
     total = bodies.closed_area + bodies.open_area
-    solid, method = _choose(bodies, united, points, triangles, total)
+    proxy = _voxel_solid(points, triangles) if rebuild else None
+    solid, method = (proxy, "voxel") if proxy else _choose(bodies, united, points, triangles, total)
     figures: Figures = {
         "method": method,
         "volume_m3": _volume(solid),
@@ -79,15 +83,27 @@ def _choose(
     half = LEADING_SHARE * bodies.open_area
     if _is_flat(points) or containers >= half > 0.0 or any(v.area >= half > 0.0 for v in mouthed):
         return shell, "shell"
-    proxy = voxel_hull(points, triangles)
-    if proxy is not None:
-        distance = two_way(points, triangles, proxy[0], proxy[1], DISTANCE_SAMPLES, 0)
-        if max(distance.a_to_b_p95, distance.b_to_a_p95) <= VOXEL_TOLERANCE_CELLS * proxy[2]:
-            return Solid(proxy[0], proxy[1], kind="closed"), "voxel"
+    if (proxy := _voxel_solid(points, triangles)) is not None:
+        return proxy, "voxel"
     if sum(v.area for v in mouthed) >= half > 0.0:
         return shell, "shell"
     hull = trimesh.PointCloud(points).convex_hull
     return Solid(np.array(hull.vertices), np.array(hull.faces, dtype=np.int32), kind="hull"), "hull"
+
+
+def _voxel_solid(points: FloatArray, triangles: IntArray) -> Solid | None:
+    """A voxel proxy of the surface if it lies close to it; walls and sheets inside are at no distance."""
+    proxy = voxel_hull(points, triangles)
+    if proxy is None:
+        return None
+    solid = NearestOnSurface(proxy[0], proxy[1])
+    seen, _ = sample_surface(points, triangles, DISTANCE_SAMPLES, 0)
+    missing = np.where(solid.inside(seen), 0.0, np.linalg.norm(solid(seen)[0] - seen, axis=1))
+    made, _ = sample_surface(proxy[0], proxy[1], DISTANCE_SAMPLES, 0)
+    added = np.linalg.norm(closest_on_surface(made, points, triangles)[0] - made, axis=1)
+    if max(np.percentile(missing, P95), np.percentile(added, P95)) > VOXEL_TOLERANCE_CELLS * proxy[2]:
+        return None
+    return Solid(proxy[0], proxy[1], kind="closed")
 
 
 def _with_protruding(bodies: Bodies, united: Surface, size: float) -> tuple[Solid, str]:

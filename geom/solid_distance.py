@@ -7,10 +7,14 @@ from dataclasses import dataclass
 
 from geom.hausdorff import Reach, reach
 from geom.mesh_edit import merge_surfaces
-from geom.shape_change import TOLERANCE_SHARE, changed_faces
+from geom.shape_change import changed_faces
 from geom.weld import diagonal
 from schemas.model import Mesh
 from schemas.physics import Solid
+
+# Wider than for edits: united bodies cross the visible surface along whole curves.
+TOLERANCE_SHARE = 1e-3
+BUDGET = 50_000
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,13 @@ def solid_distance(meshes: Sequence[Mesh], solid: Solid) -> SolidDistance:
     tolerance = TOLERANCE_SHARE * diagonal(points)
     left_out, added = changed_faces((points, triangles), (solid.points, solid.triangles))
     return SolidDistance(
-        reach(solid.points[solid.triangles[added]], points, triangles, tolerance),
-        reach(points[triangles[left_out]], solid.points, solid.triangles, tolerance, solid=solid.kind != "shell"),
+        reach(solid.points[solid.triangles[added]], points, triangles, tolerance, budget=BUDGET),
+        reach(
+            points[triangles[left_out]],
+            solid.points,
+            solid.triangles,
+            tolerance,
+            solid=solid.kind != "shell",
+            budget=BUDGET,
+        ),
     )

@@ -291,6 +291,12 @@ CODES: dict[str, CodeInfo] = {
         "Debris of scanning or modelling stretches the bounding box and becomes matter that is not there.",
         "nothing; they were removed, count, area and largest size are in the record",
     ),
+    "asset/self-intersection": CodeInfo(
+        "warning",
+        "A closed surface passes through itself",
+        "Volume, mass centre and inertia count the doubled parts twice and the inverted ones as holes.",
+        "nothing; the physical surface was resolved, the visible one is as it was",
+    ),
     "asset/repair-distorts": CodeInfo(
         "warning",
         "A repair may have changed the shape",

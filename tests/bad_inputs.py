@@ -136,6 +136,19 @@ def cut_corner() -> trimesh.Trimesh:
     return faces_of(dense, dense.faces[np.linalg.norm(dense.triangles_center - 0.05, axis=1) > 0.02])
 
 
+def crossing_bar() -> trimesh.Trimesh:
+    """A square bar bent back through itself: one closed surface, whose crossing is enclosed twice."""
+    path = np.array([[0, 0], [0.1, 0], [0.1, 0.1], [0.05, 0.1], [0.05, -0.05]])
+    step = np.diff(path, axis=0) / np.linalg.norm(np.diff(path, axis=0), axis=1)[:, None]
+    left = np.stack([-step[:, 1], step[:, 0]], axis=1)
+    side = 0.01 * np.concatenate([left[:1], left[:-1] + left[1:], left[-1:]])  # Mitred at right angles.
+    flat = np.stack([path - side, path + side, path + side, path - side], axis=1)
+    points = np.concatenate([flat, np.broadcast_to([[-0.01], [-0.01], [0.01], [0.01]], (5, 4, 1))], axis=2)
+    ring = [[k, (k + 1) % 4, 4 + (k + 1) % 4, 4 + k] for k in range(4)]
+    quads = np.concatenate([4 * i + np.array(ring) for i in range(4)] + [[[3, 2, 1, 0], [16, 17, 18, 19]]])
+    return trimesh.Trimesh(points.reshape(-1, 3), quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3), process=False)
+
+
 def dirty() -> trimesh.Trimesh:
     """Many duplicates, slivers and extra sheets at once."""
     rng = np.random.default_rng(1)
@@ -232,6 +245,7 @@ SAMPLES: dict[str, Writer] = {
         joined(SPHERE, moved(faces_of(CUBE.copy().apply_scale(0.005), CUBE.faces[:3]), 0.06, 0.0, 0.0))
     ),
     "asset/repair-distorts": obj(cut_corner()),
+    "asset/self-intersection": obj(crossing_bar()),
     "asset/too-many-triangles": obj(trimesh.creation.icosphere(subdivisions=4, radius=0.05)),
     "asset/bad-normals": text("part.obj", "vn 0 0 0\n" + SOUND_FACES.replace("f 1 3 2", "f 1//1 3//1 2//1")),
     "asset/empty-face": text("part.obj", SOUND_FACES + "f\n"),

@@ -14,8 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from assetkit.stages.edit import Counts, Edit
+from geom.hausdorff import NO_REACH, reach
 from geom.mesh_edit import merge_surfaces
-from geom.shape_change import shape_change
+from geom.resolve_bodies import SelfCrossing
+from geom.shape_change import TOLERANCE_SHARE, changed_faces, shape_change
+from geom.weld import diagonal
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import FloatArray, Mesh
 
@@ -66,6 +69,19 @@ def distortion(repair: str, before: Sequence[Mesh], after: Sequence[Mesh], edits
     furthest = max(change.removed, change.added, key=lambda way: way.attained)
     mesh = before[reported[0]].name if len(reported) == 1 else None
     return Distortion(repair, change.hausdorff, change.hausdorff, change.diagonal, mesh, furthest.at)
+
+
+def crossing_distortion(crossings: Sequence[SelfCrossing], meshes: Sequence[Mesh]) -> Distortion:
+    """What resolving bodies did to the physical surface: how far what was dropped reached out of what was kept."""
+    size = diagonal(merge_surfaces(meshes)[0])
+    worst = NO_REACH
+    for crossing in crossings:
+        if crossing.resolved is not None:
+            (points, triangles), kept = crossing.body, crossing.resolved.surface
+            gone = changed_faces(crossing.body, kept)[0]
+            dropped = reach(points[triangles[gone]], *kept, TOLERANCE_SHARE * size, solid=True)
+            worst = max(worst, dropped, key=lambda found: found.attained)
+    return Distortion("self_intersection", worst.attained, worst.attained, size, None, worst.at)
 
 
 def distortion_finding(found: Distortion, p_origin: FloatArray) -> Diagnostic | None:

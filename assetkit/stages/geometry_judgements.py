@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.edges import edges_of
-from geom.solid_bodies import Bodies, Surface, signed_volume, sort_bodies, unite
+from geom.resolve_bodies import SelfCrossing
+from geom.solid_bodies import Bodies, Surface, signed_volume, unite
 from geom.topology import repeats_point
 from schemas.model import Mesh
 
@@ -33,14 +34,22 @@ class Judgement:
     after: Counts
 
 
-def judge(meshes: Sequence[Mesh], surplus_found: bool) -> tuple[Judgement, ...]:
-    """Overlapping bodies, open containers and meshes beyond single edits, in this order, each only where found.
+def judge(
+    meshes: Sequence[Mesh], bodies: Bodies, crossings: Sequence[SelfCrossing], surplus_found: bool
+) -> tuple[Judgement, ...]:
+    """Overlapping bodies, bodies that pass through themselves, open containers and meshes beyond single edits.
+
+    In this order, each only where found; `bodies` and `crossings` are those of the meshes (`resolve_bodies`).
 
     `surplus_found` tells that degenerate or duplicate faces were reported; a mesh is beyond repair when crowded edges
     remain on top of that. Crowded edges alone are boards that meet by design.
     """
-    bodies = sort_bodies(meshes)
-    found = (_overlapping(bodies), _open_shell(bodies), _dirty(meshes) if surplus_found else None)
+    found = (
+        _overlapping(bodies),
+        _crossing(crossings),
+        _open_shell(bodies),
+        _dirty(meshes) if surplus_found else None,
+    )
     return tuple(judgement for judgement in found if judgement is not None)
 
 
@@ -54,6 +63,27 @@ def _overlapping(bodies: Bodies) -> Judgement | None:
         "closed parts of one mesh overlap",
         {"volume_m3": naive},
         {"volume_m3": united},
+    )
+
+
+def _crossing(crossings: Sequence[SelfCrossing]) -> Judgement | None:
+    resolved = [(c, c.resolved) for c in crossings if c.resolved is not None]
+    if not resolved:
+        return None
+    return Judgement(
+        "self_intersection",
+        "asset/self-intersection",
+        "a closed surface passes through itself",
+        {
+            "volume_m3": sum(signed_volume(*c.body) for c, _ in resolved),
+            "intersecting_faces": sum(r.crossing_before for _, r in resolved),
+            "largest_miscounted_share": max(c.miscounted_share for c, _ in resolved),
+        },
+        {
+            "volume_m3": sum(signed_volume(*r.surface) for _, r in resolved),
+            "intersecting_faces": sum(r.crossing_after for _, r in resolved),
+            "largest_miscounted_share": 0.0,
+        },
     )
 
 

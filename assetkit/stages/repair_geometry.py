@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from assetkit.stages.distortion import Distortion, distortion
+from assetkit.stages.distortion import Distortion, crossing_distortion, distortion
 from assetkit.stages.edit import Counts, Item
 from assetkit.stages.geometry_edits import EDITS
 from assetkit.stages.geometry_judgements import judge
 from geom.mesh_edit import merge_surfaces
+from geom.resolve_bodies import Resolver, SelfCrossing, resolve_bodies
 from geom.shape_change import ShapeChange, shape_change
+from geom.solid_bodies import Bodies, sort_bodies
 from geom.topology import observe
 from geom.weld import weld
 from schemas.asset import Topology
@@ -24,7 +26,8 @@ class RepairResult:
     """Meshes after the edits, what was observed per mesh and on all (`merged`) before, and on all after.
 
     `distortions` tells for each edit that was made what it did to the shape, `change` what all did together, also
-    those too slight to be reported.
+    those too slight to be reported. `bodies` are what the mended meshes hold, those that passed through themselves
+    resolved except the `unresolved`.
     """
 
     meshes: tuple[Mesh, ...]
@@ -34,12 +37,15 @@ class RepairResult:
     repairs: tuple[Repair, ...]
     distortions: tuple[Distortion, ...]
     change: ShapeChange
+    bodies: Bodies
+    unresolved: tuple[SelfCrossing, ...]
 
 
-def repair_geometry(meshes: Sequence[Mesh]) -> RepairResult:
+def repair_geometry(meshes: Sequence[Mesh], resolver: Resolver | None = None) -> RepairResult:
     """Welded meshes with their true defects mended, one Repair and one diagnostic per kind of defect found.
 
     As many meshes come back as went in, in the same order. Points must be finite; at least one face must have area.
+    Bodies that pass through themselves are sought when there is a `resolver` for them.
     """
     observed = [observe(m.points, m.triangles, m.name) for m in meshes]
     merged = _observe_all(meshes)
@@ -58,9 +64,17 @@ def repair_geometry(meshes: Sequence[Mesh]) -> RepairResult:
             repairs.append(_repair(name, code, was, now))
             where = Location(mesh=meshes[reported[0]].name if len(reported) == 1 else None)
             notes.append(_note(code, headline, where, was, now))
-    for found in judge(current, any(r.name == "degenerate_faces" for r in repairs)):
-        repairs.append(_repair(found.name, found.code, found.before, found.after))
-        notes.append(_note(found.code, found.headline, Location(), found.before, found.after))
+    bodies, crossings = sort_bodies(current), ()
+    if resolver is not None:
+        bodies, crossings = resolve_bodies(bodies, resolver)
+    for found in judge(current, bodies, crossings, any(r.name == "degenerate_faces" for r in repairs)):
+        was, now = found.before, found.after
+        if found.code == "asset/self-intersection":
+            made = crossing_distortion(crossings, current)
+            was, now = {**was, **made.figures()[0]}, {**now, **made.figures()[1]}
+            distortions.append(made)
+        repairs.append(_repair(found.name, found.code, was, now))
+        notes.append(_note(found.code, found.headline, Location(), was, now))
     return RepairResult(
         tuple(current),
         (*observed, merged),
@@ -69,6 +83,8 @@ def repair_geometry(meshes: Sequence[Mesh]) -> RepairResult:
         tuple(repairs),
         tuple(distortions),
         shape_change(merge_surfaces(welded)[:2], merge_surfaces(current)[:2]),
+        bodies,
+        tuple(c for c in crossings if c.resolved is None),
     )
 
 

@@ -1,0 +1,86 @@
+"""The geometry section of the record; part of stage 2, canonicalize."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from assetkit.stages.physical_surface import PhysicalSurface
+from assetkit.stages.repair_geometry import RepairResult
+from assetkit.stages.triangle_budget import Budgeted
+from schemas.asset import AnnotationFrame, GeometrySection, Vec3
+from schemas.evidence import Evidence, inferred, measured
+from schemas.model import FloatArray, Mesh
+
+_VOLUME_CONFIDENCE = {
+    "union_and_hulls": 0.5,
+    "voxel": 0.5,
+    "declared_shell": 0.9,
+    "inferred_shell": 0.3,
+    "default_shell": 0.3,
+    "hull": 0.1,
+}
+
+
+def geometry_section(
+    meshes: Sequence[Mesh],
+    physical: PhysicalSurface,
+    unit: Evidence[float],
+    mended: RepairResult,
+    light: Budgeted,
+    offset: FloatArray,
+) -> GeometrySection:
+    """What was measured on the canonical `meshes`; `offset` (3,) is the source origin seen from the asset frame."""
+    points = np.concatenate([m.points for m in meshes])
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = _vec3(high - low)
+    bounds = None
+    if unit.bounds is not None:
+        factors = [b / unit.value for b in unit.bounds]
+        bounds = (_vec3((high - low) * factors[0]), _vec3((high - low) * factors[1]))
+    off = physical.distance
+    return GeometrySection(
+        extent_m=Evidence(
+            value=extent,
+            source="measured" if unit.source == "declared" else unit.source,
+            method=f"bounding box of the render mesh; unit: {unit.method}",
+            confidence=unit.confidence,
+            bounds=bounds,
+        ),
+        origin_offset_m=_vec3(offset),
+        annotation_frame=AnnotationFrame(
+            centre_m=_vec3((low + high) / 2), scale_m=float(np.linalg.norm(high - low)) or 1.0
+        ),
+        observed=mended.observed,
+        reobserved=mended.reobserved,
+        solid_kind=physical.solid.kind,
+        volume_m3=(
+            measured(physical.volume_m3, physical.method, confidence=unit.confidence)
+            if physical.method == "union"
+            else inferred(physical.volume_m3, physical.method, _VOLUME_CONFIDENCE[physical.method] * unit.confidence)
+        ),
+        surface_area_m2=physical.area_m2,
+        wall_thickness_m=physical.wall,
+        repaired_distance_m=_repaired_distance(mended, light),
+        solid_distance_m=measured(
+            off.attained,
+            "largest distance of the physical surface from the visible one, and of visible parts outside it",
+            bounds=(off.attained, off.bound),
+        ),
+    )
+
+
+def _repaired_distance(mended: RepairResult, light: Budgeted) -> Evidence[float]:
+    """Two-way distance between the visible surface as read and as released; reductions add to the edits."""
+    lost = sum(d.hausdorff for d in light.distortions)
+    return measured(
+        max(mended.change.hausdorff, lost),
+        "two-way Hausdorff distance: changed faces by branch and bound"
+        + (", reduction by its vertices and samples" if light.distortions else ""),
+        bounds=(max(mended.change.hausdorff, lost), mended.change.bound + lost),
+    )
+
+
+def _vec3(v: FloatArray) -> Vec3:
+    return (float(v[0]), float(v[1]), float(v[2]))
