@@ -152,8 +152,8 @@ class Stage(Protocol):
     result: type[Any]
 
     def accepts(self, draft: Draft) -> list[Diagnostic]:
-        """Cheap findings that forbid running; empty when the stage may run. No side effects."""
-        ...
+        """Cheap findings that forbid running; none unless a stage says otherwise. No side effects."""
+        return []
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Any]:
         """The stage's result, an instance of `result`."""

@@ -212,7 +212,7 @@ def render_command(
 
     Example: `mana assets render library/mug --out pictures`
     """
-    from assetkit.pictures import picture  # Loads every reader.
+    from assetkit.pictures import picture
 
     written = picture(path, out)
     if as_json:

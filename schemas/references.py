@@ -8,6 +8,7 @@ from urllib.parse import unquote, urlsplit
 
 from schemas.diagnostics import InvalidInput, Location, finding
 
+UDIM = "<UDIM>"
 _DRIVE = re.compile(r"^[a-zA-Z]:[\\/]|^\\\\")
 
 
@@ -24,6 +25,16 @@ def resolve_reference(uri: str, *, base: Path, root: Path, where: Location | Non
         return _resolve(uri, base=base, root=root, where=where)
     except (ValueError, OSError, RuntimeError):
         return None  # An over-long name, a lone surrogate, a broken IPv6 address, a circle of links: no such file.
+
+
+def tile_references(uri: str) -> tuple[str, ...]:
+    """The references that a name with `<UDIM>` stands for, tiles 1001 to 1100; other names stand for themselves.
+
+    Source: the UDIM convention of Mari, as UsdUVTexture and MaterialX take it over.
+    """
+    if UDIM not in uri:
+        return (uri,)
+    return tuple(uri.replace(UDIM, str(number)) for number in range(1001, 1101))
 
 
 def expected_path(uri: str, *, base: Path, root: Path) -> str | None:

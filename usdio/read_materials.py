@@ -15,6 +15,7 @@ from pxr import Usd, UsdShade
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Material, Texture
 from schemas.outcome import Repair
+from schemas.references import tile_references
 from usdio.guard import Layers
 from usdio.pbr import Color, Conversion
 from usdio.shader_dialects import PREVIEW, Dialect, dialect_of
@@ -133,7 +134,8 @@ class MaterialTable:
         stack = image.file.GetPropertyStack(EARLIEST)
         site = self._layers.site(stack[0].layer) if stack else self._layers.site(self._layers.root)
         where = site.where(prim=str(image.file.GetPath()))
-        found = site.resolve(uri.replace("<UDIM>", "1001"), prim=where.prim)
+        tiles = [t for u in tile_references(uri) if (t := site.resolve(u, prim=where.prim)) is not None]
+        found = next(iter(tiles), None)
         key = found.identifier if found else f"{site.identifier} {uri}"
         if key in self._texture_names:
             return self._texture_names[key]
@@ -142,6 +144,10 @@ class MaterialTable:
             diagnostic = finding("asset/missing-texture", f"texture '{uri}' is absent", where=where, value=uri)
             self._repaired(diagnostic, "missing_texture", texture=uri)
             return None
+        if len(tiles) > 1:
+            headline = f"'{uri}' has {len(tiles)} tiles; all of the surface shows {found.name}"
+            diagnostic = finding("asset/unsupported-texture", headline, where=where, value=uri)
+            self._repaired(diagnostic, "unsupported_texture", texture=uri)
         names = {texture.name for texture in self.textures}
         stem = posixpath.splitext(found.name)[0]
         name = next(n for n in (stem, *(f"{stem}_{i}" for i in range(2, len(names) + 3))) if n not in names)

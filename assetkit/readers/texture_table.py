@@ -13,6 +13,7 @@ from assetkit.source import SourceFile
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Texture
 from schemas.outcome import Repair
+from schemas.references import tile_references
 
 STAGE = "intake"
 
@@ -51,10 +52,15 @@ class TextureTable:
         self._drop(uri, finding("asset/missing-texture", f"texture '{uri}' is absent", where=where, value=uri))
 
     def _load(self, uri: str, base: Path, where: Location) -> str | None:
-        path = self._source.resolve(uri, where=where, base=base)
-        if path is None:
+        resolved = (self._source.resolve(u, where=where, base=base) for u in tile_references(uri))
+        tiles = [path for path in resolved if path is not None]
+        if not tiles:
             self.missing(uri, where)
             return None
+        path = tiles[0]
+        if len(tiles) > 1:
+            headline = f"'{uri}' has {len(tiles)} tiles; all of the surface shows {path.name}"
+            self._drop(uri, finding("asset/unsupported-texture", headline, where=where, value=uri))
         if path not in self._by_path:
             texture, diagnostics = load_texture(path.read_bytes(), self._free_name(path.stem), where=where)
             for diagnostic in diagnostics:

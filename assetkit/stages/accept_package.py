@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assetkit import release
-from assetkit.stage import Acceptance, Draft, Tools, need
+from assetkit.stage import Acceptance, Draft, Stage, Tools, need
 from assetkit.stages.acceptance import accept
 from schemas.asset import Check
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
@@ -17,16 +17,12 @@ from usdio.source_names import renamed, source_names
 UNDECIDED = frozenset({"asset/gate-category-size"})
 
 
-class AcceptPackage:
+class AcceptPackage(Stage):
     """Nothing is released on the strength of what is in memory: the bytes judged are the bytes shipped."""
 
     name = "acceptance"
     version = 2
     result = Acceptance
-
-    def accepts(self, draft: Draft) -> list[Diagnostic]:
-        """Nothing forbids running."""
-        return []
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Acceptance]:
         """Validator verdicts, gate findings and simulator figures of the package on disk."""

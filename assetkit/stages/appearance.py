@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import fields, replace
 
-from assetkit.stage import Appearance, Draft, Tools
+from assetkit.stage import Appearance, Draft, Stage, Tools
 from schemas.asset import AppearanceSection
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Material, Model, TextureUse
@@ -15,16 +15,12 @@ _UNIT_RANGE = ("metallic", "roughness", "opacity", "alpha_cutoff", "clearcoat", 
 _COLORS = ("base_color", "emissive")
 
 
-class NormalizeAppearance:
+class NormalizeAppearance(Stage):
     """Checks every material value against its range and every texture use against the textures that exist."""
 
     name = "appearance"
     version = 1
     result = Appearance
-
-    def accepts(self, draft: Draft) -> list[Diagnostic]:
-        """Nothing forbids running."""
-        return []
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Appearance]:
         """Clean materials, and a record of what has no counterpart in UsdPreviewSurface."""

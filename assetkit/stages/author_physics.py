@@ -4,27 +4,22 @@ from __future__ import annotations
 
 from assetkit.mass_parts import Clues
 from assetkit.source_inertials import in_asset_frame
-from assetkit.stage import Canonical, Draft, Physics, Tools, need
+from assetkit.stage import Canonical, Draft, Physics, Stage, Tools, need
 from assetkit.stages.physics import build_physics
 from assetkit.up_axis import TO_Z_UP
 from schemas.asset import PhysicsSection
-from schemas.diagnostics import Diagnostic
 from schemas.outcome import Outcome
 
 # Beyond these (share of the diagonal; volume of the shapes over that of the solid) a stand-in goes to review.
 CRUDE_P95, CRUDE_RATIO = 0.05, 2.0
 
 
-class AuthorPhysics:
+class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
     version = 2
     result = Physics
-
-    def accepts(self, draft: Draft) -> list[Diagnostic]:
-        """Nothing forbids running: canonicalize always yields a solid."""
-        return []
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Physics]:
         """Shapes, mass and contact in the asset frame; colliders that failed acceptance are left out."""

@@ -6,23 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from assetkit.stage import Draft, Interaction, Tools, need
-from schemas.diagnostics import Diagnostic
+from assetkit.stage import Draft, Interaction, Stage, Tools, need
 from schemas.evidence import Evidence, measured
 from schemas.model import Mesh
 from schemas.outcome import Outcome
 
 
-class ProposeParts:
+class ProposeParts(Stage):
     """Takes the source hierarchy at its word: one part per named mesh group."""
 
     name = "interaction"
     version = 1
     result = Interaction
-
-    def accepts(self, draft: Draft) -> list[Diagnostic]:
-        """Nothing forbids running."""
-        return []
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:
         """Parts with bounding boxes in metres, asset frame; empty when the source has one unnamed mesh."""

@@ -5,12 +5,11 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from assetkit.stage import Draft, Previews, Tools, need
+from assetkit.stage import Draft, Previews, Stage, Tools, need
 from jobs.cell import Limits
 from jobs.warm import run_module
 from render.request import RenderRequest
 from schemas import arrays
-from schemas.diagnostics import Diagnostic
 from schemas.model import Model
 from schemas.outcome import Outcome
 from schemas.physics import CollisionShape
@@ -18,16 +17,12 @@ from schemas.physics import CollisionShape
 LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
 
-class RenderPreviews:
+class RenderPreviews(Stage):
     """Four standard views, the collision overlay and a thumbnail."""
 
     name = "previews"
     version = 1
     result = Previews
-
-    def accepts(self, draft: Draft) -> list[Diagnostic]:
-        """Nothing forbids running."""
-        return []
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Previews]:
         """PNG bytes by name."""

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from assetkit.stage import Draft, Semantics, Tools
+from assetkit.stage import Draft, Semantics, Stage, Tools
 from schemas.asset import SemanticsSection
-from schemas.diagnostics import Diagnostic
 from schemas.evidence import declared, default
 from schemas.outcome import Outcome
 
@@ -14,16 +13,12 @@ UNKNOWN = "unknown"
 PHYSICAL_OBJECT_QCODE = "Q488383"  # Wikidata "object": true of every asset, claims nothing more.
 
 
-class DescribeObject:
+class DescribeObject(Stage):
     """Records category, role and name as stated by flags; a later annotator refines them."""
 
     name = "semantics"
     version = 1
     result = Semantics
-
-    def accepts(self, draft: Draft) -> list[Diagnostic]:
-        """Nothing forbids running."""
-        return []
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Semantics]:
         """Category, roles and qcode with their evidence."""

@@ -356,3 +356,19 @@ def test_real_files_agree_with_the_manifest_and_trimesh() -> None:
             measured = [float(v) for v in row["measured_extent_native"].split("x")]
             points = np.concatenate([mesh.points for mesh in m.meshes])
             np.testing.assert_allclose(np.ptp(points, axis=0), measured, rtol=1e-5, err_msg=row["id"])
+
+
+@pytest.mark.parametrize(
+    ("more", "severity"),
+    [("<lines count='1'><input semantic='VERTEX' source='#v' offset='0'/><p>0 1</p></lines>", "info")],
+)
+def test_lines_beside_faces_are_left_out_with_a_word(tmp_path: Path, more: str, severity: str) -> None:
+    outcome = read(tmp_path, dae(surface=primitive() + more))
+    assert ("asset/geometry-left-out", severity) in [(d.code, d.severity) for d in outcome.diagnostics]
+
+
+def test_a_solid_body_that_is_no_mesh_is_left_out_with_a_word(tmp_path: Path) -> None:
+    brep = "<library_geometries><geometry id='b'><convex_mesh/></geometry></library_geometries>"
+    nodes = NODE.format(transform="", instance=INSTANCE) + "<node><instance_geometry url='#b'/></node>"
+    outcome = read(tmp_path, dae(more=brep, nodes=nodes))
+    assert ("asset/geometry-left-out", "warning") in [(d.code, d.severity) for d in outcome.diagnostics]

@@ -136,3 +136,11 @@ def test_morph_targets_take_the_default_weights(tmp_path):
     assert np.array_equal(model(tmp_path, file).meshes[0].points, POINTS + 1.0)
     file.doc["nodes"][0]["weights"] = [1.0]
     assert np.array_equal(model(tmp_path, file).meshes[0].points, POINTS + 2.0)
+
+
+def test_points_beside_triangles_are_left_out_with_a_word(tmp_path):
+    file = tetrahedron()
+    primitives = file.doc["meshes"][0]["primitives"]
+    primitives.append({"attributes": primitives[0]["attributes"], "mode": 0})
+    found = read(tmp_path, file.glb()).diagnostics
+    assert [(d.code, d.severity) for d in found] == [("asset/geometry-left-out", "info")]

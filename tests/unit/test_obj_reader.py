@@ -306,3 +306,19 @@ def test_real_files_agree_with_the_manifest_and_trimesh() -> None:
             "empty_face_record",
         }
         assert {r.name for r in outcome.repairs} == wanted, row["id"]
+
+
+@pytest.mark.parametrize(("extra", "severity"), [("l 1 2\n", "info"), ("surf 0 1 0 1 1 2 3 4\n", "warning")])
+def test_what_has_no_faces_is_left_out_with_a_word(tmp_path: Path, extra: str, severity: str) -> None:
+    outcome = read(tmp_path, SQUARE + "f 1 2 3 4\n" + extra)
+    assert [(d.code, d.severity) for d in outcome.diagnostics] == [("asset/geometry-left-out", severity)]
+
+
+def test_of_several_tiles_the_first_is_shown_and_said(tmp_path: Path) -> None:
+    for number in (1001, 1002):
+        Image.new("RGB", (2, 2)).save(tmp_path / f"a.{number}.png")
+    (tmp_path / "m.mtl").write_text("newmtl m\nmap_Kd a.<UDIM>.png\n")
+    outcome = read(tmp_path, "mtllib m.mtl\nusemtl m\n" + SQUARE + "f 1 2 3 4\n")
+    assert outcome.value is not None
+    assert [t.name for t in outcome.value.textures] == ["a.1001"]
+    assert [d.code for d in outcome.diagnostics] == ["asset/unsupported-texture"]

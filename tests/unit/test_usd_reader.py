@@ -512,6 +512,25 @@ def test_textures_carry_channel_tint_wrap_and_uv_transform(tmp_path: Path) -> No
     assert model.meshes[0].uvs[0][..., 0].min() == 5.0  # set 0 is the one the material reads
 
 
+@pytest.mark.parametrize("tiles", [(1001,), (1002,), (1001, 1002, 1011)])
+def test_of_several_tiles_the_first_is_shown_and_said(tmp_path: Path, tiles: tuple[int, ...]) -> None:
+    for number in tiles:
+        picture(tmp_path, f"a.{number}.png")
+    nodes = textured(path="./a.<UDIM>.png")
+    body = BOUND + preview("m", "color3f inputs:diffuseColor.connect = </Root/m/t.outputs:rgb>", nodes)
+    outcome = read(write(tmp_path, body))
+    assert outcome.value is not None
+    assert [t.name for t in outcome.value.textures] == [f"a.{tiles[0]}"]
+    assert [d.code for d in outcome.diagnostics] == ["asset/unsupported-texture"] * (len(tiles) > 1)
+
+
+def test_what_has_no_triangles_is_left_out_with_a_word(tmp_path: Path) -> None:
+    mesh = f'def Mesh "q" {{ {QUAD} }}\n'
+    for kind, severity in (("NurbsPatch", "warning"), ("TetMesh", "warning"), ("BasisCurves", "info")):
+        found = read(write(tmp_path, mesh + f'def {kind} "p" {{}}\n')).diagnostics
+        assert [(d.code, d.severity, d.where.prim) for d in found] == [("asset/geometry-left-out", severity, "/Root/p")]
+
+
 def test_a_missing_texture_leaves_the_fallback(tmp_path: Path) -> None:
     inputs = "color3f inputs:diffuseColor.connect = </Root/m/t.outputs:rgb>"
     nodes = textured(extra="float4 inputs:fallback = (0.5, 0, 0, 1)")
