@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +11,11 @@ import numpy as np
 from assetkit.decompose import Settings, decompose
 from geom.cavity import Cavity, find_cavities
 from geom.decimate import decimate
-from geom.fidelity import mean_offset, measure
+from geom.fidelity import measure
 from geom.fits import fit_box, fit_capsule, fit_cylinder, fit_sphere
 from geom.hull import hull_shape
 from geom.inertia import PLATE_WALL_M
+from geom.preflight import prepare
 from geom.thicken import thicken
 from schemas.diagnostics import Diagnostic, finding
 from schemas.model import FloatArray
@@ -27,22 +28,19 @@ SHEET_FACES = 1500
 class Tolerance:
     """Bounds a candidate must meet; distances are shares of the diagonal.
 
-    p95           95th percentile of the surface distance, both ways.
-    max           largest surface distance, both ways: a knob that nothing touches is a knob that is not there.
-    volume        least and greatest ratio of volumes (not asked of sheets) ...
-    mean_offset   ... or the excess volume spread over the surface stays below this: thin walls may double in volume.
+    p95     95th percentile of the surface distance, both ways.
+    max     largest surface distance, both ways: a knob that nothing touches is a knob that is not there.
+    volume  least and greatest ratio of volumes (not asked of sheets, whose wall is assumed).
     """
 
     p95: float
     max: float
     volume: tuple[float, float]
-    mean_offset: float
 
 
-ANALYTIC = Tolerance(p95=0.015, max=0.05, volume=(0.93, 1.07), mean_offset=0.0)
-HULL = Tolerance(p95=0.02, max=0.06, volume=(0.95, 1.15), mean_offset=0.0)
-# Thirty-two hulls around a thin bowl leave 2.3 %.
-PARTS = Tolerance(p95=0.025, max=0.08, volume=(0.95, 1.15), mean_offset=0.005)
+ANALYTIC = Tolerance(p95=0.015, max=0.05, volume=(0.93, 1.07))
+HULL = Tolerance(p95=0.02, max=0.06, volume=(0.95, 1.15))
+PARTS = Tolerance(p95=0.02, max=0.08, volume=(0.95, 1.15))
 
 Fit = Callable[[FloatArray], CollisionShape | None]
 # Tried in this order; the first within tolerance is taken.
@@ -53,10 +51,10 @@ SINGLE: tuple[tuple[str, Fit, Tolerance], ...] = (
     ("cylinder", fit_cylinder, ANALYTIC),
     ("hull", hull_shape, HULL),
 )
-COACD, COACD_FINE, COACD_COARSE, VHACD = "coacd", "coacd_fine", "coacd_coarse", "vhacd"
+CUTS, COACD, COACD_COARSE, VHACD = "cuts", "coacd", "coacd_coarse", "vhacd"
 LADDER: tuple[tuple[str, Settings], ...] = (
+    (CUTS, Settings(method="cuts")),
     (COACD, Settings()),
-    (COACD_FINE, Settings(threshold=0.03)),
     (COACD_COARSE, Settings(threshold=0.08, search_nodes=8, search_iterations=20)),
     (VHACD, Settings(method="vhacd")),
 )
@@ -93,9 +91,9 @@ class _Target:
 def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = frozenset()) -> Colliders:
     """The first candidate of `SINGLE`, then of `LADDER`, that meets its tolerance and keeps every opening.
 
-    `exclude` names methods that must not be chosen again. When none passes, the best one stands in with a warning: one
-    that keeps the openings before one that does not, then the smallest surface distance. A sheet counts as a wall of
-    its assumed thickness. The finer rung is tried when CoACD missed with hulls to spare, the coarser when it failed.
+    `exclude` names methods that must not be chosen again. When none passes, the one that misses least stands in with a
+    warning, one that keeps the openings before any that does not. A sheet counts as a wall of its assumed thickness.
+    The rungs below CoACD are for bodies of which the rungs before made nothing.
     """
     target = _target(solid)
     tried: list[Candidate] = []
@@ -106,24 +104,26 @@ def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = fro
             if tried[-1].fidelity.accepted:
                 return _chosen(tried, target)
     # A convex hull that stands in for a broken surface has nothing to decompose.
-    for method, settings in LADDER if solid.kind != "hull" else ():
-        if method in exclude or not _worth_trying(method, tried):
-            continue
-        parts = decompose(target.solid.points, target.solid.triangles, settings, work_dir, cavities=target.cavities)
-        tried.append(
-            _judged(method, parts.shapes, target, PARTS) if parts.shapes else Candidate(_failed(method, parts.reason))
-        )
+    rungs = [rung for rung in LADDER if rung[0] not in exclude] if solid.kind != "hull" else []
+    for method, settings in rungs:
+        if method in (COACD_COARSE, VHACD) and any(len(c.shapes) > 1 for c in tried):
+            break
+        tried.append(_decomposed(method, settings, target, work_dir))
         if tried[-1].fidelity.accepted:
             break
     return _chosen(tried, target)
 
 
-def _worth_trying(method: str, tried: Sequence[Candidate]) -> bool:
-    """False for a rung that cannot do better than those before it."""
-    coacd = [c for c in tried if c.fidelity.method == COACD]
-    if method == COACD_FINE:
-        return all(0 < len(c.shapes) < Settings().max_hulls for c in coacd)
-    return method != COACD_COARSE or any(not c.shapes for c in coacd)
+def _decomposed(method: str, settings: Settings, target: _Target, work_dir: Path) -> Candidate:
+    try:
+        body = prepare(target.solid.points, target.solid.triangles)
+    except ValueError as error:
+        return Candidate(failed(method, str(error), str(settings)))
+    parts = decompose(body, settings, work_dir, cavities=target.cavities)
+    if not parts.shapes:
+        return Candidate(failed(method, parts.reason, str(settings)))
+    judged = _judged(method, parts.shapes, target, PARTS)
+    return replace(judged, fidelity=judged.fidelity.model_copy(update={"settings": str(settings)}))
 
 
 def _target(solid: Solid) -> _Target:
@@ -142,20 +142,17 @@ def _judged(method: str, shapes: tuple[CollisionShape, ...], target: _Target, to
     f = measure(method, shapes, target.solid, target.cavities)
     if not target.own_volume:
         f = f.model_copy(update={"volume_ratio": None})
-    misses = _misses(f, target.solid, tolerance)
+    misses = _misses(f, tolerance)
     verdict = {"accepted": not misses, "reason": "; ".join(misses) or "within tolerance"}
     return Candidate(f.model_copy(update=verdict), shapes)
 
 
-def _misses(f: Fidelity, solid: Solid, tolerance: Tolerance) -> list[str]:
+def _misses(f: Fidelity, tolerance: Tolerance) -> list[str]:
     """Each bound that is missed, in words."""
     misses = []
-    offset = mean_offset(f, solid)
-    if f.volume_ratio is not None and offset is not None:
-        low, high = tolerance.volume
-        thin = 0.0 <= offset <= tolerance.mean_offset
-        if not (low <= f.volume_ratio <= high or thin):
-            misses.append(f"volume ratio {f.volume_ratio:.3f} outside {low:g} to {high:g}")
+    low, high = tolerance.volume
+    if f.volume_ratio is not None and not low <= f.volume_ratio <= high:
+        misses.append(f"volume ratio {f.volume_ratio:.3f} outside {low:g} to {high:g}")
     for name, value, bound in (
         ("outside p95", f.outside_p95, tolerance.p95),
         ("missing p95", f.missing_p95, tolerance.p95),
@@ -169,7 +166,7 @@ def _misses(f: Fidelity, solid: Solid, tolerance: Tolerance) -> list[str]:
     return misses
 
 
-def _failed(method: str, reason: str) -> Fidelity:
+def failed(method: str, reason: str, settings: str = "") -> Fidelity:
     """The row of a candidate that came to nothing: no shapes, no figures."""
     return Fidelity(
         method=method,
@@ -183,6 +180,7 @@ def _failed(method: str, reason: str) -> Fidelity:
         cavity_kept=None,
         accepted=False,
         reason=reason,
+        settings=settings,
     )
 
 
@@ -190,7 +188,7 @@ def _chosen(tried: Sequence[Candidate], target: _Target) -> Colliders:
     """The accepted candidate, which is the last tried, or the best of all with a warning."""
     usable = [c for c in tried if c.shapes]
     if not usable:
-        usable = [Candidate(_failed("plate", "no candidate has a volume"), (_plate(target.solid.points),))]
+        usable = [Candidate(failed("plate", "no candidate has a volume"), (_plate(target.solid.points),))]
         tried = [*tried, *usable]
     rows = tuple(c.fidelity for c in tried)
     best = min(usable, key=_badness)
@@ -211,9 +209,17 @@ def _chosen(tried: Sequence[Candidate], target: _Target) -> Colliders:
 
 
 def _badness(candidate: Candidate) -> tuple[bool, bool, float]:
-    """Accepted first, then those that keep the openings, then the nearest."""
+    """Accepted first, then those that keep the openings, then by the bound missed most, as a multiple of it."""
     f = candidate.fidelity
-    return not f.accepted, f.cavity_kept is False, max(f.outside_p95, f.missing_p95)
+    low, high = PARTS.volume
+    ratio = f.volume_ratio if f.volume_ratio is not None else 1.0
+    worst = max(
+        max(f.outside_p95, f.missing_p95) / PARTS.p95,
+        max(f.outside_max, f.missing_max) / PARTS.max,
+        (ratio - 1.0) / (high - 1.0),
+        (1.0 - ratio) / (1.0 - low),
+    )
+    return not f.accepted, f.cavity_kept is False, worst
 
 
 def _plate(points: FloatArray) -> CollisionShape:

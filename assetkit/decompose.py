@@ -1,7 +1,9 @@
-"""Approximate convex decomposition in a process of its own (CoACD: Wei et al. 2022; V-HACD: Mamou 2016).
+"""Approximate convex decomposition: by plane cuts, by CoACD (Wei et al. 2022) or by V-HACD (Mamou 2016).
 
-CoACD on a raw mesh takes 7 to 90 seconds and aborts or hangs on some. Here it gets what it is good at: a closed
-manifold of unit size, simplified to a bounded error, and a shorter search: the same hulls in 1 to 4 seconds.
+CoACD on a raw mesh takes 7 to 90 seconds and aborts or hangs on some. Here it gets what it is good at, a closed
+manifold of unit size with few faces, in a process of its own with limits. What either library returns is taken as
+advice where to cut: the body inside each of its hulls goes on as a piece, so that every method ends with hulls that
+fill the body, of which there are few enough.
 """
 
 from __future__ import annotations
@@ -11,29 +13,28 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from manifold3d import Error, Manifold, Mesh64
+from manifold3d import Manifold
 
-from geom.cavity import Cavity, keeps_cavity
+from geom.cavity import Cavity
+from geom.convex_parts import convex_parts
 from geom.hull import hull_shape, thickness, volume
-from geom.merge_hulls import merge_hulls
-from geom.weld import diagonal
+from geom.plane_cuts import CRUMB_SHARE
+from geom.preflight import Body, arrays
 from jobs.cell import CellResult, Limits, run_cell
-from schemas.model import FloatArray, IntArray
+from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
-# Simplification: first and largest error allowed, in units of the half extent, until so few faces remain.
-LEAST_ERROR, MOST_ERROR, ERROR_STEP = 0.0025, 0.01, 1.4
-TARGET_FACES = 2500
 # Hulls below these shares of the diagonal (and of its cube) are slivers: engines reject or mishandle them.
 LEAST_THICKNESS, LEAST_VOLUME = 2e-4, 1e-7
-# Joining so many pieces takes a second or two; beyond, the mesh is too intricate for this threshold.
-MOST_PARTS = 200
+# More bodies than this are no object that 32 hulls could stand for; CoACD is not asked about so many faces.
+MOST_PARTS, MOST_FACES = 200, 10_000
 # The work is bounded in processor time, so that a busy machine gives the same answer as an idle one.
-CPU_SECONDS = 20
+CPU_SECONDS = 10
 CELL = Limits(seconds=10.0 * CPU_SECONDS, memory_mb=4096)
 
 
@@ -42,13 +43,13 @@ class Settings:
     """One way to decompose; lengths are shares of half the largest extent.
 
     threshold          CoACD's concavity at which a piece counts as convex.
-    max_hulls          join neighbours beyond this number (V-HACD: stop there).
+    max_hulls          join neighbours beyond this number.
     resolution         CoACD's samples per concavity measure (default 2000); 500 changes the result little.
     search_*           CoACD's tree search; its defaults 20, 150, 3 give the same hulls in three times the time.
     voxels             V-HACD's voxel budget.
     """
 
-    method: Literal["coacd", "vhacd"] = "coacd"
+    method: Literal["cuts", "coacd", "vhacd"] = "coacd"
     threshold: float = 0.05
     max_hulls: int = 32
     resolution: int = 500
@@ -57,6 +58,15 @@ class Settings:
     search_depth: int = 2
     voxels: int = 400_000
     seed: int = 0
+
+    def __str__(self) -> str:
+        """Library, version and what decides the result, as it stands in records."""
+        if self.method == "coacd":
+            search = f"search {self.search_nodes}/{self.search_iterations}/{self.search_depth}"
+            return f"coacd {version('coacd')}, threshold {self.threshold:g}, {search}, seed {self.seed}"
+        if self.method == "vhacd":
+            return f"vhacdx {version('vhacdx')}, {self.voxels} voxels"
+        return f"plane cuts, manifold3d {version('manifold3d')}"
 
 
 @dataclass(frozen=True)
@@ -69,41 +79,51 @@ class Decomposition:
 
 
 def decompose(
-    points: FloatArray,
-    triangles: IntArray,
-    settings: Settings,
-    work_dir: Path,
-    cavities: Sequence[Cavity] = (),
-    limits: Limits = CELL,
+    body: Body, settings: Settings, work_dir: Path, cavities: Sequence[Cavity] = (), limits: Limits = CELL
 ) -> Decomposition:
-    """Hulls of at most 64 points each that cover the volume inside a closed surface (metres).
+    """Hulls of at most 64 points each that fill `body` (`geom.preflight.prepare`), in metres.
 
-    Where the library finds more than `max_hulls`, neighbours are joined, but never across one of `cavities`. Never
-    raises for what the mesh is or the library does: the reason says it. Same input, same hulls.
+    At most `settings.max_hulls`, and never across one of `cavities`. Never raises for what the mesh is or the library
+    does: the reason says it. Same input, same hulls.
     """
-    if not np.isfinite(points).all():
-        return Decomposition((), "a coordinate is not finite")
-    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    scale = 0.5 * float(np.ptp(points, axis=0).max())
-    if not scale > 0.0:
-        return Decomposition((), "the surface has no extent")
-    body = _manifold((points - centre) / scale, triangles)
-    if body is None:
-        return Decomposition((), "the surface is not a closed manifold")
-    mesh = simplified(body).to_mesh64()
-    light, faces = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int32)
+    seeds = body.light.decompose()
+    if len(seeds) > MOST_PARTS:
+        return Decomposition((), f"{len(seeds)} separate parts, more than {MOST_PARTS}")
+    if settings.method != "cuts":
+        found = _in_cell(body.light, settings, work_dir, limits)
+        if isinstance(found, str):
+            return Decomposition((), found)
+        seeds = _inside(body.light, found)
+        if not seeds or len(seeds) > MOST_PARTS:
+            return Decomposition((), f"{settings.method} left {len(seeds)} parts")
+    parts = convex_parts(body, seeds, cavities, settings.max_hulls)
+    if len(parts) > settings.max_hulls:
+        return Decomposition((), f"{len(parts)} hulls, more than {settings.max_hulls}")
+    size = body.size * body.scale_m
+    shapes = [shape for shape in map(hull_shape, parts) if shape is not None and _is_sound(shape, size)]
+    reason = "" if shapes else "all hulls are slivers"
+    return Decomposition(tuple(shapes), reason, len(parts) - len(shapes))
+
+
+def _in_cell(light: Manifold, settings: Settings, work_dir: Path, limits: Limits) -> list[FloatArray] | str:
+    """Corners of the hulls that the library found, or the reason why there are none."""
+    if light.num_tri() > MOST_FACES:
+        return f"{light.num_tri()} faces, more than {MOST_FACES}"
+    points, triangles = arrays(light)
     work_dir.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work_dir) as folder:
         source, target = Path(folder) / "in.npz", Path(folder) / "out.npz"
         options = {key: np.array(value) for key, value in asdict(settings).items()}
-        np.savez(source, allow_pickle=False, points=light, triangles=faces, **options)
+        np.savez(source, allow_pickle=False, points=points, triangles=triangles.astype(np.int32), **options)
         argv = [sys.executable, "-P", "-m", "assetkit.coacd_worker", str(source), str(target), str(CPU_SECONDS)]
         cell = run_cell(argv, limits, env={"OMP_NUM_THREADS": "1"})
         if cell.status != "ok":
-            return Decomposition((), f"{settings.method} {_ending(cell, limits)}")
+            return f"{settings.method} {_ending(cell, limits)}"
         with np.load(target) as result:
             parts = np.split(result["points"], np.cumsum(result["counts"])[:-1])
-    return _checked([part * scale + centre for part in parts], diagonal(points), settings, cavities)
+    if not all(len(part) and np.isfinite(part).all() for part in parts):
+        return f"{settings.method} returned no finite hulls"
+    return parts
 
 
 def _ending(cell: CellResult, limits: Limits) -> str:
@@ -113,46 +133,19 @@ def _ending(cell: CellResult, limits: Limits) -> str:
     return f"timeout after {limits.seconds:g} s" if cell.status == "timeout" else cell.status.replace("_", " ")
 
 
-def simplified(body: Manifold) -> Manifold:
-    """`body` (half extent 1) with about `TARGET_FACES` faces, or as few as an error of `MOST_ERROR` allows."""
-    error = LEAST_ERROR
-    light = body.simplify(error)
-    while light.num_tri() > TARGET_FACES and error < MOST_ERROR:
-        error = min(error * ERROR_STEP, MOST_ERROR)
-        light = body.simplify(error)
-    # A wall thinner than the error would vanish.
-    return light if light.volume() > 0.9 * body.volume() else body
+def _inside(light: Manifold, hulls: Sequence[FloatArray]) -> list[Manifold]:
+    """The body within each hull, less what lies in one before."""
+    left, pieces = light, list[Manifold]()
+    for corners in hulls:
+        hull = Manifold.hull_points(np.ascontiguousarray(corners))
+        pieces.append(left ^ hull)
+        left -= hull
+    crumb = CRUMB_SHARE * light.volume()
+    return [part for piece in pieces for part in piece.decompose() if part.volume() > crumb]
 
 
-def _manifold(points: FloatArray, triangles: IntArray) -> Manifold | None:
-    body = Manifold(Mesh64(np.ascontiguousarray(points, dtype=np.float64), triangles.astype(np.uint64)))
-    return body if body.status() == Error.NoError and body.volume() > 0.0 else None
-
-
-def _checked(parts: list[FloatArray], size: float, settings: Settings, cavities: Sequence[Cavity]) -> Decomposition:
-    """Hulls worth having, or the reason why there are none."""
-    if not parts or not all(np.isfinite(part).all() for part in parts):
-        return Decomposition((), f"{settings.method} returned no finite hulls")
-    if len(parts) > MOST_PARTS:
-        return Decomposition((), f"{len(parts)} parts, more than {MOST_PARTS}")
-    sound = [part for part in parts if _is_sound(hull_shape(part), size)]
-    joined = merge_hulls(sound, settings.max_hulls, lambda corners: _keeps_all(corners, cavities))
-    kept = tuple(shape for shape in map(hull_shape, joined) if shape is not None)
-    dropped = len(parts) - len(sound)
-    if not kept:
-        return Decomposition((), "all hulls are slivers", dropped)
-    if len(kept) > settings.max_hulls:
-        return Decomposition((), f"{len(kept)} hulls, more than {settings.max_hulls}", dropped)
-    return Decomposition(kept, "", dropped)
-
-
-def _keeps_all(corners: FloatArray, cavities: Sequence[Cavity]) -> bool:
-    shape = hull_shape(corners)
-    return shape is None or all(keeps_cavity([shape], cavity) for cavity in cavities)
-
-
-def _is_sound(shape: CollisionShape | None, size: float) -> bool:
-    if shape is None or shape.points is None or shape.triangles is None:
+def _is_sound(shape: CollisionShape, size: float) -> bool:
+    if shape.points is None or shape.triangles is None:
         return False
     thick = thickness(shape.points, shape.triangles) >= LEAST_THICKNESS * size
     return thick and volume(shape.points, shape.triangles) >= LEAST_VOLUME * size**3

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from geom.hull import contains, convex_hull, volume
+from geom.hull import contains, convex_hull, outside_by, volume
 from geom.support import surface
 from geom.surface_distance import closest_on_surface, sample_surface
 from schemas.model import FloatArray, IntArray
@@ -91,10 +91,14 @@ def keeps_cavity(shapes: Sequence[CollisionShape], cavity: Cavity) -> bool:
     for shape in shapes:
         points, triangles = surface(shape)
         hull = convex_hull(points)
-        if contains(*hull, centres).any():
+        # Beyond a face plane by the radius is far enough; only the rest needs exact distances.
+        centres_near = centres[outside_by(*hull, centres) < cavity.probe_m]
+        if len(centres_near) == 0:
+            continue
+        if contains(*hull, centres_near).any():
             return False
-        nearest, _ = closest_on_surface(centres, points, triangles)
-        if (np.linalg.norm(nearest - centres, axis=1) < cavity.probe_m).any():
+        nearest, _ = closest_on_surface(centres_near, points, triangles)
+        if (np.linalg.norm(nearest - centres_near, axis=1) < cavity.probe_m).any():
             return False
     return True
 

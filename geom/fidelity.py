@@ -11,7 +11,7 @@ from geom.cavity import Cavity, keeps_cavity
 from geom.components import components_of
 from geom.hull import contains, convex_hull, volume
 from geom.support import surface
-from geom.surface_distance import closest_on_surface, sample_surface, triangle_areas
+from geom.surface_distance import closest_on_surface, sample_surface
 from geom.weld import diagonal
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, Fidelity, Solid
@@ -55,18 +55,6 @@ def measure(
         cavity_kept=kept,
         accepted=False,
     )
-
-
-def mean_offset(fidelity: Fidelity, solid: Solid) -> float | None:
-    """Excess volume spread over the solid's outer surface, as a share of its diagonal; None without a volume ratio.
-
-    For thin walls the ratio of volumes says little: twice the volume may be one more millimetre of wall.
-    """
-    if fidelity.volume_ratio is None:
-        return None
-    points, triangles = outer_surface(solid)
-    area = float(triangle_areas(points[triangles]).sum())
-    return (fidelity.volume_ratio - 1.0) * volume(points, triangles) / area / diagonal(points)
 
 
 def outer_surface(solid: Solid) -> tuple[FloatArray, IntArray]:

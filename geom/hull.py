@@ -94,8 +94,13 @@ def thickness(points: FloatArray, triangles: IntArray) -> float:
 
 def contains(points: FloatArray, triangles: IntArray, queries: FloatArray, margin: float = 0.0) -> FloatArray:
     """(k,) True where a query (k, 3) lies inside the hull or less than `margin` outside one of its planes."""
+    return outside_by(points, triangles, queries) <= margin
+
+
+def outside_by(points: FloatArray, triangles: IntArray, queries: FloatArray) -> FloatArray:
+    """(k,) how far a query (k, 3) lies beyond the furthest face plane: at most its distance, negative inside."""
     normals, offsets = _planes(points, triangles)
-    return np.all(queries @ normals.T - offsets <= margin, axis=1)
+    return (queries @ normals.T - offsets).max(axis=1)
 
 
 def _planes(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, FloatArray]:

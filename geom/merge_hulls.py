@@ -1,4 +1,4 @@
-"""Fewer convex pieces: join neighbours whose common hull adds the least volume."""
+"""Fewer convex pieces: join neighbours whose common hull adds the least empty volume."""
 
 from __future__ import annotations
 
@@ -8,66 +8,65 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from manifold3d import Manifold
 
-from schemas.model import FloatArray
-
 # Boxes of neighbours overlap once grown by this share of the whole.
 NEIGHBOUR_SHARE = 0.01
 
 
 def merge_hulls(
-    pieces: Sequence[FloatArray], most: int, allowed: Callable[[FloatArray], bool] = lambda _: True
-) -> list[FloatArray]:
-    """At most `most` point sets (k_i, 3), whose hulls cover the hulls of `pieces`; more if `allowed` forbids the rest.
+    hulls: Sequence[Manifold], most: int, spare: float = 0.0, fault: Callable[[Manifold], float] = lambda _: 0.0
+) -> list[Manifold]:
+    """Convex bodies that cover `hulls`: at most `most` unless `fault` forbids the rest, fewer where it is cheap.
 
-    Greedy, cheapest pair first; the cost is the volume that the common hull adds to the two. `allowed` gets the points
-    of a merged piece and may refuse it, for instance because it would close an opening. Neighbours first; pieces that
-    touch nothing join only when no neighbours are left.
+    Greedy, cheapest pair first; the cost is the volume that the common hull adds to the union of the two. `fault`
+    judges a common hull: 1 doubles its cost, its square counts, infinity forbids it (it would close an opening).
+    Beyond `most` pairs go on joining while all added volume together is at most `spare` and no fault exceeds 1.
+    Neighbours first; pieces that touch nothing join only when there are still too many.
     """
-    if len(pieces) <= most:
-        return list(pieces)
-    for near_only in (True, False):
-        pieces = _merged(pieces, most, allowed, near_only)
-        if len(pieces) <= most:
-            break
-    return list(pieces)
+    hulls = _merged(list(hulls), most, spare, fault, near_only=True)
+    return hulls if len(hulls) <= most else _merged(hulls, most, 0.0, fault, near_only=False)
 
 
 def _merged(
-    pieces: Sequence[FloatArray], most: int, allowed: Callable[[FloatArray], bool], near_only: bool
-) -> list[FloatArray]:
-    points = np.concatenate(pieces)
-    reach = NEIGHBOUR_SHARE * float(np.ptp(points, axis=0).max())
+    hulls: list[Manifold], most: int, spare: float, fault: Callable[[Manifold], float], *, near_only: bool
+) -> list[Manifold]:
     # A piece keeps its number for life; a merged one gets the next, so that the order is the same in every run.
-    alive = dict(enumerate(pieces))
-    volumes = {k: _hull(p).volume() for k, p in alive.items()}
-    queue: list[tuple[float, int, int]] = []
+    alive = dict(enumerate(hulls))
+    boxes = {k: np.asarray(hull.bounding_box()) for k, hull in alive.items()}
+    volumes = {k: hull.volume() for k, hull in alive.items()}
+    all_boxes = np.array(list(boxes.values()))
+    reach = NEIGHBOUR_SHARE * float((all_boxes[:, 3:].max(axis=0) - all_boxes[:, :3].min(axis=0)).max())
+    # (cost, pair, what it adds, the common hull, whether the cost is final)
+    queue: list[tuple[float, int, int, float, Manifold, bool]] = []
 
     def offer(i: int, j: int) -> None:
-        a, b = alive[i], alive[j]
-        if not near_only or (np.minimum(a.max(0), b.max(0)) + reach >= np.maximum(a.min(0), b.min(0))).all():
-            cost = _hull(np.concatenate([a, b])).volume() - volumes[i] - volumes[j]
-            heapq.heappush(queue, (cost, i, j))
+        a, b = boxes[i], boxes[j]
+        if not near_only or (np.minimum(a[3:], b[3:]) + reach >= np.maximum(a[:3], b[:3])).all():
+            common = Manifold.batch_hull([alive[i], alive[j]])
+            added = common.volume() - volumes[i] - volumes[j]  # Too low where the two overlap.
+            heapq.heappush(queue, (added, i, j, added, common, False))
 
-    for i in range(len(pieces)):
+    for i in range(len(hulls)):
         for j in range(i):
             offer(j, i)
-    following = len(pieces)
-    while len(alive) > most and queue:
-        _, i, j = heapq.heappop(queue)
+    following = len(hulls)
+    while queue and (len(alive) > most or spare > 0.0):
+        _, i, j, added, common, is_final = heapq.heappop(queue)
         if i not in alive or j not in alive:
             continue
-        hull = _hull(np.concatenate([alive[i], alive[j]]))
-        corners = np.asarray(hull.to_mesh64().vert_properties)[:, :3]
-        if not allowed(corners):
+        if not is_final:
+            added = max(added + (alive[i] ^ alive[j]).volume(), 0.0)
+            wrong = fault(common)
+            if np.isfinite(wrong) and (len(alive) > most or wrong <= 1.0):
+                heapq.heappush(queue, (added * (1.0 + wrong**2), i, j, added, common, True))
             continue
+        if len(alive) <= most:
+            if added > spare:
+                continue
+            spare -= added
         del alive[i], alive[j]
-        others = list(alive)
-        alive[following], volumes[following] = corners, hull.volume()
-        for k in others:
+        alive[following], boxes[following] = common, np.asarray(common.bounding_box())
+        volumes[following] = common.volume()
+        for k in list(alive)[:-1]:
             offer(k, following)
         following += 1
     return list(alive.values())
-
-
-def _hull(points: FloatArray) -> Manifold:
-    return Manifold.hull_points(np.ascontiguousarray(points, dtype=np.float64))

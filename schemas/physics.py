@@ -61,7 +61,8 @@ class Fidelity(BaseModel):
     """How well a set of collision shapes represents the solid; distances are fractions of the box diagonal.
 
     `outside_p95` measures collider surface -> solid, `missing_p95` solid surface -> collider union.
-    `volume_ratio` is union of shapes / solid, None where the solid has no volume of its own.
+    `volume_ratio` is union of shapes / solid, None where the solid has no volume of its own. `settings` names library,
+    version, parameters and seed of a decomposition.
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -77,6 +78,7 @@ class Fidelity(BaseModel):
     cavity_kept: bool | None
     accepted: bool
     reason: str = ""
+    settings: str = ""
 
 
 @dataclass(frozen=True)

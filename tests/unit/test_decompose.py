@@ -1,6 +1,8 @@
-"""Decomposition covers the body with few convex hulls, repeats itself bit by bit, and fails with a reason."""
+"""Decomposition fills the body with few convex hulls, repeats itself bit by bit, and fails with a reason."""
 
 from __future__ import annotations
+
+from importlib.metadata import version
 
 import numpy as np
 import pytest
@@ -10,16 +12,13 @@ from manifold3d import Manifold
 from assetkit.decompose import Settings, decompose
 from geom.cavity import find_cavities, keeps_cavity
 from geom.fidelity import union_volume
-from geom.hull import contains, convex_hull, thickness, volume
-from geom.merge_hulls import merge_hulls
+from geom.hull import contains, thickness, volume
+from geom.preflight import Body, arrays, prepare
 from geom.thicken import thicken
 from jobs.cell import Limits
 from schemas.physics import Solid
 
-
-def arrays(body: Manifold) -> tuple[np.ndarray, np.ndarray]:
-    mesh = body.to_mesh64()
-    return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int32)
+CUTS, COACD, VHACD = Settings(method="cuts"), Settings(), Settings(method="vhacd", voxels=50_000)
 
 
 def ell() -> Manifold:
@@ -30,17 +29,22 @@ def cup() -> Manifold:
     return Manifold.cylinder(0.1, 0.04, 0.04, 24) - Manifold.cylinder(0.1, 0.035, 0.035, 24).translate((0, 0, 0.005))
 
 
+def body_of(shape: Manifold, scale: float = 1.0, shift: float = 0.0) -> Body:
+    points, triangles = arrays(shape)
+    return prepare(points * scale + shift, triangles.astype(np.int32))
+
+
 def same(a, b) -> bool:
     return len(a) == len(b) and all(np.array_equal(x.points, y.points) for x, y in zip(a, b, strict=True))
 
 
-def test_an_ell_is_two_hulls_twice_the_same_and_far_from_the_origin_too(tmp_path):
-    points, triangles = arrays(ell())
-    first = decompose(points, triangles, Settings(), tmp_path)
-    assert 2 <= len(first.shapes) <= 3
-    assert union_volume(first.shapes) == pytest.approx(volume(points, triangles), rel=0.03)
-    assert same(first.shapes, decompose(points, triangles, Settings(), tmp_path).shapes)
-    far = decompose(points + 1000.0, triangles, Settings(), tmp_path)
+@pytest.mark.parametrize("settings", [CUTS, COACD], ids=["cuts", "coacd"])
+def test_an_ell_is_two_hulls_twice_the_same_and_far_from_the_origin_too(tmp_path, settings):
+    first = decompose(body_of(ell()), settings, tmp_path)
+    assert len(first.shapes) == 2
+    assert union_volume(first.shapes) == pytest.approx(ell().volume(), rel=0.03)
+    assert same(first.shapes, decompose(body_of(ell()), settings, tmp_path).shapes)
+    far = decompose(body_of(ell(), shift=1000.0), settings, tmp_path)
     # The input is rounded there, so the search may cut elsewhere.
     assert union_volume(far.shapes) == pytest.approx(union_volume(first.shapes), rel=0.01)
     for shape in first.shapes:
@@ -50,52 +54,38 @@ def test_an_ell_is_two_hulls_twice_the_same_and_far_from_the_origin_too(tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("size_m", [1e-4, 100.0])
+@pytest.mark.parametrize("size_m", [1e-6, 1e-4, 100.0, 1e6])
 def test_scale_does_not_matter(tmp_path, size_m):
-    points, triangles = arrays(ell())
-    found = decompose(points * size_m, triangles, Settings(), tmp_path)
-    assert union_volume(found.shapes) == pytest.approx(volume(points, triangles) * size_m**3, rel=0.03)
+    found = decompose(body_of(ell(), scale=size_m), CUTS, tmp_path)
+    assert union_volume(found.shapes) / size_m**3 == pytest.approx(ell().volume(), rel=0.03)
 
 
-@pytest.mark.parametrize("settings", [Settings(), Settings(method="vhacd", voxels=50_000)])
-def test_a_cup_stays_open_even_with_few_hulls(tmp_path, settings):
+@pytest.mark.parametrize("settings", [CUTS, COACD, VHACD], ids=["cuts", "coacd", "vhacd"])
+def test_a_cup_stays_open(tmp_path, settings):
     points, triangles = arrays(cup())
-    cavities = find_cavities(Solid(points, triangles, "closed"))
-    found = decompose(points, triangles, settings, tmp_path, cavities)
+    cavities = find_cavities(Solid(points, triangles.astype(np.int32), "closed"))
+    found = decompose(body_of(cup()), settings, tmp_path, cavities)
     assert 0 < len(found.shapes) <= 32
     assert keeps_cavity(found.shapes, cavities[0])
 
 
-def test_bad_input_gives_a_reason(tmp_path):
-    points, triangles = arrays(ell())
-    nan = points.copy()
-    nan[0, 0] = np.nan
-    assert "not finite" in decompose(nan, triangles, Settings(), tmp_path).reason
-    assert "closed manifold" in decompose(points, triangles[1:], Settings(), tmp_path).reason
-    assert "closed manifold" in decompose(points, triangles[:, ::-1], Settings(), tmp_path).reason
-    assert "extent" in decompose(points * 0.0, triangles, Settings(), tmp_path).reason
-
-
 def test_a_cell_that_is_stopped_gives_a_reason(tmp_path):
-    points, triangles = arrays(ell())
-    stopped = decompose(points, triangles, Settings(), tmp_path, limits=Limits(seconds=0.05))
+    stopped = decompose(body_of(ell()), COACD, tmp_path, limits=Limits(seconds=0.05))
     assert stopped.shapes == ()
     assert "timeout" in stopped.reason
-    starved = decompose(points, triangles, Settings(), tmp_path, limits=Limits(memory_mb=64))
+    starved = decompose(body_of(ell()), COACD, tmp_path, limits=Limits(memory_mb=64))
     assert starved.shapes == ()
     assert starved.reason
 
 
-def test_merging_joins_what_adds_no_volume_first():
-    def block(x: float, y: float) -> np.ndarray:
-        return np.array(trimesh.creation.box((1, 1, 1)).vertices) + np.array([x, y, 0])
+def test_too_many_separate_parts_give_a_reason(tmp_path):
+    crumbs = Manifold.compose([Manifold.cube((0.5, 0.5, 0.5)).translate((k, 0, 0)) for k in range(201)])
+    assert "separate parts" in decompose(body_of(crumbs), CUTS, tmp_path).reason
 
-    pieces = [block(0, 0), block(1, 0), block(2, 0), block(0, 5)]
-    row, alone = sorted(merge_hulls(pieces, 2), key=lambda p: -np.ptp(p[:, 0]))
-    assert volume(*convex_hull(row)) == pytest.approx(3.0)
-    assert volume(*convex_hull(alone)) == pytest.approx(1.0)
-    assert len(merge_hulls(pieces, 1)) == 1
-    assert len(merge_hulls(pieces, 1, allowed=lambda p: np.ptp(p[:, 1]) < 2)) == 2
+
+def test_settings_say_version_and_seed():
+    assert str(COACD) == f"coacd {version('coacd')}, threshold 0.05, search 15/60/2, seed 0"
+    assert version("vhacdx") in str(VHACD)
 
 
 def test_a_thickened_sheet_is_closed_and_has_the_wall_volume():
