@@ -58,36 +58,28 @@ class SeparateJoints:
 
     @staticmethod
     def of(tree: Tree, gravity_W: FloatArray) -> SeparateJoints:
-        """The closed form, read off the general equations at four positions and with one turn rate."""
-        n = len(tree)
-        zero = np.zeros((1, n))
-
-        def at(angle: float, rate: float) -> tuple[FloatArray, FloatArray]:
-            effort, load = inverse_dynamics(tree, zero + angle, zero + rate, zero, gravity_W)
-            return effort[0], load[0]
-
-        (b0, _), (b1, _), (b2, _) = (at(a, 0.0) for a in (0.0, np.pi / 2, np.pi))
+        """The closed form: moments of the weight about the axis with the link at zero and at a quarter turn."""
         slides = np.array([link.prismatic for link in tree])
-        level = np.where(slides, b0, 0.5 * (b0 + b2))
-        weight = at(0.0, 0.0)[1]
-        lever = np.array([np.linalg.norm(np.cross(link.axis_J, link.com_J)) for link in tree])
+        axis = np.stack([link.axis_J for link in tree])
+        com = np.stack([link.com_J for link in tree])
         mass = np.array([link.mass_kg for link in tree])
-        spin = np.where(slides, 0.0, mass * lever)
-
-        def pull(angle: float) -> FloatArray:
-            load = at(angle, 1.0)[1]
-            return 0.5 * (weight**2 + spin**2 - load**2)
-
-        p0, p1, p2 = pull(0.0), pull(np.pi / 2), pull(np.pi)
-        middle = np.where(slides, 0.0, 0.5 * (p0 + p2))
+        weight = np.array([link.gravity_factor for link in tree])[:, None] * mass[:, None]
+        weight = weight * np.stack([gravity_W @ link.X_PJ[:3, :3] for link in tree])  # in the joint's frame at zero
+        across = com - (com * axis).sum(axis=1)[:, None] * axis
+        turning = np.array([link.axis_J @ link.inertia_J @ link.axis_J for link in tree])
+        armature = np.array([link.armature for link in tree])
+        moment = (axis * np.cross(com, weight)).sum(axis=1)
+        quarter = (across * weight).sum(axis=1)
+        pressed = weight - np.where(slides, (weight * axis).sum(axis=1), 0.0)[:, None] * axis
+        lever2 = (across**2).sum(axis=1)
         return SeparateJoints(
-            inertia=mass_matrix(tree, zero)[0].diagonal().copy(),
-            level=level,
-            along=np.where(slides, 0.0, b0 - level),
-            across=np.where(slides, 0.0, b1 - level),
-            weight2=weight**2,
-            pull=np.where(slides, 0.0, np.stack([middle, p0 - middle, p1 - middle])),
-            spin=spin,
+            inertia=np.where(slides, mass, turning + mass * lever2) + armature,
+            level=np.where(slides, -(weight * axis).sum(axis=1), 0.0),
+            along=np.where(slides, 0.0, -moment),
+            across=np.where(slides, 0.0, quarter),
+            weight2=(pressed**2).sum(axis=1),
+            pull=np.where(slides, 0.0, -mass * np.stack([0.0 * mass, quarter, moment])),
+            spin=np.where(slides, 0.0, mass * np.sqrt(lever2)),
         )
 
     def bias(self, q: FloatArray, qd: FloatArray) -> tuple[FloatArray, FloatArray]:

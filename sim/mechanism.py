@@ -79,22 +79,24 @@ def rollout(
     Q[:, 0], QD[:, 0] = q, qd
     memory: list[dict[str, FloatArray]] = [{} for _ in laws]
     dynamics = joint_dynamics(model.tree, model.gravity_W)
+    spans = np.diff(windows.t_s, axis=1)
+    typical = np.nanmedian(spans, axis=0) if stamps > 1 else np.zeros(0)
     for k in range(stamps - 1):
-        span = (windows.t_s[:, k + 1] - windows.t_s[:, k])[:, None]
-        steps = max(1, int(np.ceil(np.nanmedian(span) / largest_step_s - 1e-9)))
-        h = span / steps
+        steps = max(1, int(np.ceil(typical[k] / largest_step_s - 1e-9)))
+        h = spans[:, k, None] / steps
+        dt_s = float(typical[k]) / steps
         aux = {name: values[:, k, None] for name, values in windows.aux.items()}
         for s in range(steps):
             q = q + 0.5 * h * qd
-            asked = _asked(model.drive, windows, k, q, qd)
+            asked = asked_effort(model.drive, windows, k, q, qd)
             t = windows.t_s[:, k, None] + (s + 0.5) * h
-            qd = _kick(model, dynamics, laws, memory, q, qd, asked, t, h, aux)
+            qd = _kick(model, dynamics, laws, memory, q, qd, asked, t, h, dt_s, aux)
             q = q + 0.5 * h * qd
         Q[:, k + 1], QD[:, k + 1] = q, qd
     return Q, QD
 
 
-def _asked(drive: Drive, windows: Windows, k: int, q: FloatArray, qd: FloatArray) -> FloatArray:
+def asked_effort(drive: Drive, windows: Windows, k: int, q: FloatArray, qd: FloatArray) -> FloatArray:
     """Effort that the log or the controller asks for (w, j)."""
     if drive.type == "effort" and windows.effort is not None:
         asked = windows.effort[:, k] * drive.effort_per_unit
@@ -116,9 +118,10 @@ def _kick(
     asked: FloatArray,
     t_s: FloatArray,
     h: FloatArray,
+    dt_s: float,
     aux: Mapping[str, FloatArray],
 ) -> FloatArray:
-    """Joint rates after one step of length `h` (w, 1)."""
+    """Joint rates after one step of length `h` (w, 1), typically `dt_s`."""
     bias, load = dynamics.bias(q, qd)
     effort, smooth = asked, np.zeros_like(q)
     if any(isinstance(law.hook, EffortMap) for law in laws):
@@ -126,7 +129,7 @@ def _kick(
 
     def state(j: int) -> JointState:
         one = np.s_[:, j : j + 1]
-        return JointState(t_s, q[one], qd[one], effort[one], load[one], float(np.median(h)), aux)
+        return JointState(t_s, q[one], qd[one], effort[one], load[one], dt_s, aux)
 
     for law, kept in zip(laws, memory, strict=True):
         if isinstance(law.hook, EffortMap):

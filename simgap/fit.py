@@ -1,127 +1,179 @@
-"""Parameter values that make a model agree with trials."""
+"""Parameter values that make a model agree with trials, on roll-outs and on equations of motion alike."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from schemas.model import FloatArray
+from simgap.descent import KNEE, Solution, descend, half_widths, left_out
 from simgap.problem import Candidate, Model, Problem, Term, View
-from simgap.score import KNEE, trial_losses
 
-_SCAN = (0.02, 0.1, 0.3, 0.6, 1.0)  # shares of the way from null to a bound, tried before the local search
+Errors = Callable[[Model], Sequence[FloatArray]]  # one array per trial, in noise levels
+_FEW = 9  # values of a strength tried before the local search
+_MANY = 24  # values of one shape parameter; of two: _GRID
+_GRID = (48, 6)
+_PROBE = 0.05  # share of a strength's range at which its signature is read off
+_CLIP = 1e4
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model, its losses per training trial, and 95 % half widths of its free parameters by key and name."""
+    """Free terms with their solution."""
 
-    model: Model
-    losses: FloatArray
-    half_widths: dict[str, dict[str, float]]
-    evaluations: int
+    free: tuple[Candidate, ...]
+    solution: Solution
+
+    @cached_property
+    def model(self) -> Model:
+        """All terms with their values, in the order of `free`."""
+        return _model(self.free, self.solution.x)
+
+    @property
+    def losses(self) -> FloatArray:
+        """(t,) loss per training trial."""
+        return self.solution.losses
+
+    @cached_property
+    def held_out(self) -> FloatArray:
+        """(t,) loss of each training trial under what the others teach."""
+        return left_out(self.solution)
+
+    @cached_property
+    def half_widths(self) -> dict[str, dict[str, float]]:
+        """Half 95 % intervals by key and parameter, SI."""
+        widths = half_widths(self.solution) if self.free else np.zeros(0)
+        out: dict[str, dict[str, float]] = {c.key: {} for c in self.free}
+        for (c, name), width in zip(_parameters(self.free), widths, strict=True):
+            out[c.key][name] = float(width * (c.bounds[name][1] - c.bounds[name][0]))
+        return out
+
+    @property
+    def evaluations(self) -> int:
+        """Calls of the residual function."""
+        return self.solution.evaluations
 
 
-def fit(
-    problem: Problem, fixed: Model, free: Sequence[Candidate], trials: Sequence[str], view: View, scale: FloatArray
+def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: FloatArray) -> Errors:
+    """Residuals of roll-outs in noise levels; missing ones count as 0."""
+
+    def errors(model: Model) -> list[FloatArray]:
+        return [
+            np.clip(np.nan_to_num(r / scale), -_CLIP, _CLIP).ravel() for r in problem.residuals(model, trials, view)
+        ]
+
+    return errors
+
+
+def fit(errors: Errors, free: Sequence[Candidate], most: int = 8) -> Fit:
+    """All of `free` together, from their own starts; deterministic."""
+    free = tuple(free)
+    start = _shares(free, {c.key: c.start for c in free})
+    return Fit(free, descend(lambda x: errors(_model(free, x)), start, most=most))
+
+
+def extend(
+    errors: Errors, base: Fit, candidate: Candidate, starts: Sequence[Mapping[str, float]], most: int = 8
 ) -> Fit:
-    """`fixed` and `free` together, the free ones fitted on `trials`; deterministic.
+    """`base` with one term more, from the best of several starts of that term; the others move along.
 
-    Starts from each candidate's own start, and, for a single candidate, from a coarse scan of its range as well.
+    The Jacobian of the base's own terms is taken over from it. A nuisance that is the same number as the candidate
+    leaves: the candidate says it better.
     """
-    if not free:
-        losses = trial_losses(problem.residuals(fixed, trials, view), scale)
-        return Fit(fixed, losses, {}, 1)
-    search = _Search(problem, fixed, tuple(free), tuple(trials), view, scale)
-    x = search.best_start()
-    solved = least_squares(
-        search.vector,
-        x,
-        bounds=(np.zeros(len(x)), np.ones(len(x))),
-        loss="cauchy",
-        f_scale=KNEE,
-        diff_step=3e-3,
-        x_scale=0.1,
-        max_nfev=20,
-        xtol=1e-5,
-        ftol=1e-6,
+    keep = [k for k, c in enumerate(base.free) if not _twin(c, candidate)]
+    free = (*(base.free[k] for k in keep), candidate)
+    rows = [k for k, (c, _) in enumerate(_parameters(base.free)) if not _twin(c, candidate)]
+    others = base.solution.x[rows]
+    tries = [np.concatenate([others, _shares((candidate,), {candidate.key: s})]) for s in starts]
+    found = [errors(_model(free, x)) for x in tries]
+    best = min(range(len(tries)), key=lambda k: _cost(found[k]))
+    solution = descend(
+        lambda x: errors(_model(free, x)),
+        tries[best],
+        known=base.solution.jac[:, rows],
+        at=found[best],
+        most=most,
+        starting=len(tries),
     )
-    model = search.model(solved.x)
-    losses = trial_losses(problem.residuals(model, trials, view), scale)
-    return Fit(model, losses, search.half_widths(solved.x, solved.jac, solved.fun), search.evaluations)
+    return Fit(free, solution)
 
 
-class _Search:
-    """Free parameters on [0, 1], mapped to their bounds."""
+def promising(errors: Errors, base: Fit, candidate: Candidate) -> list[dict[str, float]]:
+    """Starts for `extend`: the candidate's own, and the best of a coarse scan of its range.
 
-    def __init__(
-        self,
-        problem: Problem,
-        fixed: Model,
-        free: tuple[Candidate, ...],
-        trials: tuple[str, ...],
-        view: View,
-        scale: FloatArray,
-    ) -> None:
-        self.problem, self.fixed, self.free = problem, fixed, free
-        self.trials, self.scale = trials, scale
-        self.view: View = view
-        self.parameters = [(c, p.name) for c in free for p in c.effect.parameters]
-        self.low = np.array([c.bounds[name][0] for c, name in self.parameters])
-        self.high = np.array([c.bounds[name][1] for c, name in self.parameters])
-        self.evaluations = 0
+    A strength whose signature has shape parameters enters linearly: its best value at each shape is a projection.
+    """
+    shapes = [n for n in candidate.null if n in candidate.shapes]
+    model = tuple(t for t in base.model if not _twin(t.candidate, candidate))
+    starts = [
+        dict(candidate.start),
+        {**candidate.start, **{n: v for n, v in candidate.null.items() if n not in shapes}},
+    ]
+    if shapes:
+        return [*starts, *_best_shapes(errors, base, model, candidate, shapes)]
+    scanned = []
+    for name, (low, high) in candidate.bounds.items():
+        for share in np.linspace(0.02, 0.98, _FEW):
+            values = {**candidate.start, name: low + float(share) * (high - low)}
+            scanned.append((_cost(errors((*model, Term(candidate, values)))), values))
+    return [*starts, min(scanned, key=lambda s: s[0])[1]]
 
-    def model(self, x: FloatArray) -> Model:
-        values: dict[str, dict[str, float]] = {c.key: {} for c in self.free}
-        for (c, name), value in zip(self.parameters, self.low + x * (self.high - self.low), strict=True):
-            values[c.key][name] = float(value)
-        return (*self.fixed, *(Term(c, values[c.key]) for c in self.free))
 
-    def vector(self, x: FloatArray) -> FloatArray:
-        """All residuals in one vector, each trial with equal weight, missing ones 0."""
-        self.evaluations += 1
-        parts = []
-        for r in self.problem.residuals(self.model(x), self.trials, self.view):
-            scaled = np.nan_to_num(r / self.scale)
-            parts.append(np.clip(scaled, -1e4, 1e4).ravel())
-        return np.concatenate(parts)
+def _best_shapes(
+    errors: Errors, base: Fit, model: Model, candidate: Candidate, shapes: Sequence[str]
+) -> list[dict[str, float]]:
+    strength = next(n for n in candidate.null if n not in shapes)
+    low, high = candidate.bounds[strength]
+    null = float(np.clip(candidate.null[strength], low, high))
+    probe = _PROBE * ((high - null) if high - null >= null - low else (low - null))
+    r0 = np.concatenate(base.solution.residuals)
+    weight = 1.0 / np.sqrt(1.0 + (r0 / KNEE) ** 2)
+    rows = [k for k, (c, _) in enumerate(_parameters(base.free)) if not _twin(c, candidate)]
+    Q, _ = np.linalg.qr(base.solution.jac[:, rows] * weight[:, None])
+    y = weight * r0
+    y = y - Q @ (Q.T @ y)
+    counts = (_MANY,) if len(shapes) == 1 else _GRID
+    grids = [np.linspace(*candidate.bounds[n], k + 2)[1:-1] for n, k in zip(shapes, counts, strict=False)]
+    scored = []
+    for at in product(*grids):
+        values = {**candidate.start, **dict(zip(shapes, (float(v) for v in at), strict=False))}
+        moved = np.concatenate(errors((*model, Term(candidate, {**values, strength: null + probe}))))
+        column = weight * (moved - r0) / probe
+        column = column - Q @ (Q.T @ column)
+        size = float(column @ column)
+        if size <= 1e-12:
+            continue
+        value = float(np.clip(null - (column @ y) / size, low, high))
+        change = value - null
+        scored.append((2.0 * change * float(column @ y) + change**2 * size, {**values, strength: value}))
+    return [values for _, values in sorted(scored, key=lambda s: s[0])[:2]]
 
-    def cost(self, x: FloatArray) -> float:
-        return float(np.log1p((self.vector(x) / KNEE) ** 2).sum())
 
-    def best_start(self) -> FloatArray:
-        start = self._shares([c.start[name] for c, name in self.parameters])
-        starts = [start]
-        if len(self.free) == 1:
-            null = self._shares([c.null[name] for c, name in self.parameters])
-            starts.append(null)
-            for k in range(len(null)):
-                for end in (0.0, 1.0):
-                    for share in _SCAN:
-                        tried = start.copy()
-                        tried[k] = null[k] + share * (end - null[k])
-                        if abs(tried[k] - null[k]) > 1e-9:
-                            starts.append(tried)
-        inside = [np.clip(s, 1e-4, 1.0 - 1e-4) for s in starts]
-        return min(inside, key=self.cost) if len(inside) > 1 else inside[0]
+def _twin(term: Candidate, candidate: Candidate) -> bool:
+    return term.nuisance and term.effect.name == candidate.effect.name and term.where == candidate.where
 
-    def half_widths(self, x: FloatArray, jac: FloatArray, residuals: FloatArray) -> dict[str, dict[str, float]]:
-        """1.96 standard errors with trials as clusters (sandwich estimator), in SI."""
-        sizes = [r.size for r in self.problem.residuals(self.model(x), self.trials, self.view)]
-        weight = 1.0 / (1.0 + (residuals / KNEE) ** 2)
-        scores = np.split(weight[:, None] * jac * residuals[:, None], np.cumsum(sizes)[:-1])
-        G = np.stack([s.sum(axis=0) for s in scores])
-        bread = np.linalg.pinv((weight[:, None] * jac).T @ jac)
-        clusters = len(self.trials)
-        meat = G.T @ G * (clusters / max(clusters - 1, 1))
-        errors = np.sqrt(np.maximum(np.diag(bread @ meat @ bread), 0.0))
-        widths: dict[str, dict[str, float]] = {c.key: {} for c in self.free}
-        for (c, name), width in zip(self.parameters, 1.96 * errors * (self.high - self.low), strict=True):
-            widths[c.key][name] = float(width)
-        return widths
 
-    def _shares(self, values: Sequence[float]) -> FloatArray:
-        return (np.array(values) - self.low) / (self.high - self.low)
+def _parameters(free: Sequence[Candidate]) -> list[tuple[Candidate, str]]:
+    return [(c, n) for c in free for n in c.null]
+
+
+def _model(free: Sequence[Candidate], x: FloatArray) -> Model:
+    values: dict[str, dict[str, float]] = {c.key: {} for c in free}
+    for (c, name), share in zip(_parameters(free), x, strict=True):
+        low, high = c.bounds[name]
+        values[c.key][name] = float(low + share * (high - low))
+    return tuple(Term(c, values[c.key]) for c in free)
+
+
+def _shares(free: Sequence[Candidate], values: Mapping[str, Mapping[str, float]]) -> FloatArray:
+    bounds = np.array([c.bounds[n] for c, n in _parameters(free)]).reshape(-1, 2)
+    given = np.array([values[c.key][n] for c, n in _parameters(free)])
+    return np.clip((given - bounds[:, 0]) / (bounds[:, 1] - bounds[:, 0]), 0.0, 1.0)
+
+
+def _cost(residuals: Sequence[FloatArray]) -> float:
+    return float(sum(np.log1p((r / KNEE) ** 2).sum() for r in residuals))

@@ -21,6 +21,7 @@ class Candidate:
     start     where to begin the search.
     bounds    plausible values here, within the effect's own.
     nuisance  part of the null model: a declared number within its tolerance, never named.
+    shapes    parameters that mean nothing while the effect is absent: where on the range it acts, not how strongly.
     """
 
     effect: Effect
@@ -29,6 +30,7 @@ class Candidate:
     start: dict[str, float]
     bounds: dict[str, tuple[float, float]]
     nuisance: bool = False
+    shapes: tuple[str, ...] = ()
 
     @property
     def key(self) -> str:

@@ -14,21 +14,14 @@ from scipy import stats
 
 from schemas.gap import Interval
 from schemas.model import FloatArray
+from simgap.descent import mean_loss
 
-KNEE = 5.0  # noise levels at which a residual stops counting by its square
 _DRAWS = 2000
 
 
 def trial_losses(residuals: Sequence[FloatArray], scale: FloatArray) -> FloatArray:
     """(n,) mean loss per trial of residuals (k, c) divided by `scale` (c,); rows without a number are left out."""
-    return np.array([_loss(r / scale) for r in residuals])
-
-
-def _loss(r: FloatArray) -> float:
-    r = r[np.isfinite(r).any(axis=1)]
-    if not len(r):
-        return 0.0
-    return float(np.nanmean(KNEE**2 * np.log1p((r / KNEE) ** 2)))
+    return np.array([mean_loss(r / scale) for r in residuals])
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,8 @@
-"""Which effects the held-out trials ask for, one after another (forward selection), and which they cannot tell apart.
+"""Which effects the trials ask for, one after another (forward selection), and which they cannot tell apart.
 
-The null is the declared model with its nuisances refitted, never the default. A candidate is judged on trials that it
-was not fitted on, paired by trial, with Holm's correction over all candidates of a round.
+The null is the declared model with its nuisances refitted, never the default. Every training trial is judged once by
+parameters that the others taught; gains are paired by trial, with Holm's correction over all candidates of a round.
+The test trials have the last word: an effect that makes them worse is not taken.
 """
 
 from __future__ import annotations
@@ -12,26 +13,28 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.model import FloatArray
-from simgap.fit import Fit, fit
-from simgap.problem import Candidate, DirectEstimate, Model, Problem, View
-from simgap.score import Comparison, adjusted, compare, trial_losses
+from simgap.fit import Errors, Fit, extend, fit, promising, rollout_errors
+from simgap.problem import Candidate, DirectEstimate, Problem, View
+from simgap.score import Comparison, adjusted, compare, paired_p, trial_losses
 from simgap.splits import Trials
 
 LEVEL = 0.01  # chance of one false name per round
 LEAST_GAIN = 0.01  # a share of the error below which an effect is not worth a name
 MOST_EFFECTS = 4
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
+AS_GOOD = 0.05  # level at which the best beats another
+_FINALISTS = 6
+_SCREEN_STEPS = 2
 Map = Callable[[Callable[[Candidate], "Trial"], Iterable[Candidate]], Iterable["Trial"]]
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One candidate tried on top of a base model: its fit, and how it does on the trials that judge."""
+    """One candidate tried on top of a base model: its fit, and how it does on training trials held out in turn."""
 
     candidate: Candidate
     fit: Fit
     comparison: Comparison
-    losses: FloatArray
     direct: DirectEstimate | None
     delta_bic: float
 
@@ -46,7 +49,10 @@ class Round:
 
 @dataclass(frozen=True)
 class Selection:
-    """The null, the rounds, the accepted trials in order, and per accepted one its inseparable rivals."""
+    """The null, the rounds, the accepted trials in order, and per accepted one its inseparable rivals.
+
+    Losses are those of the test trials.
+    """
 
     null: Fit
     null_losses: FloatArray
@@ -62,84 +68,112 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
     """Null refit, then the best candidate of each round as long as it gains beyond chance and beyond the noise."""
     each = each or (lambda work, items: map(work, items))
     scale = np.maximum(problem.noise_floor(trials.train, view), 1e-12)
-    nuisances = problem.nuisances()
-    null = fit(problem, (), nuisances, trials.train, view, scale)
-    null_losses = _judged(problem, null.model, trials.test, view, scale)
-    base, losses = null, null_losses
+    errors = rollout_errors(problem, trials.train, view, scale)
+
+    def judged(model: Fit) -> FloatArray:
+        return trial_losses(problem.residuals(model.model, trials.test, view), scale)
+
+    null = fit(errors, problem.nuisances())
+    base, losses = null, judged(null)
+    null_losses = losses
     rounds: list[Round] = []
     accepted: list[Trial] = []
     rivals: list[tuple[Trial, ...]] = []
     while len(accepted) < MOST_EFFECTS:
-        taken = {t.candidate.key for t in base.model}
+        taken = {c.key for c in base.free}
         free = [c for c in problem.candidates() if c.key not in taken]
-        work = _work(problem, base, losses, trials, view, scale)
-        tried = sorted(each(work, free), key=lambda t: (-t.comparison.gain, t.candidate.key))
-        p = adjusted([t.comparison.p_value for t in tried])
-        rounds.append(Round(tuple(tried), tuple(float(v) for v in p)))
-        passing = [t for t, value in zip(tried, p, strict=True) if value < LEVEL and t.comparison.gain > LEAST_GAIN]
-        if not passing:
+        this = _round(problem, errors, base, list(each(_screening(problem, errors, base, trials), free)))
+        rounds.append(this)
+        best = next((t for t in _worthy(this) if _confirmed(losses, judged(t.fit))), None)
+        if best is None:
             break
-        best = passing[0]
-        rivals.append(_inseparable(problem, base, best, tried, trials, view, scale))
+        rivals.append(_inseparable(errors, best, this.tried))
         accepted.append(best)
-        base = fit(problem, (), _warm(best.fit.model), trials.train, view, scale)
-        losses = _judged(problem, base.model, trials.test, view, scale)
+        base = Fit(best.fit.free, fit(errors, _warm(best.fit)).solution)
+        losses = judged(base)
     return Selection(null, null_losses, tuple(rounds), tuple(accepted), tuple(rivals), base, losses, scale)
 
 
-def _judged(problem: Problem, model: Model, trials: Sequence[str], view: View, scale: FloatArray) -> FloatArray:
-    return trial_losses(problem.residuals(model, trials, view), scale)
-
-
-def _work(
-    problem: Problem, base: Fit, base_losses: FloatArray, trials: Trials, view: View, scale: FloatArray
-) -> Callable[[Candidate], Trial]:
-    """The trial of one candidate on `base`."""
+def _screening(problem: Problem, errors: Errors, base: Fit, trials: Trials) -> Callable[[Candidate], Trial]:
+    """A quick trial of one candidate: from where the direct estimate points, a step or two."""
 
     def tried(candidate: Candidate) -> Trial:
         direct = problem.direct(candidate, base.model, trials.train)
-        fitted = fit(problem, base.model, [_informed(candidate, direct)], trials.train, view, scale)
-        losses = _judged(problem, fitted.model, trials.test, view, scale)
-        return Trial(candidate, fitted, compare(base_losses, losses), losses, direct, _delta_bic(base, fitted))
+        if direct is None:
+            starts = promising(errors, base, candidate)
+        else:
+            starts = [direct.values, {**direct.values, **_strengths(candidate)}]
+        return _trial(base, extend(errors, base, candidate, starts, _SCREEN_STEPS), direct)
 
     return tried
 
 
-def _informed(candidate: Candidate, direct: DirectEstimate | None) -> Candidate:
-    """The candidate with its search started where the direct estimate points."""
-    if direct is None:
-        return candidate
-    start = {
-        name: float(np.clip(direct.values.get(name, value), *candidate.bounds[name]))
-        for name, value in candidate.start.items()
-    }
-    return replace(candidate, start=start)
+def _strengths(candidate: Candidate) -> dict[str, float]:
+    return {n: v for n, v in candidate.null.items() if n not in candidate.shapes}
+
+
+def _trial(base: Fit, extended: Fit, direct: DirectEstimate | None) -> Trial:
+    comparison = compare(base.held_out, extended.held_out)
+    return Trial(extended.free[-1], extended, comparison, direct, _delta_bic(base, extended))
+
+
+def _round(problem: Problem, errors: Errors, base: Fit, screened: list[Trial]) -> Round:
+    """The most promising ones fitted to the end; all in order of their gain."""
+    order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
+    tried = [
+        _trial(base, extend(errors, base, t.candidate, [t.fit.model[-1].values]), t.direct) if k < _FINALISTS else t
+        for k, t in enumerate(order)
+    ]
+    tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
+    p = adjusted([t.comparison.p_value for t in tried])
+    return Round(tuple(tried), tuple(float(v) for v in p))
+
+
+def _worthy(this: Round) -> list[Trial]:
+    """Significant candidates by gain; among those that the best does not beat, fewer parameters come first."""
+    passing = [
+        t for t, p in zip(this.tried, this.p_adjusted, strict=True) if p < LEVEL and t.comparison.gain > LEAST_GAIN
+    ]
+    if not passing:
+        return []
+    best = passing[0]
+    level = [t for t in passing if t is best or paired_p(t.fit.held_out, best.fit.held_out) > AS_GOOD]
+    level.sort(key=lambda t: (len(t.candidate.null), -t.comparison.gain))
+    return [*level, *(t for t in passing if t not in level)]
+
+
+def _confirmed(before: FloatArray, after: FloatArray) -> bool:
+    return bool(after.sum() < (1.0 - 0.5 * LEAST_GAIN) * before.sum())
 
 
 def _delta_bic(base: Fit, fitted: Fit) -> float:
     """BIC of the base minus BIC with the effect; trials are the samples."""
     n = len(base.losses)
-    extra = len(fitted.model[-1].values)
+    extra = len(fitted.free[-1].null)
     return float(n * np.log(max(base.losses.mean(), 1e-12) / max(fitted.losses.mean(), 1e-12)) - extra * np.log(n))
 
 
-def _inseparable(
-    problem: Problem, base: Fit, best: Trial, tried: Sequence[Trial], trials: Trials, view: View, scale: FloatArray
-) -> tuple[Trial, ...]:
-    """Rivals that explain the judging trials as well as the best, and on top of which the best adds nothing."""
+def _inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[Trial, ...]:
+    """Rivals that do as well as the best, and on top of which the best adds nothing."""
     found = []
     for rival in tried:
         if rival is best or rival.comparison.gain < RIVAL_SHARE * best.comparison.gain:
             continue
-        both = fit(problem, rival.fit.model, [_informed(best.candidate, best.direct)], trials.train, view, scale)
-        losses = _judged(problem, both.model, trials.test, view, scale)
-        over_rival = compare(rival.losses, losses)
+        if paired_p(rival.fit.held_out, best.fit.held_out) < AS_GOOD:
+            continue
+        # A richer law that does no better has had its chance; one that is a known double stays in doubt.
+        doubles = {c.effect for c in best.candidate.effect.confusables}
+        richer = len(rival.candidate.null) > len(best.candidate.null)
+        if richer and rival.candidate.effect.name not in doubles:
+            continue
+        both = extend(errors, rival.fit, best.candidate, [best.fit.model[-1].values, best.candidate.start])
+        over_rival = compare(rival.fit.held_out, both.held_out)
         if over_rival.p_value < LEVEL and over_rival.gain > LEAST_GAIN:
             continue
         found.append(rival)
     return tuple(found)
 
 
-def _warm(model: Model) -> list[Candidate]:
+def _warm(found: Fit) -> list[Candidate]:
     """Terms as candidates that start at their present values."""
-    return [replace(t.candidate, start=t.values) for t in model]
+    return [replace(t.candidate, start=t.values) for t in found.model]

@@ -13,8 +13,10 @@ def _report(series: Series, params: Params, where: Place) -> Series:
 
 
 def _recover(series: Series, params: Params, where: Place) -> Series:
-    rates = {n: v * params["factor"] for n, v in series.columns.items() if n in ("qd", "v_W", "w_B")}
-    return replace(series, t_s=series.t_s / params["factor"], columns={**series.columns, **rates})
+    factor = params["factor"]
+    power = {"qd": 1, "v_W": 1, "w_B": 1, "qdd": 2}
+    rates = {n: series.columns[n] * factor**k for n, k in power.items() if n in series.columns}
+    return replace(series, t_s=series.t_s / factor, columns={**series.columns, **rates})
 
 
 EFFECT = Effect(

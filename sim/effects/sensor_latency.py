@@ -6,7 +6,7 @@ from schemas.gap import Place
 from sim.effects.effect import Confusable, Effect, Parameter, Params, SensorMap, Series
 from sim.effects.series import read_at, with_columns
 
-_READ = ("q", "qd", "p", "quat_wxyz", "v_W", "w_B")
+_READ = ("q", "qd", "qdd", "p", "quat_wxyz", "v_W", "w_B")
 
 
 def _report(series: Series, params: Params, where: Place) -> Series:

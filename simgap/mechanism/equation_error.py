@@ -1,145 +1,177 @@
 """Direct estimates: which parameters balance the equations of motion on smoothed readings, without simulating.
 
 The unexplained effort of a joint is its inverse dynamics minus everything that is modelled (Gautier and Khalil, IEEE
-T-RA 6(3), 1990, for robots). Trials are clusters: errors within one are correlated (Liang and Zeger, Biometrika 73,
-1986), and a parameter is tested by its spread over trials, not over samples.
+T-RA 6(3), 1990, for robots), averaged over short blocks: a balance of momentum, in which the noise of accelerations
+cancels. A parameter is tested as on roll-outs, by trials held out in turn.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import stats
-from scipy.optimize import least_squares
 
-from schemas.model import FloatArray
+from schemas.model import FloatArray, IntArray
 from sim.effects.effect import EffortMap, JointFriction, JointState, JointTorque, Series
 from sim.joint_dynamics import joint_dynamics
-from sim.mechanism import MechanismModel
-from simgap.mechanism.smooth import Smooth
+from sim.mechanism import Drive, Law, MechanismModel
+from simgap.fit import Errors, Fit, extend, fit, promising
+from simgap.mechanism.logs import Log
 from simgap.mechanism.terms import Applied, apply_terms
-from simgap.problem import Candidate, DirectEstimate, Model, Term
-
-_MOST_ROWS = 1500  # per trial
-_SCAN = 9
-
-Recovered = Callable[[Model], Sequence[tuple[Series, Smooth]]]
+from simgap.problem import Candidate, DirectEstimate, Model
+from simgap.score import paired_p
 
 
-def estimate(
-    declared: MechanismModel, candidate: Candidate, model: Model, recovered: Recovered
-) -> DirectEstimate | None:
-    """The candidate's parameters given the terms of `model`, whose own values are fitted along; None when singular."""
-    free = [*(t.candidate for t in model), candidate]
-    names = [(c, n) for c in free for n in c.null]
-    low = np.array([c.bounds[n][0] for c, n in names])
-    high = np.array([c.bounds[n][1] for c, n in names])
-    given = {t.candidate.key: t.values for t in model}
-    start = np.array([given.get(c.key, c.start)[n] for c, n in names])
+def balance(declared: MechanismModel, logs: Sequence[Log]) -> Callable[[Model], list[FloatArray]]:
+    """Unexplained effort (b, j) per trial, N m or N, of any model; b over blocks."""
+    logs = [_inner(log) for log in logs]
+    plain = _stack(logs, Applied(declared, (), (), ()))
 
-    def terms(x: FloatArray) -> Model:
-        values: dict[str, dict[str, float]] = {c.key: {} for c in free}
-        for (c, n), v in zip(names, x, strict=True):
-            values[c.key][n] = float(v)
-        return tuple(Term(c, values[c.key]) for c in free)
+    def errors(model: Model) -> list[FloatArray]:
+        applied = apply_terms(declared, model)
+        stack = _stack(logs, applied) if applied.sensors or applied.inputs else plain
+        rest = _unexplained(applied, stack) / stack.magnified
+        means = np.add.reduceat(rest, stack.starts, axis=0) / stack.counts[:, None]
+        return np.split(means, stack.ends)
 
-    def errors(x: FloatArray) -> list[FloatArray]:
-        at = terms(x)
-        applied = apply_terms(declared, at)
-        return [unexplained(applied, series, smoothed) for series, smoothed in recovered(at)]
-
-    base = errors(np.clip(start, low, high))
-    level = 1.4826 * np.median(np.abs(np.concatenate([e.ravel() for e in base]))) + 1e-12
-
-    def vector(share: FloatArray) -> FloatArray:
-        return np.concatenate([(e / level).ravel() for e in errors(low + share * (high - low))])
-
-    first = np.clip((start - low) / (high - low), 1e-3, 1.0 - 1e-3)
-    own = [i for i, (c, _) in enumerate(names) if c is candidate]
-    tries = [first]
-    for i in own:
-        for share in np.linspace(0.02, 0.98, _SCAN):
-            tried = first.copy()
-            tried[i] = share
-            tries.append(tried)
-    begin = min(tries, key=lambda s: float(np.log1p(vector(s) ** 2).sum()))
-    solved = least_squares(
-        vector, begin, bounds=(0.0, 1.0), loss="soft_l1", diff_step=1e-3, max_nfev=30, xtol=1e-6, ftol=1e-7
-    )
-    return _tested(solved.x, np.asarray(solved.jac), solved.fun, [e.size for e in base], own, names, low, high)
+    return errors
 
 
-def _tested(
-    share: FloatArray,
-    jac: FloatArray,
-    error: FloatArray,
-    sizes: Sequence[int],
-    own: Sequence[int],
-    names: Sequence[tuple[Candidate, str]],
-    low: FloatArray,
-    high: FloatArray,
-) -> DirectEstimate | None:
-    """Values with standard errors over trials, and the p-value of the first parameter being at its null."""
-    weight = 1.0 / np.sqrt(1.0 + error**2)
-    bread = np.linalg.pinv((weight[:, None] * jac).T @ jac, rcond=1e-10)
-    scores = np.stack([s.sum(axis=0) for s in np.split(weight[:, None] * jac * error[:, None], np.cumsum(sizes)[:-1])])
-    clusters = len(sizes)
-    if clusters < 2:
+def in_noise_levels(unexplained: Callable[[Model], list[FloatArray]], model: Model) -> Errors:
+    """The balance over what is typically left of `model`, joint by joint."""
+    level = 1.4826 * np.median(np.abs(np.concatenate(unexplained(model))), axis=0) + 1e-12
+    return lambda at: [(e / level).ravel() for e in unexplained(at)]
+
+
+def estimate(errors: Errors, base: Fit, candidate: Candidate) -> DirectEstimate | None:
+    """The candidate's parameters, the terms of `base` refitted along; None where it leaves no trace or one trial."""
+    if len(base.losses) < 2:
         return None
-    cover = bread @ (scores.T @ scores * clusters / (clusters - 1)) @ bread
-    deviation = np.sqrt(np.maximum(np.diag(cover), 0.0)) * (high - low)
-    values = low + share * (high - low)
-    strength = own[0]
-    candidate, name = names[strength]
-    if not deviation[strength] > 0.0:
+    found = extend(errors, base, candidate, promising(errors, base, candidate))
+    own = found.solution.jac[:, -len(candidate.null) :]
+    if not (np.abs(own) > 1e-9).any():
         return None
-    t = (values[strength] - candidate.null[name]) / deviation[strength]
-    p = 2.0 * float(stats.t.sf(abs(t), clusters - 1))
+    widths = found.half_widths[candidate.key]
     return DirectEstimate(
-        {names[i][1]: float(values[i]) for i in own},
-        {names[i][1]: float(deviation[i]) for i in own},
-        p,
-        clusters,
+        dict(found.model[-1].values),
+        {name: width / 1.96 for name, width in widths.items()},
+        paired_p(base.held_out, found.held_out),
+        len(base.losses),
     )
 
 
-def unexplained(applied: Applied, series: Series, smoothed: Smooth) -> FloatArray:
-    """Effort (n, j) that the model cannot account for at the rows of a trial, N m or N.
+def refitted(errors: Errors, model: Model) -> Fit:
+    """The terms of a model fitted to the balance."""
+    return fit(errors, [replace(t.candidate, start=t.values) for t in model])
+
+
+@dataclass(frozen=True)
+class _Stack:
+    """All rows of all trials below one another, and their blocks.
+
+    starts, counts   of the blocks; `ends` of the trials, in blocks; `spans` of the trials, in rows.
+    magnified        (n, j) how much larger accelerations (and their noise) are than as read.
+    """
+
+    t_s: FloatArray
+    columns: dict[str, FloatArray]
+    qd_noise: FloatArray
+    magnified: FloatArray
+    step_s: float
+    starts: IntArray
+    counts: IntArray
+    ends: IntArray
+    spans: tuple[tuple[int, int], ...]
+
+
+def _inner(log: Log) -> Log:
+    """Without the ends, where derivatives are one-sided, if enough is left."""
+    m = log.margin
+    if len(log.series.t_s) < 4 * m:
+        return log
+    columns = {n: v[m:-m] for n, v in log.series.columns.items()}
+    return replace(log, series=Series(log.series.t_s[m:-m], columns))
+
+
+def _stack(logs: Sequence[Log], applied: Applied) -> _Stack:
+    series = [applied.sent(applied.recovered(log.series)) for log in logs]
+    lengths = [len(s.t_s) for s in series]
+    offsets = np.concatenate([[0], np.cumsum(lengths)])
+    starts = [
+        np.arange(a, a + max(n - log.block // 2, 1), log.block)
+        for a, n, log in zip(offsets[:-1], lengths, logs, strict=True)
+    ]
+    flat = np.concatenate(starts)
+    magnified = [
+        np.broadcast_to(_rms(s.columns["qdd"]) / _rms(log.series.columns["qdd"]), (n, len(log.smooth.qd_noise)))
+        for s, log, n in zip(series, logs, lengths, strict=True)
+    ]
+    return _Stack(
+        t_s=np.concatenate([s.t_s for s in series]),
+        columns={n: np.concatenate([s.columns[n] for s in series]) for n in series[0].columns},
+        qd_noise=np.concatenate([np.tile(log.smooth.qd_noise, (n, 1)) for log, n in zip(logs, lengths, strict=True)]),
+        magnified=np.concatenate(magnified),
+        step_s=float(np.median(np.concatenate([np.diff(s.t_s) for s in series]))),
+        starts=flat,
+        counts=np.diff(np.append(flat, offsets[-1])),
+        ends=np.cumsum([len(s) for s in starts])[:-1],
+        spans=tuple(zip(offsets[:-1].tolist(), offsets[1:].tolist(), strict=True)),
+    )
+
+
+def _rms(values: FloatArray) -> FloatArray:
+    return np.sqrt((values**2).mean(axis=0)) + 1e-12
+
+
+def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
+    """Effort (n, j) that the model cannot account for at each row.
 
     Near standstill dry friction can take any value: the error there is only what exceeds it.
     """
     mechanism = applied.mechanism
-    thin = np.s_[:: max(1, len(series.t_s) // _MOST_ROWS)]
-    q, qd, qdd = smoothed.q[thin], smoothed.qd[thin], smoothed.qdd[thin]
-    sent = applied.sent(series)
-    needed, load = joint_dynamics(mechanism.tree, mechanism.gravity_W).needed(q, qd, qdd)
-    given = _given(mechanism, sent, thin, q, qd)
-    aux = {n[4:]: v[thin] for n, v in sent.columns.items() if n.startswith("aux:")}
-    step = float(np.median(np.diff(series.t_s)))
-    stamps = series.t_s[thin][:, None]
+    q, qd = stack.columns["q"], stack.columns["qd"]
+    needed, load = joint_dynamics(mechanism.tree, mechanism.gravity_W).needed(q, qd, stack.columns["qdd"])
+    given = _given(mechanism.drive, stack.columns, q, qd)
+    aux = {n[4:]: v for n, v in stack.columns.items() if n.startswith("aux:")}
     passive = -mechanism.damping * qd
     largest = {d: np.broadcast_to(mechanism.friction, q.shape).copy() for d in (-1.0, 1.0)}
     for law in applied.laws:
         one = np.s_[:, law.joint : law.joint + 1]
-        state = JointState(stamps, q[one], qd[one], given[one], load[one], step, aux)
+        state = JointState(stack.t_s[:, None], q[one], qd[one], given[one], load[one], stack.step_s, aux)
         if isinstance(law.hook, EffortMap):
-            given[one] = law.hook.map(state, law.params, {})
+            given[one] = _mapped(law.hook, law, state, stack.spans)
         elif isinstance(law.hook, JointTorque):
             passive[one] += law.hook.torque(state, law.params, {})
         elif isinstance(law.hook, JointFriction):
             for d, limit in largest.items():
                 limit[one] += law.hook.limit(state, law.params, np.full_like(q[one], d))
     rest = needed - given - passive
-    return rest + _friction(rest, qd, largest, smoothed.qd_noise)
+    return rest + _friction(rest, qd, largest, stack.qd_noise)
 
 
-def _given(mechanism: MechanismModel, sent: Series, thin: slice, q: FloatArray, qd: FloatArray) -> FloatArray:
-    drive = mechanism.drive
+def _mapped(hook: EffortMap, law: Law, state: JointState, spans: Sequence[tuple[int, int]]) -> FloatArray:
+    """Effort that a drive gives row by row; a drive that remembers is led through each trial in time, all at once."""
+    memory: dict[str, FloatArray] = {}
+    at_once = hook.map(state, law.params, memory)
+    if not memory:
+        return at_once
+    longest = max(b - a for a, b in spans)
+    rows = np.stack([np.minimum(np.arange(a, a + longest), b - 1) for a, b in spans])  # the last row is held
+    memory, out = {}, at_once.copy()
+    for k in range(longest):
+        r = rows[:, k]
+        aux = {n: v[r] for n, v in state.aux.items()}
+        now = JointState(state.t_s[r], state.q[r], state.qd[r], state.effort[r], state.load[r], state.dt_s, aux)
+        out[r] = hook.map(now, law.params, memory)
+    return out
+
+
+def _given(drive: Drive, columns: dict[str, FloatArray], q: FloatArray, qd: FloatArray) -> FloatArray:
     if drive.type == "effort":
-        asked = sent.columns["effort"][thin] * drive.effort_per_unit
+        asked = columns["effort"] * drive.effort_per_unit
     elif drive.type == "position_pd":
-        asked = (drive.kp * (sent.columns["command"][thin] - q) - drive.kd * qd) * drive.effort_per_unit
+        asked = (drive.kp * (columns["command"] - q) - drive.kd * qd) * drive.effort_per_unit
     else:
         return np.zeros_like(q)
     return asked.copy() if drive.effort_limit is None else np.clip(asked, -drive.effort_limit, drive.effort_limit)

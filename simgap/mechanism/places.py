@@ -16,12 +16,12 @@ from sim.effects.effect import Effect, Series
 from sim.effects.library import EFFECTS, effect
 from sim.mechanism import MechanismModel
 from sim.tree import inverse_dynamics, mass_matrix
-from simgap.mechanism.smooth import Smooth
 from simgap.problem import Candidate
 
 _QUANTILE = 0.95
 # Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
 TOLERANCE = 0.05
+SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "direction_rad")
 _WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
 
 
@@ -38,9 +38,9 @@ class Ranges:
     effort: float
 
 
-def ranges_of(model: MechanismModel, smooths: Sequence[Smooth], joint: int, effort: float) -> Ranges:
-    """Magnitudes at a joint over all trials."""
-    q, qd, qdd = (np.concatenate([getattr(s, n) for s in smooths]) for n in ("q", "qd", "qdd"))
+def ranges_of(model: MechanismModel, series: Sequence[Series], joint: int, effort: float) -> Ranges:
+    """Magnitudes at a joint over all trials, from smoothed columns q, qd, qdd."""
+    q, qd, qdd = (np.concatenate([s.columns[n] for s in series]) for n in ("q", "qd", "qdd"))
     thin = np.s_[:: max(1, len(q) // 4000)]
     torque, load = inverse_dynamics(model.tree, q[thin], qd[thin], qdd[thin], model.gravity_W)
     inertia = float(np.median(mass_matrix(model.tree, q[thin])[:, joint, joint]))
@@ -59,7 +59,7 @@ def _size(values: FloatArray) -> float:
     return float(np.quantile(np.abs(values), _QUANTILE))
 
 
-def candidates_of(model: MechanismModel, series: Sequence[Series], smooths: Sequence[Smooth]) -> tuple[Candidate, ...]:
+def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Candidate, ...]:
     """Every effect of the library that these columns can reveal, at every joint, in library order."""
     out = []
     for each in EFFECTS:
@@ -67,12 +67,13 @@ def candidates_of(model: MechanismModel, series: Sequence[Series], smooths: Sequ
             continue
         whole = each.name in _WHOLE_LOG
         for j, link in enumerate(model.tree[:1] if whole else model.tree):
-            ranges = ranges_of(model, smooths, j, _effort(model, series, j))
+            ranges = ranges_of(model, series, j, _effort(model, series, j))
             where = Place() if whole else Place(joint=link.name)
             null = _null(each, model, j, ranges, series)
             bounds = {p.name: _bounds(p.name, each, null, ranges) for p in each.parameters}
             start = {n: float(np.clip(_start(n, each, null[n], ranges), *bounds[n])) for n in null}
-            out.append(Candidate(each, where, null, start, bounds))
+            shapes = tuple(n for n in null if n in SHAPES)
+            out.append(Candidate(each, where, null, start, bounds, shapes=shapes))
     return tuple(out)
 
 

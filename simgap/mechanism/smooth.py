@@ -15,13 +15,18 @@ _ORDER = 3
 
 @dataclass(frozen=True)
 class Smooth:
-    """q, qd, qdd (n, j) of the local cubics, the readings' noise (j,) and the noise of `qd` (j,)."""
+    """q, qd, qdd (n, j) of the local cubics over `rows` readings, the readings' noise (j,), that of `qd` (j,).
+
+    `kept` is the share of a reading's noise (rms) that its smoothed value keeps.
+    """
 
     q: FloatArray
     qd: FloatArray
     qdd: FloatArray
     q_noise: FloatArray
     qd_noise: FloatArray
+    rows: int
+    kept: float
 
 
 def smooth(t_s: FloatArray, q: FloatArray) -> Smooth:
@@ -47,4 +52,4 @@ def smooth(t_s: FloatArray, q: FloatArray) -> Smooth:
     def back(values: FloatArray) -> FloatArray:
         return np.stack([np.interp(t_s, even, column) for column in values.T], axis=1)
 
-    return Smooth(back(fitted), back(rate), back(change), q_noise, qd_noise)
+    return Smooth(back(fitted), back(rate), back(change), q_noise, qd_noise, rows, float(np.sqrt(max(centre, 0.0))))

@@ -1,0 +1,179 @@
+"""Robust least squares on the unit box, and what its solution says about a trial that it has not seen.
+
+Residual functions map shares x (p,) of the parameters' ranges to residuals in noise levels, one array per trial.
+Large residuals count by Cauchy's loss, solved by reweighting (Holland and Welsch, Comm. Stat. A6, 1977).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from schemas.model import FloatArray
+
+KNEE = 5.0  # noise levels at which a residual stops counting by its square
+_STEP = 2e-3
+_ENOUGH = 1e-4  # relative decrease of the cost below which the search ends
+_RIDGE = 1e-9
+Residuals = Callable[[FloatArray], Sequence[FloatArray]]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Shares x (p,), residuals per trial, their Jacobian (n, p) over all trials, and how many calls that took."""
+
+    x: FloatArray
+    residuals: tuple[FloatArray, ...]
+    jac: FloatArray
+    evaluations: int
+
+    @property
+    def losses(self) -> FloatArray:
+        """(t,) mean loss per trial."""
+        return np.array([mean_loss(r) for r in self.residuals])
+
+
+def mean_loss(residual: FloatArray) -> float:
+    """Mean Cauchy loss of residuals in noise levels; those that are not finite are left out."""
+    r = residual[np.isfinite(residual)]
+    return float(KNEE**2 * np.log1p((r / KNEE) ** 2).mean()) if r.size else 0.0
+
+
+def descend(
+    residuals: Residuals,
+    x: FloatArray,
+    known: FloatArray | None = None,
+    at: Sequence[FloatArray] | None = None,
+    most: int = 8,
+    starting: int = 0,
+) -> Solution:
+    """The nearest minimum from x, by Gauss-Newton steps that never raise the cost.
+
+    known   Jacobian columns of the first parameters, taken as good enough everywhere: no calls are spent on them.
+    at      residuals at x where the caller has them already.
+    """
+    fixed = 0 if known is None else known.shape[1]
+    x = np.clip(np.asarray(x, dtype=float), 0.0, 1.0)
+    here = tuple(residuals(x) if at is None else at)
+    calls = starting + (at is None)
+    r = np.concatenate(here)
+    jac, more = _jacobian(residuals, x, r, known, fixed)
+    calls += more
+    for _ in range(most):
+        step = _boxed(*_normal(jac, r), x)
+        cost, share, moved = _cost(r), 1.0, None
+        for _ in range(3):
+            tried = np.clip(x + share * step, 0.0, 1.0)
+            there = tuple(residuals(tried))
+            calls += 1
+            if _cost(np.concatenate(there)) < cost:
+                moved = tried, there
+                break
+            share *= 0.3
+        if moved is None:
+            break
+        x, here = moved
+        r = np.concatenate(here)
+        done = cost - _cost(r) < _ENOUGH * cost
+        jac, more = _jacobian(residuals, x, r, known, fixed)
+        calls += more
+        if done:
+            break
+    return Solution(x, here, jac, calls)
+
+
+def left_out(solution: Solution) -> FloatArray:
+    """(t,) loss of each trial under the parameters that the others alone would give, to first order.
+
+    One Gauss-Newton step from the common solution with that trial's rows removed (Pregibon, Ann. Stat. 9, 1981): a
+    leave-one-out cross-validation without a single further simulation.
+    """
+    if not solution.x.size:
+        return solution.losses
+    pieces = _pieces(solution)
+    H, g = _total(pieces)
+    out, row = [], 0
+    for r, (h, v) in zip(solution.residuals, pieces, strict=True):
+        step = _boxed(H - h, g - v, solution.x)
+        out.append(mean_loss(r + solution.jac[row : row + len(r)] @ step))
+        row += len(r)
+    return np.array(out)
+
+
+def half_widths(solution: Solution) -> FloatArray:
+    """(p,) half 95 % intervals of the shares, with trials as clusters (Liang and Zeger, Biometrika 73, 1986).
+
+    Each trial's score is taken at the solution without it (a jackknife: few clusters do not look surer than they are).
+    """
+    pieces = _pieces(solution)
+    n = len(pieces)
+    if n < 2:
+        return np.full(len(solution.x), np.inf)
+    H, g = _total(pieces)
+    free = np.ones(len(g), dtype=bool)
+    steps = np.stack([_solved(H - h, g - v, free) for h, v in pieces])
+    spread = np.sqrt((n - 1) / n * ((steps - steps.mean(axis=0)) ** 2).sum(axis=0))
+    return spread * float(stats.t.ppf(0.975, n - 1))
+
+
+def _pieces(solution: Solution) -> list[tuple[FloatArray, FloatArray]]:
+    """Normal matrix and gradient of each trial."""
+    ends = np.cumsum([len(r) for r in solution.residuals])[:-1]
+    return [_normal(j, r) for j, r in zip(np.split(solution.jac, ends), solution.residuals, strict=True)]
+
+
+def _total(pieces: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
+    return np.sum([h for h, _ in pieces], axis=0), np.sum([v for _, v in pieces], axis=0)
+
+
+def _normal(jac: FloatArray, r: FloatArray) -> tuple[FloatArray, FloatArray]:
+    weighted = jac / (1.0 + (r / KNEE) ** 2)[:, None]
+    return weighted.T @ jac, weighted.T @ r
+
+
+def _boxed(H: FloatArray, g: FloatArray, x: FloatArray) -> FloatArray:
+    """Newton step that stays in the unit box: parameters that would leave it are held at the wall, one by one."""
+    free = np.ones(len(x), dtype=bool)
+    step = np.zeros(len(x))
+    for _ in range(len(x)):
+        held = np.where(free, 0.0, step)
+        step = np.where(free, _solved(H, g + H @ held, free), held)
+        beyond = free & ((x + step < 0.0) | (x + step > 1.0))
+        if not beyond.any():
+            return step
+        worst = int(np.argmax(np.where(beyond, np.abs(x + step - 0.5), -1.0)))
+        step[worst] = np.clip(x[worst] + step[worst], 0.0, 1.0) - x[worst]
+        free[worst] = False
+    return step
+
+
+def _solved(H: FloatArray, g: FloatArray, free: FloatArray) -> FloatArray:
+    """-H^-1 g over the free parameters, each scaled to its own curvature; blind directions stay put."""
+    root = np.sqrt(np.maximum(np.diag(H), 0.0))
+    seen = free & (root > 1e-12 * max(float(root.max()), 1e-300))
+    out = np.zeros(len(g))
+    if seen.any():
+        s = root[seen]
+        A = H[np.ix_(seen, seen)] / np.outer(s, s) + _RIDGE * np.eye(len(s))
+        out[seen] = -np.linalg.lstsq(A, g[seen] / s, rcond=1e-8)[0] / s
+    return out
+
+
+def _jacobian(
+    residuals: Residuals, x: FloatArray, r: FloatArray, known: FloatArray | None, fixed: int
+) -> tuple[FloatArray, int]:
+    """Forward differences, backward at the upper wall."""
+    columns = [] if known is None else [known]
+    for k in range(fixed, len(x)):
+        step = _STEP if x[k] + _STEP <= 1.0 else -_STEP
+        moved = x.copy()
+        moved[k] += step
+        columns.append(((np.concatenate(residuals(moved)) - r) / step)[:, None])
+    return (np.concatenate(columns, axis=1) if columns else np.zeros((len(r), 0))), len(x) - fixed
+
+
+def _cost(r: FloatArray) -> float:
+    return float(np.log1p((r / KNEE) ** 2).sum())

@@ -1,0 +1,1 @@
+"""Truth generators sealed from the library, and cases with hidden effects."""
