@@ -1,6 +1,8 @@
-"""What every asset needs: imported once, before the cells are forked (see `jobs.fork_server`)."""
+"""What every asset needs: imported and used once, before the cells are forked (see `jobs.fork_server`)."""
 
 import sys
+import tempfile
+from pathlib import Path
 from types import ModuleType
 
 # Open3D would load a stack of plotting packages that takes as long as Open3D itself and that nothing here uses.
@@ -13,8 +15,14 @@ import render.views  # noqa: E402, F401
 import sim.bullet  # noqa: E402, F401
 from render.request import RenderRequest  # noqa: E402
 from schemas import arrays  # noqa: E402
-from usdio.outside import simready_rules  # noqa: E402
+from usdio.outside import outside_verdicts  # noqa: E402
 
-simready_rules()
 for _type in (assetkit.pipeline.Noted, RenderRequest, *(stage.result for stage in assetkit.pipeline.STAGES)):
     arrays.adapter(_type)
+
+# Validators load most of what they need with the first file that they see.
+with tempfile.TemporaryDirectory() as _folder:
+    _file = Path(_folder) / "empty" / "empty.usda"
+    _file.parent.mkdir()
+    _file.write_text("#usda 1.0\n")
+    outside_verdicts(_file)
