@@ -44,6 +44,7 @@ def main(preload: str, requests_fd: int, client_fd: int) -> None:
     threads = len(os.listdir("/proc/self/task"))
     if threads != 1:
         raise SystemExit(f"{preload} left {threads - 1} threads running: forks of it would not be sound")
+    os.close(os.pidfd_open(os.getpid()))  # Raises OSError where the system has or allows none.
     gc.freeze()  # What is here now is nobody's garbage; untouched, its memory stays shared.
     requests, client = socket.socket(fileno=requests_fd), socket.socket(fileno=client_fd)
     address_space_mb = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE") >> 20

@@ -10,6 +10,7 @@ import contextlib
 import json
 import os
 import resource
+import signal
 import socket
 import subprocess
 import sys
@@ -120,7 +121,10 @@ class ForkServer:
 
 
 def _supervised(cell: socket.socket, limits: Limits, log: IO[bytes]) -> CellResult | None:
-    """Follow the cell at the other end of `cell`: its process id, then its exit status and peak memory."""
+    """Follow the cell at the other end of `cell`: its process id, then its exit status and peak memory.
+
+    None when the server ended first and took the cell with it: no fault of the cell, so it may be run cold.
+    """
 
     def wait(seconds: float | None) -> int:
         cell.settimeout(seconds)
@@ -129,10 +133,11 @@ def _supervised(cell: socket.socket, limits: Limits, log: IO[bytes]) -> CellResu
         except TimeoutError:
             raise subprocess.TimeoutExpired([], seconds or 0.0) from None
         ended[:] = [told]
-        returncode, peak_kb = (int(word) for word in told.split()) if told else (-9, 0)  # The server was killed.
+        returncode, peak_kb = (int(word) for word in told.split()) if told else (-signal.SIGKILL, 0)
         note_peak_memory(peak_kb / 1024)
         return returncode
 
     ended: list[bytes] = []
     pid = cell.recv(64)
-    return supervise(int(pid), wait, limits, log) if pid else None
+    result = supervise(int(pid), wait, limits, log) if pid else None
+    return None if ended == [b""] and result is not None and result.status == "crashed" else result

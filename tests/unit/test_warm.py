@@ -31,6 +31,7 @@ if what == 'exit': raise SystemExit(rest[0])
 if what == 'raise': raise KeyError(rest[0])
 if what == 'eat': x = bytearray(int(rest[0]) * 2**20); x[::4096] = x[::4096]
 if what == 'nest': print(run_module('a_worker', rest, Limits(20.0, 4096)).output)
+if what == 'late': print('started', flush=True); time.sleep(float(rest[0])); print(os.getppid())
 if what == 'hang':
     subprocess.Popen([sys.executable, '-c', f'import time; time.sleep(60) # {rest[0]}'])
     time.sleep(60)
@@ -153,6 +154,15 @@ def test_a_server_that_dies_costs_nothing_but_its_warmth():
     with warm_cells("loaded_before"):
         os.kill(int(run("home").output.split()[0]), 9)
         assert run("say", "cold").output == "cold\n"
+
+
+def test_a_cell_that_loses_its_server_runs_again_cold():
+    with warm_cells("loaded_before"):
+        home = int(run("home").output.split()[0])
+        killer = threading.Timer(1.0, os.kill, (home, 9))
+        killer.start()
+        first, second = run("late", "2.5").output.split()
+        assert (first, second) == ("started", str(os.getpid()))
 
 
 def test_a_limit_too_small_for_a_fork_is_kept_by_a_cold_cell():
