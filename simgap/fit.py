@@ -19,6 +19,7 @@ _MANY = 24  # values of one shape parameter; of two: _GRID
 _GRID = (48, 6)
 _PROBE = 0.05  # share of a strength's range at which its signature is read off
 _CLIP = 1e4
+_LEAST_CLUSTERS = 6
 
 
 @dataclass(frozen=True)
@@ -59,14 +60,25 @@ class Fit:
 
 
 def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: FloatArray) -> Errors:
-    """Residuals of roll-outs in noise levels; missing ones count as 0."""
+    """Residuals of roll-outs over `scale` (c,), one array per cluster; missing ones count as 0."""
 
     def errors(model: Model) -> list[FloatArray]:
-        return [
-            np.clip(np.nan_to_num(r / scale), -_CLIP, _CLIP).ravel() for r in problem.residuals(model, trials, view)
-        ]
+        found = problem.residuals(model, trials, view)
+        return clusters([np.clip(np.nan_to_num(r / scale), -_CLIP, _CLIP) for r in found])
 
     return errors
+
+
+def clusters(by_trial: Sequence[FloatArray]) -> list[FloatArray]:
+    """Rows (k, c) of trials as flat arrays, one per trial; few trials are cut into stretches, which stand for them."""
+    parts = -(-_LEAST_CLUSTERS // len(by_trial))
+    return [part.ravel() for r in by_trial for part in (np.array_split(r, parts) if parts > 1 else (r,))]
+
+
+def spread(problem: Problem, fitted: Model, trials: Sequence[str], view: View) -> FloatArray:
+    """(c,) size of what a model leaves, outliers aside, at least the noise floor: what counts as one level."""
+    rows = np.concatenate(problem.residuals(fitted, trials, view))
+    return np.maximum(1.4826 * np.nanmedian(np.abs(rows), axis=0), problem.noise_floor(trials, view) + 1e-15)
 
 
 def fit(errors: Errors, free: Sequence[Candidate], most: int = 8) -> Fit:

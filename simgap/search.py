@@ -9,22 +9,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
 from schemas.model import FloatArray
-from simgap.fit import Errors, Fit, extend, fit, promising, rollout_errors
+from simgap.fit import Errors, Fit, extend, fit, promising, rollout_errors, spread
 from simgap.problem import Candidate, DirectEstimate, Problem, View
 from simgap.score import Comparison, adjusted, compare, paired_p, trial_losses
 from simgap.splits import Trials
 
-LEVEL = 0.01  # chance of one false name per round
-LEAST_GAIN = 0.01  # a share of the error below which an effect is not worth a name
+LEVEL = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
+LEAST_GAIN = 0.02  # a share of the error below which an effect is not worth a name
 MOST_EFFECTS = 4
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
 AS_GOOD = 0.05  # level at which the best beats another
 _FINALISTS = 6
 _SCREEN_STEPS = 2
+_AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
+_NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
+_AHEAD = 4  # candidates that are tried in pairs
 Map = Callable[[Callable[[Candidate], "Trial"], Iterable[Candidate]], Iterable["Trial"]]
 
 
@@ -67,30 +71,36 @@ class Selection:
 def select(problem: Problem, trials: Trials, view: View, each: Map | None = None) -> Selection:
     """Null refit, then the best candidate of each round as long as it gains beyond chance and beyond the noise."""
     each = each or (lambda work, items: map(work, items))
-    scale = np.maximum(problem.noise_floor(trials.train, view), 1e-12)
-    errors = rollout_errors(problem, trials.train, view, scale)
+    first = spread(problem, (), trials.train, view)
+    null = fit(rollout_errors(problem, trials.train, view, first), problem.nuisances())
+    scale = spread(problem, null.model, trials.train, view)
 
-    def judged(model: Fit) -> FloatArray:
-        return trial_losses(problem.residuals(model.model, trials.test, view), scale)
+    def judged(found: Fit) -> FloatArray:
+        return trial_losses(problem.residuals(found.model, trials.test, view), scale)
 
-    null = fit(errors, problem.nuisances())
-    base, losses = null, judged(null)
-    null_losses = losses
+    base, null_losses = null, np.zeros(0)
     rounds: list[Round] = []
     accepted: list[Trial] = []
     rivals: list[tuple[Trial, ...]] = []
-    while len(accepted) < MOST_EFFECTS:
+    while True:
+        # What was an outlier to a poor model is evidence to a better one: the level follows the base.
+        errors = rollout_errors(problem, trials.train, view, spread(problem, base.model, trials.train, view))
+        base = fit(errors, _warm(base))
+        losses = judged(base)
+        if not accepted:
+            null, null_losses = base, losses
+        if len(accepted) == MOST_EFFECTS:
+            break
         taken = {c.key for c in base.free}
         free = [c for c in problem.candidates() if c.key not in taken]
-        this = _round(problem, errors, base, list(each(_screening(problem, errors, base, trials), free)))
+        this = _round(base, errors, list(each(_screening(problem, errors, base, trials), free)))
         rounds.append(this)
-        best = next((t for t in _worthy(this) if _confirmed(losses, judged(t.fit))), None)
+        best = next((t for t in _looking_ahead(errors, _worthy(this)) if _confirmed(losses, judged(t.fit))), None)
         if best is None:
             break
         rivals.append(_inseparable(errors, best, this.tried))
         accepted.append(best)
-        base = Fit(best.fit.free, fit(errors, _warm(best.fit)).solution)
-        losses = judged(base)
+        base = best.fit
     return Selection(null, null_losses, tuple(rounds), tuple(accepted), tuple(rivals), base, losses, scale)
 
 
@@ -117,7 +127,7 @@ def _trial(base: Fit, extended: Fit, direct: DirectEstimate | None) -> Trial:
     return Trial(extended.free[-1], extended, comparison, direct, _delta_bic(base, extended))
 
 
-def _round(problem: Problem, errors: Errors, base: Fit, screened: list[Trial]) -> Round:
+def _round(base: Fit, errors: Errors, screened: list[Trial]) -> Round:
     """The most promising ones fitted to the end; all in order of their gain."""
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
     tried = [
@@ -130,16 +140,42 @@ def _round(problem: Problem, errors: Errors, base: Fit, screened: list[Trial]) -
 
 
 def _worthy(this: Round) -> list[Trial]:
-    """Significant candidates by gain; among those that the best does not beat, fewer parameters come first."""
-    passing = [
-        t for t, p in zip(this.tried, this.p_adjusted, strict=True) if p < LEVEL and t.comparison.gain > LEAST_GAIN
+    """Significant candidates by gain; before each of them any that has fewer parameters and is not beaten by it.
+
+    The simpler one need not pass the correction itself: what it competes with has passed.
+    """
+    ordered: list[Trial] = []
+    for trial, p in zip(this.tried, this.p_adjusted, strict=True):
+        if p >= LEVEL or trial.comparison.gain <= LEAST_GAIN:
+            continue
+        simpler = [t for t in this.tried if len(t.candidate.null) < len(trial.candidate.null) and _rivals(t, trial)]
+        ordered += [t for t in (*simpler, trial) if t not in ordered]
+    return ordered
+
+
+def _rivals(simpler: Trial, best: Trial) -> bool:
+    near = simpler.comparison.gain > _NEARLY * best.comparison.gain
+    return near and simpler.comparison.p_value < LEVEL and paired_p(simpler.fit.held_out, best.fit.held_out) > AS_GOOD
+
+
+def _looking_ahead(errors: Errors, worthy: list[Trial]) -> list[Trial]:
+    """The same candidates, but one law that does the work of two comes after the better of the two.
+
+    Two causes together are often mimicked best by a third that is neither; with a second term the mimic falls behind.
+    """
+    few = sorted(worthy, key=lambda t: -t.comparison.gain)[:_AHEAD]
+    if len(few) < 3:
+        return worthy
+    pairs = [
+        (a, b, extend(errors, a.fit, b.candidate, [b.fit.model[-1].values, b.candidate.start], 3))
+        for a, b in combinations(few, 2)
     ]
-    if not passing:
-        return []
-    best = passing[0]
-    level = [t for t in passing if t is best or paired_p(t.fit.held_out, best.fit.held_out) > AS_GOOD]
-    level.sort(key=lambda t: (len(t.candidate.null), -t.comparison.gain))
-    return [*level, *(t for t in passing if t not in level)]
+    best_of_all = min(pairs, key=lambda p: p[2].held_out.sum())
+    with_first = min((p for p in pairs if worthy[0] in p[:2]), key=lambda p: p[2].held_out.sum(), default=None)
+    if with_first is None or paired_p(with_first[2].held_out, best_of_all[2].held_out) > AS_GOOD:
+        return worthy
+    ahead = max(best_of_all[:2], key=lambda t: t.comparison.gain)
+    return [ahead, *(t for t in worthy if t is not ahead)]
 
 
 def _confirmed(before: FloatArray, after: FloatArray) -> bool:
@@ -159,7 +195,8 @@ def _inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[T
     for rival in tried:
         if rival is best or rival.comparison.gain < RIVAL_SHARE * best.comparison.gain:
             continue
-        if paired_p(rival.fit.held_out, best.fit.held_out) < AS_GOOD:
+        ahead = compare(rival.fit.held_out, best.fit.held_out)
+        if ahead.p_value < AS_GOOD and ahead.gain > _AHEAD_GAIN:
             continue
         # A richer law that does no better has had its chance; one that is a known double stays in doubt.
         doubles = {c.effect for c in best.candidate.effect.confusables}

@@ -9,7 +9,7 @@ import numpy as np
 
 from schemas.measurement import MeasurementSpec
 
-TEST_SHARE = 0.4
+TEST_SHARE = 0.3
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Trials:
 
 
 def split_trials(spec: MeasurementSpec, ids: Sequence[str], seed: int = 0) -> Trials:
-    """The split that the file declares, else 60:40 by whole trials; order and content do not depend on the machine.
+    """The split that the file declares, else 70:30 by whole trials; order and content do not depend on the machine.
 
     Raises ValueError with fewer than two trials: one log cannot both teach and judge.
     """

@@ -57,14 +57,22 @@ def agrees(found: Trial) -> bool | None:
     if direct is None:
         return None
     candidate = found.candidate
-    strength = next(iter(candidate.null))
+    strength = _strength(found)
     fitted = found.fit.model[-1].values[strength]
-    half = found.fit.half_widths.get(candidate.key, {}).get(strength, 0.0)
+    half = found.fit.half_widths[candidate.key][strength]
     step = fitted - candidate.null[strength]
     apart = direct.values[strength] - fitted
     slack = max(AGREE_ERRORS * float(np.hypot(direct.standard_errors[strength], half / 1.96)), AGREE_SHARE * abs(step))
     one_way = step * (direct.values[strength] - candidate.null[strength]) > 0.0
     return direct.p_value < DIRECT_LEVEL and one_way and abs(apart) <= slack
+
+
+def _strength(found: Trial) -> str:
+    """The parameter that says most clearly that the effect is there: a stop may be touched on one side only."""
+    candidate = found.candidate
+    fitted, widths = found.fit.model[-1].values, found.fit.half_widths[candidate.key]
+    names = [n for n in candidate.null if n not in candidate.shapes]
+    return max(names, key=lambda n: abs(fitted[n] - candidate.null[n]) / widths[n] if widths[n] > 0.0 else 0.0)
 
 
 def parameters(term: Term, half_widths: dict[str, float]) -> dict[str, Estimate]:

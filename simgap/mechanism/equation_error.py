@@ -16,7 +16,7 @@ from schemas.model import FloatArray, IntArray
 from sim.effects.effect import EffortMap, JointFriction, JointState, JointTorque, Series
 from sim.joint_dynamics import joint_dynamics
 from sim.mechanism import Drive, Law, MechanismModel
-from simgap.fit import Errors, Fit, extend, fit, promising
+from simgap.fit import Errors, Fit, clusters, extend, fit, promising
 from simgap.mechanism.logs import Log
 from simgap.mechanism.terms import Applied, apply_terms
 from simgap.problem import Candidate, DirectEstimate, Model
@@ -41,7 +41,7 @@ def balance(declared: MechanismModel, logs: Sequence[Log]) -> Callable[[Model], 
 def in_noise_levels(unexplained: Callable[[Model], list[FloatArray]], model: Model) -> Errors:
     """The balance over what is typically left of `model`, joint by joint."""
     level = 1.4826 * np.median(np.abs(np.concatenate(unexplained(model))), axis=0) + 1e-12
-    return lambda at: [(e / level).ravel() for e in unexplained(at)]
+    return lambda at: clusters([e / level for e in unexplained(at)])
 
 
 def estimate(errors: Errors, base: Fit, candidate: Candidate) -> DirectEstimate | None:

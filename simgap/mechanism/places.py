@@ -78,7 +78,7 @@ def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Cand
 
 
 def nuisances_of(model: MechanismModel) -> tuple[Candidate, ...]:
-    """Declared inertia, weight, friction and damping of each joint within their tolerance."""
+    """Declared inertia, weight, friction, damping and effort of each joint within their tolerance."""
     out = []
     for j, link in enumerate(model.tree):
         inertia = float(mass_matrix(model.tree, np.zeros((1, len(model.tree))))[0, j, j])
@@ -90,6 +90,7 @@ def nuisances_of(model: MechanismModel) -> tuple[Candidate, ...]:
                 float(model.damping[j]),
                 TOLERANCE * float(model.damping[j]),
             ),
+            ("actuator.gain", "gain"): (1.0, TOLERANCE if model.drive.type != "none" else 0.0),
         }
         for (name, parameter), (value, half) in slack.items():
             if half > 0.0:

@@ -17,7 +17,11 @@ from tests.gap_suite.mechanism_cases import Case, mechanism_case
 
 @dataclass(frozen=True)
 class Result:
-    """What the tool said about one case: `named`, `group`, `wrong`, `missed`, or for controls `silent`, `invented`."""
+    """What the tool said about one case.
+
+    `named`, `extra` (and a wrong name), `group`, `wrong`, `missed`, `elsewhere`;
+    for controls `silent`, `doubted` (a group), `invented`.
+    """
 
     case: Case
     outcome: str
@@ -42,7 +46,8 @@ def _outcome(case: Case, verdict: Verdict) -> str:
     if not case.truth:
         return "invented" if certain else ("doubted" if verdict.ambiguous_groups else "silent")
     if certain:
-        return "named" if certain[0] in case.truth else "wrong"
+        right = [n in case.truth for n in certain]
+        return "named" if all(right) else "extra" if any(right) else "wrong"
     grouped = {n for g in verdict.ambiguous_groups for n in g.effects}
     if grouped & case.truth:
         return "group"
@@ -68,13 +73,21 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--n", type=int, default=30)
     parser.add_argument("--start", type=int, default=0)
+    parser.add_argument("--only", choices=("effects", "controls"))
     arguments = parser.parse_args()
+    numbers = [
+        k for k in range(arguments.start, arguments.start + 3 * arguments.n) if arguments.only in (None, _kind(k))
+    ][: arguments.n]
     results = []
-    for number in range(arguments.start, arguments.start + arguments.n):
+    for number in numbers:
         r = run_case(number)
         results.append(r)
         print(f"{r.case.name:34} {r.outcome:9} {r.cpu_s:5.1f} s  {r.covered}  {r.said}", flush=True)
     print(table(results))
+
+
+def _kind(number: int) -> str:
+    return "controls" if number % 3 == 2 else "effects"
 
 
 def table(results: list[Result]) -> str:
@@ -86,6 +99,8 @@ def table(results: list[Result]) -> str:
         lines.append(f"{size:8} n={len(some):3}  " + "  ".join(f"{k} {v}" for k, v in sorted(counts.items())))
     covered = [r.covered for r in results if r.covered is not None]
     spent = sorted(r.cpu_s for r in results)
+    invented = sum(r.outcome in ("invented", "wrong", "extra") for r in results)
+    lines.append(f"cases with a false name {invented}/{len(results)}")
     lines.append(f"coverage {sum(covered)}/{len(covered)}")
     lines.append(f"CPU s per case: median {spent[len(spent) // 2]:.1f}, most {spent[-1]:.1f}")
     return "\n".join(lines)

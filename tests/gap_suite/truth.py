@@ -84,7 +84,7 @@ def _smooth(h, q, v):
 def _dry(plant, h, q, v, free):
     limit = plant.friction * (1.0 + h("friction_share", 0.0)) + h("coulomb", 0.0)
     limit = limit + h("stribeck", 0.0) / (1.0 + (v / h("stribeck_radps", 1.0)) ** 2)
-    pull = np.hypot(plant.weight_Nm * np.cos(q) + 4.0 * plant.inertia * v**2, plant.weight_Nm * np.sin(q))
+    pull = np.hypot(plant.weight_Nm * np.cos(q) + 0.9 * plant.inertia * v**2, plant.weight_Nm * np.sin(q))
     limit = limit + h("load_share", 0.0) * pull
     return np.maximum(limit + h("asymmetry", 0.0) * np.sign(free), 0.0)
 
