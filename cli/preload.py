@@ -13,10 +13,12 @@ import open3d  # noqa: E402, F401  (`geom` imports it late: callers without mesh
 import assetkit.pipeline  # noqa: E402
 import render.views  # noqa: E402, F401
 import sim.bullet  # noqa: E402, F401
+from assetkit.versions import library_versions  # noqa: E402
 from render.request import RenderRequest  # noqa: E402
 from schemas import arrays  # noqa: E402
 from usdio.outside import outside_verdicts  # noqa: E402
 
+library_versions()
 for _type in (assetkit.pipeline.Noted, RenderRequest, *(stage.result for stage in assetkit.pipeline.STAGES)):
     arrays.adapter(_type)
 
