@@ -41,6 +41,11 @@ GATE_CODES: dict[str, CodeInfo] = {
         "Engines read physics at the default time only; an asset at rest has no motion of its own.",
         "author default values instead of time samples",
     ),
+    "asset/gate-unknown-token": _error(
+        "An attribute has a value that its schema does not know",
+        "Each reader falls back to something else.",
+        "use one of the tokens named",
+    ),
     "asset/gate-extent": _error(
         "The visible size is impossible, unusual or differs from the stated one",
         "Scenes are laid out by the stated size; millimetres read as metres are 1000 times too large.",
@@ -162,6 +167,11 @@ GATE_CODES: dict[str, CodeInfo] = {
         "Part of the visible surface has no collider",
         "A hand reaches into what looks solid.",
         "add the missing collision shapes, or enable them",
+    ),
+    "asset/gate-collider-astray": _error(
+        "A single collider stands away from the visible surface",
+        "Things bump into empty space.",
+        "check place and scale of the collider named",
     ),
     "asset/gate-collider-rendered": _error(
         "A collider is drawn on top of the visible surface",

@@ -87,6 +87,7 @@ def _record(content: PackageContent) -> dict:
         "semantics": {"category": {"value": content.category}},
         "physics": {
             "mass_kg": {"value": content.mass.mass_kg},
+            "density_kgm3": {"value": content.density_kgm3},
             "centre_of_mass_m": {"value": content.mass.centre_of_mass_m.tolist()},
             "inertia_kgm2": {"value": content.mass.inertia_kgm2.tolist()},
             "contacts": [{"value": content.contact.model_dump(mode="json")}],

@@ -17,6 +17,7 @@ from usdio.rules import (
     body_flags,
     body_scale,
     category_size,
+    collider_astray,
     collider_convex,
     collider_displaced,
     collider_incomplete,
@@ -74,6 +75,7 @@ from usdio.rules import (
     time_samples,
     transform,
     units,
+    unknown_token,
     velocity,
 )
 from usdio.rules.rule import Rule
@@ -88,6 +90,7 @@ RULES: tuple[Rule, ...] = (
     outside_file.RULE,
     physics_scene.RULE,
     time_samples.RULE,
+    unknown_token.RULE,
     extent.RULE,
     category_size.RULE,
     origin.RULE,
@@ -114,6 +117,7 @@ RULES: tuple[Rule, ...] = (
     collider_shape.RULE,
     collider_displaced.RULE,
     collider_incomplete.RULE,
+    collider_astray.RULE,
     collider_rendered.RULE,
     collision_offset.RULE,
     contact_material.RULE,

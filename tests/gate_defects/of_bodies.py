@@ -35,6 +35,7 @@ INERTIA, AXES, CENTRE = "physics:diagonalInertia", "physics:principalAxes", "phy
 
 DEFECTS: tuple[Defect, ...] = (
     cabinet("transform with NaN", place(DOOR, (NAN, 0, 0)), "transform"),
+    cabinet("orientation of zeros", put(f"{BASE}/Colliders/collider_00", "xformOp:orient", Gf.Quatd(0.0)), "transform"),
     prop("colliders flattened", place(f"{PROP}/Colliders", scale=(1, 1, 0)), "transform"),
     prop("scaled body", place(PROP, scale=(2, 2, 2)), "body-scale"),
     cabinet("body scaled unevenly", place(DRAWER, scale=(1, 1.3, 1)), "body-scale"),
@@ -69,6 +70,7 @@ DEFECTS: tuple[Defect, ...] = (
     prop("material density in g/cm3", put(PROP_MATERIAL, "physics:density", 0.5), "density-stated"),
     prop("negative material density", put(PROP_MATERIAL, "physics:density", -500.0), "density-stated"),
     prop("mass 20 % off the record", heavier(PROP, 1.2), "record"),
+    prop("density off the record", put(PROP_MATERIAL, "physics:density", 5000.0), "record"),
     prop("friction off the record", put(PROP_MATERIAL, "physics:staticFriction", 0.9), "record"),
     prop("negative inertia", times(PROP, INERTIA, -1.0), "inertia"),
     cabinet("zero inertia about one axis", put(DOOR, INERTIA, Gf.Vec3f(0, 0.1, 0.1)), "inertia"),

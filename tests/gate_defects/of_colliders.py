@@ -60,6 +60,8 @@ DEFECTS: tuple[Defect, ...] = (
     cabinet("colliders turned", place(f"{DOOR}/Colliders", rotate=(0, 0, 20)), "collider-displaced"),
     cabinet("back wall without collider", lambda s: s.RemovePrim(BACK), "collider-incomplete"),
     cabinet("one collider moved", place(f"{BASE}/Colliders/collider_03", (0, 0, -0.2)), "collider-incomplete"),
+    cabinet("side wall's collider lifted", place(f"{BASE}/Colliders/collider_00", (0, 0, 0.1)), "collider-astray"),
+    prop("hull 2 cm up", place(HULL, (0, 0, 0.02)), "collider-astray"),
     prop("collider drawn", put(HULL, "purpose", "default"), "collider-rendered"),
     prop(
         "rest offset above contact offset",
@@ -81,6 +83,7 @@ DEFECTS: tuple[Defect, ...] = (
     prop("negative friction", put(PROP_MATERIAL, DYNAMIC, -0.1), "friction"),
     prop("NaN friction", put(PROP_MATERIAL, STATIC, NAN), "friction"),
     prop("friction 50", both(put(PROP_MATERIAL, STATIC, 50.0), put(PROP_MATERIAL, DYNAMIC, 50.0)), "friction"),
+    cabinet("hardly any dynamic friction", put(WOOD, DYNAMIC, 0.004), "friction", "warning"),
     cabinet("smoother than ice", both(put(WOOD, STATIC, 0.0), put(WOOD, DYNAMIC, 0.0)), "friction", "warning"),
     cabinet("filter of a pair that is gone", target(DOOR, "physics:filteredPairs", "/cabinet/lid"), "dangling-target"),
     prop("restitution 1.5", put(PROP_MATERIAL, RESTITUTION, 1.5), "restitution"),

@@ -18,6 +18,7 @@ from tests.gate_defects.edits import (
     on_prim,
     place,
     prop,
+    put,
     texture_of,
     unapply,
 )
@@ -61,6 +62,12 @@ DEFECTS: tuple[Defect, ...] = (
         "moving by itself",
         on_prim(f"{CABINET}/door", lambda p: p.GetAttribute("xformOp:translate").Set(Gf.Vec3d(1), 5.0)),
         "time-samples",
+    ),
+    prop("purpose that nobody knows", put(f"{PROP}/Colliders/collider_01", "purpose", "physics"), "unknown-token"),
+    cabinet(
+        "subdivision that nobody knows",
+        put(f"{CABINET}/door/Visuals/panel", "subdivisionScheme", "smooth"),
+        "unknown-token",
     ),
     prop("metadata state another size", metadata("asset_extents", Gf.Vec3f(1, 1, 1)), "extent"),
     prop("metadata state a size in mm", metadata("asset_extents", Gf.Vec3f(100, 80, 60)), "extent"),

@@ -61,6 +61,7 @@ DEFECTS: tuple[Defect, ...] = (
     cabinet("hinge in radians", put(HINGE, UPPER, 1.92), "joint-range", "warning"),
     cabinet("hinge locked", put(HINGE, UPPER, 0.0), "joint-range"),
     cabinet("slide in millimetres", put(SLIDE, UPPER, 300.0), "joint-range"),
+    cabinet("slide ten times too long", put(SLIDE, UPPER, 3.0), "joint-range"),
     cabinet("hinge of ten turns", put(HINGE, UPPER, 3600.0), "joint-range", "warning"),
     cabinet("anchor 5 cm off", put(HINGE, P_1, Gf.Vec3f(0, 0, 0.05)), "joint-frames"),
     cabinet("anchor 3 mm off", put(HINGE, P_1, Gf.Vec3f(0, 0.003, 0)), "joint-frames"),

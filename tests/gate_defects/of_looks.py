@@ -35,6 +35,7 @@ from tests.gate_defects.edits import (
 
 PANEL, KNOB, TOP = f"{DOOR}/Visuals/panel", f"{DOOR}/Visuals/knob", f"{BASE}/Visuals/top"
 MATERIAL = f"{CABINET}/Materials/oak"
+PLACEMENT = SURFACE.replace("surface", "diffuseColor_placement")
 SPACE = "inputs:sourceColorSpace"
 
 
@@ -100,10 +101,13 @@ DEFECTS: tuple[Defect, ...] = (
         on_prim(MATERIAL, lambda p: UsdShade.Material(p).GetSurfaceOutput().ClearSources()),
         "shader-network",
     ),
+    cabinet("unknown surface shader", put(OAK, "info:id", "FancySurface"), "shader-network"),
     cabinet("shader without id", remove(OAK, "info:id"), "shader-network"),
     cabinet("roughness 7", shader(OAK, "roughness", 7.0, TYPES.Float), "shader-value"),
     prop("negative metallic", shader(SURFACE, "metallic", -1.0, TYPES.Float), "shader-value"),
     cabinet("colour of 255", shader(OAK, "diffuseColor", Gf.Vec3f(255, 128, 0), TYPES.Color3f), "shader-value"),
+    prop("metallic 5 behind a texture", put(SURFACE, "inputs:metallic", 5.0), "shader-value", "warning"),
+    prop("NaN texture rotation", put(PLACEMENT, "inputs:rotation", NAN), "shader-value"),
     prop("NaN opacity", shader(SURFACE, "opacity", NAN, TYPES.Float), "shader-value"),
     prop("ior 0.2", shader(SURFACE, "ior", 0.2, TYPES.Float), "shader-value"),
     prop("normal map in sRGB", texture_of("normal", lambda p: p.GetAttribute(SPACE).Set("sRGB")), "texture-reader"),

@@ -11,6 +11,7 @@ from usdio.subject.values import at, authored, number
 
 CODE = "asset/gate-friction"
 USUAL_MOST, MOST = 2.0, 10.0  # Rubber on dry concrete reaches 1.2, racing tyres 2.
+LEAST_RATIO = 0.2  # Dry pairs keep 0.6 to 0.95 of their friction once they slide.
 _ROUNDING = 1e-6
 NAMES = ("physics:staticFriction", "physics:dynamicFriction")
 
@@ -33,6 +34,10 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if dynamic - static > _ROUNDING:
             headline = "static friction is below dynamic"
             yield finding(CODE, headline, where=where, value=static, bound=dynamic)
+        elif 0.0 <= dynamic < LEAST_RATIO * static:
+            headline = "dynamic friction is far below static"
+            bound, severity = LEAST_RATIO * static, Severity.WARNING
+            yield finding(CODE, headline, where=where, value=dynamic, bound=bound, severity=severity)
         if static == dynamic == 0.0:
             # The schema's fallback is 0: a material that states nothing is smoother than ice.
             stated = any(authored(prim, name) for name in NAMES)

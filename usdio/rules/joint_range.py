@@ -15,7 +15,7 @@ from usdio.subject.values import at, figure
 CODE = "asset/gate-joint-range"
 MOST_DEG = 1080.0  # Three turns each way; a valve or screw with more says so with infinite limits.
 RADIANS_LEAST, RADIANS_MOST = 0.7, 2.0 * np.pi * 1.01
-MOST_SIZES = 3.0
+MOST_SIZES = 1.5
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -49,7 +49,7 @@ def _range(subject: Subject, joint: Joint, asset_m: float) -> Iterator[Diagnosti
 
 RULE = Rule(
     CODE,
-    "not locked; within 1080 deg and over 6.3 deg; slides <= 3 sizes of the largest link",
+    "not locked; within 1080 deg and over 6.3 deg; slides <= 1.5 sizes of the largest link",
     "USD angles are degrees; ranges of real mechanisms",
     check,
 )

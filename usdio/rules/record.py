@@ -47,7 +47,15 @@ def _figures(subject: Subject) -> Iterator[tuple[str, str, np.ndarray, np.ndarra
         yield "the mass", "kg", np.array(sum(body.mass_kg or 0.0 for body in bodies)), mass
     if len(bodies) == 1:
         yield from _one_body(subject, bodies[0])
+    density = _array(subject, "physics", "density_kgm3")
     for prim in subject.contact_materials if len(subject.contact_materials) == 1 else ():
+        if density is not None:
+            yield (
+                "the density of the contact material",
+                "kg/m3",
+                np.array(number(prim, "physics:density", 0.0)),
+                density,
+            )
         for name, key in (
             ("staticFriction", "static_friction"),
             ("dynamicFriction", "dynamic_friction"),

@@ -16,6 +16,7 @@ from usdio.subject.shading import shader_id
 from usdio.subject.values import at
 
 CODE = "asset/gate-shader-network"
+PORTABLE = "UsdPreviewSurface"
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -27,6 +28,8 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if str(prim.GetPath()) in bound and not surfaces:
             headline = "the material has no surface shader"
             yield finding(CODE, headline, where=at(prim), severity=subject.suspect)
+        elif str(prim.GetPath()) in bound and subject.released:
+            yield from _portable(material)
     for prim in (*subject.materials, *subject.shaders):
         if prim.IsA(UsdShade.Shader) and not shader_id(prim) and not _is_source(prim):
             yield finding(CODE, "the shader names no implementation", where=at(prim), severity=subject.suspect)
@@ -37,6 +40,15 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 if not source or (not source.GetAttribute(path.name) and not source.IsA(UsdShade.Shader)):
                     headline = f"{port.GetFullName()} is connected to nothing"
                     yield finding(CODE, headline, where=at(prim), value=str(path))
+
+
+def _portable(material: UsdShade.Material) -> Iterator[Diagnostic]:
+    """Renderers that know nothing else draw the surface output without a render context."""
+    shader, _, _ = material.ComputeSurfaceSource()
+    name = shader_id(shader.GetPrim()) if shader else ""
+    if name != PORTABLE:
+        headline, where = "the surface shader is none that every renderer knows", at(material.GetPrim())
+        yield finding(CODE, headline, where=where, value=name, bound=PORTABLE)
 
 
 def _bound(subject: Subject) -> set[str]:
@@ -55,7 +67,7 @@ def _is_source(prim: UsdShade.Shader) -> bool:
 
 RULE = Rule(
     CODE,
-    "a connected surface; every shader has an id; every connection has a source",
+    "a connected UsdPreviewSurface; every shader has an id; every connection has a source",
     "UsdShade; SimReady VM.PS.001",
     check,
 )

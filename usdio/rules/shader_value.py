@@ -16,7 +16,7 @@ from pxr import UsdShade
 from schemas.diagnostics import Diagnostic, Severity, finding
 from usdio.rules.rule import Rule
 from usdio.subject import Subject
-from usdio.subject.shading import constant_value, shader_id
+from usdio.subject.shading import constant_value, own_value, shader_id
 from usdio.subject.values import at, figure, rows
 
 CODE = "asset/gate-shader-value"
@@ -24,24 +24,26 @@ _ROUNDING = 1e-4
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
-    """A finding per constant shader input outside its range, and per displayColor or displayOpacity outside 0 .. 1.
+    """A finding per constant shader input outside its range or NaN, and per display colour or opacity outside 0 .. 1.
 
-    An input that is connected to a texture is left alone: its own value is never read.
+    The value of an input that a texture feeds is never read, so that it is worth a warning at most.
     """
     for prim in subject.shaders:
         ranges = shader_ranges().get(shader_id(prim), {})
         for shader_input in UsdShade.Shader(prim).GetInputs():
-            bounds = ranges.get(shader_input.GetBaseName())
-            value = constant_value(shader_input) if bounds is not None else None
-            if bounds is None or value is None or _within(value, *bounds):
+            bounds = ranges.get(shader_input.GetBaseName(), (-np.inf, np.inf))
+            constant, unread = constant_value(shader_input), own_value(shader_input)
+            value = unread if constant is None else constant
+            if value is None or _within(value, *bounds):
                 continue
+            grave = subject.suspect if np.all(np.isfinite(value)) else Severity.ERROR
             yield finding(
                 CODE,
                 f"{shader_input.GetBaseName()} is out of range",
                 where=at(prim),
                 value=figure(value) if len(value) > 1 else float(value[0]),
                 bound=f"{bounds[0]:g} .. {bounds[1]:g}",
-                severity=subject.suspect if np.all(np.isfinite(value)) else Severity.ERROR,
+                severity=Severity.WARNING if constant is None else grave,
             )
     for prim in subject.visible_prims:
         for name, width in (("primvars:displayColor", 3), ("primvars:displayOpacity", 1)):
@@ -68,5 +70,8 @@ def _within(values: np.ndarray, least: float, most: float) -> bool:
 
 
 RULE = Rule(
-    CODE, "the ranges in usdio/rules/shader_ranges.csv", "UsdPreviewSurface specification; OpenPBR; OmniPBR", check
+    CODE,
+    "finite; the ranges in usdio/rules/shader_ranges.csv",
+    "UsdPreviewSurface specification; OpenPBR; OmniPBR",
+    check,
 )

@@ -9,14 +9,17 @@ import numpy as np
 from schemas.diagnostics import Diagnostic, finding
 from usdio.rules.rule import Rule
 from usdio.subject import Subject
-from usdio.subject.values import at, figure
+from usdio.subject.values import at, figure, quaternion
 
 CODE = "asset/gate-transform"
 _LEAST_SCALE = 1e-9
+_UNIT_TOLERANCE = 1e-3
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
-    """A finding per body, collider or visible mesh whose world transform is NaN, infinite or flattens space."""
+    """A finding per body, collider or visible mesh whose world transform is NaN, infinite or flattens space, and per
+    orientation that is no unit quaternion.
+    """
     colliders, surfaces = [c.prim for c in subject.colliders], list(subject.visible_prims)
     prims = {str(prim.GetPath()): prim for prim in [*(b.prim for b in subject.bodies), *colliders, *surfaces]}
     for prim in prims.values():
@@ -28,6 +31,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if scale.min() < _LEAST_SCALE:
             headline = "the transform flattens the prim"
             yield finding(CODE, headline, where=at(prim), value=figure(scale), bound=_LEAST_SCALE)
+    for attribute in subject.attributes:
+        if attribute.GetName().startswith("xformOp:orient") and attribute.GetNumTimeSamples() == 0:
+            length = float(np.linalg.norm(quaternion(attribute.GetPrim(), attribute.GetName())))
+            if not abs(length - 1.0) <= _UNIT_TOLERANCE:  # Some readers normalise it, others scale by it.
+                headline, where = "an orientation is no unit quaternion", at(attribute.GetPrim())
+                yield finding(CODE, headline, where=where, value=length, bound=1.0, severity=subject.suspect)
 
 
-RULE = Rule(CODE, "finite, scale above 1e-9", "UsdGeomXformable", check)
+RULE = Rule(CODE, "finite, scale above 1e-9, orientations of length 1 to 1e-3", "UsdGeomXformable", check)

@@ -24,7 +24,15 @@ def constant_value(shader_input: Any) -> FloatArray | None:
     attributes = UsdShade.Utils.GetValueProducingAttributes(shader_input)
     if len(attributes) != 1 or attributes[0].GetName().startswith("outputs:"):
         return None
-    value = attributes[0].Get(TIME)
+    return _numbers(attributes[0].Get(TIME))
+
+
+def own_value(shader_input: Any) -> FloatArray | None:
+    """(k,) what stands at the input itself, whatever feeds it."""
+    return _numbers(shader_input.GetAttr().Get(TIME))
+
+
+def _numbers(value: Any) -> FloatArray | None:
     try:
         return None if value is None else np.asarray(value, dtype=np.float64).reshape(-1)
     except (TypeError, ValueError):
