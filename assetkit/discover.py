@@ -34,7 +34,9 @@ _HAS_GEOMETRY_OR_ARC = re.compile(
 )
 _REFERENCE_SCAN_BYTES = 4_000_000
 _MAX_SLUG = 78  # Names of files and folders are made from it, and they may have 255 bytes.
-_TOKEN = re.compile(r"""[^\s"'@<>|*?=]+?\.(?:obj|glb|gltf|stl|ply|dae|usd[acz]?|xml)(?![a-z0-9])""", re.IGNORECASE)
+_NAME_END = re.compile(r"\.(?:obj|glb|gltf|stl|ply|dae|usd[acz]?|xml)(?![a-z0-9])", re.IGNORECASE)
+_NAME_BREAK = re.compile(r"""[\s"'@<>|*?=]""")
+_MAX_NAME = 1024  # Longer names exist in no file system; a data URI of megabytes is no name.
 
 
 @dataclass(frozen=True)
@@ -163,13 +165,23 @@ def _named_by(file: Path, by_name: dict[str, list[Path]]) -> set[Path]:
     """The known files that the text of `file` names."""
     searches = file.suffix.lower() in _SEARCHES_FOLDERS
     targets: set[Path] = set()
-    for token in set(_TOKEN.findall(_head(file))):
+    for token in _names_in(_head(file)):
         parts = PurePosixPath(token.replace("\\", "/")).parts
         named = Path(os.path.normpath(file.parent.joinpath(*parts)))
         for target in by_name.get(parts[-1].lower(), ()):
             if target != file and (target == named or (searches and target.is_relative_to(file.parent))):
                 targets.add(target)
     return targets
+
+
+def _names_in(text: str) -> set[str]:
+    """What stands before a known extension in `text`, back to the last quote, blank or bracket."""
+    found: set[str] = set()
+    for match in _NAME_END.finditer(text):
+        before = _NAME_BREAK.split(text[max(0, match.start() - _MAX_NAME) : match.start()])[-1]
+        if before:
+            found.add(before + match[0])
+    return found
 
 
 def _is_look_library(path: Path) -> bool:

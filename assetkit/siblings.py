@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 from assetkit.source import SourceFile
@@ -13,7 +14,8 @@ _NOTES = (".json", ".txt", ".yaml", ".yml", ".md")
 _MAX_BYTES, _MAX_FILES = 1_000_000, 32
 _ELEMENT = re.compile(r"<(?:\w+:)?mesh\b[^<>]*>(?:(?!</mesh>|<mesh\b).){0,400}", re.DOTALL)
 _SCALE = re.compile(r"""\bscale\s*=\s*["']([^"']*)["']|<scale>([^<]*)</scale>""")
-_UNIT_PASSAGE = re.compile(r"[^\n]{0,40}\bunits?\b[^\n]{0,40}", re.IGNORECASE)
+_UNIT = re.compile(r"\bunits?\b", re.IGNORECASE)
+_MAX_SAID = 50
 
 
 def sibling_statements(source: SourceFile) -> tuple[str, ...]:
@@ -28,10 +30,10 @@ def sibling_statements(source: SourceFile) -> tuple[str, ...]:
         if path.suffix.lower() in _DESCRIPTIONS:
             said = [f"1 unit = {s:.9g} m (scale in {path.name})" for s in sorted(set(_scales(text, source.path.name)))]
         else:
-            said = [f"{passage.strip()} ({path.name})" for passage in _UNIT_PASSAGE.findall(text)]
+            said = [f"{passage} ({path.name})" for passage in _passages(text)]
         if said:
             source.visited.add(path)
-            found += said[:50]
+            found += said[:_MAX_SAID]
     return tuple(found)
 
 
@@ -64,6 +66,12 @@ def _text(path: Path) -> str:
             return file.read(_MAX_BYTES).decode("utf-8", "ignore")
     except OSError:
         return ""
+
+
+def _passages(text: str) -> list[str]:
+    """The first lines about units, each at most 40 characters either side of the word."""
+    found = (text[max(0, m.start() - 40) : m.end() + 40] for m in islice(_UNIT.finditer(text), _MAX_SAID))
+    return list(dict.fromkeys(next(line for line in p.splitlines() if _UNIT.search(line)).strip() for p in found))
 
 
 def _scales(text: str, name: str) -> Iterator[float]:

@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -48,6 +49,7 @@ _NAMED_UNIT = re.compile(
     r"(?:^|[^a-z0-9])(mm|cm|inch|inches|millimet(?:er|re)s?|centimet(?:er|re)s?|met(?:er|re)s)(?![a-z0-9])"
 )
 _NAME_TOLERANCE = 0.03
+MAX_LINE, MAX_LINES = 300, 500  # Remarks are short and stand at the beginning; texts without end are no remarks.
 
 # Factors between two common units: a whole model scaled by one of these was converted, perhaps once too often.
 _CONVERSIONS = (1000.0, 100.0, 1 / 0.0254, 0.0254, 0.01, 0.001)
@@ -73,7 +75,7 @@ def stated_in_text(texts: Sequence[str], extent: Extent) -> list[Clue]:
     the unit of the numbers only together with them.
     """
     found: list[Clue] = []
-    for line in (line for text in texts for line in text.splitlines()):
+    for line in islice((line[:MAX_LINE] for text in texts for line in text.splitlines()), MAX_LINES):
         text = _ORIGIN.sub("", line.lower())
         scales, method = _stated_in_line(text), "statement in the file's texts"
         if not scales:

@@ -19,6 +19,8 @@ _STATEMENT = re.compile(
 )
 _ORIGIN = re.compile(r"\bfrom\s+[+]?[xyz][\s_-]*(?:axis)?[\s_-]*up\b")  # "turned from y-up to z-up": the second counts.
 
+MAX_TEXT = 100_000  # characters; remarks stand at the beginning.
+
 # Rotations that bring the named source axis onto +z; cyclic or quarter turns, so handedness is kept.
 TO_Z_UP: dict[Axis, FloatArray] = {
     "x": np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]),
@@ -45,7 +47,8 @@ def decide_up_axis(stated: Evidence[Axis], hints: Sequence[str], chosen: UpAxisN
     """
     if chosen != "auto":
         return UpDecision(Evidence[Axis](value=chosen, source="declared", method=f"--up-axis {chosen}", confidence=1.0))
-    found = sorted({a or b for a, b in _STATEMENT.findall(_ORIGIN.sub("", "\n".join(hints).lower()))})
+    said = _ORIGIN.sub("", "\n".join(hints)[:MAX_TEXT].lower())
+    found = sorted({a or b for a, b in _STATEMENT.findall(said)})
     if stated.source != "default" and stated.confidence > 0.5:
         return UpDecision(stated) if set(found) <= {stated.value} else _overruling(stated, found)
     if len(found) > 1:

@@ -114,3 +114,10 @@ def test_a_long_name_becomes_an_id_that_fits_into_file_names(tmp_path: Path):
     ids = [c.asset_id for c in discover([tmp_path])]
     assert len(set(ids)) == 2
     assert max(map(len, ids)) < 100
+
+
+def test_megabytes_without_a_blank_are_scanned_once(tmp_path: Path):
+    """A search that starts anew at every character would take hours."""
+    (tmp_path / "layer.usda").write_text('#usda 1.0\ndef Mesh "m" {}\n')
+    (tmp_path / "top.gltf").write_text("A" * 2_000_000 + " ./layer.usda " + "." * 1_000_000)
+    assert [c.file.path.name for c in discover([tmp_path])] == ["top.gltf"]

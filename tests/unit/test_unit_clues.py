@@ -93,3 +93,7 @@ def test_a_conversion_factor_counts_only_when_all_meshes_share_it():
     assert scaled_nodes((node("/root", 7.0, (0,)),), 1.0) == []
     assert scaled_nodes((node("/root", 100.0), node("/root/a", 0.01, (0,))), 1.0) == []
     assert scaled_nodes((), 1.0) == []
+
+
+def test_endless_lines_cost_no_time():
+    assert scales("1" * 1_000_000, "units " + "1x" * 500_000, "x" * 500_000 + " units: mm") == set()
