@@ -3,6 +3,9 @@
 PYTHON ?= python3.11
 BIN := .venv/bin
 STAMP := .venv/.installed
+# MuJoCo's USD reader brings another OpenUSD than ours, so it lives in an environment of its own; tests call it.
+MUJOCO_USD := .venv-mujoco-usd
+MUJOCO_USD_STAMP := $(MUJOCO_USD)/.installed
 DEMO_OUT ?= demo_out
 
 .PHONY: demo test check lint types layers bench docs clean system
@@ -10,7 +13,7 @@ DEMO_OUT ?= demo_out
 demo: $(STAMP)
 	$(BIN)/mana demo --out $(DEMO_OUT)
 
-test: check
+test: check $(MUJOCO_USD_STAMP)
 	$(BIN)/python -m pytest
 
 check: lint types layers
@@ -41,5 +44,10 @@ $(STAMP): pyproject.toml constraints.txt tools/system-packages.sh
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"
 	touch $(STAMP)
 
+$(MUJOCO_USD_STAMP): tools/mujoco-usd-constraints.txt | $(STAMP)
+	test -x $(MUJOCO_USD)/bin/python || $(BIN)/python -m venv $(MUJOCO_USD)
+	$(MUJOCO_USD)/bin/python -m pip install --quiet --disable-pip-version-check -c $< mujoco-usd
+	touch $@
+
 clean:
-	rm -rf .venv $(DEMO_OUT)
+	rm -rf .venv $(MUJOCO_USD) $(DEMO_OUT)

@@ -54,9 +54,7 @@ def find_stable_poses(body: RigidBody, simulator: Simulator, *, trials: int = TR
     size = diagonal(body.shapes)
     world, still = world_for(size), stillness_for(size)
     settings = DropSettings(48.0 * natural_time_s(size), world, still)
-    directions = np.concatenate([_DOWN[None], spread_directions(trials - 1)])
-    starts = [resting_pose(body, down_A, gap_m=0.01 * size) for down_A in directions]
-    results = simulator.drop_many(body, starts, settings)
+    results = simulator.drop_many(body, trial_starts(body, trials), settings)
     settled = [r for r in results if r.still_since_s(still) is not None and r.heights_m[-1] < 0.01 * size]
     if not settled:
         return StablePoses((), trials, 0, 0)
@@ -76,6 +74,12 @@ def find_stable_poses(body: RigidBody, simulator: Simulator, *, trials: int = TR
         poses.append(StablePose(quat_wxyz=(w, x, y, z), support_offset_m=float(X_WA[2, 3]) + 0.0, probability=share))
     poses.sort(key=lambda p: (-p.probability, p.support_offset_m, p.quat_wxyz))
     return StablePoses(tuple(poses), trials, len(downs), refuted)
+
+
+def trial_starts(body: RigidBody, trials: int = TRIALS) -> list[FloatArray]:
+    """X_WA (4, 4) of each trial: 1 % of the size above the ground, the reference orientation first."""
+    directions = np.concatenate([_DOWN[None], spread_directions(trials - 1)])
+    return [resting_pose(body, down_A, gap_m=0.01 * diagonal(body.shapes)) for down_A in directions]
 
 
 def resting_pose(body: RigidBody, down_A: FloatArray, *, gap_m: float) -> FloatArray:
