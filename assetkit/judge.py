@@ -11,6 +11,7 @@ from jobs.cache import write_atomically
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from usdio.gate import claims_release, gate
 from usdio.outside import SIMREADY, Verdict, outside_verdicts
+from usdio.usdz import check_package
 
 _RANK = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.INFO: 2}
 
@@ -18,10 +19,12 @@ _RANK = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.INFO: 2}
 def judge(file: Path, *, outside: bool = True) -> tuple[Diagnostic, ...]:
     """All findings of the outside validators (unless `outside` is False) and of the gate, gravest first.
 
-    One finding when the file cannot be opened. What SimReady asks of a package is `info` for a file that does not
-    claim to be one.
+    One finding when the file cannot be opened, or is an archive that no reader should open. What SimReady asks of a
+    package is `info` for a file that does not claim to be one.
     """
     try:
+        if file.suffix.lower() == ".usdz":
+            check_package(file, where=Location(file=file.name))
         verdicts = outside_verdicts(file) if outside else ()
     except InvalidInput as unreadable:
         return (unreadable.diagnostic,)

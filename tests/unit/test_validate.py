@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -116,6 +117,13 @@ def test_a_file_that_takes_too_long_costs_itself_only(library: Path) -> None:
     file = library / "cabinet" / "usd" / "cabinet.usda"
     ((_, found),) = validate_files([file], limits=Limits(seconds=0.01))
     assert [d.code for d in found] == ["asset/worker-timeout"]
+
+
+def test_an_archive_that_climbs_out_is_not_opened(tmp_path: Path) -> None:
+    file = tmp_path / "slip.usdz"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("../evil.usda", "#usda 1.0\n")
+    assert [d.code for d in judge(file)] == ["asset/path-escape"]
 
 
 def test_nothing_to_judge_is_exit_code_2(tmp_path: Path) -> None:
