@@ -112,6 +112,7 @@ class Localisation(_Machine):
 
     what: str
     share_of_error: float
+    share_of_time: float | None = None
     first_divergence_s: float | None = None
     phase: str = ""
     axis: str = ""
@@ -200,4 +201,5 @@ class GapReport(_Machine):
     gains: tuple[Gain, ...] = ()
     gain: Gain | None = None
     baselines: tuple[Rival, ...] = ()
+    ladder: tuple[Rival, ...] = ()  # declared, null refit, each effect added, noise: held-out rms
     extension: str = "extension.json"

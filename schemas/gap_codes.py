@@ -260,6 +260,36 @@ GAP_CODES: dict[str, CodeInfo] = {
         "declare sensor_noise if it is known",
     ),
     # Impacts and pushes.
+    "gap/kind-unsupported-yet": CodeInfo(
+        "error",
+        "Measurements of this kind can be read and checked, but not explained yet",
+        "A gap between two models can only be found where both can be simulated.",
+        "record the joints as `mechanism` or the pose as `free_body` where the set-up allows it",
+    ),
+    "gap/subject-unsupported-yet": CodeInfo(
+        "error",
+        "The subject has a form that the simulation cannot build yet",
+        "A model that leaves out what it cannot build would show a gap of its own.",
+        "give a mechanism as `joints`, a free body as `box` or `mesh`",
+    ),
+    "gap/unknown-effect": CodeInfo(
+        "error",
+        "An extension names an effect that the library does not have",
+        "Skipping it would simulate a world that nobody measured.",
+        "use a name that `mana gap effects` lists, or the version of Mana that wrote the file",
+    ),
+    "gap/unknown-place": CodeInfo(
+        "error",
+        "An extension names a joint or body that the model does not have",
+        "An effect at the wrong place is worse than none.",
+        "correct `where`, or apply the extension to the model that it was found on",
+    ),
+    "gap/invalid-extension": CodeInfo(
+        "error",
+        "A file is no model extension",
+        "Effects need their name, their place and a finite value for each of their parameters.",
+        "use the `extension.json` that `mana gap find` wrote",
+    ),
     "gap/impact-inconsistent": CodeInfo(
         "warning",
         "Events break the mechanics of contact",

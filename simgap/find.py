@@ -20,7 +20,7 @@ from schemas.gap import (
 )
 from schemas.model import FloatArray
 from simgap.black_box import corrected
-from simgap.problem import Problem, View
+from simgap.problem import Model, Problem, View
 from simgap.score import Comparison, compare, trial_losses
 from simgap.search import Map, Selection, select
 from simgap.splits import Trials
@@ -73,6 +73,7 @@ def find(
             Rival(name="null_refit", heldout=float(selection.null_losses.mean())),
             Rival(name="black_box", heldout=float(box.mean())),
         ),
+        ladder=_ladder(problem, selection, trials),
     )
     return Found(report, extension, selection)
 
@@ -122,6 +123,25 @@ def _gain(problem: Problem, selection: Selection, trials: Trials, view: View, ho
         noise_floor=1.0,
         gap_closed=float(np.clip((was - now) / (was - 1.0), 0.0, 1.0)) if was > 1.0 else 1.0,
     )
+
+
+def _ladder(problem: Problem, selection: Selection, trials: Trials) -> tuple[Rival, ...]:
+    """Held-out rms error in noise levels: declared, null refit, each accepted effect added, noise."""
+    floor = problem.noise_floor(trials.test, "short_horizon")
+
+    def step(name: str, model: Model) -> Rival:
+        errors = problem.residuals(model, trials.test, "short_horizon")
+        squares = [np.nanmean((e / floor) ** 2) for e in errors]
+        return Rival(name=name, heldout=float(np.sqrt(np.mean(squares))))
+
+    final = selection.final.model
+    accepted = [t.candidate.key for t in selection.accepted]
+    steps = [step("declared", ()), step("null_refit", selection.null.model)]
+    for k in range(1, len(accepted) + 1):
+        kept = tuple(t for t in final if t.candidate.key not in accepted[k:])
+        found = selection.accepted[k - 1].candidate
+        steps.append(step(f"{found.effect.name} at {found.where}", kept))
+    return (*steps, Rival(name="noise_floor", heldout=1.0))
 
 
 def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:

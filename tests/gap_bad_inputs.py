@@ -326,4 +326,10 @@ SAMPLES: dict[str, Writer] = {
     "gap/push-inconsistent": pushes(lambda t: t | {"pose": {n: v[[0, 0]] for n, v in t["pose"].items()}}),
 }
 
-NOT_FROM_A_FOLDER: dict[str, str] = {}
+NOT_FROM_A_FOLDER: dict[str, str] = {
+    "gap/kind-unsupported-yet": "tests/test_gap_cli.py",
+    "gap/subject-unsupported-yet": "tests/test_gap_cli.py",
+    "gap/unknown-effect": "tests/unit/test_extension.py",
+    "gap/unknown-place": "tests/test_gap_cli.py",
+    "gap/invalid-extension": "tests/unit/test_extension.py",
+}

@@ -1,0 +1,110 @@
+"""A measurement folder as a problem with its simulator; the only place of `gap` that chooses one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
+from schemas.gap import Trap
+from sim.body_replay import BodyReplay
+from sim.mechanism import MechanismModel, Windows, rollout
+from sim.tree import Tree
+from simgap import traps
+from simgap.free_body.problem import FreeBodyProblem
+from simgap.measurement import Measurement
+from simgap.mechanism.problem import MechanismProblem
+from simgap.mechanism.terms import apply_terms
+from simgap.replays import joint_windows
+from simgap.splits import Trials, split_trials
+
+_FINER = 4.0  # the step size trap divides steps by this
+
+
+@dataclass(frozen=True)
+class Case:
+    """A measurement ready for the search; `joints` are empty for a free body."""
+
+    measurement: Measurement
+    problem: MechanismProblem | FreeBodyProblem
+    trials: Trials
+    joints: tuple[str, ...]
+    engine: BodyReplay | None
+
+
+def case_of(measurement: Measurement) -> Case:
+    """The problem of a measurement. Raises InvalidInput for kinds, subjects and sizes that cannot be searched."""
+    if measurement.spec.kind not in ("mechanism", "free_body"):
+        text = f"measurements of kind '{measurement.spec.kind}' are read and checked, but no search explains them yet"
+        raise InvalidInput(finding("gap/kind-unsupported-yet", text, value=measurement.spec.kind))
+    try:
+        trials = split_trials(measurement.spec, measurement.trial_ids)
+    except ValueError as few:
+        raise InvalidInput(finding("gap/too-few-trials", str(few), severity=Severity.ERROR)) from None
+    try:
+        if measurement.spec.kind == "mechanism":
+            return Case(measurement, MechanismProblem(measurement), trials, measurement.joints, None)
+        from sim.bullet_body import BulletBodyReplay  # Loads the engine, which mechanisms do not need.
+
+        engine = BulletBodyReplay()
+        return Case(measurement, FreeBodyProblem(measurement, engine), trials, (), engine)
+    except ValueError as refused:
+        raise InvalidInput(finding("gap/subject-unsupported-yet", str(refused))) from None
+
+
+def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
+    """All conventions that were checked, by reading and by experiment."""
+    found = list(traps.reader_traps(case.measurement, findings))
+    problem = case.problem
+    if isinstance(problem, MechanismProblem):
+        from sim import bullet_mechanism  # Loads the engine.
+
+        found += traps.joint_engine_traps(bullet_mechanism.rollout, without_armature(problem.declared))
+        found.append(_joint_step_trap(case, problem))
+        return tuple(found)
+    rate = traps.rate_frame_trap(case.measurement)
+    found += [rate] if rate else []
+    if case.engine is not None:
+        from sim.bullet_body import LARGEST_STEP_S, BulletBodyReplay
+
+        found += traps.body_engine_traps(case.engine, problem.declared)
+        with BulletBodyReplay(LARGEST_STEP_S / _FINER) as finer:
+            fine = FreeBodyProblem(case.measurement, finer)
+            found.append(traps.step_trap(problem, fine, case.trials.train))
+    return tuple(found)
+
+
+def without_armature(model: MechanismModel) -> MechanismModel:
+    """The mechanism with links that a rigid-body engine can hold."""
+    tree: Tree = tuple(replace(link, armature=0.0) for link in model.tree)
+    return replace(model, tree=tree)
+
+
+def _joint_step_trap(case: Case, problem: MechanismProblem) -> Trap:
+    """Our own roll-outs at steps four times smaller, against the readings' noise, over one second."""
+    applied = apply_terms(problem.declared, ())
+    trial = next(t for t in case.measurement.trials if t.id in case.trials.train)
+    windows = cut_windows(joint_windows(trial, applied), 1.0)
+    plain, fine = (rollout(applied.mechanism, windows, largest_step_s=5e-3 / k)[0] for k in (1.0, _FINER))
+    span = max(float(np.ptp(windows.q0)), float(np.ptp(trial.q)), 1e-9)
+    moved = float(np.abs(plain - fine).max()) / span
+    return Trap(
+        name="step_size",
+        status="ok" if moved < 0.01 else "suspect",
+        evidence=f"steps four times smaller move the first second by {moved:.2%} of the range",
+    )
+
+
+def cut_windows(windows: Windows, span_s: float) -> Windows:
+    """The first seconds of one window."""
+    rows = np.s_[:, : max(2, int(np.searchsorted(windows.t_s[0], windows.t_s[0, 0] + span_s)))]
+    return Windows(
+        windows.t_s[rows],
+        windows.q0,
+        windows.qd0,
+        None if windows.command is None else windows.command[rows],
+        None if windows.effort is None else windows.effort[rows],
+        {name: values[rows] for name, values in windows.aux.items()},
+    )
