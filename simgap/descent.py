@@ -18,6 +18,7 @@ KNEE = 5.0  # noise levels at which a residual stops counting by its square
 _STEP = 2e-3
 _ENOUGH = 1e-4  # relative decrease of the cost below which the search ends
 _RIDGE = 1e-9
+_WALL = 1e-6
 Residuals = Callable[[FloatArray], Sequence[FloatArray]]
 
 
@@ -107,13 +108,14 @@ def half_widths(solution: Solution) -> FloatArray:
     """(p,) half 95 % intervals of the shares, with trials as clusters (Liang and Zeger, Biometrika 73, 1986).
 
     Each trial's score is taken at the solution without it (a jackknife: few clusters do not look surer than they are).
+    Parameters at a wall count as given there: the wall is what is known of them, and their own width is 0.
     """
     pieces = _pieces(solution)
     n = len(pieces)
     if n < 2:
         return np.full(len(solution.x), np.inf)
     H, g = _total(pieces)
-    free = np.ones(len(g), dtype=bool)
+    free = (solution.x > _WALL) & (solution.x < 1.0 - _WALL)
     steps = np.stack([_solved(H - h, g - v, free) for h, v in pieces])
     spread = np.sqrt((n - 1) / n * ((steps - steps.mean(axis=0)) ** 2).sum(axis=0))
     return spread * float(stats.t.ppf(0.975, n - 1))

@@ -19,7 +19,7 @@ _MANY = 24  # values of one shape parameter; of two: _GRID
 _GRID = (48, 6)
 _PROBE = 0.05  # share of a strength's range at which its signature is read off
 _CLIP = 1e4
-_LEAST_CLUSTERS = 6
+_LEAST_CLUSTERS = 12
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,13 @@ class Fit:
         for (c, name), width in zip(_parameters(self.free), widths, strict=True):
             out[c.key][name] = float(width * (c.bounds[name][1] - c.bounds[name][0]))
         return out
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether some strength of the last term differs from none by more than its interval."""
+        term, widths = self.model[-1], self.half_widths[self.free[-1].key]
+        names = [n for n in term.values if n not in term.candidate.shapes]
+        return any(abs(term.values[n] - term.candidate.null[n]) > widths[n] > 0.0 for n in names)
 
     @property
     def evaluations(self) -> int:

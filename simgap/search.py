@@ -140,13 +140,15 @@ def _round(base: Fit, errors: Errors, screened: list[Trial]) -> Round:
 
 
 def _worthy(this: Round) -> list[Trial]:
-    """Significant candidates by gain; before each of them any that has fewer parameters and is not beaten by it.
+    """Significant candidates by gain whose values differ from none.
+
+    Before each of them comes any that has fewer parameters and is not beaten by it.
 
     The simpler one need not pass the correction itself: what it competes with has passed.
     """
     ordered: list[Trial] = []
     for trial, p in zip(this.tried, this.p_adjusted, strict=True):
-        if p >= LEVEL or trial.comparison.gain <= LEAST_GAIN:
+        if p >= LEVEL or trial.comparison.gain <= LEAST_GAIN or not trial.fit.stands_out:
             continue
         simpler = [t for t in this.tried if len(t.candidate.null) < len(trial.candidate.null) and _rivals(t, trial)]
         ordered += [t for t in (*simpler, trial) if t not in ordered]
