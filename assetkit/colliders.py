@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +12,11 @@ import numpy as np
 from assetkit.decompose import Settings, decompose
 from geom.cavity import Cavity, find_cavities
 from geom.decimate import decimate
-from geom.fidelity import measure
+from geom.fidelity import Reference, measure, reference
 from geom.fits import fit_box, fit_capsule, fit_cylinder, fit_sphere
 from geom.hull import hull_shape
 from geom.inertia import PLATE_WALL_M
-from geom.preflight import prepare
+from geom.preflight import Body, prepare
 from geom.thicken import thicken
 from schemas.diagnostics import Diagnostic, finding
 from schemas.model import FloatArray
@@ -87,6 +88,19 @@ class _Target:
     cavities: tuple[Cavity, ...]
     own_volume: bool
 
+    @cached_property
+    def reference(self) -> Reference:
+        """The solid's outer surface, prepared for measuring."""
+        return reference(self.solid)
+
+    @cached_property
+    def body(self) -> Body | str:
+        """The solid prepared for decomposition, or why there is nothing to decompose."""
+        try:
+            return prepare(self.solid.points, self.solid.triangles)
+        except ValueError as error:
+            return str(error)
+
 
 def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = frozenset()) -> Colliders:
     """The first candidate of `SINGLE`, then of `LADDER`, that meets its tolerance and keeps every opening.
@@ -115,11 +129,9 @@ def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = fro
 
 
 def _decomposed(method: str, settings: Settings, target: _Target, work_dir: Path) -> Candidate:
-    try:
-        body = prepare(target.solid.points, target.solid.triangles)
-    except ValueError as error:
-        return Candidate(failed(method, str(error), str(settings)))
-    parts = decompose(body, settings, work_dir, cavities=target.cavities)
+    if isinstance(target.body, str):
+        return Candidate(failed(method, target.body, str(settings)))
+    parts = decompose(target.body, settings, work_dir, cavities=target.cavities)
     if not parts.shapes:
         return Candidate(failed(method, parts.reason, str(settings)))
     judged = _judged(method, parts.shapes, target, PARTS)
@@ -139,7 +151,7 @@ def _target(solid: Solid) -> _Target:
 
 def _judged(method: str, shapes: tuple[CollisionShape, ...], target: _Target, tolerance: Tolerance) -> Candidate:
     """Measured and held against `tolerance`; the reason names each bound that is missed."""
-    f = measure(method, shapes, target.solid, target.cavities)
+    f = measure(method, shapes, target.reference, target.cavities)
     if not target.own_volume:
         f = f.model_copy(update={"volume_ratio": None})
     misses = _misses(f, tolerance)

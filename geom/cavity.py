@@ -1,15 +1,14 @@
 """Openings that a thing can go into: the inside of a mug, bowl, basket or bin, and large through-holes.
 
 Found by pouring water: seen along an opening direction, the surface is a landscape; what fills up before it runs off
-over the edge is a cavity (the depression filling of hydrology: Barnes, Lehman and Mulla 2014, "Priority-flood").
+over the edge is a cavity (the depression filling of hydrology).
 Inner ground that a ray does not hit is closed by the support the object stands on, so pipes and rings hold water too;
 they are told apart as `through`.
 """
 
 from __future__ import annotations
 
-import heapq
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +33,10 @@ LEAST_DEPTH_SHARE = 0.12
 # matters by its width, as a share of the diagonal.
 THROUGH_SHARE = 0.5
 THROUGH_DIAMETER_SHARE = 0.1
+# A ball that gets less far than this share of the deepest water stands on partitions.
+COMPARTMENT_SHARE = 0.5
+FULLER = 1.2
+ALIGNED = 0.99  # cosine from which an axis counts as a coordinate axis
 # The probe ball, as a share of the opening diameter; it must go down this share of the way it goes in the solid.
 PROBE_SHARE, PROBE_DEPTH_SHARE = 0.6, 0.8
 PROBE_STEPS = 24
@@ -64,23 +67,29 @@ class Cavity:
 
 
 def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
-    """Significant cavities along the six axis directions, upward first; none for a solid of kind `hull`.
+    """Significant cavities along the six axis directions, upward first, then along the principal axes of a solid that
+    lies askew; none for a solid of kind `hull`.
 
-    A through-hole is listed once, not from both ends.
+    A through-hole is listed once, not from both ends, and an opening seen along two directions as seen from the first,
+    unless it holds more the other way: a leaning bin.
     """
     if solid.kind == "hull":
         return ()
     try:
-        hull_volume = volume(*convex_hull(solid.points))
+        hull = convex_hull(solid.points)
     except ValueError:
         return ()
+    hull_volume = volume(*hull)
+    walls = _wall_points(solid.points, solid.triangles)
     found: list[Cavity] = []
-    for direction in DIRECTIONS:
-        share = UPWARD_SHARE if direction[2] > 0 else OTHER_SHARE
-        for cavity in _pour(solid, direction, share * hull_volume):
-            mirrored = any(c.through and cavity.through and c.direction @ direction < -0.5 for c in found)
-            if not mirrored:
+    for direction in (*DIRECTIONS, *_askew(hull[0])):
+        share = UPWARD_SHARE if direction[2] > ALIGNED else OTHER_SHARE
+        for cavity in _pour(solid, walls, direction, share * hull_volume):
+            before = [other for other in found if _is_same(cavity, other)]
+            if not before:
                 found.append(cavity)
+            elif not cavity.through and all(cavity.volume_m3 > FULLER * other.volume_m3 for other in before):
+                found = [*(other for other in found if not _is_same(cavity, other)), cavity]
     return tuple(found)
 
 
@@ -103,26 +112,41 @@ def keeps_cavity(shapes: Sequence[CollisionShape], cavity: Cavity) -> bool:
     return True
 
 
-def _pour(solid: Solid, direction: FloatArray, least_volume_m3: float) -> list[Cavity]:
+def _askew(points: FloatArray) -> FloatArray:
+    """Both directions (k, 3) of each principal axis of a hull's corners (n, 3) that is no coordinate axis."""
+    centred = points - points.mean(axis=0)
+    axes = np.linalg.eigh(centred.T @ centred)[1].T
+    axes = axes[np.abs(axes).max(axis=1) < ALIGNED]
+    return np.concatenate([axes, -axes])
+
+
+def _is_same(cavity: Cavity, other: Cavity) -> bool:
+    """Whether two findings are one opening: a pipe from its other end, or seen along a similar direction."""
+    cosine = float(cavity.direction @ other.direction)
+    if cavity.through and other.through and cosine < -0.5:
+        return True
+    apart = float(np.linalg.norm(cavity.opening_m - other.opening_m))
+    return cosine > 0.5 and apart < 0.5 * max(cavity.diameter_m, other.diameter_m)
+
+
+def _pour(solid: Solid, walls: FloatArray, direction: FloatArray, least_volume_m3: float) -> list[Cavity]:
     """Cavities that open along `direction` and hold at least `least_volume_m3`, and wide through-holes."""
     frame = _frame(direction)
     local = solid.points @ frame.T
-    ground, floor, step, corner = _landscape(local, solid.triangles)
+    ground, floor, step, corner = _landscape(local, solid.triangles, walls @ frame.T)
     open_floor = np.isneginf(ground)
     outside, _ = _label(open_floor)
     drain = open_floor & np.isin(outside, np.concatenate([outside[0], outside[-1], outside[:, 0], outside[:, -1]]))
     ground = np.where(open_floor & ~drain, floor, ground)
     depth = np.zeros(ground.shape)
     depth[~drain] = _water_level(ground)[~drain] - ground[~drain]
-    pools, count = _label(depth > 0.02 * max(float(np.ptp(local[:, 2])), step))
     size = float(np.linalg.norm(np.ptp(local, axis=0)))
-    cavities = []
-    for k in range(1, count + 1):
-        pool = pools == k
+
+    def cavity_in(pool: FloatArray) -> Cavity | None:
         water = float(depth[pool].sum()) * step * step
         through = bool((open_floor & ~drain)[pool].mean() > THROUGH_SHARE)
         if not through and water < least_volume_m3:
-            continue
+            return None
         # Half a cell more: the distance runs to the centre of the first dry cell.
         clearance = np.asarray(ndimage.distance_transform_edt(pool))
         row, column = np.unravel_index(int(np.argmax(clearance)), pool.shape)
@@ -131,21 +155,42 @@ def _pour(solid: Solid, direction: FloatArray, least_volume_m3: float) -> list[C
         deep = water >= least_volume_m3 and deepest >= LEAST_DEPTH_SHARE * 2.0 * radius
         wide = through and 2.0 * radius >= THROUGH_DIAMETER_SHARE * size
         if radius <= 0.0 or not (deep or wide):
-            continue
+            return None
         rim = float(ground[row, column]) + deepest
         opening = frame.T @ np.array([corner[0] + row * step, corner[1] + column * step, rim])
         probe = PROBE_SHARE * radius
         reach = _reach(solid, opening, direction, probe, deepest)
-        cavities.append(Cavity(direction, opening, 2.0 * radius, deepest, probe, reach, water, through))
-    return cavities
+        return Cavity(direction, opening, 2.0 * radius, deepest, probe, reach, water, through)
+
+    cavities: list[Cavity | None] = []
+    for pool in _patches(depth > 0.02 * max(float(np.ptp(local[:, 2])), step)):
+        cavity = cavity_in(pool)
+        lowest = float(depth[pool].max())
+        if cavity is None or cavity.reach_m < COMPARTMENT_SHARE * lowest:
+            # Partitions under water: each compartment counts for itself, unless there is but one.
+            compartments = list(_patches(pool & (depth > COMPARTMENT_SHARE * lowest)))
+            inner = [cavity_in(c) for c in compartments] if len(compartments) > 1 else []
+            cavities += inner if any(inner) else [cavity]
+        else:
+            cavities.append(cavity)
+    return [cavity for cavity in cavities if cavity is not None]
 
 
-def _landscape(local: FloatArray, triangles: IntArray) -> tuple[FloatArray, float, float, FloatArray]:
+def _patches(mask: FloatArray) -> Iterator[FloatArray]:
+    """Each connected patch of True cells as a mask of its own."""
+    labels, count = _label(mask)
+    for k in range(1, count + 1):
+        yield labels == k
+
+
+def _landscape(
+    local: FloatArray, triangles: IntArray, walls: FloatArray
+) -> tuple[FloatArray, float, float, FloatArray]:
     """Height of the surface seen from above on a grid (rows x, columns y), -inf where nothing is.
 
     Also the lowest height, the cell size, and x, y of the first cell's centre. Rays give the height at cell centres;
-    points on faces and edges add walls and rims thinner than a cell, which no ray needs to hit. One empty cell
-    surrounds everything.
+    `walls`, points on faces and edges, add walls and rims thinner than a cell, which no ray needs to hit. One empty
+    cell surrounds everything.
     """
     import open3d as o3d  # Slow to load; only needed here.
 
@@ -166,46 +211,52 @@ def _landscape(local: FloatArray, triangles: IntArray) -> tuple[FloatArray, floa
     rays = np.concatenate([start, np.tile([0.0, 0.0, -1.0], (len(grid), 1))], axis=1).astype(np.float32)
     hit = scene.cast_rays(o3d.core.Tensor.from_numpy(rays))["t_hit"].numpy().astype(np.float64)
     ground = (centre[2] + scale * (2.0 - hit)).reshape(cells[0], cells[1])
-    samples, _ = sample_surface(local, triangles, WALL_SAMPLES, 0)
-    samples = np.concatenate([samples, _along_edges(local, triangles, 0.5 * step)])
-    cell = np.clip(np.rint((samples[:, :2] - corner) / step).astype(int), 0, cells - 1)
-    np.maximum.at(ground, (cell[:, 0], cell[:, 1]), samples[:, 2])
+    cell = np.clip(np.rint((walls[:, :2] - corner) / step).astype(int), 0, cells - 1)
+    np.maximum.at(ground, (cell[:, 0], cell[:, 1]), walls[:, 2])
     return ground, float(low[2]), step, corner
 
 
+def _wall_points(points: FloatArray, triangles: IntArray) -> FloatArray:
+    """Points (k, 3) on the faces, and on the edges no further apart than half a cell of the finest grid."""
+    extent = np.sort(np.ptp(points, axis=0))
+    step = 0.5 * float(extent[1]) / GRID_CELLS or 1.0
+    return np.concatenate(
+        [sample_surface(points, triangles, WALL_SAMPLES, 0)[0], _along_edges(points, triangles, step)]
+    )
+
+
 def _along_edges(points: FloatArray, triangles: IntArray, step: float) -> FloatArray:
-    """Points (k, 3) at most `step` apart on every edge, corners included."""
+    """All corners, and points at most `step` apart on the edges that are longer."""
     edges = np.unique(np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    start, along = points[edges[:, 0]], points[edges[:, 1]] - points[edges[:, 0]]
-    pieces = np.maximum(np.ceil(np.linalg.norm(along, axis=1) / step).astype(int), 1)
-    which = np.repeat(np.arange(len(edges)), pieces + 1)
-    first = np.cumsum(pieces + 1) - (pieces + 1)
-    share = (np.arange(len(which)) - first[which]) / pieces[which]
-    return start[which] + share[:, None] * along[which]
+    pieces = np.ceil(np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1) / step).astype(int)
+    edges, pieces = edges[pieces > 1], pieces[pieces > 1]
+    which = np.repeat(np.arange(len(edges)), pieces - 1)
+    first = np.cumsum(pieces - 1) - (pieces - 1)
+    share = (np.arange(len(which)) - first[which] + 1) / pieces[which]
+    start, along = points[edges[which, 0]], points[edges[which, 1]] - points[edges[which, 0]]
+    return np.concatenate([points[np.unique(triangles)], start + share[:, None] * along])
 
 
 def _water_level(ground: FloatArray) -> FloatArray:
     """Level to which each cell fills before it drains over the grid's border or into a cell at -inf.
 
-    Priority-flood (Barnes et al. 2014, algorithm 1) over four neighbours: a wall one cell thick holds diagonally too.
+    The least level `max(ground, lowest neighbour's level)` over four neighbours (Planchon and Darboux 2002, "A fast,
+    simple and versatile algorithm to fill the depressions of digital elevation models"), by sweeps over the whole grid
+    until nothing changes: a wall one cell thick holds diagonally too.
     """
-    rows, columns = ground.shape
-    level = np.full(ground.shape, np.inf)
-    queue: list[tuple[float, int, int]] = []
-    for r in range(rows):
-        for c in range(columns):
-            if r in (0, rows - 1) or c in (0, columns - 1) or np.isneginf(ground[r, c]):
-                level[r, c] = ground[r, c]
-                queue.append((float(ground[r, c]), r, c))
-    heapq.heapify(queue)
-    while queue:
-        height, r, c = heapq.heappop(queue)
-        for dr, dc in ((-1, 0), (1, 0), (0, -1), (0, 1)):
-            i, j = r + dr, c + dc
-            if 0 <= i < rows and 0 <= j < columns and np.isinf(level[i, j]) and level[i, j] > 0:
-                level[i, j] = max(height, float(ground[i, j]))
-                heapq.heappush(queue, (level[i, j], i, j))
-    return level
+    border = np.ones(ground.shape, dtype=bool)
+    border[1:-1, 1:-1] = False
+    level = np.where(border | np.isneginf(ground), ground, np.inf)
+    while True:
+        neighbours = np.full(level.shape, np.inf)
+        neighbours[1:] = level[:-1]
+        np.minimum(neighbours[:-1], level[1:], out=neighbours[:-1])
+        np.minimum(neighbours[:, 1:], level[:, :-1], out=neighbours[:, 1:])
+        np.minimum(neighbours[:, :-1], level[:, 1:], out=neighbours[:, :-1])
+        lower = np.minimum(level, np.maximum(ground, neighbours))
+        if np.array_equal(lower, level):
+            return level
+        level = lower
 
 
 def _reach(solid: Solid, opening: FloatArray, direction: FloatArray, radius: float, depth: float) -> float:
@@ -229,9 +280,9 @@ def _label(mask: FloatArray) -> tuple[IntArray, int]:
 
 
 def _frame(direction: FloatArray) -> FloatArray:
-    """Rotation (3, 3) that takes `direction`, a coordinate axis or its opposite, to z."""
+    """Rotation (3, 3) that takes `direction` to z; coordinate axes go to coordinate axes."""
     axis = int(np.abs(direction).argmax())
-    rows = np.stack([np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3], np.abs(direction)])
-    if direction[axis] < 0:
-        rows[1:] = -rows[1:]
-    return rows
+    x = np.eye(3)[(axis + 1) % 3]
+    x = x - (x @ direction) * direction
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(direction, x), direction])

@@ -24,7 +24,7 @@ CUT_SLACK, JOIN_SPARE = 0.03, 0.02
 REACH = 0.03
 REACH_SAMPLES = 100
 # Trimming starts above this ratio of volumes, and goes as deep as it takes of these shares of the diagonal.
-TRIM_ABOVE, TRIM_DEPTHS = 1.1, (0.0075, 0.015, 0.0225)
+TRIM_ABOVE, TRIM_DEPTHS = 1.1, (0.0075, 0.015, 0.0225, 0.03)
 BLOCKED = 100.0  # Worse than any reach.
 
 
@@ -61,5 +61,7 @@ def convex_parts(
     for depth in TRIM_DEPTHS:
         if Manifold.batch_boolean(trimmed, OpType.Add).volume() <= TRIM_ABOVE * volume:
             break
-        trimmed = trim_hulls(hulls, body.light, distance, depth * body.size)
+        # Deeper is not always thinner: what is a bulge at one depth may be a flat end at another.
+        deeper = trim_hulls(hulls, body.light, distance, depth * body.size)
+        trimmed = min(trimmed, deeper, key=lambda hulls: sum(hull.volume() for hull in hulls))
     return [body.in_metres(arrays(hull)[0]) for hull in trimmed]

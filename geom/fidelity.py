@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import Manifold, OpType
@@ -23,35 +24,59 @@ SLIT_SHARE = 5e-4
 _CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
-def measure(
-    method: str, shapes: Sequence[CollisionShape], solid: Solid, cavities: Sequence[Cavity], samples: int = SAMPLES
-) -> Fidelity:
-    """Figures of `shapes` against `solid`, not yet accepted; see `schemas.physics.Fidelity`.
+@dataclass(frozen=True)
+class Reference:
+    """What candidates are measured against, prepared once: the outer surface of a solid.
 
-    `outside`: from the outer surface of the union of all shapes to the outer surface of the solid (sealed inner
-    cavities touch nothing); a lid over an opening shows here. `missing`: from the solid's surface to the union, 0 for
-    what lies inside it: creases and parts within parts cannot be touched. `volume_ratio` is None unless the solid is
-    closed, `cavity_kept` when it has no cavity. Deterministic. Raises ValueError for no shapes.
+    points (n, 3), triangles (m, 3)  without the walls of sealed inner cavities, which touch nothing.
+    probes                           (k, 3) points spread over it, `samples` of them evenly, then corners.
+    size                             diagonal of its box.
+    volume_m3                        None unless the solid is closed.
+    """
+
+    points: FloatArray
+    triangles: IntArray
+    probes: FloatArray
+    samples: int
+    size: float
+    volume_m3: float | None
+
+
+def reference(solid: Solid, samples: int = SAMPLES) -> Reference:
+    """The outer surface of `solid` with its probes. Deterministic."""
+    outer = outer_surface(solid)
+    inside = volume(*outer) if solid.kind == "closed" else None
+    return Reference(*outer, _probes(*outer, samples), samples, diagonal(outer[0]), inside)
+
+
+def measure(
+    method: str, shapes: Sequence[CollisionShape], against: Solid | Reference, cavities: Sequence[Cavity]
+) -> Fidelity:
+    """Figures of `shapes` against a solid, not yet accepted; see `schemas.physics.Fidelity`.
+
+    `outside`: from the outer surface of the union of all shapes to the outer surface of the solid; a lid over an
+    opening shows here. `missing`: from the solid's surface to the union, 0 for what lies inside it: creases and parts
+    within parts cannot be touched. `volume_ratio` is None unless the solid is closed, `cavity_kept` when it has no
+    cavity. Deterministic. Raises ValueError for no shapes.
     """
     if not shapes:
         raise ValueError("no shapes to measure")
-    outer = outer_surface(solid)
-    size = diagonal(outer[0])
-    union = union_surface(shapes, SLIT_SHARE * size)
-    outside = _distances(_probes(*union, samples), *outer)
-    probes = _probes(*outer, samples)
-    missing = np.where(_within(shapes, probes), 0.0, _distances(probes, *union))
-    ratio = union_volume(shapes) / volume(*outer) if solid.kind == "closed" else None
+    true = against if isinstance(against, Reference) else reference(against)
+    union = union_surface(shapes, SLIT_SHARE * true.size)
+    outside = _distances(_probes(*union, true.samples), true.points, true.triangles)
+    missing = np.zeros(len(true.probes))
+    uncovered = ~_within(shapes, true.probes)
+    missing[uncovered] = _distances(true.probes[uncovered], *union)
     kept = all(keeps_cavity(shapes, cavity) for cavity in cavities) if cavities else None
     return Fidelity(
         method=method,
         shapes=len(shapes),
         vertices=sum(len(s.points) for s in shapes if s.points is not None),
-        volume_ratio=ratio,
-        outside_p95=float(np.percentile(outside[:samples], 95)) / size,
-        outside_max=float(outside.max()) / size,
-        missing_p95=float(np.percentile(missing[:samples], 95)) / size,
-        missing_max=float(missing.max()) / size,
+        volume_ratio=union_volume(shapes) / true.volume_m3 if true.volume_m3 is not None else None,
+        outside_p95=float(np.percentile(outside[: true.samples], 95)) / true.size,
+        outside_max=float(outside.max()) / true.size,
+        missing_p95=float(np.percentile(missing[: true.samples], 95)) / true.size,
+        missing_max=float(missing.max()) / true.size,
         cavity_kept=kept,
         accepted=False,
     )
@@ -88,6 +113,8 @@ def _probes(points: FloatArray, triangles: IntArray, samples: int) -> FloatArray
 
 
 def _distances(queries: FloatArray, points: FloatArray, triangles: IntArray) -> FloatArray:
+    if len(queries) == 0:
+        return np.zeros(0)
     return np.linalg.norm(queries - closest_on_surface(queries, points, triangles)[0], axis=1)
 
 
@@ -95,8 +122,22 @@ def _within(shapes: Sequence[CollisionShape], queries: FloatArray) -> FloatArray
     """(k,) True where a query lies inside some shape."""
     inside = np.zeros(len(queries), dtype=bool)
     for shape in shapes:
-        inside |= contains(*convex_hull(surface(shape)[0]), queries)
+        inside |= _holds(shape, queries)
     return inside
+
+
+def _holds(shape: CollisionShape, queries: FloatArray) -> FloatArray:
+    """(k,) True where a query lies inside one shape, whose curved faces count as round."""
+    if shape.kind == "hull":
+        return contains(*convex_hull(surface(shape)[0]), queries)
+    local = np.abs((queries - shape.X_AS[:3, 3]) @ shape.X_AS[:3, :3])
+    if shape.kind == "box":
+        return np.all(local <= 0.5 * np.asarray(shape.size_m), axis=1)
+    radius, half = shape.size_m[0], (0.5 * shape.size_m[1] if len(shape.size_m) > 1 else 0.0)
+    across, along = np.hypot(local[:, 0], local[:, 1]), local[:, 2]
+    if shape.kind == "cylinder":
+        return (across <= radius) & (along <= half)
+    return np.hypot(across, np.maximum(along - half, 0.0)) <= radius
 
 
 def _union(shapes: Sequence[CollisionShape], growth_m: float) -> Manifold:

@@ -177,7 +177,8 @@ def _volumes(
     corners_above = over.sum(axis=1)
     whole = (corners_above == 0) | (corners_above == 3)
     a, b, c = triangles[whole].T
-    total = np.bincount(part[a], _cone(local[a], local[b], local[c]), count)
+    total = np.zeros(count)
+    total += np.bincount(part[a], _cone(local[a], local[b], local[c]), count)
     shared, over = triangles[~whole], over[~whole]
     alone = np.where(corners_above[~whole] == 1, over.argmax(axis=1), (~over).argmax(axis=1))
     row = np.arange(len(shared))
