@@ -42,7 +42,7 @@ _UNIT_THEN_SUBJECT = {
     u: re.compile(rf"\b(?:{n})\s+(?:(?:as|are|is)\s+(?:the\s+)?)?(?:\w+\s+)?units?\b") for u, (_, n) in _UNITS.items()
 }
 _SUBJECT_THEN_SHORT = re.compile(
-    rf"{_SUBJECT}(?:[^\n]{{0,16}}?[=:]|[^\n]{{0,16}}?\b(?:in|of))?[\s\"']*\b(m|in)\b[\"']?\s*(?:$|[;,.)}}])"
+    rf"(?:{_SUBJECT}[^\n]{{0,16}}?(?:[=:][\s\"']*|\b(?:in|of)\s+)|\bunits?\s+)(m|in)\b[\"']?\s*(?:$|[;,.)}}])"
 )
 _NAMED_SIZE = re.compile(r"((?:\d+(?:[.,]\d+)?\s*x\s*)*\d+(?:[.,]\d+)?)\s*[_-]?(mm|cm|m|inch|in)(?![a-z0-9])")
 _NAMED_UNIT = re.compile(
