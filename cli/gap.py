@@ -101,7 +101,9 @@ def effects_command(
         if as_json:
             print(json.dumps([as_data(e) for e in EFFECTS], indent=1))
         else:
-            rows = [{"name": e.name, "formula": e.formula, "reveals": e.reveals} for e in EFFECTS]
+            rows: list[dict[str, object]] = [
+                {"name": e.name, "formula": e.formula, "reveals": e.reveals} for e in EFFECTS
+            ]
             text.show_rows(rows, {"name": "effect", "formula": "formula", "reveals": "what shows it"})
         return
     try:

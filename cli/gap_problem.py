@@ -69,8 +69,9 @@ def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
     if case.engine is not None:
         from sim.bullet_body import LARGEST_STEP_S, BulletBodyReplay
 
-        found += traps.body_engine_traps(case.engine, problem.declared)
         with BulletBodyReplay(LARGEST_STEP_S / _FINER) as finer:
+            # At small steps, so that a wrong convention is not confused with the error of a step.
+            found += traps.body_engine_traps(finer, problem.declared)
             fine = FreeBodyProblem(case.measurement, finer)
             found.append(traps.step_trap(problem, fine, case.trials.train))
     return tuple(found)

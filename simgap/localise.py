@@ -41,7 +41,7 @@ def localise(
         if not mask.any():
             continue
         ratio = float(np.sqrt((np.clip(error[mask], -1e3, 1e3) ** 2).mean()))
-        columns = mask.any(axis=0)
+        columns = np.atleast_1d(mask.any(axis=0))
         first = [s for s, c in zip(starts, columns, strict=True) if c and s is not None]
         rows.append(
             Localisation(

@@ -25,7 +25,7 @@ from simgap.score import trial_losses
 
 JointReplay = Callable[[MechanismModel, Windows, Sequence[Law]], tuple[FloatArray, FloatArray]]
 AGREES = 0.02  # relative error up to which an engine holds what it was given
-COEFFICIENT = 0.03  # absolute, of friction and restitution
+COEFFICIENT = 0.03  # absolute, of friction
 CONVERGED = 0.05  # relative change of the error under steps four times smaller
 _STEP_TRIALS = 4
 
@@ -118,10 +118,10 @@ def step_trap(problem: Problem, finer: Problem, trials: Sequence[str]) -> Trap:
 
 
 def body_engine_traps(engine: BodyReplay, model: BodyModel) -> tuple[Trap, ...]:
-    """Whether an engine holds the numbers of a free body: mass, inertia, gravity, no damping, friction, restitution."""
+    """Whether an engine holds the numbers of a free body: mass, inertia, gravity, no damping, friction."""
     traps = [_mass(engine, model), _inertia(engine, model), _damping(engine, model), _gravity(engine, model)]
     if model.has_support:
-        traps += [_friction(engine, model), _restitution(engine, model)]
+        traps.append(_friction(engine, model))
     return tuple(traps)
 
 
@@ -212,7 +212,7 @@ def _friction(engine: BodyReplay, model: BodyModel) -> Trap:
     """The pair's friction from a flat plate that slides."""
     mu, g = (model.friction or 0.3), 9.81
     size = (0.2, 0.2, 0.02)
-    plate = _probe(CollisionShape("box", size, np.eye(4)), np.diag([0.0034, 0.0034, 0.0067]), mu, 0.0)
+    plate = _probe(CollisionShape("box", size, np.eye(4)), np.diag([0.0034, 0.0034, 0.0067]), mu)
     t = np.linspace(0.0, 0.5 / (mu * g), 13)[None]
     start = BodyWindows(
         t, np.array([[0.0, 0.0, 0.01]]), np.array([[1.0, 0.0, 0.0, 0.0]]), np.array([[1.0, 0.0, 0.0]]), np.zeros((1, 3))
@@ -223,23 +223,5 @@ def _friction(engine: BodyReplay, model: BodyModel) -> Trap:
     return Trap(name="friction_of_pair", status=status, evidence=f"asked {mu:.3g}, a sliding plate shows {seen:.3g}")
 
 
-def _restitution(engine: BodyReplay, model: BodyModel) -> Trap:
-    """The pair's restitution from a ball that falls at 1 m/s."""
-    ball = _probe(CollisionShape("sphere", (0.02,), np.eye(4)), np.eye(3) * 8e-5, model.friction, model.restitution)
-    t = np.linspace(0.0, 0.05, 13)[None]
-    start = BodyWindows(
-        t,
-        np.array([[0.0, 0.0, 0.03]]),
-        np.array([[1.0, 0.0, 0.0, 0.0]]),
-        np.array([[0.0, 0.0, -1.0]]),
-        np.zeros((1, 3)),
-    )
-    v = engine.rollout(replace(ball, gravity_W=np.zeros(3)), start).v_W[0, :, 2]
-    seen = max(float(v[-1]), 0.0)
-    status = "ok" if abs(seen - model.restitution) < COEFFICIENT else "suspect"
-    evidence = f"asked {model.restitution:.3g}, a ball that hits at 1 m/s leaves with {seen:.3g}"
-    return Trap(name="restitution_of_pair", status=status, evidence=evidence)
-
-
-def _probe(shape: CollisionShape, inertia: FloatArray, friction: float, restitution: float) -> BodyModel:
-    return BodyModel((shape,), 1.0, np.zeros(3), inertia, friction=friction, restitution=restitution)
+def _probe(shape: CollisionShape, inertia: FloatArray, friction: float) -> BodyModel:
+    return BodyModel((shape,), 1.0, np.zeros(3), inertia, friction=friction, restitution=0.0)

@@ -26,10 +26,9 @@ def link(name: str, parent: int = -1, prismatic: bool = False, tilt: float = 0.0
     return Link(name, parent, prismatic, axis, X_PJ, 0.4, np.array([0.01, 0.02, -0.15]), inertia, **other)
 
 
-def model(*links: Link, **other) -> MechanismModel:
+def model(*links: Link) -> MechanismModel:
     n = len(links)
-    numbers = {"friction": np.zeros(n), "damping": np.zeros(n)} | other
-    return MechanismModel(links, np.array([0.0, 0.0, -9.81]), **numbers)
+    return MechanismModel(links, np.array([0.0, 0.0, -9.81]), friction=np.zeros(n), damping=np.zeros(n))
 
 
 HINGE = model(link("hinge"))
