@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from geom import hull
 from geom.inertia import TRIANGLE_INEQUALITY_TOLERANCE
@@ -63,9 +64,9 @@ def body_checks(body: RigidBody) -> list[Check]:
     thin = [hull.thickness(*h) / size if _has_volume(*h) else 0.0 for h in hulls]
     checks.append(_at_least("collider_thickness", min(edges + thin, default=0.0), 1e-7, _OF_DIAGONAL))
     if hulls:
-        bulges = [_bulge(*h) / size for h in hulls]
+        dents = [_dent(*h) / size for h in hulls]
         checks.append(_at_most("hull_points", max(len(points) for points, _ in hulls), MAX_HULL_POINTS, ""))
-        checks.append(_at_most("hull_not_convex_by", max(bulges), 1e-4, _OF_DIAGONAL))
+        checks.append(_at_most("hull_not_convex_by", max(dents), 1e-4, _OF_DIAGONAL))
     return checks + _mass_checks(body, size)
 
 
@@ -90,9 +91,8 @@ def _distance_outside(shape: CollisionShape, points: FloatArray) -> FloatArray:
     local = (points - shape.X_AS[:3, 3]) @ shape.X_AS[:3, :3]
     if shape.kind == "hull":
         assert shape.points is not None, "a hull has points"
-        assert shape.triangles is not None, "a hull has triangles"
-        normals, offsets = _planes(shape.points, shape.triangles)
-        return np.maximum((local @ normals.T - offsets).max(axis=1), 0.0)
+        planes = _planes(shape.points)
+        return np.maximum((local @ planes[:, :3].T + planes[:, 3]).max(axis=1), 0.0)
     local = np.abs(local)
     if shape.kind == "box":
         return np.linalg.norm(np.maximum(local - np.asarray(shape.size_m) / 2.0, 0.0), axis=1)
@@ -103,20 +103,26 @@ def _distance_outside(shape: CollisionShape, points: FloatArray) -> FloatArray:
     return np.maximum(np.hypot(across, along) - radius, 0.0)
 
 
-def _bulge(points: FloatArray, triangles: IntArray) -> float:
-    """How far (m) a point lies outside a face of its own hull: 0 for a convex, outward surface."""
-    normals, offsets = _planes(points, triangles)
-    return max(0.0, float((points @ normals.T - offsets).max()))
+def _dent(points: FloatArray, triangles: IntArray) -> float:
+    """How deep (m) the surface lies below the hull of its own points: 0 for a convex surface, infinite inside out.
+
+    Looked at in the middle of every edge and face. Planes of the faces themselves would not do: single precision turns
+    the plane of a sliver by any angle, while its points stay where they are.
+    """
+    if hull.volume(points, triangles) < 0.0:
+        return np.inf
+    corners = points[triangles]
+    middles = np.concatenate([0.5 * (corners + np.roll(corners, 1, axis=1)).reshape(-1, 3), corners.mean(axis=1)])
+    planes = _planes(points)
+    return max(0.0, float(-(middles @ planes[:, :3].T + planes[:, 3]).max(axis=1).min()))
 
 
-def _planes(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Outward unit normals (m, 3) and offsets (m,) of the faces that have an area."""
-    a, b, c = np.moveaxis(points[triangles], 1, 0)
-    normals = np.cross(b - a, c - a)
-    lengths = np.linalg.norm(normals, axis=1)
-    kept = lengths > 1e-9 * lengths.max()
-    normals = normals[kept] / lengths[kept, None]
-    return normals, np.einsum("ij,ij->i", normals, a[kept])
+def _planes(points: FloatArray) -> FloatArray:
+    """(m, 4) outward planes `n . x + d = 0` of the convex hull of points; none when they are flat."""
+    try:
+        return np.asarray(ConvexHull(points).equations)
+    except QhullError:
+        return np.zeros((1, 4))
 
 
 def _has_volume(points: FloatArray, triangles: IntArray) -> bool:

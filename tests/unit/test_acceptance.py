@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from assetkit.body_checks import body_checks
 from assetkit.settling import settle_and_drop
 from assetkit.stages.acceptance import AcceptanceResult, accept
 from geom.pose import pose
@@ -163,6 +164,19 @@ def flat() -> RigidBody:
     points = np.array([[0.0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0, 0.1, 0]]) - [0.05, 0.05, 0.0]
     shape = CollisionShape("hull", (), np.eye(4), points, np.array([[0, 1, 2], [0, 2, 3], [0, 2, 1], [0, 3, 2]]))
     return replace(box((0.1, 0.1, 0.01)), shapes=(shape,))
+
+
+def test_a_sliver_that_single_precision_turns_does_not_make_a_hull_concave():
+    """The side of a thin rim is a strip 1e-6 wide: its plane is noise, its points are where they belong."""
+    ring = np.array([[np.cos(a), np.sin(a)] for a in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)]) * 0.05
+    low, high = (np.column_stack([ring, np.full(24, z)]) for z in (0.0, 1e-6))
+    top = np.array([[0.0, 0.0, 0.1]])
+    body = hull(trimesh.Trimesh(np.concatenate([low, high, top]).astype(np.float32)).convex_hull)
+    shape = body.shapes[0]
+    assert shape.points is not None
+    rough = replace(shape, points=shape.points.astype(np.float32).astype(np.float64))
+    bulges = {c.name: c for c in body_checks(replace(body, shapes=(rough,)))}
+    assert bulges["hull_not_convex_by"].passed
 
 
 def with_mass(**changes) -> RigidBody:
