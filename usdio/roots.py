@@ -30,4 +30,4 @@ def _dependencies(file: Path) -> list[str]:
         layer = Sdf.Layer.OpenAsAnonymous(str(file), metadataOnly=False)
     except Tf.ErrorException:
         return []
-    return list(layer.GetCompositionAssetDependencies()) if layer else []
+    return [path for path in layer.GetCompositionAssetDependencies() if path] if layer else []

@@ -195,3 +195,31 @@ def test_the_depth_is_the_least_way_out(seed: int) -> None:
     needed = (first @ directions.T).max(axis=0) - (second @ directions.T).min(axis=0)
     assert needed.min() >= depth - 1e-9
     assert penetration_depth(first, second + np.array([50.0, 0.0, 0.0])) == 0.0
+
+
+def test_instances_and_internal_references_are_followed(tmp_path: Path) -> None:
+    """Four wheels that are instances of one prototype, in centimetres and y-up: sound, and each has its collider."""
+    file = tmp_path / "car.usda"
+    stage = Usd.Stage.CreateNew(str(file))
+    UsdGeom.SetStageMetersPerUnit(stage, 0.01)
+    UsdGeom.SetStageUpAxis(stage, "Y")
+    tyre = UsdGeom.Cylinder.Define(stage, "/Parts/Wheel/tyre")
+    tyre.CreateRadiusAttr(10.0)
+    tyre.CreateHeightAttr(5.0)
+    UsdPhysics.CollisionAPI.Apply(tyre.GetPrim())
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/Car").GetPrim())
+    for number in range(4):
+        wheel = UsdGeom.Xform.Define(stage, f"/Car/wheel_{number}")
+        wheel.AddTranslateOp().Set((50.0 * number, 10.0, 0.0))
+        UsdPhysics.RigidBodyAPI.Apply(wheel.GetPrim())
+        UsdPhysics.MassAPI.Apply(wheel.GetPrim()).CreateMassAttr(2.0)
+        shape = stage.DefinePrim(f"/Car/wheel_{number}/shape", "Xform")
+        shape.GetReferences().AddInternalReference("/Parts/Wheel")
+        shape.SetInstanceable(True)
+    stage.GetRootLayer().Save()
+    assert {d.severity for d in gate(file)} == {"info"}
+    stage.GetPrimAtPath("/Car/wheel_2").GetAttribute("physics:mass").Set(2000.0)
+    UsdPhysics.RigidBodyAPI.Apply(tyre.GetPrim())
+    stage.GetRootLayer().Save()
+    found = {(d.code, d.where.prim) for d in gate(file)}
+    assert ("asset/gate-nested-body", "/Car/wheel_2/shape/tyre") in found

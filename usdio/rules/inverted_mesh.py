@@ -19,7 +19,7 @@ from usdio.subject.values import at
 CODE = "asset/gate-inverted-mesh"
 DIRECTIONS = 64
 LEAST_VOTES, LEAST_SHARE = 8, 0.2
-MOST_TRIANGLES = 300_000  # for the closedness test; the vote is cheap
+MOST_TRIANGLES, MOST_VOTERS = 300_000, 1_000_000  # for the closedness test, for the vote
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -30,6 +30,8 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     hold a positive volume.
     """
     surfaces = [s for s in subject.surfaces if len(s.triangles) and np.all(np.isfinite(s.points_W))]
+    if sum(len(s.triangles) for s in surfaces) > MOST_VOTERS:
+        return
     for surface, (votes, share) in zip(surfaces, _votes(surfaces), strict=True):
         outvoted = votes >= LEAST_VOTES and share < LEAST_SHARE
         if outvoted or (votes < LEAST_VOTES and _encloses_nothing(surface, surfaces)):
@@ -41,7 +43,6 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 bound=LEAST_SHARE,
                 severity=subject.suspect,
             )
-
     edges, released = subject.visible_edges, subject.recorded("geometry", "reobserved", "inconsistent_edges")
     if edges is not None and isinstance(released, int) and edges.inconsistent > 1.01 * released:
         headline, found = "neighbouring faces look to opposite sides", edges.inconsistent
@@ -53,37 +54,41 @@ def _votes(surfaces: list[Surface]) -> list[tuple[int, float]]:
     if not surfaces:
         return []
     directions = even_directions(DIRECTIONS)
-    heights = [s.points_W[np.unique(s.triangles)] @ directions.T for s in surfaces]
+    heights = [_heights(s, directions) for s in surfaces]
     reach = np.stack([height.max(axis=0) for height in heights])
     size = diagonal(np.concatenate([s.points_W for s in surfaces]))
     outermost = reach >= reach.max(axis=0) - 1e-6 * size
     outermost &= outermost.sum(axis=0) == 1  # Some modellers lay a reversed copy onto a sheet, to show both sides.
     found = []
     for surface, height, mine, top in zip(surfaces, heights, outermost, reach, strict=True):
-        chosen = np.flatnonzero(mine)
-        touching = height[:, chosen] >= top[chosen] - 1e-4 * size
-        looks = _looks(surface, touching, directions[chosen])
+        touching = height[:, mine] >= top[mine] - 1e-4 * size
+        looks = _looks(surface, touching, directions[mine])
         sure = looks[looks != 0.0]
         found.append((len(sure), float((sure > 0.0).mean()) if len(sure) else 1.0))
     return found
 
 
+def _heights(surface: Surface, directions: np.ndarray) -> np.ndarray:
+    """(n, k) how far each point lies along each direction; -inf for points without a face."""
+    used = np.zeros(len(surface.points_W), dtype=bool)
+    used[surface.triangles] = True
+    heights = surface.points_W @ directions.T
+    heights[~used] = -np.inf
+    return heights
+
+
 def _looks(surface: Surface, touching: np.ndarray, directions: np.ndarray) -> np.ndarray:
     """(k,) for each direction the area, seen along it, of the faces at the outermost points; 0 when they cancel.
 
-    touching  (n, k) which of the surface's used points are outermost in direction k.
+    touching  (n, k) which of the surface's points are outermost in direction k.
     """
-    used, local = np.unique(surface.triangles, return_inverse=True)
-    corners = local.reshape(-1)
-    order = np.argsort(corners, kind="stable")
-    first = np.searchsorted(corners[order], np.arange(len(used) + 1))
-    a, b, c = np.moveaxis(surface.points_W[surface.triangles], 1, 0)
+    at_top = np.asarray(touching.any(axis=1))
+    outer = surface.triangles[at_top[surface.triangles].any(axis=1)]
+    a, b, c = np.moveaxis(surface.points_W[outer], 1, 0)
     area = np.cross(b - a, c - a)
     looks = np.zeros(len(directions))
     for k, direction in enumerate(directions):
-        at_top = np.flatnonzero(touching[:, k])
-        faces = np.unique(np.concatenate([order[first[p] : first[p + 1]] for p in at_top]) // 3)
-        seen = area[faces] @ direction
+        seen = area[touching[:, k][outer].any(axis=1)] @ direction
         total = float(seen.sum())
         looks[k] = total if abs(total) > 0.2 * float(np.abs(seen).sum()) else 0.0
     return looks

@@ -37,7 +37,7 @@ def _named(subject: Subject) -> Iterator[tuple[Location, str, str]]:
     for layer in subject.stage.GetUsedLayers():
         if layer.anonymous:
             continue
-        for path in layer.GetCompositionAssetDependencies():
+        for path in filter(None, layer.GetCompositionAssetDependencies()):  # An internal reference names no file.
             where = Location(file=Path(layer.realPath).name)
             yield where, path, str(Ar.GetResolver().Resolve(Sdf.ComputeAssetPathRelativeToLayer(layer, path)))
     for attribute in subject.attributes:
