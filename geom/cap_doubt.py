@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from geom.loop_triangulation import carried_on, unit_normals
 from geom.openings import Opening
 from geom.surface_distance import triangle_areas
 from schemas.model import FloatArray, IntArray
@@ -14,6 +15,9 @@ from schemas.model import FloatArray, IntArray
 STEEP_COSINE = 0.5
 # One triangle, or two at most this much larger than the faces beyond the rim, are what was there: no point is missing.
 SAME_SIZE = 1.33
+# Flat sides are sought in caps of up to this many triangles; more are a curved surface.
+MOST_SIDES = 60
+CLEARLY_FLAT = 0.25
 _TINY = float(np.finfo(float).tiny)
 
 
@@ -28,10 +32,9 @@ class Doubt:
 def cap_doubt(points: FloatArray, triangles: IntArray, opening: Opening, cap: IntArray) -> Doubt:
     """How far the `cap` (k, 3) of an opening of the surface may lie from the piece that is missing.
 
-    The missing piece is modelled over the rim's mean plane: a quadric fitted to the rim and to the slopes of the faces
-    beyond it (least squares, sides weighted by length), plus what it misses of the rim, carried inwards with the
-    inverse squared distance. The doubt is the largest height between model and cap at the middles of the cap's
-    triangles and edges. A cap of one triangle, or of two like their neighbours, is exact.
+    A cap of one triangle, or of two like their neighbours, is exact. Otherwise the missing piece is modelled as smooth
+    (`_off_quadric`), or as flat sides that meet at edges (`_off_planes`) where these fit the cap four times better. The
+    doubt is the largest distance between model and cap, looked at in the middles of the cap's triangles and edges.
     """
     corners, beyond = points[cap], points[triangles[opening.faces]]
     centre = points[opening.points].mean(axis=0)
@@ -39,18 +42,43 @@ def cap_doubt(points: FloatArray, triangles: IntArray, opening: Opening, cap: In
     usual = float(areas @ areas) / max(float(areas.sum()), _TINY)  # Mean over area, not over faces.
     if len(cap) == 1 or (len(cap) == 2 and triangle_areas(corners).mean() <= SAME_SIZE * usual):
         return Doubt(0.0, centre)
+    inside = np.concatenate([corners.mean(axis=1), *(0.5 * (corners[:, k] + corners[:, k - 1]) for k in range(3))])
+    off = _off_quadric(points, beyond, opening, inside)
+    if len(cap) <= MOST_SIDES:
+        flat = _off_planes(points, beyond, opening, cap, inside)
+        off = flat if flat.max() < CLEARLY_FLAT * off.max() else off
+    return Doubt(float(off.max()), inside[off.argmax()])
+
+
+def _off_planes(
+    points: FloatArray, beyond: FloatArray, opening: Opening, cap: IntArray, inside: FloatArray
+) -> FloatArray:
+    """Distances of points (4 k, 3) of the cap from the planes that the faces beyond the rim carry on.
+
+    Each triangle of the cap belongs to the plane of the face it bends away from least, directly or through others.
+    """
+    normals = unit_normals(beyond)
+    own, _ = carried_on(points, normals, opening.points, cap)
+    own = np.tile(own, 4)
+    return np.abs(np.einsum("ij,ij->i", inside - beyond[own, 0], normals[own]))
+
+
+def _off_quadric(points: FloatArray, beyond: FloatArray, opening: Opening, inside: FloatArray) -> FloatArray:
+    """Heights of points (k, 3) of the cap over a smooth model of the missing piece.
+
+    Over the rim's mean plane: a quadric fitted to the rim and to the slopes of the faces beyond it (least squares,
+    sides weighted by length), plus what it misses of the rim, carried inwards with the inverse squared distance.
+    """
+    centre = points[opening.points].mean(axis=0)
     frame = _loop_frame(points[opening.points] - centre)
     size = float(np.linalg.norm(points[opening.points] - centre, axis=1).max())
     rim = (points[opening.points] - centre) @ frame.T / size
-    normals = np.cross(beyond[:, 1] - beyond[:, 0], beyond[:, 2] - beyond[:, 0]) @ frame.T
-    quadric = _fitted_quadric(rim, normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), _TINY))
-    inside = np.concatenate([corners.mean(axis=1), *(0.5 * (corners[:, k] + corners[:, k - 1]) for k in range(3))])
+    quadric = _fitted_quadric(rim, unit_normals(beyond) @ frame.T)
     seen = (inside - centre) @ frame.T / size
     missed = rim[:, 2] - _terms(rim) @ quadric
     closeness = 1.0 / np.maximum(((seen[:, None] - rim) ** 2).sum(axis=2), 1e-12)
     model = _terms(seen) @ quadric + (closeness @ missed) / closeness.sum(axis=1)
-    off = size * np.abs(model - seen[:, 2])
-    return Doubt(float(off.max()), inside[off.argmax()])
+    return size * np.abs(model - seen[:, 2])
 
 
 def _fitted_quadric(rim: FloatArray, normals: FloatArray) -> FloatArray:

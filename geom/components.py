@@ -93,17 +93,21 @@ def components_of(points: FloatArray, triangles: IntArray, edges: Edges | None =
     )
 
 
-def opposite_container(points: FloatArray, triangles: IntArray, parts: Components) -> IntArray:
+def opposite_container(
+    points: FloatArray, triangles: IntArray, parts: Components, volume: FloatArray | None = None
+) -> IntArray:
     """For each component (k,): the smallest closed component that contains it and is oppositely wound, or -1.
 
     This is what makes an inner shell a cavity: solid outside, turned-in inside. Containment is bounding box first, then
-    the winding number of up to eight of its points.
+    the winding number of up to eight of its points. `volume` (k,) are signed volumes, zero where a component encloses
+    none; by default those of the solid ones. A surface with small holes still winds about what is inside.
     """
+    volume = np.where(parts.solid, parts.volume, 0.0) if volume is None else volume
     parent = np.full(parts.count, -1, dtype=np.int64)
-    solids = np.flatnonzero(parts.solid)
-    for outer in solids[np.argsort(-np.abs(parts.volume[solids]), kind="stable")]:
+    solids = np.flatnonzero(volume)
+    for outer in solids[np.argsort(-np.abs(volume[solids]), kind="stable")]:
         inside_box = (parts.low[solids] > parts.low[outer]).all(1) & (parts.high[solids] < parts.high[outer]).all(1)
-        opposite = np.sign(parts.volume[solids]) == -np.sign(parts.volume[outer])
+        opposite = np.sign(volume[solids]) == -np.sign(volume[outer])
         candidates = solids[inside_box & opposite]
         if candidates.size == 0:
             continue

@@ -46,8 +46,8 @@ def reach(
     Branch and bound. The distance to one triangle is convex, so over a part it is largest at a corner; the distance to
     the surface is at most that to the triangle nearest to the part's centroid, and at most the centroid's distance plus
     the part's radius. Parts that may exceed the largest distance found by more than `tolerance` are quartered, until
-    none is left or the `budget` is spent. Deterministic. Source: Tang, Lee and Kim 2009, "Interactive Hausdorff distance
-    computation for general polygonal models". Raises ValueError when the surface has no area.
+    none is left or the `budget` is spent. Deterministic. Source: Tang, Lee and Kim 2009, "Interactive Hausdorff
+    distance computation for general polygonal models". Raises ValueError when the surface has no area.
     """
     parts = corners[triangle_areas(corners) > 0.0]
     if len(parts) == 0:

@@ -51,6 +51,39 @@ def triangulate_loop(rim: FloatArray, normals: FloatArray, forbidden: FloatArray
     return np.array(_triangles(apex, count))
 
 
+def carried_on(
+    points: FloatArray, normals: FloatArray, loop: IntArray, triangles: IntArray
+) -> tuple[IntArray, FloatArray]:
+    """For each of `triangles` (m, 3) over a loop: which face beyond the loop it carries on, and across which bend.
+
+    `normals` (n, 3) are those of the faces beyond the loop's sides. A triangle carries on the face that it bends away
+    from least, directly or through other triangles; the bend (m,) is the largest angle on that way, in radians.
+    """
+    rim = loop.tolist()
+    both = np.concatenate([normals, unit_normals(points[triangles])])
+    at: dict[frozenset[int], list[int]] = {
+        frozenset(s): [i] for i, s in enumerate(zip(rim, rim[1:] + rim[:1], strict=True))
+    }
+    for i, (a, b, c) in enumerate(triangles.tolist()):
+        for side in ((a, b), (b, c), (c, a)):
+            at.setdefault(frozenset(side), []).append(len(rim) + i)
+    links = [pair for pair in at.values() if len(pair) == 2]
+    bends = sorted((float(_angle(both[i], both[j])), i, j) for i, j in links)
+    source = np.append(np.arange(len(rim)), np.full(len(triangles), -1))
+    across = np.append(np.zeros(len(rim)), np.full(len(triangles), np.pi))
+    while found := next(((bend, i, j) for bend, i, j in bends if (source[i] < 0) != (source[j] < 0)), None):
+        bend, i, j = found
+        known, new = (j, i) if source[i] < 0 else (i, j)
+        source[new], across[new] = source[known], max(bend, across[known])
+    return np.maximum(source[len(rim) :], 0), across[len(rim) :]
+
+
+def unit_normals(corners: FloatArray) -> FloatArray:
+    """(m, 3) normals of triangles (m, 3, 3); zero where a triangle has no area."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+
+
 def _bending(rim: FloatArray, normal: FloatArray, beyond: FloatArray, a: IntArray, b: IntArray) -> FloatArray:
     return np.linalg.norm(rim[b] - rim[a], axis=2) * _angle(normal, beyond[a, b])
 

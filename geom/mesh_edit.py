@@ -99,6 +99,27 @@ def append_faces(mesh: Mesh, points: FloatArray, triangles: IntArray, mix: csr_a
     )
 
 
+def remix_faces(mesh: Mesh, triangles: IntArray, source: IntArray, weights: FloatArray) -> Mesh:
+    """`mesh` with other `triangles` (k, 3) over its points, cut out of its faces `source` (k,).
+
+    `weights` (k, 3, 3): the attributes of new corner i are the sum over j of weights[:, i, j] times those of corner j.
+    """
+
+    def mixed(values: FloatArray) -> FloatArray:
+        return np.einsum("kij,kjx->kix", weights, values[source].astype(np.float64))
+
+    normals = None if mesh.normals is None else mixed(mesh.normals)
+    if normals is not None:
+        normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), np.finfo(np.float32).tiny)
+    return replace(
+        mesh,
+        triangles=triangles.astype(np.int32),
+        normals=None if normals is None else normals.astype(np.float32),
+        uvs=tuple(mixed(uv).astype(uv.dtype) for uv in mesh.uvs),
+        colors=None if mesh.colors is None else mixed(mesh.colors).astype(mesh.colors.dtype),
+    )
+
+
 def merge_surfaces(meshes: Sequence[Mesh]) -> tuple[FloatArray, IntArray, IntArray]:
     """Points (n, 3), triangles (m, 3) and the mesh (m,) each triangle comes from; nothing is welded."""
     if not meshes:

@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from geom.components import Components
 from geom.edges import Edges
+from geom.loop_triangulation import carried_on, triangulate_loop, unit_normals
 from geom.surface_distance import triangle_areas
 from schemas.model import FloatArray, IntArray
 
@@ -19,15 +20,21 @@ OpeningKind = Literal["holes", "container", "sheet"]
 PINHOLE_SHARE = 0.02
 # Up to this share a loop is a hole when the surface around it lies in its plane (a gap in a wall) ...
 HOLE_SHARE = 0.25
+SLIT_SHARE = 2e-4
 # ... which is measured as the mean cosine between the loop's normal and the normals of the faces along it.
 FLUSH_COSINE = 0.5
 CRUMB_AREA_SHARE = 1e-3
 # One missing triangle is recognised by its three edges up to this share of the closed area.
 TRIANGLE_AREA_SHARE = 0.15
+COARSE_EDGES = 16
+SMOOTH_BEND_RAD = float(np.radians(30.0))
 # All holes together may make up this share of the closed area; beyond, too little of the surface is known.
 FILLED_AREA_SHARE = 0.3
-# Capped volume over closed area ** 1.5 (a ball has 0.094): below, the surface is a sheet without a cavity.
+# Capped volume over closed area ** 1.5 (a ball has 0.094): below, the surface is a sheet without a cavity ...
 SHEET_COMPACTNESS = 0.015
+# ... unless its openings are but this share of the closed area: then it is a thin-walled body, down to a card's volume.
+NEARLY_CLOSED_SHARE = 0.02
+CARD_COMPACTNESS = 5e-4
 # A container's capped volume is most of its hull; less is a folded sheet or a cut-open body.
 CONTAINER_HULL_SHARE = 0.7
 
@@ -70,12 +77,16 @@ class OpenBody:
 def judge_open_bodies(points: FloatArray, triangles: IntArray, edges: Edges, parts: Components) -> tuple[OpenBody, ...]:
     """A verdict on every component that has boundary edges, wound consistently beforehand.
 
-    holes      every loop is a hole and together they are at most 30 % of the closed area: filled. A loop is one if
+    holes      every loop is a hole and together they are at most 30 % of the closed area (at most 2 % when the body is
+               thin-walled, with a volume below 0.015 area ** 1.5): filled. A loop is one if
                (a) it has three edges and at most 15 % of the closed area, or
-               (b) it spans at most 2 % of the component's cross-section parallel to it, or
+               (b) it spans at most 2 % of the component's cross-section parallel to it (in a thin-walled body also only
+                   0.02 % of the closed area: the end of a wire is no hole), or
                (c) it spans at most 25 % and lies flush in the surface: the faces along it look, on average, less than
                    60 degrees away from the loop's normal. A scan's open base patches are such; the neck of a bottle
-                   is not, because its wall stands upright on the loop.
+                   is not, because its wall stands upright on the loop; or
+               (d) it has at most 16 edges and 15 % of the closed area, and its cap carries on the faces around it
+                   without a bend of 30 degrees: missing sides of a coarse model.
     container  not `holes`, and capping every loop would enclose at least 70 % of the hull and a volume of at least
                0.015 area ** 1.5: there is a deep interior, and a mouth that belongs to the shape. Never to be filled.
     sheet      the rest: cards, planes, cloth, boards. Nothing to fill. Components with less than 0.1 % of the whole
@@ -155,18 +166,34 @@ def _judge(points: FloatArray, triangles: IntArray, edges: Edges, faces: IntArra
     looped = sum(len(o.points) for o in openings)
     complete = looped == int((edges.uses[edges.of_face[faces]] == 1).sum())
     kind: OpeningKind = "sheet"
-    if complete and abs(volume) >= SHEET_COMPACTNESS * closed_area**1.5:
-        if closed_area - area <= FILLED_AREA_SHARE * closed_area and all(_is_hole(o, closed_area) for o in openings):
+    nearly_closed = closed_area - area <= NEARLY_CLOSED_SHARE * closed_area
+    compact = abs(volume) >= SHEET_COMPACTNESS * closed_area**1.5
+    if complete and (compact or (nearly_closed and abs(volume) >= CARD_COMPACTNESS * closed_area**1.5)):
+        few = closed_area - area <= FILLED_AREA_SHARE * closed_area
+        if few and all(
+            _is_hole(o, closed_area, compact) or _carries_on(o, points, triangles, closed_area) for o in openings
+        ):
             kind = "holes"
-        elif abs(volume) >= CONTAINER_HULL_SHARE * _hull_volume(outline):
+        elif compact and abs(volume) >= CONTAINER_HULL_SHARE * _hull_volume(outline):
             kind = "container"
     return OpenBody(kind, faces, openings, complete, area, volume)
 
 
-def _is_hole(opening: Opening, closed_area: float) -> bool:
+def _is_hole(opening: Opening, closed_area: float, compact: bool) -> bool:
     one_triangle = len(opening.points) == 3 and opening.area <= TRIANGLE_AREA_SHARE * closed_area
     flush = opening.section_share <= HOLE_SHARE and opening.flush_cosine >= FLUSH_COSINE
-    return one_triangle or flush or opening.section_share <= PINHOLE_SHARE
+    pinhole = opening.section_share <= PINHOLE_SHARE and (compact or opening.area <= SLIT_SHARE * closed_area)
+    return one_triangle or flush or pinhole
+
+
+def _carries_on(opening: Opening, points: FloatArray, triangles: IntArray, closed_area: float) -> bool:
+    if len(opening.points) > COARSE_EDGES or opening.area > TRIANGLE_AREA_SHARE * closed_area:
+        return False
+    rim, normals = points[opening.points], unit_normals(points[triangles[opening.faces]])
+    cap = triangulate_loop(rim, normals, np.zeros((len(rim), len(rim)), dtype=bool))
+    if cap is None:
+        return False
+    return bool((carried_on(rim, normals, np.arange(len(rim)), cap)[1] < SMOOTH_BEND_RAD).all())
 
 
 def _measure(points: FloatArray, triangles: IntArray, outline: FloatArray, loop: tuple[IntArray, IntArray]) -> Opening:

@@ -6,7 +6,7 @@ import numpy as np
 
 from geom.components import components_of
 from geom.duplicate_shells import has_reverse, later_copies, oriented_keys
-from geom.edges import edges_of, face_components
+from geom.edges import Edges, edges_of, face_components
 from geom.mesh_edit import keep_faces
 from geom.surface_distance import triangle_areas
 from geom.topology import degenerate_faces, duplicate_faces, repeats_point
@@ -26,8 +26,9 @@ def drop_surplus_faces(mesh: Mesh) -> tuple[Mesh, Figures]:
 
     A face that repeats a point always goes. A flat one with three points goes only if it lies on an edge that has not
     exactly two faces: otherwise removing it would open a crack (a T-junction closed by a sliver). A copy with the same
-    winding goes. A copy with the opposite winding goes only where it makes the number of faces at an edge odd:
-    even numbers are back faces drawn for double-sided rendering, or two bodies in contact. A flap (faces and their
+    winding goes. A copy with the opposite winding goes only where it makes the number of faces at an edge odd, or where
+    without it and its neighbours of that kind every edge there has two faces: the others are back faces drawn for
+    double-sided rendering, or two bodies in contact. A flap (faces and their
     reverses folded onto each other that hang on a crowded edge, as scanners leave them) goes with both sides.
     Figures: `degenerate_faces` and `duplicate_faces` removed.
     """
@@ -107,7 +108,26 @@ def _odd_copies(triangles: IntArray) -> FloatArray:
         return later
     edges = edges_of(triangles)
     uses = edges.uses[edges.of_face]
-    return later & ((uses > 2) & (uses % 2 == 1)).all(axis=1)
+    return later & (((uses > 2) & (uses % 2 == 1)).all(axis=1) | _surplus_sheets(later, edges))
+
+
+def _surplus_sheets(later: FloatArray, edges: Edges) -> FloatArray:
+    """(m,) True for later copies in sheets without which every edge of theirs has exactly two faces.
+
+    Neighbouring copies share edges with an even number of faces. A body that touches another has its own faces beside
+    the copy, a double-sided sheet ends where its copy ends: they keep theirs. Components with most of their faces drawn
+    twice are double-sided on purpose.
+    """
+    copies = np.flatnonzero(later)
+    of_copies = edges.of_face[copies]
+    own = np.bincount(of_copies.reshape(-1), minlength=len(edges.uses))
+    _, sheet = face_components(edges, own > 0)
+    mends = ((edges.uses - own)[of_copies] == 2).all(axis=1)
+    whole = np.ones(sheet.max() + 1, dtype=bool)
+    np.logical_and.at(whole, sheet[copies], mends)
+    _, label = face_components(edges)
+    double_sided = np.bincount(label, later) >= 0.5 * DOUBLE_SIDED_SHARE * np.bincount(label)
+    return later & whole[sheet] & ~double_sided[label]
 
 
 def _folded_flaps(points: FloatArray, triangles: IntArray) -> FloatArray:

@@ -13,7 +13,7 @@ from geom.cap_doubt import Doubt, cap_doubt
 from geom.corner_normals import corner_normals
 from geom.edges import edges_of
 from geom.fair_patch import fair_patch
-from geom.loop_triangulation import MOST_POINTS, triangulate_loop
+from geom.loop_triangulation import MOST_POINTS, triangulate_loop, unit_normals
 from geom.mesh_edit import append_faces
 from geom.openings import Opening
 from geom.surface_distance import triangle_areas
@@ -109,14 +109,15 @@ def caps_of(
         return points, ()
     base = len(points)
     present = edges_of(triangles).points @ np.array([base, 1])  # Sorted, because the edges are.
-    corners = points[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
     caps: list[IntArray] = []
     for i, opening in enumerate(openings):
         index = opening.points.astype(np.int64)
         rim, taken = points[index], _taken_chords(index, base, present)
-        local = triangulate_loop(rim, normals[opening.faces], taken) if len(rim) <= MOST_POINTS else _ears(rim, taken)
+        local = (
+            triangulate_loop(rim, unit_normals(points[triangles[opening.faces]]), taken)
+            if len(rim) <= MOST_POINTS
+            else _ears(rim, taken)
+        )
         caps.append(_fan(index, base + i) if local is None else index[local])
     keys, uses = np.unique(np.concatenate([_edge_keys(cap, base) for cap in caps]), return_counts=True)
     clash = keys[uses > 2]  # Two loops that share two points may both have joined them.

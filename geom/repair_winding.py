@@ -40,15 +40,19 @@ def outward_flips(points: FloatArray, triangles: IntArray) -> FloatArray:
     turned = _turned(triangles, flips)
     agreed = edges_of(turned)
     parts = components_of(points, turned, agreed)
-    parent = opposite_container(points, turned, parts)
-    outward = parts.turned_in & (parent < 0)
-    for part in np.argsort(-parts.extent, kind="stable"):  # Containers come before what they contain.
-        outward[part] |= parent[part] >= 0 and outward[parent[part]]
+    volume = np.where(parts.solid, parts.volume, 0.0)
+    outward = parts.turned_in
     nearly_closed = np.zeros(parts.count, dtype=bool)
     for body in judge_open_bodies(points, turned, agreed, parts):
-        part = parts.label[body.faces[0]]
-        nearly_closed[part] = body.kind == "holes"
-        outward[part] = body.kind == "holes" and body.capped_volume < 0.0
+        if body.kind == "holes":
+            part = parts.label[body.faces[0]]
+            nearly_closed[part] = True
+            volume[part] = body.capped_volume
+            outward[part] = body.capped_volume < 0.0
+    parent = opposite_container(points, turned, parts, volume)
+    outward &= parent < 0
+    for part in np.argsort(-parts.extent, kind="stable"):  # Containers come before what they contain.
+        outward[part] |= parent[part] >= 0 and outward[parent[part]]
     keep = _solid_or(parts, nearly_closed)
     return (flips ^ outward[parts.label]) & keep[parts.label]
 

@@ -75,7 +75,7 @@ def _links(scene: Any, nodes: FloatArray, shape: IntArray, cell: float) -> list[
 
 
 def _flooded(clear: FloatArray, off: FloatArray, free: list[FloatArray]) -> FloatArray:
-    """The nodes reached from the grid's corner through `clear` nodes, then along `free` links through those `off` it."""
+    """The nodes reached from a corner of the grid through `clear` nodes, then by `free` links between those `off`."""
     label, _ = ndimage.label(clear)
     outside, near = label == label[0, 0, 0], off & ~clear
     for _ in range(APPROACH_STEPS):

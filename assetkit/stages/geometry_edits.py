@@ -20,6 +20,7 @@ from geom.duplicate_shells import has_reverse
 from geom.edges import edges_of
 from geom.hausdorff import reach
 from geom.mesh_edit import facing, keep_faces, merge_surfaces, turn_normals
+from geom.repair_cracks import stitch_t_junctions
 from geom.repair_edges import split_touching_edges
 from geom.repair_faces import drop_fins, drop_surplus_faces, fin_faces, true_degenerates
 from geom.repair_shells import drop_duplicate_shells
@@ -129,6 +130,19 @@ def _touching_edges(item: Item) -> Edit:
     return Edit(split, {"touching_edges": crowded[0]}, {"touching_edges": crowded[1]})
 
 
+def _t_junctions(item: Item) -> Edit:
+    """Cracks beside points that lie on the side of a face. Nothing moves; the faces there are split."""
+    stitched, figures = stitch_t_junctions(item.mesh)
+    if not figures["t_junctions"]:
+        return Edit(item.mesh)
+    boundary = [int((edges_of(m.triangles).uses == 1).sum()) for m in (item.mesh, stitched)]
+    return Edit(
+        stitched,
+        {"t_junctions": figures["t_junctions"], "boundary_edges": boundary[0]},
+        {"t_junctions": 0, "boundary_edges": boundary[1]},
+    )
+
+
 def _bow_ties(item: Item) -> Edit:
     """Solids that touch in a point alone; every fan then gets its own point."""
     touching = touching_points(item.mesh.points, item.mesh.triangles)
@@ -219,5 +233,6 @@ EDITS: tuple[Step, ...] = (
         "points where solids touch were split",
         _each(_bow_ties),
     ),
+    Step("crack_stitch", "asset/small-holes", "cracks beside T-junctions were closed", _each(_t_junctions)),
     Step("hole_fill", "asset/small-holes", "holes in a nearly closed surface were filled", _each(fill_holes)),
 )

@@ -13,11 +13,12 @@ from geom.edges import edges_of
 from geom.openings import OpenBody, Opening, judge_open_bodies
 from geom.repair_holes import fill_openings
 from geom.surface_distance import NearestOnSurface, triangle_areas
-from geom.weld import weld
+from geom.weld import diagonal, weld
 from schemas.model import FloatArray, IntArray, Mesh
 
-# A loop this thin (area over squared perimeter; a circle has 0.08) is a T-junction, not a hole.
-CRACK_THINNESS = 2e-3
+# A loop this thin (area over squared perimeter; a circle has 0.08) and this narrow (mean width over the diagonal) is a
+# T-junction, not a hole.
+CRACK_THINNESS, CRACK_WIDTH = 2e-3, 1e-3
 # An eye in its socket, a dial in its housing: gap between the rim and the other part, over the hole's mean radius.
 FITTED_GAP = 0.1
 
@@ -80,7 +81,8 @@ class _Part:
 def _is_crack(opening: Opening, mesh: Mesh) -> bool:
     rim = mesh.points[opening.points]
     perimeter = float(np.linalg.norm(np.roll(rim, -1, axis=0) - rim, axis=1).sum())
-    return opening.area < CRACK_THINNESS * perimeter**2
+    narrow = 2.0 * opening.area < CRACK_WIDTH * diagonal(mesh.points) * perimeter
+    return narrow and opening.area < CRACK_THINNESS * perimeter**2
 
 
 def _is_fitted(opening: Opening, mesh: Mesh, around: Sequence[_Part]) -> bool:
