@@ -135,7 +135,10 @@ def variants() -> dict[str, PackageContent]:
     ball = replace(ball, points=ball.points + np.array([0.0, 0.0, 0.05]))
     names = ["same", "same", "Same", "1st", "größe", "机器", "", "a/b.c d", "collider_00"]
     row = [box_mesh(name=name, shift=(0.2 * i - 0.8, 0.0, 0.0)) for i, name in enumerate(names)]
-    many = [box_mesh((0.01, 0.01, 0.01), f"part {i}", (0.02 * (i % 10) - 0.09, 0.02 * (i // 10) - 0.09, 0.0)) for i in range(100)]
+    many = [
+        box_mesh((0.01, 0.01, 0.01), f"part {i}", (0.02 * (i % 10) - 0.09, 0.02 * (i // 10) - 0.09, 0.0))
+        for i in range(100)
+    ]
     shapes = (
         CollisionShape("box", (0.1, 0.08, 0.06), at(0.03)),
         CollisionShape("sphere", (0.03,), at(0.03)),
