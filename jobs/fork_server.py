@@ -18,7 +18,8 @@ import signal
 import socket
 import sys
 import traceback
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
@@ -39,7 +40,8 @@ class _Cell:
 def main(preload: str, requests_fd: int, client_fd: int) -> None:
     """Serve until standard input ends."""
     gc.disable()  # While modules load, next to nothing is garbage, and looking for it takes a sixth of the time.
-    importlib.import_module(preload)
+    with _one_core():
+        importlib.import_module(preload)
     gc.enable()
     threads = len(os.listdir("/proc/self/task"))
     if threads != 1:
@@ -75,6 +77,17 @@ def main(preload: str, requests_fd: int, client_fd: int) -> None:
                 _kill(key.data.pid)
             else:
                 _bury(key.data, selector)
+
+
+@contextmanager
+def _one_core() -> Iterator[None]:
+    """Within it, libraries that size their thread pools by the cores they may use (TBB) settle for a single thread."""
+    allowed = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(allowed)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, allowed)
 
 
 def _bury(cell: _Cell, selector: selectors.BaseSelector) -> None:

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 from pathlib import Path
+
+import pytest
 
 from assetkit.discover import discover
 from assetkit.ingest import Batch, ingest
@@ -11,12 +15,29 @@ from assetkit.options import Options
 from cli.assets import PRELOAD, WORKER
 from geom.gprims import cylinder
 from jobs import warm
+from jobs.cell import Limits
 from schemas.outcome import ItemOutcome
 from schemas.report import ReportItem
 
 
 def files(package: Path) -> dict[str, bytes]:
     return {p.relative_to(package).as_posix(): p.read_bytes() for p in package.rglob("*") if p.is_file()}
+
+
+THREADS = """
+import os
+from manifold3d import Manifold
+Manifold.sphere(1.0, 200).hull().to_mesh()
+print(len(os.listdir("/proc/self/task")))
+"""
+
+
+def test_libraries_of_a_warm_cell_keep_to_one_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "count_threads.py").write_text(THREADS)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), *sys.path]))
+    with warm.warm_cells(PRELOAD, env={"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1"}):
+        result = warm.run_module("count_threads", [], Limits(60.0, 8192))
+    assert (result.status, result.output.strip()) == ("ok", "1")
 
 
 def test_warm_and_cold_packages_are_equal(tmp_path: Path):

@@ -15,7 +15,7 @@ import pytest
 from jobs.cell import Limits, allow_cells, kill_all_cells, peak_memory_mb
 from jobs.warm import run_module, warm_cells
 
-PRELOAD = "import os, threading\nhome = os.getpid()\ntouched = []\n"
+PRELOAD = "import os\nhome, touched, cores = os.getpid(), [], len(os.sched_getaffinity(0))\n"
 WORKER = """
 import os, subprocess, sys, time
 import loaded_before
@@ -25,6 +25,7 @@ what, *rest = sys.argv[1:]
 if what == 'say': print(*rest)
 if what == 'home': print(loaded_before.home, os.getppid())
 if what == 'touch': loaded_before.touched.append(1); print(len(loaded_before.touched))
+if what == 'cores': print(loaded_before.cores, len(os.sched_getaffinity(0)))
 if what == 'env': print(os.environ.get(rest[0]))
 if what == 'abort': os.abort()
 if what == 'exit': raise SystemExit(rest[0])
@@ -71,6 +72,11 @@ def test_nothing_passes_from_one_cell_to_the_next():
         assert [run("touch").output for _ in range(2)] == ["1\n", "1\n"]
         assert run("env", "COLOUR", env={"COLOUR": "red"}).output == "red\n"
         assert run("env", "COLOUR").output == "None\n"
+
+
+def test_thread_pools_made_while_preloading_see_one_core_and_cells_see_all():
+    with warm_cells("loaded_before"):
+        assert run("cores").output.split() == ["1", str(len(os.sched_getaffinity(0)))]
 
 
 def test_endings_are_told_apart():
