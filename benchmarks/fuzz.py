@@ -10,7 +10,6 @@ OUT_DIR. `--full` takes the cases that the readers accept through the whole pipe
 from __future__ import annotations
 
 import argparse
-import contextlib
 import json
 import os
 import shutil
@@ -22,16 +21,16 @@ from pathlib import Path
 from random import Random
 
 from assetkit.discover import MESH_FORMATS, discover
-from assetkit.ingest import Batch, ingest
+from assetkit.ingest import LOST_CODES, Batch, ingest
 from assetkit.options import Options
 from benchmarks.mutations import mutate
-from cli.assets import WORKER
 from jobs.cell import Limits
 from jobs.warm import run_module, warm_cells
 
 LIMITS = Limits(seconds=30.0, memory_mb=8192)
 FULL_LIMITS = Limits(seconds=240.0, memory_mb=8192)
 MAX_SEED_BYTES = 120_000
+BUGS = {"asset/internal-error", "asset/package-invalid", *LOST_CODES.values()}
 _NAMES = ("part", "Ünï cödé", "with space", "x" * 200, "a'b", "semi;colon", "#1 %20", "..dots", "-rf", "new\nline")
 
 
@@ -136,34 +135,39 @@ def main() -> None:
     parser.add_argument("--format", default="", help="only seeds of this format")
     parser.add_argument("--full", action="store_true", help="whole pipeline for what the readers accept")
     arguments = parser.parse_args()
-    seeds = [s for s in seeds_in(arguments.seeds) if arguments.format in ("", s.format)]
     by_format: dict[str, list[Seed]] = defaultdict(list)
-    for seed in seeds:
-        by_format[seed.format].append(seed)
+    for seed in seeds_in(arguments.seeds):
+        if arguments.format in ("", seed.format):
+            by_format[seed.format].append(seed)
     print({f: len(s) for f, s in by_format.items()})
     arguments.out.mkdir(parents=True, exist_ok=True)
     started = time.monotonic()
     codes: dict[str, Counter[str]] = defaultdict(Counter)
     ends: dict[str, Counter[str]] = defaultdict(Counter)
+    accepted: dict[str, str] = {}
     environment = {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(Path(__file__).parents[1])}
     os.environ.update(environment)
-    with contextlib.nullcontext() if arguments.full else warm_cells("assetkit.pipeline", env=environment):
+    with warm_cells("assetkit.pipeline", env=environment):
         for number in range(arguments.start, arguments.start + arguments.count):
             rng = Random(f"{arguments.seed}:{number}")
             seed = rng.choice(by_format[rng.choice(sorted(by_format))])
             folder = arguments.out / f"case_{number}"
             shutil.rmtree(folder, ignore_errors=True)
             file, done = make_case(rng, seed, folder)
-            end, note, trace = (run_full if arguments.full else run_one)(folder, file)
+            end, note, trace = run_one(folder, file)
             ends[seed.format][end] += 1
             codes[seed.format].update(note.get("codes", []))
             if end.startswith("BUG"):
                 print(f"{number} {end} {seed.file.name} [{done}] {note.get('broken', '')} {trace[-600:]}", flush=True)
+            elif end == "value" and arguments.full:
+                accepted[str(file)] = f"{number} {seed.file.name} [{done}]"
             else:
                 shutil.rmtree(folder, ignore_errors=True)
     print(f"{sum(map(Counter.total, ends.values()))} cases in {time.monotonic() - started:.0f} s")
     for name in sorted(ends):
-        print(name, dict(ends[name].most_common()), dict(codes[name].most_common()))
+        print(name, dict(ends[name].most_common()), dict(codes[name].most_common()), flush=True)
+    if arguments.full:
+        run_full(accepted)
 
 
 def run_one(folder: Path, file: Path) -> tuple[str, dict, str]:
@@ -182,21 +186,20 @@ def run_one(folder: Path, file: Path) -> tuple[str, dict, str]:
     return ("value" if note["made"] else "refused"), note, ""
 
 
-def run_full(folder: Path, file: Path) -> tuple[str, dict, str]:
-    """As `run_one`, then the whole pipeline where a value came back."""
-    end, note, trace = run_one(folder, file)
-    if end != "value":
-        return end, note, trace
+def run_full(accepted: dict[str, str]) -> None:
+    """Take the files of `accepted` (path -> what was done) through the whole pipeline; prints outcomes and bugs."""
+    ends: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as out:
-        batch = Batch(out=Path(out), options=Options(), worker=WORKER, limits=FULL_LIMITS, fresh=True)
-        [item] = ingest(discover([file]), batch)
-    odd = {"asset/internal-error", "asset/worker-crashed", "asset/worker-timeout", "asset/worker-out-of-memory"}
-    bug = "BUG " if odd & set(item.codes) or "asset/package-invalid" in item.codes else ""
-    return (
-        f"{bug}full {item.outcome.value}",
-        {"codes": item.codes},
-        item.traceback + str(item.diagnostics if bug else ""),
-    )
+        candidates = discover([Path(file) for file in accepted])
+        limits, worker = FULL_LIMITS, "cli.cell"
+        batch = Batch(Path(out), Options(), worker, preload="cli.preload", limits=limits, fresh=True)
+        for item in ingest(candidates, batch):
+            bugs = BUGS & set(item.codes)
+            ends[f"{item.outcome.value}{' BUG' if bugs else ''}"] += 1
+            if bugs:
+                headlines = [d.headline for d in item.diagnostics if d.code in bugs]
+                print(accepted.get(item.source), sorted(bugs), headlines, item.traceback[-600:], flush=True)
+    print("whole pipeline", dict(ends))
 
 
 if __name__ == "__main__":
