@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from geom.edges import edges_of
 from geom.loop_triangulation import carried_on, unit_normals
 from geom.openings import Opening
 from geom.surface_distance import triangle_areas
@@ -13,8 +14,9 @@ from schemas.model import FloatArray, IntArray
 
 # A face steeper than this against the cap is a side of the design: it tells nothing about the piece between.
 STEEP_COSINE = 0.5
-# One triangle, or two at most this much larger than the faces beyond the rim, are what was there: no point is missing.
-SAME_SIZE = 1.33
+# Of so few triangles, not much larger than the largest face beyond the rim, a cap can be what was there.
+FEW_TRIANGLES, SAME_SIZE = 8, 1.33
+CREASE_RAD, MINUTE_RAD = float(np.radians(60.0)), float(np.radians(0.5))
 # Flat sides are sought in caps of up to this many triangles; more are a curved surface.
 MOST_SIDES = 60
 CLEARLY_FLAT = 0.25
@@ -29,18 +31,18 @@ class Doubt:
     at: FloatArray
 
 
-def cap_doubt(points: FloatArray, triangles: IntArray, opening: Opening, cap: IntArray) -> Doubt:
+def cap_doubt(points: FloatArray, triangles: IntArray, opening: Opening, cap: IntArray, around: IntArray) -> Doubt:
     """How far the `cap` (k, 3) of an opening of the surface may lie from the piece that is missing.
 
-    A cap of one triangle, or of two like their neighbours, is exact. Otherwise the missing piece is modelled as smooth
-    (`_off_quadric`), or as flat sides that meet at edges (`_off_planes`) where these fit the cap four times better. The
-    doubt is the largest distance between model and cap, looked at in the middles of the cap's triangles and edges.
+    `around` (f, 3) are the faces near the rim. A cap of one triangle is exact, and so is a small one that looks like
+    its neighbourhood (`_looks_alike`): no point of the surface is missing there. Otherwise the missing piece is
+    modelled as smooth (`_off_quadric`), or as flat sides that meet at edges (`_off_planes`) where these fit the cap
+    four times better. The doubt is the largest distance between model and cap, looked at in the middles of the cap's
+    triangles and edges.
     """
     corners, beyond = points[cap], points[triangles[opening.faces]]
     centre = points[opening.points].mean(axis=0)
-    areas = triangle_areas(beyond)
-    usual = float(areas @ areas) / max(float(areas.sum()), _TINY)  # Mean over area, not over faces.
-    if len(cap) == 1 or (len(cap) == 2 and triangle_areas(corners).mean() <= SAME_SIZE * usual):
+    if len(cap) == 1 or (len(cap) <= FEW_TRIANGLES and _looks_alike(points, beyond, opening, cap, around)):
         return Doubt(0.0, centre)
     inside = np.concatenate([corners.mean(axis=1), *(0.5 * (corners[:, k] + corners[:, k - 1]) for k in range(3))])
     off = _off_quadric(points, beyond, opening, inside)
@@ -48,6 +50,22 @@ def cap_doubt(points: FloatArray, triangles: IntArray, opening: Opening, cap: In
         flat = _off_planes(points, beyond, opening, cap, inside)
         off = flat if flat.max() < CLEARLY_FLAT * off.max() else off
     return Doubt(float(off.max()), inside[off.argmax()])
+
+
+def _looks_alike(points: FloatArray, beyond: FloatArray, opening: Opening, cap: IntArray, around: IntArray) -> bool:
+    """True iff the triangles of the cap are as large as the faces beyond and bend no more than these among each other.
+
+    Bends of 60 degrees and more are edges of the design and no measure.
+    """
+    if triangle_areas(points[cap]).mean() > SAME_SIZE * triangle_areas(beyond).max():
+        return False
+    edges, normals = edges_of(around), unit_normals(points[around])
+    pairs = np.argsort(edges.of_face.reshape(-1), kind="stable")
+    first = (np.cumsum(edges.uses) - edges.uses)[edges.uses == 2]
+    cosines = np.einsum("ij,ij->i", normals[pairs[first] // 3], normals[pairs[first + 1] // 3])
+    bends = np.arccos(np.clip(cosines, -1.0, 1.0))
+    most = bends[bends < CREASE_RAD].max(initial=0.0)
+    return bool(carried_on(points, unit_normals(beyond), opening.points, cap)[1].max() <= 1.1 * most + MINUTE_RAD)
 
 
 def _off_planes(

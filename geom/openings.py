@@ -26,14 +26,14 @@ FLUSH_COSINE = 0.5
 CRUMB_AREA_SHARE = 1e-3
 # One missing triangle is recognised by its three edges up to this share of the closed area.
 TRIANGLE_AREA_SHARE = 0.15
-COARSE_EDGES = 16
+COARSE_EDGES, COARSE_AREA_SHARE = 10, 0.25
 SMOOTH_BEND_RAD = float(np.radians(30.0))
 # All holes together may make up this share of the closed area; beyond, too little of the surface is known.
 FILLED_AREA_SHARE = 0.3
 # Capped volume over closed area ** 1.5 (a ball has 0.094): below, the surface is a sheet without a cavity ...
 SHEET_COMPACTNESS = 0.015
 # ... unless its openings are but this share of the closed area: then it is a thin-walled body, down to a card's volume.
-NEARLY_CLOSED_SHARE = 0.02
+NEARLY_CLOSED_SHARE = 0.1
 CARD_COMPACTNESS = 5e-4
 # A container's capped volume is most of its hull; less is a folded sheet or a cut-open body.
 CONTAINER_HULL_SHARE = 0.7
@@ -77,7 +77,7 @@ class OpenBody:
 def judge_open_bodies(points: FloatArray, triangles: IntArray, edges: Edges, parts: Components) -> tuple[OpenBody, ...]:
     """A verdict on every component that has boundary edges, wound consistently beforehand.
 
-    holes      every loop is a hole and together they are at most 30 % of the closed area (at most 2 % when the body is
+    holes      every loop is a hole and together they are at most 30 % of the closed area (at most 10 % when the body is
                thin-walled, with a volume below 0.015 area ** 1.5): filled. A loop is one if
                (a) it has three edges and at most 15 % of the closed area, or
                (b) it spans at most 2 % of the component's cross-section parallel to it (in a thin-walled body also only
@@ -85,7 +85,7 @@ def judge_open_bodies(points: FloatArray, triangles: IntArray, edges: Edges, par
                (c) it spans at most 25 % and lies flush in the surface: the faces along it look, on average, less than
                    60 degrees away from the loop's normal. A scan's open base patches are such; the neck of a bottle
                    is not, because its wall stands upright on the loop; or
-               (d) it has at most 16 edges and 15 % of the closed area, and its cap carries on the faces around it
+               (d) it has at most 10 edges and 25 % of the closed area, and its cap carries on the faces around it
                    without a bend of 30 degrees: missing sides of a coarse model.
     container  not `holes`, and capping every loop would enclose at least 70 % of the hull and a volume of at least
                0.015 area ** 1.5: there is a deep interior, and a mouth that belongs to the shape. Never to be filled.
@@ -187,7 +187,7 @@ def _is_hole(opening: Opening, closed_area: float, compact: bool) -> bool:
 
 
 def _carries_on(opening: Opening, points: FloatArray, triangles: IntArray, closed_area: float) -> bool:
-    if len(opening.points) > COARSE_EDGES or opening.area > TRIANGLE_AREA_SHARE * closed_area:
+    if len(opening.points) > COARSE_EDGES or opening.area > COARSE_AREA_SHARE * closed_area:
         return False
     rim, normals = points[opening.points], unit_normals(points[triangles[opening.faces]])
     cap = triangulate_loop(rim, normals, np.zeros((len(rim), len(rim)), dtype=bool))

@@ -34,14 +34,16 @@ def fill_openings(mesh: Mesh, openings: Sequence[Opening]) -> tuple[Mesh, Figure
     """
     points, flat = caps_of(mesh.points, mesh.triangles, openings)
     bound = FLAT_ENOUGH * diagonal(mesh.points)
-    near = mesh.triangles[np.isin(mesh.triangles, np.concatenate([[-1], *(o.points for o in openings)])).any(axis=1)]
+    near = _touching(mesh.triangles, np.concatenate([[-1], *(o.points for o in openings)]))
+    wide = _touching(mesh.triangles, near)
     caps, doubts, bent = [], [], []
     for opening, cap in zip(openings, flat, strict=True):
-        doubt, added = cap_doubt(points, mesh.triangles, opening, cap), np.zeros((0, 3))
+        around = _touching(near, opening.points)
+        neighbours = _touching(wide, around)
+        doubt, added = cap_doubt(points, mesh.triangles, opening, cap, neighbours), np.zeros((0, 3))
         if doubt.length > bound:
-            around = near[np.isin(near, opening.points).any(axis=1)]
             new, patch = fair_patch(points, around, cap)
-            better = cap_doubt(np.concatenate([points, new]), mesh.triangles, opening, patch)
+            better = cap_doubt(np.concatenate([points, new]), mesh.triangles, opening, patch, neighbours)
             if better.length < doubt.length:
                 doubt, cap, added = better, patch, new
         points = np.concatenate([points, added])
@@ -53,6 +55,11 @@ def fill_openings(mesh: Mesh, openings: Sequence[Opening]) -> tuple[Mesh, Figure
     figures: Figures = {"holes": len(openings), "filled_area": float(triangle_areas(points[new]).sum())}
     smooth = np.repeat(bent, [len(cap) for cap in caps]) if caps else np.zeros(0, dtype=bool)
     return _with_smooth_patches(filled, near, len(mesh.triangles) + np.flatnonzero(smooth)), figures, tuple(doubts)
+
+
+def _touching(triangles: IntArray, points: IntArray) -> IntArray:
+    """Those of `triangles` (m, 3) that have one of `points` as a corner."""
+    return triangles[np.isin(triangles, points).any(axis=1)]
 
 
 def _attribute_mix(mesh: Mesh, points: FloatArray, openings: Sequence[Opening], caps: Sequence[IntArray]) -> csr_array:
