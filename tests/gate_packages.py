@@ -90,6 +90,8 @@ def _record(content: PackageContent) -> dict:
             "density_kgm3": {"value": content.density_kgm3},
             "centre_of_mass_m": {"value": content.mass.centre_of_mass_m.tolist()},
             "inertia_kgm2": {"value": content.mass.inertia_kgm2.tolist()},
+            "collision_method": "hull",
+            "candidates": [{"method": "hull", "shapes": len(content.shapes)}],
             "contacts": [{"value": content.contact.model_dump(mode="json")}],
         },
     }

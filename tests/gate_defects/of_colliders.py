@@ -22,6 +22,7 @@ from tests.gate_defects.edits import (
     both,
     cabinet,
     each_collider,
+    on_prim,
     place,
     points,
     prop,
@@ -62,6 +63,7 @@ DEFECTS: tuple[Defect, ...] = (
     cabinet("one collider moved", place(f"{BASE}/Colliders/collider_03", (0, 0, -0.2)), "collider-incomplete"),
     cabinet("side wall's collider lifted", place(f"{BASE}/Colliders/collider_00", (0, 0, 0.1)), "collider-astray"),
     prop("hull 2 cm up", place(HULL, (0, 0, 0.02)), "collider-astray"),
+    prop("one of two colliders gone", on_prim(HULL, lambda p: p.SetActive(False)), "record"),
     prop("collider drawn", put(HULL, "purpose", "default"), "collider-rendered"),
     prop(
         "rest offset above contact offset",

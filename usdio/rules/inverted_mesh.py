@@ -44,7 +44,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 severity=subject.suspect,
             )
     edges, released = subject.visible_edges, subject.recorded("geometry", "reobserved", "inconsistent_edges")
-    if edges is not None and isinstance(released, int) and edges.inconsistent > 1.01 * released:
+    if edges is not None and isinstance(released, int) and edges.inconsistent > released:
         headline, found = "neighbouring faces look to opposite sides", edges.inconsistent
         yield finding(CODE, headline, where=at(subject.root), value=found, bound=released, unit="edges")
 

@@ -23,7 +23,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     if edges is None:
         return
     if isinstance(released, int):
-        if edges.open > 1.01 * released:
+        if edges.open > released:
             headline = "the visible surface has holes it was not released with"
             yield finding(CODE, headline, where=at(subject.root), value=edges.open, bound=released, unit="open edges")
     elif 0 < edges.open < NEARLY_CLOSED * edges.all:

@@ -73,6 +73,9 @@ def _one_body(subject: Subject, body: Body) -> Iterator[tuple[str, str, np.ndarr
         found = vector(body.prim, "physics:centerOfMass", (0.0, 0.0, 0.0))
         if float(np.abs(found - centre).max()) > RELATIVE * body.diagonal_m:
             yield "the mass centre", "m", found, centre
+    shapes = _shapes(subject)
+    if shapes is not None:
+        yield "the number of colliders", "", np.array(len(body.active_colliders)), np.array(shapes)
     quat_wxyz = quaternion(body.prim, "physics:principalAxes")
     if inertia is not None and np.all(np.isfinite(quat_wxyz)) and np.any(quat_wxyz):
         moments = vector(body.prim, "physics:diagonalInertia", (0.0, 0.0, 0.0))
@@ -88,6 +91,16 @@ def _array(subject: Subject, section: str, key: str) -> np.ndarray | None:
     return array if array.size and np.all(np.isfinite(array)) else None
 
 
+def _shapes(subject: Subject) -> int | None:
+    """How many shapes the chosen collision candidate has."""
+    method, candidates = subject.recorded("physics", "collision_method"), subject.recorded("physics", "candidates")
+    for candidate in candidates if isinstance(candidates, list) else ():
+        if isinstance(candidate, dict) and candidate.get("method") == method:
+            shapes = candidate.get("shapes")
+            return shapes if isinstance(shapes, int) else None
+    return None
+
+
 def _contact(subject: Subject, key: str) -> float | None:
     try:
         contacts = [c["value"] for c in subject.recorded("physics", "contacts")]
@@ -97,5 +110,8 @@ def _contact(subject: Subject, key: str) -> float | None:
 
 
 RULE = Rule(
-    CODE, "size, mass, mass centre, inertia, friction, category to 0.1 %", "AssetRecord (`mana schema asset`)", check
+    CODE,
+    "size, mass, mass centre, inertia, density, friction to 0.1 %; category; number of colliders",
+    "AssetRecord (`mana schema asset`)",
+    check,
 )
