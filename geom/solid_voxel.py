@@ -76,7 +76,8 @@ def _links(scene: Any, nodes: FloatArray, shape: IntArray, cell: float) -> list[
 
 def _flooded(clear: FloatArray, off: FloatArray, free: list[FloatArray]) -> FloatArray:
     """The nodes reached from a corner of the grid through `clear` nodes, then by `free` links between those `off`."""
-    label, _ = ndimage.label(clear)
+    label = np.empty(clear.shape, dtype=np.int32)
+    ndimage.label(clear, output=label)
     outside, near = label == label[0, 0, 0], off & ~clear
     for _ in range(APPROACH_STEPS):
         grown = outside.copy()
