@@ -14,7 +14,7 @@ from geom.cavity import Cavity, find_cavities
 from geom.decimate import decimate
 from geom.fidelity import Reference, measure, reference
 from geom.fits import fit_box, fit_capsule, fit_cylinder, fit_sphere
-from geom.hull import hull_shape
+from geom.hull import convex_hull, extreme_points, hull_shape
 from geom.inertia import PLATE_WALL_M
 from geom.preflight import Body, prepare
 from geom.thicken import thicken
@@ -23,6 +23,8 @@ from schemas.model import FloatArray
 from schemas.physics import CollisionShape, Fidelity, Solid
 
 SHEET_FACES = 1500
+# A hull of more corners is as good as round; the oriented box would take a minute for ten times as many.
+MOST_CORNERS = 2000
 
 
 @dataclass(frozen=True)
@@ -52,9 +54,10 @@ SINGLE: tuple[tuple[str, Fit, Tolerance], ...] = (
     ("cylinder", fit_cylinder, ANALYTIC),
     ("hull", hull_shape, HULL),
 )
-CUTS, COACD, COACD_COARSE, VHACD = "cuts", "coacd", "coacd_coarse", "vhacd"
+CUTS, CUTS_EVEN, COACD, COACD_COARSE, VHACD = "cuts", "cuts_even", "coacd", "coacd_coarse", "vhacd"
 LADDER: tuple[tuple[str, Settings], ...] = (
     (CUTS, Settings(method="cuts")),
+    (CUTS_EVEN, Settings(method="cuts", balance=2.0)),
     (COACD, Settings()),
     (COACD_COARSE, Settings(threshold=0.08, search_nodes=8, search_iterations=20)),
     (VHACD, Settings(method="vhacd")),
@@ -89,6 +92,15 @@ class _Target:
     own_volume: bool
 
     @cached_property
+    def corners(self) -> FloatArray:
+        """Points (n, 3) of the solid's hull, which is all that single shapes depend on; at most `MOST_CORNERS`."""
+        try:
+            corners, _ = convex_hull(self.solid.points)
+        except ValueError:
+            return self.solid.points
+        return corners if len(corners) <= MOST_CORNERS else corners[extreme_points(corners, MOST_CORNERS)]
+
+    @cached_property
     def reference(self) -> Reference:
         """The solid's outer surface, prepared for measuring."""
         return reference(self.solid)
@@ -112,7 +124,7 @@ def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = fro
     target = _target(solid)
     tried: list[Candidate] = []
     for method, fit, tolerance in SINGLE:
-        shape = fit(target.solid.points) if method not in exclude else None
+        shape = fit(target.corners) if method not in exclude else None
         if shape is not None:
             tried.append(_judged(method, (shape,), target, tolerance))
             if tried[-1].fidelity.accepted:

@@ -32,7 +32,7 @@ from schemas.physics import CollisionShape
 # Hulls below these shares of the diagonal (and of its cube) are slivers: engines reject or mishandle them.
 LEAST_THICKNESS, LEAST_VOLUME = 2e-4, 1e-7
 # More bodies than this are no object that 32 hulls could stand for; CoACD is not asked about so many faces.
-MOST_PARTS, MOST_FACES = 200, 10_000
+MOST_PARTS, MOST_FACES = 200, 6000
 # The work is bounded in processor time, so that a busy machine gives the same answer as an idle one.
 CPU_SECONDS = 10
 CELL = Limits(seconds=10.0 * CPU_SECONDS, memory_mb=4096)
@@ -44,6 +44,7 @@ class Settings:
 
     threshold          CoACD's concavity at which a piece counts as convex.
     max_hulls          join neighbours beyond this number.
+    balance            how much cuts prefer many small excesses to one large (`geom.plane_cuts.Goal`).
     resolution         CoACD's samples per concavity measure (default 2000); 500 changes the result little.
     search_*           CoACD's tree search; its defaults 20, 150, 3 give the same hulls in three times the time.
     voxels             V-HACD's voxel budget.
@@ -52,6 +53,7 @@ class Settings:
     method: Literal["cuts", "coacd", "vhacd"] = "coacd"
     threshold: float = 0.05
     max_hulls: int = 32
+    balance: float = 1.25
     resolution: int = 500
     search_nodes: int = 15
     search_iterations: int = 60
@@ -66,7 +68,7 @@ class Settings:
             return f"coacd {version('coacd')}, threshold {self.threshold:g}, {search}, seed {self.seed}"
         if self.method == "vhacd":
             return f"vhacdx {version('vhacdx')}, {self.voxels} voxels"
-        return f"plane cuts, manifold3d {version('manifold3d')}"
+        return f"plane cuts, balance {self.balance:g}, manifold3d {version('manifold3d')}"
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ def decompose(
         seeds = _inside(body.light, found)
         if not seeds or len(seeds) > MOST_PARTS:
             return Decomposition((), f"{settings.method} left {len(seeds)} parts")
-    parts = convex_parts(body, seeds, cavities, settings.max_hulls)
+    parts = convex_parts(body, seeds, cavities, settings.max_hulls, settings.balance)
     if len(parts) > settings.max_hulls:
         return Decomposition((), f"{len(parts)} hulls, more than {settings.max_hulls}")
     size = body.size * body.scale_m

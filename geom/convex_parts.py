@@ -18,7 +18,8 @@ from schemas.physics import CollisionShape
 
 # Pieces before joining: more than twice as many as hulls allowed, so that joining can choose.
 MOST_PIECES = 80
-# Empty volume in all hulls, as a share of the body's: left by cutting, added by joining beyond what is asked.
+# Empty volume in all hulls, as a share of the body's: left by cutting; added by joining beyond what is asked, where
+# the hulls are close enough to the body to afford it.
 CUT_SLACK, JOIN_SPARE = 0.03, 0.02
 # A hull should not reach further out of the body than this share of its diagonal.
 REACH = 0.03
@@ -29,12 +30,17 @@ BLOCKED = 100.0  # Worse than any reach.
 
 
 def convex_parts(
-    body: Body, seeds: Sequence[Manifold], cavities: Sequence[Cavity] = (), most: int = 32
+    body: Body,
+    seeds: Sequence[Manifold],
+    cavities: Sequence[Cavity] = (),
+    most: int = 32,
+    balance: float = 1.25,
 ) -> list[FloatArray]:
     """Points (k_i, 3) in metres of at most `most` convex hulls, more only when joining any two would close a cavity.
 
     `seeds` (unit frame) fill the body, for instance its connected parts; each is cut further where its hull holds
-    empty space, reaches out of the body or into one of `cavities` (metres). Deterministic.
+    empty space, reaches out of the body or into one of `cavities` (metres); `balance` as in `plane_cuts.Goal`.
+    Deterministic.
     """
     distance = SolidDistance(*arrays(body.light))
 
@@ -55,13 +61,19 @@ def convex_parts(
         return np.inf if blocks(hull) else reach(hull)
 
     volume = body.light.volume()
-    pieces = cut_apart(seeds, Goal(CUT_SLACK, MOST_PIECES, unfit))
-    hulls = merge_hulls([piece.hull for piece in pieces], most, JOIN_SPARE * volume, fault)
+    pieces = cut_apart(seeds, Goal(CUT_SLACK, MOST_PIECES, unfit, balance))
+    hulls = merge_hulls([piece.hull for piece in pieces], most, fault=fault)
+    if _union_volume(hulls) <= TRIM_ABOVE * volume:
+        hulls = merge_hulls(hulls, most, JOIN_SPARE * volume, fault)
     trimmed = hulls
     for depth in TRIM_DEPTHS:
-        if Manifold.batch_boolean(trimmed, OpType.Add).volume() <= TRIM_ABOVE * volume:
+        if _union_volume(trimmed) <= TRIM_ABOVE * volume:
             break
         # Deeper is not always thinner: what is a bulge at one depth may be a flat end at another.
         deeper = trim_hulls(hulls, body.light, distance, depth * body.size)
         trimmed = min(trimmed, deeper, key=lambda hulls: sum(hull.volume() for hull in hulls))
     return [body.in_metres(arrays(hull)[0]) for hull in trimmed]
+
+
+def _union_volume(hulls: Sequence[Manifold]) -> float:
+    return Manifold.batch_boolean(list(hulls), OpType.Add).volume()

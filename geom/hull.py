@@ -72,6 +72,17 @@ def reduced_hull(points: FloatArray, max_points: int = MAX_POINTS) -> tuple[Floa
     return centre + min(growth, MAX_GROWTH) * (points_in - centre), triangles_in
 
 
+def extreme_points(points: FloatArray, directions: int) -> IntArray:
+    """Indices (k,), ascending, of the points (n, 3) furthest along even directions (Fibonacci lattice) and the axes."""
+    height = 1.0 - (2.0 * np.arange(directions) + 1.0) / directions
+    turn = np.arange(directions) * np.pi * (3.0 - np.sqrt(5.0))
+    across = np.sqrt(1.0 - height**2)
+    even = np.stack([across * np.cos(turn), across * np.sin(turn), height])
+    found = [points.argmax(axis=0), points.argmin(axis=0)]
+    found += [(points @ part).argmax(axis=0) for part in np.array_split(even, max(1, directions // 64), axis=1)]
+    return np.unique(np.concatenate(found))
+
+
 def volume(points: FloatArray, triangles: IntArray) -> float:
     """Volume inside a closed, outward surface (divergence theorem, about its own middle)."""
     a, b, c = np.moveaxis(points[triangles] - points.mean(axis=0), 1, 0)

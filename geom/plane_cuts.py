@@ -21,8 +21,6 @@ from geom.cut_planes import STEPS, candidate_planes
 from geom.preflight import arrays
 from schemas.model import FloatArray, IntArray
 
-# Many small excesses are better than one large: halving a cup gains nothing yet, but its quarters will.
-BALANCE = 1.25
 # A cut that lowers the balanced excess by less than this share is not worth a hull.
 LEAST_GAIN = 0.02
 REFINEMENTS = 3
@@ -70,6 +68,8 @@ class Goal:
     """When to stop cutting.
 
     slack       all excess together, as a share of the volume.
+    balance     power, above 1, of each excess in the sum that a cut lowers: many small ones are better than one large,
+                for halving a cup gains nothing yet, but its quarters will.
     most        pieces; joining neighbours afterwards is cheap.
     unfit       what else makes a hull unfit, as a number above 0 (worst first): reaching too far, closing an opening.
     """
@@ -77,6 +77,7 @@ class Goal:
     slack: float
     most: int
     unfit: Callable[[Manifold], float]
+    balance: float = 1.25
 
 
 def cut_apart(seeds: Sequence[Manifold], goal: Goal) -> list[Piece]:
@@ -93,7 +94,7 @@ def cut_apart(seeds: Sequence[Manifold], goal: Goal) -> list[Piece]:
             if unfit[worst] <= 0.0:
                 break
         open_ = [p for p in open_ if p is not worst]
-        plane = best_cut(worst) if worst.excess > CRUMB_SHARE * total else None
+        plane = best_cut(worst, goal.balance) if worst.excess > CRUMB_SHARE * total else None
         if plane is None:
             done.append(worst)
             continue
@@ -107,29 +108,31 @@ def _pieces(bodies: Sequence[Manifold], crumb: float) -> list[Piece]:
     return [piece for piece in pieces if piece.hull.volume() > 0.0]
 
 
-def best_cut(piece: Piece) -> tuple[FloatArray, float] | None:
+def best_cut(piece: Piece, balance: float) -> tuple[FloatArray, float] | None:
     """Normal (3,) and offset of the plane with the least balanced excess behind it; None when no plane helps.
 
     The best candidate is then moved along its normal, three times by half the step before.
     """
     points, triangles = piece.surface
     planes = candidate_planes(points, triangles, *piece.edges, arrays(piece.hull)[0])
-    best = min(((_cost(piece, n, d), k) for k, (n, d) in enumerate(zip(*planes, strict=True))), default=(np.inf, 0))
-    if not best[0] < (1.0 - LEAST_GAIN) * piece.excess**BALANCE:
+    best = min(
+        ((_cost(piece, n, d, balance), k) for k, (n, d) in enumerate(zip(*planes, strict=True))), default=(np.inf, 0)
+    )
+    if not best[0] < (1.0 - LEAST_GAIN) * piece.excess**balance:
         return None
     least, normal, offset = best[0], planes[0][best[1]], float(planes[1][best[1]])
     step = float(np.ptp(points @ normal)) / (STEPS + 1)
     for _ in range(REFINEMENTS):
         step *= 0.5
-        moved = min((_cost(piece, normal, offset + s), s) for s in (-step, step))
+        moved = min((_cost(piece, normal, offset + s, balance), s) for s in (-step, step))
         if moved[0] < least:
             least, offset = moved[0], offset + moved[1]
     return normal, offset
 
 
-def _cost(piece: Piece, normal: FloatArray, offset: float) -> float:
+def _cost(piece: Piece, normal: FloatArray, offset: float, balance: float) -> float:
     excess = excess_after(piece, normal, offset)
-    return float((excess**BALANCE).sum()) if len(excess) else np.inf
+    return float((excess**balance).sum()) if len(excess) else np.inf
 
 
 def excess_after(piece: Piece, normal: FloatArray, offset: float) -> FloatArray:
