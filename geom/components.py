@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.edges import Edges, edges_of, face_components
-from geom.surface_distance import triangle_areas
+from geom.surface_distance import NearestOnSurface, triangle_areas
 from geom.winding_number import winding_numbers
 from schemas.model import FloatArray, IntArray
 
 INSIDE_PROBES = 8
+MOST_SOLID_ANGLES = 20_000_000
 # Volume over area ** 1.5 below which a closed surface encloses nothing but rounding; a ball has 0.094.
 LEAST_COMPACTNESS = 1e-7
 
@@ -104,17 +105,33 @@ def opposite_container(
     """
     volume = np.where(parts.solid, parts.volume, 0.0) if volume is None else volume
     parent = np.full(parts.count, -1, dtype=np.int64)
-    solids = np.flatnonzero(volume)
-    for outer in solids[np.argsort(-np.abs(volume[solids]), kind="stable")]:
-        inside_box = (parts.low[solids] > parts.low[outer]).all(1) & (parts.high[solids] < parts.high[outer]).all(1)
-        opposite = np.sign(volume[solids]) == -np.sign(volume[outer])
-        candidates = solids[inside_box & opposite]
-        if candidates.size == 0:
-            continue
-        shell = points[triangles[parts.label == outer]]
-        for inner in candidates:
-            own = np.unique(triangles[parts.label == inner])
-            probes = points[own[np.linspace(0, len(own) - 1, min(INSIDE_PROBES, len(own))).astype(np.int64)]]
-            if (np.abs(winding_numbers(probes, shell)) > 0.5).all():
-                parent[inner] = outer
+    inward, outward = np.flatnonzero(volume < 0.0), np.flatnonzero(volume > 0.0)
+    few, many = sorted((inward, outward), key=len)  # Pairs are sought from the rarer side: most files have no cavity.
+    pairs = [np.zeros((0, 2), dtype=np.int64)]
+    for part in few:
+        around = (parts.low[many] < parts.low[part]).all(axis=1) & (parts.high[many] > parts.high[part]).all(axis=1)
+        within = (parts.low[many] > parts.low[part]).all(axis=1) & (parts.high[many] < parts.high[part]).all(axis=1)
+        pairs += [np.stack(np.broadcast_arrays(many[around], part), axis=1)]
+        pairs += [np.stack(np.broadcast_arrays(part, many[within]), axis=1)]
+    found = np.concatenate(pairs)
+    outers = np.unique(found[:, 0])
+    groups = np.split(np.argsort(parts.label, kind="stable"), np.cumsum(parts.faces)[:-1])
+    for outer in outers[np.argsort(-np.abs(volume[outers]), kind="stable")]:
+        inners = np.sort(found[found[:, 0] == outer, 1])
+        probes = [_spread(np.unique(triangles[groups[inner]])) for inner in inners]
+        inside = _inside(points[np.concatenate(probes)], points, triangles[groups[outer]])
+        first = np.cumsum([0, *(len(p) for p in probes)])[:-1]
+        parent[inners[np.logical_and.reduceat(inside, first)]] = outer
     return parent
+
+
+def _spread(own: IntArray) -> IntArray:
+    """Up to eight of the points `own` (k,), evenly spread over their numbers."""
+    return own[np.linspace(0, len(own) - 1, min(INSIDE_PROBES, len(own))).astype(np.int64)]
+
+
+def _inside(probes: FloatArray, points: FloatArray, triangles: IntArray) -> FloatArray:
+    """(k,) True for probes (k, 3) that the surface winds about; by the parity of rays where that costs too much."""
+    if len(probes) * len(triangles) <= MOST_SOLID_ANGLES:
+        return np.abs(winding_numbers(probes, points[triangles])) > 0.5
+    return NearestOnSurface(points, triangles).inside(probes)

@@ -65,18 +65,22 @@ def _separate_copies(points: FloatArray, triangles: IntArray, parts: Components)
     surplus = np.zeros(parts.count, dtype=bool)
     solids = np.flatnonzero(parts.solid)
     tolerance = COPY_TOLERANCE * parts.extent
-    for i, first in enumerate(solids):
-        if surplus[first]:
+    if len(solids) < 2:
+        return surplus
+    boxes = np.concatenate([parts.low, parts.high], axis=1)
+    boxes = boxes - boxes[solids].mean(axis=0)  # Far from the origin the tree would compare rounded squares.
+    near = KDTree(boxes[solids]).query_pairs(tolerance[solids].max(), p=np.inf, output_type="ndarray")
+    pairs = solids[near[np.lexsort((near[:, 1], near[:, 0]))]]
+    first, other = pairs.T
+    alike = (
+        (np.abs(boxes[other] - boxes[first]).max(axis=1, initial=0.0) <= tolerance[first])
+        & (parts.volume[other] * parts.volume[first] > 0.0)
+        & (np.abs(parts.area[other] - parts.area[first]) <= 1e-3 * parts.area[first])
+    )
+    for first, other in pairs[alike]:
+        if surplus[first] or surplus[other]:
             continue
-        others = solids[i + 1 :]
-        alike = (
-            (np.abs(parts.low[others] - parts.low[first]).max(1) <= tolerance[first])
-            & (np.abs(parts.high[others] - parts.high[first]).max(1) <= tolerance[first])
-            & (parts.volume[others] * parts.volume[first] > 0.0)
-            & (np.abs(parts.area[others] - parts.area[first]) <= 1e-3 * parts.area[first])
-        )
-        for other in others[alike]:
-            mine, theirs = (points[np.unique(triangles[parts.label == part])] for part in (first, other))
-            apart = max(KDTree(mine).query(theirs)[0].max(), KDTree(theirs).query(mine)[0].max())
-            surplus[other] |= bool(apart <= tolerance[first])
+        mine, theirs = (points[np.unique(triangles[parts.label == part])] for part in (first, other))
+        apart = max(KDTree(mine).query(theirs)[0].max(), KDTree(theirs).query(mine)[0].max())
+        surplus[other] = bool(apart <= tolerance[first])
     return surplus

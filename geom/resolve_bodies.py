@@ -47,10 +47,11 @@ def resolve_bodies(bodies: Bodies, resolver: Resolver) -> tuple[Bodies, tuple[Se
     it is a closed oriented manifold that no longer does; otherwise the body stays and is named as unresolved.
     """
     areas = [float(triangle_areas(points[triangles]).sum()) for points, triangles in bodies.closed]
+    least = LEAST_AREA_SHARE * sum(areas)
     found: list[SelfCrossing] = []
     mended: dict[int, Surface] = {}
     for body, area in zip(bodies.closed, areas, strict=True):
-        if area < LEAST_AREA_SHARE * sum(areas) or (share := self_overlap(*body).share) <= MISCOUNTED_SHARE:
+        if area < least or (share := self_overlap(*body).share) <= MISCOUNTED_SHARE:
             continue
         made = resolver(*body)
         if made is not None and not _is_sound(made.surface):

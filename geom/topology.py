@@ -108,12 +108,18 @@ def _extent(points: FloatArray) -> tuple[float, float, float]:
 
 def _count_thin(points: FloatArray, triangles: IntArray, parts: Components) -> int:
     """Components whose least extent in their principal axes is below 1 % of the largest."""
-    order = np.argsort(parts.label, kind="stable")
-    thin = 0
-    for faces in np.split(order, np.cumsum(parts.faces)[:-1]) if parts.count else ():
-        own = points[np.unique(triangles[faces])]
-        own = own - own.mean(axis=0)
-        axes = np.linalg.eigh(own.T @ own)[1]
-        size = np.ptp(own @ axes, axis=0)
-        thin += bool(size.min() < THIN_EXTENT_SHARE * size.max())
-    return thin
+    pairs = np.unique(np.repeat(parts.label, 3) * len(points) + triangles.reshape(-1))
+    label, own = pairs // max(len(points), 1), points[pairs % max(len(points), 1)]
+    count = np.maximum(np.bincount(label, minlength=parts.count), 1)
+    centre = np.stack([np.bincount(label, own[:, k], parts.count) / count for k in range(3)], axis=1)
+    own = own - centre[label]
+    spread = np.empty((parts.count, 3, 3))
+    for i in range(3):
+        for j in range(3):
+            spread[:, i, j] = np.bincount(label, own[:, i] * own[:, j], parts.count)
+    turned = np.einsum("kx,kxy->ky", own, np.linalg.eigh(spread)[1][label])
+    low, high = np.full((parts.count, 3), np.inf), np.full((parts.count, 3), -np.inf)
+    np.minimum.at(low, label, turned)
+    np.maximum.at(high, label, turned)
+    size = high - low
+    return int((size.min(axis=1, initial=np.inf) < THIN_EXTENT_SHARE * size.max(axis=1, initial=0.0)).sum())

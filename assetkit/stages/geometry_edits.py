@@ -203,7 +203,8 @@ def _each(edit: Callable[[Item], Edit]) -> Callable[[Sequence[Item]], list[Edit]
     return lambda items: [edit(item) for item in items]
 
 
-# The order matters: a shell's copies are also duplicate faces, surplus faces hide edges, holes need winding.
+# The order matters: a shell's copies are also duplicate faces, surplus faces and fins hide that a shell is closed (and
+# what lies in it a cavity), holes need winding.
 EDITS: tuple[Step, ...] = (
     Step(
         "duplicate_shell",
@@ -218,9 +219,9 @@ EDITS: tuple[Step, ...] = (
         _each(_surplus_faces),
     ),
     Step("fragment_removal", "asset/loose-fragments", "tiny pieces that float beside the object were removed", _debris),
+    Step("non_manifold_edge", "asset/non-manifold-edge", "surplus faces on a solid's edges were removed", _each(_fins)),
     Step("flip_winding", "asset/inverted-winding", "faces wound the wrong way were turned", _each(_winding)),
     Step("bad_normals", "asset/bad-normals", "normals that look into a solid were turned", _each(_normals)),
-    Step("non_manifold_edge", "asset/non-manifold-edge", "surplus faces on a solid's edges were removed", _each(_fins)),
     Step(
         "non_manifold_edge",
         "asset/non-manifold-edge",

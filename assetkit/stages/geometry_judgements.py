@@ -124,8 +124,12 @@ def _overlap(sorted_bodies: Bodies) -> tuple[float, float]:
 def _boxes_overlap(bodies: Sequence[Surface]) -> bool:
     low = np.array([points.min(axis=0) for points, _ in bodies])
     high = np.array([points.max(axis=0) for points, _ in bodies])
+    order = np.argsort(low[:, 0], kind="stable")
+    low, high = low[order], high[order]
+    ends = np.searchsorted(low[:, 0], high[:, 0])  # Boxes from there on begin behind the end of this one.
     return any(
-        bool(((low[i + 1 :] < high[i]) & (high[i + 1 :] > low[i])).all(axis=1).any()) for i in range(len(bodies) - 1)
+        bool(((low[i + 1 : end] < high[i]) & (high[i + 1 : end] > low[i])).all(axis=1).any())
+        for i, end in enumerate(ends)
     )
 
 
