@@ -134,13 +134,15 @@ def natural_time_s(diagonal_m: float) -> float:
 
 
 def model_scale(diagonal_m: float) -> float:
-    """How many times its size a body is simulated at: 1 from 2 cm to 5 m, else what makes a model of 0.3 m.
+    """How many times its size a body is simulated at: 1 from 2 cm to 5 m, else what makes a model of 0.3 m or of 5 m.
 
     Engines are made for things of hand to door size. By Froude similarity (equal g, equal densities), exact for rigid
     bodies, the model moves alike: lengths x s, times and speeds x sqrt(s), turning rates / sqrt(s), masses x s^3,
     inertia x s^5, friction and restitution as they are.
     """
-    return 1.0 if SMALLEST_M <= diagonal_m <= LARGEST_M else MODEL_M / diagonal_m
+    if diagonal_m < SMALLEST_M:
+        return MODEL_M / diagonal_m
+    return min(1.0, LARGEST_M / diagonal_m)  # A smaller model would sink in deeper: tolerances grow with the true size.
 
 
 def world_for(diagonal_m: float) -> World:

@@ -189,12 +189,12 @@ def test_a_ball_rolls_off_iff_the_slope_beats_the_rolling_resistance(bullet) -> 
         assert (result.positions_m[-1, 0] > 0.05) == rolls
 
 
-@pytest.mark.parametrize("size", [0.004, 60.0, 400.0])
-def test_froude_similarity_scales_the_trajectory(bullet, size: float) -> None:
-    """Lengths x s, times and speeds x sqrt(s): the same motion as at the reference size of 0.3 m."""
+@pytest.mark.parametrize(("size", "model"), [(0.004, 0.3), (60.0, 5.0), (400.0, 5.0)])
+def test_froude_similarity_scales_the_trajectory(bullet, size: float, model: float) -> None:
+    """Lengths x s, times and speeds x sqrt(s): the same motion as at the size of the model."""
     shape = np.array([0.2, 0.15, 0.1]) / np.linalg.norm([0.2, 0.15, 0.1])
-    reference, scaled = box(0.3 * shape), box(size * shape)
-    scale = size / 0.3
+    reference, scaled = box(model * shape), box(size * shape)
+    scale = size / model
     ours = bullet.drop(scaled, release(scaled, TILTED), DropSettings(0.5 * np.sqrt(scale)))
     theirs = bullet.drop(reference, release(reference, TILTED), DropSettings(0.5))
     assert len(ours.times_s) == len(theirs.times_s)
@@ -205,6 +205,13 @@ def test_froude_similarity_scales_the_trajectory(bullet, size: float) -> None:
     assert np.allclose(ours.linear_mps[free], theirs.linear_mps[free] * np.sqrt(scale), atol=1e-5 * np.sqrt(size))
     assert np.allclose(ours.angular_radps[free], theirs.angular_radps[free] / np.sqrt(scale), rtol=1e-5, atol=1e-6)
     assert matrix_of(ours.quats_wxyz[-1]) == pytest.approx(matrix_of(theirs.quats_wxyz[-1]), abs=1e-3)
+
+
+@pytest.mark.parametrize("size", [0.005, 0.3, 4.0, 6.0, 100.0])
+def test_a_body_at_rest_sinks_in_by_less_than_its_two_thousandth_and_a_millimetre(bullet, size: float) -> None:
+    resting = box((0.7 * size, 0.6 * size, 0.3 * size))
+    result = bullet.drop(resting, release(resting, gap=0.001 * size), DropSettings(8.0 * np.sqrt(size / 9.81)))
+    assert abs(result.heights_m[-1]) < min(0.0005 * size, 0.001)
 
 
 def test_a_drop_does_not_depend_on_the_drops_before_it(bullet) -> None:
