@@ -105,7 +105,7 @@ def compare(file: Path, python: Path, work: Path, cpu_limit_s: int, *, ours_firs
         ended,
         "+".join(sorted({record.physics.collision_method for p in packages if (record := read_record(p))})),
         *figures(ours, our_likeness),
-        ending(theirs),
+        ending(theirs, for_theirs.parent),
         *figures(theirs, their_likeness),
     )
 
@@ -149,14 +149,14 @@ def outcome(out: Path) -> tuple[str, list[Path]]:
     return item["outcome"], [out / name for name in item["packages"]]
 
 
-def ending(cost: Cost) -> str:
-    """How obj2mjcf ended: `ok`, `time-out`, or the last line it printed."""
+def ending(cost: Cost, folder: Path) -> str:
+    """How obj2mjcf ended: `ok`, `time-out`, or the last line it printed, without the path of its `folder`."""
     if cost.returncode == 0:
         return "ok"
     if cost.returncode == -24 or cost.wall_s > 1800.0:
         return "time-out"
     said = cost.output.strip().splitlines()
-    return (said[-1] if said else f"exit {cost.returncode}").replace("\n", " ")[-100:]
+    return (said[-1] if said else f"exit {cost.returncode}").replace(f"{folder}/", "")[:100]
 
 
 def figures(cost: Cost, near: Likeness) -> tuple[float, ...]:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import psutil
 
-_SAMPLE_S = 0.2
+_SAMPLE_S = 0.5
 
 
 @dataclass(frozen=True)

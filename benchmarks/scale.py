@@ -26,7 +26,7 @@ from schemas.model import FloatArray, IntArray
 from schemas.report import ReportItem
 
 SEED = 20261121
-DRIVER = (500, 1000, 2000, 4000)
+DRIVER = (1000, 2500, 5000, 10000)
 _WHOLE_RUN_S = 7200.0
 
 
