@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from trimesh.triangles import closest_point
 
 from geom.surface_distance import NearestOnSurface, triangle_areas
 from schemas.model import FloatArray, IntArray
 
 # Parts looked at before the search gives up and leaves a wider gap; the first look at every triangle is not counted.
 BUDGET = 400_000
+_TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
@@ -82,8 +82,22 @@ def reach(
 
 
 def _distances(queries: FloatArray, corners: FloatArray) -> FloatArray:
-    """(k,) distances of queries (k, 3) to one triangle (k, 3, 3) each."""
-    return np.linalg.norm(closest_point(corners, queries) - queries, axis=1)
+    """(k,) distances of queries (k, 3) to one triangle (k, 3, 3) each, of any size.
+
+    Where a query projects into the triangle, the distance to its plane; else the least of those to its sides.
+    """
+    sides = np.roll(corners, -1, axis=1) - corners
+    to_query = queries[:, None] - corners
+    normals = np.cross(sides[:, 0], sides[:, 1])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), _TINY)
+    within = (np.einsum("kix,kx->ki", np.cross(sides, to_query), normals) >= 0.0).all(axis=1)
+    along = np.einsum("kix,kix->ki", to_query, sides) / np.maximum(np.einsum("kix,kix->ki", sides, sides), _TINY)
+    off_sides = to_query - np.clip(along, 0.0, 1.0)[..., None] * sides
+    return np.where(
+        within,
+        np.abs(np.einsum("kx,kx->k", to_query[:, 0], normals)),
+        np.linalg.norm(off_sides, axis=2).min(axis=1),
+    )
 
 
 def _quartered(parts: FloatArray) -> FloatArray:
