@@ -27,7 +27,7 @@ def surplus_shells(points: FloatArray, triangles: IntArray, parts: Components) -
 def later_copies(keys: IntArray) -> FloatArray:
     """(m,) True where an earlier row of `keys` (m, k) is equal."""
     later = np.ones(len(keys), dtype=bool)
-    later[np.unique(_row_numbers(keys), return_index=True)[1]] = False
+    later[np.unique(row_numbers(keys), return_index=True)[1]] = False
     return later
 
 
@@ -39,12 +39,12 @@ def oriented_keys(triangles: IntArray) -> IntArray:
 
 def has_reverse(triangles: IntArray) -> FloatArray:
     """(m,) True for faces whose reverse, the same points the other way round, is also among them."""
-    both = _row_numbers(np.concatenate([oriented_keys(triangles), oriented_keys(triangles[:, [0, 2, 1]])]))
+    both = row_numbers(np.concatenate([oriented_keys(triangles), oriented_keys(triangles[:, [0, 2, 1]])]))
     own, reverse = np.split(both, 2)
     return np.isin(reverse, own)
 
 
-def _row_numbers(rows: IntArray) -> IntArray:
+def row_numbers(rows: IntArray) -> IntArray:
     """(m,) int64, equal where the rows (m, 3) of non-negative indices are equal; one number per row sorts fast."""
     base = int(rows.max(initial=0)) + 1
     if base > 2**21:  # Three indices no longer fit into 63 bits.

@@ -13,6 +13,10 @@ from schemas.model import FloatArray, IntArray, Mesh
 
 def keep_faces(mesh: Mesh, kept: FloatArray) -> Mesh:
     """The faces where `kept` (m,) is True, or listed by index in that order; points stay as they are."""
+    if kept.dtype == np.bool_:
+        kept = np.flatnonzero(kept)
+    if np.array_equal(kept, np.arange(len(mesh.triangles))):
+        return mesh
     return replace(
         mesh,
         triangles=mesh.triangles[kept],
@@ -36,6 +40,9 @@ def flip_faces(mesh: Mesh, flipped: FloatArray) -> Mesh:
     Their normals change sign where they would look away from the turned face; a file may hold good normals on faces
     that are wound the wrong way.
     """
+
+    if not flipped.any():
+        return mesh
 
     def swap(corners: FloatArray) -> FloatArray:
         return np.where(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from geom.components import components_of
-from geom.duplicate_shells import has_reverse, later_copies, oriented_keys
-from geom.edges import Edges, edges_of, face_components
+from geom.duplicate_shells import has_reverse, later_copies, oriented_keys, row_numbers
+from geom.edges import Edges, consistent_flips, edges_of, face_components
 from geom.mesh_edit import keep_faces
 from geom.surface_distance import triangle_areas
 from geom.topology import degenerate_faces, duplicate_faces, repeats_point
@@ -28,16 +28,16 @@ def drop_surplus_faces(mesh: Mesh) -> tuple[Mesh, Figures]:
     exactly two faces: otherwise removing it would open a crack (a T-junction closed by a sliver). A copy with the same
     winding goes. A copy with the opposite winding goes only where it makes the number of faces at an edge odd, or where
     without it and its neighbours of that kind every edge there has two faces: the others are back faces drawn for
-    double-sided rendering, or two bodies in contact. A flap (faces and their
-    reverses folded onto each other that hang on a crowded edge, as scanners leave them) goes with both sides.
-    Figures: `degenerate_faces` and `duplicate_faces` removed.
+    double-sided rendering, or two bodies in contact. Of a face and its reverse the side stays that agrees with
+    the faces around. A flap (faces and their reverses folded onto each other that hang on a crowded edge, as scanners
+    leave them) goes with both sides. Figures: `degenerate_faces` and `duplicate_faces` removed.
     """
     proper = ~repeats_point(mesh.triangles)
     same = np.zeros(len(proper), dtype=bool)
     same[proper] = later_copies(oriented_keys(mesh.triangles[proper]))
     kept = np.flatnonzero(proper & ~same)
     reverse = _odd_copies(mesh.triangles[kept])
-    kept, reversed_count = kept[~reverse], int(reverse.sum())
+    kept, reversed_count = _better_sides(mesh.triangles, kept[~reverse], kept[reverse]), int(reverse.sum())
     flaps = _folded_flaps(mesh.points, mesh.triangles[kept])
     kept, reversed_count = kept[~flaps], reversed_count + int(flaps.sum())
     hanging = _hanging_slivers(mesh.points, mesh.triangles[kept])
@@ -109,6 +109,18 @@ def _odd_copies(triangles: IntArray) -> FloatArray:
     edges = edges_of(triangles)
     uses = edges.uses[edges.of_face]
     return later & (((uses > 2) & (uses % 2 == 1)).all(axis=1) | _surplus_sheets(later, edges))
+
+
+def _better_sides(triangles: IntArray, kept: IntArray, gone: IntArray) -> IntArray:
+    """`kept` (k,) faces, exchanged for their reverses in `gone` where the faces around are wound that other way."""
+    if len(gone) == 0:
+        return kept
+    key = row_numbers(np.sort(triangles[np.concatenate([kept, gone])], axis=1))
+    of_kept, of_gone = key[: len(kept)], key[len(kept) :]
+    order = np.argsort(of_gone, kind="stable")
+    place = order[np.minimum(np.searchsorted(of_gone, of_kept, sorter=order), len(gone) - 1)]
+    flips, _ = consistent_flips(edges_of(triangles[kept]))
+    return np.where(flips & (of_gone[place] == of_kept), gone[place], kept)
 
 
 def _surplus_sheets(later: FloatArray, edges: Edges) -> FloatArray:

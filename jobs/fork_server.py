@@ -57,7 +57,9 @@ def main(preload: str, requests_fd: int, client_fd: int) -> None:
     while True:
         for key, _ in selector.select():
             if key.fileobj is sys.stdin:
-                return  # Cells die with their parent, see `confine`.
+                for pid in {k.data.pid for k in selector.get_map().values() if k.data is not None}:
+                    _kill(pid)  # Cells die with their parent, see `confine`, but what they started does not.
+                return
             if key.fileobj is requests:
                 message, fds, _, _ = socket.recv_fds(requests, 2**20, 2)
                 if not message:
@@ -73,8 +75,9 @@ def main(preload: str, requests_fd: int, client_fd: int) -> None:
                 selector.register(cell.pidfd, selectors.EVENT_READ, cell)
                 selector.register(cell.asker, selectors.EVENT_READ, cell)
             elif key.fileobj is key.data.asker:
-                selector.unregister(key.data.asker)  # Closed: nobody waits for this cell any more.
-                _kill(key.data.pid)
+                if key.data.asker.fileno() >= 0:  # Else buried a moment ago, in this same round.
+                    selector.unregister(key.data.asker)  # Closed: nobody waits for this cell any more.
+                    _kill(key.data.pid)
             else:
                 _bury(key.data, selector)
 

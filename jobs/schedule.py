@@ -18,7 +18,6 @@ def run_all(work: Callable[[T], R], items: Iterable[T], *, jobs: int) -> Iterato
     On KeyboardInterrupt running cells are killed, nothing further starts, and the interrupt is raised again after
     the threads have ended, so that finished items stay finished.
     """
-    allow_cells()
     source = iter(items)
     running: dict[Future[R], T] = {}
     pool = ThreadPoolExecutor(max_workers=jobs)
@@ -42,3 +41,4 @@ def run_all(work: Callable[[T], R], items: Iterable[T], *, jobs: int) -> Iterato
         raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
+        allow_cells()  # The stop was for this batch only.

@@ -40,10 +40,10 @@ class Ground:
 
 
 def read(file: Path) -> mujoco.MjSpec:
-    """The package file as MuJoCo reads it, with a free body and without the textures it has no decoder for.
+    """The package file as MuJoCo reads it, with a free body and visuals that MuJoCo can bear.
 
     A URDF's first link is welded to the world, and then its mass is dropped, unless one says otherwise. MuJoCo decodes
-    PNG textures only, and refuses the model for any other.
+    PNG textures only and refuses the model for any other; and for flat meshes, unless their inertia is that of a shell.
     """
     spec = mujoco.MjSpec.from_file(str(file))
     if file.suffix == ".urdf":
@@ -54,6 +54,9 @@ def read(file: Path) -> mujoco.MjSpec:
         material.textures = ["" if name in foreign else name for name in material.textures]
     for texture in foreign.values():
         spec.delete(texture)
+    for geom in spec.geoms:
+        if geom.meshname and not geom.contype and not geom.conaffinity:
+            spec.mesh(geom.meshname).inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
     return spec
 
 

@@ -33,7 +33,6 @@ def generated() -> dict[str, trimesh.Trimesh]:
     return {
         "angle": creation.box((0.12, 0.03, 0.05)).apply_translation((0.06, 0.015, 0.025)).union(leg),
         "wedge": trimesh.convex.convex_hull(corners),
-        "plank": creation.box((0.3, 0.08, 0.01)),
         "can": creation.cylinder(0.033, 0.1, sections=64),
         "pill": creation.capsule(0.08, 0.02),
         "ball": creation.icosphere(4, 0.03),
@@ -41,13 +40,22 @@ def generated() -> dict[str, trimesh.Trimesh]:
     }
 
 
+def labelled_plank() -> trimesh.Scene:
+    """A plank with a flat label, a visible mesh without volume, 0.2 mm above its face."""
+    corners = [[-0.1, -0.03, 0.0052], [0.1, -0.03, 0.0052], [0.1, 0.03, 0.0052], [-0.1, 0.03, 0.0052]]
+    label = trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False)
+    return trimesh.Scene({"plank": creation.box((0.3, 0.08, 0.01)), "label": label})
+
+
 def write_generated(folder: Path) -> list[Path]:
-    """The generated shapes as PLY files in `folder`."""
+    """The generated shapes as PLY files in `folder`, the plank as GLB."""
     folder.mkdir(parents=True, exist_ok=True)
     files = {folder / f"{name}.ply": mesh for name, mesh in generated().items()}
     for file, mesh in files.items():
         mesh.export(file)
-    return list(files)
+    plank = folder / "plank.glb"
+    labelled_plank().export(plank)
+    return [*files, plank]
 
 
 def release(sources: Sequence[Path], root: Path | None, out: Path) -> list[Path]:

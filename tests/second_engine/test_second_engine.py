@@ -113,11 +113,15 @@ def test_friction_is_read_from_the_usd_and_by_pybullet_but_not_by_mujoco_from_th
         assert {g["friction"] for g in mujoco_drops.facts(package.urdf)["geoms"]} == {1.0}  # MuJoCo's default
 
 
-def test_mujoco_opens_every_package_as_it_is_but_for_jpeg_textures(group: Group) -> None:
+def test_mujoco_opens_packages_as_they_are_but_for_foreign_textures_and_flat_visuals(group: Group) -> None:
+    """The two things that `mujoco_drops.read` works around; neither has to do with colliders."""
     for package, answer in zip(group.packages, group.answers, strict=True):
-        foreign = [f.name for f in package.usd.parent.glob("textures/*") if f.suffix != ".png"]
-        assert bool(answer["facts"]["refusal"]) == bool(foreign), (package.folder.name, answer["facts"]["refusal"])
         assert mujoco_drops.refusal(package.urdf) == ""
+        refusal = answer["facts"]["refusal"]
+        foreign = [f.name for f in package.usd.parent.glob("textures/*") if f.suffix != ".png"]
+        if foreign:
+            assert refusal
+        assert not refusal or "unsupported content type" in refusal or "/Visuals/" in refusal, refusal
 
 
 def test_set_down_in_a_listed_pose_the_engines_agree(group: Group) -> None:

@@ -37,7 +37,7 @@ def test_hang_is_stopped_with_its_grandchildren():
     assert run(code, seconds=1.0).status == "timeout"
     assert time.monotonic() - started < 10
     time.sleep(0.2)
-    listing = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
+    listing = subprocess.run(["ps", "-ewwo", "args"], capture_output=True, text=True, check=True).stdout
     assert marker not in listing
 
 

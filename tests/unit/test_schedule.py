@@ -1,8 +1,10 @@
+import sys
 import threading
 import time
 
 import pytest
 
+from jobs.cell import Limits, run_cell
 from jobs.schedule import run_all
 
 
@@ -34,3 +36,12 @@ def test_an_exception_ends_the_run_and_starts_nothing_new():
     with pytest.raises(KeyboardInterrupt):
         list(run_all(work, range(1000), jobs=1))
     assert len(started) < 10
+
+
+def test_a_stopped_batch_does_not_stop_what_comes_after_it():
+    def work(_: int) -> None:
+        raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        list(run_all(work, range(3), jobs=1))
+    assert run_cell([sys.executable, "-c", "print(1)"], Limits(seconds=20.0)).status == "ok"

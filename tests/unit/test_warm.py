@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -54,7 +55,14 @@ def run(*arguments: str, seconds: float = 20.0, memory_mb: int = 4096, **more):
 
 
 def listing() -> str:
-    return subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
+    return subprocess.run(["ps", "-ewwo", "args"], capture_output=True, text=True, check=True).stdout
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 20.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.1)
 
 
 def test_cells_are_forks_of_one_process_and_cold_without_it():
@@ -138,6 +146,24 @@ def test_the_server_ends_with_the_context():
         os.kill(home, 0)
     with pytest.raises(ProcessLookupError):
         os.kill(home, 0)
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT], ids=lambda how: how.name)
+def test_nothing_outlives_a_batch_that_is_killed(how: signal.Signals):
+    code = (
+        "from jobs.cell import Limits\n"
+        "from jobs.warm import run_module, warm_cells\n"
+        "with warm_cells('loaded_before'):\n"
+        "    print(run_module('a_worker', ['home'], Limits(20.0, 4096)).output.split()[0], flush=True)\n"
+        f"    run_module('a_worker', ['hang', 'mana_test_warm_{how}'], Limits(60.0, 4096))\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as batch:
+        assert batch.stdout is not None
+        home = int(batch.stdout.readline())
+        wait_until(lambda: listing().count(f"mana_test_warm_{how}") >= 2)  # this batch and its grandchild
+        batch.send_signal(how)
+    wait_until(lambda: f"mana_test_warm_{how}" not in listing())
+    wait_until(lambda: not Path(f"/proc/{home}").exists())
 
 
 @pytest.mark.parametrize(
