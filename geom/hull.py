@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from manifold3d import Manifold
+from scipy.spatial import ConvexHull
 
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape
@@ -26,12 +27,24 @@ def convex_hull(points: FloatArray) -> tuple[FloatArray, IntArray]:
     scale = float(np.ptp(points, axis=0).max())
     if not scale > 0.0:
         raise ValueError("the points span no volume")
-    unit = np.ascontiguousarray((points - centre) / scale, dtype=np.float64)
-    hull = Manifold.hull_points(unit).simplify(MERGE_TOLERANCE)
+    unit = (points - centre) / scale
+    corners, triangles = _simplified_hull(unit)
+    if not _convex(corners, triangles):
+        # Among nearly coplanar points Manifold 3.x can take one inside for a corner, and fold the surface over it.
+        corners, triangles = _simplified_hull(unit[ConvexHull(unit).vertices])
+    return corners * scale + centre, triangles
+
+
+def _simplified_hull(points: FloatArray) -> tuple[FloatArray, IntArray]:
+    hull = Manifold.hull_points(np.ascontiguousarray(points)).simplify(MERGE_TOLERANCE)
     if hull.is_empty() or not hull.volume() > 0.0:
         raise ValueError("the points span no volume")
     mesh = hull.to_mesh64()
-    return np.asarray(mesh.vert_properties)[:, :3] * scale + centre, np.asarray(mesh.tri_verts).astype(np.int32)
+    return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int32)
+
+
+def _convex(points: FloatArray, triangles: IntArray) -> bool:
+    return float(outside_by(points, triangles, points).max()) <= 10.0 * MERGE_TOLERANCE
 
 
 def hull_shape(points: FloatArray, max_points: int = MAX_POINTS) -> CollisionShape | None:
