@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -37,9 +37,30 @@ def write_urdf(body: RigidBody, content: PackageContent, folder: Path) -> Path:
     for index, shape in enumerate(body.shapes):
         _collision(link, f"collider_{index:02d}", shape, export)
     path = export / f"{content.asset_id}.urdf"
+    _save(robot, path)
+    return path
+
+
+def rewrite_urdf(body: RigidBody, path: Path, contact: Mapping[str, float]) -> None:
+    """Give the one link of a twin the mass, inertia and friction of `body`, and further children of `<contact>`."""
+    robot = ElementTree.parse(path).getroot()
+    link = robot.find("link")
+    if link is None:
+        raise ValueError(f"{path.name} has no link")
+    for old in (*link.findall("contact"), *link.findall("inertial")):
+        link.remove(old)
+    fresh = ElementTree.Element("link")
+    _contact(fresh, body)
+    _inertial(fresh, body)
+    for name, value in contact.items():
+        ElementTree.SubElement(fresh[0], name, value=_text(value))
+    link[:0] = list(fresh)
+    _save(robot, path)
+
+
+def _save(robot: ElementTree.Element, path: Path) -> None:
     ElementTree.indent(robot, "  ")
     path.write_bytes(ElementTree.tostring(robot, xml_declaration=True, encoding="utf-8"))
-    return path
 
 
 def _contact(link: ElementTree.Element, body: RigidBody) -> None:

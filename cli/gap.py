@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
@@ -84,6 +84,38 @@ def simulate_command(
     for line in summary["notes"]:
         text.console.print(escape(line), soft_wrap=True)
     text.console.print(f"trajectories: {escape(str(out / 'trajectories'))}", soft_wrap=True)
+
+
+@app.command("extend")
+def extend_command(
+    target: Annotated[Path, typer.Argument(help="A package of Mana, or the URDF of a mechanism.", exists=True)],
+    extension: Annotated[Path, typer.Argument(help="An extension.json of `mana gap find`.", exists=True)],
+    out: Annotated[Path, typer.Option("--out", help="Folder for the new package or URDF.")] = Path("extended"),
+    in_place: Annotated[bool, typer.Option("--in-place", help="Replace the package or URDF itself.")] = False,
+    measurement: Annotated[
+        Path | None,
+        typer.Option("--measurement", help="The folder it was found on; mass centre and inertia need it.", exists=True),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write what was measured into an asset, as far as its files can carry it, and judge the result anew.
+
+    A package gets friction, restitution, mass, mass centre and inertia in USD, URDF and record (`measured`, with
+    interval); a URDF gets joint friction, damping and limits. The rest is listed and stays in `extension.json`, which
+    goes along. Nothing is replaced unless acceptance passes; exit code 1 when it does not.
+
+    Example: `mana gap extend library/mug mug_gap/extension.json --out measured`
+    """
+    from cli.gap_extend import extend  # Loads USD and engine.
+
+    answer = extend(target, extension, measurement, None if in_place else out)
+    if as_json:
+        print(json.dumps(answer.data(), indent=1))
+    else:
+        _show_extended(answer.data())
+        for diagnostic in answer.diagnostics:
+            text.show_diagnostic(diagnostic)
+    raise typer.Exit(1 if answer.path is None else 0)
 
 
 @app.command("effects")
@@ -165,6 +197,18 @@ def _show(report: GapReport) -> None:
     ]
     headings = {"view": "held-out trials", "before": "error before", "after": "after (1 = noise)", "gain": "less error"}
     text.show_rows(rows, headings)
+
+
+def _show_extended(answer: dict[str, Any]) -> None:
+    """What went where, and what stays in extension.json."""
+    for row in answer["written"]:
+        values = ", ".join(f"{n} {p['value']:.4g} {p['unit']}" for n, p in row["parameters"].items())
+        text.console.print(f"[green]written[/] {row['effect']}: {escape(values)}", soft_wrap=True)
+        text.console.print(f"  {escape('; '.join(row['files']))}", soft_wrap=True)
+    for row in answer["only_in_extension_json"]:
+        text.console.print(f"[yellow]kept[/] {row['effect']} in extension.json: {escape(row['why'])}", soft_wrap=True)
+    end = "refused by acceptance; nothing was written" if answer["path"] is None else answer["path"]
+    text.console.print(escape(end), soft_wrap=True)
 
 
 def _explain(one: Effect) -> None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from pathlib import Path
+
 from assetkit import release
 from assetkit.stage import Acceptance, Draft, Stage, Tools, need
 from assetkit.stages.acceptance import accept
-from schemas.asset import Check
+from schemas.asset import AcceptanceSection, Check, Vec3
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
 from schemas.outcome import Outcome
+from sim.port import Simulator
 from usdio.gate import gate
 from usdio.outside import Remark, outside_verdicts
 from usdio.reread import reread_body, reread_visual
@@ -27,24 +31,36 @@ class AcceptPackage(Stage):
     def run(self, draft: Draft, tools: Tools) -> Outcome[Acceptance]:
         """Validator verdicts, gate findings and simulator figures of the package on disk."""
         main_file = release.author(draft, tools.work_dir)
-        verdicts = outside_verdicts(main_file)
-        judged_by_gate = gate(main_file)
-        review = any(d.code in UNDECIDED and d.severity is Severity.ERROR for d in judged_by_gate)
-        gate_findings = tuple(_for_a_person(d) for d in judged_by_gate)
-        errors = [d for d in gate_findings if d.severity is Severity.ERROR]
-        validators = tuple(_check(v.judge, len(v.findings)) for v in verdicts)
-        validators += (_check("mana gate", len(errors)),)
-        judged = accept(
-            main_file,
-            tools.simulator,
-            body=reread_body(main_file),
-            visual=reread_visual(main_file),
-            extent_m=need(draft.canonicalize, "canonicalize").section.extent_m.value,
-        )
-        section = judged.section.model_copy(update={"validators": validators})
-        refused = tuple(_refused(v.judge, v.findings) for v in verdicts if not v.passed)
+        extent_m = need(draft.canonicalize, "canonicalize").section.extent_m.value
+        judged = judge_package(main_file, tools.simulator, extent_m)
         names = renamed(source_names(draft.model))
-        return Outcome(Acceptance(section), (*names, *refused, *gate_findings, *judged.diagnostics), review=review)
+        return Outcome(Acceptance(judged.section), (*names, *judged.diagnostics), review=judged.review)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What is written in the record, what is to be told, and whether a person should look."""
+
+    section: AcceptanceSection
+    diagnostics: tuple[Diagnostic, ...]
+    review: bool
+
+
+def judge_package(main_file: Path, simulator: Simulator, extent_m: Vec3) -> Judged:
+    """Outside validators, gate and simulator on the package with this main file, as it lies on disk."""
+    verdicts = outside_verdicts(main_file)
+    judged_by_gate = gate(main_file)
+    review = any(d.code in UNDECIDED and d.severity is Severity.ERROR for d in judged_by_gate)
+    gate_findings = tuple(_for_a_person(d) for d in judged_by_gate)
+    errors = [d for d in gate_findings if d.severity is Severity.ERROR]
+    validators = tuple(_check(v.judge, len(v.findings)) for v in verdicts)
+    validators += (_check("mana gate", len(errors)),)
+    judged = accept(
+        main_file, simulator, body=reread_body(main_file), visual=reread_visual(main_file), extent_m=extent_m
+    )
+    section = judged.section.model_copy(update={"validators": validators})
+    refused = tuple(_refused(v.judge, v.findings) for v in verdicts if not v.passed)
+    return Judged(section, (*refused, *gate_findings, *judged.diagnostics), review)
 
 
 def _for_a_person(diagnostic: Diagnostic) -> Diagnostic:

@@ -1,0 +1,181 @@
+"""Which effects of an extension an asset's files can hold, as numbers in the asset's frame; the others, and why not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.asset import Matrix3, PhysicsSection, Vec3
+from schemas.diagnostics import InvalidInput, finding
+from schemas.evidence import Evidence, measured
+from schemas.gap import AppliedEffect, Estimate, ModelExtension
+from schemas.measured_physics import MeasuredJoint, MeasuredPhysics
+from schemas.model import FloatArray
+from sim.effects.library import effect
+
+CONFIDENCE = 0.95  # that of the interval
+_URDF_CONTACT = {  # PyBullet's children of <contact>, by effect and parameter
+    "contact.rolling_friction": {"lever_m": "rolling_friction"},
+    "contact.spinning_friction": {"lever_m": "spinning_friction"},
+    "contact.compliance": {"stiffness_Npm": "stiffness", "damping_Nspm": "damping"},
+}
+_ELSEWHERE = {
+    "world": "it belongs to the surroundings, not to the asset",
+    "actuator": "neither USD nor URDF describes it",
+    "sensor": "it belongs to the sensor, not to the asset",
+    "robot": "neither USD nor URDF describes it",
+    "joint": "the package is one rigid body without joints; give the URDF of the mechanism instead",
+    "body": "neither USD nor URDF has an attribute for it",
+    "contact": "neither USD nor URDF has an attribute for it",
+}
+_SIZE = "the shape itself is wrong: scale the source and ingest it again"
+
+
+@dataclass(frozen=True)
+class MeasuredBody:
+    """How the measurement declares the body: what relative values are relative to.
+
+    p_AB             (3,) origin of the measured body frame B in the asset frame A; axes are parallel.
+    inertia_per_kg   (3, 3) declared inertia about the mass centre over declared mass.
+    """
+
+    p_AB: FloatArray
+    inertia_per_kg: FloatArray
+
+
+@dataclass(frozen=True)
+class Row:
+    """One effect and what became of it: the places it was written to, or why it was not."""
+
+    effect: str
+    where: str
+    values: dict[str, Estimate]
+    written: tuple[str, ...] = ()
+    why: str = ""
+
+
+def package_physics(
+    extension: ModelExtension, extension_json: bytes, section: PhysicsSection, body: MeasuredBody | None, reason: str
+) -> tuple[MeasuredPhysics, tuple[Row, ...]]:
+    """The numbers for a package with this physics, and a row per effect.
+
+    Mass centre and inertia are relative to the body as the measurement declares it; without `body` they are left out
+    for the `reason` given. Inertia is written per kilogram of the package, because motion alone shows no mass. Raises
+    InvalidInput for values that the effect does not allow.
+    """
+    fields: dict[str, Evidence] = {}
+    contact: dict[str, float] = {}
+    rows: list[Row] = []
+    by_name = _by_name(extension.effects)
+    mass = by_name.get("body.mass")
+    mass_kg = mass.parameters["mass_kg"].value if mass else section.mass_kg.value
+    for applied in extension.effects:
+        name, say = applied.name, _method(applied, extension)
+        if by_name[name] is not applied:
+            rows.append(_kept(applied, "the package holds one value, that of the first place"))
+        elif name in ("body.mass", "contact.friction", "contact.restitution"):
+            key = name.partition(".")[2]
+            (value,) = applied.parameters.values()
+            fields["mass_kg" if key == "mass" else key] = measured(
+                value.value, say, confidence=CONFIDENCE, bounds=value.ci95
+            )
+            rows.append(_written(applied))
+        elif name in ("body.com_offset", "body.inertia"):
+            if body is None:
+                rows.append(_kept(applied, reason))
+                continue
+            if name == "body.inertia":
+                tensor = body.inertia_per_kg * mass_kg
+                fields["inertia_kgm2"] = _inertia(applied.parameters["factor"], tensor, say)
+            else:
+                fields["centre_of_mass_m"] = _centre(applied, body.p_AB, say)
+            rows.append(_written(applied))
+        elif name in _URDF_CONTACT:
+            contact |= {tag: applied.parameters[p].value for p, tag in _URDF_CONTACT[name].items()}
+            tags = tuple(f"URDF contact/{tag}" for tag in _URDF_CONTACT[name].values())
+            rows.append(Row(name, str(applied.where), applied.parameters, tags))
+        else:
+            rows.append(_kept(applied, _SIZE if name == "body.size" else _ELSEWHERE[effect(name).family]))
+    return MeasuredPhysics(extension_json=extension_json, urdf_contact=contact, **fields), tuple(rows)
+
+
+def joint_physics(extension: ModelExtension) -> tuple[dict[str, MeasuredJoint], tuple[Row, ...]]:
+    """Numbers for the joints of a URDF by name, and a row per effect."""
+    joints: dict[str, dict[str, Estimate]] = {}
+    rows: list[Row] = []
+    for applied in extension.effects:
+        joint, p = applied.where.joint, applied.parameters
+        found: dict[str, Estimate] = {}
+        if applied.name == "joint.coulomb_friction":
+            found = {"friction": p["torque_Nm"]}
+        elif applied.name == "joint.viscous_friction":
+            found = {"damping": p["damping_Nms_per_rad"]}
+        elif applied.name == "joint.hard_stop":
+            found = {"lower": p["lower_rad"], "upper": p["upper_rad"]}
+        if joint is None or not found:
+            family = effect(applied.name).family
+            known = "URDF has no attribute for it" if family == "joint" else _ELSEWHERE[family]
+            why = "a body's numbers go into its package" if family in ("body", "contact") else known
+            rows.append(_kept(applied, why))
+            continue
+        joints.setdefault(joint, {}).update(found)
+        rows.append(Row(applied.name, joint, applied.parameters, (f"URDF {effect(applied.name).urdf}",)))
+    return {name: MeasuredJoint(**{k: v.value for k, v in values.items()}) for name, values in joints.items()}, tuple(
+        rows
+    )
+
+
+def refuse_impossible(extension: ModelExtension) -> None:
+    """Raises InvalidInput (`gap/invalid-extension`) for a value outside what its effect allows."""
+    for applied in extension.effects:
+        for parameter in effect(applied.name).parameters:
+            value = applied.parameters[parameter.name].value
+            if not parameter.low <= value <= parameter.high:
+                headline = f"{applied.name}: {parameter.name} is outside {parameter.low:g} .. {parameter.high:g}"
+                raise InvalidInput(finding("gap/invalid-extension", headline, value=value, unit=parameter.unit))
+
+
+def _by_name(effects: Iterable[AppliedEffect]) -> dict[str, AppliedEffect]:
+    """The first of each name."""
+    first: dict[str, AppliedEffect] = {}
+    for applied in effects:
+        first.setdefault(applied.name, applied)
+    return first
+
+
+def _method(applied: AppliedEffect, extension: ModelExtension) -> str:
+    return f"{applied.name}, 95 % interval, from measurement {extension.measurement[:12]}"
+
+
+def _inertia(factor: Estimate, tensor: FloatArray, method: str) -> Evidence[Matrix3]:
+    ends = np.stack([tensor * f for f in factor.ci95])
+    bounds = (_matrix3(ends.min(axis=0)), _matrix3(ends.max(axis=0)))
+    return measured(_matrix3(tensor * factor.value), method, confidence=CONFIDENCE, bounds=bounds)
+
+
+def _centre(applied: AppliedEffect, p_AB: FloatArray, method: str) -> Evidence[Vec3]:
+    axes = [applied.parameters[k] for k in ("x_m", "y_m", "z_m")]
+    low, high = (_vec3(p_AB + np.array([e.ci95[k] for e in axes])) for k in (0, 1))
+    value = _vec3(p_AB + np.array([e.value for e in axes]))
+    return measured(value, method, confidence=CONFIDENCE, bounds=(low, high))
+
+
+def _written(applied: AppliedEffect) -> Row:
+    known = effect(applied.name)
+    return Row(applied.name, str(applied.where), applied.parameters, (f"USD {known.usd}", f"URDF {known.urdf}"))
+
+
+def _kept(applied: AppliedEffect, why: str) -> Row:
+    return Row(applied.name, str(applied.where), applied.parameters, why=why)
+
+
+def _vec3(values: FloatArray) -> Vec3:
+    x, y, z = (float(v) for v in values)
+    return x, y, z
+
+
+def _matrix3(values: FloatArray) -> Matrix3:
+    a, b, c = (_vec3(row) for row in values)
+    return a, b, c
