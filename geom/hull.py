@@ -6,6 +6,7 @@ import numpy as np
 from manifold3d import Manifold
 from scipy.spatial import ConvexHull
 
+from geom.edges import edges_of
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
@@ -44,7 +45,13 @@ def _simplified_hull(points: FloatArray) -> tuple[FloatArray, IntArray]:
 
 
 def _convex(points: FloatArray, triangles: IntArray) -> bool:
-    return float(outside_by(points, triangles, points).max()) <= 10.0 * MERGE_TOLERANCE
+    """Whether no face of a closed surface rises above the plane of a neighbour."""
+    halves = np.argsort(edges_of(triangles).of_face.reshape(-1), kind="stable").reshape(-1, 2)
+    first, second = (points[triangles[side // 3]] for side in halves.T)
+    normals = np.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+    rise = np.einsum("ijk,ik->ij", second - first[:, :1], normals)
+    return float(rise.max()) <= 10.0 * MERGE_TOLERANCE
 
 
 def hull_shape(points: FloatArray, max_points: int = MAX_POINTS) -> CollisionShape | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
@@ -44,3 +46,14 @@ def test_flat_sets_have_the_volume_of_qhull(seed: int) -> None:
     points = rng.normal(size=(int(rng.integers(6, 60)), 3)) * [1.0, 0.3, 10.0 ** rng.uniform(-3, 0)]
     points[: len(points) // 2, 2] = 0.0
     assert_convex(points @ Rotation.random(rng=seed).as_matrix())
+
+
+def test_a_hull_of_many_points_takes_memory_in_proportion() -> None:
+    directions = np.random.default_rng(0).normal(size=(30_000, 3))
+    points = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    tracemalloc.start()
+    corners, _ = convex_hull(points)
+    peak_mb = tracemalloc.get_traced_memory()[1] / 2**20
+    tracemalloc.stop()
+    assert len(corners) > 25_000
+    assert peak_mb < 100.0  # A table of all points by all faces would take 14 GB.
