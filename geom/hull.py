@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from manifold3d import Manifold
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
-from geom.edges import edges_of
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
@@ -45,13 +44,11 @@ def _simplified_hull(points: FloatArray) -> tuple[FloatArray, IntArray]:
 
 
 def _convex(points: FloatArray, triangles: IntArray) -> bool:
-    """Whether no face of a closed surface rises above the plane of a neighbour."""
-    halves = np.argsort(edges_of(triangles).of_face.reshape(-1), kind="stable").reshape(-1, 2)
-    first, second = (points[triangles[side // 3]] for side in halves.T)
-    normals = np.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-    rise = np.einsum("ijk,ik->ij", second - first[:, :1], normals)
-    return float(rise.max()) <= 10.0 * MERGE_TOLERANCE
+    """Whether a closed surface encloses what Qhull says the hull of its points does."""
+    try:
+        return volume(points, triangles) <= (1.0 + 1e-5) * ConvexHull(points).volume
+    except QhullError:  # Too flat for Qhull to tell.
+        return True
 
 
 def hull_shape(points: FloatArray, max_points: int = MAX_POINTS) -> CollisionShape | None:
