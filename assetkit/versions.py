@@ -30,11 +30,11 @@ _LIBRARIES = (
 @cache
 def library_versions() -> dict[str, str]:
     """Installed version by distribution name, and a hash of Mana's own code under `code`."""
-    return {name: version(name) for name in _LIBRARIES} | {"code": _code_hash()}
+    return {name: version(name) for name in _LIBRARIES} | {"code": code_hash(_PACKAGES)}
 
 
-def _code_hash() -> str:
-    """One hash over the Python files of Mana's packages: an editable installation changes without a new version."""
+def code_hash(packages: tuple[str, ...]) -> str:
+    """One hash over the Python files of packages of Mana: an editable installation changes without a new version."""
     home = Path(__file__).parents[1]
-    files = sorted(f for package in _PACKAGES for f in (home / package).rglob("*.py"))
+    files = sorted(f for package in packages for f in (home / package).rglob("*.py"))
     return content_key([(f.relative_to(home).as_posix(), file_sha256(f)) for f in files])

@@ -1,8 +1,9 @@
-"""`mana demo`: the main job end to end on real objects that the installed packages bring."""
+"""`mana demo`: real objects that the installed packages bring become packages, and a hidden effect gets its name."""
 
 from __future__ import annotations
 
 import importlib.util
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -37,12 +38,13 @@ def demo(
     jobs: Annotated[int, typer.Option("--jobs", min=1, help="Assets at a time.")] = default_jobs(),
     as_json: AsJson = False,
 ) -> None:
-    """Ingest real objects from pybullet_data, validate every package and write a page of pictures.
+    """Ingest real objects from pybullet_data, validate every package, find a hidden effect, write a page of pictures.
 
     Example: `mana demo --out demo_out`
     """
     from assetkit.judge import judge  # Loads USD, which other commands do not need.
     from assetkit.validate import main_usd_files
+    from cli.demo_gap import gap_demo
 
     data = data_folder()
     found = [data / name for name in OBJECTS if (data / name).is_file()]
@@ -57,11 +59,14 @@ def demo(
     )
     report = run_batch(discover(found, root=data), batch, quiet=as_json)
     verdicts = {file: judge(file) for file in main_usd_files(batch.out)}
-    page = write_page(report, verdicts, out)
+    with text.console.status("naming a hidden effect") if not as_json else nullcontext():
+        gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
+    page = write_page(report, verdicts, gap, out)
     if as_json:
         print(report.model_dump_json(indent=1))
     else:
         text.show_summary(report)
+        text.console.print(f"sim gap: {escape(gap.report.verdict.statement)}", soft_wrap=True)
         text.console.print(f"page: {escape(str(page))}", soft_wrap=True)
     failed = any(d.severity is Severity.ERROR for found_ in verdicts.values() for d in found_)
     raise typer.Exit(1 if failed or not verdicts else 0)

@@ -7,13 +7,21 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from assetkit.record import RECORD
+from cli.demo_gap import GapDemo
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, Severity
 from schemas.report import IngestReport
+from simgap.report_page import PICTURES
+
+_CAPTIONS = {
+    "overlay.png": "One push that the search never learned from.",
+    "unexplained.png": "Torque that the model does not account for, with the law that was found on top.",
+    "ladder.png": "The error that is left, step by step.",
+}
 
 
-def write_page(report: IngestReport, verdicts: dict[Path, tuple[Diagnostic, ...]], out: Path) -> Path:
+def write_page(report: IngestReport, verdicts: dict[Path, tuple[Diagnostic, ...]], gap: GapDemo, out: Path) -> Path:
     """Write `index.html` in `out`: what went in, what came out, who says it is right. Returns its path."""
     library = out / "library"
     cards = [_card(library, name, verdicts) for item in report.items for name in item.packages]
@@ -21,8 +29,16 @@ def write_page(report: IngestReport, verdicts: dict[Path, tuple[Diagnostic, ...]
     loader = PackageLoader("cli", "templates")
     page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("demo.html")
     path = out / "index.html"
-    write_atomically(path, page.render(report=report, cards=cards, refused=refused).encode())
+    write_atomically(
+        path, page.render(report=report, cards=cards, refused=refused, gap=gap, pictures=_pictures(out, gap)).encode()
+    )
     return path
+
+
+def _pictures(out: Path, gap: GapDemo) -> list[tuple[str, str]]:
+    """Caption and place of each picture of the sim gap that was drawn."""
+    places = ((caption, f"{gap.folder}/{PICTURES}/{name}") for name, caption in _CAPTIONS.items())
+    return [(caption, place) for caption, place in places if (out / place).is_file()]
 
 
 def _card(library: Path, name: str, verdicts: dict[Path, tuple[Diagnostic, ...]]) -> dict[str, object]:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from cli import text
 from cli.effect_pages import as_data
@@ -31,24 +31,40 @@ def find_command(
     measurement: Folder,
     out: Annotated[Path, typer.Option("--out", help="Where report, extension and pictures go.")],
     jobs: Annotated[int, typer.Option("--jobs", min=1, help="Candidates at a time.")] = 1,
+    quick: Annotated[bool, typer.Option("--quick", help="Skip the slow baseline with all effects at once.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Say which effect the model lacks, how strong it is, how sure that is, and what it gains on unseen trials.
 
-    Finding no effect, or two that cannot be told apart, is an answer too; the page `report.html` explains it. Exit code
-    1 when the folder cannot be used.
+    Finding no effect, or two that cannot be told apart, is an answer too; the page `report.html` explains it. The same
+    command again gives the stored answer at once, or continues where it was interrupted. Exit code 1 when the folder
+    cannot be used, 2 when interrupted.
 
     Example: `mana gap find recordings/door --out door_gap`
     """
-    from cli.gap_find import Tick, search  # Loads engine and plotting.
+    from cli.gap_find import search  # Loads engine and plotting.
 
     started = time.monotonic()
     value, findings = _read(measurement, as_json)
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
     with Progress(*columns, console=text.console, disable=as_json, transient=not text.console.is_terminal) as progress:
         task = progress.add_task("reading", total=None)
-        tick: Tick = lambda words: progress.update(task, description=words)  # noqa: E731
-        report = search(value, findings, out, jobs=jobs, tick=tick, since=started)
+
+        def tick(words: str, done: int = 0, total: int | None = None) -> None:
+            progress.update(task, description=words, completed=done, total=total)
+
+        try:
+            report = search(value, findings, out, jobs=jobs, tick=tick, since=started, quick=quick)
+        except KeyboardInterrupt:
+            if not as_json:
+                text.console.print("interrupted; the same command continues")
+            raise typer.Exit(2) from None
     if as_json:
         print(report.model_dump_json(indent=1))
     else:

@@ -5,10 +5,14 @@ from __future__ import annotations
 import multiprocessing
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import count
 from pathlib import Path
+from typing import Protocol
 
+from assetkit.versions import code_hash, library_versions
 from cli.gap_problem import Case, case_of, traps_of
-from jobs.cache import write_atomically
+from cli.gap_store import Store
+from jobs.cache import content_key, write_atomically
 from schemas.diagnostics import Diagnostic
 from schemas.gap import GapReport
 from simgap.extension import terms_of
@@ -24,20 +28,41 @@ from simgap.replays import most_telling, replay
 from simgap.report_page import PAGE, PICTURES, REPORT, render_page
 from simgap.search import Trial
 
-Tick = Callable[[str], None]
 Work = Callable[[Candidate], Trial]
 _MOST_REPLAYED = 12  # held-out trials among which the most telling one is looked for
 
 
+class Tick(Protocol):
+    """Hears what is being done, and how much of how much is done where that is known."""
+
+    def __call__(self, words: str, done: int = 0, total: int | None = None) -> None:
+        """Called whenever something begins or ends."""
+        ...
+
+
 def search(
-    measurement: Measurement, findings: Sequence[Diagnostic], out: Path, *, jobs: int, tick: Tick, since: float
+    measurement: Measurement,
+    findings: Sequence[Diagnostic],
+    out: Path,
+    *,
+    jobs: int,
+    tick: Tick,
+    since: float,
+    quick: bool = False,
 ) -> GapReport:
-    """The report, after writing it with extension, page and pictures into `out`."""
+    """The report, after writing it with extension, page and pictures into `out`.
+
+    An answer that `out` already holds is not worked out again; an interrupted run continues with what it had finished.
+    """
+    store = Store(out, answer_key(measurement, quick))
+    if store.answered():
+        return GapReport.model_validate_json((out / REPORT).read_bytes())
     case = case_of(measurement)
     tick("checking the simulator's conventions")
-    traps = traps_of(case, findings)
+    traps = store.part("traps", lambda: traps_of(case, findings))
     tick("localising the error")
-    where = localise(case.problem, (), (*case.trials.train, *case.trials.test), case.joints)
+    ids = (*case.trials.train, *case.trials.test)
+    where = store.part("localise", lambda: localise(case.problem, (), ids, case.joints))
     found = find(
         case.problem,
         case.trials,
@@ -45,19 +70,33 @@ def search(
         horizon_s=case.problem.horizon_s,
         traps=traps,
         localisation=where,
-        each=_each(jobs, tick),
+        each=_each(jobs, tick, store),
     )
     tick("drawing")
     pictures = _pictures(case, found)
+    extension = found.extension.model_copy(update={"target": _target(measurement)})
     report = found.report.model_copy(update={"wall_s": round(time.monotonic() - since, 1)})
-    for name, data in pictures.items():
-        write_atomically(out / PICTURES / name, data)
+    files = {f"{PICTURES}/{name}": data for name, data in pictures.items()}
     for stale in (p for p in (out / PICTURES).glob("*.png") if p.name not in pictures):
         stale.unlink()
-    write_atomically(out / report.extension, found.extension.model_dump_json(indent=1).encode())
-    write_atomically(out / REPORT, report.model_dump_json(indent=1).encode())
-    write_atomically(out / PAGE, render_page(report, out).encode())
+    for name, data in files.items():  # The page holds them.
+        write_atomically(out / name, data)
+    files |= {report.extension: extension.model_dump_json(indent=1).encode()}
+    files |= {REPORT: report.model_dump_json(indent=1).encode(), PAGE: render_page(report, out).encode()}
+    store.finish(files)
     return report
+
+
+def answer_key(measurement: Measurement, quick: bool) -> str:
+    """What an answer depends on: the measurement, the options, our code and the libraries below it."""
+    return content_key("gap find", measurement.content_hash, quick, library_versions(), code_hash(("simgap", "cli")))
+
+
+def _target(measurement: Measurement) -> dict[str, str]:
+    """What the extension is for, as the subject names it."""
+    subject = measurement.spec.subject
+    given = {"package": subject.package, "urdf": subject.urdf}
+    return {key: path for key, path in given.items() if path is not None}
 
 
 def _pictures(case: Case, found: Found) -> dict[str, bytes]:
@@ -85,29 +124,41 @@ def _pictures(case: Case, found: Found) -> dict[str, bytes]:
     return drawn
 
 
-def _each(jobs: int, tick: Tick) -> Callable[[Work, Iterable[Candidate]], Iterator[Trial]]:
-    """Candidates one after another, or in forked processes that inherit the problem; order and results are the same."""
+def _each(jobs: int, tick: Tick, store: Store) -> Callable[[Work, Iterable[Candidate]], Iterator[Trial]]:
+    """Candidates one after another, or in forked processes that inherit the problem; order and results are the same.
+
+    Each is stored as soon as it is done. Calls are told apart by their number: equal keys make equal calls.
+    """
+    calls = count()
 
     def each(work: Work, items: Iterable[Candidate]) -> Iterator[Trial]:
-        todo = list(items)
+        call, todo = next(calls), list(items)
+
+        def kept(position: int) -> Trial:
+            return store.part(f"{call}/{position}/{todo[position].key}", lambda: work(todo[position]))
+
+        def told(done: int, verb: str, item: Candidate) -> None:
+            tick(f"round {call + 1}: {verb} {item.effect.name} at {item.where}", done, len(todo))
+
         if jobs == 1 or len(todo) < 2:
             for n, item in enumerate(todo):
-                tick(f"trying {item.effect.name} at {item.where} ({n + 1} of {len(todo)})")
-                yield work(item)
-            return
-        global _work
-        _work = work
-        with multiprocessing.get_context("fork").Pool(jobs) as pool:
-            for n, done in enumerate(pool.imap(_inherited, todo)):
-                tick(f"tried {done.candidate.effect.name} at {done.candidate.where} ({n + 1} of {len(todo)})")
-                yield done
+                told(n, "trying", item)
+                yield kept(n)
+        else:
+            global _work
+            _work = kept
+            with multiprocessing.get_context("fork").Pool(jobs) as pool:
+                for n, trial in enumerate(pool.imap(_inherited, range(len(todo)))):
+                    told(n + 1, "tried", todo[n])
+                    yield trial
+        tick(f"round {call + 1}: comparing the best", len(todo), len(todo))
 
     return each
 
 
-_work: Work | None = None  # What forked processes inherit; functions with state cannot be sent.
+_work: Callable[[int], Trial] | None = None  # What forked processes inherit; functions with state cannot be sent.
 
 
-def _inherited(item: Candidate) -> Trial:
+def _inherited(position: int) -> Trial:
     assert _work is not None
-    return _work(item)
+    return _work(position)

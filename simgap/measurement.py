@@ -66,7 +66,7 @@ def read(folder: Path) -> Outcome[Measurement]:
     and what is only reported stands in `docs/reference/measurement.md`.
     """
     try:
-        return _read(Path(folder))
+        return _read(Path(folder).resolve())
     except InvalidInput as refused:
         return Outcome(None, (refused.diagnostic,))
 

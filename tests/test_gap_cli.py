@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import pickle
+import re
+import zlib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +14,15 @@ import pytest
 from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
 
+from assetkit.report import build_report
+from cli.demo_gap import FRICTION_NM, gap_demo
+from cli.demo_page import write_page
+from cli.gap_find import answer_key, search
+from cli.gap_store import Store
 from cli.main import app
 from schemas.diagnostics import InvalidInput
 from schemas.gap import GapReport
+from simgap.measurement import read
 from tests.gap_bad_inputs import IMPACT, SAMPLES
 
 RUN = CliRunner()
@@ -156,3 +166,70 @@ def test_effects_are_listed_and_explained():
     refused = RUN.invoke(app, ["gap", "effects", "joint.magnetism"]).exception
     assert isinstance(refused, InvalidInput)
     assert refused.diagnostic.code == "gap/unknown-effect"
+
+
+def test_the_demo_finds_what_it_hides_and_shows_it(tmp_path: Path):
+    gap = gap_demo(tmp_path, jobs=1, tick=lambda *_: None)
+    (named,) = gap.report.verdict.effects
+    assert named.name == "joint.coulomb_friction"
+    low, high = named.parameters["torque_Nm"].ci95
+    assert low < FRICTION_NM < high
+    page = write_page(build_report((), wall_seconds=1.0, interrupted=False), {}, gap, tmp_path).read_text()
+    assert gap.report.verdict.statement.split(":")[0] in page
+    shown = re.findall('src="([^"]+)"', page)
+    assert len(shown) == 3
+    assert all((tmp_path / place).is_file() for place in shown)
+
+
+def test_an_answer_is_given_again_at_once_and_only_for_the_same_input(
+    found: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(found[0].parent)
+    command = ["gap", "find", found[0].name, "--out", str(found[1]), "--json"]
+    before = {p: p.read_bytes() for p in found[1].rglob("*") if p.is_file()}
+    again = RUN.invoke(app, command)
+    assert again.exit_code == 0
+    assert json.loads(again.output) == json.loads((found[1] / "report.json").read_text())
+    assert {p: p.read_bytes() for p in found[1].rglob("*") if p.is_file()} == before  # wall_s too: nothing was run
+    store = Store(found[1], json.loads((found[1] / ".cache" / "answer.json").read_text())["key"])
+    assert store.answered()
+    assert not replace(store, key="other").answered()
+    page = found[1] / "report.html"
+    page.write_text("edited")
+    assert not store.answered()
+    page.write_bytes(before[page])
+
+
+def test_an_interrupted_run_continues_with_what_was_finished(found: tuple[Path, Path], tmp_path: Path):
+    measurement = read(found[0]).value
+    assert measurement is not None
+
+    def cut(words: str, done: int = 0, total: int | None = None) -> None:
+        if done == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        search(measurement, (), tmp_path, jobs=1, tick=cut, since=0.0)
+    parts = sorted(tmp_path.rglob("*.bin"))
+    assert len(parts) == 7  # conventions, places, five candidates
+    assert not (tmp_path / "report.json").exists()
+    store = Store(tmp_path, answer_key(measurement, quick=False))
+    assert isinstance(store.part("traps", lambda: pytest.fail("worked out again")), tuple)
+    parts[0].write_bytes(b"damaged")
+    resumed = search(measurement, (), tmp_path, jobs=1, tick=lambda *_: None, since=0.0)
+    assert resumed.hypotheses == report(found[1]).hypotheses
+    assert resumed.verdict == report(found[1]).verdict
+    assert not list(tmp_path.rglob("*.bin"))
+
+
+def test_a_stored_part_from_elsewhere_runs_nothing(tmp_path: Path):
+    class Evil:
+        def __reduce__(self) -> tuple:
+            return (Path.touch, (tmp_path / "owned",))
+
+    store = Store(tmp_path, "key")
+    store.part("x", lambda: 1)
+    (file,) = tmp_path.rglob("*.bin")
+    file.write_bytes(zlib.compress(pickle.dumps(Evil())))
+    assert store.part("x", lambda: 2) == 2
+    assert not (tmp_path / "owned").exists()
