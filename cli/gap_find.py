@@ -15,11 +15,13 @@ from cli.gap_store import Store
 from jobs.cache import content_key, write_atomically
 from schemas.diagnostics import Diagnostic
 from schemas.gap import GapReport
+from simgap.events import EventProblem
 from simgap.extension import terms_of
 from simgap.find import Found, find
 from simgap.localise import localise
 from simgap.measurement import Measurement
 from simgap.mechanism.problem import MechanismProblem
+from simgap.pictures.events import outcomes
 from simgap.pictures.ladder import ladder
 from simgap.pictures.overlay import overlay
 from simgap.pictures.unexplained import unexplained
@@ -102,6 +104,9 @@ def _target(measurement: Measurement) -> dict[str, str]:
 def _pictures(case: Case, found: Found) -> dict[str, bytes]:
     """PNG files by name."""
     problem, final = case.problem, found.selection.final.model
+    if isinstance(problem, EventProblem):
+        drawn = outcomes(problem, case.trials.test, terms_of(found.extension))
+        return {"overlay.png": drawn, "ladder.png": ladder(found.report.ladder)}
     judged = [t for t in case.measurement.trials if t.id in set(case.trials.test)][:_MOST_REPLAYED]
     declared = [replay(problem, t, ()) for t in judged]
     added = terms_of(found.extension)

@@ -13,10 +13,13 @@ from sim.body_replay import BodyReplay
 from sim.mechanism import MechanismModel, Windows, rollout
 from sim.tree import Tree
 from simgap import traps
+from simgap.events import EventProblem
 from simgap.free_body.problem import FreeBodyProblem
+from simgap.impact.problem import ImpactProblem
 from simgap.measurement import Measurement
 from simgap.mechanism.problem import MechanismProblem
 from simgap.mechanism.terms import apply_terms
+from simgap.push.problem import PushProblem
 from simgap.replays import joint_windows
 from simgap.splits import Trials, split_trials
 
@@ -28,7 +31,7 @@ class Case:
     """A measurement ready for the search; `joints` are empty for a free body."""
 
     measurement: Measurement
-    problem: MechanismProblem | FreeBodyProblem
+    problem: MechanismProblem | FreeBodyProblem | ImpactProblem | PushProblem
     trials: Trials
     joints: tuple[str, ...]
     engine: BodyReplay | None
@@ -36,7 +39,7 @@ class Case:
 
 def case_of(measurement: Measurement) -> Case:
     """The problem of a measurement. Raises InvalidInput for kinds, subjects and sizes that cannot be searched."""
-    if measurement.spec.kind not in ("mechanism", "free_body"):
+    if measurement.spec.kind == "tracking":
         text = f"measurements of kind '{measurement.spec.kind}' are read and checked, but no search explains them yet"
         raise InvalidInput(finding("gap/kind-unsupported-yet", text, value=measurement.spec.kind))
     try:
@@ -46,6 +49,11 @@ def case_of(measurement: Measurement) -> Case:
     try:
         if measurement.spec.kind == "mechanism":
             return Case(measurement, MechanismProblem(measurement), trials, measurement.joints, None)
+        if measurement.spec.kind == "impact":
+            impact = ImpactProblem(measurement, trials)
+            return Case(measurement, impact, impact.trials, (), None)
+        if measurement.spec.kind == "push":
+            return Case(measurement, PushProblem(measurement), trials, (), None)
         from sim.bullet_body import BulletBodyReplay  # Loads the engine, which mechanisms do not need.
 
         engine = BulletBodyReplay()
@@ -58,6 +66,8 @@ def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
     """All conventions that were checked, by reading and by experiment."""
     found = list(traps.reader_traps(case.measurement, findings))
     problem = case.problem
+    if isinstance(problem, EventProblem):
+        return (*found, *problem.traps)  # No engine: the law is in closed form.
     if isinstance(problem, MechanismProblem):
         from sim import bullet_mechanism  # Loads the engine.
 

@@ -14,10 +14,12 @@ from jobs.cache import write_atomically
 from schemas.diagnostics import InvalidInput, finding
 from schemas.model import FloatArray
 from sim.mechanism import rollout
+from simgap.events import EventProblem
 from simgap.extension import read_extension, terms_of
 from simgap.measurement import Measurement
 from simgap.mechanism.problem import MechanismProblem
 from simgap.mechanism.terms import apply_terms
+from simgap.pictures.events import outcomes
 from simgap.pictures.overlay import overlay
 from simgap.problem import Model, View
 from simgap.replays import Replay, joint_windows, most_telling, replay
@@ -36,6 +38,8 @@ def simulate(measurement: Measurement, extension: Path | None, out: Path) -> dic
     if extension is not None:
         models["extended"] = terms_of(read_extension(extension))
         _refuse_strange_places(case, models["extended"])
+    if isinstance(case.problem, EventProblem):
+        return _events(case, case.problem, models, out)
     runs = {name: [replay(case.problem, t, model) for t in measurement.trials] for name, model in models.items()}
     for k, trial in enumerate(measurement.trials):
         write_atomically(out / "trajectories" / f"{_file(trial.id)}.csv", _csv([(n, r[k]) for n, r in runs.items()]))
@@ -47,6 +51,23 @@ def simulate(measurement: Measurement, extension: Path | None, out: Path) -> dic
     picture = overlay(runs["declared"][at], extended, channel, "m" if slides else "rad")
     write_atomically(out / "pictures" / "overlay.png", picture)
     summary = {"schema_version": 1, "errors": _errors(case, models), "notes": _engine_notes(case, models)}
+    write_atomically(out / "errors.json", json.dumps(summary, indent=1).encode())
+    return summary
+
+
+def _events(case: Case, problem: EventProblem, models: dict[str, Model], out: Path) -> dict[str, Any]:
+    """The same summary for measurements without time series: one table, a row per event."""
+    ids, names = problem.trial_ids, problem.channels()
+    truth = np.concatenate(problem.readings(ids))
+    columns = {f"{n}_measured": truth[:, c] for c, n in enumerate(names)}
+    for name, model in models.items():
+        said = truth + np.concatenate(problem.residuals(model, ids, "full_rollout"))
+        columns |= {f"{n}_{name}": said[:, c] for c, n in enumerate(names)}
+    rows = zip(*columns.values(), strict=True)
+    table = "\n".join([",".join(columns), *(",".join(f"{x:.9g}" for x in row) for row in rows)]) + "\n"
+    write_atomically(out / "trajectories" / "events.csv", table.encode())
+    write_atomically(out / "pictures" / "overlay.png", outcomes(problem, ids, models.get("extended", ())))
+    summary = {"schema_version": 1, "errors": _errors(case, models), "notes": []}
     write_atomically(out / "errors.json", json.dumps(summary, indent=1).encode())
     return summary
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from schemas.gap import Localisation
 from schemas.model import FloatArray
+from simgap.events import EventProblem
 from simgap.problem import Model, Problem
 
 _KNEE = 5.0  # noise levels from which on an error counts by its logarithm
@@ -33,8 +34,11 @@ def localise(
     seen = np.isfinite(error)
     loss = np.where(seen, _KNEE**2 * np.log1p((np.nan_to_num(error) / _KNEE) ** 2), 0.0)
     total = max(float(loss.sum()), 1e-300)
-    slices = _joint_slices(features, joints) if joints else _body_slices(features, problem.channels())
-    starts = _first_divergence(problem, model, trials)
+    if isinstance(problem, EventProblem):
+        slices, starts = _event_slices(problem, features), [None] * len(floor)
+    else:
+        slices = _joint_slices(features, joints) if joints else _body_slices(features, problem.channels())
+        starts = _first_divergence(problem, model, trials)
     rows = []
     for (phase, axis), mask in slices.items():
         mask = mask & seen
@@ -71,6 +75,16 @@ def _first_divergence(problem: Problem, model: Model, trials: Sequence[str]) -> 
             if last < len(error):
                 kept.append(float(features[last, -1]))
     return [float(np.median(kept)) if len(kept) * 2 > len(residuals) else None for kept in times]
+
+
+def _event_slices(problem: EventProblem, features: FloatArray) -> Slices:
+    """Kinds of events against channels."""
+    names = problem.channels()
+    return {
+        (phase, name): rows[:, None] & (np.arange(len(names)) == c)
+        for phase, rows in problem.slices(features).items()
+        for c, name in enumerate(names)
+    }
 
 
 def _joint_slices(features: FloatArray, joints: Sequence[str]) -> Slices:

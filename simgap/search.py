@@ -75,8 +75,8 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
     null = fit(rollout_errors(problem, trials.train, view, first), problem.nuisances())
     scale = spread(problem, null.model, trials.train, view)
 
-    def judged(found: Fit) -> FloatArray:
-        return trial_losses(problem.residuals(found.model, trials.test, view), scale)
+    def judged(found: Fit, level: FloatArray) -> FloatArray:
+        return trial_losses(problem.residuals(found.model, trials.test, view), level)
 
     base, null_losses = null, np.zeros(0)
     rounds: list[Round] = []
@@ -84,9 +84,10 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
     rivals: list[tuple[Trial, ...]] = []
     while True:
         # What was an outlier to a poor model is evidence to a better one: the level follows the base.
-        errors = rollout_errors(problem, trials.train, view, spread(problem, base.model, trials.train, view))
+        level = spread(problem, base.model, trials.train, view)
+        errors = rollout_errors(problem, trials.train, view, level)
         base = fit(errors, _warm(base))
-        losses = judged(base)
+        losses = judged(base, scale)
         if not accepted:
             null, null_losses = base, losses
         if len(accepted) == MOST_EFFECTS:
@@ -95,7 +96,9 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
         free = [c for c in problem.candidates() if c.key not in taken]
         this = _round(base, errors, list(each(_screening(problem, errors, base, trials), free)))
         rounds.append(this)
-        best = next((t for t in _looking_ahead(errors, _worthy(this)) if _confirmed(losses, judged(t.fit))), None)
+        before = judged(base, level)
+        worthy = _looking_ahead(errors, _worthy(this))
+        best = next((t for t in worthy if _confirmed(before, judged(t.fit, level))), None)
         if best is None:
             break
         rivals.append(_inseparable(errors, best, this.tried))

@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
 from simgap.problem import DirectEstimate, Problem, Term
-from simgap.score import Comparison
+from simgap.score import Comparison, paired_p
 from simgap.search import LEVEL, Selection, Trial
 
 DIRECT_LEVEL = 0.05
@@ -26,16 +26,21 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
     for position, (found, rivals) in enumerate(zip(selection.accepted, selection.rivals, strict=True)):
         base = selection.final.model
         others = tuple(t for t in base if t.candidate.key != found.candidate.key)
-        direct = agrees(found)
-        same = [r for r in rivals if not _told_apart(problem, found, r, others, trials)]
         term = next(t for t in base if t.candidate.key == found.candidate.key)
+        widths = selection.final.half_widths.get(term.candidate.key, {})
+        said, direct = found.direct, agrees(found)
+        if said is not None and direct is not True:
+            # What was fitted beside causes not yet found is judged again beside them.
+            said = problem.direct(found.candidate, others, trials)
+            direct = said is not None and _agree(term, widths, said)
+        same = [r for r in rivals if not _told_apart(problem, found, r, others, trials)]
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
         effect = NamedEffect(
             name=found.candidate.effect.name,
             where=found.candidate.where,
-            confidence=_confidence(p, found.direct, direct is True, bool(same)),
+            confidence=_confidence(p, said, direct is True, bool(same)),
             routes={"heldout": True, "direct": direct is True},
-            parameters=parameters(term, selection.final.half_widths.get(term.candidate.key, {})),
+            parameters=parameters(term, widths),
         )
         if same or direct is not True:
             names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
@@ -53,26 +58,27 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
 
 def agrees(found: Trial) -> bool | None:
     """Whether the direct estimate says the same as the fit; None where there is no direct route."""
-    direct = found.direct
-    if direct is None:
+    if found.direct is None:
         return None
-    candidate = found.candidate
-    strength = _strength(found)
-    fitted = found.fit.model[-1].values[strength]
-    half = found.fit.half_widths[candidate.key][strength]
-    step = fitted - candidate.null[strength]
+    return _agree(found.fit.model[-1], found.fit.half_widths[found.candidate.key], found.direct)
+
+
+def _agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool:
+    strength = _strength(term, widths)
+    null, fitted = term.candidate.null[strength], term.values[strength]
+    step = fitted - null
     apart = direct.values[strength] - fitted
-    slack = max(AGREE_ERRORS * float(np.hypot(direct.standard_errors[strength], half / 1.96)), AGREE_SHARE * abs(step))
-    one_way = step * (direct.values[strength] - candidate.null[strength]) > 0.0
+    noise = float(np.hypot(direct.standard_errors[strength], widths.get(strength, 0.0) / 1.96))
+    slack = max(AGREE_ERRORS * noise, AGREE_SHARE * abs(step))
+    one_way = step * (direct.values[strength] - null) > 0.0
     return direct.p_value < DIRECT_LEVEL and one_way and abs(apart) <= slack
 
 
-def _strength(found: Trial) -> str:
+def _strength(term: Term, widths: dict[str, float]) -> str:
     """The parameter that says most clearly that the effect is there: a stop may be touched on one side only."""
-    candidate = found.candidate
-    fitted, widths = found.fit.model[-1].values, found.fit.half_widths[candidate.key]
-    names = [n for n in candidate.null if n not in candidate.shapes]
-    return max(names, key=lambda n: abs(fitted[n] - candidate.null[n]) / widths[n] if widths[n] > 0.0 else 0.0)
+    fitted, null = term.values, term.candidate.null
+    names = [n for n in null if n not in term.candidate.shapes]
+    return max(names, key=lambda n: abs(fitted[n] - null[n]) / widths[n] if widths.get(n, 0.0) > 0.0 else 0.0)
 
 
 def parameters(term: Term, half_widths: dict[str, float]) -> dict[str, Estimate]:
@@ -94,13 +100,22 @@ def _columns(selection: Selection, position: int) -> tuple[tuple[Trial, ...], tu
 
 
 def _told_apart(problem: Problem, best: Trial, rival: Trial, others: tuple[Term, ...], trials: Sequence[str]) -> bool:
-    """Whether the direct route keeps the best beside the rival and drops the rival beside the best."""
+    """Whether the direct route keeps the best beside the rival, drops the rival beside the best, and prefers the best.
+
+    The preference is asked of fits that start afresh: a rival's term that got stuck where the simulator left it would
+    be no match for anything.
+    """
     best_term, rival_term = best.fit.model[-1], rival.fit.model[-1]
     given_rival = problem.direct(best.candidate, (*others, rival_term), trials)
     given_best = problem.direct(rival.candidate, (*others, best_term), trials)
     kept = given_rival is not None and given_rival.p_value < LEVEL
     dropped = given_best is not None and given_best.p_value > DIRECT_LEVEL
-    return kept and dropped
+    if not (kept and dropped):
+        return False
+    alone, other = (problem.direct(t.candidate, others, trials) for t in (best, rival))
+    if alone is None or other is None or alone.held_out is None or other.held_out is None:
+        return True
+    return paired_p(other.held_out, alone.held_out) < LEVEL
 
 
 def _confidence(p_adjusted: float, direct: DirectEstimate | None, agreed: bool, shared: bool) -> float:
@@ -135,7 +150,7 @@ def _statement(
 ) -> str:
     """One sentence a person can act on."""
     certain = [e for e in named if e.confidence >= NAMED]
-    share = 1.0 - selection.final_losses.sum() / max(selection.null_losses.sum(), 1e-300)
+    share = 1.0 - np.sqrt(selection.final_losses.sum() / max(selection.null_losses.sum(), 1e-300))
     if certain:
         words = " and ".join(f"{e.name} at {e.where} ({_figures(e)})" for e in certain)
         tail = "; something structured is left" if unexplained else ""

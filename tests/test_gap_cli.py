@@ -23,7 +23,7 @@ from cli.main import app
 from schemas.diagnostics import InvalidInput
 from schemas.gap import GapReport
 from simgap.measurement import read
-from tests.gap_bad_inputs import IMPACT, SAMPLES
+from tests.gap_bad_inputs import HINGE, SAMPLES, folder_of, swing
 
 RUN = CliRunner()
 DAMPING = 0.004
@@ -132,9 +132,13 @@ def test_an_extension_for_another_mechanism_is_refused(found: tuple[Path, Path],
 
 
 def test_what_cannot_be_searched_yet_says_so(tmp_path: Path):
-    folder = tmp_path / "impact"
-    SAMPLES["gap/impact-inconsistent"](folder)
-    assert "kind: impact" in IMPACT
+    folder = swings(tmp_path / "arm", trials=3)
+    tracked = "  urdf: arm.urdf\n  end_effector: b\n  controller: {type: stable_pd, kp: 100, kd: 10}\n"
+    spec = SPEC.split("  joints")[0].replace("kind: mechanism", "kind: tracking")
+    (folder / "measurement.yaml").write_text(
+        spec.replace("q_door: angle", "q_door: angle, command_door: angle") + tracked
+    )
+    (folder / "arm.urdf").write_text(DOOR_URDF)
     refused = RUN.invoke(app, ["gap", "find", str(folder), "--out", str(tmp_path / "out")]).exception
     assert isinstance(refused, InvalidInput)
     assert refused.diagnostic.code == "gap/kind-unsupported-yet"

@@ -17,7 +17,7 @@ def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
 
 EFFECT = Effect(
     name="body.com_offset",
-    kinds=("free_body",),
+    kinds=("free_body", "impact", "push"),
     formula="mass centre at (x_m, y_m, z_m) in the body frame",
     source="rigid-body mechanics",
     reveals="in flight the measured origin wobbles about a point that falls straight",

@@ -16,7 +16,7 @@ def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
 
 EFFECT = Effect(
     name="body.mass",
-    kinds=("free_body", "impact", "push"),
+    kinds=("free_body", "push"),
     formula="mass_kg; inertia in proportion",
     source="weighing",
     reveals="needs a known force: passive motion under gravity does not show mass",

@@ -18,7 +18,7 @@ def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
 
 EFFECT = Effect(
     name="contact.anisotropic_friction",
-    kinds=("free_body", "impact", "push"),
+    kinds=("free_body", "push"),
     formula="friction along the body's x axis = ratio * friction along the others",
     source="Zmitrowicz, Int. J. Solids Struct. 25, 1989",
     reveals="sliding turns towards one direction of the body",

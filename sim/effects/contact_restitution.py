@@ -15,7 +15,7 @@ def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
 
 EFFECT = Effect(
     name="contact.restitution",
-    kinds=("free_body", "impact", "push"),
+    kinds=("free_body", "impact"),
     formula="normal speed after impact = -restitution * normal speed before",
     source="I. Newton, Principia, 1687",
     reveals="height and speed after impacts",

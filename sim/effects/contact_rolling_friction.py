@@ -15,7 +15,7 @@ def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
 
 EFFECT = Effect(
     name="contact.rolling_friction",
-    kinds=("free_body", "impact", "push"),
+    kinds=("free_body",),
     formula="moment <= lever_m * normal force, against rolling",
     source="Coulomb 1785; Dupuit 1837",
     reveals="round bodies come to rest though nothing slides",

@@ -15,7 +15,7 @@ def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
 
 EFFECT = Effect(
     name="contact.spinning_friction",
-    kinds=("free_body", "impact", "push"),
+    kinds=("free_body", "push"),
     formula="moment <= lever_m * normal force, about the normal",
     source="Contensou 1963",
     reveals="a body that spins in place comes to rest",
