@@ -73,6 +73,7 @@ def search(
         traps=traps,
         localisation=where,
         each=_each(jobs, tick, store),
+        quick=quick,
     )
     tick("drawing")
     pictures = _pictures(case, found)

@@ -19,6 +19,7 @@ from schemas.gap import (
     Trap,
 )
 from schemas.model import FloatArray
+from simgap.all_effects import all_effects_losses
 from simgap.black_box import corrected
 from simgap.problem import Model, Problem, View
 from simgap.score import Comparison, compare, trial_losses
@@ -45,8 +46,12 @@ def find(
     traps: tuple[Trap, ...] = (),
     localisation: tuple[Localisation, ...] = (),
     each: Map | None = None,
+    quick: bool = False,
 ) -> Found:
-    """What `mana gap find` reports; `measurement` is its content hash. Deterministic: wall time is 0 here."""
+    """What `mana gap find` reports; `measurement` is its content hash. Deterministic: wall time is 0 here.
+
+    `quick` leaves out the baseline with all effects at once.
+    """
     selection = select(problem, trials, "short_horizon", each)
     box = _black_box(problem, selection, trials)
     leftover = compare(selection.final_losses, box)
@@ -71,11 +76,17 @@ def find(
         gain=short,
         baselines=(
             Rival(name="null_refit", heldout=float(selection.null_losses.mean())),
+            *(() if quick else (_all_effects(problem, selection, trials),)),
             Rival(name="black_box", heldout=float(box.mean())),
         ),
         ladder=_ladder(problem, selection, trials),
     )
     return Found(report, extension, selection)
+
+
+def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
+    losses = all_effects_losses(problem, selection.null.model, trials, "short_horizon", selection.scale)
+    return Rival(name="all_effects", heldout=float(losses.mean()))
 
 
 def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatArray:
