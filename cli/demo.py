@@ -45,6 +45,7 @@ def demo(
     from assetkit.judge import judge  # Loads USD, which other commands do not need.
     from assetkit.validate import main_usd_files
     from cli.demo_gap import gap_demo
+    from cli.demo_gate import spoil_package
 
     data = data_folder()
     found = [data / name for name in OBJECTS if (data / name).is_file()]
@@ -59,9 +60,11 @@ def demo(
     )
     report = run_batch(discover(found, root=data), batch, quiet=as_json)
     verdicts = {file: judge(file) for file in main_usd_files(batch.out)}
+    made = next((p for item in report.items for p in item.packages), None)
+    spoiled = spoil_package(batch.out / made) if made else ()
     with text.console.status("naming a hidden effect") if not as_json else nullcontext():
         gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
-    page = write_page(report, verdicts, gap, out)
+    page = write_page(report, verdicts, spoiled, gap, out)
     if as_json:
         print(report.model_dump_json(indent=1))
     else:

@@ -8,6 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from assetkit.record import RECORD
 from cli.demo_gap import GapDemo
+from cli.demo_gate import Spoiled
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, Severity
@@ -21,7 +22,13 @@ _CAPTIONS = {
 }
 
 
-def write_page(report: IngestReport, verdicts: dict[Path, tuple[Diagnostic, ...]], gap: GapDemo, out: Path) -> Path:
+def write_page(
+    report: IngestReport,
+    verdicts: dict[Path, tuple[Diagnostic, ...]],
+    spoiled: tuple[Spoiled, ...],
+    gap: GapDemo,
+    out: Path,
+) -> Path:
     """Write `index.html` in `out`: what went in, what came out, who says it is right. Returns its path."""
     library = out / "library"
     cards = [_card(library, name, verdicts) for item in report.items for name in item.packages]
@@ -29,9 +36,10 @@ def write_page(report: IngestReport, verdicts: dict[Path, tuple[Diagnostic, ...]
     loader = PackageLoader("cli", "templates")
     page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("demo.html")
     path = out / "index.html"
-    write_atomically(
-        path, page.render(report=report, cards=cards, refused=refused, gap=gap, pictures=_pictures(out, gap)).encode()
+    html = page.render(
+        report=report, cards=cards, refused=refused, spoiled=spoiled, gap=gap, pictures=_pictures(out, gap)
     )
+    write_atomically(path, html.encode())
     return path
 
 
