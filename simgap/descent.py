@@ -50,18 +50,21 @@ def descend(
     at: Sequence[FloatArray] | None = None,
     most: int = 8,
     starting: int = 0,
+    steps: FloatArray | float = _STEP,
 ) -> Solution:
     """The nearest minimum from x, by Gauss-Newton steps that never raise the cost.
 
     known   Jacobian columns of the first parameters, taken as good enough everywhere: no calls are spent on them.
     at      residuals at x where the caller has them already.
+    steps   (p,) changes over which slopes are read.
     """
+    steps = np.broadcast_to(steps, np.shape(x))
     fixed = 0 if known is None else known.shape[1]
     x = np.clip(np.asarray(x, dtype=float), 0.0, 1.0)
     here = tuple(residuals(x) if at is None else at)
     calls = starting + (at is None)
     r = np.concatenate(here)
-    jac, more = _jacobian(residuals, x, r, known, fixed)
+    jac, more = _jacobian(residuals, x, r, known, fixed, steps)
     calls += more
     for _ in range(most):
         step = _boxed(*_normal(jac, r), x)
@@ -79,7 +82,7 @@ def descend(
         x, here = moved
         r = np.concatenate(here)
         done = cost - _cost(r) < _ENOUGH * cost
-        jac, more = _jacobian(residuals, x, r, known, fixed)
+        jac, more = _jacobian(residuals, x, r, known, fixed, steps)
         calls += more
         if done:
             break
@@ -165,12 +168,12 @@ def _solved(H: FloatArray, g: FloatArray, free: FloatArray) -> FloatArray:
 
 
 def _jacobian(
-    residuals: Residuals, x: FloatArray, r: FloatArray, known: FloatArray | None, fixed: int
+    residuals: Residuals, x: FloatArray, r: FloatArray, known: FloatArray | None, fixed: int, steps: FloatArray
 ) -> tuple[FloatArray, int]:
     """Forward differences, backward at the upper wall."""
     columns = [] if known is None else [known]
     for k in range(fixed, len(x)):
-        step = _STEP if x[k] + _STEP <= 1.0 else -_STEP
+        step = steps[k] if x[k] + steps[k] <= 1.0 else -steps[k]
         moved = x.copy()
         moved[k] += step
         columns.append(((np.concatenate(residuals(moved)) - r) / step)[:, None])

@@ -92,7 +92,7 @@ def fit(errors: Errors, free: Sequence[Candidate], most: int = 8) -> Fit:
     """All of `free` together, from their own starts; deterministic."""
     free = tuple(free)
     start = _shares(free, {c.key: c.start for c in free})
-    return Fit(free, descend(lambda x: errors(_model(free, x)), start, most=most))
+    return Fit(free, descend(lambda x: errors(_model(free, x)), start, most=most, steps=_steps(free)))
 
 
 def extend(
@@ -117,6 +117,7 @@ def extend(
         at=found[best],
         most=most,
         starting=len(tries),
+        steps=_steps(free),
     )
     return Fit(free, solution)
 
@@ -134,7 +135,7 @@ def promising(errors: Errors, base: Fit, candidate: Candidate) -> list[dict[str,
     ]
     if shapes:
         return [*starts, *_best_shapes(errors, base, model, candidate, shapes)]
-    scanned = []
+    scanned = [(_cost(errors((*model, Term(candidate, values)))), values) for values in candidate.probes]
     for name, (low, high) in candidate.bounds.items():
         for share in np.linspace(0.02, 0.98, _FEW):
             values = {**candidate.start, name: low + float(share) * (high - low)}
@@ -178,6 +179,10 @@ def _twin(term: Candidate, candidate: Candidate) -> bool:
 
 def _parameters(free: Sequence[Candidate]) -> list[tuple[Candidate, str]]:
     return [(c, n) for c in free for n in c.null]
+
+
+def _steps(free: Sequence[Candidate]) -> FloatArray:
+    return np.array([c.step for c, _ in _parameters(free)])
 
 
 def _model(free: Sequence[Candidate], x: FloatArray) -> Model:

@@ -22,6 +22,8 @@ class Candidate:
     bounds    plausible values here, within the effect's own.
     nuisance  part of the null model: a declared number within its tolerance, never named.
     shapes    parameters that mean nothing while the effect is absent: where on the range it acts, not how strongly.
+    probes   further values to try first, where no descent finds the way: a stop is felt only where it is.
+    step      share of a range over which slopes are read: more where roll-outs answer in small jumps, as contacts do.
     """
 
     effect: Effect
@@ -31,6 +33,8 @@ class Candidate:
     bounds: dict[str, tuple[float, float]]
     nuisance: bool = False
     shapes: tuple[str, ...] = ()
+    probes: tuple[dict[str, float], ...] = ()
+    step: float = 2e-3
 
     @property
     def key(self) -> str:
@@ -54,12 +58,14 @@ class DirectEstimate:
     """A simulator-free estimate of a candidate's parameters, from trials taken as independent clusters.
 
     values, standard_errors   per parameter; `p_value` of "no effect" over trials; `trials` that could be used.
+    held_out   loss of each trial under what the others teach, where the route has one; comparable between candidates.
     """
 
     values: dict[str, float]
     standard_errors: dict[str, float]
     p_value: float
     trials: int
+    held_out: FloatArray | None = None
 
 
 class Problem(Protocol):

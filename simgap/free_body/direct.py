@@ -1,6 +1,8 @@
-"""Direct estimates without an engine: free flight as parabolas, and sliding, impacts and rest as they come.
+"""Direct estimates without an engine: every estimator reads one toss; tosses are independent, so they give the error.
 
-Each estimator gives one value per trial; trials are independent, so their scatter is the error of the mean.
+A toss gives normal equations `H x = g` of least squares about the parameters (and sometimes a nuisance behind them):
+one that shows only some directions adds only those. No toss counts more than a few others, and tosses that disagree
+with the rest count less (Cauchy's weights).
 """
 
 from __future__ import annotations
@@ -11,94 +13,88 @@ import numpy as np
 from scipy import stats
 
 from schemas.model import FloatArray
-from sim.effects.effect import Series
-from simgap.free_body.terms import AppliedBody
+from simgap.free_body import contact, flight, readings
+from simgap.free_body.evidence import Evidence
+from simgap.free_body.toss import Toss
 from simgap.problem import Candidate, DirectEstimate
 
-Estimator = Callable[[AppliedBody, Series, FloatArray], "dict[str, float] | None"]
-_CLEAR_M = 0.004  # lowest point over the support, from which on a body surely flies
-_LEAST_ROWS = 7
+Estimator = Callable[[Toss], "Evidence | None"]
+_LEAST = 3
+_HEAVIEST = 3.0  # times the median toss
+_ROUNDS = 5
+_BLIND = 1e-6
 
-
-def estimate(
-    candidate: Candidate, applied: AppliedBody, series: Sequence[Series], gaps: Sequence[FloatArray]
-) -> DirectEstimate | None:
-    """The candidate's parameters as the mean over trials; None where no estimator or fewer than three trials."""
-    estimator = ESTIMATORS.get(candidate.effect.name)
-    if estimator is None:
-        return None
-    found = [v for s, g in zip(series, gaps, strict=True) if (v := estimator(applied, s, g)) is not None]
-    if len(found) < 3:
-        return None
-    names = list(candidate.null)
-    table = np.array([[v[n] for n in names] for v in found])
-    middle = stats.trim_mean(table, 0.1, axis=0)
-    error = table.std(axis=0, ddof=1) / np.sqrt(len(table)) + 1e-15
-    offset = (middle - [candidate.null[n] for n in names]) / error
-    p = float(np.min(2.0 * stats.t.sf(np.abs(offset), len(table) - 1)) * len(names))
-    return DirectEstimate(
-        dict(zip(names, middle.tolist(), strict=True)),
-        dict(zip(names, error.tolist(), strict=True)),
-        min(p, 1.0),
-        len(table),
-    )
-
-
-def flights(gap: FloatArray) -> list[slice]:
-    """Stretches of at least seven rows in which the body touches nothing."""
-    free = np.concatenate([[False], gap > _CLEAR_M, [False]])
-    edges = np.flatnonzero(free[1:] != free[:-1])
-    return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a >= _LEAST_ROWS]
-
-
-def flight_acceleration(series: Series, gap: FloatArray) -> FloatArray | None:
-    """(3,) mean acceleration in flight: parabolas through positions, weighted by the fourth power of their length."""
-    total, weight = np.zeros(3), 0.0
-    for part in flights(gap):
-        t = series.t_s[part] - series.t_s[part].mean()
-        basis = np.stack([np.ones_like(t), t, 0.5 * t**2], axis=1)
-        acceleration = np.linalg.lstsq(basis, series.columns["p"][part], rcond=None)[0][2]
-        w = float(((t**2 - (t**2).mean()) ** 2).sum())
-        total, weight = total + w * acceleration, weight + w
-    return total / weight if weight > 0.0 else None
-
-
-def _gravity(applied: AppliedBody, series: Series, gap: FloatArray) -> dict[str, float] | None:
-    acceleration = flight_acceleration(series, gap)
-    if acceleration is None:
-        return None
-    down = applied.body.gravity_W / np.linalg.norm(applied.body.gravity_W)
-    return {"gravity_mps2": float(acceleration @ down)}
-
-
-def _tilt(applied: AppliedBody, series: Series, gap: FloatArray) -> dict[str, float] | None:
-    acceleration = flight_acceleration(series, gap)
-    if acceleration is None:
-        return None
-    g = float(np.linalg.norm(applied.body.gravity_W))
-    aside = acceleration - applied.body.gravity_W
-    return {"about_x_rad": float(aside[1] / g), "about_y_rad": float(-aside[0] / g)}
-
-
-def _force(applied: AppliedBody, series: Series, gap: FloatArray) -> dict[str, float] | None:
-    acceleration = flight_acceleration(series, gap)
-    if acceleration is None:
-        return None
-    force = applied.body.mass_kg * (acceleration - applied.body.gravity_W)
-    return {"x_N": float(force[0]), "y_N": float(force[1]), "z_N": float(force[2])}
-
-
-def _length_scale(applied: AppliedBody, series: Series, gap: FloatArray) -> dict[str, float] | None:
-    acceleration = flight_acceleration(series, gap)
-    if acceleration is None:
-        return None
-    g = applied.body.gravity_W
-    return {"factor": float(acceleration @ g / (g @ g))}
-
-
-ESTIMATORS: dict[str, Estimator] = {
-    "world.gravity_magnitude": _gravity,
-    "world.gravity_tilt": _tilt,
-    "world.constant_force": _force,
-    "sensor.scale": _length_scale,
+# A length scale shows in falls and in the height at rest: both must tell the same.
+ESTIMATORS: dict[str, tuple[Estimator, ...]] = {
+    "contact.friction": (contact.friction,),
+    "contact.restitution": (contact.restitution,),
+    "contact.anisotropic_friction": (contact.anisotropy,),
+    "body.com_offset": (flight.com_offset,),
+    "body.inertia": (contact.inertia,),
+    "body.size": (contact.size,),
+    "world.gravity_magnitude": (flight.gravity,),
+    "world.gravity_tilt": (flight.tilt,),
+    "world.linear_drag": (flight.linear_drag,),
+    "world.quadratic_drag": (flight.quadratic_drag,),
+    "world.constant_force": (flight.force,),
+    "sensor.scale": (flight.length_scale, contact.size),
+    "sensor.clock_skew": (flight.clock,),
+    "sensor.frame_rotation": (readings.frame_rotation,),
+    "sensor.velocity_age": (readings.velocity_age,),
 }
+
+
+def estimate(candidate: Candidate, tosses: Sequence[Toss]) -> DirectEstimate | None:
+    """The candidate's parameters over all tosses; None where no estimator is or fewer than three tosses tell."""
+    routes = [r for e in ESTIMATORS.get(candidate.effect.name, ()) if (r := _pooled(e, tosses)) is not None]
+    if not routes:
+        return None
+    values, errors, trials = routes[0]
+    for other, error, n in routes[1:]:
+        # Two routes to one number: their mean, with their disagreement as part of its error.
+        total = 1.0 / errors**2 + 1.0 / error**2
+        middle = (values / errors**2 + other / error**2) / total
+        errors = np.sqrt(1.0 / total + np.maximum(0.25 * (values - other) ** 2 - 0.25 * (errors**2 + error**2), 0.0))
+        values, trials = middle, min(trials, n)
+    names = list(candidate.null)
+    values, errors = values[: len(names)], errors[: len(names)]
+    offset = (values - [candidate.null[n] for n in names]) / errors
+    p = float(np.min(2.0 * stats.t.sf(np.abs(offset), trials - 1)) * len(names))
+    named, spread = (dict(zip(names, v.tolist(), strict=True)) for v in (values, errors))
+    return DirectEstimate(named, spread, min(p, 1.0), trials)
+
+
+def _pooled(estimator: Estimator, tosses: Sequence[Toss]) -> tuple[FloatArray, FloatArray, int] | None:
+    """Values, standard errors (jackknife over tosses) and the number of tosses."""
+    told = [e for toss in tosses if (e := estimator(toss)) is not None]
+    if len(told) < _LEAST:
+        return None
+    H, g = np.stack([e.H for e in told]), np.stack([e.g for e in told])
+    size = np.trace(H, axis1=1, axis2=2)
+    share = np.minimum(1.0, _HEAVIEST * np.median(size) / np.maximum(size, 1e-300))
+    weight = share
+    x = _solved(np.einsum("n,nij->ij", weight, H), weight @ g)
+    for _ in range(_ROUNDS):
+        if x is None:
+            return None
+        apart = np.linalg.norm(g - H @ x, axis=1) / size
+        weight = share / (1.0 + (apart / (3.0 * np.median(apart) + 1e-300)) ** 2)
+        x = _solved(np.einsum("n,nij->ij", weight, H), weight @ g)
+    A, b = weight[:, None, None] * H, weight[:, None] * g
+    solved = [_solved(A.sum(axis=0) - h, b.sum(axis=0) - v) for h, v in zip(A, b, strict=True)]
+    without = [w for w in solved if w is not None]
+    n = len(told)
+    if x is None or len(without) < n:
+        return None
+    left = np.stack(without)
+    error = np.sqrt((n - 1) / n * ((left - left.mean(axis=0)) ** 2).sum(axis=0)) + 1e-15
+    return told[0].origin + x, error, n
+
+
+def _solved(H: FloatArray, g: FloatArray) -> FloatArray | None:
+    """H^-1 g; None where a direction is not seen."""
+    root = np.sqrt(np.maximum(np.diag(H), 1e-300))
+    scaled = H / np.outer(root, root)
+    if np.linalg.eigvalsh(scaled)[0] < _BLIND:
+        return None
+    return np.linalg.solve(scaled, g / root) / root

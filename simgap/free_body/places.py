@@ -14,6 +14,8 @@ from simgap.problem import Candidate
 
 # Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
 TOLERANCE = 0.05
+# Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
+_STEP, _NUISANCE_STEP = 0.02, 0.2
 _NEED_SUPPORT = ("contact", "body.size")
 
 
@@ -27,7 +29,7 @@ def candidates_of(model: BodyModel, series: Sequence[Series]) -> tuple[Candidate
         table = _bounds(model, series)
         bounds = {p.name: table.get((each.name, p.name), (p.low, p.high)) for p in each.parameters}
         start = {n: float(np.clip(v, *bounds[n])) for n, v in null.items()}
-        out.append(Candidate(each, _where(each), null, start, bounds))
+        out.append(Candidate(each, _where(each), null, start, bounds, step=_STEP))
     return tuple(out)
 
 
@@ -41,7 +43,17 @@ def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
         if model.has_support and half > 0.0:
             one = {parameter: value}
             low, high = max(0.0, value - half), min(1.5, value + half)
-            out.append(Candidate(effect(name), Place(pair="body-support"), one, one, {parameter: (low, high)}, True))
+            out.append(
+                Candidate(
+                    effect(name),
+                    Place(pair="body-support"),
+                    one,
+                    one,
+                    {parameter: (low, high)},
+                    True,
+                    step=_NUISANCE_STEP,
+                )
+            )
     return tuple(out)
 
 

@@ -15,6 +15,7 @@ from simgap.free_body.build import build_body
 from simgap.free_body.direct import estimate
 from simgap.free_body.places import candidates_of, nuisances_of
 from simgap.free_body.terms import AppliedBody, apply_terms
+from simgap.free_body.toss import Toss
 from simgap.measurement import Measurement
 from simgap.problem import Candidate, DirectEstimate, Model, View
 from simgap.trial import Trial
@@ -37,6 +38,7 @@ class FreeBodyProblem:
         step = float(np.median(np.concatenate([np.diff(s.t_s) for s in self._series.values()])))
         self._rows = max(4, round(horizon_s / step) + 1)
         self._step_s = step
+        self._read: tuple[object, list[Toss]] = (None, [])
 
     @property
     def trial_ids(self) -> tuple[str, ...]:
@@ -58,22 +60,34 @@ class FreeBodyProblem:
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
         """See `simgap.problem.Problem`; m and rad."""
         applied = apply_terms(self.declared, model)
-        out = []
-        for trial in trials:
-            series = applied.recovered(self._series[trial])
-            rows, compared = self._cut(len(series.t_s), view)
-            first = rows[:, 0]
-            windows = BodyWindows(
-                t_s=series.t_s[rows],
-                p=series.columns["p"][first],
-                quat_wxyz=series.columns["quat_wxyz"][first],
-                v_W=series.columns["v_W"][first],
-                w_B=series.columns["w_B"][first],
-            )
-            motion = self._engine.rollout(applied.body, windows, applied.wrenches)
-            said = _reported(applied, series, rows, motion.p, motion.quat_wxyz)
-            out.append(_errors(*said, compared))
+        series = [applied.recovered(self._series[trial]) for trial in trials]
+        cuts = [self._cut(len(s.t_s), view) for s in series]
+        # Windows of equal length are rolled out together, whatever trial they are of.
+        lengths = [rows.shape[1] for rows, _ in cuts]
+        out: list[FloatArray] = [np.zeros((0, 6))] * len(series)
+        for length in dict.fromkeys(lengths):
+            of = [n for n, k in enumerate(lengths) if k == length]
+            errors = self._rolled(applied, [series[n] for n in of], [cuts[n][0] for n in of], cuts[of[0]][1])
+            for n, found in zip(of, errors, strict=True):
+                out[n] = found
         return out
+
+    def _rolled(
+        self, applied: AppliedBody, series: Sequence[Series], rows: Sequence[np.ndarray], compared: np.ndarray
+    ) -> list[FloatArray]:
+        """Errors (w * c, 6) per series from windows of equally many rows (w, k) each."""
+
+        def picked(name: str, first_only: bool) -> FloatArray:
+            parts = zip(series, rows, strict=True)
+            return np.concatenate([s.columns[name][r[:, 0] if first_only else r] for s, r in parts])
+
+        t_s = np.concatenate([s.t_s[r] for s, r in zip(series, rows, strict=True)])
+        start = {name: picked(name, True) for name in ("p", "quat_wxyz", "v_W", "w_B")}
+        motion = self._engine.rollout(applied.body, BodyWindows(t_s=t_s, **start), applied.wrenches)
+        simulated = _reported(applied, t_s, motion.p, motion.quat_wxyz)
+        measured = _reported(applied, t_s, picked("p", False), picked("quat_wxyz", False))
+        errors = _errors(*(v[:, compared] for v in (*simulated, *measured)))
+        return np.split(errors, np.cumsum([len(r) * len(compared) for r in rows])[:-1])
 
     def features(self, trials: Sequence[str], view: View) -> list[FloatArray]:
         """Velocity, turning rate (world), height of the lowest point at the start, and the time since."""
@@ -91,9 +105,7 @@ class FreeBodyProblem:
 
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         """See `simgap.problem.Problem`."""
-        applied = apply_terms(self.declared, model)
-        series = [applied.recovered(self._series[t]) for t in trials]
-        return estimate(candidate, applied, series, [self.gaps(s) for s in series])
+        return estimate(candidate, self._tosses(model, tuple(trials)))
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
         """See `simgap.problem.Problem`: reading noise twice, and the start's velocity noise carried along."""
@@ -113,6 +125,14 @@ class FreeBodyProblem:
         origins = series.columns["p"] @ level.T - np.array([0.0, 0.0, body.plane_height_m])
         return heights(body.shapes, origins, level @ R)
 
+    def _tosses(self, model: Model, trials: tuple[str, ...]) -> list[Toss]:
+        """Trials as they truly are under the model; those of the last call are kept."""
+        asked = (tuple((t.candidate.key, tuple(t.values.items())) for t in model), trials)
+        if self._read[0] != asked:
+            applied = apply_terms(self.declared, model)
+            self._read = (asked, [Toss(applied, applied.recovered(self._series[t])) for t in trials])
+        return self._read[1]
+
     def _cut(self, length: int, view: View) -> tuple[np.ndarray, np.ndarray]:
         """Rows (w, k) of the windows of a trial, and the positions in a window that are compared."""
         if view == "full_rollout" or self._rows >= length:
@@ -126,31 +146,21 @@ class FreeBodyProblem:
 
 
 def _reported(
-    applied: AppliedBody, series: Series, rows: np.ndarray, p: FloatArray, quat_wxyz: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Simulated and measured p (w, k, 3) and quaternions (w, k, 4), both as the sensor would report them."""
-    measured_p, measured_quat = series.columns["p"][rows], series.columns["quat_wxyz"][rows]
+    applied: AppliedBody, t_s: FloatArray, p: FloatArray, quat_wxyz: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Poses p (w, k, 3), quat_wxyz (w, k, 4) as the sensor reports them; what it does to poses it does row by row."""
     if not applied.sensors:
-        return p, quat_wxyz, measured_p, measured_quat
-    out: list[list[FloatArray]] = [[], [], [], []]
-    for w in range(len(rows)):
-        stamps = series.t_s[rows[w]]
-        pairs = ((p[w], quat_wxyz[w]), (measured_p[w], measured_quat[w]))
-        for at, (where, turn) in enumerate(pairs):
-            said = applied.reported(Series(stamps, {"p": where, "quat_wxyz": turn})).columns
-            out[2 * at].append(said["p"])
-            out[2 * at + 1].append(said["quat_wxyz"])
-    a, b, c, d = (np.stack(values) for values in out)
-    return a, b, c, d
+        return p, quat_wxyz
+    rows = Series(t_s.ravel(), {"p": p.reshape(-1, 3), "quat_wxyz": quat_wxyz.reshape(-1, 4)})
+    said = applied.reported(rows).columns
+    return said["p"].reshape(p.shape), said["quat_wxyz"].reshape(quat_wxyz.shape)
 
 
-def _errors(
-    p: FloatArray, quat_wxyz: FloatArray, measured_p: FloatArray, measured_quat: FloatArray, compared: np.ndarray
-) -> FloatArray:
-    """(w * c, 6) simulated minus measured at the compared rows; rotation as a vector in world axes."""
-    position = np.clip((p - measured_p)[:, compared], -_LARGEST_M, _LARGEST_M).reshape(-1, 3)
-    simulated = Rotation.from_quat(np.roll(quat_wxyz[:, compared].reshape(-1, 4), -1, axis=1))
-    truth = Rotation.from_quat(np.roll(measured_quat[:, compared].reshape(-1, 4), -1, axis=1))
+def _errors(p: FloatArray, quat_wxyz: FloatArray, measured_p: FloatArray, measured_quat: FloatArray) -> FloatArray:
+    """(w * c, 6) simulated minus measured; rotation as a vector in world axes."""
+    position = np.clip(p - measured_p, -_LARGEST_M, _LARGEST_M).reshape(-1, 3)
+    simulated = Rotation.from_quat(np.roll(quat_wxyz.reshape(-1, 4), -1, axis=1))
+    truth = Rotation.from_quat(np.roll(measured_quat.reshape(-1, 4), -1, axis=1))
     return np.concatenate([position, (simulated * truth.inv()).as_rotvec()], axis=1)
 
 
