@@ -21,7 +21,7 @@ SPOILS = (
         "physics:diagonalInertia",
         lambda text: _first_tenfold(text),
     ),
-    ("the mass centre lies outside", MAIN, "physics:centerOfMass", lambda text: "(0, 0, 0.5)"),
+    ("the mass centre lies outside", MAIN, "physics:centerOfMass", lambda text: "(0, 0, 100)"),
     ("dynamic friction above static", PHYSICS, "physics:dynamicFriction", lambda text: "0.9"),
     ("restitution above one", PHYSICS, "physics:restitution", lambda text: "1.4"),
     ("one collider is switched off", PHYSICS, "physics:collisionEnabled", lambda text: "0"),
