@@ -26,6 +26,7 @@ _PARKED_M = 1000.0
 # Share of a penetration that is undone per second. The engine takes it per step (0.2 at 240 steps a second): finer
 # steps would throw out harder what starts a little inside the support.
 _RECOVERY_PER_S = 0.2 * 240.0
+_HOLD_S = 1.0 / 240.0  # forces of effects are held at most so long: they follow speed and position, not contacts
 _LARGEST_M = 1e3
 
 
@@ -148,26 +149,33 @@ class BulletBodyReplay:
     def _advance(
         self, model: BodyModel, span_s: float, t_s: float, wrenches: Sequence[tuple[BodyWrench, Params]]
     ) -> None:
-        """Equal steps over `span_s`, with the wrenches of each step's beginning."""
+        """Equal steps over `span_s`, with wrenches that are held for a few of them."""
         steps = max(1, int(np.ceil(span_s / self._largest_step_s - 1e-6)))
         if span_s <= 0.0:
             return
         pybullet.setTimeStep(span_s / steps, physicsClientId=self._client)
+        held = max(1, int(_HOLD_S * steps / span_s))
+        torque: list[float] | None = None
         for s in range(steps):
-            if wrenches:
-                self._push(t_s + s * span_s / steps, wrenches)
+            if wrenches and s % held == 0:
+                torque = self._pull(model, t_s + s * span_s / steps, wrenches)
+            if torque is not None:
+                pybullet.applyExternalTorque(self._handle, -1, torque, pybullet.WORLD_FRAME, self._client)
             pybullet.stepSimulation(physicsClientId=self._client)
+        if wrenches:
+            pybullet.setGravity(*model.gravity_W.tolist(), physicsClientId=self._client)
 
-    def _push(self, t_s: float, wrenches: Sequence[tuple[BodyWrench, Params]]) -> None:
+    def _pull(self, model: BodyModel, t_s: float, wrenches: Sequence[tuple[BodyWrench, Params]]) -> list[float] | None:
+        """Lets the sum of the forces pull like gravity, as they act on the mass centre; the torques' sum, if any."""
         row = self._row()
         state = BodyState(
             np.array([[t_s]]), row[None, :3], np.roll(row[3:7], 1)[None], row[None, 7:10], row[None, 10:13]
         )
-        for hook, params in wrenches:
-            force, torque = hook.wrench(state, params)
-            frame = {"flags": pybullet.WORLD_FRAME, "physicsClientId": self._client}
-            pybullet.applyExternalForce(self._handle, -1, force[0].tolist(), row[:3].tolist(), **frame)
-            pybullet.applyExternalTorque(self._handle, -1, torque[0].tolist(), **frame)
+        both = [hook.wrench(state, params) for hook, params in wrenches]
+        pull = model.gravity_W + np.sum([f[0] for f, _ in both], axis=0) / model.mass_kg
+        pybullet.setGravity(*pull.tolist(), physicsClientId=self._client)
+        torque = np.sum([t[0] for _, t in both], axis=0)
+        return torque.tolist() if torque.any() else None
 
     def _row(self) -> FloatArray:
         """(13,) mass centre, quaternion xyzw of the inertial frame, its velocity, turning rate; world axes."""

@@ -111,7 +111,7 @@ class Toss:
         touching = np.abs(self.gap) < 2.0 * _NEAR * self.size
         found = []
         for part in _stretches(touching, _SLIDE_ROWS):
-            for first in range(part.start, part.stop - _SLIDE_ROWS + 1, 2):
+            for first in range(part.start, part.stop - _SLIDE_ROWS + 1, _SLIDE_ROWS // 2):
                 slide = self._slide(slice(first, first + _SLIDE_ROWS))
                 found += [slide] if slide is not None else []
         return found
