@@ -107,7 +107,9 @@ def extend_command(
     target: Annotated[Path, typer.Argument(help="A package of Mana, or the URDF of a mechanism.", exists=True)],
     extension: Annotated[Path, typer.Argument(help="An extension.json of `mana gap find`.", exists=True)],
     out: Annotated[Path, typer.Option("--out", help="Folder for the new package or URDF.")] = Path("extended"),
-    in_place: Annotated[bool, typer.Option("--in-place", help="Replace the package or URDF itself.")] = False,
+    in_place: Annotated[
+        bool, typer.Option("--in-place", help="Replace the package or URDF itself; ingest makes it anew.")
+    ] = False,
     measurement: Annotated[
         Path | None,
         typer.Option("--measurement", help="The folder it was found on; mass centre and inertia need it.", exists=True),

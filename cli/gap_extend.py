@@ -23,6 +23,7 @@ from simgap.measurement import read
 
 _SAME_SIZE = 0.02  # of the extent: the measured body is the one in the package
 _NO_FRAME = "it is relative to the body as measured: give --measurement"
+_TWICE = "it is relative to the package as it was measured, and this one was extended before"
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,8 @@ def _body(
 ) -> tuple[MeasuredBody | None, str]:
     """The declared body in the asset frame, or why it is not known."""
     if Path(extension.target.get("package", "")).name == record.asset_id:
+        if (package / EXTENSION).exists():
+            return None, _TWICE
         physics = record.physics
         return MeasuredBody(np.zeros(3), np.array(physics.inertia_kgm2.value) / physics.mass_kg.value), ""
     if measurement is None:

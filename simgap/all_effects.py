@@ -6,7 +6,6 @@ parameters that a user lists; it names nothing, and with as many parameters it m
 
 from __future__ import annotations
 
-import cma
 import numpy as np
 
 from schemas.model import FloatArray
@@ -43,6 +42,8 @@ def all_effects_losses(problem: Problem, base: Model, trials: Trials, view: View
         "seed": np.nan,  # else it seeds the generator that everyone shares
         "verbose": -9,
     }
+    import cma  # Takes a second, which `--quick` saves.
+
     strategy = cma.CMAEvolutionStrategy(start, _STEP, options)
     best, least = start, float(losses(start, trials.train).mean())
     while not strategy.stop():

@@ -17,12 +17,16 @@ from assetkit.options import Options
 from assetkit.pipeline import process_source
 from assetkit.record import read_record
 from cli.demo import data_folder
+from cli.gap_extend import _body
 from cli.main import app
 from jobs.cache import file_sha256
 from schemas.asset import AssetRecord
 from schemas.diagnostics import InvalidInput, Severity
 from schemas.gap import AppliedEffect, Estimate, ModelExtension, Place
 from sim.bullet import BulletSimulator
+from sim.effects.library import EFFECTS
+from simgap.carried import MeasuredBody, joint_physics, package_physics
+from simgap.extension import read_extension
 from simgap.measurement import read
 from usdio.reread import reread_body
 
@@ -175,8 +179,6 @@ def test_what_no_file_can_hold_is_listed_and_travels_along(extended: tuple[Path,
 
 
 def test_relative_numbers_wait_for_the_body_they_are_relative_to(package: Path, tossed: Path, tmp_path: Path):
-    from cli.gap_extend import _body
-
     other = ModelExtension(measurement="0" * 64)
     assert _body(package, record(package), other, None)[0] is None
     with pytest.raises(InvalidInput) as refused:
@@ -190,6 +192,23 @@ def test_relative_numbers_wait_for_the_body_they_are_relative_to(package: Path, 
     body, why = _body(package, record(package), ModelExtension(measurement=value.content_hash), larger)
     assert body is None
     assert "not as large" in why
+
+
+def test_every_effect_with_a_place_in_urdf_is_written_and_no_other(package: Path, tmp_path: Path):
+    nulls: dict[str, Values] = {e.name: {n: (v, v, v) for n, v in e.null().items()} for e in EFFECTS}
+    given = read_extension(extension(tmp_path / "all.json", nulls, joint="door"))
+    body = MeasuredBody(np.zeros(3), np.eye(3))
+    rows = (*package_physics(given, b"", record(package).physics, body, "")[1], *joint_physics(given)[1])
+    assert {r.effect for r in rows if r.written} == {e.name for e in EFFECTS if e.urdf}
+    assert all(r.why for r in rows if not r.written)
+
+
+def test_a_factor_is_not_applied_twice(package: Path, extended: tuple[Path, dict]):
+    here = ModelExtension(measurement="0" * 64, target={"package": f"things/{package.name}"})
+    assert _body(package, record(package), here, None)[0] is not None
+    body, why = _body(extended[0], record(extended[0]), here, None)
+    assert body is None
+    assert "before" in why
 
 
 def test_a_result_that_acceptance_refuses_is_not_published(package: Path, tmp_path: Path):
