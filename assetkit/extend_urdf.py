@@ -41,7 +41,7 @@ def extend_urdf(source: Path, joints: Mapping[str, MeasuredJoint], target: Path)
 
 
 def _write(joint: etree._Element, numbers: MeasuredJoint) -> None:
-    for tag, keys in (("dynamics", ("friction", "damping")), ("limit", ("lower", "upper"))):
+    for tag, keys in (("dynamics", ("friction", "damping")), ("limit", ("lower", "upper", "effort"))):
         stated = {k: v for k in keys if (v := getattr(numbers, k)) is not None}
         if not stated:
             continue

@@ -34,3 +34,4 @@ class MeasuredJoint:
     damping: float | None = None
     lower: float | None = None
     upper: float | None = None
+    effort: float | None = None

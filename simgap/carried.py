@@ -23,7 +23,7 @@ _URDF_CONTACT = {  # PyBullet's children of <contact>, by effect and parameter
 }
 _ELSEWHERE = {
     "world": "it belongs to the surroundings, not to the asset",
-    "actuator": "neither USD nor URDF describes it",
+    "actuator": "it belongs to the drive, not to a rigid body",
     "sensor": "it belongs to the sensor, not to the asset",
     "robot": "neither USD nor URDF describes it",
     "joint": "the package is one rigid body without joints; give the URDF of the mechanism instead",
@@ -114,9 +114,11 @@ def joint_physics(extension: ModelExtension) -> tuple[dict[str, MeasuredJoint], 
             found = {"damping": p["damping_Nms_per_rad"]}
         elif applied.name == "joint.hard_stop":
             found = {"lower": p["lower_rad"], "upper": p["upper_rad"]}
+        elif applied.name == "actuator.saturation":
+            found = {"effort": p["limit_Nm"]}
         if joint is None or not found:
             family = effect(applied.name).family
-            known = "URDF has no attribute for it" if family == "joint" else _ELSEWHERE[family]
+            known = "URDF has no attribute for it" if family in ("joint", "actuator") else _ELSEWHERE[family]
             why = "a body's numbers go into its package" if family in ("body", "contact") else known
             rows.append(_kept(applied, why))
             continue

@@ -257,6 +257,7 @@ def test_a_mechanism_gets_friction_damping_and_limits(tmp_path: Path):
             "upper_rad": (1.2, 1.2, 1.2),
             "stiffness_Nm_per_rad": (100.0, 90.0, 110.0),
         },
+        "actuator.saturation": {"limit_Nm": (4.0, 3.9, 4.1)},
         "joint.backlash": {"gap_rad": (0.01, 0.0, 0.02), "crossing_radps": (2.0, 1.0, 3.0)},
     }
     given = extension(tmp_path / "found.json", joint, joint="door")
@@ -269,7 +270,7 @@ def test_a_mechanism_gets_friction_damping_and_limits(tmp_path: Path):
         info = pybullet.getJointInfo(pybullet.loadURDF(str(out / "door.urdf"), physicsClientId=client), 0, client)
     finally:
         pybullet.disconnect(client)
-    assert info[6:10] == pytest.approx((0.05, 0.3, -0.5, 1.2))
+    assert info[6:11] == pytest.approx((0.05, 0.3, -0.5, 1.2, 4.0))
     assert (tmp_path / "door.urdf").read_text() == DOOR
     strange = extension(tmp_path / "drawer.json", joint, joint="drawer")
     refused = RUN.invoke(app, ["gap", "extend", str(tmp_path / "door.urdf"), str(strange), "--in-place"]).exception
