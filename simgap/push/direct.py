@@ -55,7 +55,8 @@ def moves(model: PushModel, records: Records) -> Moves:
         nearest(model.outline, np.einsum("nji,nj->ni", turns(pose[:, 2]), records.tips[:, k] - pose[:, :2]))[1]
         for pose, k in ((records.before, 0), (records.after, -1))
     ]
-    force = np.einsum("nij,nj->ni", to_body, records.force)
+    # The whole push, so that force and move stand for the same time.
+    force = np.einsum("nij,nj->ni", to_body, records.force_all)
     moved = np.linalg.norm(shift, axis=1) + model.lever_m * np.abs(records.turned) > _LEAST_MOVE * model.lever_m
     kept = np.isfinite(force).all(axis=1) & moved
     return Moves(force[kept], shift[kept], records.turned[kept], (0.5 * (ends[0] + ends[1]))[kept])
@@ -121,9 +122,11 @@ def _spinning(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) -> 
     rows = []
     for m in seen:
         way, moment = m.force * ease, m.moment(com)
-        size = (way**2).sum(axis=1)
-        X = (m.of_com(com) * way).sum(axis=1) * moment
-        rows.append(Equations(m.turn * size, X[:, None], (size * moment)[:, None]))
+        turn, slide = m.turn * (way**2).sum(axis=1), (m.of_com(com) * way).sum(axis=1) * moment
+        # Errors grow with the push: long ones must neither rule nor be left out.
+        size = np.hypot(turn, slide / model.lever_m**2) + 1e-15
+        arm = moment / (np.linalg.norm(way, axis=1) * model.lever_m + 1e-15)
+        rows.append(Equations(turn / size, (slide / size)[:, None], arm[:, None]))
     none = {"lever_m": (candidate.null["lever_m"] / mu) ** -2}
     return _through(solved(rows, ("lever_m",), none), candidate, lambda k: mu * k**-0.5)
 

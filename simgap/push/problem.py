@@ -6,6 +6,7 @@ Poses are known before and after only: short horizon and full roll-out are the s
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from simgap.push.sliding import pushed, turns
 
 # Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
 TOLERANCE = 0.05
+PRESSURE = 0.15  # an even pressure is assumed, not declared, and its limit surface is an ellipsoid in part only
 _PUSHER_FRICTION = (0.02, 1.2)
 _LEAST_M, _LEAST_N = 1e-5, 1e-3
 _WORKS = 0.8  # least share of pushes whose force must do work
@@ -81,13 +83,14 @@ class PushProblem:
         return tuple(found)
 
     def nuisances(self) -> tuple[Candidate, ...]:
-        """Declared friction within its tolerance, and that of the pusher, which nobody declares."""
+        """Declared friction and the assumed pressure within tolerance, and the pusher's friction, declared nowhere."""
         mu = self.declared.body.friction
-        half = TOLERANCE * mu
         pusher = _single("contact.friction", Place(pair=PUSHER), "mu", self.declared.pusher_friction, _PUSHER_FRICTION)
-        out = [_nuisance(pusher)]
-        if self._has_force and half > 0.0:
-            support = _single("contact.friction", Place(pair=SUPPORT), "mu", mu, (mu - half, mu + half))
+        lever = max(mu, 1e-3) * self.declared.lever_m
+        spin = _single("contact.spinning_friction", Place(pair=SUPPORT), "lever_m", lever, _within(lever, PRESSURE))
+        out = [_nuisance(pusher), _nuisance(spin)]
+        if self._has_force and mu > 0.0:
+            support = _single("contact.friction", Place(pair=SUPPORT), "mu", mu, _within(mu, TOLERANCE))
             out.append(_nuisance(support))
         return tuple(out)
 
@@ -157,9 +160,7 @@ class PushProblem:
 
     def _joined(self, trials: Sequence[str]) -> Records:
         parts = [self._records[t] for t in trials]
-        return Records(
-            *(np.concatenate([getattr(p, n) for p in parts]) for n in ("before", "after", "tips", "force", "ripple_N"))
-        )
+        return Records(**{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Records)})
 
     def _noise(self, whole: Records) -> FloatArray:
         """(c,) declared pose noise, else from the tip's distance at the end, which geometry fixes."""
@@ -203,6 +204,10 @@ def _declared(measurement: Measurement, whole: Records) -> PushModel:
 def _single(name: str, where: Place, parameter: str, value: float, bounds: tuple[float, float]) -> Candidate:
     start = {parameter: float(np.clip(value, *bounds))}
     return Candidate(effect(name), where, {parameter: value}, start, {parameter: bounds})
+
+
+def _within(value: float, share: float) -> tuple[float, float]:
+    return (1.0 - share) * value, (1.0 + share) * value
 
 
 def _nuisance(c: Candidate) -> Candidate:

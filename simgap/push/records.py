@@ -16,11 +16,14 @@ from simgap.trial import Push
 STEPS = 40  # of a tip's path
 STEADY = 0.5  # share of the path after which the force is averaged: contact is made, transients are over
 
+_CONTACT = 0.3  # share of the steady force from which on the tip touches
+
 
 @dataclass(frozen=True)
 class Records:
     """before, after (n, 3) x, y, yaw; tips (n, STEPS, 2) world, evenly in time; force (n, 2) on the body, world axes,
-    mean over the steady part, NaN where none was measured; ripple_N (n,) of that force within the push.
+    mean over the steady part, NaN where none was measured; ripple_N (n,) of that force within the push;
+    force_all (n, 2) its mean over all the time of contact.
     """
 
     before: FloatArray
@@ -28,6 +31,7 @@ class Records:
     tips: FloatArray
     force: FloatArray
     ripple_N: FloatArray
+    force_all: FloatArray
 
     @property
     def turned(self) -> FloatArray:
@@ -37,13 +41,14 @@ class Records:
 
 def record(pushes: Sequence[Push]) -> Records:
     """Pushes on the common grid."""
-    rows = [(*_forces(p), _path(p)) for p in pushes]
+    rows = [_forces(p) for p in pushes]
     return Records(
         before=np.array([[*p.before_p[:2], yaw(p.before_quat_wxyz)] for p in pushes]),
         after=np.array([[*p.after_p[:2], yaw(p.after_quat_wxyz)] for p in pushes]),
-        tips=np.stack([path for _, _, path in rows]),
-        force=np.stack([mean for mean, _, _ in rows]),
+        tips=np.stack([_path(p) for p in pushes]),
+        force=np.stack([steady for steady, _, _ in rows]),
         ripple_N=np.array([ripple for _, ripple, _ in rows]),
+        force_all=np.stack([whole for _, _, whole in rows]),
     )
 
 
@@ -69,10 +74,14 @@ def _path(push: Push) -> FloatArray:
     return np.stack([np.interp(at, push.tip_t_s, push.tip_p[:, k]) for k in (0, 1)], axis=1)
 
 
-def _forces(push: Push) -> tuple[FloatArray, float]:
+def _forces(push: Push) -> tuple[FloatArray, float, FloatArray]:
+    """Mean steady force (2,), its ripple, and the mean force (2,) while there was contact."""
     first, last = push.tip_t_s[0], push.tip_t_s[-1]
-    steady = (push.force_t_s >= first + STEADY * (last - first)) & (push.force_t_s <= last)
+    pushing = (push.force_t_s >= first) & (push.force_t_s <= last)
+    steady = pushing & (push.force_t_s >= first + STEADY * (last - first))
     if steady.sum() < 3:
-        return np.full(2, np.nan), np.nan
+        return np.full(2, np.nan), np.nan, np.full(2, np.nan)
     force = push.force[steady, :2]
-    return force.mean(axis=0), float(force.std(axis=0).max())
+    mean = force.mean(axis=0)
+    strong = np.linalg.norm(push.force[:, :2], axis=1) > _CONTACT * np.linalg.norm(mean)
+    return mean, float(force.std(axis=0).max()), push.force[pushing & strong, :2].mean(axis=0)
