@@ -13,7 +13,7 @@ from simgap.push.footprint import nearest
 from simgap.push.sliding import turns
 from simgap.trial import Push
 
-STEPS = 40  # of a tip's path
+STEPS = 24  # of a tip's path: many more would follow the jitter of its readings
 STEADY = 0.5  # share of the path after which the force is averaged: contact is made, transients are over
 
 _CONTACT = 0.3  # share of the steady force from which on the tip touches

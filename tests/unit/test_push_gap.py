@@ -22,12 +22,12 @@ from simgap.splits import split_trials
 from simgap.trial import Push
 
 SIZE_M, MASS_KG, MU, G = np.array([0.12, 0.08]), 1.2, 0.3, 9.81
-PATH_M, STEPS = 0.02, 30
+PATH_M, STEPS = 0.02, 20
 NOISE_M, NOISE_RAD, NOISE_N = 2e-4, 2e-3, 0.05
 GOLDEN = 0.6180339887498949
 
 
-def grid(n: int = 12) -> np.ndarray:
+def grid(n: int = 10) -> np.ndarray:
     """(n * n, 2) points spread evenly under the body."""
     at = (np.arange(n) + 0.5) / n - 0.5
     return np.stack(np.meshgrid(at, at), axis=-1).reshape(-1, 2) * SIZE_M
@@ -54,14 +54,14 @@ def least_power_turn(truth: Truth, at: np.ndarray, u: np.ndarray) -> np.ndarray:
     """(n,) turn per step that takes least power, by golden section."""
     reach = np.linalg.norm(u, axis=1) / 0.005
     low, high = -reach, reach
-    for _ in range(40):
+    for _ in range(30):
         a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         left = power(truth, at, u, a)[0] < power(truth, at, u, b)[0]
         low, high = np.where(left, low, a), np.where(left, b, high)
     return 0.5 * (low + high)
 
 
-def pushes(truth: Truth, seed: int, n: int = 36) -> tuple[Push, ...]:
+def pushes(truth: Truth, seed: int, n: int = 30) -> tuple[Push, ...]:
     rng = np.random.default_rng(seed)
     side = rng.integers(0, 4, n)
     out = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])[side]
@@ -126,7 +126,7 @@ def problem_of(made: tuple[Push, ...], tmp_path) -> PushProblem:
 
 def verdict_of(problem: PushProblem):
     trials = split_trials(problem.measurement.spec, problem.trial_ids)
-    return find(problem, trials, measurement="", horizon_s=0.0).report.verdict
+    return find(problem, trials, measurement="", horizon_s=0.0, quick=True).report.verdict
 
 
 def named(verdict) -> dict[str, dict[str, float]]:
@@ -165,7 +165,7 @@ def test_the_nearest_place_of_an_outline():
     ("truth", "name", "parameter", "value"),
     [
         (Truth(ratio=1.8), "contact.anisotropic_friction", "ratio", 1.8),
-        (Truth(support=grid() + [0.012, 0.0]), "body.com_offset", "x_m", 0.012),
+        (Truth(support=grid() + np.array([0.012, 0.0])), "body.com_offset", "x_m", 0.012),
         (Truth(support=0.4 * grid()), "contact.spinning_friction", "lever_m", None),
     ],
 )
@@ -182,6 +182,5 @@ def test_friction_and_weight_of_a_pushed_body_cannot_be_told_apart(tmp_path):
     assert named(verdict) == {}
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_controls_stay_without_a_name(seed: int, tmp_path):
-    assert named(verdict_of(problem_of(pushes(Truth(friction=0.305), 10 + seed), tmp_path))) == {}
+def test_a_control_stays_without_a_name(tmp_path):
+    assert named(verdict_of(problem_of(pushes(Truth(friction=0.305), 10), tmp_path))) == {}
