@@ -105,7 +105,8 @@ def _efforts(
             passive[:, law.joint, None] += law.hook.torque(at(law.joint), law.params, kept)
         elif isinstance(law.hook, JointFriction):
             direction = np.where(state.qd[:, law.joint, None] < 0.0, -1.0, 1.0)
-            largest[:, law.joint, None] += law.hook.limit(at(law.joint), law.params, direction)
+            now = replace(at(law.joint), friction=largest[:, law.joint, None].copy())
+            largest[:, law.joint, None] += law.hook.limit(now, law.params, direction)
     # Gravity acts on the rigid links alone; the model may weigh otherwise.
     zero = np.zeros_like(state.q)
     weight, meant = (

@@ -1,4 +1,4 @@
-"""One velocity update of joints with dry friction: for coupled chains, and in closed form for joints side by side."""
+"""One velocity update of joints with dry friction: any tree; in closed form joints side by side and planar chains."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from schemas.model import FloatArray
 from sim.tree import Tree, inverse_dynamics, mass_matrix
 
 _SWEEPS = 12
+ComplexArray = NDArray[np.complex128]
 
 
 class JointDynamics(Protocol):
@@ -41,7 +43,21 @@ def joint_dynamics(tree: Tree, gravity_W: FloatArray) -> JointDynamics:
     """The fastest exact form: joints that hang on the base alone do not feel one another."""
     if all(link.parent < 0 for link in tree):
         return SeparateJoints.of(tree, gravity_W)
+    if _planar(tree):
+        return PlanarChain.of(tree, gravity_W)
     return CoupledJoints(tree, gravity_W)
+
+
+def _planar(tree: Tree) -> bool:
+    """Whether the links hang on one another and all turn about y."""
+    y = np.array([0.0, 1.0, 0.0])
+    return all(
+        link.parent == i - 1
+        and not link.prismatic
+        and np.allclose(link.axis_J, y, atol=1e-12)
+        and np.allclose(link.X_PJ[:3, :3] @ y, y, atol=1e-12)
+        for i, link in enumerate(tree)
+    )
 
 
 @dataclass(frozen=True)
@@ -111,7 +127,7 @@ class SeparateJoints:
 
 @dataclass(frozen=True)
 class CoupledJoints:
-    """Any tree; friction by projected Gauss-Seidel, as engines do for contacts."""
+    """Any tree."""
 
     tree: Tree
     gravity_W: FloatArray
@@ -128,20 +144,114 @@ class CoupledJoints:
         self, q: FloatArray, qd: FloatArray, effort: FloatArray, damping: FloatArray, h: FloatArray
     ) -> FloatArray:
         """See `JointDynamics`."""
-        M = mass_matrix(self.tree, q)
-        momentum = np.einsum("wij,wj->wi", M, qd) + h * effort
-        return np.linalg.solve(M + h[:, :, None] * np.diag(damping), momentum[..., None])[..., 0]
+        return _coupled_rates(mass_matrix(self.tree, q), qd, effort, damping, h)
 
     def held(
         self, q: FloatArray, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray
     ) -> FloatArray:
         """See `JointDynamics`."""
-        inverse = np.linalg.inv(mass_matrix(self.tree, q) + h[:, :, None] * np.diag(damping))
-        impulse, rates = np.zeros_like(free), free.copy()
-        for _ in range(_SWEEPS):
-            for j in range(free.shape[1]):
-                wanted = impulse[:, j] - rates[:, j] / inverse[:, j, j]
-                change = np.clip(wanted, -largest[:, j], largest[:, j]) - impulse[:, j]
-                impulse[:, j] += change
-                rates += inverse[:, :, j] * change[:, None]
-        return rates
+        return _coupled_held(mass_matrix(self.tree, q), free, largest, damping, h)
+
+
+@dataclass(frozen=True)
+class PlanarChain:
+    """Links that hang on one another and all turn about y, as complex numbers z + i x of that plane.
+
+    With absolute angles t the mass centre of link l is sum_k a_lk exp(i t_k), where a_lk is the offset to the next
+    joint (k < l), or of the mass centre (k = l). Masses times these give all that follows.
+    """
+
+    zero: FloatArray  # (j,) constant angle of each joint frame in its parent's
+    coupled: ComplexArray  # (j, j) sum over links of m conj(a_i) a_j
+    turning: FloatArray  # (j,) inertia about y and each mass centre
+    armature: FloatArray
+    weight: ComplexArray  # (j,) sum over links of m a_i times the gravity factor
+    outboard: ComplexArray  # (j, j) sum over links from i on of m a_j
+    carried: FloatArray  # (j,) mass from i on times the gravity factor
+    gravity: complex
+    aside: float  # gravity along y
+
+    @staticmethod
+    def of(tree: Tree, gravity_W: FloatArray) -> PlanarChain:
+        """Sums over the links of a tree for which `_planar` holds."""
+        n = len(tree)
+        a = np.zeros((n, n), dtype=complex)
+        for i, link in enumerate(tree):
+            a[i, i] = complex(link.com_J[2], link.com_J[0])
+            if i + 1 < n:
+                a[i + 1 :, i] = complex(tree[i + 1].X_PJ[2, 3], tree[i + 1].X_PJ[0, 3])
+        mass = np.array([link.mass_kg for link in tree])
+        factor = np.array([link.gravity_factor for link in tree])
+        return PlanarChain(
+            zero=np.array([np.arctan2(link.X_PJ[0, 2], link.X_PJ[2, 2]) for link in tree]),
+            coupled=np.einsum("l,li,lj->ij", mass, a.conj(), a),
+            turning=np.array([link.inertia_J[1, 1] for link in tree]),
+            armature=np.array([link.armature for link in tree]),
+            weight=(mass * factor) @ a,
+            outboard=np.stack([mass[i:] @ a[i:] for i in range(n)]),
+            carried=np.array([(mass * factor)[i:].sum() for i in range(n)]),
+            gravity=complex(gravity_W[2], gravity_W[0]),
+            aside=float(gravity_W[1]),
+        )
+
+    def bias(self, q: FloatArray, qd: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `JointDynamics`."""
+        at = self._directions(q)
+        rate2 = np.cumsum(qd, axis=1) ** 2
+        between = self.coupled * at.conj()[:, :, None] * at[:, None, :]
+        pull = (self.weight * at).conj() * self.gravity
+        absolute = -np.einsum("wij,wj->wi", between.imag, rate2) - pull.imag
+        inward = -(at * rate2) @ self.outboard.T - self.carried * self.gravity
+        load = np.sqrt(inward.real**2 + inward.imag**2 + (self.carried * self.aside) ** 2)
+        return _onto_joints(absolute), load
+
+    def needed(self, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `JointDynamics`."""
+        bias, load = self.bias(q, qd)
+        return np.einsum("wij,wj->wi", self._mass_matrix(q), qdd) + bias, load
+
+    def free_rates(
+        self, q: FloatArray, qd: FloatArray, effort: FloatArray, damping: FloatArray, h: FloatArray
+    ) -> FloatArray:
+        """See `JointDynamics`."""
+        return _coupled_rates(self._mass_matrix(q), qd, effort, damping, h)
+
+    def held(
+        self, q: FloatArray, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray
+    ) -> FloatArray:
+        """See `JointDynamics`."""
+        return _coupled_held(self._mass_matrix(q), free, largest, damping, h)
+
+    def _directions(self, q: FloatArray) -> ComplexArray:
+        """(w, j) unit numbers of the absolute angles."""
+        return np.exp(1j * np.cumsum(q + self.zero, axis=1))
+
+    def _mass_matrix(self, q: FloatArray) -> FloatArray:
+        at = self._directions(q)
+        absolute = (self.coupled * at.conj()[:, :, None] * at[:, None, :]).real + np.diag(self.turning)
+        return _onto_joints(_onto_joints(absolute).swapaxes(1, 2)) + np.diag(self.armature)
+
+
+def _onto_joints(absolute: FloatArray) -> FloatArray:
+    """Efforts on absolute angles (w, j, ...) as joint efforts: a joint turns all links from its own on."""
+    return np.flip(np.cumsum(np.flip(absolute, axis=1), axis=1), axis=1)
+
+
+def _coupled_rates(M: FloatArray, qd: FloatArray, effort: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
+    momentum = np.einsum("wij,wj->wi", M, qd) + h * effort
+    return np.linalg.solve(M + h[:, :, None] * np.diag(damping), momentum[..., None])[..., 0]
+
+
+def _coupled_held(
+    M: FloatArray, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray
+) -> FloatArray:
+    """Projected Gauss-Seidel over the joints, as engines do for contacts."""
+    inverse = np.linalg.inv(M + h[:, :, None] * np.diag(damping))
+    impulse, rates = np.zeros_like(free), free.copy()
+    for _ in range(_SWEEPS):
+        for j in range(free.shape[1]):
+            wanted = impulse[:, j] - rates[:, j] / inverse[:, j, j]
+            change = np.clip(wanted, -largest[:, j], largest[:, j]) - impulse[:, j]
+            impulse[:, j] += change
+            rates += inverse[:, :, j] * change[:, None]
+    return rates

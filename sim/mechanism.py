@@ -9,7 +9,7 @@ engines do for contacts), so that a joint can stick.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -90,6 +90,10 @@ def rollout(
             q = q + 0.5 * h * qd
             asked = asked_effort(model.drive, windows, k, q, qd)
             t = windows.t_s[:, k, None] + (s + 0.5) * h
+            if model.drive.type == "position_pd":
+                # The rate at the middle of the step, not at its start: half a step's delay would look like inertia.
+                ahead = _kick(model, dynamics, laws, [dict(m) for m in memory], q, qd, asked, t, h, dt_s, aux)
+                asked = asked_effort(model.drive, windows, k, q, 0.5 * (qd + ahead))
             qd = _kick(model, dynamics, laws, memory, q, qd, asked, t, h, dt_s, aux)
             q = q + 0.5 * h * qd
         Q[:, k + 1], QD[:, k + 1] = q, qd
@@ -143,7 +147,10 @@ def _kick(
     for law in laws:
         if isinstance(law.hook, JointFriction):
             one = np.s_[:, law.joint : law.joint + 1]
-            largest[one] += law.hook.limit(state(law.joint), law.params, direction[one])
+            now = replace(state(law.joint), friction=largest[one])
+            largest[one] += law.hook.limit(now, law.params, direction[one])
     if largest.any():
         free = dynamics.held(q, free, h * np.maximum(largest, 0.0), model.damping, h)
-    return np.clip(np.nan_to_num(free), -_LARGEST_RATE, _LARGEST_RATE)
+    if not np.isfinite(free).all():
+        free = np.nan_to_num(free)
+    return np.clip(free, -_LARGEST_RATE, _LARGEST_RATE)

@@ -20,7 +20,7 @@ from simgap.score import Comparison, adjusted, compare, paired_p, trial_losses
 from simgap.splits import Trials
 
 LEVEL = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
-LEAST_GAIN = 0.02  # a share of the error below which an effect is not worth a name
+LEAST_GAIN = 0.04  # a share of the loss (half of it of the error), or of the noise, below which no effect has a name
 MOST_EFFECTS = 4
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
 AS_GOOD = 0.05  # level at which the best beats another
@@ -97,7 +97,7 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
         this = _round(base, errors, list(each(_screening(problem, errors, base, trials), free)))
         rounds.append(this)
         before = judged(base, level)
-        worthy = _looking_ahead(errors, _worthy(this))
+        worthy = _looking_ahead(errors, _worthy(this, base))
         best = next((t for t in worthy if _confirmed(before, judged(t.fit, level))), None)
         if best is None:
             break
@@ -142,7 +142,7 @@ def _round(base: Fit, errors: Errors, screened: list[Trial]) -> Round:
     return Round(tuple(tried), tuple(float(v) for v in p))
 
 
-def _worthy(this: Round) -> list[Trial]:
+def _worthy(this: Round, base: Fit) -> list[Trial]:
     """Significant candidates by gain whose values differ from none.
 
     Before each of them comes any that has fewer parameters and is not beaten by it.
@@ -151,7 +151,8 @@ def _worthy(this: Round) -> list[Trial]:
     """
     ordered: list[Trial] = []
     for trial, p in zip(this.tried, this.p_adjusted, strict=True):
-        if p >= LEVEL or trial.comparison.gain <= LEAST_GAIN or not trial.fit.stands_out:
+        removed = trial.comparison.gain * min(1.0, float(base.held_out.mean()))  # of what is left, or of the noise
+        if p >= LEVEL or removed <= LEAST_GAIN or not trial.fit.stands_out:
             continue
         simpler = [t for t in this.tried if len(t.candidate.null) < len(trial.candidate.null) and _rivals(t, trial)]
         ordered += [t for t in (*simpler, trial) if t not in ordered]

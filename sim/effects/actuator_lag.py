@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from schemas.gap import Place
 from schemas.model import FloatArray
@@ -19,11 +20,10 @@ def _followed(t_s: FloatArray, sent: FloatArray, lag_s: float) -> FloatArray:
     if lag_s <= 0.0:
         return sent
     keep = np.exp(-np.diff(t_s) / lag_s)
-    answer = np.empty_like(sent)
-    answer[0] = sent[0]
-    for i, share in enumerate(keep):
-        answer[i + 1] = share * answer[i] + (1.0 - share) * sent[i]
-    return answer
+    # answer[i + 1] - keep[i] answer[i] = (1 - keep[i]) sent[i], all rows at once.
+    rows = np.concatenate([sent[:1], (1.0 - keep)[:, None] * sent[:-1]])
+    bands = np.stack([np.ones(len(t_s)), np.append(-keep, 0.0)])
+    return np.asarray(solve_banded((1, 0), bands, rows))
 
 
 EFFECT = Effect(

@@ -44,7 +44,10 @@ class Confusable:
 
 @dataclass(frozen=True)
 class JointState:
-    """Joints in mid step: all (w, j); `load` is the magnitude of the force or moment that the bearing transmits."""
+    """Joints in mid step: all (w, j); `load` is the magnitude of the force or moment that the bearing transmits.
+
+    `friction` is the dry friction of laws before this one, where a friction law is asked.
+    """
 
     t_s: FloatArray  # (w, 1)
     q: FloatArray
@@ -53,6 +56,7 @@ class JointState:
     load: FloatArray
     dt_s: float
     aux: Mapping[str, FloatArray] = field(default_factory=dict)  # (w, 1) each
+    friction: FloatArray | None = None
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import numpy as np
 
 from schemas.model import FloatArray, IntArray
 from sim.effects.effect import EffortMap, JointFriction, JointState, JointTorque, Series
+from sim.effects.series import with_columns
 from sim.joint_dynamics import joint_dynamics
 from sim.mechanism import Drive, Law, MechanismModel
 from simgap.fit import Errors, Fit, clusters, extend, fit, promising
@@ -58,6 +59,7 @@ def estimate(errors: Errors, base: Fit, candidate: Candidate) -> DirectEstimate 
         {name: width / 1.96 for name, width in widths.items()},
         paired_p(base.held_out, found.held_out),
         len(base.losses),
+        found.held_out,
     )
 
 
@@ -95,7 +97,7 @@ def _inner(log: Log) -> Log:
 
 
 def _stack(logs: Sequence[Log], applied: Applied) -> _Stack:
-    series = [applied.sent(applied.recovered(log.series)) for log in logs]
+    series = [_centred(applied.sent(applied.recovered(log.series))) for log in logs]
     lengths = [len(s.t_s) for s in series]
     offsets = np.concatenate([[0], np.cumsum(lengths)])
     starts = [
@@ -118,6 +120,15 @@ def _stack(logs: Sequence[Log], applied: Applied) -> _Stack:
         ends=np.cumsum([len(s) for s in starts])[:-1],
         spans=tuple(zip(offsets[:-1].tolist(), offsets[1:].tolist(), strict=True)),
     )
+
+
+def _centred(series: Series) -> Series:
+    """Inputs as they act around each stamp: held from row to row, half of what acts there was sent a row before."""
+    return with_columns(series, ("effort", "command"), _mean_with_row_before)
+
+
+def _mean_with_row_before(sent: FloatArray) -> FloatArray:
+    return 0.5 * (sent + np.concatenate([sent[:1], sent[:-1]]))
 
 
 def _rms(values: FloatArray) -> FloatArray:
@@ -145,7 +156,8 @@ def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
             passive[one] += law.hook.torque(state, law.params, {})
         elif isinstance(law.hook, JointFriction):
             for d, limit in largest.items():
-                limit[one] += law.hook.limit(state, law.params, np.full_like(q[one], d))
+                now = replace(state, friction=limit[one])
+                limit[one] += law.hook.limit(now, law.params, np.full_like(q[one], d))
     rest = needed - given - passive
     return rest + _friction(rest, qd, largest, stack.qd_noise)
 

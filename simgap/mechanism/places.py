@@ -21,6 +21,7 @@ from simgap.problem import Candidate
 _QUANTILE = 0.95
 # Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
 TOLERANCE = 0.05
+_STOP_SHARES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33)
 SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "direction_rad")
 _WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
 
@@ -73,7 +74,8 @@ def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Cand
             bounds = {p.name: _bounds(p.name, each, null, ranges) for p in each.parameters}
             start = {n: float(np.clip(_start(n, each, null[n], ranges), *bounds[n])) for n in null}
             shapes = tuple(n for n in null if n in SHAPES)
-            out.append(Candidate(each, where, null, start, bounds, shapes=shapes))
+            probes = _stops(null, bounds, ranges) if each.name == "joint.hard_stop" else ()
+            out.append(Candidate(each, where, null, start, bounds, shapes=shapes, probes=probes))
     return tuple(out)
 
 
@@ -186,6 +188,22 @@ def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple
     if name == "nominal_V":
         low, high = 0.999 * null[name], 1.001 * null[name]
     return max(low, own.low), max(min(high, own.high), max(low, own.low) + 1e-12)
+
+
+def _stops(null: dict[str, float], bounds: dict[str, tuple[float, float]], r: Ranges) -> tuple[dict[str, float], ...]:
+    """Ends of travel within the range that was reached, near its edges first, soft to hard, above, below and both."""
+    span = r.high - r.low
+    soft, hard = bounds["stiffness_Nm_per_rad"]
+    return tuple(
+        {
+            "lower_rad": r.low + share * span if "lower" in sides else null["lower_rad"],
+            "upper_rad": r.high - share * span if "upper" in sides else null["upper_rad"],
+            "stiffness_Nm_per_rad": float(stiffness),
+        }
+        for sides in (("upper",), ("lower",), ("lower", "upper"))
+        for share in _STOP_SHARES
+        for stiffness in np.geomspace(3.0 * soft, 0.3 * hard, 3)
+    )
 
 
 def _start(name: str, each: Effect, null: float, r: Ranges) -> float:

@@ -8,19 +8,22 @@ import numpy as np
 
 from schemas.model import FloatArray
 from sim.effects.effect import Series
-from sim.mechanism import MechanismModel, rollout
+from sim.mechanism import MechanismModel, Windows, rollout
+from sim.tree import mass_matrix
 from simgap.fit import Errors, Fit
 from simgap.measurement import Measurement
 from simgap.mechanism.build import build_mechanism
 from simgap.mechanism.equation_error import balance, estimate, in_noise_levels, refitted
 from simgap.mechanism.logs import log_of
 from simgap.mechanism.places import candidates_of, nuisances_of
-from simgap.mechanism.terms import apply_terms
+from simgap.mechanism.terms import Applied, apply_terms
 from simgap.mechanism.windows import Cut, cut, windows_of
 from simgap.problem import Candidate, DirectEstimate, Model, View
 
 HORIZON_S = 0.2  # jointed things move less per time than tossed ones: 80 ms would measure the encoder
 _LARGEST = 1e6
+_LARGEST_STEP_S = 5e-3
+_STEP_SWING = 0.06  # of a radian of the fastest controlled swing per step
 _MOST_WINDOWS = 240  # over all trials; each has at least `_LEAST_WINDOWS`
 _LEAST_WINDOWS = 6
 
@@ -36,6 +39,8 @@ class MechanismProblem:
         step = float(np.median(np.concatenate([np.diff(g.series.t_s) for g in self._logs.values()])))
         self._rows = max(4, round(horizon_s / step) + 1)
         self._windows = max(_LEAST_WINDOWS, _MOST_WINDOWS // len(self._logs))
+        self._step_s = _largest_step_s(self.declared)
+        self._as_read: dict[tuple[View, tuple[str, ...]], Windows] = {}
         self._balances: dict[tuple[object, ...], tuple[Errors, Fit]] = {}
 
     @property
@@ -59,13 +64,15 @@ class MechanismProblem:
         """See `simgap.problem.Problem`; rad or m, against smoothed readings."""
         applied = apply_terms(self.declared, model)
         pieces = [(applied.recovered(self._logs[t].series), self._cut(t, view)) for t in trials]
-        q, _ = rollout(applied.mechanism, windows_of(pieces, applied), applied.laws)
+        windows = self._windows_of(trials, view, pieces, applied)
+        q, _ = rollout(applied.mechanism, windows, applied.laws, largest_step_s=self._step_s)
         out, at = [], 0
         for trial, (series, piece) in zip(trials, pieces, strict=True):
             count, k = piece.rows.shape
             error = (q[at : at + count, :k] - series.columns["q"][piece.rows])[:, piece.compared]
             # As the sensor would say it: a scale that shrinks the truth must not shrink the error.
-            error = error * _magnification(self._logs[trial].series, series)
+            if applied.sensors:
+                error = error * _magnification(self._logs[trial].series, series)
             out.append(np.clip(np.nan_to_num(error, nan=_LARGEST), -_LARGEST, _LARGEST).reshape(-1, q.shape[2]))
             at += count
         return out
@@ -101,10 +108,32 @@ class MechanismProblem:
         ]
         return np.sqrt(np.mean(squares, axis=0))
 
+    def _windows_of(
+        self, trials: Sequence[str], view: View, pieces: Sequence[tuple[Series, Cut]], applied: Applied
+    ) -> Windows:
+        """Kept for all models that take readings and inputs as they are."""
+        if applied.sensors or applied.inputs:
+            return windows_of(pieces, applied)
+        key = (view, tuple(trials))
+        if key not in self._as_read:
+            self._as_read[key] = windows_of(pieces, applied)
+        return self._as_read[key]
+
     def _cut(self, trial: str, view: View) -> Cut:
         log = self._logs[trial]
         rows = self._rows if view == "short_horizon" else None
         return cut(len(log.series.t_s), rows, log.margin, self._windows)
+
+
+def _largest_step_s(declared: MechanismModel) -> float:
+    """Steps that follow the controller's own swing: a step's error must stay below what effects do."""
+    if declared.drive.type != "position_pd":
+        return _LARGEST_STEP_S
+    joints = len(declared.tree)
+    inertia = np.diag(mass_matrix(declared.tree, np.zeros((1, joints)))[0])
+    stiffness = np.abs(declared.drive.kp * declared.drive.effort_per_unit)
+    fastest = float(np.sqrt((stiffness / inertia).max()))
+    return float(np.clip(_STEP_SWING / max(fastest, 1e-9), 1e-3, _LARGEST_STEP_S))
 
 
 def _magnification(read: Series, truth: Series) -> FloatArray:

@@ -1,218 +1,224 @@
-"""Hidden-effect cases on pendulums and slides: scene x effect x size x noise, at least 30 % controls."""
+"""The list of mechanism cases: family, scene, effect, size and noise by a rule from a number, none by hand."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 
-from schemas.measurement import MeasurementSpec
-from simgap.measurement import Measurement
-from simgap.trial import Trial
-from tests.gap_suite.truth import Plant, simulate
+from simgap.mechanism.problem import MechanismProblem
+from tests.gap_suite import mujoco_truth, truth
+from tests.gap_suite.case import Case, Family
+from tests.gap_suite.effects import EFFECTS, OUTSIDE, HiddenEffect, Sizes, hidden_numbers, with_friction
+from tests.gap_suite.power import GAINS, ideal_gain, sized
+from tests.gap_suite.readings import declared_spec, measurement, read
+from tests.gap_suite.truth import STEP_S, Hidden, Plant
 
-ROWS, ROW_S, TRIALS = 600, 5e-3, 10
-SIZES = {"small": 0.03, "middle": 0.1, "large": 0.3}
-
-
-@dataclass(frozen=True)
-class Case:
-    """A measurement with the truth beside it: accepted names (empty for controls) and one checked parameter."""
-
-    name: str
-    measurement: Measurement
-    truth: frozenset[str]
-    parameter: tuple[str, float] | None
-    size: str
-
-
-@dataclass(frozen=True)
-class Hidden:
-    """An effect: names that count as right, its truth from (plant, typical torque, typical speed, share), scenes."""
-
-    names: tuple[str, ...]
-    scenes: tuple[str, ...]
-    truth: str
-
-
-# Names that no data of the scene can tell apart stand together.
-EFFECTS: tuple[Hidden, ...] = (
-    Hidden(("joint.coulomb_friction",), ("swing", "driven", "slide"), "coulomb"),
-    Hidden(("joint.coulomb_friction", "joint.stribeck_friction"), ("swing", "driven", "slide"), "lugre"),
-    Hidden(("joint.viscous_friction",), ("swing", "driven", "slide", "servo"), "viscous"),
-    Hidden(("joint.quadratic_drag",), ("swing", "driven"), "drag"),
-    Hidden(("joint.stribeck_friction",), ("driven", "slide"), "stribeck"),
-    Hidden(("joint.load_dependent_friction", "joint.coulomb_friction"), ("swing", "driven"), "load_share"),
-    Hidden(("joint.friction_asymmetry",), ("driven", "slide"), "asymmetry"),
-    Hidden(("joint.spring",), ("driven", "slide"), "spring"),
-    Hidden(("joint.hard_stop",), ("driven", "swing"), "stop"),
-    Hidden(("joint.detent",), ("driven", "slide"), "cogging"),
-    Hidden(("joint.armature", "joint.gravity_load", "sensor.clock_skew"), ("swing",), "inertia"),
-    Hidden(("joint.armature",), ("driven",), "inertia"),
-    Hidden(("joint.armature", "actuator.gain"), ("slide",), "inertia"),
-    Hidden(("joint.gravity_load",), ("driven",), "weight"),
-    Hidden(("joint.axis_tilt", "sensor.bias"), ("swing",), "tilt"),
-    Hidden(("actuator.delay", "sensor.latency"), ("driven", "slide", "servo"), "delay"),
-    Hidden(("actuator.lag",), ("driven", "servo"), "lag"),
-    Hidden(("actuator.gain",), ("driven",), "gain"),
-    Hidden(("actuator.bias",), ("slide",), "push"),
-    Hidden(("actuator.saturation",), ("driven", "slide"), "limit"),
-    Hidden(("actuator.deadband",), ("driven",), "band"),
-    Hidden(("joint.backlash",), ("driven", "slide"), "gap"),
+ROWS, ROW_S, TRIALS = 500, 5e-3, 12
+# Of twenty numbers in a row: seven controls, six single effects, two with doubles, three of two effects, two outside.
+_ROUND: tuple[Family, ...] = (
+    *("control", "single", "outside", "control", "two", "single", "control", "pair", "single", "control"),
+    *("single", "two", "control", "single", "control", "outside", "pair", "single", "control", "two"),
+)
+_CONTROLS = ("none", "nuisance", "coloured", "engine", "declared", "finer", "shuffled")
+_DRIVEN = ("driven", "slide", "servo")
+_ALONE = tuple((e, s) for e in EFFECTS for s, doubles in e.scenes.items() if not doubles)
+_DOUBLED = tuple((e, s) for e in EFFECTS for s, doubles in e.scenes.items() if doubles)
+# Causes of different kinds at once; both can be seen in the scene.
+_TWO = (
+    ("joint.coulomb_friction", "joint.spring", "driven"),
+    ("joint.viscous_friction", "actuator.saturation", "slide"),
+    ("joint.gravity_load", "joint.coulomb_friction", "driven"),
+    ("joint.coulomb_friction", "joint.viscous_friction", "swing"),
+    ("actuator.lag", "joint.viscous_friction", "servo"),
+    ("joint.detent", "joint.quadratic_drag", "swing"),
+    ("joint.spring", "actuator.deadband", "slide"),
+    ("actuator.gain", "joint.quadratic_drag", "driven"),
+    ("joint.coulomb_friction", "actuator.ripple", "slide"),
+    ("joint.spring", "joint.viscous_friction", "chain"),
 )
 
 
 def mechanism_case(number: int) -> Case:
-    """The case of that number: every third is a control; the same number gives the same case."""
-    rng = np.random.default_rng(7919 + number)
-    if number % 3 == 2:
-        return _control(number, rng)
-    position = number - number // 3
-    hidden = EFFECTS[(position * 5) % len(EFFECTS)]
-    scene = hidden.scenes[int(rng.integers(len(hidden.scenes)))]
-    size = list(SIZES)[1 + (position // len(EFFECTS) + position) % 2] if number % 5 else "small"
-    plant = _plant(scene, rng)
-    truth, checked = _truth(hidden.truth, plant, SIZES[size], rng)
-    spec, trials = _record(scene, plant, truth, rng, "white")
-    name = f"{number:03d} {scene} {hidden.truth} {size}"
-    return Case(name, _measured(name, spec, trials), frozenset(hidden.names), checked, size)
+    """The case of that number; the same number gives the same case."""
+    family = family_of(number)
+    turn = number // len(_ROUND) * _ROUND.count(family) + _ROUND[: number % len(_ROUND)].count(family)
+    noise = (1.0, 3.0)[(turn // 2) % 2]
+    if family == "control":
+        return _control(number, turn, noise)
+    if family == "outside":
+        return _outside(number, turn, noise)
+    size = list(GAINS)[(turn + turn // len(EFFECTS)) % 3]
+    if family == "two":
+        first, second, scene = _TWO[turn % len(_TWO)]
+        chosen = [e for name in (first, second) for e in EFFECTS if e.name == name]
+        return _hidden(number, family, scene, chosen, "large", noise)
+    table = _ALONE if family == "single" else _DOUBLED
+    one, scene = table[(turn * 17) % len(table)]  # 17 shares no factor with either length: all come by
+    return _hidden(number, family, scene, [one], size, noise)
 
 
-def _control(number: int, rng: np.random.Generator) -> Case:
-    """No effect, declared numbers 3 % off, noise that is not white, a smaller friction already declared."""
-    kind = ("none", "nuisance", "coloured", "declared")[(number // 3) % 4]
-    scene = ("swing", "driven", "slide", "servo")[int(rng.integers(4))]
-    plant = _plant(scene, rng)
-    truth: dict[str, float] = {}
-    if kind == "declared":
-        plant = Plant(**{**plant.__dict__, "friction": 0.05 * _torque(plant), "damping": 0.02 * _torque(plant)})
+def family_of(number: int) -> Family:
+    """The family of a case, without making it."""
+    return _ROUND[number % len(_ROUND)]
+
+
+class _Stage:
+    """A plant with its inputs, starts and noise, ready to be recorded with anything hidden in it."""
+
+    def __init__(self, number: int, scene: str, noise: float, friction_share: float = 0.0) -> None:
+        rng = np.random.default_rng(104729 + number)
+        self.number, self.scene, self.noise = number, scene, noise
+        self.plant = _plant(scene, rng)
+        self.inputs, self.start = _excitation(scene, self.plant, rng)
+        self.supply_V = 12.0 - np.cumsum(np.abs(rng.normal(0.0, 1.0, (TRIALS, ROWS))), axis=1) * 4.0 / ROWS
+        self.supply_V += rng.uniform(-1.5, 0.0, (TRIALS, 1))
+        self.joint = int(rng.integers(len(self.plant.inertia)))
+        self.mujoco = False
+        plain = self.motion({})
+        self.sizes = self._sizes(plain)
+        self.plant = with_friction(self.plant, self.sizes.torque, friction_share)
+
+    def motion(self, hidden: Hidden) -> np.ndarray:
+        """Positions on the fine grid."""
+        if self.mujoco:
+            return mujoco_truth.simulate(self.plant, hidden, self.inputs, self.start, ROW_S)
+        return truth.simulate(self.plant, hidden, self.inputs, self.start, ROW_S, self.supply_V)
+
+    def problem(self, hidden: Hidden, colour: float = 0.0, shuffled: bool = False) -> MechanismProblem:
+        """What the tool gets: readings of that motion."""
+        rng = np.random.default_rng(15485863 + self.number)
+        logs = read(self.motion(hidden), hidden, ROW_S, self.noise, colour, rng)
+        inputs = np.roll(self.inputs, 1, axis=0) if shuffled else self.inputs
+        return MechanismProblem(measurement(f"case {self.number}", self.plant, logs, inputs, self.supply_V))
+
+    def numbers(self, one: HiddenEffect, strength: float) -> dict[str, np.ndarray | float]:
+        """Truth numbers of an effect at a strength."""
+        if strength == 0.0:
+            return {}
+        return hidden_numbers(one.made(strength, self.sizes), self.joint, len(self.plant.inertia), one.whole)
+
+    def _sizes(self, motion: np.ndarray) -> Sizes:
+        q = motion[:, ::10, self.joint]
+        v = np.gradient(q, 10 * STEP_S, axis=1)
+        inertia = float(self.plant.inertia[self.joint])
+        weight = float(self.plant.weight_Nm[self.joint])
+        effort = 0.0
+        if self.plant.drive != "none":
+            given = self.inputs[:, :, self.joint]
+            effort = float(
+                np.quantile(np.abs(given if self.plant.drive == "effort" else self.plant.kp * 0.2 * given), 0.95)
+            )
+        torque = max(float(np.quantile(np.abs(np.gradient(v, 10 * STEP_S, axis=1)), 0.9)) * inertia, 0.5 * weight)
+        return Sizes(
+            torque=torque,
+            speed=float(np.quantile(np.abs(v), 0.9)),
+            reach=float(np.quantile(q, 0.98) if self.scene != "slide" else np.quantile(q, 0.9)),
+            effort=effort,
+            inertia=inertia,
+            weight_Nm=weight,
+            kp=self.plant.kp,
+        )
+
+
+def _hidden(number: int, family: Family, scene: str, chosen: list[HiddenEffect], size: str, noise: float) -> Case:
+    stage = _Stage(number, scene, noise, max(e.declared_friction for e in chosen))
+    stage.mujoco = number % 3 == 0 and all(e.mujoco for e in chosen)
+    strengths, gain = [], 0.0
+    for one in chosen:
+        strength, gain = sized(lambda s, e=one: stage.problem(stage.numbers(e, s)), one.guess, one.most, GAINS[size])
+        strengths.append(strength)
+    hidden: dict[str, np.ndarray | float] = {}
+    for one, strength in zip(chosen, strengths, strict=True):
+        hidden |= stage.numbers(one, strength)
+    if len(chosen) > 1:
+        gain = ideal_gain(stage.problem(hidden), stage.problem({}))
+    place = ("axis", "elbow")[stage.joint]
+    checked: dict[tuple[str, str], float] = {}
+    for one, strength in zip(chosen, strengths, strict=True):
+        if one.checked is not None:
+            parameter, value = one.checked(strength, stage.sizes)
+            checked[one.name, parameter] = value + (
+                stage.plant.friction if parameter == "torque_Nm" and "coulomb" in one.name else 0.0
+            )
+    names = "+".join(e.name.partition(".")[2] for e in chosen)
+    words = f"{scene} {names} {size} x{noise:.0f}" + (" mujoco" if stage.mujoco else "")
+    return Case(
+        _titled(number, words),
+        family,
+        partial(stage.problem, hidden),
+        declared_spec(stage.plant),
+        truth=tuple(e.name if e.whole else f"{e.name}@{place}" for e in chosen),
+        doubles=frozenset((*chosen[0].scenes[scene], chosen[0].name)) if family == "pair" else frozenset(),
+        checked=checked,
+        size=size,
+        ideal=gain,
+    )
+
+
+def _outside(number: int, turn: int, noise: float) -> Case:
+    kind = list(OUTSIDE)[turn % len(OUTSIDE)]
+    stage = _Stage(number, ("swing", "driven", "slide")[(turn // len(OUTSIDE)) % 3], noise)
+
+    def at(strength: float) -> MechanismProblem:
+        if strength == 0.0:
+            return stage.problem({})
+        return stage.problem({**OUTSIDE[kind](strength, stage.sizes), "seed": float(number)})
+
+    strength, gain = sized(at, 0.1, 3.0, GAINS["large"])
+    title = _titled(number, f"{stage.scene} {kind} x{noise:.0f}")
+    return Case(title, "outside", partial(at, strength), declared_spec(stage.plant), ideal=gain)
+
+
+def _control(number: int, turn: int, noise: float) -> Case:
+    """Nothing hidden: declared numbers up to 3 % off, coloured noise, another engine, inputs of another trial."""
+    kind = _CONTROLS[turn % len(_CONTROLS)]
+    scenes = _DRIVEN if kind == "shuffled" else ("swing", "driven", "slide", "servo", "chain", "low_swing")
+    scene = scenes[(turn // len(_CONTROLS) + turn) % len(scenes)]
+    stage = _Stage(number, scene, noise, 0.08 if kind == "declared" else 0.0)
+    hidden: dict[str, float] = {}
     if kind in ("nuisance", "declared"):
-        names = ("inertia_share", "weight_share", "friction_share", "damping_share")
-        truth = {n: float(rng.uniform(-0.03, 0.03)) for n in names}
-    spec, trials = _record(scene, plant, truth, rng, "coloured" if kind == "coloured" else "white")
-    name = f"{number:03d} {scene} control {kind}"
-    return Case(name, _measured(name, spec, trials), frozenset(), None, "control")
+        rng = np.random.default_rng(number)
+        hidden = {f"{n}_share": float(rng.uniform(-0.03, 0.03)) for n in ("inertia", "weight", "friction", "gain")}
+    stage.mujoco = kind == "engine"
+    make = partial(stage.problem, hidden, 0.9 if kind == "coloured" else 0.0, kind == "shuffled")
+    return Case(_titled(number, f"{scene} {kind} x{noise:.0f}"), "control", make, declared_spec(stage.plant))
+
+
+def _titled(number: int, words: str) -> str:
+    return f"mechanism {number:03d} {words}"
 
 
 def _plant(scene: str, rng: np.random.Generator) -> Plant:
     inertia = float(rng.uniform(0.002, 0.05))
     if scene == "slide":
-        return Plant(float(rng.uniform(0.5, 20.0)), 0.0, "effort")
+        mass = np.array([float(rng.uniform(0.5, 20.0))])
+        return Plant("effort", True, mass, mass, np.zeros(1))
+    if scene == "chain":
+        length = rng.uniform(0.2, 0.4, 2)
+        mass = rng.uniform(0.1, 1.0, 2)
+        return Plant("none", False, mass * length**2 * 0.4, mass, 0.5 * length, float(length[0]))
     weight = inertia * float(rng.uniform(25.0, 60.0))
+    lever = 0.5 * inertia * 9.81 / weight  # half of the inertia is that of the mass at its lever
+    one = (np.array([inertia]), np.array([weight / 9.81 / lever]), np.array([lever]))
     if scene == "servo":
-        return Plant(inertia, weight, "position_pd", kp=20.0 * weight, kd=0.1 * np.sqrt(inertia * 20.0 * weight) * 8.0)
-    return Plant(inertia, weight, "none" if scene == "swing" else "effort")
+        kp = 20.0 * weight
+        return Plant("position_pd", False, *one, kp=kp, kd=0.8 * float(np.sqrt(inertia * kp)))
+    return Plant("effort" if scene == "driven" else "none", False, *one)
 
 
-def _torque(plant: Plant) -> float:
-    return plant.weight_Nm or 4.0 * plant.inertia
-
-
-def _truth(
-    kind: str, plant: Plant, share: float, rng: np.random.Generator
-) -> tuple[dict[str, float], tuple[str, float] | None]:
-    """Hidden numbers of about `share` of the typical torque, and the library parameter that they stand for."""
-    torque, speed = 0.6 * _torque(plant), 2.0
-    one = share * torque
-    table: dict[str, tuple[dict[str, float], tuple[str, float] | None]] = {
-        "coulomb": ({"coulomb": 0.5 * one}, ("torque_Nm", 0.5 * one)),
-        "lugre": ({"lugre": 0.5 * one}, None),
-        "viscous": ({"viscous": one / speed}, ("damping_Nms_per_rad", one / speed)),
-        "drag": ({"drag": one / speed**2}, ("drag_Nms2_per_rad2", one / speed**2)),
-        "stribeck": ({"stribeck": 2.0 * one, "stribeck_radps": 0.2}, None),
-        "load_share": ({"load_share": 0.5 * share}, None),
-        "asymmetry": ({"asymmetry": 0.5 * one, "coulomb": 0.0, "friction_share": 0.0}, None),
-        "spring": ({"spring": 2.0 * one, "rest": 0.2}, ("stiffness_Nm_per_rad", 2.0 * one)),
-        "stop": ({"stop_rad": 0.5, "stop_stiffness": 60.0 * one}, ("upper_rad", 0.5)),
-        "cogging": ({"cogging": one, "teeth": float(rng.uniform(8.0, 20.0))}, ("torque_Nm", one)),
-        "inertia": ({"inertia_share": 2.0 * share + 0.1}, ("inertia_kgm2", (2.0 * share + 0.1) * plant.inertia)),
-        "weight": ({"weight_share": -(share + 0.1)}, ("factor", 1.0 - (share + 0.1))),
-        "tilt": ({"tilt_rad": share}, None),
-        "delay": ({"delay_s": 0.005 + 0.1 * share}, None),
-        "lag": ({"lag_s": 0.01 + 0.2 * share}, ("lag_s", 0.01 + 0.2 * share)),
-        "gain": ({"gain_share": -(share + 0.05)}, ("gain", 1.0 - (share + 0.05))),
-        "push": ({"push": one}, ("torque_Nm", one)),
-        "limit": ({"limit": (1.2 - 2.0 * share) * torque}, ("limit_Nm", (1.2 - 2.0 * share) * torque)),
-        "band": ({"band": one}, ("band_Nm", one)),
-        "gap": ({"gap": 0.3 * share}, ("gap_rad", 0.3 * share)),
-    }
-    return table[kind]
-
-
-def _record(
-    scene: str, plant: Plant, truth: dict[str, float], rng: np.random.Generator, noise: str
-) -> tuple[dict, list[tuple[np.ndarray, np.ndarray | None]]]:
-    """The declared model and, per trial, readings and inputs."""
+def _excitation(scene: str, plant: Plant, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Inputs (k, rows, j) and starts (k, j): released swings, or four tones between 0.3 and 2.5 Hz."""
+    joints = len(plant.inertia)
+    inputs, start = np.zeros((TRIALS, ROWS, joints)), np.zeros((TRIALS, joints))
+    if plant.drive == "none":
+        low, high = (0.1, 0.3) if scene == "low_swing" else (0.5, 1.6)
+        start[:] = rng.uniform(low, high, (TRIALS, joints)) * rng.choice([-1.0, 1.0], (TRIALS, joints))
+        return inputs, start
     t = np.arange(ROWS) * ROW_S
-    inputs = np.zeros((TRIALS, ROWS))
-    start = np.zeros((TRIALS, 2))
-    if scene == "swing":
-        start[:, 0] = rng.uniform(0.5, 1.6, TRIALS) * rng.choice([-1, 1], TRIALS)
-    else:
-        tones = rng.uniform(0.3, 2.5, (TRIALS, 4))
-        inputs = np.einsum(
-            "ka,kat->kt",
-            rng.uniform(0.2, 0.5, (TRIALS, 4)),
-            np.sin(2 * np.pi * tones[:, :, None] * t + rng.uniform(0, 6.28, (TRIALS, 4, 1))),
-        )
-        inputs *= _torque(plant) * (1.0 if scene != "servo" else 0.0) + (0.8 if scene == "servo" else 0.0)
-        start[:, 0] = inputs[:, 0] if scene == "servo" else 0.0
-    if "asymmetry" in truth:
-        plant = Plant(**{**plant.__dict__, "friction": 1.5 * truth["asymmetry"]})
-    true = simulate(plant, truth, inputs, start, ROW_S)
-    sigma = float(rng.choice([2e-4, 6e-4]))
-    error = rng.normal(0.0, sigma, true.shape)
-    if noise == "coloured":
-        for k in range(1, ROWS):
-            error[:, k] = 0.9 * error[:, k - 1] + np.sqrt(1 - 0.81) * error[:, k]
-    read = np.round((true + error) / (2 * np.pi / 2**14)) * (2 * np.pi / 2**14)
-    joint: dict = {"name": "axis", "type": "prismatic" if scene == "slide" else "revolute"}
-    joint |= {"friction": plant.friction, "damping": plant.damping}
-    if scene == "slide":
-        joint["mass_kg"] = plant.inertia
-    else:
-        lever = 4.0 * plant.inertia * 9.81 / plant.weight_Nm
-        lever = min(lever, 0.9 * plant.inertia * 9.81 / plant.weight_Nm)
-        joint |= {"inertia_kgm2": plant.inertia}
-        joint["gravity_load"] = {"mass_kg": plant.weight_Nm / 9.81 / lever, "com_distance_m": lever}
-    spec = {
-        "schema_version": 1,
-        "name": "case",
-        "kind": "mechanism",
-        "rate_hz": 1.0 / ROW_S,
-        "columns": {"t": "t", "q_axis": "q"},
-        "subject": {"joints": [joint]},
-        "actuation": {"type": plant.drive, "kp": plant.kp, "kd": plant.kd},
-    }
-    used = None if plant.drive == "none" else inputs
-    return spec, [(read[k], None if used is None else used[k]) for k in range(TRIALS)]
-
-
-def _measured(name: str, spec: dict, trials: list[tuple[np.ndarray, np.ndarray | None]]) -> Measurement:
-    column = {"effort": "effort", "position_pd": "command"}.get(spec["actuation"]["type"], "")
-    made = []
-    for k, (q, used) in enumerate(trials):
-        n = len(q)
-
-        def absent(width: int, n: int = n) -> np.ndarray:
-            return np.full((n, width), np.nan)
-
-        logged = None if used is None else used[:, None]
-        made.append(
-            Trial(
-                id=f"t{k:02d}",
-                t_s=np.arange(n) * ROW_S,
-                p=absent(3),
-                quat_wxyz=absent(4),
-                v_W=absent(3),
-                w_B=absent(3),
-                q=q[:, None],
-                qd=absent(1),
-                command_p=absent(3),
-                command_quat_wxyz=absent(4),
-                effort=logged if logged is not None and column == "effort" else absent(1),
-                command=logged if logged is not None and column == "command" else absent(1),
-            )
-        )
-    return Measurement(MeasurementSpec(**spec), tuple(made), Path("."), name, ("axis",))
+    tones = 2.0 * np.pi * rng.uniform(0.3, 2.5, (TRIALS, 4, 1)) * t + rng.uniform(0.0, 6.28, (TRIALS, 4, 1))
+    waves = (rng.uniform(0.2, 0.5, (TRIALS, 4, 1)) * np.sin(tones)).sum(axis=1)
+    unit = {"driven": 0.3 * float(plant.weight_Nm[0]), "slide": 4.0 * float(plant.inertia[0]), "servo": 0.8}[scene]
+    inputs[:, :, 0] = unit * waves
+    start[:, 0] = inputs[:, 0, 0] if scene == "servo" else 0.0
+    return inputs, start

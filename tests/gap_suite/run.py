@@ -3,107 +3,135 @@
 from __future__ import annotations
 
 import argparse
+import json
 import time
-from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Callable
+from pathlib import Path
 
-from schemas.gap import Verdict
+from schemas.gap import GapReport, Verdict
 from simgap.find import find
-from simgap.mechanism.problem import MechanismProblem
 from simgap.splits import split_trials
 from simgap.verdict import NAMED
-from tests.gap_suite.mechanism_cases import Case, mechanism_case
+from tests.gap_suite.case import Case
+from tests.gap_suite.mechanism_cases import mechanism_case
+from tests.gap_suite.table import table
+
+KINDS: dict[str, Callable[[int], Case]] = {"mechanism": mechanism_case}
+WHOLE = {"mechanism": 300}
+
+Record = dict[str, object]
 
 
-@dataclass(frozen=True)
-class Result:
-    """What the tool said about one case.
-
-    `named`, `extra` (and a wrong name), `group`, `wrong`, `missed`, `elsewhere`;
-    for controls `silent`, `doubted` (a group), `invented`.
-    """
-
-    case: Case
-    outcome: str
-    covered: bool | None
-    cpu_s: float
-    said: str
-
-
-def run_case(number: int) -> Result:
-    """One case from truth to verdict."""
-    case = mechanism_case(number)
+def run_case(case: Case) -> Record:
+    """One case from readings to verdict, judged against its truth."""
     began = time.process_time()
-    problem = MechanismProblem(case.measurement)
-    trials = split_trials(case.measurement.spec, problem.trial_ids)
-    verdict = find(problem, trials, measurement=case.name, horizon_s=problem.horizon_s).report.verdict
+    problem = case.problem()
+    trials = split_trials(case.spec, problem.trial_ids)
+    report = find(problem, trials, measurement=case.name, horizon_s=0.0, quick=True).report
     spent = time.process_time() - began
-    return Result(case, _outcome(case, verdict), _covered(case, verdict), spent, _said(verdict))
+    best = max(report.hypotheses, key=lambda h: h.delta_bic, default=None)
+    return {
+        "name": case.name,
+        "family": case.family,
+        "size": case.size,
+        "truth": list(case.truth),
+        "outcome": outcome(case, report.verdict),
+        "status": report.verdict.status,
+        "said": said(report.verdict),
+        "covered": covered(case, report),
+        "ideal": case.ideal,
+        "reduction": 0.0 if report.gain is None else report.gain.reduction,
+        "best_by_bic": "" if best is None or best.delta_bic <= 0.0 else best.name,
+        "cpu_s": round(spent, 2),
+    }
 
 
-def _outcome(case: Case, verdict: Verdict) -> str:
-    certain = [e.name for e in verdict.effects if e.confidence >= NAMED]
-    if not case.truth:
-        return "invented" if certain else ("doubted" if verdict.ambiguous_groups else "silent")
+def outcome(case: Case, verdict: Verdict) -> str:
+    """What happened, in one word.
+
+    Without truth: `silent`, `doubted` (a group), `invented`. With: `named`, `part` (one of two), `group`, `missed`,
+    `elsewhere` (a group without the truth), `wrong` (a sure name that is not hidden). With doubles: `pair` (the truth
+    among its doubles only), `wide` (and others), `overconfident` (named, though a double fits as well).
+    """
+    certain = {f"{e.name}@{e.where.joint}" for e in verdict.effects if e.confidence >= NAMED}
+    grouped = {name for g in verdict.ambiguous_groups for name in g.effects}
+    truth = {t if "@" in t else f"{t}@None" for t in case.truth}
+    names = {t.partition("@")[0] for t in truth}
+    if not truth:
+        return "invented" if certain else "doubted" if grouped else "silent"
+    if certain - truth:
+        return "wrong"
+    if case.doubles:
+        if certain:
+            return "overconfident"
+        if names <= grouped and len(grouped & case.doubles) > 1:
+            return "pair" if grouped <= case.doubles else "wide"
+        return "group" if names & grouped else "elsewhere" if grouped else "missed"
     if certain:
-        right = [n in case.truth for n in certain]
-        return "named" if all(right) else "extra" if any(right) else "wrong"
-    grouped = {n for g in verdict.ambiguous_groups for n in g.effects}
-    if grouped & case.truth:
-        return "group"
-    return "elsewhere" if grouped else "missed"
+        return "named" if certain == truth else "part"
+    return "group" if names & grouped else "elsewhere" if grouped else "missed"
 
 
-def _covered(case: Case, verdict: Verdict) -> bool | None:
-    """Whether the interval of the checked parameter holds the truth; None where it is not named."""
-    for effect in verdict.effects:
-        if case.parameter and effect.name in case.truth and effect.confidence >= NAMED:
-            found = effect.parameters.get(case.parameter[0])
-            return None if found is None else found.ci95[0] <= case.parameter[1] <= found.ci95[1]
-    return None
+def covered(case: Case, report: GapReport) -> list[bool]:
+    """For each checked parameter of an effect that was named: whether its interval holds the true value."""
+    found = []
+    for effect in report.verdict.effects:
+        for (name, parameter), value in case.checked.items():
+            if effect.name == name and effect.confidence >= NAMED:
+                low, high = effect.parameters[parameter].ci95
+                found.append(low <= value <= high)
+    return found
 
 
-def _said(verdict: Verdict) -> str:
-    words = [f"{e.name}={next(iter(e.parameters.values())).value:.3g}({e.confidence:.2f})" for e in verdict.effects]
+def said(verdict: Verdict) -> str:
+    """Names with their first value and confidence, then the groups."""
+    words = [
+        f"{e.name}@{e.where.joint}={next(iter(e.parameters.values())).value:.3g}({e.confidence:.2f})"
+        for e in verdict.effects
+    ]
     return ", ".join(words) + "".join(f" [{' ? '.join(g.effects)}]" for g in verdict.ambiguous_groups)
 
 
 def main() -> None:
-    """Prints a line per case and the table."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--n", type=int, default=30)
+    """Prints a line per case and the table; cases whose record lies in `--resume` are not run again."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--n", type=int, help="cases of each kind; all when left out")
     parser.add_argument("--start", type=int, default=0)
-    parser.add_argument("--only", choices=("effects", "controls"))
-    arguments = parser.parse_args()
-    numbers = [
-        k for k in range(arguments.start, arguments.start + 3 * arguments.n) if arguments.only in (None, _kind(k))
-    ][: arguments.n]
-    results = []
-    for number in numbers:
-        r = run_case(number)
-        results.append(r)
-        print(f"{r.case.name:34} {r.outcome:9} {r.cpu_s:5.1f} s  {r.covered}  {r.said}", flush=True)
-    print(table(results))
+    parser.add_argument("--every", type=int, default=1, help="only every so many numbers")
+    parser.add_argument("--kind", choices=tuple(KINDS), help="only this kind of measurement")
+    parser.add_argument("--family", help="only this family: control, single, pair, two, outside")
+    parser.add_argument("--resume", type=Path, help="folder of one record per case, read and filled")
+    asked = parser.parse_args()
+    records = []
+    for kind, case_of in KINDS.items():
+        if asked.kind not in (None, kind):
+            continue
+        count = WHOLE[kind] if asked.n is None else asked.n
+        for number in range(asked.start, asked.start + count * asked.every, asked.every):
+            record = _record(asked.resume, kind, number, case_of, asked.family)
+            if record is not None:
+                records.append(record)
+                line = f"{record['name']:66} {record['outcome']:9} {record['cpu_s']:5} s  {record['said']}"
+                print(f"{line}  {record['truth']}", flush=True)
+    print(table(records))
 
 
-def _kind(number: int) -> str:
-    return "controls" if number % 3 == 2 else "effects"
-
-
-def table(results: list[Result]) -> str:
-    """Counts of outcomes by size, coverage and CPU time."""
-    lines = []
-    for size in ("large", "middle", "small", "control"):
-        some = [r for r in results if r.case.size == size]
-        counts = Counter(r.outcome for r in some)
-        lines.append(f"{size:8} n={len(some):3}  " + "  ".join(f"{k} {v}" for k, v in sorted(counts.items())))
-    covered = [r.covered for r in results if r.covered is not None]
-    spent = sorted(r.cpu_s for r in results)
-    invented = sum(r.outcome in ("invented", "wrong", "extra") for r in results)
-    lines.append(f"cases with a false name {invented}/{len(results)}")
-    lines.append(f"coverage {sum(covered)}/{len(covered)}")
-    lines.append(f"CPU s per case: median {spent[len(spent) // 2]:.1f}, most {spent[-1]:.1f}")
-    return "\n".join(lines)
+def _record(
+    folder: Path | None, kind: str, number: int, case_of: Callable[[int], Case], family: str | None
+) -> Record | None:
+    """The record of a case, from the folder if it is there; None if it is of another family."""
+    file = None if folder is None else folder / f"{kind}_{number:03d}.json"
+    if file is not None and file.exists():
+        record: Record = json.loads(file.read_text())
+        return record if family in (None, record["family"]) else None
+    case = case_of(number)
+    if family not in (None, case.family):
+        return None
+    record = run_case(case)
+    if file is not None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps(record, indent=1) + "\n")
+    return record
 
 
 if __name__ == "__main__":

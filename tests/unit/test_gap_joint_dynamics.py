@@ -1,13 +1,15 @@
-"""The closed form of joints side by side against the general recursion."""
+"""The closed forms of joints side by side and of planar chains against the general recursion."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from sim.joint_dynamics import SeparateJoints
+from sim.joint_dynamics import CoupledJoints, PlanarChain, SeparateJoints, joint_dynamics
 from sim.tree import Link, inverse_dynamics
 
 
@@ -21,6 +23,36 @@ def test_closed_form_is_the_recursion(seed):
     effort, load = SeparateJoints.of(tree, gravity_W).needed(q, qd, qdd)
     np.testing.assert_allclose(effort, inverse_dynamics(tree, q, qd, qdd, gravity_W)[0], rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(load, inverse_dynamics(tree, q, qd, 0.0 * q, gravity_W)[1], rtol=1e-7, atol=1e-7)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10_000))
+def test_a_planar_chain_is_the_recursion(seed):
+    rng = np.random.default_rng(seed)
+    tree = tuple(_planar_link(rng, k) for k in range(3))
+    gravity_W = 9.81 * rng.normal(size=3)
+    q, qd, qdd = rng.normal(size=(3, 5, 3))
+    h, damping = np.full((5, 1), 3e-3), rng.uniform(0.0, 1.0, 3)
+    planar, general = joint_dynamics(tree, gravity_W), CoupledJoints(tree, gravity_W)
+    assert isinstance(planar, PlanarChain)
+    for mine, theirs in zip(planar.needed(q, qd, qdd), general.needed(q, qd, qdd), strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-8, atol=1e-9)
+    rates = planar.free_rates(q, qd, qdd, damping, h)
+    np.testing.assert_allclose(rates, general.free_rates(q, qd, qdd, damping, h), rtol=1e-8, atol=1e-9)
+    largest = np.abs(rng.normal(size=(5, 3)))
+    np.testing.assert_allclose(
+        planar.held(q, rates, largest, damping, h), general.held(q, rates, largest, damping, h), rtol=1e-7, atol=1e-9
+    )
+
+
+def _planar_link(rng: np.random.Generator, number: int) -> Link:
+    link = _link(rng, slides=False)
+    X_PJ = np.eye(4)
+    X_PJ[:3, :3] = Rotation.from_rotvec([0.0, rng.normal(), 0.0]).as_matrix()
+    X_PJ[:3, 3] = rng.normal(size=3) * [1.0, 0.0, 1.0]
+    com_J = link.com_J * [1.0, 0.0, 1.0]
+    axis_J = np.array([0.0, 1.0, 0.0])
+    return replace(link, parent=number - 1, X_PJ=X_PJ, axis_J=axis_J, com_J=com_J, inertia_J=np.diag([1.0, 2.0, 2.5]))
 
 
 def _link(rng: np.random.Generator, slides: bool) -> Link:

@@ -1,55 +1,99 @@
-"""A few hidden-effect cases end to end; the whole suite is `python -m tests.gap_suite.run`."""
+"""The suite's rule, its truth generators against closed forms and each other, and a few cases end to end.
+
+The whole suite is `make gap-suite`.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
+
+import numpy as np
 import pytest
 
 from schemas.gap import EFFECT_NAMES
 from simgap.mechanism.problem import MechanismProblem
 from simgap.search import select
 from simgap.splits import split_trials
-from tests.gap_suite.mechanism_cases import EFFECTS, mechanism_case
+from tests.gap_suite import mujoco_truth, truth
+from tests.gap_suite.effects import EFFECTS
+from tests.gap_suite.mechanism_cases import family_of, mechanism_case
 from tests.gap_suite.run import run_case
+from tests.gap_suite.table import table
+from tests.gap_suite.truth import Plant
+
+ROW_S = 5e-3
 
 
-def test_a_large_drag_is_named():
-    result = run_case(7)
-    assert "drag large" in result.case.name
-    assert result.outcome == "named"
-    assert result.cpu_s < 15.0
+def _pendulum(drive: str = "none") -> Plant:
+    return Plant(drive, False, np.array([0.02]), np.array([0.8]), np.array([0.1]))
 
 
-def test_inertia_and_weight_of_a_free_swing_cannot_be_told_apart():
-    result = run_case(3)
-    assert "swing inertia" in result.case.name
-    assert result.outcome == "group"
+def _released(plant: Plant, hidden: dict, rows: int = 300, start: float = 1.0) -> np.ndarray:
+    joints = len(plant.inertia)
+    inputs, at = np.zeros((1, rows, joints)), np.full((1, joints), start)
+    return truth.simulate(plant, hidden, inputs, at, ROW_S, np.full((1, rows), 12.0))[0]
 
 
-@pytest.mark.parametrize("number", [5, 8])
-def test_controls_stay_without_a_name(number):
-    result = run_case(number)
-    assert not result.case.truth
-    assert result.outcome == "silent"
+def test_small_swings_have_the_period_of_the_closed_form():
+    q = _released(_pendulum(), {}, start=0.02)[:, 0]
+    rate = np.sqrt(0.8 * 9.81 * 0.1 / 0.02)
+    assert q == pytest.approx(0.02 * np.cos(rate * np.arange(len(q)) * truth.STEP_S), abs=1e-4)
+
+
+def test_dry_friction_takes_an_equal_step_off_every_small_swing():
+    friction = 0.005
+    q = _released(_pendulum(), {"coulomb": np.array([friction])}, rows=600, start=0.15)[:, 0]
+    peaks = np.abs(q[1:-1][(np.diff(q)[:-1] * np.diff(q)[1:]) < 0.0])
+    assert -np.diff(peaks[:6]) == pytest.approx(2.0 * friction / (0.8 * 9.81 * 0.1), rel=0.1)
+
+
+@pytest.mark.parametrize("hidden", [{}, {"viscous": 0.01}, {"spring": 0.3, "rest": 0.2}, {"coulomb": 0.02}])
+def test_both_engines_make_the_same_motion(hidden):
+    length = np.array([0.3, 0.25])
+    mass = np.array([0.5, 0.3])
+    chain = Plant("none", False, mass * length**2 * 0.4, mass, 0.5 * length, 0.3)
+    numbers = {n: np.array([v, 0.0]) for n, v in hidden.items()}
+    start = np.array([[0.9, -0.5]])
+    theirs = mujoco_truth.simulate(chain, numbers, np.zeros((1, 100, 2)), start, ROW_S)[0]
+    mine = truth.simulate(chain, numbers, np.zeros((1, 100, 2)), start, ROW_S, np.full((1, 100), 12.0))[0]
+    assert np.abs(mine - theirs).max() < 0.02
+
+
+def test_the_rule_gives_what_the_protocol_asks():
+    families = Counter(family_of(k) for k in range(300))
+    assert families["control"] >= 0.3 * 300
+    assert families["two"] + families["outside"] >= 0.2 * 300
+    assert len({e.name for e in EFFECTS}) >= 20
+    assert {e.name for e in EFFECTS} | {n for e in EFFECTS for d in e.scenes.values() for n in d} <= set(EFFECT_NAMES)
+
+
+def test_controls_stay_without_a_name():
+    for number in (0, 3):
+        record = run_case(mechanism_case(number))
+        assert record["outcome"] == "silent", record["said"]
+
+
+def test_an_effect_of_large_size_is_named_and_the_table_says_so():
+    record = run_case(mechanism_case(8))
+    assert record["size"] == "large"
+    assert record["outcome"] == "named", record["said"]
+    assert "| named, large | >= 85 % | 1/1 = 100%" in table([record])
 
 
 def test_the_same_measurement_gives_the_same_selection():
-    case = mechanism_case(11)
     gains = []
     for _ in range(2):
-        problem = MechanismProblem(case.measurement)
-        selection = select(problem, split_trials(case.measurement.spec, problem.trial_ids), "short_horizon")
+        case = mechanism_case(0)
+        problem = case.problem()
+        selection = select(problem, split_trials(case.spec, problem.trial_ids), "short_horizon")
         gains.append([(t.candidate.key, t.comparison.gain) for t in selection.rounds[0].tried])
     assert gains[0] == gains[1]
 
 
 def test_a_sensor_scale_cannot_shrink_the_error_away():
     """Half the scale halves every error in truth; as read nothing is gained."""
-    case = mechanism_case(5)
-    problem = MechanismProblem(case.measurement)
+    problem = mechanism_case(0).problem()
+    assert isinstance(problem, MechanismProblem)
     scale = next(c for c in problem.candidates() if c.effect.name == "sensor.scale")
     estimate = problem.direct(scale, (), problem.trial_ids)
     assert estimate is None or estimate.p_value > 1e-3 or abs(estimate.values["factor"] - 1.0) < 0.05
-
-
-def test_every_effect_of_the_suite_is_in_the_library():
-    assert {n for e in EFFECTS for n in e.names} <= set(EFFECT_NAMES)

@@ -1,0 +1,49 @@
+"""How strong an effect must be: by what a perfect model would gain on the same trials, never by its unit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from simgap.fit import fit, rollout_errors, spread
+from simgap.problem import Problem
+from simgap.score import trial_losses
+
+GAINS = {"small": 0.02, "middle": 0.10, "large": 0.40}  # shares of the null refit's rms error
+_TRIES = 5
+_NEAR = 0.15  # relative miss of the aim that is good enough
+
+
+def null_error(problem: Problem, scale: np.ndarray | None = None) -> tuple[float, np.ndarray]:
+    """Root of the null refit's mean loss over all trials, in levels `scale` (c,; default: what it leaves itself)."""
+    ids, view = problem.trial_ids, "short_horizon"
+    found = fit(rollout_errors(problem, ids, view, spread(problem, (), ids, view)), problem.nuisances())
+    level = spread(problem, found.model, ids, view) if scale is None else scale
+    return float(np.sqrt(trial_losses(problem.residuals(found.model, ids, view), level).mean())), level
+
+
+def ideal_gain(hidden: Problem, plain: Problem) -> float:
+    """1 - error without the effect / error with it, both after the null refit; noise and inputs are the same."""
+    without, level = null_error(plain)
+    return 1.0 - without / max(null_error(hidden, level)[0], 1e-12)
+
+
+def sized(problem_at: Callable[[float], Problem], guess: float, most: float, aim: float) -> tuple[float, float]:
+    """(strength, gain) at which a perfect model gains about `aim`; secant steps on logarithms, at most `most`."""
+    without, level = null_error(problem_at(0.0))
+    wanted = np.log(1.0 / (1.0 - aim) ** 2 - 1.0)
+    tried: list[tuple[float, float, float]] = []  # log strength, log of excess power, gain
+    at = np.log(min(guess, most))
+    for _ in range(_TRIES):
+        gain = 1.0 - without / max(null_error(problem_at(float(np.exp(at))), level)[0], 1e-12)
+        tried.append((at, float(np.log(max(1.0 / (1.0 - gain) ** 2 - 1.0, 1e-6))), gain))
+        if abs(gain - aim) < _NEAR * aim or (gain < aim and at >= np.log(most) - 1e-9):
+            break
+        near = sorted(tried, key=lambda t: abs(t[1] - wanted))
+        slope = 2.0
+        if len(near) > 1 and abs(near[0][0] - near[1][0]) > 1e-6:
+            slope = float(np.clip((near[0][1] - near[1][1]) / (near[0][0] - near[1][0]), 0.7, 8.0))
+        at = min(near[0][0] + float(np.clip((wanted - near[0][1]) / slope, -2.5, 2.5)), float(np.log(most)))
+    best = min(tried, key=lambda t: abs(t[2] - aim))
+    return float(np.exp(best[0])), best[2]

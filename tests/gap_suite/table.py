@@ -1,0 +1,91 @@
+"""The suite's table: shares with 95 % intervals (Wilson), and every failure by what happened."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+from scipy.stats import binomtest
+
+Record = Mapping[str, object]
+_FALSE = ("invented", "wrong")
+
+
+def table(records: Sequence[Record]) -> str:
+    """Markdown: targets against what was reached, outcomes per family and size, failures."""
+    return "\n".join([*_targets(records), "", *_outcomes(records), "", *_failures(records)])
+
+
+def _targets(records: Sequence[Record]) -> list[str]:
+    def of(*families: str, size: str | None = None) -> list[Record]:
+        return [r for r in records if r["family"] in families and size in (None, r["size"])]
+
+    sized = of("single", "two", "pair")
+    gains = [_number(r["reduction"]) / _number(r["ideal"]) for r in sized if r["outcome"] in ("named", "pair")]
+    covered = [bool(c) for r in sized for c in _list(r["covered"])]
+    spent = sorted(_number(r["cpu_s"]) for r in records)
+    rows = [
+        ("false names on controls", "<= 5 %", _share(of("control"), lambda r: r["outcome"] == "invented")),
+        ("sure names for outside effects", "0", _share(of("outside"), lambda r: r["outcome"] == "invented")),
+        ("wrong sure names, effect present", "few", _share(sized, lambda r: r["outcome"] == "wrong")),
+        ("named, large", ">= 85 %", _share(of("single", size="large"), lambda r: r["outcome"] == "named")),
+        ("named, middle", ">= 70 %", _share(of("single", size="middle"), lambda r: r["outcome"] == "named")),
+        ("named, small", "abstaining is right", _share(of("single", size="small"), lambda r: r["outcome"] == "named")),
+        ("both of two named", "", _share(of("two"), lambda r: r["outcome"] == "named")),
+        (
+            "doubles reported as such, large and middle",
+            ">= 80 %",
+            _share([r for r in of("pair") if r["size"] != "small"], lambda r: r["outcome"] in ("pair", "wide")),
+        ),
+        ("95 % intervals that hold the truth", "90-98 %", _fraction(sum(covered), len(covered))),
+        ("held-out gain of named over a perfect model's, median", ">= 80 %", _median(gains)),
+        ("CPU s per case, median and most", "<= 15", f"{np.median(spent):.1f}, {spent[-1]:.1f}" if spent else "-"),
+        ("best by BIC alone is the truth", "(beside us)", _share(of("single"), _bic_right)),
+    ]
+    return ["| what | target | reached |", "|---|---|---|", *(f"| {a} | {b} | {c} |" for a, b, c in rows)]
+
+
+def _outcomes(records: Sequence[Record]) -> list[str]:
+    lines = ["| family | size | cases | outcomes |", "|---|---|---|---|"]
+    for family, size in dict.fromkeys((str(r["family"]), str(r["size"])) for r in records):
+        some = Counter(str(r["outcome"]) for r in records if (r["family"], r["size"]) == (family, size))
+        words = ", ".join(f"{k} {v}" for k, v in sorted(some.items()))
+        lines.append(f"| {family} | {size} | {some.total()} | {words} |")
+    return lines
+
+
+def _failures(records: Sequence[Record]) -> list[str]:
+    """Wrong names first; small effects that are missed are no failure."""
+    fine = ("silent", "named", "pair", "wide")
+    bad = [r for r in records if r["outcome"] not in fine and not (r["size"] == "small" and r["outcome"] not in _FALSE)]
+    bad.sort(key=lambda r: (r["outcome"] not in _FALSE, str(r["outcome"]), str(r["name"])))
+    lines = [f"- {r['outcome']}: {r['name']}; said {r['said'] or 'nothing'}" for r in bad]
+    return ["Failures:", "", *(lines or ["- none"])]
+
+
+def _bic_right(record: Record) -> bool:
+    return record["best_by_bic"] in {str(t).partition("@")[0] for t in _list(record["truth"])}
+
+
+def _share(records: Sequence[Record], holds: Callable[[Record], bool]) -> str:
+    return _fraction(sum(map(holds, records)), len(records))
+
+
+def _fraction(count: int, total: int) -> str:
+    if not total:
+        return "-"
+    interval = binomtest(count, total).proportion_ci(method="wilson")
+    return f"{count}/{total} = {count / total:.0%} ({interval.low:.0%}-{interval.high:.0%})"
+
+
+def _median(values: Sequence[float]) -> str:
+    return f"{np.median(values):.0%} of {len(values)}" if values else "-"
+
+
+def _number(value: object) -> float:
+    return float(value) if isinstance(value, int | float) else 0.0
+
+
+def _list(value: object) -> list[object]:
+    return list(value) if isinstance(value, list | tuple) else []
