@@ -118,7 +118,7 @@ def _anisotropy(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) -
 
 def _spinning(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) -> DirectEstimate | None:
     """Turn over move grows with moment over force as 1 / lever^2."""
-    com, ease, mu = model.body.com_B[:2], model.axes[:2] ** -2, model.body.friction
+    com, ease, mu = model.body.com_B[:2], model.axes[:2] ** -2, model.reference_friction
     rows = []
     for m in seen:
         way, moment = m.force * ease, m.moment(com)

@@ -22,6 +22,7 @@ class PushModel:
     """`body` with its numbers; outline (k, 2) and evenly loaded points (p, 2) under it in body axes, m.
 
     pusher_friction   of the pair body-pusher.
+    reference_friction   at which spinning friction is told: the pair's moment grows with its force.
     standoff_m        distance of the tip's recorded point from the outline in contact: the tip's radius.
     """
 
@@ -29,6 +30,7 @@ class PushModel:
     outline: FloatArray
     points: FloatArray
     pusher_friction: float
+    reference_friction: float
     standoff_m: float
 
     @property
@@ -40,7 +42,7 @@ class PushModel:
     def lever_m(self) -> float:
         """Moment over force on the limit surface: as spinning friction says, else that of an even pressure."""
         if self.body.spinning_friction_m > 0.0:
-            return self.body.spinning_friction_m / max(self.body.friction, 1e-6)
+            return self.body.spinning_friction_m / self.reference_friction
         return even_lever(self.points - self.body.com_B[:2])
 
     @cached_property

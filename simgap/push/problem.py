@@ -69,7 +69,7 @@ class PushProblem:
         if self._has_force:
             found.append(_single("contact.friction", pair, "mu", body.friction, (0.0, 1.5)))
         # What resists spinning follows from the pressure under the body, which is only assumed to be even.
-        spin = max(body.friction, 1e-3) * lever
+        spin = self.declared.reference_friction * lever
         found.append(_single("contact.spinning_friction", pair, "lever_m", spin, (0.2 * spin, 3.0 * spin)))
         found.append(_single("contact.anisotropic_friction", pair, "ratio", 1.0, (0.25, 4.0)))
         if self._has_force:
@@ -86,7 +86,7 @@ class PushProblem:
         """Declared friction and the assumed pressure within tolerance, and the pusher's friction, declared nowhere."""
         mu = self.declared.body.friction
         pusher = _single("contact.friction", Place(pair=PUSHER), "mu", self.declared.pusher_friction, _PUSHER_FRICTION)
-        lever = max(mu, 1e-3) * self.declared.lever_m
+        lever = self.declared.reference_friction * self.declared.lever_m
         spin = _single("contact.spinning_friction", Place(pair=SUPPORT), "lever_m", lever, _within(lever, PRESSURE))
         out = [_nuisance(pusher), _nuisance(spin)]
         if self._has_force and mu > 0.0:
@@ -198,7 +198,8 @@ def _declared(measurement: Measurement, whole: Records) -> PushModel:
         gravity_W=gravity,
     )
     standoff = max(float(np.median(end_distance(outline, whole))), 0.0)
-    return PushModel(body, outline, even_points(foot), subject.contact.friction, standoff)
+    friction = subject.contact.friction
+    return PushModel(body, outline, even_points(foot), friction, max(friction, 1e-3), standoff)
 
 
 def _single(name: str, where: Place, parameter: str, value: float, bounds: tuple[float, float]) -> Candidate:
