@@ -6,7 +6,7 @@ Poses are known before and after only: short horizon and full roll-out are the s
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -22,9 +22,7 @@ from simgap.push.model import PUSHER, SUPPORT, PushModel, changed
 from simgap.push.records import STEADY, STEPS, Records, end_distance, record, upright
 from simgap.push.sliding import pushed, turns
 
-# Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
-TOLERANCE = 0.05
-PRESSURE = 0.15  # an even pressure is assumed, not declared, and its limit surface is an ellipsoid in part only
+PRESSURE = 0.15  # share within which an even pressure is believed: it is assumed, and no limit surface is an ellipsoid
 _PUSHER_FRICTION = (0.02, 1.2)
 _LEAST_M, _LEAST_N = 1e-5, 1e-3
 _WORKS = 0.8  # least share of pushes whose force must do work
@@ -83,16 +81,15 @@ class PushProblem:
         return tuple(found)
 
     def nuisances(self) -> tuple[Candidate, ...]:
-        """Declared friction and the assumed pressure within tolerance, and the pusher's friction, declared nowhere."""
-        mu = self.declared.body.friction
+        """The assumed pressure within its tolerance, and the pusher's friction, which is declared nowhere.
+
+        Not that of the support: beside it, mass would be a second name for one number, and neither could be doubted.
+        """
         pusher = _single("contact.friction", Place(pair=PUSHER), "mu", self.declared.pusher_friction, _PUSHER_FRICTION)
         lever = self.declared.reference_friction * self.declared.lever_m
-        spin = _single("contact.spinning_friction", Place(pair=SUPPORT), "lever_m", lever, _within(lever, PRESSURE))
-        out = [_nuisance(pusher), _nuisance(spin)]
-        if self._has_force and mu > 0.0:
-            support = _single("contact.friction", Place(pair=SUPPORT), "mu", mu, _within(mu, TOLERANCE))
-            out.append(_nuisance(support))
-        return tuple(out)
+        limits = ((1.0 - PRESSURE) * lever, (1.0 + PRESSURE) * lever)
+        spin = _single("contact.spinning_friction", Place(pair=SUPPORT), "lever_m", lever, limits)
+        return replace(pusher, nuisance=True), replace(spin, nuisance=True)
 
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
         """See `simgap.problem.Problem`; m, rad and N, one row per push."""
@@ -205,11 +202,3 @@ def _declared(measurement: Measurement, whole: Records) -> PushModel:
 def _single(name: str, where: Place, parameter: str, value: float, bounds: tuple[float, float]) -> Candidate:
     start = {parameter: float(np.clip(value, *bounds))}
     return Candidate(effect(name), where, {parameter: value}, start, {parameter: bounds})
-
-
-def _within(value: float, share: float) -> tuple[float, float]:
-    return (1.0 - share) * value, (1.0 + share) * value
-
-
-def _nuisance(c: Candidate) -> Candidate:
-    return Candidate(c.effect, c.where, c.null, c.start, c.bounds, nuisance=True)
