@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,17 +11,30 @@ from schemas.gap import Place
 from sim.body_replay import BodyModel
 from sim.effects.effect import Effect, Series
 from sim.effects.library import EFFECTS, effect
-from simgap.problem import Candidate
+from simgap.problem import Candidate, DirectEstimate
 
 # Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
 TOLERANCE = 0.05
 # Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
 _STEP, _NUISANCE_STEP = 0.02, 0.2
+_COARSEST = 0.2
 _NEED_SUPPORT = ("contact", "body.size")
+_PLAIN = (
+    "body.size",
+    "world.gravity_magnitude",
+    "sensor.scale",
+    "sensor.clock_skew",
+    "sensor.velocity_age",
+)
 
 
-def candidates_of(model: BodyModel, series: Sequence[Series]) -> tuple[Candidate, ...]:
-    """Every effect of the library that poses of a free body can reveal, in library order."""
+def candidates_of(
+    model: BodyModel, series: Sequence[Series], told: Callable[[Candidate], DirectEstimate | None] | None = None
+) -> tuple[Candidate, ...]:
+    """Every effect of the library that poses of a free body can reveal, in library order.
+
+    `told`: what falls and rest say of a number without an engine. Fits to contacts may not stray far from it.
+    """
     out = []
     for each in EFFECTS:
         if "free_body" not in each.kinds or each.family == "joint" or not _observable(each, model):
@@ -29,7 +43,8 @@ def candidates_of(model: BodyModel, series: Sequence[Series]) -> tuple[Candidate
         table = _bounds(model, series)
         bounds = {p.name: table.get((each.name, p.name), (p.low, p.high)) for p in each.parameters}
         start = {n: float(np.clip(v, *bounds[n])) for n, v in null.items()}
-        out.append(Candidate(each, _where(each), null, start, bounds, step=_STEP))
+        wide = Candidate(each, _where(each), null, start, bounds, step=_STEP)
+        out.append(_narrowed(wide, told(wide)) if told and each.name in _PLAIN else wide)
     return tuple(out)
 
 
@@ -55,6 +70,21 @@ def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
                 )
             )
     return tuple(out)
+
+
+def _narrowed(wide: Candidate, direct: DirectEstimate | None) -> Candidate:
+    """The candidate with bounds from no effect to the direct estimate, and a little beyond both."""
+    if direct is None:
+        return wide
+    bounds, step = {}, wide.step
+    for name, (low, high) in wide.bounds.items():
+        null, value = wide.null[name], direct.values[name]
+        beyond = 0.25 * abs(value - null) + 4.0 * direct.standard_errors[name] + 0.01 * (high - low)
+        bounds[name] = (max(low, min(null, value) - beyond), min(high, max(null, value) + beyond))
+        if bounds[name][0] >= bounds[name][1]:
+            return wide
+        step = min(_COARSEST, wide.step * (high - low) / (bounds[name][1] - bounds[name][0]))
+    return replace(wide, bounds=bounds, step=step)
 
 
 def _observable(each: Effect, model: BodyModel) -> bool:

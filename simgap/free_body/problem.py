@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -45,13 +46,17 @@ class FreeBodyProblem:
         """All trials, in file order."""
         return tuple(self._series)
 
+    @cached_property
+    def _candidates(self) -> tuple[Candidate, ...]:
+        return candidates_of(self.declared, list(self._series.values()), lambda c: self.direct(c, (), self.trial_ids))
+
     def channels(self) -> tuple[str, ...]:
         """Position and the rotation vector between simulated and measured, world axes."""
         return ("position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z")
 
     def candidates(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`."""
-        return candidates_of(self.declared, list(self._series.values()))
+        return self._candidates
 
     def nuisances(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`."""
