@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import subprocess
+import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -119,7 +120,10 @@ def ask_mujoco_usd(packages: Sequence[Package], starts: Sequence[Sequence[FloatA
     ]
     assert USD_PYTHON.exists(), f"{USD_PYTHON} is missing: `make test` makes it"
     command = [str(USD_PYTHON), "-P", mujoco_drops.__file__]
-    done = subprocess.run(command, input=json.dumps(request), capture_output=True, text=True, timeout=300, check=False)
+    with tempfile.TemporaryDirectory() as place:  # MuJoCo keeps a log in the folder it works in.
+        done = subprocess.run(
+            command, input=json.dumps(request), capture_output=True, text=True, timeout=300, check=False, cwd=place
+        )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
