@@ -60,9 +60,11 @@ def toss(box: Box, hidden: Hidden, rng: np.random.Generator, noise: float = 1.0,
         data.xfrc_applied[1, :3] = _force(hidden, data.qvel[:3], data.xmat[1].reshape(3, 3) @ data.qvel[3:])
         mujoco.mj_step(model, data)
     stamps = 0.03 + np.arange(ROWS) * ROW_S + rng.normal(0.0, 2e-4, ROWS)
-    rows = np.clip(np.round(stamps / step_s).astype(int), 0, len(true) - 1)
-    late = np.clip(rows - round(pause / step_s), 0, len(true) - 1)
-    return _read(true[rows], true[late][:, 7:], rows * step_s, hidden, rng, noise)
+    rows = np.clip(np.round(stamps / step_s).astype(int), 0, len(true) - 2)
+    late = np.clip(rows - round(pause / step_s), 0, len(true) - 2)
+    # A step moves the body by the speed at its end: the speed at its beginning is half a step old.
+    rates = 0.5 * (true[late] + true[late + 1])[:, 7:]
+    return _read(true[rows], rates, rows * step_s, hidden, rng, noise)
 
 
 def _read(

@@ -1,0 +1,25 @@
+"""Tosses simulated in MuJoCo: what the direct estimates read off them."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.gap_suite.free_body_cases import free_body_case
+
+
+@pytest.mark.parametrize(
+    ("number", "name", "parameter", "truth", "within"),
+    [
+        (0, "contact.friction", "mu", 0.12, 0.02),
+        (3, "sensor.scale", "factor", 0.95, 0.005),
+        (4, "world.gravity_magnitude", "gravity_mps2", 7.5, 0.02),
+        (7, "world.gravity_tilt", "about_y_rad", -0.08, 0.005),
+    ],
+)
+def test_what_another_engine_hides_is_read_off_its_motion(number, name, parameter, truth, within):
+    problem = free_body_case(number).problem()
+    candidate = next(c for c in problem.candidates() if c.effect.name == name)
+    found = problem.direct(candidate, (), problem.trial_ids)
+    assert found is not None
+    assert abs(found.values[parameter]) == pytest.approx(abs(truth), abs=within)
+    assert found.p_value < 1e-3
