@@ -7,8 +7,9 @@ STAMP := .venv/.installed
 MUJOCO_USD := .venv-mujoco-usd
 MUJOCO_USD_STAMP := $(MUJOCO_USD)/.installed
 DEMO_OUT ?= demo_out
+GAP_OUT ?= gap_suite_out
 
-.PHONY: demo test check lint types layers bench docs clean system
+.PHONY: demo test check lint types layers bench gap-suite docs clean system
 
 demo: $(STAMP)
 	$(BIN)/mana demo --out $(DEMO_OUT)
@@ -30,6 +31,10 @@ layers: $(STAMP)
 
 bench: $(STAMP)
 	$(BIN)/python -m benchmarks.ingest
+
+# About 300 cases; stops and goes on where it stopped. Records in GAP_OUT, one JSON per case.
+gap-suite: $(STAMP)
+	$(BIN)/python -m tests.gap_suite.run --resume $(GAP_OUT)
 
 docs: $(STAMP)
 	$(BIN)/python -m cli.docs docs/diagnostics

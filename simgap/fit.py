@@ -8,6 +8,7 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
+from scipy import stats
 
 from schemas.model import FloatArray
 from simgap.descent import KNEE, Solution, descend, half_widths, left_out
@@ -59,6 +60,23 @@ class Fit:
         term, widths = self.model[-1], self.half_widths[self.free[-1].key]
         names = [n for n in term.values if n not in term.candidate.shapes]
         return any(abs(term.values[n] - term.candidate.null[n]) > widths[n] > 0.0 for n in names)
+
+    @property
+    def p_value(self) -> float:
+        """Of "the last term's strengths are none": Student's test over clusters, times the values that were tried.
+
+        It asks whether the trials agree on a value, and sees far smaller effects than a comparison of losses, in which
+        noise times effect stands beside the effect's square.
+        """
+        candidate = self.free[-1]
+        term, widths, n = self.model[-1], self.half_widths[candidate.key], len(self.losses)
+        names = [name for name in term.values if name not in candidate.shapes and widths[name] > 0.0]
+        if not names or n < 2 or candidate.probes:  # A threshold is sharp wherever it lies: that does not make it real.
+            return 1.0
+        most = float(stats.t.ppf(0.975, n - 1))
+        t = max(abs(term.values[name] - candidate.null[name]) / widths[name] * most for name in names)
+        tried = len(names) * (_MANY if candidate.shapes else 1)
+        return float(min(1.0, 2.0 * stats.t.sf(t, n - 1) * tried))
 
     @property
     def evaluations(self) -> int:

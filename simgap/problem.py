@@ -22,7 +22,7 @@ class Candidate:
     bounds    plausible values here, within the effect's own.
     nuisance  part of the null model: a declared number within its tolerance, never named.
     shapes    parameters that mean nothing while the effect is absent: where on the range it acts, not how strongly.
-    probes   further values to try first, where no descent finds the way: a stop is felt only where it is.
+    probes   further values to try first, where no descent finds the way: thresholds, felt only where they are.
     step      share of a range over which slopes are read: more where roll-outs answer in small jumps, as contacts do.
     """
 

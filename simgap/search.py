@@ -28,6 +28,7 @@ _FINALISTS = 6
 _SCREEN_STEPS = 2
 _AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
 _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
+_REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
 _AHEAD = 4  # candidates that are tried in pairs
 Map = Callable[[Callable[[Candidate], "Trial"], Iterable[Candidate]], Iterable["Trial"]]
 
@@ -127,7 +128,13 @@ def _strengths(candidate: Candidate) -> dict[str, float]:
 
 def _trial(base: Fit, extended: Fit, direct: DirectEstimate | None) -> Trial:
     comparison = compare(base.held_out, extended.held_out)
+    comparison = replace(comparison, p_value=_chance(comparison, extended))
     return Trial(extended.free[-1], extended, comparison, direct, _delta_bic(base, extended))
+
+
+def _chance(comparison: Comparison, extended: Fit) -> float:
+    """Chance of such evidence without the effect, by held-out losses or by the strength itself: two looks, so twice."""
+    return min(1.0, 2.0 * min(comparison.p_value, extended.p_value))
 
 
 def _round(base: Fit, errors: Errors, screened: list[Trial]) -> Round:
@@ -152,11 +159,25 @@ def _worthy(this: Round, base: Fit) -> list[Trial]:
     ordered: list[Trial] = []
     for trial, p in zip(this.tried, this.p_adjusted, strict=True):
         removed = trial.comparison.gain * min(1.0, float(base.held_out.mean()))  # of what is left, or of the noise
-        if p >= LEVEL or removed <= LEAST_GAIN or not trial.fit.stands_out:
+        if p >= LEVEL or removed <= LEAST_GAIN or not trial.fit.stands_out or _takes_a_place(trial.fit, base):
             continue
         simpler = [t for t in this.tried if len(t.candidate.null) < len(trial.candidate.null) and _rivals(t, trial)]
         ordered += [t for t in (*simpler, trial) if t not in ordered]
     return ordered
+
+
+def _takes_a_place(extended: Fit, base: Fit) -> bool:
+    """Whether an effect accepted before all but vanishes beside the new one: that is another name, not one more."""
+    after = {t.candidate.key: t for t in extended.model}
+    for term in base.model:
+        now = after.get(term.candidate.key)
+        if now is None or term.candidate.nuisance:
+            continue
+        names = [n for n in term.values if n not in term.candidate.shapes]
+        null = term.candidate.null
+        if all(abs(now.values[n] - null[n]) < _REPLACED * abs(term.values[n] - null[n]) for n in names):
+            return True
+    return False
 
 
 def _rivals(simpler: Trial, best: Trial) -> bool:
@@ -211,7 +232,7 @@ def _inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[T
             continue
         both = extend(errors, rival.fit, best.candidate, [best.fit.model[-1].values, best.candidate.start])
         over_rival = compare(rival.fit.held_out, both.held_out)
-        if over_rival.p_value < LEVEL and over_rival.gain > LEAST_GAIN:
+        if _chance(over_rival, both) < LEVEL and over_rival.gain > LEAST_GAIN:
             continue
         found.append(rival)
     return tuple(found)

@@ -28,6 +28,8 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
         others = tuple(t for t in base if t.candidate.key != found.candidate.key)
         term = next(t for t in base if t.candidate.key == found.candidate.key)
         widths = selection.final.half_widths.get(term.candidate.key, {})
+        if not _stands(term, widths):  # Effects found after it do its work.
+            continue
         said, direct = found.direct, agrees(found)
         if said is not None and direct is not True:
             # What was fitted beside causes not yet found is judged again beside them.
@@ -72,6 +74,16 @@ def _agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool
     slack = max(AGREE_ERRORS * noise, AGREE_SHARE * abs(step))
     one_way = step * (direct.values[strength] - null) > 0.0
     return direct.p_value < DIRECT_LEVEL and one_way and abs(apart) <= slack
+
+
+def _stands(term: Term, widths: dict[str, float]) -> bool:
+    """Whether some strength still differs from none in the final model."""
+    null = term.candidate.null
+    return any(
+        abs(v - null[n]) > max(widths.get(n, 0.0), 1e-9 * abs(null[n]), 1e-12)
+        for n, v in term.values.items()
+        if n not in term.candidate.shapes
+    )
 
 
 def _strength(term: Term, widths: dict[str, float]) -> str:

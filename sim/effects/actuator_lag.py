@@ -16,14 +16,17 @@ def _map(series: Series, params: Params, where: Place) -> Series:
 
 
 def _followed(t_s: FloatArray, sent: FloatArray, lag_s: float) -> FloatArray:
-    """First-order answer to inputs (n, k) that are held from row to row, exact at the stamps."""
+    """First-order answer to inputs (n, k) that are held from row to row: its mean from each stamp to the next."""
     if lag_s <= 0.0:
         return sent
     keep = np.exp(-np.diff(t_s) / lag_s)
     # answer[i + 1] - keep[i] answer[i] = (1 - keep[i]) sent[i], all rows at once.
     rows = np.concatenate([sent[:1], (1.0 - keep)[:, None] * sent[:-1]])
     bands = np.stack([np.ones(len(t_s)), np.append(-keep, 0.0)])
-    return np.asarray(solve_banded((1, 0), bands, rows))
+    at_stamps = np.asarray(solve_banded((1, 0), bands, rows))
+    # Inputs are held until the next stamp, so what counts is the mean of the answer until then.
+    span = np.append(np.diff(t_s), np.median(np.diff(t_s)))[:, None] / lag_s
+    return sent + (at_stamps - sent) * -np.expm1(-span) / span
 
 
 EFFECT = Effect(

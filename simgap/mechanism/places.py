@@ -72,9 +72,11 @@ def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Cand
             where = Place() if whole else Place(joint=link.name)
             null = _null(each, model, j, ranges, series)
             bounds = {p.name: _bounds(p.name, each, null, ranges) for p in each.parameters}
+            if each.name == "joint.friction_asymmetry" and model.friction[j] > 0.0:
+                bounds["torque_Nm"] = (-float(model.friction[j]), float(model.friction[j]))
             start = {n: float(np.clip(_start(n, each, null[n], ranges), *bounds[n])) for n in null}
             shapes = tuple(n for n in null if n in SHAPES)
-            probes = _stops(null, bounds, ranges) if each.name == "joint.hard_stop" else ()
+            probes = _probes(each, null, bounds, ranges)
             out.append(Candidate(each, where, null, start, bounds, shapes=shapes, probes=probes))
     return tuple(out)
 
@@ -188,6 +190,24 @@ def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple
     if name == "nominal_V":
         low, high = 0.999 * null[name], 1.001 * null[name]
     return max(low, own.low), max(min(high, own.high), max(low, own.low) + 1e-12)
+
+
+def _probes(
+    each: Effect, null: dict[str, float], bounds: dict[str, tuple[float, float]], r: Ranges
+) -> tuple[dict[str, float], ...]:
+    """Values to try of effects that have a threshold."""
+    if each.name == "joint.hard_stop":
+        return _stops(null, bounds, r)
+    if each.name == "actuator.saturation":
+        return tuple({"limit_Nm": share * r.effort} for share in (0.2, 0.35, 0.5, 0.65, 0.8, 0.95, 1.1) if r.effort)
+    if each.name == "joint.backlash":
+        gaps, rates = bounds["gap_rad"], bounds["crossing_radps"]
+        return tuple(
+            {"gap_rad": share * gaps[1], "crossing_radps": float(np.clip(rate * r.speed, *rates))}
+            for share in (0.02, 0.06, 0.15, 0.4)
+            for rate in (0.3, 1.0, 4.0)
+        )
+    return ()
 
 
 def _stops(null: dict[str, float], bounds: dict[str, tuple[float, float]], r: Ranges) -> tuple[dict[str, float], ...]:

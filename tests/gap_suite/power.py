@@ -11,7 +11,7 @@ from simgap.problem import Problem
 from simgap.score import trial_losses
 
 GAINS = {"small": 0.02, "middle": 0.10, "large": 0.40}  # shares of the null refit's rms error
-_TRIES = 5
+_TRIES = 7
 _NEAR = 0.15  # relative miss of the aim that is good enough
 
 
@@ -30,20 +30,23 @@ def ideal_gain(hidden: Problem, plain: Problem) -> float:
 
 
 def sized(problem_at: Callable[[float], Problem], guess: float, most: float, aim: float) -> tuple[float, float]:
-    """(strength, gain) at which a perfect model gains about `aim`; secant steps on logarithms, at most `most`."""
+    """(strength, gain) at which a perfect model gains about `aim`; regula falsi on logarithms, at most `most`."""
     without, level = null_error(problem_at(0.0))
     wanted = np.log(1.0 / (1.0 - aim) ** 2 - 1.0)
     tried: list[tuple[float, float, float]] = []  # log strength, log of excess power, gain
-    at = np.log(min(guess, most))
+    at, top = np.log(min(guess, most)), np.log(most)
     for _ in range(_TRIES):
         gain = 1.0 - without / max(null_error(problem_at(float(np.exp(at))), level)[0], 1e-12)
         tried.append((at, float(np.log(max(1.0 / (1.0 - gain) ** 2 - 1.0, 1e-6))), gain))
-        if abs(gain - aim) < _NEAR * aim or (gain < aim and at >= np.log(most) - 1e-9):
+        if abs(gain - aim) < _NEAR * aim or (gain < aim and at >= top - 1e-9):
             break
-        near = sorted(tried, key=lambda t: abs(t[1] - wanted))
-        slope = 2.0
-        if len(near) > 1 and abs(near[0][0] - near[1][0]) > 1e-6:
-            slope = float(np.clip((near[0][1] - near[1][1]) / (near[0][0] - near[1][0]), 0.7, 8.0))
-        at = min(near[0][0] + float(np.clip((wanted - near[0][1]) / slope, -2.5, 2.5)), float(np.log(most)))
+        below = max((t for t in tried if t[2] < aim), default=None)
+        above = min((t for t in tried if t[2] >= aim), default=None)
+        if below is None or above is None:
+            at = min(at + float(np.clip(0.5 * (wanted - tried[-1][1]), -2.0, 2.0)), top)
+            continue
+        # Between the two, where a straight line says; thresholds make that line a poor guide near its ends.
+        share = float(np.clip((wanted - below[1]) / max(above[1] - below[1], 1e-9), 0.2, 0.8))
+        at = below[0] + share * (above[0] - below[0])
     best = min(tried, key=lambda t: abs(t[2] - aim))
     return float(np.exp(best[0])), best[2]
