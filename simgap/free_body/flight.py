@@ -100,7 +100,7 @@ def _expected(toss: Toss, part: slice, v: FloatArray) -> FloatArray:
         spin = toss.level.inv().apply(toss.R[part].apply(toss.series.columns["w_B"][part]))
         state = BodyState(toss.t_s[part][:, None], p, quat, toss.level.inv().apply(v), spin)
         for hook, values in toss.applied.wrenches:
-            total = total + toss.level.apply(hook.wrench(state, values)[0]) / toss.body.mass_kg
+            total = total + toss.level.apply(np.array(hook.wrench(state, values)[0])) / toss.body.mass_kg
     return total
 
 

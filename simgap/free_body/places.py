@@ -15,6 +15,8 @@ from simgap.problem import Candidate, DirectEstimate
 
 # Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
 TOLERANCE = 0.05
+# Two engines, and sliding and impacts in one, differ by this much about the friction of a pair.
+FRICTION_TOLERANCE = 0.15
 # Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
 _STEP, _NUISANCE_STEP = 0.02, 0.2
 _COARSEST = 0.2
@@ -52,7 +54,7 @@ def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
     """Declared friction and bounce of the pair within their tolerance."""
     out = []
     for name, parameter, value, half in (
-        ("contact.friction", "mu", model.friction, TOLERANCE * model.friction),
+        ("contact.friction", "mu", model.friction, FRICTION_TOLERANCE * model.friction),
         ("contact.restitution", "restitution", model.restitution, TOLERANCE),
     ):
         if model.has_support and half > 0.0:
