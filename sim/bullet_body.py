@@ -26,7 +26,7 @@ _PARKED_M = 1000.0
 # Share of a penetration that is undone per second. The engine takes it per step (0.2 at 240 steps a second): finer
 # steps would throw out harder what starts a little inside the support.
 _RECOVERY_PER_S = 0.2 * 240.0
-_HOLD_S = 1.0 / 240.0  # forces of effects are held at most so long: they follow speed and position, not contacts
+_HOLD_S = 1.0 / 120.0  # forces of effects are held at most so long: they follow speed and position, not contacts
 _LARGEST_M = 1e3
 
 
@@ -174,14 +174,14 @@ class BulletBodyReplay:
 
     def _pull(self, model: BodyModel, t_s: float, wrenches: Sequence[tuple[BodyWrench, Params]]) -> list[float] | None:
         """Lets the sum of the forces pull like gravity, as they act on the mass centre; the torques' sum, if any."""
-        row = self._row()
-        state = BodyState(
-            np.array([[t_s]]), row[None, :3], np.roll(row[3:7], 1)[None], row[None, 7:10], row[None, 10:13]
-        )
-        both = [hook.wrench(state, params) for hook, params in wrenches]
-        pull = model.gravity_W + np.sum([f[0] for f, _ in both], axis=0) / model.mass_kg
+        at, (x, y, z, w) = pybullet.getBasePositionAndOrientation(self._handle, physicsClientId=self._client)
+        v_W, w_W = pybullet.getBaseVelocity(self._handle, physicsClientId=self._client)
+        state = BodyState(*(np.array([row]) for row in ((t_s,), at, (w, x, y, z), v_W, w_W)))
+        pull, torque = model.gravity_W, np.zeros(3)
+        for hook, params in wrenches:
+            forces, torques = hook.wrench(state, params)
+            pull, torque = pull + forces[0] / model.mass_kg, torque + torques[0]
         pybullet.setGravity(*pull.tolist(), physicsClientId=self._client)
-        torque = np.sum([t[0] for _, t in both], axis=0)
         return torque.tolist() if torque.any() else None
 
     def _row(self) -> FloatArray:

@@ -16,7 +16,7 @@ from simgap.free_body.build import build_body
 from simgap.free_body.direct import estimate
 from simgap.free_body.places import candidates_of, nuisances_of
 from simgap.free_body.terms import AppliedBody, apply_terms
-from simgap.free_body.toss import Toss
+from simgap.free_body.toss import Toss, corners
 from simgap.measurement import Measurement
 from simgap.problem import Candidate, DirectEstimate, Model, View
 from simgap.trial import Trial
@@ -24,7 +24,8 @@ from simgap.trial import Trial
 HORIZON_S = 0.081
 _LARGEST_M, _LARGEST_RAD = 1e3, np.pi
 _COMPARED = 4  # rows per short window that are compared
-_MOST_WINDOWS = 12  # per trial
+_IN_FLIGHT, _AT_REST, _IN_CONTACT = 3, 1, 6  # most windows per trial; where nothing is met, few tell all
+_CLEAR, _MOVED = 0.1, 0.01  # shares of the body's size: this far from the support all along, moved less than this
 
 
 class FreeBodyProblem:
@@ -66,7 +67,7 @@ class FreeBodyProblem:
         """See `simgap.problem.Problem`; m and rad."""
         applied = apply_terms(self.declared, model)
         series = [applied.recovered(self._series[trial]) for trial in trials]
-        cuts = [self._cut(len(s.t_s), view) for s in series]
+        cuts = [self._cut(trial, view) for trial in trials]
         # Windows of equal length are rolled out together, whatever trial they are of.
         lengths = [rows.shape[1] for rows, _ in cuts]
         out: list[FloatArray] = [np.zeros((0, 6))] * len(series)
@@ -86,6 +87,8 @@ class FreeBodyProblem:
             parts = zip(series, rows, strict=True)
             return np.concatenate([s.columns[name][r[:, 0] if first_only else r] for s, r in parts])
 
+        # Rows that are not compared need not be stopped at.
+        rows, compared = [r[:, [0, *compared]] for r in rows], np.arange(1, len(compared) + 1)
         t_s = np.concatenate([s.t_s[r] for s, r in zip(series, rows, strict=True)])
         start = {name: picked(name, True) for name in ("p", "quat_wxyz", "v_W", "w_B")}
         motion = self._engine.rollout(applied.body, BodyWindows(t_s=t_s, **start), applied.wrenches)
@@ -99,7 +102,7 @@ class FreeBodyProblem:
         out = []
         for trial in trials:
             series = self._series[trial]
-            rows, compared = self._cut(len(series.t_s), view)
+            rows, compared = self._cut(trial, view)
             first = rows[:, 0]
             R = Rotation.from_quat(np.roll(series.columns["quat_wxyz"][first], -1, axis=1))
             gap = self.gaps(series)[first, None]
@@ -138,16 +141,40 @@ class FreeBodyProblem:
             self._read = (asked, [Toss(applied, applied.recovered(self._series[t])) for t in trials])
         return self._read[1]
 
-    def _cut(self, length: int, view: View) -> tuple[np.ndarray, np.ndarray]:
+    def _cut(self, trial: str, view: View) -> tuple[np.ndarray, np.ndarray]:
         """Rows (w, k) of the windows of a trial, and the positions in a window that are compared."""
+        length = len(self._series[trial].t_s)
         if view == "full_rollout" or self._rows >= length:
             return np.arange(length)[None], np.arange(1, length)
         k = self._rows
-        starts = np.arange(0, length - k + 1, k - 1)
-        if len(starts) > _MOST_WINDOWS:
-            starts = starts[np.unique(np.linspace(0, len(starts) - 1, _MOST_WINDOWS).round().astype(int))]
         compared = np.unique(np.linspace(1, k - 1, _COMPARED).round().astype(int))
-        return starts[:, None] + np.arange(k), compared
+        return self._starts[trial][:, None] + np.arange(k), compared
+
+    @cached_property
+    def _starts(self) -> dict[str, np.ndarray]:
+        """First rows of the short windows of each trial."""
+        return {trial: self._windows(series) for trial, series in self._series.items()}
+
+    def _windows(self, series: Series) -> np.ndarray:
+        """First rows of windows side by side: a few in flight and at rest, most where something is met."""
+        k, p = self._rows, series.columns["p"]
+        starts = np.arange(0, len(p) - k + 1, k - 1)
+        rows = starts[:, None] + np.arange(k)
+        flying = np.ones(len(starts), dtype=bool)
+        resting = np.ptp(p[rows], axis=1).max(axis=1) < _MOVED * self._size
+        if self.declared.has_support:
+            flying = self.gaps(series)[rows].min(axis=1) > _CLEAR * self._size
+        kinds = ((flying, _IN_FLIGHT), (~flying & resting, _AT_REST), (~flying & ~resting, _IN_CONTACT))
+        return np.sort(np.concatenate([_spread(starts[of], most) for of, most in kinds]))
+
+    @cached_property
+    def _size(self) -> float:
+        return float(np.ptp(corners(self.declared.shapes), axis=0).max())
+
+
+def _spread(items: np.ndarray, most: int) -> np.ndarray:
+    """At most so many of the items, evenly."""
+    return items[np.unique(np.linspace(0, len(items) - 1, min(most, len(items))).round().astype(int))]
 
 
 def _reported(
