@@ -54,12 +54,14 @@ class Fit:
             out[c.key][name] = float(width * (c.bounds[name][1] - c.bounds[name][0]))
         return out
 
-    @property
-    def stands_out(self) -> bool:
-        """Whether some strength of the last term differs from none by more than its interval."""
+    def stands_out(self, least: Mapping[str, float]) -> bool:
+        """Whether some strength of the last term differs from none by more than its interval and than `least`."""
         term, widths = self.model[-1], self.half_widths[self.free[-1].key]
         names = [n for n in term.values if n not in term.candidate.shapes]
-        return any(abs(term.values[n] - term.candidate.null[n]) > widths[n] > 0.0 for n in names)
+        return any(
+            abs(term.values[n] - term.candidate.null[n]) > max(widths[n], least.get(n, 0.0)) and widths[n] > 0.0
+            for n in names
+        )
 
     @property
     def p_value(self) -> float:

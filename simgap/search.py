@@ -15,6 +15,7 @@ import numpy as np
 
 from schemas.model import FloatArray
 from simgap.fit import Errors, Fit, extend, fit, promising, rollout_errors, spread
+from simgap.numerics import Numerics, numerics
 from simgap.problem import Candidate, DirectEstimate, Problem, View
 from simgap.score import Comparison, adjusted, compare, paired_p, trial_losses
 from simgap.splits import Trials
@@ -56,7 +57,7 @@ class Round:
 class Selection:
     """The null, the rounds, the accepted trials in order, and per accepted one its inseparable rivals.
 
-    Losses are those of the test trials.
+    Losses are those of the test trials; `numerics` what the method finds of each accepted effect where it is not.
     """
 
     null: Fit
@@ -64,6 +65,7 @@ class Selection:
     rounds: tuple[Round, ...]
     accepted: tuple[Trial, ...]
     rivals: tuple[tuple[Trial, ...], ...]
+    numerics: tuple[Numerics, ...]
     final: Fit
     final_losses: FloatArray
     scale: FloatArray
@@ -83,6 +85,7 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
     rounds: list[Round] = []
     accepted: list[Trial] = []
     rivals: list[tuple[Trial, ...]] = []
+    beside: list[Numerics] = []
     while True:
         # What was an outlier to a poor model is evidence to a better one: the level follows the base.
         level = spread(problem, base.model, trials.train, view)
@@ -99,13 +102,18 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
         rounds.append(this)
         before = judged(base, level)
         worthy = _looking_ahead(errors, _worthy(this, base))
-        best = next((t for t in worthy if _confirmed(before, judged(t.fit, level))), None)
+        confirmed = (t for t in worthy if _confirmed(before, judged(t.fit, level)))
+        asked = ((t, numerics(problem, trials.train, view, base.model, t.fit.model)) for t in confirmed)
+        best, made_up = next(((t, n) for t, n in asked if t.fit.stands_out(n.fitted)), (None, Numerics()))
         if best is None:
             break
         rivals.append(_inseparable(errors, best, this.tried))
         accepted.append(best)
+        beside.append(made_up)
         base = best.fit
-    return Selection(null, null_losses, tuple(rounds), tuple(accepted), tuple(rivals), base, losses, scale)
+    return Selection(
+        null, null_losses, tuple(rounds), tuple(accepted), tuple(rivals), tuple(beside), base, losses, scale
+    )
 
 
 def _screening(problem: Problem, errors: Errors, base: Fit, trials: Trials) -> Callable[[Candidate], Trial]:
@@ -159,7 +167,7 @@ def _worthy(this: Round, base: Fit) -> list[Trial]:
     ordered: list[Trial] = []
     for trial, p in zip(this.tried, this.p_adjusted, strict=True):
         removed = trial.comparison.gain * min(1.0, float(base.held_out.mean()))  # of what is left, or of the noise
-        if p >= LEVEL or removed <= LEAST_GAIN or not trial.fit.stands_out or _takes_a_place(trial.fit, base):
+        if p >= LEVEL or removed <= LEAST_GAIN or not trial.fit.stands_out({}) or _takes_a_place(trial.fit, base):
             continue
         simpler = [t for t in this.tried if len(t.candidate.null) < len(trial.candidate.null) and _rivals(t, trial)]
         ordered += [t for t in (*simpler, trial) if t not in ordered]

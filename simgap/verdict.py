@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
+from simgap.numerics import Numerics
 from simgap.problem import DirectEstimate, Problem, Term
 from simgap.score import Comparison, paired_p
 from simgap.search import LEVEL, Selection, Trial
@@ -23,11 +24,12 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
     """The verdict over all accepted effects; `leftover` compares the final model with a black box on top of it."""
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
-    for position, (found, rivals) in enumerate(zip(selection.accepted, selection.rivals, strict=True)):
+    found_with = zip(selection.accepted, selection.rivals, selection.numerics, strict=True)
+    for position, (found, rivals, made_up) in enumerate(found_with):
         base = selection.final.model
         others = tuple(t for t in base if t.candidate.key != found.candidate.key)
         term = next(t for t in base if t.candidate.key == found.candidate.key)
-        widths = selection.final.half_widths.get(term.candidate.key, {})
+        widths = _wider(selection.final.half_widths.get(term.candidate.key, {}), made_up.fitted)
         if not _stands(term, widths):  # Effects found after it do its work.
             continue
         said, direct = found.direct, agrees(found)
@@ -35,6 +37,7 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
             # What was fitted beside causes not yet found is judged again beside them.
             said = problem.direct(found.candidate, others, trials)
             direct = said is not None and _agree(term, widths, said)
+        direct = direct and said is not None and _beyond(term, said, made_up)
         same = [r for r in rivals if not _told_apart(problem, found, r, others, trials)]
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
         effect = NamedEffect(
@@ -74,6 +77,16 @@ def _agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool
     slack = max(AGREE_ERRORS * noise, AGREE_SHARE * abs(step))
     one_way = step * (direct.values[strength] - null) > 0.0
     return direct.p_value < DIRECT_LEVEL and one_way and abs(apart) <= slack
+
+
+def _wider(widths: dict[str, float], least: Mapping[str, float]) -> dict[str, float]:
+    return {n: max(w, least.get(n, 0.0)) for n, w in widths.items()}
+
+
+def _beyond(term: Term, direct: DirectEstimate, made_up: Numerics) -> bool:
+    """Whether the direct route sees more of some strength than it makes up where there is none."""
+    null = term.candidate.null
+    return not made_up.direct or any(abs(direct.values[n] - null[n]) > least for n, least in made_up.direct.items())
 
 
 def _stands(term: Term, widths: dict[str, float]) -> bool:

@@ -27,11 +27,14 @@ from simgap.score import paired_p
 def balance(declared: MechanismModel, logs: Sequence[Log]) -> Callable[[Model], list[FloatArray]]:
     """Unexplained effort (b, j) per trial, N m or N, of any model; b over blocks."""
     logs = [_inner(log) for log in logs]
-    plain = _stack(logs, Applied(declared, (), (), ()))
+    stacks: dict[object, _Stack] = {}  # the last one: slopes of other terms leave readings and inputs as they are
 
     def errors(model: Model) -> list[FloatArray]:
         applied = apply_terms(declared, model)
-        stack = _stack(logs, applied) if applied.sensors or applied.inputs else plain
+        if applied.maps not in stacks:
+            stacks.clear()
+            stacks[applied.maps] = _stack(logs, applied)
+        stack = stacks[applied.maps]
         rest = _unexplained(applied, stack) / stack.magnified
         means = np.add.reduceat(rest, stack.starts, axis=0) / stack.counts[:, None]
         return np.split(means, stack.ends)

@@ -21,6 +21,7 @@ from simgap.problem import Candidate
 _QUANTILE = 0.95
 # Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
 TOLERANCE = 0.05
+MEETING = 0.1  # of a row: how well the time is known at which an input acts
 _STOP_SHARES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33)
 SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "direction_rad")
 _WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
@@ -81,9 +82,16 @@ def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Cand
     return tuple(out)
 
 
-def nuisances_of(model: MechanismModel) -> tuple[Candidate, ...]:
-    """Declared inertia, weight, friction, damping and effort of each joint within their tolerance."""
+def nuisances_of(model: MechanismModel, row_s: float) -> tuple[Candidate, ...]:
+    """Declared inertia, weight, friction, damping and effort of each joint within their tolerance.
+
+    Inputs meet readings within a share of a row only: loops read before they write, and engines act on whole steps.
+    """
     out = []
+    if model.drive.type != "none":
+        one, reach = {"delay_s": 0.0}, MEETING * row_s
+        place = Place(joint=model.tree[0].name)
+        out.append(Candidate(effect("actuator.delay"), place, one, one, {"delay_s": (-reach, reach)}, True))
     for j, link in enumerate(model.tree):
         inertia = float(mass_matrix(model.tree, np.zeros((1, len(model.tree))))[0, j, j])
         slack = {

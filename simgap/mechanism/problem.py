@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from simgap.mechanism.build import build_mechanism
 from simgap.mechanism.equation_error import balance, estimate, in_noise_levels, refitted
 from simgap.mechanism.logs import log_of
 from simgap.mechanism.places import candidates_of, nuisances_of
+from simgap.mechanism.repeats import repeated
 from simgap.mechanism.terms import Applied, apply_terms
 from simgap.mechanism.windows import Cut, cut, windows_of
 from simgap.problem import Candidate, DirectEstimate, Model, View
@@ -24,6 +26,7 @@ HORIZON_S = 0.2  # jointed things move less per time than tossed ones: 80 ms wou
 _LARGEST = 1e6
 _LARGEST_STEP_S = 5e-3
 _STEP_SWING = 0.06  # of a radian of the fastest controlled swing per step
+_FINER = 0.25  # steps of repeats, of those of roll-outs
 _MOST_WINDOWS = 240  # over all trials; each has at least `_LEAST_WINDOWS`
 _LEAST_WINDOWS = 6
 
@@ -36,11 +39,12 @@ class MechanismProblem:
         self.declared: MechanismModel = build_mechanism(measurement.spec)
         self.horizon_s = horizon_s
         self._logs = {t.id: log_of(t) for t in measurement.trials}
+        self._row_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in measurement.trials])))
         step = float(np.median(np.concatenate([np.diff(g.series.t_s) for g in self._logs.values()])))
         self._rows = max(4, round(horizon_s / step) + 1)
         self._windows = max(_LEAST_WINDOWS, _MOST_WINDOWS // len(self._logs))
         self._step_s = _largest_step_s(self.declared)
-        self._as_read: dict[tuple[View, tuple[str, ...]], Windows] = {}
+        self._kept: dict[tuple[View, tuple[str, ...]], tuple[tuple[object, ...], Windows]] = {}
         self._balances: dict[tuple[object, ...], tuple[Errors, Fit]] = {}
 
     @property
@@ -58,7 +62,7 @@ class MechanismProblem:
 
     def nuisances(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`."""
-        return nuisances_of(self.declared)
+        return nuisances_of(self.declared, self._row_s)
 
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
         """See `simgap.problem.Problem`; rad or m, against smoothed readings."""
@@ -99,6 +103,13 @@ class MechanismProblem:
             self._balances[key] = errors, refitted(errors, model)
         return estimate(*self._balances[key], candidate)
 
+    def repeated(self, model: Model, seed: int) -> MechanismProblem:
+        """See `simgap.numerics.Repeatable`."""
+        trials = self.measurement.trials
+        logs = [self._logs[t.id] for t in trials]
+        again = repeated(self.declared, trials, logs, model, _FINER * self._step_s, seed)
+        return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s)
+
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
         """See `simgap.problem.Problem`: smoothed readings' noise, and the start's carried along in a straight line."""
         length = self.horizon_s
@@ -111,13 +122,12 @@ class MechanismProblem:
     def _windows_of(
         self, trials: Sequence[str], view: View, pieces: Sequence[tuple[Series, Cut]], applied: Applied
     ) -> Windows:
-        """Kept for all models that take readings and inputs as they are."""
-        if applied.sensors or applied.inputs:
-            return windows_of(pieces, applied)
+        """Kept for models that map readings and inputs in the same way."""
         key = (view, tuple(trials))
-        if key not in self._as_read:
-            self._as_read[key] = windows_of(pieces, applied)
-        return self._as_read[key]
+        kept = self._kept.get(key)
+        if kept is None or kept[0] != applied.maps:
+            self._kept[key] = kept = applied.maps, windows_of(pieces, applied)
+        return kept[1]
 
     def _cut(self, trial: str, view: View) -> Cut:
         log = self._logs[trial]

@@ -22,6 +22,11 @@ class Applied:
     inputs: tuple[tuple[CommandMap, Params, Place], ...]
     sensors: tuple[SensorTerm, ...]
 
+    @property
+    def maps(self) -> tuple[object, ...]:
+        """Equal where inputs and readings are mapped in the same way."""
+        return tuple((h, tuple(p.items()), w.joint) for h, p, w in (*self.inputs, *self.sensors))
+
     def sent(self, series: Series) -> Series:
         """Inputs as they reach the drive."""
         for hook, params, where in self.inputs:

@@ -1,0 +1,65 @@
+"""How far an effect must stand out to be more than what the method itself makes of readings without it.
+
+A parametric bootstrap (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 6): the accepted model gives
+readings with the same stamps, inputs and noise, in finer steps; whatever both routes then find of the effect comes
+from smoothing, steps and noise. Only effects that are about to be accepted are asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from scipy import stats
+
+from simgap.fit import extend, fit, rollout_errors, spread
+from simgap.problem import Candidate, Model, Problem, View
+
+_REPEATS = 3
+
+
+@runtime_checkable
+class Repeatable(Protocol):
+    """A problem that can be recorded again in simulation."""
+
+    def repeated(self, model: Model, seed: int) -> Problem:
+        """The same measurement with the readings that `model` would have given; trial ids stay."""
+        ...
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """Per parameter: half the width of what 95 % of repeats without the effect show, by roll-outs and directly."""
+
+    fitted: Mapping[str, float] = field(default_factory=dict)
+    direct: Mapping[str, float] = field(default_factory=dict)
+
+
+def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, found: Model) -> Numerics:
+    """What is found of the last term of `found` in repeats by `base`; nothing where a problem cannot be repeated."""
+    if not isinstance(problem, Repeatable):
+        return Numerics()
+    term = found[-1]
+    fitted: list[dict[str, float]] = []
+    direct: list[dict[str, float]] = []
+    for seed in range(_REPEATS):
+        again = problem.repeated(base, seed)
+        errors = rollout_errors(again, trials, view, spread(again, base, trials, view))
+        null = fit(errors, [replace(t.candidate, start=t.values) for t in base])
+        own = again.direct(term.candidate, null.model, trials)
+        starts = [term.values, *([own.values] if own is not None else [])]
+        fitted.append(extend(errors, null, term.candidate, starts).model[-1].values)
+        if own is not None:
+            direct.append(own.values)
+    return Numerics(_reach(term.candidate, fitted), _reach(term.candidate, direct))
+
+
+def _reach(candidate: Candidate, found: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Student's range of the strengths about none: their root mean square holds bias and scatter alike."""
+    if not found:
+        return {}
+    wide = float(stats.t.ppf(0.975, len(found)))
+    names = [n for n in candidate.null if n not in candidate.shapes]
+    return {n: wide * float(np.sqrt(np.mean([(v[n] - candidate.null[n]) ** 2 for v in found]))) for n in names}
