@@ -68,7 +68,11 @@ class BodyReplay(Protocol):
     """Simulates windows one by one; equal calls give equal results, whatever was simulated before."""
 
     def rollout(
-        self, model: BodyModel, windows: BodyWindows, wrenches: Sequence[tuple[BodyWrench, Params]] = ()
+        self,
+        model: BodyModel,
+        windows: BodyWindows,
+        wrenches: Sequence[tuple[BodyWrench, Params]] = (),
+        finer: float = 1.0,
     ) -> BodyMotion:
-        """The motion from each start. A window that diverges keeps its last finite state."""
+        """The motion from each start, in steps so many times `finer`. A window that diverges keeps its last state."""
         ...

@@ -35,10 +35,10 @@ class BulletBodyReplay:
 
     def __init__(self, largest_step_s: float = LARGEST_STEP_S) -> None:
         self._client = pybullet.connect(pybullet.DIRECT)
-        self._largest_step_s = largest_step_s
+        self._usual_step_s = self._largest_step_s = largest_step_s
         self._handle = -1
         self._X_BI = np.eye(4)
-        self._loaded: BodyModel | None = None
+        self._loaded: tuple[BodyModel, float] | None = None
 
     def close(self) -> None:
         """Free the engine's world; the object is of no use afterwards."""
@@ -53,12 +53,17 @@ class BulletBodyReplay:
         self.close()
 
     def rollout(
-        self, model: BodyModel, windows: BodyWindows, wrenches: Sequence[tuple[BodyWrench, Params]] = ()
+        self,
+        model: BodyModel,
+        windows: BodyWindows,
+        wrenches: Sequence[tuple[BodyWrench, Params]] = (),
+        finer: float = 1.0,
     ) -> BodyMotion:
         """See `sim.body_replay.BodyReplay`."""
-        if model is not self._loaded:
+        if self._loaded is None or model is not self._loaded[0] or finer != self._loaded[1]:
+            self._largest_step_s = self._usual_step_s / finer
             self._load(model)
-            self._loaded = model
+            self._loaded = model, finer
         worlds, stamps = windows.t_s.shape
         starts = self._starts(windows)
         spans = windows.t_s[:, 1:2] - windows.t_s[:, :1]

@@ -45,14 +45,24 @@ ESTIMATORS: dict[str, tuple[Estimator, ...]] = {
 }
 
 
-def estimate(candidate: Candidate, tosses: Sequence[Toss]) -> DirectEstimate | None:
-    """The candidate's parameters over all tosses; None where no estimator is or fewer than three tosses tell."""
-    routes = [r for e in ESTIMATORS.get(candidate.effect.name, ()) if (r := _pooled(e, tosses)) is not None]
+def estimate(
+    candidate: Candidate, tosses: Sequence[Toss], biases: Sequence[FloatArray] | None = None
+) -> DirectEstimate | None:
+    """The candidate's parameters over all tosses; None where no estimator is or fewer than three tosses tell.
+
+    `biases` (see `biases_of`) are part of the errors.
+    """
+    estimators, names = ESTIMATORS.get(candidate.effect.name, ()), list(candidate.null)
+    routes = []
+    for estimator, bias in zip(estimators, biases or [np.zeros(len(names))] * len(estimators), strict=True):
+        pooled = _pooled(estimator, tosses)
+        if pooled is not None:
+            values, errors, n = (pooled[0][: len(names)], pooled[1][: len(names)], pooled[2])
+            routes.append((values, np.hypot(errors, bias), n))
     if not routes:
         return None
-    names = list(candidate.null)
     null = np.array(list(candidate.null.values()))
-    p = min(_p_value(values[: len(null)], errors[: len(null)], null, n) for values, errors, n in routes) * len(routes)
+    p = min(_p_value(values, errors, null, n) for values, errors, n in routes) * len(routes)
     values, errors, trials = routes[0]
     for other, error, n in routes[1:]:
         # Two routes to one number: their mean, with their disagreement as part of its error.
@@ -60,9 +70,22 @@ def estimate(candidate: Candidate, tosses: Sequence[Toss]) -> DirectEstimate | N
         middle = (values / errors**2 + other / error**2) / total
         errors = np.sqrt(1.0 / total + np.maximum(0.25 * (values - other) ** 2 - 0.25 * (errors**2 + error**2), 0.0))
         values, trials = middle, min(trials, n)
-    values, errors = values[: len(names)], errors[: len(names)]
     named, spread = (dict(zip(names, v.tolist(), strict=True)) for v in (values, errors))
     return DirectEstimate(named, spread, min(p, 1.0), trials)
+
+
+def biases_of(candidate: Candidate, simulated: Sequence[Sequence[Toss]]) -> tuple[FloatArray, ...]:
+    """(k,) per estimator: what it reads, all the same, off motions in which nothing is hidden.
+
+    `simulated`: roll-outs of the declared model, one sequence per step size; the worst of them counts. Where they do
+    not show the number, 0.
+    """
+    null = np.array(list(candidate.null.values()))
+    out = []
+    for estimator in ESTIMATORS.get(candidate.effect.name, ()):
+        read = [r[0][: len(null)] - null for tosses in simulated if (r := _pooled(estimator, tosses)) is not None]
+        out.append(np.abs(read).max(axis=0) if read else np.zeros(len(null)))
+    return tuple(out)
 
 
 def _p_value(values: FloatArray, errors: FloatArray, null: FloatArray, trials: int) -> float:

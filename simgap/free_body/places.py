@@ -20,6 +20,7 @@ FRICTION_TOLERANCE = 0.15
 # Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
 _STEP, _NUISANCE_STEP = 0.02, 0.2
 _COARSEST = 0.2
+_SEEN, _SMALL = 0.05, 0.02  # level of "something is there"; share of the bounds that is little
 _NEED_SUPPORT = ("contact", "body.size")
 _PLAIN = (
     "body.size",
@@ -35,7 +36,8 @@ def candidates_of(
 ) -> tuple[Candidate, ...]:
     """Every effect of the library that poses of a free body can reveal, in library order.
 
-    `told`: what falls and rest say of a number without an engine. Fits to contacts may not stray far from it.
+    `told`: what the motion says of a number without an engine. What it surely shows to be absent is not tried; fits to
+    contacts may not stray far from what falls and rest say.
     """
     out = []
     for each in EFFECTS:
@@ -46,8 +48,22 @@ def candidates_of(
         bounds = {p.name: table.get((each.name, p.name), (p.low, p.high)) for p in each.parameters}
         start = {n: float(np.clip(v, *bounds[n])) for n, v in null.items()}
         wide = Candidate(each, _where(each), null, start, bounds, step=_STEP)
-        out.append(_narrowed(wide, told(wide)) if told and each.name in _PLAIN else wide)
+        direct = told(wide) if told else None
+        if direct is None:
+            out.append(wide)
+        elif not _absent(wide, direct):
+            out.append(_narrowed(wide, direct) if each.name in _PLAIN else wide)
     return tuple(out)
+
+
+def _absent(wide: Candidate, direct: DirectEstimate) -> bool:
+    """Whether the direct estimate sees nothing, and would see a small share of what is possible."""
+    if direct.p_value < _SEEN:
+        return False
+    return all(
+        abs(direct.values[n] - wide.null[n]) + 2.0 * direct.standard_errors[n] < _SMALL * (high - low)
+        for n, (low, high) in wide.bounds.items()
+    )
 
 
 def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
@@ -74,10 +90,8 @@ def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
     return tuple(out)
 
 
-def _narrowed(wide: Candidate, direct: DirectEstimate | None) -> Candidate:
+def _narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
     """The candidate with bounds from no effect to the direct estimate, and a little beyond both."""
-    if direct is None:
-        return wide
     bounds, step = {}, wide.step
     for name, (low, high) in wide.bounds.items():
         null, value = wide.null[name], direct.values[name]

@@ -13,18 +13,20 @@ from schemas.model import FloatArray
 from sim.body_replay import BodyModel, BodyReplay, BodyWindows
 from sim.effects.effect import Series
 from simgap.free_body.build import build_body
-from simgap.free_body.direct import estimate
+from simgap.free_body.direct import biases_of, estimate
 from simgap.free_body.places import candidates_of, nuisances_of
 from simgap.free_body.terms import AppliedBody, apply_terms
 from simgap.free_body.toss import Toss, corners
 from simgap.measurement import Measurement
 from simgap.problem import Candidate, DirectEstimate, Model, View
+from simgap.splits import split_trials
 from simgap.trial import Trial
 
 HORIZON_S = 0.081
 _LARGEST_M, _LARGEST_RAD = 1e3, np.pi
 _COMPARED = 4  # rows per short window that are compared
 _IN_FLIGHT, _AT_REST, _IN_CONTACT = 3, 1, 6  # most windows per trial; where nothing is met, few tell all
+_FEW, _FINER = 12, 4.0  # trials that tell the error of a step; how much finer steps must be
 _CLEAR, _MOVED = 0.1, 0.01  # shares of the body's size: this far from the support all along, moved less than this
 
 
@@ -41,6 +43,8 @@ class FreeBodyProblem:
         self._rows = max(4, round(horizon_s / step) + 1)
         self._step_s = step
         self._read: tuple[object, list[Toss]] = (None, [])
+        self._biases: dict[str, tuple[FloatArray, ...]] = {}
+        self._numeric: dict[tuple[tuple[str, ...], View], FloatArray] = {}
 
     @property
     def trial_ids(self) -> tuple[str, ...]:
@@ -49,7 +53,8 @@ class FreeBodyProblem:
 
     @cached_property
     def _candidates(self) -> tuple[Candidate, ...]:
-        return candidates_of(self.declared, list(self._series.values()), lambda c: self.direct(c, (), self.trial_ids))
+        taught = split_trials(self.measurement.spec, self.trial_ids).train
+        return candidates_of(self.declared, [self._series[t] for t in taught], lambda c: self.direct(c, (), taught))
 
     def channels(self) -> tuple[str, ...]:
         """Position and the rotation vector between simulated and measured, world axes."""
@@ -65,6 +70,9 @@ class FreeBodyProblem:
 
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
         """See `simgap.problem.Problem`; m and rad."""
+        return self._errors(model, trials, view, 1.0)
+
+    def _errors(self, model: Model, trials: Sequence[str], view: View, finer: float) -> list[FloatArray]:
         applied = apply_terms(self.declared, model)
         series = [applied.recovered(self._series[trial]) for trial in trials]
         cuts = [self._cut(trial, view) for trial in trials]
@@ -73,13 +81,18 @@ class FreeBodyProblem:
         out: list[FloatArray] = [np.zeros((0, 6))] * len(series)
         for length in dict.fromkeys(lengths):
             of = [n for n, k in enumerate(lengths) if k == length]
-            errors = self._rolled(applied, [series[n] for n in of], [cuts[n][0] for n in of], cuts[of[0]][1])
+            errors = self._rolled(applied, [series[n] for n in of], [cuts[n][0] for n in of], cuts[of[0]][1], finer)
             for n, found in zip(of, errors, strict=True):
                 out[n] = found
         return out
 
     def _rolled(
-        self, applied: AppliedBody, series: Sequence[Series], rows: Sequence[np.ndarray], compared: np.ndarray
+        self,
+        applied: AppliedBody,
+        series: Sequence[Series],
+        rows: Sequence[np.ndarray],
+        compared: np.ndarray,
+        finer: float,
     ) -> list[FloatArray]:
         """Errors (w * c, 6) per series from windows of equally many rows (w, k) each."""
 
@@ -91,7 +104,7 @@ class FreeBodyProblem:
         rows, compared = [r[:, [0, *compared]] for r in rows], np.arange(1, len(compared) + 1)
         t_s = np.concatenate([s.t_s[r] for s, r in zip(series, rows, strict=True)])
         start = {name: picked(name, True) for name in ("p", "quat_wxyz", "v_W", "w_B")}
-        motion = self._engine.rollout(applied.body, BodyWindows(t_s=t_s, **start), applied.wrenches)
+        motion = self._engine.rollout(applied.body, BodyWindows(t_s=t_s, **start), applied.wrenches, finer)
         simulated = _reported(applied, t_s, motion.p, motion.quat_wxyz)
         measured = _reported(applied, t_s, picked("p", False), picked("quat_wxyz", False))
         errors = _errors(*(v[:, compared] for v in (*simulated, *measured)))
@@ -113,17 +126,41 @@ class FreeBodyProblem:
 
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         """See `simgap.problem.Problem`."""
-        return estimate(candidate, self._tosses(model, tuple(trials)))
+        if candidate.key not in self._biases:
+            self._biases[candidate.key] = biases_of(candidate, self._simulated)
+        return estimate(candidate, self._tosses(model, tuple(trials)), self._biases[candidate.key])
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
-        """See `simgap.problem.Problem`: reading noise twice, and the start's velocity noise carried along."""
+        """See `simgap.problem.Problem`: reading noise twice, the start's velocity noise carried along, and numerics.
+
+        Numerics: what steps four times finer change. Nothing smaller than that is physics.
+        """
         noise, length = self.measurement.noise, self.horizon_s
         p, turn = noise.p_m or 1e-4, noise.rotation_rad or 1e-3
         v = noise.v_mps or p / self._step_s
         w = noise.w_radps or turn / self._step_s
-        position = np.sqrt(2.0 * p**2 + (v * length) ** 2 / 3.0)
-        rotation = np.sqrt(2.0 * turn**2 + (w * length) ** 2 / 3.0)
-        return np.array([position] * 3 + [rotation] * 3)
+        position = 2.0 * p**2 + (v * length) ** 2 / 3.0
+        rotation = 2.0 * turn**2 + (w * length) ** 2 / 3.0
+        few = tuple(trials)[:_FEW]
+        if (few, view) not in self._numeric:
+            usual, fine = (np.concatenate(self._errors((), few, view, finer)) for finer in (1.0, _FINER))
+            self._numeric[few, view] = ((fine - usual) ** 2).mean(axis=0)
+        return np.sqrt(np.array([position] * 3 + [rotation] * 3) + self._numeric[few, view])
+
+    @cached_property
+    def _simulated(self) -> list[list[Toss]]:
+        """Full roll-outs of the declared model from the first rows of training trials, at two step sizes."""
+        few = split_trials(self.measurement.spec, self.trial_ids).train[:_FEW]
+        declared = apply_terms(self.declared, ())
+        return [[self._tossed(declared, self._series[t], finer) for t in few] for finer in (1.0, _FINER)]
+
+    def _tossed(self, applied: AppliedBody, series: Series, finer: float) -> Toss:
+        start = BodyWindows(
+            series.t_s[None], **{name: series.columns[name][:1] for name in ("p", "quat_wxyz", "v_W", "w_B")}
+        )
+        motion = self._engine.rollout(applied.body, start, (), finer)
+        columns = {name: getattr(motion, name)[0] for name in ("p", "quat_wxyz", "v_W", "w_B")}
+        return Toss(applied, Series(series.t_s, columns))
 
     def gaps(self, series: Series) -> FloatArray:
         """(n,) distance of the lowest point of the declared shapes from the support; negative is penetration."""

@@ -38,9 +38,9 @@ class Altered:
     def __init__(self, engine: BulletBodyReplay, **changed: Callable[[Any], Any]) -> None:
         self.engine, self.changed = engine, changed
 
-    def rollout(self, model: BodyModel, windows: BodyWindows, wrenches=()) -> BodyMotion:
+    def rollout(self, model: BodyModel, windows: BodyWindows, wrenches=(), finer: float = 1.0) -> BodyMotion:
         numbers = {name: change(getattr(model, name)) for name, change in self.changed.items()}
-        return self.engine.rollout(replace(model, **numbers), windows, wrenches)
+        return self.engine.rollout(replace(model, **numbers), windows, wrenches, finer)
 
 
 def test_the_engine_holds_what_it_was_given():
