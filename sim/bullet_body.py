@@ -68,7 +68,8 @@ class BulletBodyReplay:
         starts = self._starts(windows)
         spans = windows.t_s[:, 1:2] - windows.t_s[:, :1]
         # The engine moves a body by its speed at the end of a step; from half a step earlier its fall is exact.
-        starts[:, 7:10] -= 0.5 * model.gravity_W * (spans / self._steps(spans))
+        half_step = 0.5 * model.gravity_W * (spans / self._steps(spans))
+        starts[:, 7:10] -= half_step
         out = np.empty((worlds, stamps, 13))
         for w in range(worlds):
             self._start(starts[w])
@@ -77,6 +78,7 @@ class BulletBodyReplay:
                 span = float(windows.t_s[w, k] - windows.t_s[w, k - 1])
                 self._advance(model, span, float(windows.t_s[w, k - 1]), wrenches)
                 out[w, k] = self._row()
+        out[:, :, 7:10] += half_step[:, None]
         return self._motion(_last_sound(out))
 
     def _load(self, model: BodyModel) -> None:

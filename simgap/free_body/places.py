@@ -95,7 +95,7 @@ def _narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
     bounds, step = {}, wide.step
     for name, (low, high) in wide.bounds.items():
         null, value = wide.null[name], direct.values[name]
-        beyond = 0.25 * abs(value - null) + 4.0 * direct.standard_errors[name] + 0.01 * (high - low)
+        beyond = 0.25 * abs(value - null) + 4.0 * direct.standard_errors[name] + 0.002 * (high - low)
         bounds[name] = (max(low, min(null, value) - beyond), min(high, max(null, value) + beyond))
         if bounds[name][0] >= bounds[name][1]:
             return wide

@@ -13,11 +13,12 @@ from simgap.find import find
 from simgap.splits import split_trials
 from simgap.verdict import NAMED
 from tests.gap_suite.case import Case
+from tests.gap_suite.free_body_cases import free_body_case
 from tests.gap_suite.mechanism_cases import mechanism_case
 from tests.gap_suite.table import table
 
-KINDS: dict[str, Callable[[int], Case]] = {"mechanism": mechanism_case}
-WHOLE = {"mechanism": 300}
+KINDS: dict[str, Callable[[int], Case]] = {"mechanism": mechanism_case, "free_body": free_body_case}
+WHOLE = {"mechanism": 300, "free_body": 51}
 
 Record = dict[str, object]
 

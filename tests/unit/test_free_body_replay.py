@@ -78,10 +78,11 @@ def test_a_start_inside_the_support_is_not_thrown_out_harder_by_finer_steps():
 
 @pytest.mark.parametrize("step_s", [1.0 / 120.0, 1.0 / 480.0])
 def test_a_fall_is_exact_at_any_step(step_s):
-    """Positions of a parabola; what is left is single precision."""
+    """Positions and speeds of a parabola; what is left is single precision."""
     windows = _windows(3, 12)
     with BulletBodyReplay(step_s) as engine:
         motion = engine.rollout(replace(BOX, has_support=False, com_B=np.zeros(3)), windows)
     t = windows.t_s[..., None]
     parabola = windows.p[:, None] + t * windows.v_W[:, None] + 0.5 * t**2 * np.array([0.0, 0.0, -9.81])
     np.testing.assert_allclose(motion.p, parabola, atol=2e-5)
+    np.testing.assert_allclose(motion.v_W, windows.v_W[:, None] + t * np.array([0.0, 0.0, -9.81]), atol=1e-4)
