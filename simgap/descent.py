@@ -19,17 +19,43 @@ _STEP = 2e-3
 _ENOUGH = 1e-4  # relative decrease of the cost below which the search ends
 _RIDGE = 1e-9
 _WALL = 1e-6
+_NORMAL = 1.96
 Residuals = Callable[[FloatArray], Sequence[FloatArray]]
 
 
 @dataclass(frozen=True)
+class Prior:
+    """What is known of the parameters beforehand: shares `centre` (p,), each with `precision` (p,) = 1 / deviation^2.
+
+    Without it, numbers that these trials cannot tell apart would drift to their walls together.
+    """
+
+    centre: FloatArray
+    precision: FloatArray
+
+    def normal(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Normal matrix and gradient of what is known, as of residuals."""
+        return np.diag(self.precision), self.precision * (x - self.centre)
+
+    def cost(self, x: FloatArray) -> float:
+        """In the unit of the residuals' cost."""
+        return float((self.precision * (x - self.centre) ** 2).sum() / KNEE**2)
+
+
+def nothing_known(count: int) -> Prior:
+    """A prior that says nothing of so many parameters."""
+    return Prior(np.zeros(count), np.zeros(count))
+
+
+@dataclass(frozen=True)
 class Solution:
-    """Shares x (p,), residuals per trial, their Jacobian (n, p) over all trials, and how many calls that took."""
+    """Shares x (p,), residuals per trial, their Jacobian (n, p) over all trials, calls that took, and the prior."""
 
     x: FloatArray
     residuals: tuple[FloatArray, ...]
     jac: FloatArray
     evaluations: int
+    prior: Prior
 
     @property
     def losses(self) -> FloatArray:
@@ -51,6 +77,7 @@ def descend(
     most: int = 8,
     starting: int = 0,
     steps: FloatArray | float = _STEP,
+    prior: Prior | None = None,
 ) -> Solution:
     """The nearest minimum from x, by Gauss-Newton steps that never raise the cost.
 
@@ -59,6 +86,7 @@ def descend(
     steps   (p,) changes over which slopes are read.
     """
     steps = np.broadcast_to(steps, np.shape(x))
+    prior = prior or nothing_known(len(steps))
     fixed = 0 if known is None else known.shape[1]
     x = np.clip(np.asarray(x, dtype=float), 0.0, 1.0)
     here = tuple(residuals(x) if at is None else at)
@@ -67,13 +95,13 @@ def descend(
     jac, more = _jacobian(residuals, x, r, known, fixed, steps)
     calls += more
     for _ in range(most):
-        step = _boxed(*_normal(jac, r), x)
-        cost, share, moved = _cost(r), 1.0, None
+        step = _boxed(*_sum([_normal(jac, r), prior.normal(x)]), x)
+        cost, share, moved = _cost(r) + prior.cost(x), 1.0, None
         for _ in range(3):
             tried = np.clip(x + share * step, 0.0, 1.0)
             there = tuple(residuals(tried))
             calls += 1
-            if _cost(np.concatenate(there)) < cost:
+            if _cost(np.concatenate(there)) + prior.cost(tried) < cost:
                 moved = tried, there
                 break
             share *= 0.3
@@ -81,12 +109,12 @@ def descend(
             break
         x, here = moved
         r = np.concatenate(here)
-        done = cost - _cost(r) < _ENOUGH * cost
+        done = cost - _cost(r) - prior.cost(x) < _ENOUGH * cost
         jac, more = _jacobian(residuals, x, r, known, fixed, steps)
         calls += more
         if done:
             break
-    return Solution(x, here, jac, calls)
+    return Solution(x, here, jac, calls, prior)
 
 
 def left_out(solution: Solution) -> FloatArray:
@@ -98,7 +126,7 @@ def left_out(solution: Solution) -> FloatArray:
     if not solution.x.size:
         return solution.losses
     pieces = _pieces(solution)
-    H, g = _total(pieces)
+    H, g = _sum([*pieces, solution.prior.normal(solution.x)])
     out, row = [], 0
     for r, (h, v) in zip(solution.residuals, pieces, strict=True):
         step = _boxed(H - h, g - v, solution.x)
@@ -111,17 +139,21 @@ def half_widths(solution: Solution) -> FloatArray:
     """(p,) half 95 % intervals of the shares, with trials as clusters (Liang and Zeger, Biometrika 73, 1986).
 
     Each trial's score is taken at the solution without it (a jackknife: few clusters do not look surer than they are).
-    Parameters at a wall count as given there: the wall is what is known of them, and their own width is 0.
+    Parameters at a wall count as given there: the wall is what is known of them, and their own width is 0. What was
+    known beforehand may be wrong by its deviation, which moves what cannot be told from it.
     """
     pieces = _pieces(solution)
     n = len(pieces)
     if n < 2:
         return np.full(len(solution.x), np.inf)
-    H, g = _total(pieces)
+    prior, at_rest = solution.prior.normal(solution.x)
+    H, g = _sum([*pieces, (prior, at_rest)])
     free = (solution.x > _WALL) & (solution.x < 1.0 - _WALL)
     steps = np.stack([_solved(H - h, g - v, free) for h, v in pieces])
     spread = np.sqrt((n - 1) / n * ((steps - steps.mean(axis=0)) ** 2).sum(axis=0))
-    return spread * float(stats.t.ppf(0.975, n - 1))
+    moved = [_solved(H, column, free) for column in np.sqrt(prior) if column.any()]
+    known = np.sqrt(np.sum(np.square(moved), axis=0)) if moved else 0.0
+    return np.hypot(spread * float(stats.t.ppf(0.975, n - 1)), known * _NORMAL)
 
 
 def _pieces(solution: Solution) -> list[tuple[FloatArray, FloatArray]]:
@@ -130,8 +162,8 @@ def _pieces(solution: Solution) -> list[tuple[FloatArray, FloatArray]]:
     return [_normal(j, r) for j, r in zip(np.split(solution.jac, ends), solution.residuals, strict=True)]
 
 
-def _total(pieces: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
-    return np.sum([h for h, _ in pieces], axis=0), np.sum([v for _, v in pieces], axis=0)
+def _sum(parts: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
+    return np.sum([h for h, _ in parts], axis=0), np.sum([v for _, v in parts], axis=0)
 
 
 def _normal(jac: FloatArray, r: FloatArray) -> tuple[FloatArray, FloatArray]:

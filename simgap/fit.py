@@ -11,7 +11,7 @@ import numpy as np
 from scipy import stats
 
 from schemas.model import FloatArray
-from simgap.descent import KNEE, Solution, descend, half_widths, left_out
+from simgap.descent import KNEE, Prior, Solution, descend, half_widths, left_out
 from simgap.problem import Candidate, Model, Problem, Term, View
 
 Errors = Callable[[Model], Sequence[FloatArray]]  # one array per trial, in noise levels
@@ -112,7 +112,9 @@ def fit(errors: Errors, free: Sequence[Candidate], most: int = 8) -> Fit:
     """All of `free` together, from their own starts; deterministic."""
     free = tuple(free)
     start = _shares(free, {c.key: c.start for c in free})
-    return Fit(free, descend(lambda x: errors(_model(free, x)), start, most=most, steps=_steps(free)))
+    return Fit(
+        free, descend(lambda x: errors(_model(free, x)), start, most=most, steps=_steps(free), prior=_prior(free))
+    )
 
 
 def extend(
@@ -138,6 +140,7 @@ def extend(
         most=most,
         starting=len(tries),
         steps=_steps(free),
+        prior=_prior(free),
     )
     return Fit(free, solution)
 
@@ -203,6 +206,13 @@ def _parameters(free: Sequence[Candidate]) -> list[tuple[Candidate, str]]:
 
 def _steps(free: Sequence[Candidate]) -> FloatArray:
     return np.array([c.step for c, _ in _parameters(free)])
+
+
+def _prior(free: Sequence[Candidate]) -> Prior:
+    """Declared numbers are believed: a nuisance's range is two deviations to either side."""
+    centre = _shares(free, {c.key: c.null for c in free})
+    known = np.array([16.0 if c.nuisance else 0.0 for c, _ in _parameters(free)])
+    return Prior(centre, known)
 
 
 def _model(free: Sequence[Candidate], x: FloatArray) -> Model:

@@ -42,12 +42,17 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
     if not isinstance(problem, Repeatable):
         return Numerics()
     term = found[-1]
+    # There the numbers of `base` are the declared ones.
+    known = [
+        replace(t.candidate, start=t.values, null=t.values if t.candidate.nuisance else t.candidate.null) for t in base
+    ]
+    given = tuple(replace(t, candidate=c) for t, c in zip(base, known, strict=True))
     fitted: list[dict[str, float]] = []
     direct: list[dict[str, float]] = []
     for seed in range(_REPEATS):
         again = problem.repeated(base, seed)
-        errors = rollout_errors(again, trials, view, spread(again, base, trials, view))
-        null = fit(errors, [replace(t.candidate, start=t.values) for t in base])
+        errors = rollout_errors(again, trials, view, spread(again, given, trials, view))
+        null = fit(errors, known)
         own = again.direct(term.candidate, null.model, trials)
         starts = [term.values, *([own.values] if own is not None else [])]
         fitted.append(extend(errors, null, term.candidate, starts).model[-1].values)

@@ -2,7 +2,8 @@
 
 The unexplained effort of a joint is its inverse dynamics minus everything that is modelled (Gautier and Khalil, IEEE
 T-RA 6(3), 1990, for robots), averaged over short blocks: a balance of momentum, in which the noise of accelerations
-cancels. A parameter is tested as on roll-outs, by trials held out in turn.
+cancels. It is judged as the acceleration that it stands for: a lighter mechanism with weaker forces moves alike, but
+its efforts are smaller, noise and all. A parameter is tested as on roll-outs, by trials held out in turn.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from simgap.score import paired_p
 
 
 def balance(declared: MechanismModel, logs: Sequence[Log]) -> Callable[[Model], list[FloatArray]]:
-    """Unexplained effort (b, j) per trial, N m or N, of any model; b over blocks."""
+    """Unexplained acceleration (b, j) per trial, rad/s2 or m/s2, of any model; b over blocks."""
     logs = [_inner(log) for log in logs]
     stacks: dict[object, _Stack] = {}  # the last one: slopes of other terms leave readings and inputs as they are
 
@@ -139,13 +140,14 @@ def _rms(values: FloatArray) -> FloatArray:
 
 
 def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
-    """Effort (n, j) that the model cannot account for at each row.
+    """Acceleration (n, j) that the model cannot account for at each row.
 
     Near standstill dry friction can take any value: the error there is only what exceeds it.
     """
     mechanism = applied.mechanism
     q, qd = stack.columns["q"], stack.columns["qd"]
-    needed, load = joint_dynamics(mechanism.tree, mechanism.gravity_W).needed(q, qd, stack.columns["qdd"])
+    dynamics = joint_dynamics(mechanism.tree, mechanism.gravity_W)
+    needed, load = dynamics.needed(q, qd, stack.columns["qdd"])
     given = _given(mechanism.drive, stack.columns, q, qd)
     aux = {n[4:]: v for n, v in stack.columns.items() if n.startswith("aux:")}
     passive = -mechanism.damping * qd
@@ -162,7 +164,9 @@ def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
                 now = replace(state, friction=limit[one])
                 limit[one] += law.hook.limit(now, law.params, np.full_like(q[one], d))
     rest = needed - given - passive
-    return rest + _friction(rest, qd, largest, stack.qd_noise)
+    rest = rest + _friction(rest, qd, largest, stack.qd_noise)
+    still = np.zeros_like(q)
+    return dynamics.free_rates(q, still, rest, still[0], np.ones((len(q), 1)))
 
 
 def _mapped(hook: EffortMap, law: Law, state: JointState, spans: Sequence[tuple[int, int]]) -> FloatArray:
