@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import stats
 
-from simgap.descent import descend, half_widths, left_out, mean_loss
+from simgap.descent import Prior, descend, half_widths, left_out, mean_loss
 
 TRIALS, ROWS = 8, 30
 
@@ -80,3 +81,28 @@ def test_blind_parameters_stay_where_they_were():
     A, y = _linear(4)
     found = descend(lambda x: [a @ x[:2] - b for a, b in zip(A, y, strict=True)], np.array([0.5, 0.5, 0.3]))
     assert found.x[2] == 0.3
+
+
+def test_of_two_numbers_that_nothing_tells_apart_the_known_one_stays_and_the_other_is_no_surer():
+    """Only their sum is seen: what is known of one to 0.1 is all that is known of the other."""
+    rng = np.random.default_rng(5)
+    A = [rng.normal(size=(ROWS, 1)) for _ in range(TRIALS)]
+    y = [1.1 * a[:, 0] + 0.01 * rng.normal(size=ROWS) for a in A]
+    prior = Prior(np.array([0.5, 0.0]), np.array([100.0, 0.0]))
+    found = descend(
+        lambda x: [a[:, 0] * x.sum() - b for a, b in zip(A, y, strict=True)], np.array([0.9, 0.2]), prior=prior
+    )
+    assert found.x == pytest.approx([0.5, 0.6], abs=0.01)
+    assert half_widths(found) == pytest.approx([0.196, 0.196], rel=0.05)
+
+
+@pytest.mark.parametrize("trials", [8, 16])
+def test_students_test_over_trials_keeps_its_level_although_rows_of_a_trial_err_together(trials):
+    rng = np.random.default_rng(trials)
+    false = 0
+    for _ in range(200):
+        A = [rng.normal(size=(ROWS, 3)) + rng.normal(size=(1, 3)) for _ in range(trials)]
+        y = [a @ np.full(3, 0.5) + 0.2 * rng.normal(size=ROWS) + 0.2 * rng.normal() for a in A]
+        found = descend(lambda x, A=A, y=y: [a @ x - b for a, b in zip(A, y, strict=True)], np.full(3, 0.5))
+        false += abs(found.x[0] - 0.5) > half_widths(found)[0]
+    assert stats.binom.sf(false - 1, 200, 0.05) > 1e-3
