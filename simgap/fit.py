@@ -125,9 +125,9 @@ def extend(
     The Jacobian of the base's own terms is taken over from it. A nuisance that is the same number as the candidate
     leaves: the candidate says it better.
     """
-    keep = [k for k, c in enumerate(base.free) if not _twin(c, candidate)]
+    keep = [k for k, c in enumerate(base.free) if not is_twin(c, candidate)]
     free = (*(base.free[k] for k in keep), candidate)
-    rows = [k for k, (c, _) in enumerate(_parameters(base.free)) if not _twin(c, candidate)]
+    rows = [k for k, (c, _) in enumerate(_parameters(base.free)) if not is_twin(c, candidate)]
     others = base.solution.x[rows]
     tries = [np.concatenate([others, _shares((candidate,), {candidate.key: s})]) for s in starts]
     found = [errors(_model(free, x)) for x in tries]
@@ -151,7 +151,7 @@ def promising(errors: Errors, base: Fit, candidate: Candidate) -> list[dict[str,
     A strength whose signature has shape parameters enters linearly: its best value at each shape is a projection.
     """
     shapes = [n for n in candidate.null if n in candidate.shapes]
-    model = tuple(t for t in base.model if not _twin(t.candidate, candidate))
+    model = tuple(t for t in base.model if not is_twin(t.candidate, candidate))
     starts = [
         dict(candidate.start),
         {**candidate.start, **{n: v for n, v in candidate.null.items() if n not in shapes}},
@@ -175,7 +175,7 @@ def _best_shapes(
     probe = _PROBE * ((high - null) if high - null >= null - low else (low - null))
     r0 = np.concatenate(base.solution.residuals)
     weight = 1.0 / np.sqrt(1.0 + (r0 / KNEE) ** 2)
-    rows = [k for k, (c, _) in enumerate(_parameters(base.free)) if not _twin(c, candidate)]
+    rows = [k for k, (c, _) in enumerate(_parameters(base.free)) if not is_twin(c, candidate)]
     Q, _ = np.linalg.qr(base.solution.jac[:, rows] * weight[:, None])
     y = weight * r0
     y = y - Q @ (Q.T @ y)
@@ -196,7 +196,8 @@ def _best_shapes(
     return [values for _, values in sorted(scored, key=lambda s: s[0])[:2]]
 
 
-def _twin(term: Candidate, candidate: Candidate) -> bool:
+def is_twin(term: Candidate, candidate: Candidate) -> bool:
+    """Whether a nuisance is the same number as the candidate."""
     return term.nuisance and term.effect.name == candidate.effect.name and term.where == candidate.where
 
 

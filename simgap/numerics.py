@@ -14,8 +14,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from scipy import stats
 
-from simgap.fit import extend, fit, rollout_errors, spread
-from simgap.problem import Candidate, Model, Problem, View
+from simgap.fit import extend, fit, is_twin, rollout_errors, spread
+from simgap.problem import Model, Problem, View
 
 _REPEATS = 3
 
@@ -58,13 +58,14 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
         fitted.append(extend(errors, null, term.candidate, starts).model[-1].values)
         if own is not None:
             direct.append(own.values)
-    return Numerics(_reach(term.candidate, fitted), _reach(term.candidate, direct))
+    none = {n: v for n, v in term.candidate.null.items() if n not in term.candidate.shapes}
+    none |= next((t.values for t in base if is_twin(t.candidate, term.candidate)), {})
+    return Numerics(_reach(none, fitted), _reach(none, direct))
 
 
-def _reach(candidate: Candidate, found: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Student's range of the strengths about none: their root mean square holds bias and scatter alike."""
+def _reach(none: Mapping[str, float], found: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Student's range of strengths about `none`: their root mean square holds bias and scatter alike."""
     if not found:
         return {}
     wide = float(stats.t.ppf(0.975, len(found)))
-    names = [n for n in candidate.null if n not in candidate.shapes]
-    return {n: wide * float(np.sqrt(np.mean([(v[n] - candidate.null[n]) ** 2 for v in found]))) for n in names}
+    return {n: wide * float(np.sqrt(np.mean([(v[n] - at) ** 2 for v in found]))) for n, at in none.items()}

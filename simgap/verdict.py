@@ -22,6 +22,7 @@ LEFTOVER = 0.1
 
 def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftover: Comparison) -> Verdict:
     """The verdict over all accepted effects; `leftover` compares the final model with a black box on top of it."""
+    unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
     found_with = zip(selection.accepted, selection.rivals, selection.numerics, strict=True)
@@ -38,21 +39,21 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
             said = problem.direct(found.candidate, others, trials)
             direct = said is not None and _agree(term, widths, said)
         direct = direct and said is not None and _beyond(term, said, made_up)
+        drowned = unexplained and _removed(selection, position) < leftover.gain
         same = [r for r in rivals if not _told_apart(problem, found, r, others, trials)]
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
         effect = NamedEffect(
             name=found.candidate.effect.name,
             where=found.candidate.where,
-            confidence=_confidence(p, said, direct is True, bool(same)),
+            confidence=_confidence(p, said, direct is True, bool(same) or drowned),
             routes={"heldout": True, "direct": direct is True},
             parameters=parameters(term, widths),
         )
-        if same or direct is not True:
+        if same or drowned or direct is not True:
             names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
             groups.append(AmbiguousGroup(effects=names, experiment=_experiment(found, same)))
         named.append(effect)
     certain = [e for e in named if e.confidence >= NAMED]
-    unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
     return Verdict(
         status=_status(bool(certain), bool(groups), unexplained),
         effects=tuple(named),
@@ -77,6 +78,16 @@ def _agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool
     slack = max(AGREE_ERRORS * noise, AGREE_SHARE * abs(step))
     one_way = step * (direct.values[strength] - null) > 0.0
     return direct.p_value < DIRECT_LEVEL and one_way and abs(apart) <= slack
+
+
+def _removed(selection: Selection, position: int) -> float:
+    """Loss that an accepted effect took away, as a share of what is left in the end.
+
+    Beside structure that nothing explains an effect must be the larger of the two: what is wrong with the model repeats
+    from trial to trial like a cause, wherever trials move alike.
+    """
+    gains = [t.comparison.gain for t in selection.accepted[position:]]
+    return float(gains[0] / max(np.prod([1.0 - g for g in gains]), 1e-12))
 
 
 def _wider(widths: dict[str, float], least: Mapping[str, float]) -> dict[str, float]:
