@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +16,7 @@ from sim.effects.effect import Series
 from simgap.free_body.build import build_body
 from simgap.free_body.direct import biases_of, estimate
 from simgap.free_body.places import candidates_of, nuisances_of
+from simgap.free_body.repeats import moved, repeated
 from simgap.free_body.terms import AppliedBody, apply_terms
 from simgap.free_body.toss import Toss, corners
 from simgap.measurement import Measurement
@@ -152,15 +154,24 @@ class FreeBodyProblem:
         """Full roll-outs of the declared model from the first rows of training trials, at two step sizes."""
         few = split_trials(self.measurement.spec, self.trial_ids).train[:_FEW]
         declared = apply_terms(self.declared, ())
-        return [[self._tossed(declared, self._series[t], finer) for t in few] for finer in (1.0, _FINER)]
+        return [
+            [Toss(declared, moved(self._engine, declared, self._series[t], finer)) for t in few]
+            for finer in (1.0, _FINER)
+        ]
 
-    def _tossed(self, applied: AppliedBody, series: Series, finer: float) -> Toss:
-        start = BodyWindows(
-            series.t_s[None], **{name: series.columns[name][:1] for name in ("p", "quat_wxyz", "v_W", "w_B")}
+    def repeated(self, model: Model, seed: int) -> FreeBodyProblem:
+        """See `simgap.numerics.Repeatable`; in finer steps, so that their error shows."""
+        here = self.measurement
+        trials = repeated(
+            self._engine,
+            apply_terms(self.declared, model),
+            here.trials,
+            [self._series[t.id] for t in here.trials],
+            here.noise,
+            _FINER,
+            seed,
         )
-        motion = self._engine.rollout(applied.body, start, (), finer)
-        columns = {name: getattr(motion, name)[0] for name in ("p", "quat_wxyz", "v_W", "w_B")}
-        return Toss(applied, Series(series.t_s, columns))
+        return FreeBodyProblem(replace(here, trials=trials), self._engine, self.horizon_s)
 
     def gaps(self, series: Series) -> FloatArray:
         """(n,) distance of the lowest point of the declared shapes from the support; negative is penetration."""

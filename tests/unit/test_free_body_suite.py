@@ -1,10 +1,11 @@
-"""Tosses simulated in MuJoCo: what the direct estimates read off them."""
+"""Tosses simulated in MuJoCo: what the direct estimates read off them, and what the whole search says."""
 
 from __future__ import annotations
 
 import pytest
 
 from tests.gap_suite.free_body_cases import free_body_case
+from tests.gap_suite.run import run_case
 
 
 @pytest.mark.parametrize(
@@ -23,3 +24,15 @@ def test_what_another_engine_hides_is_read_off_its_motion(number, name, paramete
     assert found is not None
     assert abs(found.values[parameter]) == pytest.approx(abs(truth), abs=within)
     assert found.p_value < 1e-3
+
+
+def test_another_engine_with_nothing_hidden_gives_no_name():
+    record = run_case(free_body_case(2))
+    assert record["family"] == "control"
+    assert record["outcome"] in ("silent", "doubted")
+
+
+def test_a_slippery_box_is_named_by_both_routes():
+    record = run_case(free_body_case(0))
+    assert record["outcome"] == "named"
+    assert float(str(record["reduction"])) > 0.5
