@@ -30,6 +30,7 @@ _SCREEN_STEPS = 2
 _AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
 _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
 _REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
+_RICHER = 1  # parameters more that a rival of another kind may have: a spring has a rest beside its stiffness
 _AHEAD = 4  # candidates that are tried in pairs
 Map = Callable[[Callable[[Candidate], "Trial"], Iterable[Candidate]], Iterable["Trial"]]
 
@@ -233,14 +234,16 @@ def _inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[T
         ahead = compare(rival.fit.held_out, best.fit.held_out)
         if ahead.p_value < AS_GOOD and ahead.gain > _AHEAD_GAIN:
             continue
-        # A richer law that does no better has had its chance; one that is a known double stays in doubt.
+        # A richer law that does no better has had its chance, as has a much richer one of another kind; known doubles
+        # stay in doubt.
         doubles = {c.effect for c in best.candidate.effect.confusables}
-        richer = len(rival.candidate.null) > len(best.candidate.null)
+        kin = rival.candidate.effect.family == best.candidate.effect.family
+        richer = len(rival.candidate.null) > len(best.candidate.null) + (0 if kin else _RICHER)
         if richer and rival.candidate.effect.name not in doubles:
             continue
         both = extend(errors, rival.fit, best.candidate, [best.fit.model[-1].values, best.candidate.start])
         over_rival = compare(rival.fit.held_out, both.held_out)
-        if _chance(over_rival, both) < LEVEL and over_rival.gain > LEAST_GAIN:
+        if _chance(over_rival, both) < LEVEL and over_rival.gain > _AHEAD_GAIN:
             continue
         found.append(rival)
     return tuple(found)
