@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from assetkit.stages.edit import Edit, Item
+from geom.cap_doubt import Doubt
 from geom.components import components_of
 from geom.edges import edges_of
 from geom.openings import OpenBody, Opening, judge_open_bodies
@@ -21,10 +22,15 @@ from schemas.model import FloatArray, IntArray, Mesh
 CRACK_THINNESS, CRACK_WIDTH = 2e-3, 1e-3
 # An eye in its socket, a dial in its housing: gap between the rim and the other part, over the hole's mean radius.
 FITTED_GAP = 0.1
+# A rim of more points is no missing face or two: it may be the mouth of a vessel, which goes on as smoothly as a hole.
+MOST_RIM_POINTS = 10
 
 
 def fill_holes(item: Item) -> Edit:
-    """Holes in nearly closed surfaces. The doubt is that of the cap that may be furthest off."""
+    """Holes in nearly closed surfaces. The doubt is that of the cap that may be furthest off.
+
+    An opening with a rim of many points may be meant: then all of its cap is wrong, up to its radius.
+    """
     mesh = item.mesh
     edges = edges_of(mesh.triangles)
     parts = components_of(mesh.points, mesh.triangles, edges)
@@ -39,8 +45,17 @@ def fill_holes(item: Item) -> Edit:
         weld(filled),
         {"holes": len(holes), "boundary_edges": boundary, "filled_area_m2": 0.0},
         {"holes": 0, "boundary_edges": boundary - looped, "filled_area_m2": figures["filled_area"]},
-        max(doubts, key=lambda doubt: doubt.length),
+        max([*doubts, *_mouths(mesh, holes)], key=lambda doubt: doubt.length),
     )
+
+
+def _mouths(mesh: Mesh, holes: Sequence[Opening]) -> list[Doubt]:
+    """For each opening that may be a mouth the radius of a disc of its area."""
+    return [
+        Doubt(float(np.sqrt(o.area / np.pi)), mesh.points[o.points].mean(axis=0))
+        for o in holes
+        if len(o.points) > MOST_RIM_POINTS
+    ]
 
 
 def _true_holes(bodies: Sequence[OpenBody], item: Item) -> list[Opening]:

@@ -10,7 +10,7 @@ import zlib
 import numpy as np
 import pytest
 from broken_surfaces import DEFECTS, SHAPES, neighbours
-from sample_surfaces import mesh_of
+from sample_surfaces import ball, mesh_of
 from scipy.spatial.transform import Rotation
 
 from assetkit.stages.distortion import DISTORTION_BOUND
@@ -121,3 +121,12 @@ def test_several_defects_at_once() -> None:
         assert result.reobserved.watertight
         assert signed_volume(after.points, after.triangles) == pytest.approx(signed_volume(*clean), rel=0.01)
         assert {"hole_fill", "flip_winding", "fragment_removal"} <= {r.name for r in result.repairs}
+
+
+@pytest.mark.parametrize("height", [0.995, 0.98, 0.96])
+def test_a_mouth_is_a_matter_for_a_person(height: float) -> None:
+    """A fish bowl and a ball with a round hole are the same surface."""
+    points, triangles = ball(0.05, 5)
+    result = mended((points, triangles[points[triangles].mean(axis=1)[:, 2] < 0.05 * height]))
+    assert [r.name for r in result.repairs] == ["hole_fill"]
+    assert max(d.share for d in result.distortions) > DISTORTION_BOUND
