@@ -11,10 +11,9 @@ from assetkit.mass_bounds import STATED_TOLERANCE, Bounds, elementwise, filling_
 from assetkit.mass_parts import STATED_CONFIDENCE, Clues, Part, parts_of
 from assetkit.source_inertials import applicable
 from geom.inertia import combine, mass_properties, of_sheet
-from schemas.asset import MassPart, Matrix3, Vec3
+from schemas.asset import MassPart, Matrix3, Vec3, matrix3, vec3
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, Source, declared
-from schemas.model import FloatArray
 from schemas.outcome import Repair
 from schemas.physics import MassProperties, Solid
 
@@ -94,11 +93,11 @@ def _inertia(
     ratios = (1.0 - STATED_TOLERANCE, 1.0 + STATED_TOLERANCE) if stated else bounds.ratios(total.mass_kg)
     low, high = elementwise(total.inertia_kgm2, *ratios)
     return Evidence(
-        value=_matrix3(total.inertia_kgm2),
+        value=matrix3(total.inertia_kgm2),
         source="declared" if stated else "inferred" if _source(parts) == "declared" else _source(parts),
         method=_method(parts, method) if stated else f"{_method(parts, method)}, spread evenly",
         confidence=STATED_CONFIDENCE if stated else _confidence(parts, total, trust) * UNIFORMITY,
-        bounds=(_matrix3(low), _matrix3(high)),
+        bounds=(matrix3(low), matrix3(high)),
         inputs=_inputs(parts),
     )
 
@@ -114,10 +113,10 @@ def _centre(
     extent = np.ptp(solid.points, axis=0)
     if stated:
         slack = STATED_COM_SLACK_SHARE * extent
-        bounds = (_vec3(total.centre_of_mass_m - slack), _vec3(total.centre_of_mass_m + slack))
+        bounds = (vec3(total.centre_of_mass_m - slack), vec3(total.centre_of_mass_m + slack))
         text = "; ".join(dict.fromkeys(p.substance.stated.method for p in parts if p.substance.stated))
         return Evidence(
-            value=_vec3(total.centre_of_mass_m),
+            value=vec3(total.centre_of_mass_m),
             source="declared",
             method=text,
             confidence=STATED_CONFIDENCE,
@@ -133,11 +132,11 @@ def _centre(
     alike = len(parts) == 1 and parts[0].substance.stated is None
     geometric: Source = "measured" if solid.kind == "closed" and alike else "inferred"
     return Evidence(
-        value=_vec3(total.centre_of_mass_m),
+        value=vec3(total.centre_of_mass_m),
         source=geometric,
         method=f"{method}, {'uniform density' if len(parts) == 1 else 'each substance evenly'}",
         confidence=trust * UNIFORMITY,
-        bounds=(_vec3(centres.min(axis=0) - slack), _vec3(centres.max(axis=0) + slack)),
+        bounds=(vec3(centres.min(axis=0) - slack), vec3(centres.max(axis=0) + slack)),
     )
 
 
@@ -198,13 +197,3 @@ def _confidence(parts: Sequence[Part], total: MassProperties, trust: float) -> f
         p.body.mass_kg / total.mass_kg * p.confidence * (1.0 if p.substance.stated is not None else trust)
         for p in parts
     )
-
-
-def _vec3(values: FloatArray) -> Vec3:
-    x, y, z = (float(v) for v in values)
-    return x, y, z
-
-
-def _matrix3(values: FloatArray) -> Matrix3:
-    a, b, c = (_vec3(row) for row in values)
-    return a, b, c

@@ -9,7 +9,7 @@ from typing import Annotated, cast, get_args
 
 import typer
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import TextColumn
 
 from assetkit import catalog
 from assetkit.discover import Candidate, discover
@@ -105,15 +105,7 @@ def run_batch(candidates: tuple[Candidate, ...], batch: Batch, *, quiet: bool) -
     """Ingest with a progress bar, then write report and catalog, also after Ctrl-C."""
     started = time.monotonic()
     interrupted = False
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("{task.fields[tally]}"),
-    )
-    with Progress(*columns, console=text.console, disable=quiet, transient=not text.console.is_terminal) as progress:
+    with text.progress(TextColumn("{task.fields[tally]}"), quiet=quiet) as progress:
         task = progress.add_task("ingest", total=len(candidates), tally="")
         tally = dict.fromkeys(ItemOutcome, 0)
         finished: dict[str, ReportItem] = {}

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from cli import text
 from cli.effect_pages import as_data
@@ -46,14 +45,7 @@ def find_command(
 
     started = time.monotonic()
     value, findings = _read(measurement, as_json)
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    with Progress(*columns, console=text.console, disable=as_json, transient=not text.console.is_terminal) as progress:
+    with text.progress(quiet=as_json) as progress:
         task = progress.add_task("reading", total=None)
 
         def tick(words: str, done: int = 0, total: int | None = None) -> None:

@@ -6,6 +6,15 @@ from collections.abc import Iterable
 
 from rich.console import Console
 from rich.markup import escape
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
 from rich.table import Table
 
 from schemas.diagnostics import Diagnostic
@@ -20,6 +29,18 @@ STYLE = {
     ItemOutcome.REJECTED: "red",
 }
 _SEVERITY = {"error": "red", "warning": "yellow", "info": "cyan"}
+
+
+def progress(*more: ProgressColumn, quiet: bool) -> Progress:
+    """A progress bar with `more` columns behind the usual ones; nothing is left of it where no one watches."""
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    return Progress(*columns, *more, console=console, disable=quiet, transient=not console.is_terminal)
 
 
 def show_diagnostic(diagnostic: Diagnostic, indent: str = "") -> None:

@@ -8,12 +8,27 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence
+from schemas.model import FloatArray
 from schemas.outcome import ItemOutcome, Repair
 from schemas.physics import Contact, Fidelity
 
 SCHEMA_VERSION = "1.0"
 Vec3 = tuple[float, float, float]
 Matrix3 = tuple[Vec3, Vec3, Vec3]
+
+
+def vec3(values: FloatArray) -> Vec3:
+    """(3,) as plain numbers."""
+    x, y, z = (float(v) for v in values)
+    return x, y, z
+
+
+def matrix3(values: FloatArray) -> Matrix3:
+    """(3, 3) as plain numbers, row by row."""
+    a, b, c = (vec3(row) for row in values)
+    return a, b, c
+
+
 Role = Literal["manipulated", "receptacle", "tool", "fixture", "mechanism", "support", "distractor"]
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.asset import Matrix3, PhysicsSection, Vec3
+from schemas.asset import Matrix3, PhysicsSection, Vec3, matrix3, vec3
 from schemas.diagnostics import InvalidInput, finding
 from schemas.evidence import Evidence, measured
 from schemas.gap import AppliedEffect, Estimate, ModelExtension
@@ -153,14 +153,14 @@ def _method(applied: AppliedEffect, extension: ModelExtension) -> str:
 
 def _inertia(factor: Estimate, tensor: FloatArray, method: str) -> Evidence[Matrix3]:
     ends = np.stack([tensor * f for f in factor.ci95])
-    bounds = (_matrix3(ends.min(axis=0)), _matrix3(ends.max(axis=0)))
-    return measured(_matrix3(tensor * factor.value), method, confidence=CONFIDENCE, bounds=bounds)
+    bounds = (matrix3(ends.min(axis=0)), matrix3(ends.max(axis=0)))
+    return measured(matrix3(tensor * factor.value), method, confidence=CONFIDENCE, bounds=bounds)
 
 
 def _centre(applied: AppliedEffect, p_AB: FloatArray, method: str) -> Evidence[Vec3]:
     axes = [applied.parameters[k] for k in ("x_m", "y_m", "z_m")]
-    low, high = (_vec3(p_AB + np.array([e.ci95[k] for e in axes])) for k in (0, 1))
-    value = _vec3(p_AB + np.array([e.value for e in axes]))
+    low, high = (vec3(p_AB + np.array([e.ci95[k] for e in axes])) for k in (0, 1))
+    value = vec3(p_AB + np.array([e.value for e in axes]))
     return measured(value, method, confidence=CONFIDENCE, bounds=(low, high))
 
 
@@ -171,13 +171,3 @@ def _written(applied: AppliedEffect) -> Row:
 
 def _kept(applied: AppliedEffect, why: str) -> Row:
     return Row(applied.name, str(applied.where), applied.parameters, why=why)
-
-
-def _vec3(values: FloatArray) -> Vec3:
-    x, y, z = (float(v) for v in values)
-    return x, y, z
-
-
-def _matrix3(values: FloatArray) -> Matrix3:
-    a, b, c = (_vec3(row) for row in values)
-    return a, b, c

@@ -9,7 +9,7 @@ import numpy as np
 from assetkit.stages.physical_surface import PhysicalSurface
 from assetkit.stages.repair_geometry import RepairResult
 from assetkit.stages.triangle_budget import Budgeted
-from schemas.asset import AnnotationFrame, GeometrySection, Vec3
+from schemas.asset import AnnotationFrame, GeometrySection, vec3
 from schemas.evidence import Evidence, inferred, measured
 from schemas.model import FloatArray, Mesh
 
@@ -34,11 +34,11 @@ def geometry_section(
     """What was measured on the canonical `meshes`; `offset` (3,) is the source origin seen from the asset frame."""
     points = np.concatenate([m.points for m in meshes])
     low, high = points.min(axis=0), points.max(axis=0)
-    extent = _vec3(high - low)
+    extent = vec3(high - low)
     bounds = None
     if unit.bounds is not None:
         factors = [b / unit.value for b in unit.bounds]
-        bounds = (_vec3((high - low) * factors[0]), _vec3((high - low) * factors[1]))
+        bounds = (vec3((high - low) * factors[0]), vec3((high - low) * factors[1]))
     off = physical.distance
     return GeometrySection(
         extent_m=Evidence(
@@ -48,9 +48,9 @@ def geometry_section(
             confidence=unit.confidence,
             bounds=bounds,
         ),
-        origin_offset_m=_vec3(offset),
+        origin_offset_m=vec3(offset),
         annotation_frame=AnnotationFrame(
-            centre_m=_vec3((low + high) / 2), scale_m=float(np.linalg.norm(high - low)) or 1.0
+            centre_m=vec3((low + high) / 2), scale_m=float(np.linalg.norm(high - low)) or 1.0
         ),
         observed=mended.observed,
         reobserved=mended.reobserved,
@@ -80,7 +80,3 @@ def _repaired_distance(mended: RepairResult, light: Budgeted) -> Evidence[float]
         + (", reduction by its vertices and samples" if light.distortions else ""),
         bounds=(max(mended.change.hausdorff, lost), mended.change.bound + lost),
     )
-
-
-def _vec3(v: FloatArray) -> Vec3:
-    return (float(v[0]), float(v[1]), float(v[2]))
