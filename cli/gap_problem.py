@@ -77,7 +77,8 @@ def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
     rate = traps.rate_frame_trap(case.measurement)
     found += [rate] if rate else []
     if case.engine is not None:
-        from sim.bullet_body import LARGEST_STEP_S, BulletBodyReplay
+        from sim.bullet_body import BulletBodyReplay
+        from sim.bullet_windows import LARGEST_STEP_S
 
         with BulletBodyReplay(LARGEST_STEP_S / _FINER) as finer:
             # At small steps, so that a wrong convention is not confused with the error of a step.

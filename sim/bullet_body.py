@@ -12,22 +12,24 @@ from pathlib import Path
 
 import numpy as np
 import pybullet
-from scipy.spatial.transform import Rotation
 
 from geom import pose
 from geom.principal_axes import principal_axes
 from schemas.model import FloatArray
 from sim.body_replay import BodyModel, BodyMotion, BodyWindows
 from sim.bullet_shapes import clear_margins, compound
+from sim.bullet_windows import (
+    HOLD_S,
+    LARGEST_STEP_S,
+    PARKED_M,
+    contact_numbers,
+    empty_world,
+    last_sound,
+    motion_of,
+    starts_of,
+    steps_for,
+)
 from sim.effects.effect import BodyState, BodyWrench, Params
-
-LARGEST_STEP_S = 1.0 / 480.0
-_PARKED_M = 1000.0
-# Share of a penetration that is undone per second. The engine takes it per step (0.2 at 240 steps a second): finer
-# steps would throw out harder what starts a little inside the support.
-_RECOVERY_PER_S = 0.2 * 240.0
-_HOLD_S = 1.0 / 120.0  # forces of effects are held at most so long: they follow speed and position, not contacts
-_LARGEST_M = 1e3
 
 
 class BulletBodyReplay:
@@ -65,10 +67,10 @@ class BulletBodyReplay:
             self._load(model)
             self._loaded = model, finer
         worlds, stamps = windows.t_s.shape
-        starts = self._starts(windows)
+        starts = starts_of(windows, self._X_BI)
         spans = windows.t_s[:, 1:2] - windows.t_s[:, :1]
         # The engine moves a body by its speed at the end of a step; from half a step earlier its fall is exact.
-        half_step = 0.5 * model.gravity_W * (spans / self._steps(spans))
+        half_step = 0.5 * model.gravity_W * (spans / steps_for(spans, self._largest_step_s))
         starts[:, 7:10] -= half_step
         out = np.empty((worlds, stamps, 13))
         for w in range(worlds):
@@ -79,30 +81,12 @@ class BulletBodyReplay:
                 self._advance(model, span, float(windows.t_s[w, k - 1]), wrenches)
                 out[w, k] = self._row()
         out[:, :, 7:10] += half_step[:, None]
-        return self._motion(_last_sound(out))
+        return motion_of(last_sound(out), self._X_BI)
 
     def _load(self, model: BodyModel) -> None:
         """An empty world with the body and the support, with the model's numbers."""
         client = self._client
-        pybullet.resetSimulation(physicsClientId=client)
-        pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=self._largest_step_s,
-            numSubSteps=1,
-            contactERP=_RECOVERY_PER_S * self._largest_step_s,
-            enableFileCaching=0,
-            deterministicOverlappingPairs=1,
-            physicsClientId=client,
-        )
-        pybullet.setGravity(*model.gravity_W.tolist(), physicsClientId=client)
-        if model.has_support:
-            plane = pybullet.createCollisionShape(
-                pybullet.GEOM_PLANE, planeNormal=model.plane_normal_W.tolist(), physicsClientId=client
-            )
-            at = (model.plane_height_m * model.plane_normal_W).tolist()
-            ground = pybullet.createMultiBody(
-                0, plane, basePosition=at, useMaximalCoordinates=1, physicsClientId=client
-            )
-            pybullet.changeDynamics(ground, -1, lateralFriction=1.0, restitution=1.0, physicsClientId=client)
+        empty_world(model, self._largest_step_s, client)
         moments, quat_wxyz = principal_axes(model.inertia_B)
         self._X_BI = pose.pose_from_quat(quat_wxyz, model.com_B)
         with tempfile.TemporaryDirectory() as folder:
@@ -111,15 +95,12 @@ class BulletBodyReplay:
             self._handle = pybullet.createMultiBody(
                 baseMass=model.mass_kg,
                 baseCollisionShapeIndex=shape,
-                basePosition=[0.0, 0.0, _PARKED_M],
+                basePosition=[0.0, 0.0, PARKED_M],
                 baseInertialFramePosition=self._X_BI[:3, 3].tolist(),
                 baseInertialFrameOrientation=pose.to_xyzw(quat_wxyz).tolist(),
                 useMaximalCoordinates=1,
                 physicsClientId=client,
             )
-        soft = {}
-        if model.stiffness_Npm is not None and model.damping_Nspm is not None:
-            soft = {"contactStiffness": model.stiffness_Npm, "contactDamping": model.damping_Nspm}
         pybullet.changeDynamics(
             self._handle,
             -1,
@@ -127,34 +108,18 @@ class BulletBodyReplay:
             localInertiaDiagonal=moments.tolist(),
             linearDamping=0.0,
             angularDamping=0.0,
-            lateralFriction=model.friction,
-            restitution=model.restitution,
-            rollingFriction=model.rolling_friction_m,
-            spinningFriction=model.spinning_friction_m,
-            anisotropicFriction=model.friction_ratio_B.tolist(),
             activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
-            **soft,
+            **contact_numbers(model),
             physicsClientId=client,
         )
-
-    def _starts(self, windows: BodyWindows) -> FloatArray:
-        """(w, 13) mass centre, quaternion xyzw of the inertial frame, its velocity, turning rate; world axes."""
-        R_WB = Rotation.from_quat(np.roll(windows.quat_wxyz, -1, axis=1))
-        lever, w_W = R_WB.apply(self._X_BI[:3, 3]), R_WB.apply(windows.w_B)
-        quat_xyzw = (R_WB * Rotation.from_matrix(self._X_BI[:3, :3])).as_quat()
-        return np.concatenate([windows.p + lever, quat_xyzw, windows.v_W + np.cross(w_W, lever), w_W], axis=1)
 
     def _start(self, row: FloatArray) -> None:
         """Park for one step, then place the body and give it its speed."""
         at, quat_xyzw, v_W, w_W = row[:3].tolist(), row[3:7].tolist(), row[7:10].tolist(), row[10:].tolist()
-        self._place([0.0, 0.0, _PARKED_M], quat_xyzw, [0.0] * 3, [0.0] * 3)
+        self._place([0.0, 0.0, PARKED_M], quat_xyzw, [0.0] * 3, [0.0] * 3)
         pybullet.setTimeStep(self._largest_step_s, physicsClientId=self._client)
         pybullet.stepSimulation(physicsClientId=self._client)
         self._place(at, quat_xyzw, v_W, w_W)
-
-    def _steps(self, span_s: FloatArray | float) -> FloatArray:
-        """Number of equal steps for a span of time."""
-        return np.maximum(1.0, np.ceil(np.asarray(span_s) / self._largest_step_s - 1e-6))
 
     def _place(self, at: list[float], quat_xyzw: list[float], v_W: list[float], w_W: list[float]) -> None:
         pybullet.resetBasePositionAndOrientation(self._handle, at, quat_xyzw, physicsClientId=self._client)
@@ -164,11 +129,11 @@ class BulletBodyReplay:
         self, model: BodyModel, span_s: float, t_s: float, wrenches: Sequence[tuple[BodyWrench, Params]]
     ) -> None:
         """Equal steps over `span_s`, with wrenches that are held for a few of them."""
-        steps = int(self._steps(span_s))
+        steps = int(steps_for(span_s, self._largest_step_s))
         if span_s <= 0.0:
             return
         pybullet.setTimeStep(span_s / steps, physicsClientId=self._client)
-        held = max(1, int(_HOLD_S * steps / span_s))
+        held = max(1, int(HOLD_S * steps / span_s))
         torque: list[float] | None = None
         for s in range(steps):
             if wrenches and s % held == 0:
@@ -196,25 +161,3 @@ class BulletBodyReplay:
         at = pybullet.getBasePositionAndOrientation(self._handle, physicsClientId=self._client)
         speed = pybullet.getBaseVelocity(self._handle, physicsClientId=self._client)
         return np.array([*at[0], *at[1], *speed[0], *speed[1]])
-
-    def _motion(self, rows: FloatArray) -> BodyMotion:
-        """Rows of the inertial frame as motion of the measured frame."""
-        shape = rows.shape[:2]
-        flat = rows.reshape(-1, 13)
-        R_WI = Rotation.from_quat(flat[:, 3:7])
-        R_WB = R_WI * Rotation.from_matrix(self._X_BI[:3, :3]).inv()
-        lever = R_WB.apply(self._X_BI[:3, 3])
-        quats = np.roll(R_WB.as_quat(), 1, axis=1)
-        return BodyMotion(
-            p=(flat[:, :3] - lever).reshape(*shape, 3),
-            quat_wxyz=quats.reshape(*shape, 4),
-            v_W=(flat[:, 7:10] - np.cross(flat[:, 10:13], lever)).reshape(*shape, 3),
-            w_B=R_WB.inv().apply(flat[:, 10:13]).reshape(*shape, 3),
-        )
-
-
-def _last_sound(rows: FloatArray) -> FloatArray:
-    """Rows (w, k, 13); those that are not finite or far away become the last one before them that is neither."""
-    sound = np.isfinite(rows).all(axis=2) & (np.abs(rows[..., :3]).max(axis=2) < _LARGEST_M)
-    latest = np.maximum.accumulate(np.where(sound, np.arange(rows.shape[1]), 0), axis=1)
-    return np.take_along_axis(rows, latest[..., None], axis=1)

@@ -49,7 +49,7 @@ def inverse_dynamics(
     The load is the magnitude of the force (N) through a revolute joint, of the force across a prismatic one.
     """
     worlds, joints = q.shape
-    R, p = _placements(tree, q)
+    R, p = placements(tree, q)
     w, a_w, a = (np.zeros((joints, worlds, 3)) for _ in range(3))
     F, N = np.zeros((joints, worlds, 3)), np.zeros((joints, worlds, 3))
     for i, link in enumerate(tree):
@@ -101,7 +101,7 @@ def mass_matrix(tree: Tree, q: FloatArray) -> FloatArray:
     return 0.5 * (M + M.transpose(0, 2, 1))
 
 
-def _placements(tree: Tree, q: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
+def placements(tree: Tree, q: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
     """Per link: rotation R_PJ (w, 3, 3) and position of the joint frame in the parent's frame (w, 3)."""
     rotations, positions = [], []
     for i, link in enumerate(tree):

@@ -5,14 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
-
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.measurement import MeasurementSpec, Subject
 from simgap.reading.folder import inside
+from simgap.reading.urdf import UrdfModel, movable_joints, parse_urdf, read_urdf
 from simgap.reading.yaml_text import YamlDocument
-
-_MOVABLE = ("revolute", "continuous", "prismatic")
 
 
 class JointInfo(NamedTuple):
@@ -20,9 +17,6 @@ class JointInfo(NamedTuple):
 
     name: str
     turns: bool
-
-
-_MAX_BYTES = 20_000_000
 
 
 def subject_files(root: Path, subject: Subject, document: YamlDocument) -> tuple[Path, ...]:
@@ -87,17 +81,20 @@ def subject_findings(spec: MeasurementSpec, document: YamlDocument) -> tuple[Dia
     return tuple(found)
 
 
+def read_subject(subject: Subject, root: Path) -> UrdfModel:
+    """The model of a subject given as `urdf` or `package` (its URDF twin). Raises ValueError with the reason."""
+    if subject.urdf is not None:
+        return read_urdf(root / subject.urdf, root)
+    twins = sorted((root / (subject.package or "")).glob("export/*.urdf"))
+    if subject.package is None or not twins:
+        raise ValueError("the subject has neither a URDF nor a package with one in export/")
+    return read_urdf(twins[0], root)
+
+
 def _urdf_joints(path: Path, relative: str, document: YamlDocument) -> tuple[JointInfo, ...]:
     where = document.place(("subject", "urdf"))
     try:
-        if path.stat().st_size > _MAX_BYTES:
-            raise ValueError(f"more than {_MAX_BYTES} bytes")
-        parser = etree.XMLParser(resolve_entities=False, no_network=True)
-        robot = etree.fromstring(path.read_bytes(), parser)
-    except (etree.XMLSyntaxError, ValueError, OSError) as error:
-        why = error.strerror if isinstance(error, OSError) else error
-        raise InvalidInput(finding("gap/unreadable-subject", f"{relative}: {why}", where=where)) from None
-    if robot.tag != "robot":
-        raise InvalidInput(finding("gap/unreadable-subject", f"{relative} is no URDF: <{robot.tag}>", where=where))
-    joints = [j for j in robot.findall("joint") if j.get("type") in _MOVABLE and j.find("mimic") is None]
-    return tuple(JointInfo(j.get("name", ""), j.get("type") != "prismatic") for j in joints)
+        robot = parse_urdf(path)
+    except ValueError as error:
+        raise InvalidInput(finding("gap/unreadable-subject", f"{relative}: {error}", where=where)) from None
+    return tuple(JointInfo(j.get("name", ""), j.get("type") != "prismatic") for j in movable_joints(robot))

@@ -1,0 +1,1 @@
+"""Free bodies with joints: tossed hinges, dropped scissors."""
