@@ -19,7 +19,7 @@ from geom.debris import loose_debris
 from geom.duplicate_shells import has_reverse
 from geom.edges import edges_of
 from geom.hausdorff import reach
-from geom.mesh_edit import facing, keep_faces, merge_surfaces, turn_normals
+from geom.mesh_edit import facing, flip_faces, keep_faces, merge_surfaces, turn_normals
 from geom.repair_cracks import stitch_t_junctions
 from geom.repair_edges import split_touching_edges
 from geom.repair_faces import drop_fins, drop_surplus_faces, fin_faces, true_degenerates
@@ -27,6 +27,7 @@ from geom.repair_shells import drop_duplicate_shells
 from geom.repair_vertices import split_bow_ties, touching_points
 from geom.repair_winding import orient, outward_flips
 from geom.shape_change import TOLERANCE_SHARE
+from geom.sheet_sides import sheet_flips
 from geom.surface_distance import triangle_areas
 from geom.topology import repeats_point
 from geom.weld import diagonal, weld, weld_points
@@ -72,13 +73,27 @@ def _duplicate_shells(item: Item) -> Edit:
     return Edit(mended, before, {"duplicate_shells": 0, "triangles": len(mended.triangles)})
 
 
-def _winding(item: Item) -> Edit:
-    """Solids wound inside out or inconsistently. Reported from 0.2 % of the faces on."""
-    mended, figures = orient(item.mesh, _backed_elsewhere(item))
-    flipped = int(figures["flipped_faces"])
-    if flipped < FLIPPED_SHARE * len(item.mesh.triangles) or flipped == 0:
-        return Edit(mended)
-    return Edit(mended, {"misoriented_faces": flipped}, {"misoriented_faces": 0})
+def _winding(items: Sequence[Item]) -> list[Edit]:
+    """Solids wound inside out or inconsistently, and open sheets whose back is the side that one sees from outside.
+
+    Reported from 0.2 % of the faces on. For sheets `largest_inner_side_share` is the evidence, of the least sure one:
+    of what is seen of it from all around, the share of the side taken for its inside (`geom.sheet_sides`).
+    """
+    solids = [orient(item.mesh, _backed_elsewhere(item)) for item in items]
+    points, triangles, owner = merge_surfaces([mesh for mesh, _ in solids])
+    turned = sheet_flips(points, triangles, owner)
+    edits: list[Edit] = []
+    for item, (mesh, figures) in zip(items, solids, strict=True):
+        own = turned.flips[owner == item.index]
+        inner = [t.inner_share for t in turned.sheets if owner[t.faces[0]] == item.index]
+        flipped = int(figures["flipped_faces"]) + int(own.sum())
+        mended = flip_faces(mesh, own)
+        if flipped < FLIPPED_SHARE * len(item.mesh.triangles) or flipped == 0:
+            edits.append(Edit(mended))
+            continue
+        evidence = {"turned_sheets": len(inner), "largest_inner_side_share": max(inner)} if inner else {}
+        edits.append(Edit(mended, {"misoriented_faces": flipped, **evidence}, {"misoriented_faces": 0, **evidence}))
+    return edits
 
 
 def _normals(item: Item) -> Edit:
@@ -220,7 +235,7 @@ EDITS: tuple[Step, ...] = (
     ),
     Step("fragment_removal", "asset/loose-fragments", "tiny pieces that float beside the object were removed", _debris),
     Step("non_manifold_edge", "asset/non-manifold-edge", "surplus faces on a solid's edges were removed", _each(_fins)),
-    Step("flip_winding", "asset/inverted-winding", "faces wound the wrong way were turned", _each(_winding)),
+    Step("flip_winding", "asset/inverted-winding", "faces wound the wrong way were turned", _winding),
     Step("bad_normals", "asset/bad-normals", "normals that look into a solid were turned", _each(_normals)),
     Step(
         "non_manifold_edge",

@@ -8,9 +8,10 @@ import numpy as np
 
 from geom.edges import edges_of
 from geom.penetration import even_directions
+from geom.sheet_sides import Sky
 from geom.topology import repeats_point
 from geom.weld import weld_points
-from schemas.diagnostics import Diagnostic, finding
+from schemas.diagnostics import Diagnostic, Severity, finding
 from usdio.rules.rule import Rule
 from usdio.subject import Subject, Surface
 from usdio.subject.body import diagonal
@@ -27,14 +28,24 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
     Two witnesses. Where the mesh is the outermost thing in some direction, its faces there must look that way: a vote
     over 64 directions, which also works for open surfaces. And a closed mesh that is not inside another one must
-    hold a positive volume.
+    hold a positive volume. Where the vote is lost by a sheet that shows nearly as much of one side as of the other
+    (`geom.sheet_sides`: a dish, a vault) either may be meant: a warning.
     """
     surfaces = [s for s in subject.surfaces if len(s.triangles) and np.all(np.isfinite(s.points_W))]
     if sum(len(s.triangles) for s in surfaces) > MOST_VOTERS:
         return
     for surface, (votes, share) in zip(surfaces, _votes(surfaces), strict=True):
         outvoted = votes >= LEAST_VOTES and share < LEAST_SHARE
-        if outvoted or (votes < LEAST_VOTES and _encloses_nothing(surface, surfaces)):
+        if outvoted and not Sky(surface.points_W, surface.triangles).seen_by(surface.triangles).is_inside_out:
+            yield finding(
+                CODE,
+                "the mesh may be inside out: its faces look inwards, but neither side is clearly its outside",
+                where=at(surface.prim),
+                value=share,
+                bound=LEAST_SHARE,
+                severity=Severity.WARNING,
+            )
+        elif outvoted or (votes < LEAST_VOTES and _encloses_nothing(surface, surfaces)):
             yield finding(
                 CODE,
                 "the mesh is inside out: its faces look inwards",
