@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assetkit.mass_bounds import STATED_TOLERANCE, Bounds, elementwise, filling_of, mass_bounds
+from assetkit.mass_bounds import Bounds, elementwise, filling_of, mass_bounds
 from assetkit.mass_parts import STATED_CONFIDENCE, Clues, Part, parts_of
 from assetkit.source_inertials import applicable
+from assetkit.substances import STATED_TOLERANCE
 from geom.inertia import combine, mass_properties, of_sheet
 from schemas.asset import MassPart, Matrix3, Vec3, matrix3, vec3
 from schemas.diagnostics import Diagnostic

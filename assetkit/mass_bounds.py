@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assetkit.materials import UNKNOWN
-from assetkit.substances import Substance
+from assetkit.substances import STATED_TOLERANCE, Substance
 from geom.cavity import Cavity
 from geom.components import components_of
 from geom.hull import convex_hull, volume
@@ -21,8 +21,8 @@ from schemas.physics import Solid
 
 # Mass bounds further apart than this factor tell a randomiser nothing.
 MAX_SPAN = 30.0
-# What the source states is used as it is; files give no tolerance.
-STATED_TOLERANCE = 0.1
+# A stated density weighs whatever shape the engine at hand fills with it, so that the volume counts as known to 5 %.
+STATED_VOLUME_TOLERANCE = 0.05
 # Walls of hollow things: this share of the diagonal, within these limits, of nothing lighter than cardboard.
 WALL_PER_DIAGONAL, LEAST_WALL_M, MOST_WALL_M = 0.005, 0.3e-3, 3e-3
 LEAST_WALL_KGM3 = 400.0
@@ -98,6 +98,7 @@ def mass_bounds(
     high = sum(amount * most for amount, (_, most) in zip(amounts, ranges, strict=True))
     causes = [
         *(["stated mass, 10 % either way"] if stated else []),
+        *(["stated density, 10 % either way, times volume, 5 %"] if any(_is_declared(s) for s, _ in free) else []),
         *(["material unknown"] if any(_is_unknown(s) for s, _ in free) else []),
         *(["may be hollow"] if filling.hollow < 1.0 and any(s.may_be_hollow for s, _ in free) else []),
         *(filling.causes if free else ()),
@@ -171,13 +172,19 @@ def _shows_walls(solid: Solid, cavities: Sequence[Cavity]) -> bool:
 def _density_range(substance: Substance, filling: Filling) -> tuple[float, float]:
     value = substance.density_kgm3.value
     least, most = substance.density_kgm3.bounds or (value, value)
-    if substance.may_be_hollow and filling.hollow < 1.0:
+    if _is_declared(substance):
+        least, most = least * (1.0 - STATED_VOLUME_TOLERANCE), most * (1.0 + STATED_VOLUME_TOLERANCE)
+    if substance.may_be_hollow and filling.hollow < 1.0 and not _is_unknown(substance):
         least = min(least, filling.hollow * max(least, LEAST_WALL_KGM3))
     return least * filling.low, most * filling.high
 
 
+def _is_declared(substance: Substance) -> bool:
+    return substance.density_kgm3.source == "declared"
+
+
 def _is_unknown(substance: Substance) -> bool:
-    return substance.material.value == UNKNOWN and substance.density_kgm3.source != "declared"
+    return substance.material.value == UNKNOWN and not _is_declared(substance)
 
 
 def _unit_factors(unit: Evidence[float]) -> tuple[float, float]:

@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from assetkit.mass_bounds import is_full
+from assetkit.materials import UNKNOWN
 from assetkit.source_inertials import Judged, judge
 from assetkit.substances import Substance, substances_of, uniform
+from assetkit.unknown_density import unknown_density
 from geom.cavity import Cavity
 from geom.composition import divide
 from geom.inertia import mass_properties, scaled
@@ -32,6 +34,7 @@ class Clues:
     unit              metres per source unit, as sure as it is.
     wall              wall thickness (m) of an open surface, None where the solid is none.
     cavities          openings of the solid.
+    dense             why a body of unknown material is likely solid or of metal (`dense_look`), "" if nothing says so.
     """
 
     meshes: tuple[Mesh, ...] = ()
@@ -41,6 +44,7 @@ class Clues:
     unit: Evidence[float] = METRES
     wall: Evidence[float] | None = None
     cavities: tuple[Cavity, ...] = ()
+    dense: str = ""
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,8 @@ def parts_of(
     substances = substances_of(clues.meshes, clues.render_materials, whole, kept, full=full)
     if not clues.meshes:
         substances = (uniform(whole, full=full),)
+    if not full:
+        substances = _sized(substances, solid, clues.dense)
     bodies, exact = (even,), True
     if len(substances) > 1:
         groups = [[clues.meshes[i] for i in substance.meshes] for substance in substances]
@@ -86,6 +92,17 @@ def parts_of(
             substance = replace(substance, stated=verdict.stated)
         parts.append(Part(substance, body, _weighed(substance, body)))
     return parts, exact, judged
+
+
+def _sized(substances: Sequence[Substance], solid: Solid, dense: str) -> tuple[Substance, ...]:
+    """The substances, unknown ones as dense as things of the size of `solid` are."""
+    density = unknown_density(solid, dense)
+    return tuple(
+        replace(s, density_kgm3=density)
+        if density is not None and s.material.value == UNKNOWN and s.density_kgm3.source == "default"
+        else s
+        for s in substances
+    )
 
 
 def _weighed(substance: Substance, even: MassProperties) -> MassProperties:

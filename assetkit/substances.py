@@ -10,6 +10,8 @@ from schemas.evidence import Evidence, declared
 from schemas.model import Mesh
 from schemas.stated_physics import StatedMass
 
+# What the source states is used as it is; files give no tolerance.
+STATED_TOLERANCE = 0.1
 FROM_FILE_NAME = 0.6  # A part that names no material is more likely of the file's than not.
 
 
@@ -100,7 +102,8 @@ def _classes(names: Sequence[Sequence[str]], whole: Sequence[str]) -> list[Evide
 def _as_stated(substance: Substance, stated: StatedMass) -> Substance:
     if stated.density is None:
         return replace(substance, stated=stated)
-    density = declared(stated.density, stated.method, inputs=(str(stated.where),))
+    bounds = ((1.0 - STATED_TOLERANCE) * stated.density, (1.0 + STATED_TOLERANCE) * stated.density)
+    density = declared(stated.density, stated.method, inputs=(str(stated.where),)).model_copy(update={"bounds": bounds})
     return replace(substance, density_kgm3=density, may_be_hollow=False)
 
 

@@ -6,6 +6,7 @@ from assetkit.mass_parts import Clues
 from assetkit.source_inertials import in_asset_frame
 from assetkit.stage import Canonical, Draft, Physics, Stage, Tools, need
 from assetkit.stages.physics import build_physics
+from assetkit.unknown_density import dense_look
 from assetkit.up_axis import TO_Z_UP
 from schemas.asset import PhysicsSection
 from schemas.outcome import Outcome
@@ -18,7 +19,7 @@ class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 2
+    version = 3
     result = Physics
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Physics]:
@@ -49,6 +50,7 @@ def clues_of(draft: Draft, canonical: Canonical) -> Clues:
         masses=tuple(in_asset_frame(stated, R_AM, scale, origin_m) for stated in draft.intake.model.masses),
         unit=canonical.meters_per_unit,
         wall=canonical.section.wall_thickness_m,
+        dense=dense_look(draft.intake.format, canonical.meshes, draft.model.materials),
     )
 
 

@@ -12,8 +12,10 @@ from package_samples import mesh_from
 
 from assetkit.mass import MassEvidence
 from assetkit.mass_bounds import MAX_SPAN
+from assetkit.unknown_density import dense_look
+from benchmarks.everyday import bounds_kg, things
 from schemas.evidence import inferred
-from schemas.model import Mesh
+from schemas.model import Material, Mesh
 
 CUBE = (0.2, 0.2, 0.2)
 
@@ -58,8 +60,46 @@ def test_unknown_material_is_wide_and_says_so():
     assert found.mass_kg.confidence == 0.0
     assert "material unknown" in found.mass_kg.method
     assert "may be hollow" in found.mass_kg.method
-    assert "cut to 30x" in found.mass_kg.method
+    assert "outside: solid steel, solid aluminium, solid stone, empty packaging, foam" in found.mass_kg.method
     assert span(found) == pytest.approx(MAX_SPAN)
+
+
+def test_density_of_the_unknown_falls_with_the_root_of_size_and_ends_at_steel():
+    sizes_m = np.array([0.005, 0.01, 0.1, 0.4, 1.6])
+    found = [weighed([box((size,) * 3)], file="thing.obj")[0].density_kgm3 for size in sizes_m]
+    assert [f.value for f in found[2:]] == pytest.approx([500.0, 250.0, 125.0])
+    assert found[0].bounds == found[1].bounds == pytest.approx((8100.0 / MAX_SPAN, 8100.0))
+    assert all(f.source == "default" and f.bounds[1] / f.bounds[0] == pytest.approx(MAX_SPAN) for f in found)
+
+
+def test_blocks_of_palm_size_may_be_of_plastic_wood_or_aluminium_and_with_bare_metal_of_steel():
+    size = (0.06, 0.04, 0.025)
+    volume = float(np.prod(size))
+    painted = Material("a", metallic=0.0)
+    silent = Material("b", metallic=1.0, roughness=1.0)  # what glTF means by saying nothing
+    metal = Material("c", metallic=1.0, roughness=0.4)
+    block = replace(box(size), material=0)
+    plain = weighed([block], materials=[painted], file="thing.obj")[0].mass_kg
+    assert weighed([block], materials=[silent], file="thing.obj")[0].mass_kg == plain
+    shown = weighed([block], materials=[metal], file="thing.obj")[0].mass_kg
+    for density in (400.0, 1050.0, 2700.0):
+        assert plain.bounds[0] < density * volume < plain.bounds[1]
+        assert shown.bounds[0] < density * volume < shown.bounds[1]
+    assert plain.bounds[1] < 7850.0 * volume < shown.bounds[1]
+    assert "metallic surface" in shown.method
+    assert "outside: solid steel" in plain.method
+
+
+def test_a_part_in_stl_is_drawn_with_its_walls():
+    assert dense_look("stl", (), ()) == "part in STL"
+    assert dense_look("obj", (), ()) == ""
+
+
+def test_most_everyday_things_weigh_within_their_bounds():
+    """Names untold; solid stone and large iron stay outside from above, empty packaging and foam from below."""
+    table = list(things())
+    inside = [t for t in table if (b := bounds_kg(t, told=True))[0] <= t.mass_kg <= b[1]]
+    assert len(inside) >= 0.85 * len(table)
 
 
 def test_unknown_plates_and_rods_are_full_of_it():

@@ -187,6 +187,10 @@ def test_a_stated_density_weighs_the_solid():
     found = mass_evidence(SOLID, [], clues(stated(None, density=1234.0)))
     assert found.mass_kg.value == pytest.approx(1234.0 * np.prod(SIZE))
     assert found.density_kgm3.source == "declared"
+    assert found.density_kgm3.bounds == pytest.approx((0.9 * 1234.0, 1.1 * 1234.0))
+    low, high = found.mass_kg.bounds or (0.0, 0.0)
+    assert (low, high) == pytest.approx((0.9 * 0.95 * found.mass_kg.value, 1.1 * 1.05 * found.mass_kg.value))
+    assert "stated density, 10 % either way" in found.mass_kg.method
     absurd = mass_evidence(SOLID, ["wood"], clues(stated(None, density=1e6)))
     assert absurd.density_kgm3.method == "material class wood"
     assert [d.code for d in absurd.diagnostics] == ["asset/source-inertia-implausible"]
