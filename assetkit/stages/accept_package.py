@@ -25,7 +25,7 @@ class AcceptPackage(Stage):
     """Nothing is released on the strength of what is in memory: the bytes judged are the bytes shipped."""
 
     name = "acceptance"
-    version = 2
+    version = 3
     result = Acceptance
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Acceptance]:

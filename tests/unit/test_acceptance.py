@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial.transform import Rotation
 
 from assetkit.body_checks import body_checks
 from assetkit.settling import settle_and_drop
@@ -19,7 +20,7 @@ from schemas.diagnostics import Severity
 from schemas.physics import CollisionShape, RigidBody
 from sim.bullet import BulletSimulator
 from sim.fake import FakeSimulator
-from sim.port import DropResult
+from sim.port import DropResult, world_for
 from tests.unit.sample_bodies import box, boxes, capsule, contact, cylinder, hull, hull_box, sphere
 
 FILE = Path("assets/part/part.usda")
@@ -269,3 +270,36 @@ def test_the_judgement_is_deterministic(bullet) -> None:
     body = SOUND["compound"]
     with BulletSimulator() as other:
         assert judge(bullet, body) == judge(other, body)
+
+
+THIN = {
+    "card": (0.085, 0.054, 0.0008),
+    "sheet": (0.2, 0.2, 0.0005),
+    "plate": (0.2, 0.2, 0.002),
+    "lath": (0.3, 0.02, 0.002),
+}
+
+
+@pytest.mark.parametrize("name", THIN)
+def test_a_thin_plate_settles_however_it_was_modelled(bullet, name: str) -> None:
+    """On its edge, on a corner or flat: it falls over at most, and lies on the ground in the end."""
+    upright = [Rotation.identity(), *(Rotation.from_euler(axis, 90.0, degrees=True) for axis in "xy")]
+    for R_AM in (*upright, *Rotation.random(3, rng=np.random.default_rng(0))):
+        plate = trimesh.creation.box(THIN[name])
+        plate.vertices = R_AM.apply(plate.vertices)
+        checks = {c.name: c for c in settle_and_drop(hull(plate), bullet).checks}
+        assert [c.name for c in checks.values() if not c.passed] == []
+        assert checks["settle_penetration"].value < 2e-3 * np.linalg.norm(THIN[name])
+
+
+def test_what_topples_is_inside_the_ground_for_as_far_as_it_flies_in_a_step(bullet) -> None:
+    """A millimetre or more, but never further than the tip of a rod flies; thickness has no part in it."""
+    depths = []
+    for thickness in (0.0005, 0.001, 0.002):
+        plate = hull_box((0.2, thickness, 0.2))
+        size = np.linalg.norm((0.2, thickness, 0.2))
+        impact = next(c for c in settle_and_drop(plate, bullet).checks if c.name == "settle_impact_penetration")
+        world = world_for(float(size))
+        assert impact.value < np.sqrt(3.0 * 9.81 * size) * world.timestep_s
+        depths.append(impact.value)
+    assert min(depths) > 1e-3
