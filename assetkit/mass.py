@@ -15,10 +15,12 @@ from geom.inertia import combine, mass_properties, of_sheet
 from schemas.asset import MassPart, Matrix3, Vec3, matrix3, vec3
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, Source, declared
+from schemas.model import FloatArray
 from schemas.outcome import Repair
 from schemas.physics import MassProperties, Solid
 
 COM_SLACK_SHARE, STATED_COM_SLACK_SHARE = 0.05, 0.01
+CORE_TRUST = 0.5  # Shells inside are filled or empty: nothing tells.
 UNIFORMITY = 0.7  # how much to trust that the density is the same everywhere
 # How much to trust area times wall thickness, by how the thickness is known.
 WALL_TRUST: dict[Source, float] = {"declared": 0.9, "measured": 0.9, "inferred": 0.4, "default": 0.2}
@@ -48,6 +50,8 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
     weighs what it weighs. Raises ValueError when all points of `solid` coincide.
     """
     _, method, trust = mass_properties(solid, 1.0)
+    if solid.core is not None:
+        method, trust = f"{method}, inner shells filled", trust * CORE_TRUST
     masses, notes = applicable(clues.masses, clues.as_read)
     parts, exact, judged = parts_of(solid, whole, clues, masses)
     total = combine([part.body for part in parts if part.body.mass_kg > 0.0])
@@ -108,6 +112,8 @@ def _centre(
 ) -> Evidence[Vec3]:
     """From the centre of the evenly filled body to that of its surface, 5 % of the extent around; 1 % if stated.
 
+    Where inner shells may be cavities the centre of what is left then is within the bounds too.
+
     The asset's origin is its bottom centre, so an uncertain unit moves the centre in proportion.
     """
     stated = all(p.substance.stated is not None and p.substance.stated.centre is not None for p in parts)
@@ -126,11 +132,11 @@ def _centre(
         )
     surface = of_sheet(solid.points, solid.triangles, 1.0, 1.0).centre_of_mass_m
     even = combine([p.even for p in parts if p.even.mass_kg > 0.0]).centre_of_mass_m
-    centres = np.stack([total.centre_of_mass_m, even, surface])
+    centres = np.stack([total.centre_of_mass_m, even, surface, _without_core(solid, even)])
     factors = np.array([1.0, *(bound / unit.value for bound in unit.bounds or ())])
     centres = (centres * factors[:, None, None]).reshape(-1, 3)
     slack = COM_SLACK_SHARE * extent
-    alike = len(parts) == 1 and parts[0].substance.stated is None
+    alike = len(parts) == 1 and parts[0].substance.stated is None and solid.core is None
     geometric: Source = "measured" if solid.kind == "closed" and alike else "inferred"
     return Evidence(
         value=vec3(total.centre_of_mass_m),
@@ -138,6 +144,16 @@ def _centre(
         method=f"{method}, {'uniform density' if len(parts) == 1 else 'each substance evenly'}",
         confidence=trust * UNIFORMITY,
         bounds=(vec3(centres.min(axis=0) - slack), vec3(centres.max(axis=0) + slack)),
+    )
+
+
+def _without_core(solid: Solid, filled_centre_m: FloatArray) -> FloatArray:
+    """The mass centre (3,) when what inner shells hold is empty."""
+    if solid.core is None:
+        return filled_centre_m
+    whole, core = mass_properties(solid, 1.0)[0], solid.core
+    return (whole.mass_kg * whole.centre_of_mass_m - core.mass_kg * core.centre_of_mass_m) / (
+        whole.mass_kg - core.mass_kg
     )
 
 

@@ -113,19 +113,24 @@ def mass_bounds(
 def filling_of(solid: Solid, wall: Evidence[float] | None, cavities: Sequence[Cavity]) -> Filling:
     """What the shape says about how much of `solid` is material.
 
-    Closed: as little as a wall of 0.5 % of the diagonal, unless the model shows its walls. Shell: within the bounds of
-    `wall`; while that is a guess, up to a filled hull. Hull: filled to a third or fully.
+    Closed: as little as a wall of 0.5 % of the diagonal, unless the model shows its walls; without what inner shells
+    hold that may be cavities. Shell: within the bounds of `wall`; while that is a guess, up to a filled hull. Hull:
+    filled to a third or fully.
     """
     if solid.kind == "hull":
         return Filling(low=HULL_FILL, causes=("convex hull stands in",))
     area = float(triangle_areas(solid.points[solid.triangles]).sum())
     if solid.kind == "shell":
         return _sheet_filling(solid, area, wall)
+    low, causes = 1.0, ()
+    if solid.core is not None:
+        low = 1.0 - solid.core.mass_kg / volume(solid.points, solid.triangles)
+        causes = ("an inner shell may be a cavity that lost its winding",)
     if _shows_walls(solid, cavities):
-        return Filling()
+        return Filling(low, causes=causes)
     wall_m = min(max(WALL_PER_DIAGONAL * diagonal(solid.points), LEAST_WALL_M), MOST_WALL_M)
     least = area * wall_m / volume(solid.points, solid.triangles)
-    return Filling(hollow=min(1.0, least))
+    return Filling(low, hollow=min(1.0, least / low), causes=causes)
 
 
 def is_full(solid: Solid, cavities: Sequence[Cavity]) -> bool:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import trimesh
 
+from geom.enclosed import enclosed_matter
+from geom.inertia import combine
 from geom.mesh_edit import merge_surfaces
 from geom.openings import HOLE_SHARE
 from geom.solid_bodies import Bodies, Surface, signed_volume, sort_bodies, unite
@@ -14,7 +17,7 @@ from geom.solid_voxel import voxel_hull
 from geom.surface_distance import P95, NearestOnSurface, closest_on_surface, sample_surface, triangle_areas
 from geom.weld import diagonal, weld_points
 from schemas.model import FloatArray, IntArray, Mesh
-from schemas.physics import Solid
+from schemas.physics import MassProperties, Solid
 
 Figures = dict[str, float | int | str]
 
@@ -27,6 +30,8 @@ LEAST_WALL_M, MOST_WALL_M = 0.5e-3, 5e-3
 FLAT_SHARE = 1e-3
 VOXEL_TOLERANCE_CELLS = 2.0
 DISTANCE_SAMPLES = 2000
+# Inner shells that hold less of the solid change nothing, filled or empty.
+CORE_SHARE = 0.01
 PROTRUDING = 0.05  # Acceptance refuses colliders whose box misses the visible one by more.
 
 
@@ -57,6 +62,8 @@ def solidify(meshes: Sequence[Mesh], bodies: Bodies | None = None, *, rebuild: b
     total = bodies.closed_area + bodies.open_area
     proxy = _voxel_solid(points, triangles) if rebuild else None
     solid, method = (proxy, "voxel") if proxy else _choose(bodies, united, points, triangles, total)
+    if method == "union" and (core := core_of(meshes, bodies)) is not None:
+        solid = replace(solid, core=core if core.mass_kg >= CORE_SHARE * _volume(solid) else None)
     figures: Figures = {
         "method": method,
         "volume_m3": _volume(solid),
@@ -69,6 +76,18 @@ def solidify(meshes: Sequence[Mesh], bodies: Bodies | None = None, *, rebuild: b
         "open_area_share": bodies.open_area / total if total > 0.0 else 0.0,
     }
     return solid, figures
+
+
+def core_of(meshes: Sequence[Mesh], bodies: Bodies) -> MassProperties | None:
+    """What the bodies of `meshes` hold that lie inside others of the same render material (`enclosed_matter`).
+
+    A part of another material is a part, no lost cavity.
+    """
+    by_look: dict[int | None, list[Surface]] = {}
+    for mesh, own in zip(meshes, bodies.by_mesh, strict=True):
+        by_look.setdefault(mesh.material, []).extend(own)
+    cores = [core for group in by_look.values() if (core := enclosed_matter(group)) is not None]
+    return combine(cores) if cores else None
 
 
 def _choose(

@@ -88,6 +88,8 @@ class Solid:
     kind  `closed`: watertight, outward, overlaps united, inner cavities kept as inward shells.
           `shell`: an open sheet with a significant opening; `wall_thickness_m` is the assumed thickness.
           `hull`: neither; the convex hull stands in, with low confidence.
+    core  what shells inside hold (at 1 kg/m3) that are wound like the surface around them: taken as filled, but they
+          may be cavities whose winding was lost. None without any.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -96,6 +98,7 @@ class Solid:
     triangles: IntArray  # (m, 3) int32
     kind: Literal["closed", "shell", "hull"]
     wall_thickness_m: float | None = None
+    core: MassProperties | None = None
 
 
 @dataclass(frozen=True)

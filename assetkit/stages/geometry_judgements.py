@@ -9,6 +9,7 @@ import numpy as np
 
 from geom.edges import edges_of
 from geom.resolve_bodies import SelfCrossing
+from geom.solid import core_of
 from geom.solid_bodies import Bodies, Surface, signed_volume, unite
 from geom.topology import repeats_point
 from schemas.model import Mesh
@@ -45,7 +46,7 @@ def judge(
     remain on top of that. Crowded edges alone are boards that meet by design.
     """
     found = (
-        _overlapping(bodies),
+        _overlapping(meshes, bodies),
         _crossing(crossings),
         _open_shell(bodies),
         _dirty(meshes) if surplus_found else None,
@@ -53,16 +54,23 @@ def judge(
     return tuple(judgement for judgement in found if judgement is not None)
 
 
-def _overlapping(bodies: Bodies) -> Judgement | None:
+def _overlapping(meshes: Sequence[Mesh], bodies: Bodies) -> Judgement | None:
+    """What overlaps counts once. Where a part lies wholly inside another, `cavity_reading_m3` is what that may hide."""
     naive, united = _overlap(bodies)
     if not naive > OVERLAP_BOUND * united > 0.0:
         return None
+    core = core_of(meshes, bodies)
+    if core is None:
+        headline, other = "closed parts of one mesh overlap", {}
+    else:
+        headline = "a closed part lies inside another one, wound alike: filled, or a cavity that lost its winding?"
+        other = {"cavity_reading_m3": united - core.mass_kg}
     return Judgement(
         "self_intersection",
         "asset/overlapping-bodies",
-        "closed parts of one mesh overlap",
-        {"volume_m3": naive},
-        {"volume_m3": united},
+        headline,
+        {"volume_m3": naive, **other},
+        {"volume_m3": united, **other},
     )
 
 

@@ -22,6 +22,9 @@ _VOLUME_CONFIDENCE = {
     "hull": 0.1,
 }
 
+CORE_TEXT = "an inner shell wound like the one around it counts as filled, but may be a cavity that lost its winding"
+CORE_CONFIDENCE = 0.5  # Two readings, and nothing that tells them apart.
+
 
 def geometry_section(
     meshes: Sequence[Mesh],
@@ -55,11 +58,7 @@ def geometry_section(
         observed=mended.observed,
         reobserved=mended.reobserved,
         solid_kind=physical.solid.kind,
-        volume_m3=(
-            measured(physical.volume_m3, physical.method, confidence=unit.confidence)
-            if physical.method == "union"
-            else inferred(physical.volume_m3, physical.method, _VOLUME_CONFIDENCE[physical.method] * unit.confidence)
-        ),
+        volume_m3=_volume(physical, unit.confidence),
         surface_area_m2=physical.area_m2,
         wall_thickness_m=physical.wall,
         repaired_distance_m=_repaired_distance(mended, light),
@@ -69,6 +68,17 @@ def geometry_section(
             bounds=(off.attained, off.bound),
         ),
     )
+
+
+def _volume(physical: PhysicalSurface, unit_confidence: float) -> Evidence[float]:
+    """The volume by the method of the solid; with shells inside that may be cavities, down to what is left then."""
+    volume, core = physical.volume_m3, physical.solid.core
+    if core is not None:
+        method = f"{physical.method}; {CORE_TEXT}"
+        return inferred(volume, method, CORE_CONFIDENCE * unit_confidence, bounds=(volume - core.mass_kg, volume))
+    if physical.method == "union":
+        return measured(volume, physical.method, confidence=unit_confidence)
+    return inferred(volume, physical.method, _VOLUME_CONFIDENCE[physical.method] * unit_confidence)
 
 
 def _repaired_distance(mended: RepairResult, light: Budgeted) -> Evidence[float]:

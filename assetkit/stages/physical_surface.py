@@ -60,7 +60,7 @@ def physical_surface(
     rebuild = any(r.code == "asset/dirty-mesh" for r in mended.repairs)
     made, figures = solidify(light.meshes, bodies, rebuild=rebuild)
     solid, wall = with_wall(
-        replace(made, points=made.points - p_origin),
+        _moved(made, -p_origin),
         str(figures["method"]),
         homed := at_origin(light.meshes, p_origin),
         stated_m=options.shell_thickness_m,
@@ -81,6 +81,13 @@ def physical_surface(
         repairs=tuple(_with_distance(r, distance, size) for r in mended.repairs),
         distortions=(lost,) if rebuild else (),
     )
+
+
+def _moved(solid: Solid, shift: FloatArray) -> Solid:
+    core = solid.core
+    if core is not None:
+        core = replace(core, centre_of_mass_m=core.centre_of_mass_m + shift)
+    return replace(solid, points=solid.points + shift, core=core)
 
 
 def at_origin(meshes: Sequence[Mesh], p_origin: FloatArray) -> tuple[Mesh, ...]:
