@@ -13,7 +13,7 @@ from assetkit.source_inertials import applicable
 from assetkit.substances import STATED_TOLERANCE
 from geom.inertia import combine, mass_properties, of_sheet
 from schemas.asset import MassPart, Matrix3, Vec3, matrix3, vec3
-from schemas.diagnostics import Diagnostic
+from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, Source, declared
 from schemas.model import FloatArray
 from schemas.outcome import Repair
@@ -21,6 +21,7 @@ from schemas.physics import MassProperties, Solid
 
 COM_SLACK_SHARE, STATED_COM_SLACK_SHARE = 0.05, 0.01
 CORE_TRUST = 0.5  # Shells inside are filled or empty: nothing tells.
+TOLD_SHARE = 0.02  # Overlaps of materials that change the mass by less are not told.
 UNIFORMITY = 0.7  # how much to trust that the density is the same everywhere
 # How much to trust area times wall thickness, by how the thickness is known.
 WALL_TRUST: dict[Source, float] = {"declared": 0.9, "measured": 0.9, "inferred": 0.4, "default": 0.2}
@@ -56,15 +57,16 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
     parts, exact, judged = parts_of(solid, whole, clues, masses)
     total = combine([part.body for part in parts if part.body.mass_kg > 0.0])
     filling = filling_of(solid, clues.wall, clues.cavities)
-    volumes = [part.even.mass_kg for part in parts]
-    bounds = mass_bounds(
-        [part.substance for part in parts],
-        volumes,
-        [part.body.mass_kg for part in parts],
-        filling,
-        clues.unit,
-        exact=exact,
-    )
+    substances, volumes = [part.substance for part in parts], [part.even.mass_kg for part in parts]
+    bounds = mass_bounds(substances, volumes, [part.body.mass_kg for part in parts], filling, clues.unit, exact=exact)
+    if all(part.rival is not None for part in parts):
+        others = [part.rival_body.mass_kg for part in parts]
+        rivals = [(part.rival or part.even).mass_kg for part in parts]
+        bounds = bounds.or_else(
+            mass_bounds(substances, rivals, others, filling, clues.unit, exact=exact),
+            "what parts share may be of either",
+            total.mass_kg,
+        )
     if solid.kind == "shell":
         trust = WALL_TRUST["default" if clues.wall is None else clues.wall.source]
     return MassEvidence(
@@ -75,9 +77,23 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
         centre_of_mass_m=_centre(solid, parts, total, method, trust, clues.unit),
         inertia_kgm2=_inertia(parts, total, bounds, method, trust * clues.unit.confidence),
         parts=tuple(_recorded(part, sum(volumes), total.mass_kg) for part in parts),
-        diagnostics=(*notes, *(d for j in judged for d in j.diagnostics)),
+        diagnostics=(*notes, *(d for j in judged for d in j.diagnostics), *_shared(parts, total)),
         repairs=tuple(r for j in judged for r in j.repairs),
     )
+
+
+def _shared(parts: Sequence[Part], total: MassProperties) -> list[Diagnostic]:
+    """What is told when parts share volume and who keeps it changes the mass by 2 % or more."""
+    other_kg = sum(part.rival_body.mass_kg for part in parts)
+    if abs(other_kg - total.mass_kg) < TOLD_SHARE * total.mass_kg:
+        return []
+    densest = max(parts, key=lambda part: part.substance.density_kgm3.value).substance.material.value
+    headline = f"parts of different materials overlap: {densest} keeps what they share ({parts[0].shared})"
+    return [
+        finding(
+            "asset/overlapping-bodies", headline, value=total.mass_kg, bound=other_kg, unit="kg, if the others keep it"
+        )
+    ]
 
 
 def _mass(parts: Sequence[Part], total: MassProperties, bounds: Bounds, method: str, trust: float) -> Evidence[float]:
@@ -132,7 +148,8 @@ def _centre(
         )
     surface = of_sheet(solid.points, solid.triangles, 1.0, 1.0).centre_of_mass_m
     even = combine([p.even for p in parts if p.even.mass_kg > 0.0]).centre_of_mass_m
-    centres = np.stack([total.centre_of_mass_m, even, surface, _without_core(solid, even)])
+    rival = combine([p.rival_body for p in parts if p.rival_body.mass_kg > 0.0]).centre_of_mass_m
+    centres = np.stack([total.centre_of_mass_m, even, surface, rival, _without_core(solid, even)])
     factors = np.array([1.0, *(bound / unit.value for bound in unit.bounds or ())])
     centres = (centres * factors[:, None, None]).reshape(-1, 3)
     slack = COM_SLACK_SHARE * extent
@@ -199,7 +216,8 @@ def _method(parts: Sequence[Part], geometric: str) -> str:
     """How each substance got its mass, in few words."""
     stated = dict.fromkeys(p.substance.stated.method for p in parts if p.substance.stated is not None)
     dense = dict.fromkeys(p.substance.density_kgm3.method for p in parts if p.substance.stated is None)
-    return "; ".join([*stated, *(f"{geometric} times density: {method}" for method in dense)])
+    shared = [parts[0].shared] if parts[0].shared else []
+    return "; ".join([*stated, *(f"{geometric} times density: {method}" for method in dense), *shared])
 
 
 def _inputs(parts: Sequence[Part]) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -54,6 +54,12 @@ class Bounds:
         return causes + (
             f"; true spread {self.span:.3g}x, cut to {MAX_SPAN:g}x" if self.span > 1.001 * MAX_SPAN else ""
         )
+
+    def or_else(self, other: Bounds, cause: str, value: float) -> Bounds:
+        """Bounds around `value` that hold in this reading and in the `other`; `cause` says what the two differ in."""
+        low, high = min(self.low, other.low), max(self.high, other.high)
+        both = _within_span(value, low, high, (1.0, 1.0), (*self.causes, cause))
+        return replace(both, span=max(self.span, other.span, both.span))
 
     def ratios(self, value: float) -> tuple[float, float]:
         """Low and high as factors on the estimate."""

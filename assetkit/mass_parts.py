@@ -13,7 +13,7 @@ from assetkit.source_inertials import Judged, judge
 from assetkit.substances import Substance, substances_of, uniform
 from assetkit.unknown_density import unknown_density
 from geom.cavity import Cavity
-from geom.composition import divide
+from geom.composition import Division, divide
 from geom.inertia import mass_properties, scaled
 from schemas.evidence import Evidence, declared
 from schemas.model import Mesh
@@ -49,11 +49,21 @@ class Clues:
 
 @dataclass(frozen=True)
 class Part:
-    """A substance with the body it fills at 1 kg/m3 (`even`) and as heavy as it is taken to be (`body`)."""
+    """A substance with the body it fills at 1 kg/m3 (`even`) and as heavy as it is taken to be (`body`).
+
+    `rival` is the even body when volume that parts share goes to the others, for `shared` tells why it does not.
+    """
 
     substance: Substance
     even: MassProperties
     body: MassProperties
+    rival: MassProperties | None = None
+    shared: str = ""
+
+    @property
+    def rival_body(self) -> MassProperties:
+        """The body as heavy as it is in the other reading; the same one where there is none."""
+        return self.body if self.rival is None else _weighed(self.substance, self.rival)
 
     @property
     def confidence(self) -> float:
@@ -74,12 +84,12 @@ def parts_of(
         substances = (uniform(whole, full=full),)
     if not full:
         substances = _sized(substances, solid, clues.dense)
-    bodies, exact = (even,), True
+    made = Division((even,), True)
     if len(substances) > 1:
         groups = [[clues.meshes[i] for i in substance.meshes] for substance in substances]
-        bodies, exact = divide(solid, groups, [s.density_kgm3.value for s in substances])
-    parts: list[Part] = []
-    for substance, body in zip(substances, bodies, strict=True):
+        made = divide(solid, groups, [s.density_kgm3.value for s in substances])
+    exact, parts = made.exact, list[Part]()
+    for substance, body, rival in zip(substances, made.shares, made.rival or [None] * len(substances), strict=True):
         stated = substance.stated
         if stated is not None:
             points = solid.points
@@ -90,7 +100,7 @@ def parts_of(
             verdict = judge(stated, points, body, exact=exact and solid.kind == "closed")
             judged.append(verdict)
             substance = replace(substance, stated=verdict.stated)
-        parts.append(Part(substance, body, _weighed(substance, body)))
+        parts.append(Part(substance, body, _weighed(substance, body), rival, made.reason))
     return parts, exact, judged
 
 

@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from package_samples import mesh_from
 
+from assetkit.mass import mass_evidence
+from assetkit.mass_parts import Clues
 from geom.composition import divide
 from geom.inertia import combine, moved, of_box, scaled
 from geom.pose import pose
@@ -42,9 +44,9 @@ def without_face(mesh: Mesh, x_m: float) -> Mesh:
 
 def weighed(groups, densities) -> tuple[list[MassProperties], MassProperties, bool]:
     solid, _ = solidify([mesh for group in groups for mesh in group])
-    shares, exact = divide(solid, groups, densities)
-    bodies = [scaled(share, density) for share, density in zip(shares, densities, strict=True)]
-    return bodies, combine([b for b in bodies if b.mass_kg > 0]), exact
+    made = divide(solid, groups, densities)
+    bodies = [scaled(share, density) for share, density in zip(made.shares, densities, strict=True)]
+    return bodies, combine([b for b in bodies if b.mass_kg > 0]), made.exact
 
 
 def at(size, density, centre) -> MassProperties:
@@ -98,6 +100,45 @@ def test_a_bolt_buried_in_wood_displaces_it():
     assert bodies[1].mass_kg == pytest.approx(7850.0 * 0.1 * 0.02**2)
 
 
+def test_a_foam_core_stays_in_its_steel_case():
+    """The denser body would leave nothing of it."""
+    bodies, _, exact = weighed([[box((0.1, 0.1, 0.1))], [box((0.08, 0.08, 0.08))]], [7850.0, 50.0])
+    assert exact
+    assert bodies[0].mass_kg == pytest.approx(7850.0 * (0.1**3 - 0.08**3))
+    assert bodies[1].mass_kg == pytest.approx(50.0 * 0.08**3)
+
+
+def test_the_other_reading_gives_the_shared_volume_to_the_lighter():
+    """Two cubes, half in each other; a third far away shares nothing, a bolt wholly inside has no other reading."""
+    cubes = [[box((0.1, 0.1, 0.1))], [box((0.1, 0.1, 0.1), (0.05, 0, 0))], [box((0.1, 0.1, 0.1), (1.0, 0, 0))]]
+    solid, _ = solidify([mesh for group in cubes for mesh in group])
+    made = divide(solid, cubes, [650.0, 7850.0, 2700.0])
+    assert made.rival is not None
+    assert [s.mass_kg for s in made.shares] == pytest.approx([5e-4, 1e-3, 1e-3])
+    assert [s.mass_kg for s in made.rival] == pytest.approx([1e-3, 5e-4, 1e-3])
+    assert "denser" in made.reason
+    bolt = [[box((0.2, 0.2, 0.2))], [box((0.1, 0.02, 0.02))]]
+    assert divide(solidify([m for g in bolt for m in g])[0], bolt, [650.0, 7850.0]).rival is None
+    apart = [cubes[0], cubes[2]]
+    assert divide(solidify([m for g in apart for m in g])[0], apart, [650.0, 7850.0]).reason == ""
+
+
+def test_mass_bounds_hold_whichever_material_keeps_what_two_share():
+    meshes = [box((0.1, 0.1, 0.1), name="steel"), box((0.1, 0.1, 0.1), (0.05, 0, 0), name="wood")]
+    found = mass_evidence(solidify(meshes)[0], [], Clues(meshes=tuple(meshes)))
+    low, high = np.array(found.mass_kg.bounds)
+    lighter = 7850.0 * 5e-4 + 650.0 * 1e-3
+    assert low <= lighter <= found.mass_kg.value <= high
+    assert "denser" in found.mass_kg.method
+    (note,) = found.diagnostics
+    assert (note.code, note.bound) == ("asset/overlapping-bodies", pytest.approx(lighter))
+    assert "steel keeps" in note.headline
+    centre = combine([at((0.1,) * 3, 650, (0.05, 0, 0)), at((0.05, 0.1, 0.1), 7850, (-0.025, 0, 0))])
+    near, far = np.array(found.centre_of_mass_m.bounds)
+    assert (near <= centre.centre_of_mass_m).all()
+    assert (centre.centre_of_mass_m <= far).all()
+
+
 def test_among_equals_the_group_listed_first_keeps_it():
     groups = [[box((0.2, 0.1, 0.1))], [box((0.1, 0.1, 0.1), (0.1, 0, 0))]]
     bodies, total, _ = weighed(groups, [500.0, 500.0])
@@ -147,12 +188,12 @@ def test_sheets_divide_by_their_area():
     floor = tray.triangles_center[:, 2] < -0.049
     parts = cut(mesh_from(tray), floor)
     solid, _ = solidify(parts)
-    assert solid.kind == "shell"
-    shares, exact = divide(solid, [[parts[0]], [parts[1]]], [1.0, 2.0])
-    assert exact
-    assert shares[0].mass_kg == pytest.approx(0.06 * solid.wall_thickness_m)
-    assert shares[1].mass_kg == pytest.approx(0.1 * solid.wall_thickness_m)
-    assert_allclose(shares[0].centre_of_mass_m, [0, 0, -0.05], atol=1e-9)
+    assert solid.wall_thickness_m is not None
+    made = divide(solid, [[parts[0]], [parts[1]]], [1.0, 2.0])
+    assert made.exact
+    assert made.shares[0].mass_kg == pytest.approx(0.06 * solid.wall_thickness_m)
+    assert made.shares[1].mass_kg == pytest.approx(0.1 * solid.wall_thickness_m)
+    assert_allclose(made.shares[0].centre_of_mass_m, [0, 0, -0.05], atol=1e-9)
 
 
 @settings(max_examples=8, deadline=None)
@@ -161,10 +202,10 @@ def test_equal_densities_give_back_the_whole(seed):
     rng = np.random.default_rng(seed)
     groups = [[box(rng.uniform(0.05, 0.2, 3), rng.uniform(-0.1, 0.1, 3))] for _ in range(3)]
     solid, figures = solidify([mesh for group in groups for mesh in group])
-    shares, exact = divide(solid, groups, [1.0, 1.0, 1.0])
-    total = combine([share for share in shares if share.mass_kg > 0])
+    made = divide(solid, groups, [1.0, 1.0, 1.0])
+    total = combine([share for share in made.shares if share.mass_kg > 0])
     whole = trimesh.Trimesh(solid.points, solid.triangles, process=False)
-    assert exact
+    assert made.exact
     assert total.mass_kg == pytest.approx(figures["volume_m3"], rel=1e-9)
     assert_allclose(total.centre_of_mass_m, whole.center_mass, atol=1e-7)
     assert_allclose(total.inertia_kgm2, whole.moment_inertia, atol=1e-6 * np.abs(whole.moment_inertia).max())
