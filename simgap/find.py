@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from schemas.gap import (
 from schemas.model import FloatArray
 from simgap.all_effects import all_effects_losses
 from simgap.black_box import corrected
-from simgap.problem import Model, Problem, View
+from simgap.problem import Farsighted, Model, Problem, View
 from simgap.score import Comparison, compare, trial_losses
 from simgap.search import Map, Selection, select
 from simgap.splits import Trials
@@ -52,7 +53,7 @@ def find(
 
     `quick` leaves out the baseline with all effects at once.
     """
-    selection = select(problem, trials, "short_horizon", each)
+    selection = select(problem, trials, search_view(problem), each)
     box = _black_box(problem, selection, trials)
     leftover = compare(selection.final_losses, box)
     verdict = judge(problem, selection, trials.train, leftover)
@@ -84,14 +85,19 @@ def find(
     return Found(report, extension, selection)
 
 
+def search_view(problem: Problem) -> View:
+    """The roll-outs on which effects are chosen."""
+    return problem.search_view if isinstance(problem, Farsighted) else "short_horizon"
+
+
 def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
-    losses = all_effects_losses(problem, selection.null.model, trials, "short_horizon", selection.scale)
+    losses = all_effects_losses(problem, selection.null.model, trials, search_view(problem), selection.scale)
     return Rival(name="all_effects", heldout=float(losses.mean()))
 
 
 def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatArray:
     """Held-out losses of the final model with a black box on top of it."""
-    model, view = selection.final.model, "short_horizon"
+    model, view = selection.final.model, search_view(problem)
     teach = problem.residuals(model, trials.train, view)
     judged = problem.residuals(model, trials.test, view)
     better = corrected(problem.features(trials.train, view), teach, problem.features(trials.test, view), judged)
@@ -113,7 +119,13 @@ def _baseline(problem: Problem, trials: Trials) -> Baseline:
     return Baseline(metrics=metrics)
 
 
-def _gain(problem: Problem, selection: Selection, trials: Trials, view: View, horizon_s: float) -> Gain:
+def _gain(
+    problem: Problem,
+    selection: Selection,
+    trials: Trials,
+    view: Literal["short_horizon", "full_rollout"],
+    horizon_s: float,
+) -> Gain:
     """Held-out root mean square error, in noise levels, of the null refit and of the extended model."""
     floor = problem.noise_floor(trials.test, view)
     before, after = (

@@ -18,6 +18,8 @@ Errors = Callable[[Model], Sequence[FloatArray]]  # one array per trial, in nois
 _FEW = 9  # values of a strength tried before the local search
 _MANY = 24  # values of one shape parameter; of two: _GRID
 _GRID = (48, 6)
+_PHASE = "phase_rad"
+_WAVES = 120  # waves over a position: neighbours differ by about a radian at its ends
 _PROBE = 0.05  # share of a strength's range at which its signature is read off
 _CLIP = 1e4
 _LEAST_CLUSTERS = 12
@@ -169,6 +171,10 @@ def promising(errors: Errors, base: Fit, candidate: Candidate) -> list[dict[str,
 def _best_shapes(
     errors: Errors, base: Fit, model: Model, candidate: Candidate, shapes: Sequence[str]
 ) -> list[dict[str, float]]:
+    """The two best of a grid of shapes, each with its best strength.
+
+    A wave's phase is no part of the grid: any phase is a sum of the waves at none and at a quarter turn.
+    """
     strength = next(n for n in candidate.null if n not in shapes)
     low, high = candidate.bounds[strength]
     null = float(np.clip(candidate.null[strength], low, high))
@@ -177,22 +183,36 @@ def _best_shapes(
     weight = 1.0 / np.sqrt(1.0 + (r0 / KNEE) ** 2)
     rows = [k for k, (c, _) in enumerate(_parameters(base.free)) if not is_twin(c, candidate)]
     Q, _ = np.linalg.qr(base.solution.jac[:, rows] * weight[:, None])
-    y = weight * r0
-    y = y - Q @ (Q.T @ y)
-    counts = (_MANY,) if len(shapes) == 1 else _GRID
+
+    def beyond_base(column: FloatArray) -> FloatArray:
+        column = weight * column
+        return column - Q @ (Q.T @ column)
+
+    def signature(values: dict[str, float]) -> FloatArray:
+        moved = np.concatenate(errors((*model, Term(candidate, {**values, strength: null + probe}))))
+        return beyond_base((moved - r0) / probe)
+
+    y = beyond_base(r0)
+    wave = shapes[-1] == _PHASE
+    counts = (_WAVES,) if wave else (_MANY,) if len(shapes) == 1 else _GRID
     grids = [np.linspace(*candidate.bounds[n], k + 2)[1:-1] for n, k in zip(shapes, counts, strict=False)]
     scored = []
     for at in product(*grids):
         values = {**candidate.start, **dict(zip(shapes, (float(v) for v in at), strict=False))}
-        moved = np.concatenate(errors((*model, Term(candidate, {**values, strength: null + probe}))))
-        column = weight * (moved - r0) / probe
-        column = column - Q @ (Q.T @ column)
-        size = float(column @ column)
-        if size <= 1e-12:
+        phases = ({_PHASE: 0.0}, {_PHASE: 0.5 * np.pi}) if wave else ({},)
+        columns = np.stack([signature({**values, **p}) for p in phases], axis=1)
+        if (columns**2).sum() <= 1e-12:
             continue
-        value = float(np.clip(null - (column @ y) / size, low, high))
-        change = value - null
-        scored.append((2.0 * change * float(column @ y) + change**2 * size, {**values, strength: value}))
+        parts = -np.linalg.lstsq(columns, y, rcond=1e-6)[0]
+        if wave:
+            values[_PHASE] = float(np.arctan2(parts[1], parts[0]))
+            parts *= min(1.0, (high - null) / max(float(np.hypot(*parts)), 1e-300))
+            value = null + float(np.hypot(*parts))
+        else:
+            value = float(np.clip(null + parts[0], low, high))
+            parts = np.array([value - null])
+        change = columns @ parts
+        scored.append((2.0 * float(change @ y) + float(change @ change), {**values, strength: value}))
     return [values for _, values in sorted(scored, key=lambda s: s[0])[:2]]
 
 

@@ -16,6 +16,7 @@ from scipy import stats
 
 from simgap.fit import extend, fit, is_twin, rollout_errors, spread
 from simgap.problem import Model, Problem, View
+from simgap.score import compare
 
 _REPEATS = 3
 
@@ -31,10 +32,14 @@ class Repeatable(Protocol):
 
 @dataclass(frozen=True)
 class Numerics:
-    """Per parameter: half the width of what 95 % of repeats without the effect show, by roll-outs and directly."""
+    """Per parameter: half the width of what 95 % of repeats without the effect show, by roll-outs and directly.
+
+    gain   share of the loss that such repeats lose: for thresholds, which may lie anywhere where nothing meets them.
+    """
 
     fitted: Mapping[str, float] = field(default_factory=dict)
     direct: Mapping[str, float] = field(default_factory=dict)
+    gain: float = 0.0
 
 
 def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, found: Model) -> Numerics:
@@ -49,15 +54,20 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
     given = tuple(replace(t, candidate=c) for t, c in zip(base, known, strict=True))
     fitted: list[dict[str, float]] = []
     direct: list[dict[str, float]] = []
+    gains: list[dict[str, float]] = []
     for seed in range(_REPEATS):
         again = problem.repeated(base, seed)
         errors = rollout_errors(again, trials, view, spread(again, given, trials, view))
         null = fit(errors, known)
         own = again.direct(term.candidate, null.model, trials)
         starts = [term.values, *([own.values] if own is not None else [])]
-        fitted.append(extend(errors, null, term.candidate, starts).model[-1].values)
+        extended = extend(errors, null, term.candidate, starts)
+        fitted.append(extended.model[-1].values)
+        gains.append({"gain": compare(null.held_out, extended.held_out).gain})
         if own is not None:
             direct.append(own.values)
+    if term.candidate.probes:
+        return Numerics(gain=_reach({"gain": 0.0}, gains)["gain"])
     none = {n: v for n, v in term.candidate.null.items() if n not in term.candidate.shapes}
     none |= next((t.values for t in base if is_twin(t.candidate, term.candidate)), {})
     return Numerics(_reach(none, fitted), _reach(none, direct))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 from schemas.gap import Place
 from schemas.model import FloatArray
 from sim.effects.effect import Effect
 
-View = Literal["short_horizon", "full_rollout"]
+View = Literal["short_horizon", "long_horizon", "full_rollout"]
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,20 @@ class DirectEstimate:
     p_value: float
     trials: int
     held_out: FloatArray | None = None
+
+
+@runtime_checkable
+class Farsighted(Protocol):
+    """A problem whose roll-outs stay near the truth for long: its effects are chosen on long horizons.
+
+    Contacts make long roll-outs part ways for no cause; where there are none, the noise of a start stays as large
+    while what a cause does grows with time.
+    """
+
+    @property
+    def search_view(self) -> View:
+        """The view in which effects are chosen; `short_horizon` for all other problems."""
+        ...
 
 
 class Problem(Protocol):

@@ -26,6 +26,8 @@ MOST_EFFECTS = 4
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
 AS_GOOD = 0.05  # level at which the best beats another
 _FINALISTS = 6
+_TOLD = 3  # finalists by direct estimates
+_SHOWS = 0.3  # chance below which a quick look is followed by a long one
 _SCREEN_STEPS = 2
 _AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
 _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
@@ -99,22 +101,69 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
             break
         taken = {c.key for c in base.free}
         free = [c for c in problem.candidates() if c.key not in taken]
-        this = _round(base, errors, list(each(_screening(problem, errors, base, trials), free)))
+        near = (errors, base) if view == "short_horizon" else _nearby(problem, trials, base)
+        this = _round(base, errors, list(each(_screening(problem, *near, trials), free)))
         rounds.append(this)
         before = judged(base, level)
         worthy = _looking_ahead(errors, _worthy(this, base))
         confirmed = (t for t in worthy if _confirmed(before, judged(t.fit, level)))
         asked = ((t, numerics(problem, trials.train, view, base.model, t.fit.model)) for t in confirmed)
-        best, made_up = next(((t, n) for t, n in asked if t.fit.stands_out(n.fitted)), (None, Numerics()))
+        best, made_up = next(((t, n) for t, n in asked if _exceeds(t, n)), (None, Numerics()))
         if best is None:
             break
         rivals.append(_inseparable(errors, best, this.tried))
         accepted.append(best)
         beside.append(made_up)
         base = best.fit
+    for place in range(len(accepted) if len(accepted) > 1 else 0):
+        # What was chosen before the others were known is asked again beside them.
+        kept, best, these = _beside_others(problem, trials, errors, base, accepted[place], rounds[place])
+        rivals[place] = _inseparable(errors, best, these)
+        if best.candidate.key == accepted[place].candidate.key:
+            continue
+        made_up = numerics(problem, trials.train, view, kept.model, best.fit.model)
+        if _exceeds(best, made_up):
+            accepted[place], beside[place], base = best, made_up, best.fit
+            rounds[place] = _with(rounds[place], best)
+            losses = judged(base, scale)
     return Selection(
         null, null_losses, tuple(rounds), tuple(accepted), tuple(rivals), tuple(beside), base, losses, scale
     )
+
+
+def _beside_others(
+    problem: Problem, trials: Trials, errors: Errors, base: Fit, found: Trial, this: Round
+) -> tuple[Fit, Trial, list[Trial]]:
+    """The model without one accepted effect, the best in its place, and all that were tried there, best first.
+
+    Another takes the place of what was found only if it is better beyond chance.
+    """
+    kept = fit(errors, [c for c in _warm(base) if c.key != found.candidate.key])
+    taken = {c.key for c in kept.free}
+    least = RIVAL_SHARE * found.comparison.gain
+    asked = [t for t in this.tried if t.comparison.gain > least and t.candidate.key not in taken][:_FINALISTS]
+    now = {t.candidate.key: t.values for t in base.model}
+    tried = []
+    for t in asked:
+        starts = [now.get(t.candidate.key, t.fit.model[-1].values), t.fit.model[-1].values]
+        direct = problem.direct(t.candidate, kept.model, trials.train)
+        tried.append(_trial(kept, extend(errors, kept, t.candidate, starts), direct))
+    same = next(t for t in tried if t.candidate.key == found.candidate.key)
+    tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
+    ahead = compare(same.fit.held_out, tried[0].fit.held_out)
+    best = tried[0] if ahead.p_value < AS_GOOD and ahead.gain > _AHEAD_GAIN else same
+    return kept, best, tried
+
+
+def _with(this: Round, best: Trial) -> Round:
+    return replace(this, tried=tuple(best if t.candidate.key == best.candidate.key else t for t in this.tried))
+
+
+def _nearby(problem: Problem, trials: Trials, base: Fit) -> tuple[Errors, Fit]:
+    """The base on short horizons: enough to see which candidates are worth long ones."""
+    view = "short_horizon"
+    errors = rollout_errors(problem, trials.train, view, spread(problem, base.model, trials.train, view))
+    return errors, fit(errors, _warm(base))
 
 
 def _screening(problem: Problem, errors: Errors, base: Fit, trials: Trials) -> Callable[[Candidate], Trial]:
@@ -147,15 +196,36 @@ def _chance(comparison: Comparison, extended: Fit) -> float:
 
 
 def _round(base: Fit, errors: Errors, screened: list[Trial]) -> Round:
-    """The most promising ones fitted to the end; all in order of their gain."""
+    """The most promising ones, by their quick trial or by their direct estimate, fitted to the end; best first.
+
+    Where both say that chance does as well, no more is asked.
+    """
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
+    told = sorted(order, key=_told)
+    finalists = [t for t in (*order[:_FINALISTS], *told[:_TOLD]) if _shows(t)]
     tried = [
-        _trial(base, extend(errors, base, t.candidate, [t.fit.model[-1].values]), t.direct) if k < _FINALISTS else t
-        for k, t in enumerate(order)
+        _trial(base, extend(errors, base, t.candidate, _begun(t)), t.direct) if t in finalists else t for t in order
     ]
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
     p = adjusted([t.comparison.p_value for t in tried])
     return Round(tuple(tried), tuple(float(v) for v in p))
+
+
+def _shows(found: Trial) -> bool:
+    direct = 1.0 if found.direct is None else found.direct.p_value
+    return min(direct, found.comparison.p_value) < _SHOWS
+
+
+def _told(found: Trial) -> float:
+    """What the direct estimate leaves of the loss."""
+    direct = found.direct
+    return np.inf if direct is None or direct.held_out is None else float(direct.held_out.sum())
+
+
+def _begun(found: Trial) -> list[dict[str, float]]:
+    """Where a fit to the end begins."""
+    quick = found.fit.model[-1].values
+    return [quick] if found.direct is None or found.direct.values == quick else [quick, found.direct.values]
 
 
 def _worthy(this: Round, base: Fit) -> list[Trial]:
@@ -212,6 +282,10 @@ def _looking_ahead(errors: Errors, worthy: list[Trial]) -> list[Trial]:
         return worthy
     ahead = max(best_of_all[:2], key=lambda t: t.comparison.gain)
     return [ahead, *(t for t in worthy if t is not ahead)]
+
+
+def _exceeds(found: Trial, made_up: Numerics) -> bool:
+    return found.fit.stands_out(made_up.fitted) and found.comparison.gain > made_up.gain
 
 
 def _confirmed(before: FloatArray, after: FloatArray) -> bool:

@@ -47,7 +47,7 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
             where=found.candidate.where,
             confidence=_confidence(p, said, direct is True, bool(same) or drowned),
             routes={"heldout": True, "direct": direct is True},
-            parameters=parameters(term, widths),
+            parameters=parameters(term, _wider(widths, _unsure(term, said, selection.rivals))),
         )
         if same or drowned or direct is not True:
             names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
@@ -88,6 +88,13 @@ def _removed(selection: Selection, position: int) -> float:
     """
     gains = [t.comparison.gain for t in selection.accepted[position:]]
     return float(gains[0] / max(np.prod([1.0 - g for g in gains]), 1e-12))
+
+
+def _unsure(term: Term, direct: DirectEstimate | None, rivals: Sequence[Sequence[Trial]]) -> dict[str, float]:
+    """How far values lie from the direct estimate, and from those beside rivals of the other effects."""
+    others = [t.values for each in rivals for r in each for t in r.fit.model if t.candidate.key == term.candidate.key]
+    others += [dict(direct.values)] if direct is not None else []
+    return {n: max((abs(o[n] - v) for o in others), default=0.0) for n, v in term.values.items()}
 
 
 def _wider(widths: dict[str, float], least: Mapping[str, float]) -> dict[str, float]:

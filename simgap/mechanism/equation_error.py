@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import sparse
 
 from schemas.model import FloatArray, IntArray
 from sim.effects.effect import EffortMap, JointFriction, JointState, JointTorque, Series
@@ -24,29 +25,40 @@ from simgap.mechanism.terms import Applied, apply_terms
 from simgap.problem import Candidate, DirectEstimate, Model
 from simgap.score import paired_p
 
+BLOCKS = 0  # a span: stretches of one local cubic, side by side, all rows alike
+SPANS = (BLOCKS, 4, 8)  # in local cubics
+_FADE = 4  # power of a half sine
 
-def balance(declared: MechanismModel, logs: Sequence[Log]) -> Callable[[Model], list[FloatArray]]:
-    """Unexplained acceleration (b, j) per trial, rad/s2 or m/s2, of any model; b over blocks."""
+
+def balance(
+    declared: MechanismModel, logs: Sequence[Log], spans: Sequence[int] = (BLOCKS,)
+) -> Callable[[Model], list[list[FloatArray]]]:
+    """Unexplained acceleration of any model, rad/s2 or m/s2: per span, per trial (b, j); b over averages."""
     logs = [_inner(log) for log in logs]
+    averages = tuple(_averages(logs, span) for span in spans)
     stacks: dict[object, _Stack] = {}  # the last one: slopes of other terms leave readings and inputs as they are
 
-    def errors(model: Model) -> list[FloatArray]:
+    def errors(model: Model) -> list[list[FloatArray]]:
         applied = apply_terms(declared, model)
         if applied.maps not in stacks:
             stacks.clear()
             stacks[applied.maps] = _stack(logs, applied)
         stack = stacks[applied.maps]
         rest = _unexplained(applied, stack) / stack.magnified
-        means = np.add.reduceat(rest, stack.starts, axis=0) / stack.counts[:, None]
-        return np.split(means, stack.ends)
+        return [np.split(a.matrix @ rest, a.ends) for a in averages]
 
     return errors
 
 
-def in_noise_levels(unexplained: Callable[[Model], list[FloatArray]], model: Model) -> Errors:
-    """The balance over what is typically left of `model`, joint by joint."""
-    level = 1.4826 * np.median(np.abs(np.concatenate(unexplained(model))), axis=0) + 1e-12
-    return lambda at: clusters([e / level for e in unexplained(at)])
+def in_noise_levels(unexplained: Callable[[Model], list[list[FloatArray]]], model: Model) -> Errors:
+    """The balance over what is typically left of `model`, span by span and joint by joint."""
+    levels = [1.4826 * np.median(np.abs(np.concatenate(e)), axis=0) + 1e-12 for e in unexplained(model)]
+
+    def errors(at: Model) -> list[FloatArray]:
+        by_span = [[e / level for e in one] for one, level in zip(unexplained(at), levels, strict=True)]
+        return clusters([np.concatenate(trial) for trial in zip(*by_span, strict=True)])
+
+    return errors
 
 
 def estimate(errors: Errors, base: Fit, candidate: Candidate) -> DirectEstimate | None:
@@ -76,8 +88,8 @@ def refitted(errors: Errors, model: Model) -> Fit:
 class _Stack:
     """All rows of all trials below one another, and their blocks.
 
-    starts, counts   of the blocks; `ends` of the trials, in blocks; `spans` of the trials, in rows.
-    magnified        (n, j) how much larger accelerations (and their noise) are than as read.
+    spans       of the trials, in rows.
+    magnified   (n, j) how much larger accelerations (and their noise) are than as read.
     """
 
     t_s: FloatArray
@@ -85,10 +97,15 @@ class _Stack:
     qd_noise: FloatArray
     magnified: FloatArray
     step_s: float
-    starts: IntArray
-    counts: IntArray
-    ends: IntArray
     spans: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class _Averages:
+    """Weighted means over stretches of rows: `matrix` (b, n), and `ends` (t-1,) of the trials among them."""
+
+    matrix: sparse.csr_array
+    ends: IntArray
 
 
 def _inner(log: Log) -> Log:
@@ -104,11 +121,6 @@ def _stack(logs: Sequence[Log], applied: Applied) -> _Stack:
     series = [_centred(applied.sent(applied.recovered(log.series))) for log in logs]
     lengths = [len(s.t_s) for s in series]
     offsets = np.concatenate([[0], np.cumsum(lengths)])
-    starts = [
-        np.arange(a, a + max(n - log.block // 2, 1), log.block)
-        for a, n, log in zip(offsets[:-1], lengths, logs, strict=True)
-    ]
-    flat = np.concatenate(starts)
     magnified = [
         np.broadcast_to(_rms(s.columns["qdd"]) / _rms(log.series.columns["qdd"]), (n, len(log.smooth.qd_noise)))
         for s, log, n in zip(series, logs, lengths, strict=True)
@@ -119,11 +131,40 @@ def _stack(logs: Sequence[Log], applied: Applied) -> _Stack:
         qd_noise=np.concatenate([np.tile(log.smooth.qd_noise, (n, 1)) for log, n in zip(logs, lengths, strict=True)]),
         magnified=np.concatenate(magnified),
         step_s=float(np.median(np.concatenate([np.diff(s.t_s) for s in series]))),
-        starts=flat,
-        counts=np.diff(np.append(flat, offsets[-1])),
-        ends=np.cumsum([len(s) for s in starts])[:-1],
         spans=tuple(zip(offsets[:-1].tolist(), offsets[1:].tolist(), strict=True)),
     )
+
+
+def _averages(logs: Sequence[Log], span: int) -> _Averages:
+    counts = [len(log.series.t_s) for log in logs]
+    by_trial = [
+        _plain_means(n, log.block) if span == BLOCKS else _smooth_means(n, min(span * log.block, n))
+        for n, log in zip(counts, logs, strict=True)
+    ]
+    ends = np.cumsum([len(m.indptr) - 1 for m in by_trial])[:-1]
+    return _Averages(sparse.csr_array(sparse.block_diag(by_trial)), ends)
+
+
+def _plain_means(count: int, block: int) -> sparse.csr_array:
+    """Means (b, count) over stretches side by side; the last takes what is left."""
+    starts = np.arange(0, max(count - block // 2, 1), block)
+    lengths = np.diff(np.append(starts, count))
+    weights = np.repeat(1.0 / lengths, lengths)
+    return sparse.csr_array((weights, np.arange(count), np.append(starts, count)), shape=(len(starts), count))
+
+
+def _smooth_means(count: int, rows: int) -> sparse.csr_array:
+    """Means (b, count) over stretches that overlap by half, with weights that fade at both ends.
+
+    The noise of an acceleration is that of readings, derived twice: a smooth weight takes the derivatives over, and
+    the noise of a mean falls with the fifth power of the root of its length.
+    """
+    starts = np.arange(0, count - rows + 1, max(rows // 2, 1))
+    columns = starts[:, None] + np.arange(rows)
+    weights = np.sin(np.pi * (np.arange(rows) + 0.5) / rows) ** _FADE
+    weights = np.tile(weights / weights.sum(), len(starts))
+    ends = np.arange(0, weights.size + 1, rows)
+    return sparse.csr_array((weights, columns.ravel(), ends), shape=(len(starts), count))
 
 
 def _centred(series: Series) -> Series:

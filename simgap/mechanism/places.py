@@ -188,7 +188,7 @@ def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple
         "inertia_kgm2": (-0.8 * r.inertia, 4.0 * r.inertia),
         "limit_Nm": (0.1 * max(r.effort, 1e-9), 4.0 * max(r.effort, 1e-9)),
         "band_Nm": (0.0, max(r.effort, 1e-9)),
-        "count_per_rad": (2.0 / max(span, 1e-6), 120.0 / max(span, 1e-6)),
+        "count_per_rad": (2.0 / max(span, 1e-6), 300.0 / max(span, 1e-6)),
         "gap_rad": (0.0, 0.5 * span),
         "crossing_radps": (r.speed / 30.0, 30.0 * r.speed),
         "offset_rad": (-0.3 * span, 0.3 * span),

@@ -14,7 +14,7 @@ from sim.tree import mass_matrix
 from simgap.fit import Errors, Fit
 from simgap.measurement import Measurement
 from simgap.mechanism.build import build_mechanism
-from simgap.mechanism.equation_error import balance, estimate, in_noise_levels, refitted
+from simgap.mechanism.equation_error import SPANS, balance, estimate, in_noise_levels, refitted
 from simgap.mechanism.logs import log_of
 from simgap.mechanism.places import candidates_of, nuisances_of
 from simgap.mechanism.repeats import repeated
@@ -23,6 +23,7 @@ from simgap.mechanism.windows import Cut, cut, windows_of
 from simgap.problem import Candidate, DirectEstimate, Model, View
 
 HORIZON_S = 0.2  # jointed things move less per time than tossed ones: 80 ms would measure the encoder
+_LONG = 5  # short horizons that a long one lasts
 _LARGEST = 1e6
 _LARGEST_STEP_S = 5e-3
 _STEP_SWING = 0.06  # of a radian of the fastest controlled swing per step
@@ -51,6 +52,11 @@ class MechanismProblem:
     def trial_ids(self) -> tuple[str, ...]:
         """All trials, in file order."""
         return tuple(self._logs)
+
+    @property
+    def search_view(self) -> View:
+        """See `simgap.problem.Farsighted`."""
+        return "long_horizon"
 
     def channels(self) -> tuple[str, ...]:
         """One position channel per joint."""
@@ -98,7 +104,7 @@ class MechanismProblem:
         """See `simgap.problem.Problem`."""
         key = (tuple(trials), *((t.candidate.key, *t.values.items()) for t in model))
         if key not in self._balances:
-            unexplained = balance(self.declared, [self._logs[t] for t in trials])
+            unexplained = balance(self.declared, [self._logs[t] for t in trials], SPANS)
             errors = in_noise_levels(unexplained, model)
             self._balances[key] = errors, refitted(errors, model)
         return estimate(*self._balances[key], candidate)
@@ -131,8 +137,11 @@ class MechanismProblem:
 
     def _cut(self, trial: str, view: View) -> Cut:
         log = self._logs[trial]
-        rows = self._rows if view == "short_horizon" else None
-        return cut(len(log.series.t_s), rows, log.margin, self._windows)
+        length = len(log.series.t_s)
+        if view == "full_rollout":
+            return cut(length, None, log.margin)
+        rows = self._rows if view == "short_horizon" else _LONG * (self._rows - 1) + 1
+        return cut(length, rows, log.margin, self._windows, every=self._rows - 1)
 
 
 def _largest_step_s(declared: MechanismModel) -> float:

@@ -23,10 +23,10 @@ class Cut:
     compared: IntArray
 
 
-def cut(length: int, rows_per_window: int | None, margin: int = 0, most: int = 10**9) -> Cut:
-    """Windows of so many rows side by side, `margin` rows from either end; None: the whole trial as one.
+def cut(length: int, rows_per_window: int | None, margin: int = 0, most: int = 10**9, every: int | None = None) -> Cut:
+    """Windows of so many rows, `margin` rows from either end, one `every` so many; None: the whole trial as one.
 
-    Of more than `most` windows that many are kept, evenly over the trial.
+    They lie side by side unless `every` is given. Of more than `most` that many are kept, evenly over the trial.
     """
     inner = length - 2 * margin
     if rows_per_window is None or rows_per_window >= inner:
@@ -34,7 +34,7 @@ def cut(length: int, rows_per_window: int | None, margin: int = 0, most: int = 1
         starts, k = np.array([margin]), length - 2 * margin
     else:
         k = rows_per_window
-        starts = np.arange(margin, length - margin - k + 1, k - 1)
+        starts = np.arange(margin, length - margin - k + 1, every or k - 1)
         if len(starts) > most:
             starts = starts[np.unique(np.linspace(0, len(starts) - 1, most).round().astype(int))]
     compared = np.unique(np.linspace(1, k - 1, _COMPARED if rows_per_window else 40 * _COMPARED).round().astype(int))

@@ -35,7 +35,7 @@ def unexplained(
     logs = [log_of(t) for t in measurement.trials if t.id in set(trials)]
     effort = balance(problem.declared, logs)
     joint = next((j for j, link in enumerate(problem.declared.tree) if link.name == where.joint), 0)
-    without, with_law = (np.concatenate([e[:, joint] for e in effort(m)]) for m in ((), model))
+    without, with_law = (np.concatenate([e[:, joint] for e in effort(m)[0]]) for m in ((), model))
     state, words = _feature(problem, logs, joint, name)
     if len(state) != len(without):
         return None

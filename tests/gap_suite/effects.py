@@ -50,7 +50,7 @@ class HiddenEffect:
 
 _HEAVY = ("joint.armature", "joint.gravity_load", "sensor.clock_skew", "joint.spring")
 _LATE = ("actuator.delay", "sensor.latency")
-_PULL = ("joint.armature", "actuator.gain", "sensor.scale")
+_PULL = ("joint.armature", "actuator.gain", "sensor.scale", "sensor.clock_skew")
 _ZERO = ("joint.axis_tilt", "sensor.bias")
 _PUSH = ("actuator.bias", "joint.friction_asymmetry")
 _OFFSET = ("actuator.bias", "sensor.bias", "joint.axis_tilt")
@@ -232,6 +232,13 @@ EFFECTS: tuple[HiddenEffect, ...] = (
         whole=True,
     ),
 )
+
+# Listed as alone, yet the same law: with stamps that run fast by f under efforts held from row to row a joint obeys
+# I f^2 q'' = effort - weight, as with another inertia. Their cases count as pairs.
+SAME_LAW: Mapping[str, tuple[str, str]] = {
+    "joint.armature": ("driven", "sensor.clock_skew"),
+    "sensor.clock_skew": ("driven", "joint.armature"),
+}
 
 OUTSIDE: dict[str, Callable[[float, Sizes], Values]] = {
     "hum": lambda s, z: {"hum": s * z.torque},

@@ -9,7 +9,7 @@ import numpy as np
 from simgap.mechanism.problem import MechanismProblem
 from tests.gap_suite import mujoco_truth, truth
 from tests.gap_suite.case import Case, Family
-from tests.gap_suite.effects import EFFECTS, OUTSIDE, HiddenEffect, Sizes, hidden_numbers, with_friction
+from tests.gap_suite.effects import EFFECTS, OUTSIDE, SAME_LAW, HiddenEffect, Sizes, hidden_numbers, with_friction
 from tests.gap_suite.power import GAINS, ideal_gain, sized
 from tests.gap_suite.readings import declared_spec, measurement, read
 from tests.gap_suite.truth import STEP_S, Hidden, Plant
@@ -141,6 +141,11 @@ def _hidden(number: int, family: Family, scene: str, chosen: list[HiddenEffect],
             checked[one.name, parameter] = value + (
                 stage.plant.friction if parameter == "torque_Nm" and "coulomb" in one.name else 0.0
             )
+    same_scene, same = SAME_LAW.get(chosen[0].name, ("", ""))
+    if family == "single" and scene == same_scene:
+        family, chosen_doubles = "pair", (same,)
+    else:
+        chosen_doubles = chosen[0].scenes[scene]
     names = "+".join(e.name.partition(".")[2] for e in chosen)
     words = f"{scene} {names} {size} x{noise:.0f}" + (" mujoco" if stage.mujoco else "")
     return Case(
@@ -149,7 +154,7 @@ def _hidden(number: int, family: Family, scene: str, chosen: list[HiddenEffect],
         partial(stage.problem, hidden),
         declared_spec(stage.plant),
         truth=tuple(e.name if e.whole else f"{e.name}@{place}" for e in chosen),
-        doubles=frozenset((*chosen[0].scenes[scene], chosen[0].name)) if family == "pair" else frozenset(),
+        doubles=frozenset((*chosen_doubles, chosen[0].name)) if family == "pair" else frozenset(),
         checked=checked,
         size=size,
         ideal=gain,
