@@ -9,13 +9,17 @@ import numpy as np
 
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
 from schemas.gap import Trap
-from sim.body_replay import BodyReplay
 from sim.mechanism import MechanismModel, Windows, rollout
 from sim.tree import Tree
 from simgap import traps
 from simgap.events import EventProblem
+from simgap.free_body.build import build_body
 from simgap.free_body.problem import FreeBodyProblem
+from simgap.free_body.rigid import RigidMover
 from simgap.impact.problem import ImpactProblem
+from simgap.linkage.build import build_linkage
+from simgap.linkage.mover import LinkageMover
+from simgap.linkage.traps import linkage_engine_traps
 from simgap.measurement import Measurement
 from simgap.mechanism.problem import MechanismProblem
 from simgap.mechanism.terms import apply_terms
@@ -28,13 +32,12 @@ _FINER = 4.0  # the step size trap divides steps by this
 
 @dataclass(frozen=True)
 class Case:
-    """A measurement ready for the search; `joints` are empty for a free body."""
+    """A measurement ready for the search; `joints` are those of a mechanism."""
 
     measurement: Measurement
     problem: MechanismProblem | FreeBodyProblem | ImpactProblem | PushProblem
     trials: Trials
     joints: tuple[str, ...]
-    engine: BodyReplay | None
 
 
 def case_of(measurement: Measurement) -> Case:
@@ -48,18 +51,29 @@ def case_of(measurement: Measurement) -> Case:
         raise InvalidInput(finding("gap/too-few-trials", str(few), severity=Severity.ERROR)) from None
     try:
         if measurement.spec.kind == "mechanism":
-            return Case(measurement, MechanismProblem(measurement), trials, measurement.joints, None)
+            return Case(measurement, MechanismProblem(measurement), trials, measurement.joints)
         if measurement.spec.kind == "impact":
             impact = ImpactProblem(measurement, trials)
-            return Case(measurement, impact, impact.trials, (), None)
+            return Case(measurement, impact, impact.trials, ())
         if measurement.spec.kind == "push":
-            return Case(measurement, PushProblem(measurement), trials, (), None)
-        from sim.bullet_body import BulletBodyReplay  # Loads the engine, which mechanisms do not need.
-
-        engine = BulletBodyReplay()
-        return Case(measurement, FreeBodyProblem(measurement, engine), trials, (), engine)
+            return Case(measurement, PushProblem(measurement), trials, ())
+        return Case(measurement, FreeBodyProblem(measurement, mover_of(measurement)), trials, ())
     except ValueError as refused:
         raise InvalidInput(finding("gap/subject-unsupported-yet", str(refused))) from None
+
+
+def mover_of(measurement: Measurement, finer: float = 1.0) -> RigidMover | LinkageMover:
+    """The declared body with an engine in steps so many times finer. Raises ValueError for a subject it cannot hold."""
+    from sim.bullet_windows import LARGEST_STEP_S  # Loads the engine, which mechanisms do not need.
+
+    step_s, spec, root = LARGEST_STEP_S / finer, measurement.spec, measurement.root
+    if measurement.joints:
+        from sim.bullet_linkage import BulletLinkageReplay
+
+        return LinkageMover(build_linkage(spec, root), BulletLinkageReplay(step_s))
+    from sim.bullet_body import BulletBodyReplay
+
+    return RigidMover(build_body(spec, root), BulletBodyReplay(step_s))
 
 
 def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
@@ -76,15 +90,14 @@ def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
         return tuple(found)
     rate = traps.rate_frame_trap(case.measurement)
     found += [rate] if rate else []
-    if case.engine is not None:
-        from sim.bullet_body import BulletBodyReplay
-        from sim.bullet_windows import LARGEST_STEP_S
-
-        with BulletBodyReplay(LARGEST_STEP_S / _FINER) as finer:
-            # At small steps, so that a wrong convention is not confused with the error of a step.
-            found += traps.body_engine_traps(finer, problem.declared)
-            fine = FreeBodyProblem(case.measurement, finer)
-            found.append(traps.step_trap(problem, fine, case.trials.train))
+    # At small steps, so that a wrong convention is not confused with the error of a step.
+    finer = mover_of(case.measurement, _FINER)
+    if isinstance(finer, LinkageMover):
+        found += linkage_engine_traps(finer)
+    else:
+        found += traps.body_engine_traps(finer.engine, finer.declared)
+    found.append(traps.step_trap(problem, FreeBodyProblem(case.measurement, finer), case.trials.train))
+    finer.engine.close()
     return tuple(found)
 
 

@@ -76,3 +76,7 @@ class BodyReplay(Protocol):
     ) -> BodyMotion:
         """The motion from each start, in steps so many times `finer`. A window that diverges keeps its last state."""
         ...
+
+    def close(self) -> None:
+        """Free the engine's world; the object is of no use afterwards."""
+        ...

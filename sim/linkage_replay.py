@@ -69,6 +69,10 @@ class LinkageReplay(Protocol):
         """The motion from each start. `wrenches` act on every link by its share of the mass; `laws` on joints."""
         ...
 
+    def close(self) -> None:
+        """Free the engine's world; the object is of no use afterwards."""
+        ...
+
 
 def link_body(model: LinkageModel, name: str) -> BodyModel:
     """The link of that name as a body of its own, with the contact numbers of the base. Raises ValueError."""

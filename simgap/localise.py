@@ -120,6 +120,7 @@ def _body_slices(features: FloatArray, channels: Sequence[str]) -> Slices:
         "horizontal position": [c in ("position_x", "position_y") for c in channels],
         "vertical position": [c == "position_z" for c in channels],
         "rotation": [c.startswith("rotation") for c in channels],
+        **{f"joint {c[2:]}": [c == other for other in channels] for c in channels if c.startswith("q_")},
     }
     phases = body_phases(features)
     return {

@@ -16,6 +16,7 @@ from simgap.mechanism.windows import cut, windows_of
 from simgap.problem import Model, Problem
 from simgap.trial import Trial
 
+_TWIST = 6  # channels of a pose: position and rotation vector
 _POSE = ("px", "py", "pz", "qw", "qx", "qy", "qz")
 
 
@@ -23,7 +24,7 @@ _POSE = ("px", "py", "pz", "qw", "qx", "qy", "qz")
 class Replay:
     """One trial: stamps (k,), column names, measured and simulated columns (k, m), errors (k, c) per channel.
 
-    Joints in rad or m; bodies as position in m and quaternion wxyz.
+    Joints in rad or m; bodies as position in m and quaternion wxyz, then their joints.
     """
 
     trial: str
@@ -42,10 +43,12 @@ def replay(problem: Problem, trial: Trial, model: Model) -> Replay:
         return Replay(trial.id, t_s, problem.channels(), measured, measured + errors, errors)
     since = problem.features([trial.id], "full_rollout")[0][:, -1]
     rows = np.clip(np.searchsorted(trial.t_s, trial.t_s[0] + since - 1e-9), 0, len(trial) - 1)
-    measured = np.concatenate([trial.p[rows], trial.quat_wxyz[rows]], axis=1)
-    turned = Rotation.from_rotvec(errors[:, 3:]) * Rotation.from_quat(np.roll(trial.quat_wxyz[rows], -1, axis=1))
-    simulated = np.concatenate([trial.p[rows] + errors[:, :3], np.roll(turned.as_quat(), 1, axis=1)], axis=1)
-    return Replay(trial.id, trial.t_s[rows], _POSE, measured, simulated, errors)
+    joints = problem.channels()[_TWIST:]
+    measured = np.concatenate([trial.p[rows], trial.quat_wxyz[rows], trial.q[rows, : len(joints)]], axis=1)
+    turned = Rotation.from_rotvec(errors[:, 3:_TWIST]) * Rotation.from_quat(np.roll(trial.quat_wxyz[rows], -1, axis=1))
+    turns = trial.q[rows, : len(joints)] + errors[:, _TWIST:]
+    simulated = np.concatenate([trial.p[rows] + errors[:, :3], np.roll(turned.as_quat(), 1, axis=1), turns], axis=1)
+    return Replay(trial.id, trial.t_s[rows], (*_POSE, *joints), measured, simulated, errors)
 
 
 def joint_windows(trial: Trial, applied: Applied) -> Windows:

@@ -145,12 +145,13 @@ def joint_engine_traps(engine: JointReplay, model: MechanismModel) -> tuple[Trap
         _, qd = engine(pushed, Windows(t[None, :6], np.zeros((1, n)), np.zeros((1, n)), effort=effort[:, :6]), ())
         worst_inertia = max(worst_inertia, abs(qd[0, -1, j] / (0.1 * t[5]) - 1.0))
     return (
-        _held("joint_motor_and_damping_off", worst_rate, "energy that a free joint loses or gains in 0.5 s"),
-        _held("joint_inertia_held", worst_inertia, "error of the acceleration under a known effort"),
+        held("joint_motor_and_damping_off", worst_rate, "energy that a free joint loses or gains in 0.5 s"),
+        held("joint_inertia_held", worst_inertia, "error of the acceleration under a known effort"),
     )
 
 
-def _held(name: str, error: float, what: str, bound: float = AGREES) -> Trap:
+def held(name: str, error: float, what: str, bound: float = AGREES) -> Trap:
+    """A trap that is avoided when a relative error stays below its bound."""
     return Trap(name=name, status="ok" if error < bound else "suspect", evidence=f"{what}: {error:.2%}")
 
 
@@ -180,7 +181,7 @@ def _flight(
 def _mass(engine: BodyReplay, model: BodyModel) -> Trap:
     force = np.array([model.mass_kg, 0.0, 0.0])
     motion = _flight(engine, _flying(model), 0.1, np.zeros(3), np.zeros(3), (force, np.zeros(3)))
-    return _held("mass_held", abs(motion.v_W[0, -1, 0] / 0.1 - 1.0), "error of the acceleration under a known force")
+    return held("mass_held", abs(motion.v_W[0, -1, 0] / 0.1 - 1.0), "error of the acceleration under a known force")
 
 
 def _inertia(engine: BodyReplay, model: BodyModel) -> Trap:
@@ -190,22 +191,22 @@ def _inertia(engine: BodyReplay, model: BodyModel) -> Trap:
         torque = 0.1 * axis * float(model.inertia_B.diagonal() @ axis)
         motion = _flight(engine, _flying(model), 0.1, np.zeros(3), np.zeros(3), (np.zeros(3), torque))
         spins.append(motion.w_B[0, -1] / 0.1 / (torque @ axis))
-    held = np.linalg.inv(np.array(spins).T)
-    error = float(np.abs(held - model.inertia_B).max() / np.abs(model.inertia_B).max())
-    return _held("inertia_held", error, "error of the inertia seen in the engine against the declared one")
+    seen = np.linalg.inv(np.array(spins).T)
+    error = float(np.abs(seen - model.inertia_B).max() / np.abs(model.inertia_B).max())
+    return held("inertia_held", error, "error of the inertia seen in the engine against the declared one")
 
 
 def _damping(engine: BodyReplay, model: BodyModel) -> Trap:
     spin = np.linalg.eigh(model.inertia_B)[1][:, 2] * 5.0
     motion = _flight(engine, replace(_flying(model), com_B=np.zeros(3)), 1.0, np.array([1.0, 0.0, 0.0]), spin)
     lost = max(1.0 - np.linalg.norm(motion.v_W[0, -1]), 1.0 - np.linalg.norm(motion.w_B[0, -1]) / 5.0)
-    return _held("damping_off", abs(float(lost)), "speed lost in 1 s of free flight without drag", 1e-3)
+    return held("damping_off", abs(float(lost)), "speed lost in 1 s of free flight without drag", 1e-3)
 
 
 def _gravity(engine: BodyReplay, model: BodyModel) -> Trap:
     motion = _flight(engine, replace(model, has_support=False), 0.2, np.zeros(3), np.zeros(3))
     error = np.linalg.norm(motion.v_W[0, -1] / 0.2 - model.gravity_W) / max(np.linalg.norm(model.gravity_W), 1e-9)
-    return _held("gravity_held", float(error), "error of the acceleration in free fall")
+    return held("gravity_held", float(error), "error of the acceleration in free fall")
 
 
 def _friction(engine: BodyReplay, model: BodyModel) -> Trap:

@@ -12,7 +12,7 @@ def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) ->
 
 EFFECT = Effect(
     name="joint.spring",
-    kinds=("mechanism", "tracking"),
+    kinds=("mechanism", "free_body", "tracking"),
     formula="tau = -stiffness_Nm_per_rad * (q - rest_rad)",
     source="R. Hooke, De potentia restitutiva, 1678",
     reveals="unexplained torque is a straight line over position",

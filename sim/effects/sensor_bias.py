@@ -17,7 +17,7 @@ def _recover(series: Series, params: Params, where: Place) -> Series:
 
 EFFECT = Effect(
     name="sensor.bias",
-    kinds=("mechanism", "tracking"),
+    kinds=("mechanism", "free_body", "tracking"),
     formula="reading = truth + offset_rad",
     source="encoder zero",
     reveals="gravity or the controller acts as if at another position",

@@ -7,7 +7,7 @@ with the rest count less (Cauchy's weights).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from scipy import stats
@@ -19,6 +19,7 @@ from simgap.free_body.toss import Toss
 from simgap.problem import Candidate, DirectEstimate
 
 Estimator = Callable[[Toss], "Evidence | None"]
+Routes = Mapping[str, tuple[Estimator, ...]]
 _LEAST = 3
 _HEAVIEST = 3.0  # times the median toss
 _ROUNDS = 5
@@ -26,7 +27,7 @@ _BLIND = 1e-6
 _KNOWN = 0.003  # share to which lengths, masses and shapes are what their file says
 
 # A length scale shows in falls and in the height at rest: both must tell the same.
-ESTIMATORS: dict[str, tuple[Estimator, ...]] = {
+ESTIMATORS: Routes = {
     "contact.friction": (contact.friction,),
     "contact.restitution": (contact.restitution,),
     "contact.anisotropic_friction": (contact.anisotropy,),
@@ -46,13 +47,16 @@ ESTIMATORS: dict[str, tuple[Estimator, ...]] = {
 
 
 def estimate(
-    candidate: Candidate, tosses: Sequence[Toss], biases: Sequence[FloatArray] | None = None
+    candidate: Candidate,
+    tosses: Sequence[Toss],
+    biases: Sequence[FloatArray] | None = None,
+    routes_to: Routes = ESTIMATORS,
 ) -> DirectEstimate | None:
     """The candidate's parameters over all tosses; None where no estimator is or fewer than three tosses tell.
 
     `biases` (see `biases_of`) are part of the errors.
     """
-    estimators, names = ESTIMATORS.get(candidate.effect.name, ()), list(candidate.null)
+    estimators, names = routes_to.get(candidate.effect.name, ()), list(candidate.null)
     routes = []
     for estimator, bias in zip(estimators, biases or [np.zeros(len(names))] * len(estimators), strict=True):
         pooled = _pooled(estimator, tosses)
@@ -74,7 +78,9 @@ def estimate(
     return DirectEstimate(named, spread, min(p, 1.0), trials)
 
 
-def biases_of(candidate: Candidate, simulated: Sequence[Sequence[Toss]]) -> tuple[FloatArray, ...]:
+def biases_of(
+    candidate: Candidate, simulated: Sequence[Sequence[Toss]], routes_to: Routes = ESTIMATORS
+) -> tuple[FloatArray, ...]:
     """(k,) per estimator: what it reads, all the same, off motions in which nothing is hidden.
 
     `simulated`: roll-outs of the declared model, one sequence per step size; the worst of them counts. Where they do
@@ -82,7 +88,7 @@ def biases_of(candidate: Candidate, simulated: Sequence[Sequence[Toss]]) -> tupl
     """
     null = np.array(list(candidate.null.values()))
     out = []
-    for estimator in ESTIMATORS.get(candidate.effect.name, ()):
+    for estimator in routes_to.get(candidate.effect.name, ()):
         read = [r[0][: len(null)] - null for tosses in simulated if (r := _pooled(estimator, tosses)) is not None]
         out.append(np.abs(read).max(axis=0) if read else np.zeros(len(null)))
     return tuple(out)

@@ -18,11 +18,12 @@ TOLERANCE = 0.05
 # Two engines, and sliding and impacts in one, differ by this much about the friction of a pair.
 FRICTION_TOLERANCE = 0.15
 # Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
-_STEP, _NUISANCE_STEP = 0.02, 0.2
+STEP, _NUISANCE_STEP = 0.02, 0.2
 _COARSEST = 0.2
 _SEEN, _SMALL = 0.05, 0.02  # level of "something is there"; share of the bounds that is little
 _NEED_SUPPORT = ("contact", "body.size")
-_PLAIN = (
+_NEED_JOINTS = ("joint", "sensor.bias")
+PLAIN = (
     "body.size",
     "world.gravity_magnitude",
     "sensor.scale",
@@ -41,22 +42,22 @@ def candidates_of(
     """
     out = []
     for each in EFFECTS:
-        if "free_body" not in each.kinds or each.family == "joint" or not _observable(each, model):
+        if "free_body" not in each.kinds or not _observable(each, model):
             continue
-        null = each.null() | _declared(each.name, model)
-        table = _bounds(model, series)
+        null = each.null() | declared_of(each.name, model)
+        table = bounds_of(model, series)
         bounds = {p.name: table.get((each.name, p.name), (p.low, p.high)) for p in each.parameters}
         start = {n: float(np.clip(v, *bounds[n])) for n, v in null.items()}
-        wide = Candidate(each, _where(each), null, start, bounds, step=_STEP)
+        wide = Candidate(each, _where(each), null, start, bounds, step=STEP)
         direct = told(wide) if told else None
         if direct is None:
             out.append(wide)
-        elif not _absent(wide, direct):
-            out.append(_narrowed(wide, direct) if each.name in _PLAIN else wide)
+        elif not absent(wide, direct):
+            out.append(narrowed(wide, direct) if each.name in PLAIN else wide)
     return tuple(out)
 
 
-def _absent(wide: Candidate, direct: DirectEstimate) -> bool:
+def absent(wide: Candidate, direct: DirectEstimate) -> bool:
     """Whether the direct estimate sees nothing, and would see a small share of what is possible."""
     if direct.p_value < _SEEN:
         return False
@@ -90,7 +91,7 @@ def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
     return tuple(out)
 
 
-def _narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
+def narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
     """The candidate with bounds from no effect to the direct estimate, and a little beyond both."""
     bounds, step = {}, wide.step
     for name, (low, high) in wide.bounds.items():
@@ -106,6 +107,8 @@ def _narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
 def _observable(each: Effect, model: BodyModel) -> bool:
     if not model.has_support and each.name.startswith(_NEED_SUPPORT):
         return False
+    if each.name.startswith(_NEED_JOINTS):
+        return False
     # A passive body shows its mass only through forces that do not scale with it.
     return each.name != "body.mass"
 
@@ -116,7 +119,7 @@ def _where(each: Effect) -> Place:
     return Place(body="body") if each.family == "body" else Place()
 
 
-def _declared(name: str, model: BodyModel) -> dict[str, float]:
+def declared_of(name: str, model: BodyModel) -> dict[str, float]:
     """Parameter values that the subject declares."""
     g = float(np.linalg.norm(model.gravity_W))
     com = {f"{axis}_m": float(v) for axis, v in zip("xyz", model.com_B, strict=True)}
@@ -128,7 +131,7 @@ def _declared(name: str, model: BodyModel) -> dict[str, float]:
     }.get(name, {})
 
 
-def _bounds(model: BodyModel, series: Sequence[Series]) -> dict[tuple[str, str], tuple[float, float]]:
+def bounds_of(model: BodyModel, series: Sequence[Series]) -> dict[tuple[str, str], tuple[float, float]]:
     """Bounds that follow from the body's size and speed: forces up to half its weight, offsets up to a third of it."""
     g = float(np.linalg.norm(model.gravity_W)) or 9.81
     speed = max(

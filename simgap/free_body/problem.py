@@ -9,23 +9,19 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from geom.support import heights
 from schemas.model import FloatArray
-from sim.body_replay import BodyModel, BodyReplay, BodyWindows
 from sim.effects.effect import Series
-from simgap.free_body.build import build_body
 from simgap.free_body.direct import biases_of, estimate
-from simgap.free_body.places import candidates_of, nuisances_of
+from simgap.free_body.mover import Columns, Mover
 from simgap.free_body.repeats import moved, repeated
-from simgap.free_body.terms import AppliedBody, apply_terms
-from simgap.free_body.toss import Toss, corners
+from simgap.free_body.terms import AppliedBody
+from simgap.free_body.toss import Toss
 from simgap.measurement import Measurement
 from simgap.problem import Candidate, DirectEstimate, Model, View
 from simgap.splits import split_trials
 from simgap.trial import Trial
 
 HORIZON_S = 0.081
-_LARGEST_M, _LARGEST_RAD = 1e3, np.pi
 _COMPARED = 4  # rows per short window that are compared
 _IN_FLIGHT, _AT_REST, _IN_CONTACT = 3, 1, 6  # most windows per trial; where nothing is met, few tell all
 _FEW, _FINER = 12, 4.0  # trials that tell the error of a step; how much finer steps must be
@@ -35,11 +31,10 @@ _CLEAR, _MOVED = 0.1, 0.01  # shares of the body's size: this far from the suppo
 class FreeBodyProblem:
     """Engine roll-outs against poses; direct estimates from flight, impacts, sliding and rest."""
 
-    def __init__(self, measurement: Measurement, engine: BodyReplay, horizon_s: float = HORIZON_S) -> None:
+    def __init__(self, measurement: Measurement, mover: Mover, horizon_s: float = HORIZON_S) -> None:
         self.measurement = measurement
-        self.declared: BodyModel = build_body(measurement.spec, measurement.root)
+        self.mover = mover
         self.horizon_s = horizon_s
-        self._engine = engine
         self._series = {t.id: _series(t) for t in measurement.trials}
         step = float(np.median(np.concatenate([np.diff(s.t_s) for s in self._series.values()])))
         self._rows = max(4, round(horizon_s / step) + 1)
@@ -56,11 +51,11 @@ class FreeBodyProblem:
     @cached_property
     def _candidates(self) -> tuple[Candidate, ...]:
         taught = split_trials(self.measurement.spec, self.trial_ids).train
-        return candidates_of(self.declared, [self._series[t] for t in taught], lambda c: self.direct(c, (), taught))
+        return self.mover.candidates([self._series[t] for t in taught], lambda c: self.direct(c, (), taught))
 
     def channels(self) -> tuple[str, ...]:
-        """Position and the rotation vector between simulated and measured, world axes."""
-        return ("position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z")
+        """Position and the rotation vector between simulated and measured, world axes; then joints."""
+        return self.mover.channels
 
     def candidates(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`."""
@@ -68,19 +63,19 @@ class FreeBodyProblem:
 
     def nuisances(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`."""
-        return nuisances_of(self.declared)
+        return self.mover.nuisances()
 
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
         """See `simgap.problem.Problem`; m and rad."""
         return self._errors(model, trials, view, 1.0)
 
     def _errors(self, model: Model, trials: Sequence[str], view: View, finer: float) -> list[FloatArray]:
-        applied = apply_terms(self.declared, model)
+        applied = self.mover.apply(model)
         series = [applied.recovered(self._series[trial]) for trial in trials]
         cuts = [self._cut(trial, view) for trial in trials]
         # Windows of equal length are rolled out together, whatever trial they are of.
         lengths = [rows.shape[1] for rows, _ in cuts]
-        out: list[FloatArray] = [np.zeros((0, 6))] * len(series)
+        out: list[FloatArray] = [np.zeros((0, len(self.mover.channels)))] * len(series)
         for length in dict.fromkeys(lengths):
             of = [n for n, k in enumerate(lengths) if k == length]
             errors = self._rolled(applied, [series[n] for n in of], [cuts[n][0] for n in of], cuts[of[0]][1], finer)
@@ -96,7 +91,7 @@ class FreeBodyProblem:
         compared: np.ndarray,
         finer: float,
     ) -> list[FloatArray]:
-        """Errors (w * c, 6) per series from windows of equally many rows (w, k) each."""
+        """Errors (w * c, channels) per series from windows of equally many rows (w, k) each."""
 
         def picked(name: str, first_only: bool) -> FloatArray:
             parts = zip(series, rows, strict=True)
@@ -105,23 +100,25 @@ class FreeBodyProblem:
         # Rows that are not compared need not be stopped at.
         rows, compared = [r[:, [0, *compared]] for r in rows], np.arange(1, len(compared) + 1)
         t_s = np.concatenate([s.t_s[r] for s, r in zip(series, rows, strict=True)])
-        start = {name: picked(name, True) for name in ("p", "quat_wxyz", "v_W", "w_B")}
-        motion = self._engine.rollout(applied.body, BodyWindows(t_s=t_s, **start), applied.wrenches, finer)
-        simulated = _reported(applied, t_s, motion.p, motion.quat_wxyz)
-        measured = _reported(applied, t_s, picked("p", False), picked("quat_wxyz", False))
-        errors = _errors(*(v[:, compared] for v in (*simulated, *measured)))
+        start = {name: picked(name, True) for name in self.mover.state}
+        motion = self.mover.roll(applied, t_s, start, finer)
+        simulated = _reported(applied, t_s, {name: motion[name] for name in self.mover.read})
+        measured = _reported(applied, t_s, {name: picked(name, False) for name in self.mover.read})
+        errors = self.mover.errors(*({n: v[:, compared] for n, v in c.items()} for c in (simulated, measured)))
         return np.split(errors, np.cumsum([len(r) * len(compared) for r in rows])[:-1])
 
     def features(self, trials: Sequence[str], view: View) -> list[FloatArray]:
-        """Velocity, turning rate (world), height of the lowest point at the start, and the time since."""
+        """Velocity, turning rate (world), height of the lowest point and joints at the start, and the time since."""
         out = []
         for trial in trials:
             series = self._series[trial]
             rows, compared = self._cut(trial, view)
             first = rows[:, 0]
             R = Rotation.from_quat(np.roll(series.columns["quat_wxyz"][first], -1, axis=1))
-            gap = self.gaps(series)[first, None]
-            start = np.concatenate([series.columns["v_W"][first], R.apply(series.columns["w_B"][first]), gap], axis=1)
+            gap = self.mover.gaps(series)[first, None]
+            joints = [series.columns[n][first] for n in ("q", "qd") if n in self.mover.state]
+            rates = [series.columns["v_W"][first], R.apply(series.columns["w_B"][first])]
+            start = np.concatenate([*rates, gap, *joints], axis=1)
             since = series.t_s[rows[:, compared]] - series.t_s[first][:, None]
             out.append(np.concatenate([np.repeat(start, len(compared), axis=0), since.reshape(-1, 1)], axis=1))
         return out
@@ -129,33 +126,29 @@ class FreeBodyProblem:
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         """See `simgap.problem.Problem`."""
         if candidate.key not in self._biases:
-            self._biases[candidate.key] = biases_of(candidate, self._simulated)
-        return estimate(candidate, self._tosses(model, tuple(trials)), self._biases[candidate.key])
+            self._biases[candidate.key] = biases_of(candidate, self._simulated, self.mover.routes(candidate))
+        read = self._tosses(model, tuple(trials))
+        return estimate(candidate, read, self._biases[candidate.key], self.mover.routes(candidate))
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
         """See `simgap.problem.Problem`: reading noise twice, the start's velocity noise carried along, and numerics.
 
         Numerics: what steps four times finer change. Nothing smaller than that is physics.
         """
-        noise, length = self.measurement.noise, self.horizon_s
-        p, turn = noise.p_m or 1e-4, noise.rotation_rad or 1e-3
-        v = noise.v_mps or p / self._step_s
-        w = noise.w_radps or turn / self._step_s
-        position = 2.0 * p**2 + (v * length) ** 2 / 3.0
-        rotation = 2.0 * turn**2 + (w * length) ** 2 / 3.0
+        of_readings = self.mover.reading_noise(self.measurement.noise, self._step_s, self.horizon_s)
         few = tuple(trials)[:_FEW]
         if (few, view) not in self._numeric:
             usual, fine = (np.concatenate(self._errors((), few, view, finer)) for finer in (1.0, _FINER))
             self._numeric[few, view] = ((fine - usual) ** 2).mean(axis=0)
-        return np.sqrt(np.array([position] * 3 + [rotation] * 3) + self._numeric[few, view])
+        return np.sqrt(of_readings + self._numeric[few, view])
 
     @cached_property
     def _simulated(self) -> list[list[Toss]]:
         """Full roll-outs of the declared model from the first rows of training trials, at two step sizes."""
         few = split_trials(self.measurement.spec, self.trial_ids).train[:_FEW]
-        declared = apply_terms(self.declared, ())
+        declared = self.mover.apply(())
         return [
-            [Toss(declared, moved(self._engine, declared, self._series[t], finer)) for t in few]
+            [self.mover.toss(declared, moved(self.mover, declared, self._series[t], finer)) for t in few]
             for finer in (1.0, _FINER)
         ]
 
@@ -163,30 +156,22 @@ class FreeBodyProblem:
         """See `simgap.numerics.Repeatable`; in finer steps, so that their error shows."""
         here = self.measurement
         trials = repeated(
-            self._engine,
-            apply_terms(self.declared, model),
+            self.mover,
+            self.mover.apply(model),
             here.trials,
             [self._series[t.id] for t in here.trials],
             here.noise,
             _FINER,
             seed,
         )
-        return FreeBodyProblem(replace(here, trials=trials), self._engine, self.horizon_s)
-
-    def gaps(self, series: Series) -> FloatArray:
-        """(n,) distance of the lowest point of the declared shapes from the support; negative is penetration."""
-        body = self.declared
-        R = Rotation.from_quat(np.roll(series.columns["quat_wxyz"], -1, axis=1)).as_matrix()
-        level = Rotation.align_vectors([[0.0, 0.0, 1.0]], [body.plane_normal_W])[0].as_matrix()
-        origins = series.columns["p"] @ level.T - np.array([0.0, 0.0, body.plane_height_m])
-        return heights(body.shapes, origins, level @ R)
+        return FreeBodyProblem(replace(here, trials=trials), self.mover, self.horizon_s)
 
     def _tosses(self, model: Model, trials: tuple[str, ...]) -> list[Toss]:
         """Trials as they truly are under the model; those of the last call are kept."""
         asked = (tuple((t.candidate.key, tuple(t.values.items())) for t in model), trials)
         if self._read[0] != asked:
-            applied = apply_terms(self.declared, model)
-            self._read = (asked, [Toss(applied, applied.recovered(self._series[t])) for t in trials])
+            applied = self.mover.apply(model)
+            self._read = (asked, [self.mover.toss(applied, applied.recovered(self._series[t])) for t in trials])
         return self._read[1]
 
     def _cut(self, trial: str, view: View) -> tuple[np.ndarray, np.ndarray]:
@@ -209,15 +194,11 @@ class FreeBodyProblem:
         starts = np.arange(0, len(p) - k + 1, k - 1)
         rows = starts[:, None] + np.arange(k)
         flying = np.ones(len(starts), dtype=bool)
-        resting = np.ptp(p[rows], axis=1).max(axis=1) < _MOVED * self._size
-        if self.declared.has_support:
-            flying = self.gaps(series)[rows].min(axis=1) > _CLEAR * self._size
+        resting = np.ptp(p[rows], axis=1).max(axis=1) < _MOVED * self.mover.size_m
+        if self.mover.has_support:
+            flying = self.mover.gaps(series)[rows].min(axis=1) > _CLEAR * self.mover.size_m
         kinds = ((flying, _IN_FLIGHT), (~flying & resting, _AT_REST), (~flying & ~resting, _IN_CONTACT))
         return np.sort(np.concatenate([_spread(starts[of], most) for of, most in kinds]))
-
-    @cached_property
-    def _size(self) -> float:
-        return float(np.ptp(corners(self.declared.shapes), axis=0).max())
 
 
 def _spread(items: np.ndarray, most: int) -> np.ndarray:
@@ -225,23 +206,12 @@ def _spread(items: np.ndarray, most: int) -> np.ndarray:
     return items[np.unique(np.linspace(0, len(items) - 1, min(most, len(items))).round().astype(int))]
 
 
-def _reported(
-    applied: AppliedBody, t_s: FloatArray, p: FloatArray, quat_wxyz: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Poses p (w, k, 3), quat_wxyz (w, k, 4) as the sensor reports them; what it does to poses it does row by row."""
+def _reported(applied: AppliedBody, t_s: FloatArray, columns: Columns) -> Columns:
+    """Columns (w, k, n) as the sensor reports them; what it does to poses it does row by row."""
     if not applied.sensors:
-        return p, quat_wxyz
-    rows = Series(t_s.ravel(), {"p": p.reshape(-1, 3), "quat_wxyz": quat_wxyz.reshape(-1, 4)})
-    said = applied.reported(rows).columns
-    return said["p"].reshape(p.shape), said["quat_wxyz"].reshape(quat_wxyz.shape)
-
-
-def _errors(p: FloatArray, quat_wxyz: FloatArray, measured_p: FloatArray, measured_quat: FloatArray) -> FloatArray:
-    """(w * c, 6) simulated minus measured; rotation as a vector in world axes."""
-    position = np.clip(p - measured_p, -_LARGEST_M, _LARGEST_M).reshape(-1, 3)
-    simulated = Rotation.from_quat(np.roll(quat_wxyz.reshape(-1, 4), -1, axis=1))
-    truth = Rotation.from_quat(np.roll(measured_quat.reshape(-1, 4), -1, axis=1))
-    return np.concatenate([position, (simulated * truth.inv()).as_rotvec()], axis=1)
+        return columns
+    said = applied.reported(Series(t_s.ravel(), {n: v.reshape(-1, v.shape[2]) for n, v in columns.items()})).columns
+    return {n: said[n].reshape(v.shape) for n, v in columns.items()}
 
 
 def _series(trial: Trial) -> Series:
@@ -249,7 +219,11 @@ def _series(trial: Trial) -> Series:
     quats = trial.quat_wxyz
     v = trial.v_W if trial.has("v_W") else np.gradient(trial.p, trial.t_s, axis=0)
     w = trial.w_B if trial.has("w_B") else _rates(trial.t_s, quats)
-    return Series(trial.t_s, {"p": trial.p, "quat_wxyz": quats, "v_W": v, "w_B": w})
+    columns = {"p": trial.p, "quat_wxyz": quats, "v_W": v, "w_B": w}
+    if trial.has("q"):
+        qd = trial.qd if trial.has("qd") else np.gradient(trial.q, trial.t_s, axis=0)
+        columns |= {"q": trial.q, "qd": qd}
+    return Series(trial.t_s, columns)
 
 
 def _rates(t_s: FloatArray, quat_wxyz: FloatArray) -> FloatArray:

@@ -10,23 +10,20 @@ from scipy.spatial.transform import Rotation
 
 from schemas.measurement import SensorNoise
 from schemas.model import FloatArray
-from sim.body_replay import BodyReplay, BodyWindows
 from sim.effects.effect import Series
+from simgap.free_body.mover import Mover
 from simgap.free_body.terms import AppliedBody
 from simgap.trial import Trial
 
-_STATE = ("p", "quat_wxyz", "v_W", "w_B")
 
-
-def moved(engine: BodyReplay, applied: AppliedBody, series: Series, finer: float) -> Series:
+def moved(mover: Mover, applied: AppliedBody, series: Series, finer: float) -> Series:
     """The motion that the model makes from the first row of true motion `series`, at its stamps."""
-    start = BodyWindows(series.t_s[None], **{name: series.columns[name][:1] for name in _STATE})
-    motion = engine.rollout(applied.body, start, applied.wrenches, finer)
-    return Series(series.t_s, {name: getattr(motion, name)[0] for name in _STATE})
+    motion = mover.roll(applied, series.t_s[None], {name: series.columns[name][:1] for name in mover.state}, finer)
+    return Series(series.t_s, {name: values[0] for name, values in motion.items()})
 
 
 def repeated(
-    engine: BodyReplay,
+    mover: Mover,
     applied: AppliedBody,
     trials: Sequence[Trial],
     read: Sequence[Series],
@@ -42,17 +39,17 @@ def repeated(
 
     out = []
     for trial, series in zip(trials, read, strict=True):
-        seen = applied.reported(moved(engine, applied, applied.recovered(series), finer))
+        seen = applied.reported(moved(mover, applied, applied.recovered(series), finer))
         shake = Rotation.from_rotvec(rng.normal(0.0, noise.rotation_rad or 0.0, (len(seen.t_s), 3)))
         turned = Rotation.from_quat(np.roll(seen.columns["quat_wxyz"], -1, axis=1)) * shake
-        rates = {"v_W": (trial.has("v_W"), noise.v_mps), "w_B": (trial.has("w_B"), noise.w_radps)}
+        others = {"v_W": noise.v_mps, "w_B": noise.w_radps, "q": noise.q, "qd": noise.qd}
         out.append(
             replace(
                 trial,
                 t_s=seen.t_s,
                 p=shaken(seen.columns["p"], noise.p_m),
                 quat_wxyz=np.roll(turned.as_quat(), 1, axis=1),
-                **{name: shaken(seen.columns[name], size) for name, (there, size) in rates.items() if there},
+                **{n: shaken(seen.columns[n], size) for n, size in others.items() if trial.has(n)},
             )
         )
     return tuple(out)

@@ -78,9 +78,14 @@ class Toss:
         self.size = float(np.ptp(self.corners, axis=0).max())
 
     @cached_property
+    def places(self) -> FloatArray:
+        """(n, m, 3) of every corner."""
+        return self.com[:, None] + np.einsum("nij,mj->nmi", self.matrices, self.corners)
+
+    @property
     def heights(self) -> FloatArray:
         """(n, m) of every corner over the support."""
-        return self.com[:, 2:] + self.matrices[:, 2, :] @ self.corners.T
+        return self.places[:, :, 2]
 
     @cached_property
     def gap(self) -> FloatArray:
@@ -92,10 +97,12 @@ class Toss:
         """Stretches of at least four rows that touch nothing; a bounce between two rows ends one."""
         if not self.body.has_support:
             return [slice(0, len(self.t_s))]
-        gap, step = self.gap, np.abs(np.diff(self.gap))
-        free = gap > _NEAR * self.size
-        low = np.flatnonzero((gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:])) + 1
-        free[low[gap[low] < 1.5 * np.maximum(step[low - 1], step[low])]] = False
+        # By corners: while one leaves the support, another that comes down may be the lowest already.
+        height, step = self.heights, np.abs(np.diff(self.heights, axis=0))
+        turns = (height[1:-1] <= height[:-2]) & (height[1:-1] <= height[2:])
+        touched = turns & (height[1:-1] < 1.5 * np.maximum(step[:-1], step[1:]))
+        free = self.gap > _NEAR * self.size
+        free[1:-1] &= ~touched.any(axis=1)
         return _stretches(free, 4)
 
     @cached_property
@@ -116,11 +123,15 @@ class Toss:
                 found += [slide] if slide is not None else []
         return found
 
+    @property
+    def least_slip(self) -> float:
+        """m/s: slower is rest."""
+        return _STILL * float(np.sqrt(np.linalg.norm(self.gravity) * self.size))
+
     @cached_property
     def rest(self) -> slice | None:
         """The last rows, when nothing moves in them and the body is at the support."""
-        places = self.com[:, None] + np.einsum("nij,mj->nmi", self.matrices, self.corners)
-        moving = np.flatnonzero(np.linalg.norm(places - places[-1], axis=2).max(axis=1) > 0.005 * self.size)
+        moving = np.flatnonzero(np.linalg.norm(self.places - self.places[-1], axis=2).max(axis=1) > 0.005 * self.size)
         first = int(moving[-1]) + 1 if len(moving) else 0
         long = self.t_s[-1] - self.t_s[min(first, len(self.t_s) - 1)] > _STILL
         return slice(first, len(self.t_s)) if long and self.body.has_support else None
@@ -190,7 +201,7 @@ class Toss:
         spread = float(np.linalg.norm(motion.w)) * float(np.ptp(reach[:, near], axis=1).max())
         force = motion.acceleration - self.gravity
         weight = float(np.linalg.norm(self.gravity))
-        if speed < _STILL * np.sqrt(weight * self.size) or spread > 0.5 * speed or not 0.3 < force[2] / weight < 3.0:
+        if speed < self.least_slip or spread > 0.5 * speed or not 0.3 < force[2] / weight < 3.0:
             return None
         along = np.array([*(slip / speed), 0.0])
         return Slide(-float(force @ along) / float(force[2]), self.matrices[at].T @ along, speed)

@@ -10,7 +10,9 @@ import numpy as np
 
 from schemas.measurement import MeasurementSpec, SensorNoise
 from sim.bullet_body import BulletBodyReplay
+from simgap.free_body.build import build_body
 from simgap.free_body.problem import FreeBodyProblem
+from simgap.free_body.rigid import RigidMover
 from simgap.measurement import Measurement
 from simgap.trial import Trial
 from tests.gap_suite.case import Case, Family
@@ -53,7 +55,7 @@ def free_body_case(number: int) -> Case:
     spec, measurement = _measured(f"{number:03d} toss {name}", box, recordings)
 
     def problem() -> FreeBodyProblem:
-        return FreeBodyProblem(measurement, BulletBodyReplay())
+        return FreeBodyProblem(measurement, RigidMover(build_body(spec, measurement.root), BulletBodyReplay()))
 
     return Case(
         name=f"{number:03d} toss {name}",

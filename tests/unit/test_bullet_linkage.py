@@ -159,7 +159,7 @@ def mjcf(model: LinkageModel) -> str:
 @pytest.mark.parametrize("damping", [0.0, 0.003])
 def test_flies_as_mujoco_says(damping: float) -> None:
     model, windows = linkage(damping=damping), start()
-    with BulletLinkageReplay(FINE_S) as engine:
+    with BulletLinkageReplay(FINE_S / 4.0) as engine:
         motion = engine.rollout(model, windows)
     m = mujoco.MjModel.from_xml_string(mjcf(model))
     d = mujoco.MjData(m)
