@@ -45,6 +45,20 @@ ANALYTIC = Tolerance(p95=0.015, max=0.05, volume=(0.93, 1.07))
 HULL = Tolerance(p95=0.02, max=0.06, volume=(0.95, 1.15))
 PARTS = Tolerance(p95=0.02, max=0.08, volume=(0.95, 1.15))
 
+WITHIN = "within tolerance"
+
+
+@dataclass(frozen=True)
+class Miss:
+    """A bound that a candidate misses: in words, the figure (if it is one) and its bound with unit, by which factor."""
+
+    text: str
+    value: float | None
+    bound: float | None
+    unit: str
+    by: float
+
+
 Fit = Callable[[FloatArray], CollisionShape | None]
 # Tried in this order; the first within tolerance is taken.
 SINGLE: tuple[tuple[str, Fit, Tolerance], ...] = (
@@ -54,9 +68,17 @@ SINGLE: tuple[tuple[str, Fit, Tolerance], ...] = (
     ("cylinder", fit_cylinder, ANALYTIC),
     ("hull", hull_shape, HULL),
 )
-CUTS, CUTS_EVEN, COACD, COACD_COARSE, VHACD = "cuts", "cuts_even", "coacd", "coacd_coarse", "vhacd"
+CUTS, CUTS_AROUND, CUTS_EVEN, COACD, COACD_COARSE, VHACD = (
+    "cuts",
+    "cuts_around",
+    "cuts_even",
+    "coacd",
+    "coacd_coarse",
+    "vhacd",
+)
 LADDER: tuple[tuple[str, Settings], ...] = (
     (CUTS, Settings(method="cuts")),
+    (CUTS_AROUND, Settings(method="cuts", sector_planes=4)),
     (CUTS_EVEN, Settings(method="cuts", balance=2.0)),
     (COACD, Settings()),
     (COACD_COARSE, Settings(threshold=0.08, search_nodes=8, search_iterations=20)),
@@ -117,8 +139,9 @@ class _Target:
 def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = frozenset()) -> Colliders:
     """The first candidate of `SINGLE`, then of `LADDER`, that meets its tolerance and keeps every opening.
 
-    `exclude` names methods that must not be chosen again. When none passes, the one that misses least stands in with a
-    warning, one that keeps the openings before any that does not. A sheet counts as a wall of its assumed thickness.
+    `exclude` names methods that must not be chosen again. When none passes, the one that misses least stands in, one
+    that keeps the openings before any that does not; with a warning, unless it is as good as parts have to be. A sheet
+    counts as a wall of its assumed thickness. Cuts around an axis are for vessels.
     The rungs below CoACD are for bodies of which the rungs before made nothing.
     """
     target = _target(solid)
@@ -132,6 +155,8 @@ def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = fro
     # A convex hull that stands in for a broken surface has nothing to decompose.
     rungs = [rung for rung in LADDER if rung[0] not in exclude] if solid.kind != "hull" else []
     for method, settings in rungs:
+        if method == CUTS_AROUND and not any(not cavity.through for cavity in target.cavities):
+            continue
         if method in (COACD_COARSE, VHACD) and any(len(c.shapes) > 1 for c in tried):
             break
         tried.append(_decomposed(method, settings, target, work_dir))
@@ -167,16 +192,18 @@ def _judged(method: str, shapes: tuple[CollisionShape, ...], target: _Target, to
     if not target.own_volume:
         f = f.model_copy(update={"volume_ratio": None})
     misses = _misses(f, tolerance)
-    verdict = {"accepted": not misses, "reason": "; ".join(misses) or "within tolerance"}
+    verdict = {"accepted": not misses, "reason": "; ".join(m.text for m in misses) or WITHIN}
     return Candidate(f.model_copy(update=verdict), shapes)
 
 
-def _misses(f: Fidelity, tolerance: Tolerance) -> list[str]:
-    """Each bound that is missed, in words."""
+def _misses(f: Fidelity, tolerance: Tolerance) -> list[Miss]:
+    """Each bound that is missed."""
     misses = []
     low, high = tolerance.volume
     if f.volume_ratio is not None and not low <= f.volume_ratio <= high:
-        misses.append(f"volume ratio {f.volume_ratio:.3f} outside {low:g} to {high:g}")
+        bound, by = (low, low / max(f.volume_ratio, 1e-9)) if f.volume_ratio < low else (high, f.volume_ratio / high)
+        text = f"volume ratio {f.volume_ratio:.3f} outside {low:g} to {high:g}"
+        misses.append(Miss(text, f.volume_ratio, bound, "of the solid's volume", by))
     for name, value, bound in (
         ("outside p95", f.outside_p95, tolerance.p95),
         ("missing p95", f.missing_p95, tolerance.p95),
@@ -184,9 +211,9 @@ def _misses(f: Fidelity, tolerance: Tolerance) -> list[str]:
         ("missing max", f.missing_max, tolerance.max),
     ):
         if value > bound:
-            misses.append(f"{name} {value:.4f} above {bound:g}")
+            misses.append(Miss(f"{name} {value:.4f} above {bound:g}", value, bound, "of the diagonal", value / bound))
     if f.cavity_kept is False:
-        misses.append("fills an opening")
+        misses.append(Miss("fills an opening", None, None, "", np.inf))
     return misses
 
 
@@ -217,14 +244,19 @@ def _chosen(tried: Sequence[Candidate], target: _Target) -> Colliders:
     rows = tuple(c.fidelity for c in tried)
     best = min(usable, key=_badness)
     f = best.fidelity
-    if f.accepted:
+    misses = sorted(_misses(f, PARTS), key=lambda miss: -miss.by)
+    # A single shape that is too coarse for one is still as good as the parts would have to be.
+    if f.accepted or not misses:
+        rows = tuple(row.model_copy(update={"accepted": True, "reason": WITHIN}) if row is f else row for row in rows)
         return Colliders(f.method, best.shapes, rows, target.cavities)
+    worst = misses[0]
     warning = finding(
         "asset/collision-fallback",
-        f"No collision candidate meets its tolerance; '{f.method}' stands in: {f.reason}",
-        value=max(f.outside_p95, f.missing_p95),
-        bound=PARTS.p95,
-        unit="of the diagonal",
+        f"No collision candidate meets its tolerance; '{f.method}' stands in: "
+        + "; ".join(miss.text for miss in misses),
+        value=worst.value,
+        bound=worst.bound,
+        unit=worst.unit,
         because=tuple(
             finding("asset/collision-fallback", f"{row.method}: {row.reason}") for row in rows if row.method != f.method
         ),

@@ -23,7 +23,7 @@ from manifold3d import Manifold
 from geom.cavity import Cavity
 from geom.convex_parts import convex_parts
 from geom.hull import hull_shape, thickness, volume
-from geom.plane_cuts import CRUMB_SHARE
+from geom.plane_cuts import CRUMB_SHARE, cut_around
 from geom.preflight import Body, arrays
 from jobs.cell import CellResult, Limits, run_cell
 from schemas.model import FloatArray
@@ -44,6 +44,7 @@ class Settings:
 
     threshold          CoACD's concavity at which a piece counts as convex.
     max_hulls          join neighbours beyond this number.
+    sector_planes      first cut by so many planes through the axis of the opening that holds most.
     balance            how much cuts prefer many small excesses to one large (`geom.plane_cuts.Goal`).
     resolution         CoACD's samples per concavity measure (default 2000); 500 changes the result little.
     search_*           CoACD's tree search; its defaults 20, 150, 3 give the same hulls in three times the time.
@@ -53,6 +54,7 @@ class Settings:
     method: Literal["cuts", "coacd", "vhacd"] = "coacd"
     threshold: float = 0.05
     max_hulls: int = 32
+    sector_planes: int = 0
     balance: float = 1.25
     resolution: int = 500
     search_nodes: int = 15
@@ -68,7 +70,8 @@ class Settings:
             return f"coacd {version('coacd')}, threshold {self.threshold:g}, {search}, seed {self.seed}"
         if self.method == "vhacd":
             return f"vhacdx {version('vhacdx')}, {self.voxels} voxels"
-        return f"plane cuts, balance {self.balance:g}, manifold3d {version('manifold3d')}"
+        first = f"{2 * self.sector_planes} sectors, " if self.sector_planes else ""
+        return f"plane cuts, {first}balance {self.balance:g}, manifold3d {version('manifold3d')}"
 
 
 @dataclass(frozen=True)
@@ -98,6 +101,10 @@ def decompose(
         seeds = _inside(body.light, found)
         if not seeds or len(seeds) > MOST_PARTS:
             return Decomposition((), f"{settings.method} left {len(seeds)} parts")
+    if settings.sector_planes and cavities:
+        main = max(cavities, key=lambda cavity: cavity.volume_m3)
+        place = (main.opening_m - body.centre_m) / body.scale_m
+        seeds = [piece for seed in seeds for piece in cut_around(seed, main.direction, place, settings.sector_planes)]
     parts = convex_parts(body, seeds, cavities, settings.max_hulls, settings.balance)
     if len(parts) > settings.max_hulls:
         return Decomposition((), f"{len(parts)} hulls, more than {settings.max_hulls}")

@@ -1,7 +1,7 @@
 """Openings that a thing can go into: the inside of a mug, bowl, basket or bin, and large through-holes.
 
 Found by pouring water: seen along an opening direction, the surface is a landscape; what fills up before it runs off
-over the edge is a cavity (the depression filling of hydrology).
+over the edge is a cavity (the depression filling of hydrology). What lies behind a neck (`geom.voids`) is added.
 Inner ground that a ray does not hit is closed by the support the object stands on, so pipes and rings hold water too;
 they are told apart as `through`.
 """
@@ -17,6 +17,7 @@ from scipy import ndimage
 from geom.hull import contains, convex_hull, outside_by, volume
 from geom.support import surface
 from geom.surface_distance import closest_on_surface, sample_surface
+from geom.voids import find_rooms
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, Solid
 
@@ -33,6 +34,9 @@ LEAST_DEPTH_SHARE = 0.12
 # matters by its width, as a share of the diagonal.
 THROUGH_SHARE = 0.5
 THROUGH_DIAMETER_SHARE = 0.1
+# The mouth of a room is at least this wide, as a share of the edge of the cube that holds as much as the hull: what is
+# smaller lets air or a cable in.
+MOUTH_DIAMETER_SHARE = 0.1
 # A ball that gets less far than this share of the deepest water stands on partitions.
 COMPARTMENT_SHARE = 0.5
 FULLER = 1.2
@@ -54,6 +58,7 @@ class Cavity:
     reach_m     how far below the rim the lowest point of that ball gets inside the solid.
     volume_m3   water it holds.
     through     the ground is mostly open: a pipe or ring rather than a container.
+    way_m       (k, 3) centres of the probe ball on its way in, as far as it must get.
     """
 
     direction: FloatArray
@@ -64,6 +69,7 @@ class Cavity:
     reach_m: float
     volume_m3: float
     through: bool
+    way_m: FloatArray
 
 
 def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
@@ -90,18 +96,37 @@ def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
                 found.append(cavity)
             elif not cavity.through and all(cavity.volume_m3 > FULLER * other.volume_m3 for other in before):
                 found = [*(other for other in found if not _is_same(cavity, other)), cavity]
-    return tuple(found)
+    if solid.kind == "closed" and volume(solid.points, solid.triangles) > (1.0 - UPWARD_SHARE) * hull_volume:
+        return tuple(found)
+    return _with_rooms(solid, walls, hull_volume, found)
+
+
+def _with_rooms(solid: Solid, walls: FloatArray, hull_volume: float, found: Sequence[Cavity]) -> tuple[Cavity, ...]:
+    """`found` and the rooms behind a narrower mouth, whose water is mostly out of sight from above the mouth.
+
+    A room stands for an opening that was found already only where a straight drop does not get far into it.
+    """
+    least_radius = 0.5 * MOUTH_DIAMETER_SHARE * hull_volume ** (1.0 / 3.0)
+    cavities = list(found)
+    for room in find_rooms(solid.points, solid.triangles, walls, UPWARD_SHARE * hull_volume, least_radius):
+        probe = PROBE_SHARE * room.radius
+        reach = _reach(solid, room.mouth, room.outward, probe, room.depth)
+        cavity = Cavity(
+            room.outward, room.mouth, 2.0 * room.radius, room.depth, probe, reach, room.volume, False, room.way
+        )
+        same = [other for other in cavities if _is_same(cavity, other)]
+        if all(other.reach_m < COMPARTMENT_SHARE * room.depth for other in same):
+            cavities = [*(other for other in cavities if not _is_same(cavity, other)), cavity]
+    return tuple(cavities)
 
 
 def keeps_cavity(shapes: Sequence[CollisionShape], cavity: Cavity) -> bool:
-    """True iff the probe ball goes into the opening between the collision shapes, 80 % as far as in the solid."""
-    bottom = np.linspace(0.0, PROBE_DEPTH_SHARE * cavity.reach_m, PROBE_STEPS)
-    centres = _ball_centres(cavity.opening_m, cavity.direction, cavity.probe_m, bottom)
+    """True iff the probe ball goes its way into the opening between the collision shapes."""
     for shape in shapes:
         points, triangles = surface(shape)
         hull = convex_hull(points)
         # Beyond a face plane by the radius is far enough; only the rest needs exact distances.
-        centres_near = centres[outside_by(*hull, centres) < cavity.probe_m]
+        centres_near = cavity.way_m[outside_by(*hull, cavity.way_m) < cavity.probe_m]
         if len(centres_near) == 0:
             continue
         if contains(*hull, centres_near).any():
@@ -160,7 +185,8 @@ def _pour(solid: Solid, walls: FloatArray, direction: FloatArray, least_volume_m
         opening = frame.T @ np.array([corner[0] + row * step, corner[1] + column * step, rim])
         probe = PROBE_SHARE * radius
         reach = _reach(solid, opening, direction, probe, deepest)
-        return Cavity(direction, opening, 2.0 * radius, deepest, probe, reach, water, through)
+        way = _ball_centres(opening, direction, probe, np.linspace(0.0, PROBE_DEPTH_SHARE * reach, PROBE_STEPS))
+        return Cavity(direction, opening, 2.0 * radius, deepest, probe, reach, water, through, way)
 
     cavities: list[Cavity | None] = []
     for pool in _patches(depth > 0.02 * max(float(np.ptp(local[:, 2])), step)):

@@ -103,6 +103,19 @@ def cut_apart(seeds: Sequence[Manifold], goal: Goal) -> list[Piece]:
     return done + open_
 
 
+def cut_around(body: Manifold, axis: FloatArray, place: FloatArray, planes: int) -> list[Manifold]:
+    """Connected pieces of `body` between `planes` even planes through the line along `axis` (3,) through `place` (3,).
+
+    A ring has to lie in several pieces before any hull leaves its hole open: with eight, 92 % of the hole's radius.
+    """
+    u, v = np.linalg.svd(axis[None])[2][1:]
+    parts = [body]
+    for angle in np.pi * np.arange(planes) / planes:
+        normal = np.cos(angle) * u + np.sin(angle) * v
+        parts = [h for part in parts for h in part.split_by_plane((normal[0], normal[1], normal[2]), normal @ place)]
+    return [piece for part in parts for piece in part.decompose()]
+
+
 def _pieces(bodies: Sequence[Manifold], crumb: float) -> list[Piece]:
     pieces = [Piece(body, body.hull()) for body in bodies if body.volume() > crumb]
     return [piece for piece in pieces if piece.hull.volume() > 0.0]

@@ -111,6 +111,15 @@ class NearestOnSurface:
         asked = self._tensor(((queries - self._centre) / self._scale).astype(np.float32))
         return self._scene.compute_occupancy(asked, nsamples=3).numpy() > 0.5
 
+    def walled_share(self, place: FloatArray, looks: int) -> float:
+        """The share of `looks` even directions (Fibonacci lattice) in which the surface is seen from `place` (3,)."""
+        height = 1.0 - (2.0 * np.arange(looks) + 1.0) / looks
+        turn, across = np.arange(looks) * np.pi * (3.0 - np.sqrt(5.0)), np.sqrt(1.0 - height**2)
+        rays = np.tile((place - self._centre) / self._scale, (looks, 2))
+        rays[:, 3:] = np.stack([across * np.cos(turn), across * np.sin(turn), height], axis=1)
+        hits = self._scene.cast_rays(self._tensor(rays.astype(np.float32)))["t_hit"].numpy()
+        return float(np.isfinite(hits).mean())
+
 
 def closest_on_surface(queries: FloatArray, points: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
     """`NearestOnSurface` for a single round of queries."""

@@ -11,9 +11,6 @@ from assetkit.up_axis import TO_Z_UP
 from schemas.asset import PhysicsSection
 from schemas.outcome import Outcome
 
-# Beyond these (share of the diagonal; volume of the shapes over that of the solid) a stand-in goes to review.
-CRUDE_P95, CRUDE_RATIO = 0.05, 2.0
-
 
 class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
@@ -35,8 +32,8 @@ class AuthorPhysics(Stage):
             clues=clues_of(draft, canonical),
             contacts=draft.intake.model.contacts,
         )
-        physics = Physics(built.shapes, built.mass, built.contact, built.section)
-        return Outcome(physics, built.diagnostics, built.repairs, review=_is_crude(built.section))
+        physics = Physics(built.shapes, built.mass, built.contact, built.section, built.surfaces, built.shape_surfaces)
+        return Outcome(physics, built.diagnostics, built.repairs, review=_is_stand_in(built.section))
 
 
 def clues_of(draft: Draft, canonical: Canonical) -> Clues:
@@ -54,11 +51,6 @@ def clues_of(draft: Draft, canonical: Canonical) -> Clues:
     )
 
 
-def _is_crude(section: PhysicsSection) -> bool:
-    """Whether the chosen collider misses the solid so far that a person should look before anyone uses it."""
-    chosen = next((c for c in section.candidates if c.method == section.collision_method), None)
-    if chosen is None or chosen.accepted:
-        return False
-    ratio = chosen.volume_ratio if chosen.volume_ratio is not None else 1.0
-    far = max(chosen.outside_p95, chosen.missing_p95) > CRUDE_P95
-    return far or chosen.cavity_kept is False or not 1.0 / CRUDE_RATIO <= ratio <= CRUDE_RATIO
+def _is_stand_in(section: PhysicsSection) -> bool:
+    """Whether the chosen collider misses a bound, so that a person should look before anyone uses it."""
+    return not any(c.accepted for c in section.candidates if c.method == section.collision_method)
