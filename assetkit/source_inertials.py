@@ -10,6 +10,7 @@ import numpy as np
 
 from geom.hull import contains, convex_hull, volume
 from geom.inertia import is_physical, scaled
+from geom.inertia_reach import inertia_reach
 from geom.surface_distance import closest_on_surface
 from geom.weld import diagonal
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -27,6 +28,7 @@ SINGLE_PRECISION = 1e-4  # Files keep tensors in single precision.
 # trace(I) / 2 is the sum of m r^2. Against the evenly filled solid: a hollow box has 5/3, a box of edges alone 7/3, a
 # lamp with a lead foot a fifth.
 LEAST_SPREAD, MOST_SPREAD = 0.15, 3.5
+MOST_REACH = 0.9  # of what mass at the two ends of the object would give, along any axis
 MOST_APART = 0.2  # of the trace; a rod turned by 90 degrees is 0.5 off
 
 Quantity = Literal["mass", "centre", "inertia"]
@@ -151,11 +153,12 @@ def _objections(stated: StatedMass, points: FloatArray, even: MassProperties, *,
             yield _Objection("centre", headline, outside, CENTRE_SLACK * size, "m")
             return
     if stated.inertia is not None:
-        yield from _about_inertia(stated.inertia, scaled(even, mass / filled))
+        centre = even.centre_of_mass_m if stated.centre is None else stated.centre
+        yield from _about_inertia(stated.inertia, scaled(even, mass / filled), points - centre)
 
 
-def _about_inertia(inertia: FloatArray, even: MassProperties) -> Iterator[_Objection]:
-    """`even` is the evenly filled body of the stated mass."""
+def _about_inertia(inertia: FloatArray, even: MassProperties, points: FloatArray) -> Iterator[_Objection]:
+    """`even` is the evenly filled body of the stated mass, `points` (n, 3) its surface from the mass centre."""
     low, middle, high = np.linalg.eigvalsh(inertia) if np.isfinite(inertia).all() else (np.nan,) * 3
     if not low > 0.0:
         yield _Objection("inertia", "a stated moment of inertia is not positive", float(low), 0.0, "kg m2")
@@ -175,6 +178,11 @@ def _about_inertia(inertia: FloatArray, even: MassProperties) -> Iterator[_Objec
     if apart > MOST_APART:
         headline = "the stated inertia lies along other axes than the shape"
         yield _Objection("inertia", headline, float(apart), MOST_APART, "of the trace")
+        return
+    reach, most = inertia_reach(inertia / even.mass_kg, points)
+    if reach > MOST_REACH * most > 0.0:
+        headline = "the stated inertia needs mass outside the object"
+        yield _Objection("inertia", headline, reach, MOST_REACH * most, "m")
 
 
 def _hull_volume(points: FloatArray) -> float:

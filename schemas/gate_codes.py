@@ -76,6 +76,16 @@ GATE_CODES: dict[str, CodeInfo] = {
         "One of the two was changed after release, so neither can be trusted.",
         "ingest the source again, or carry the change over into both",
     ),
+    "asset/gate-record-file": _error(
+        "A file of the package is not the one its record.json was written for",
+        "It was changed, replaced or removed after release, so no figure of the record holds for it.",
+        "restore the file, or ingest the source again; a change that is meant needs a new record",
+    ),
+    "asset/gate-twin": _error(
+        "The USD and its URDF twin state different mass properties",
+        "The same object would move differently in two simulators; one of the files was changed after release.",
+        "ingest the source again, or carry the change over into both",
+    ),
     # Bodies.
     "asset/gate-transform": _error(
         "A transform is not finite or flattens its prim",
@@ -126,6 +136,11 @@ GATE_CODES: dict[str, CodeInfo] = {
         "The moments of inertia belong to no real body",
         "Engines become unstable or replace the tensor by their own.",
         "recompute the principal moments and axes from the solid",
+    ),
+    "asset/gate-inertia-reach": _error(
+        "A moment of inertia is larger than that mass inside the shape can have",
+        "Even with all mass at the far ends of the object it could not turn so slowly.",
+        "recompute the inertia in kg m2 about the mass centre, or correct scale and mass",
     ),
     "asset/gate-inertia-scale": _error(
         "The inertia does not fit mass and shape",

@@ -15,6 +15,7 @@ import numpy as np
 import trimesh
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade
 
+from assetkit.urdf import write_urdf
 from geom.corner_normals import face_normals
 from geom.inertia import combine, moved, of_box
 from geom.pose import pose
@@ -23,6 +24,7 @@ from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, MassProperties
 from tests.unit import package_samples as samples
 from usdio.quiet import quiet
+from usdio.reread import reread_body
 from usdio.write_materials import label_material
 from usdio.write_meshes import author_normals, define_mesh
 from usdio.write_package import write_package
@@ -66,11 +68,12 @@ HINGE_M = (0.213, 0.25, 0.247)  # the door turns about z at its right edge, open
 
 
 def prop(folder: Path) -> Path:
-    """A textured box with a box and a hull collider, and its record; returns the main USD file."""
+    """A textured box with a box and a hull collider, its URDF twin and its record; returns the main USD file."""
     content = samples.full_content()
     hull = samples.hull_shape(content.model.meshes[0])
     content = samples.content(content.model, [*content.shapes, hull], category="box", qcode="Q188075")
     main_file = write_package(content, folder / content.asset_id)
+    write_urdf(reread_body(main_file), content, folder / content.asset_id)
     (folder / content.asset_id / "record.json").write_text(json.dumps(_record(content)))
     return main_file
 

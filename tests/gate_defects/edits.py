@@ -5,8 +5,11 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -103,6 +106,20 @@ def target(path: str, name: str, *targets: str) -> Edit:
 def both(*edits: Edit) -> Edit:
     """Several edits."""
     return lambda stage: [edit(stage) for edit in edits] and None
+
+
+def after_release(edit: Callable[[Usd.Stage, Path], Any]) -> Edit:
+    """Write the hashes of all files into the record, as a release does, then edit stage or package folder."""
+
+    def sealed(stage: Usd.Stage) -> None:
+        package = Path(stage.GetRootLayer().realPath).parents[1]
+        note = package / "record.json"
+        files = [path for path in sorted(package.rglob("*")) if path.is_file() and path != note]
+        hashes = {p.relative_to(package).as_posix(): hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
+        note.write_text(json.dumps({**json.loads(note.read_text()), "hashes": hashes}))
+        edit(stage, package)
+
+    return sealed
 
 
 def place(path: str, translate=(0.0, 0.0, 0.0), scale=None, rotate=None) -> Edit:

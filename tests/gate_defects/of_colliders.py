@@ -55,6 +55,7 @@ DEFECTS: tuple[Defect, ...] = (
     prop("dented hull", points(HULL, lambda p: np.concatenate([p, [[0.0, 0.0, 0.03]]])), "collider-shape"),
     cabinet("collider of size zero", put(f"{DOOR}/Colliders/collider_00", "size", 0.0), "collider-shape"),
     prop("collider 2 cm aside", place(f"{PROP}/Colliders", (0.02, 0, 0)), "collider-displaced"),
+    prop("colliders 2.5 mm aside", place(f"{PROP}/Colliders", (0, 0.0025, 0)), "collider-displaced", "warning"),
     cabinet("colliders 3 cm too low", place(f"{BASE}/Colliders", (0, 0, -0.03)), "collider-displaced"),
     prop("colliders 20 % larger", place(f"{PROP}/Colliders", scale=(1.2, 1.2, 1.2)), "collider-displaced"),
     cabinet("colliders at half size", place(f"{DRAWER}/Colliders", scale=(0.5, 0.5, 0.5)), "collider-displaced"),

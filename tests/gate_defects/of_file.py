@@ -11,6 +11,7 @@ from tests.gate_defects.edits import (
     CABINET,
     PROP,
     Defect,
+    after_release,
     both,
     cabinet,
     label,
@@ -83,6 +84,21 @@ DEFECTS: tuple[Defect, ...] = (
     prop("another Q-code", label("wikidata_qcode", "Q1"), "label"),
     prop("Q-code of words", label("wikidata_qcode", "box"), "label"),
     cabinet("metadata name another category", metadata("category", "chair"), "label"),
+    prop(
+        "colliders 1 mm aside after release",
+        after_release(lambda s, _: place(f"{PROP}/Colliders", (0.001, 0, 0))(s)),
+        "record-file",
+    ),
+    prop(
+        "thumbnail removed after release",
+        after_release(lambda _, package: next(package.rglob(".thumbs/*/*.png")).unlink()),
+        "record-file",
+    ),
+    prop(
+        "URDF twin of something else",
+        after_release(lambda _, package: next(package.glob("export/*.urdf")).write_text("<robot/>x")),
+        "twin",
+    ),
     cabinet("metadata state another mass", metadata("mass", 1.0), "metadata"),
     cabinet("metadata count two bodies", metadata("rigid_body_count", 2), "metadata"),
 )

@@ -106,6 +106,15 @@ def test_an_impossible_tensor_is_dropped_and_the_rest_kept(inertia, word):
     assert word in found.diagnostics[0].headline
 
 
+def test_a_tensor_that_needs_mass_outside_is_dropped():
+    """Three times the even body: its trace may be that of a frame of edges, but not of this size."""
+    truth = of(scaled(EVEN, 700.0))
+    kept, headlines, _ = heard(replace(truth, inertia=3.2 * truth.inertia))
+    assert kept is not None
+    assert kept.inertia is None
+    assert headlines == ["the stated inertia needs mass outside the object"]
+
+
 def test_a_rod_whose_long_axis_is_another_is_noticed():
     rod = moved(of_box((0.01, 0.01, 0.4), 1.0), pose(None, (0.0, 0.0, 0.2)))
     truth = of(scaled(rod, 1000.0))

@@ -6,26 +6,30 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from geom.principal_axes import inertia_from_principal
-from schemas.diagnostics import Diagnostic, finding
+from geom.inertia import of_sheet
+from schemas.diagnostics import Diagnostic, Severity, finding
 from usdio.rules.rule import Rule
 from usdio.subject import Body, Subject
-from usdio.subject.values import at, quaternion, vector
+from usdio.subject.inertial import shows_one_material, stated_inertia
+from usdio.subject.values import at
 
 CODE = "asset/gate-inertia-scale"
 # Against the colliders filled evenly with the same mass: a hollow box has 5/3, a box of edges alone 7/3 of its
 # inertia, a lamp with a lead foot a fifth. One order of magnitude is out either way.
 LEAST_RATIO, MOST_RATIO = 0.125, 4.0
+# Suspicious in a package: further out than a thin shell, or, of one material, far more compact than evenly filled.
+SHELL_FACTOR, ONE_MATERIAL_LEAST = 1.15, 0.5
 MOST_APART = 0.25  # of the trace; a rod turned by 90 degrees is 0.5 off
 ELSEWHERE = 2.5  # times looser: the colliders of other files may be coarse
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per body whose `trace(I) / 2`, the sum of `m r^2` about the mass centre, is far from that of its
-    colliders filled with its mass; and per axis for which the moment is.
+    colliders filled with its mass, or whose axes lie otherwise. In packages a warning when the size is possible but
+    beyond what lies between filled and hollow.
     """
     for body in subject.active_bodies:
-        stated = _inertia(body, subject)
+        stated = stated_inertia(body, subject)
         if stated is None or body.filled is None or body.mass_kg is None:
             continue
         even = body.filled.inertia_kgm2 * (body.mass_kg / body.filled.mass_kg)
@@ -52,22 +56,34 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 bound=MOST_APART,
                 severity=subject.suspect,
             )
+        elif subject.released:
+            yield from _unusual(body, ratio)
 
 
-def _inertia(body: Body, subject: Subject) -> np.ndarray | None:
-    """(3, 3) the stated tensor in kg m2 along the body's axes, or None where the inertia rule speaks."""
-    moments = vector(body.prim, "physics:diagonalInertia", (0.0, 0.0, 0.0))
-    quat_wxyz = quaternion(body.prim, "physics:principalAxes")
-    if not (np.all(moments > 0.0) and np.all(np.isfinite(moments)) and np.all(np.isfinite(quat_wxyz))):
-        return None
-    to_si = subject.kilograms_per_unit * subject.frames.meters_per_unit**2
-    turned = quat_wxyz if np.any(quat_wxyz) else np.array([1.0, 0.0, 0.0, 0.0])
-    return inertia_from_principal(moments * to_si, turned)
+def _unusual(body: Body, ratio: float) -> Iterator[Diagnostic]:
+    most = SHELL_FACTOR * max(1.0, _shell_ratio(body))
+    least = ONE_MATERIAL_LEAST if shows_one_material(body) else LEAST_RATIO
+    if not least <= ratio <= most:
+        headline = "the mass lies further out than a hollow shell" if ratio > most else "the mass lies close together"
+        bound, severity = most if ratio > most else least, Severity.WARNING
+        yield finding(CODE, headline, where=at(body.prim), value=ratio, bound=bound, severity=severity)
+
+
+def _shell_ratio(body: Body) -> float:
+    """`trace(I)` of a thin shell in the form of the colliders' common hull, against the colliders filled evenly."""
+    if body.filled is None or body.hull_W is None:
+        return np.inf
+    points, triangles = body.in_body(body.hull_W.points), body.hull_W.triangles
+    thin_m = 1e-6 * body.diagonal_m
+    shell = of_sheet(points, triangles, thin_m, 1.0)
+    even = body.filled.inertia_kgm2 / body.filled.mass_kg
+    return float(np.trace(shell.inertia_kgm2) / shell.mass_kg / np.trace(even))
 
 
 RULE = Rule(
     CODE,
-    "0.125 .. 4 times the evenly filled colliders; within 0.25 of the trace in direction",
+    "0.125 .. 4 times the evenly filled colliders (warning in packages: above a thin shell, below 0.5 where one "
+    "material shows); within 0.25 of the trace in direction",
     "polyhedral mass properties (Mirtich 1996)",
     check,
 )
