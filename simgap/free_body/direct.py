@@ -106,6 +106,19 @@ def _pooled(estimator: Estimator, tosses: Sequence[Toss]) -> tuple[FloatArray, F
     if len(told) < _LEAST:
         return None
     H, g = np.stack([e.H for e in told]), np.stack([e.g for e in told])
+    n, everyone = len(told), np.arange(len(told))
+    x = _agreed(H, g)
+    # Weights are found anew without each toss: with those of all, what disagrees would look better known than it is.
+    without = [v for k in everyone if (v := _agreed(H[everyone != k], g[everyone != k])) is not None]
+    if x is None or len(without) < n:
+        return None
+    left = np.stack(without)
+    error = np.sqrt((n - 1) / n * ((left - left.mean(axis=0)) ** 2).sum(axis=0)) + 1e-15
+    return told[0].origin + x, error, n
+
+
+def _agreed(H: FloatArray, g: FloatArray) -> FloatArray | None:
+    """Numbers (k,) on which normal equations (n, k, k), (n, k) agree best; None where a direction is not seen."""
     size = np.trace(H, axis1=1, axis2=2)
     share = np.minimum(1.0, _HEAVIEST * np.median(size) / np.maximum(size, 1e-300))
     weight = share
@@ -116,15 +129,7 @@ def _pooled(estimator: Estimator, tosses: Sequence[Toss]) -> tuple[FloatArray, F
         apart = np.linalg.norm(g - H @ x, axis=1) / size
         weight = share / (1.0 + (apart / (3.0 * np.median(apart) + 1e-300)) ** 2)
         x = _solved(np.einsum("n,nij->ij", weight, H), weight @ g)
-    A, b = weight[:, None, None] * H, weight[:, None] * g
-    solved = [_solved(A.sum(axis=0) - h, b.sum(axis=0) - v) for h, v in zip(A, b, strict=True)]
-    without = [w for w in solved if w is not None]
-    n = len(told)
-    if x is None or len(without) < n:
-        return None
-    left = np.stack(without)
-    error = np.sqrt((n - 1) / n * ((left - left.mean(axis=0)) ** 2).sum(axis=0)) + 1e-15
-    return told[0].origin + x, error, n
+    return x
 
 
 def _solved(H: FloatArray, g: FloatArray) -> FloatArray | None:

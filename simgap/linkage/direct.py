@@ -78,21 +78,14 @@ def reported_velocity(toss: LinkageToss, rows: slice) -> FloatArray:
 
 
 def mass(toss: LinkageToss, k: int) -> Evidence | None:
-    """mass_kg of link k beside the others: with the right one the mass centre of the whole does not wobble.
-
-    It is others + (k - others) * share, with share = m / (m + M).
-    """
+    """mass_kg of link k beside the others: with the right one the mass centre of the whole does not wobble."""
     own = toss.bodies[k].mass_kg
     total = sum(b.mass_kg for b in toss.bodies)
-    others = (total * toss.com - own * toss.centres[k]) / (total - own)
-    share, H, g = own / total, 0.0, 0.0
+    H, g = 0.0, 0.0
     for part in _flights(toss):
         basis = _quadratic(toss.t_s[part])
-        away = _without(basis, (toss.centres[k] - others)[part]).ravel()
-        left = _without(basis, toss.com[part]).ravel()
-        # d share / d m, so that the number is the mass itself.
-        slope = (1.0 - share) / total
-        H, g = H + slope**2 * float(away @ away), g - slope * float(away @ left)
+        wobble, whole = (_without(basis, v[part]).ravel() for v in (toss.centres[k], total * toss.com))
+        H, g = H + float(wobble @ wobble), g - float(wobble @ whole)
     return Evidence(np.array([[H]]), np.array([g]), np.array([own])) if H > 0.0 else None
 
 
@@ -112,36 +105,28 @@ def com_offset(toss: LinkageToss, k: int) -> Evidence | None:
 def inertia(toss: LinkageToss, k: int) -> Evidence | None:
     """factor of link k: with the right one the angular momentum of the whole stays.
 
-    Turning rates are read twice, from even and from odd rows, so that their noise does not weigh in the square.
+    Rates at a row are read from the rows beside it; the instrument is their mean at the rows beside, which those rows
+    do not share: noise does not weigh in the square (instrumental variables, Reiersol 1941).
     """
     H, g = 0.0, 0.0
     for part in _flights(toss):
-        halves = [_momenta(toss, part, k, first) for first in (0, 1)]
-        if any(half is None for half in halves):
-            continue
-        (own_a, all_a), (own_b, all_b) = (half for half in halves if half is not None)
-        n = min(len(own_a), len(own_b))
-        own_a, own_b, all_a, all_b = (v[:n] - v[:n].mean(axis=0) for v in (own_a, own_b, all_a, all_b))
-        H += float((own_a * own_b).sum())
-        g -= 0.5 * float((own_a * all_b).sum() + (own_b * all_a).sum())
+        own, whole = (v - v.mean(axis=0) for v in _momenta(toss, part, k))
+        beside = 0.5 * (own[2:] + own[:-2])
+        H, g = H + float((beside * own[1:-1]).sum()), g - float((beside * whole[1:-1]).sum())
     return Evidence(np.array([[H]]), np.array([g]), np.ones(1)) if H > 0.0 else None
 
 
-def _momenta(toss: LinkageToss, part: slice, k: int, first: int) -> tuple[FloatArray, FloatArray] | None:
-    """Spin of link k and angular momentum of the whole (n, 3) each, from every other row."""
-    rows = slice(part.start + first, part.stop, 2)
-    if len(range(*rows.indices(part.stop))) < 4:
-        return None
-    t, total = toss.t_s[rows], 0.0
+def _momenta(toss: LinkageToss, part: slice, k: int) -> tuple[FloatArray, FloatArray]:
+    """Spin of link k and angular momentum of the whole (n - 2, 3) each, at the inner rows."""
+    t, total, own = toss.t_s[part], np.zeros((part.stop - part.start - 2, 3)), np.zeros(0)
     spans = (t[2:] - t[:-2])[:, None]
-    own = np.zeros(0)
-    for i, (body, w) in enumerate(zip(toss.bodies, toss.turning(rows), strict=True)):
-        R = toss.rotations[i][rows][1:-1]
+    for i, (body, w) in enumerate(zip(toss.bodies, toss.turning(part), strict=True)):
+        R = toss.rotations[i][part][1:-1]
         spin = np.einsum("nab,bc,ndc,nd->na", R, body.inertia_B, R, w)
-        r = (toss.centres[i] - toss.com)[rows]
-        total = total + spin + body.mass_kg * np.cross(r[1:-1], (r[2:] - r[:-2]) / spans)
+        r = (toss.centres[i] - toss.com)[part]
+        total += spin + body.mass_kg * np.cross(r[1:-1], (r[2:] - r[:-2]) / spans)
         own = spin if i == k else own
-    return own, np.asarray(total)
+    return own, total
 
 
 def _joint(toss: Toss, joint: str | None, law: Callable[[FloatArray], FloatArray]) -> Evidence | None:
