@@ -21,7 +21,7 @@ from schemas.measured_physics import MeasuredPhysics
 from schemas.outcome import ItemOutcome
 from schemas.physics import MassProperties
 from sim.port import Simulator
-from usdio.reread import reread_body
+from usdio.reread import reread_body, reread_shape_contacts
 from usdio.rewrite_physics import rewrite_physics
 
 NAME, VERSION = "extend", 1
@@ -75,8 +75,14 @@ def extend_package(package: Path, measured: MeasuredPhysics, out: Path, simulato
             section.mass_kg.value, np.array(section.centre_of_mass_m.value), np.array(section.inertia_kgm2.value)
         )
         contact = section.contacts[0].value
-        rewrite_physics(main_file, mass, contact, section.density_kgm3.value, section.material.value)
-        rewrite_urdf(reread_body(main_file), _twin(folder, record), measured.urdf_contact)
+        changed = contact if contact != record.physics.contacts[0].value else None
+        rewrite_physics(main_file, mass, changed, section.density_kgm3.value / record.physics.density_kgm3.value)
+        rewrite_urdf(
+            reread_body(main_file),
+            _twin(folder, record),
+            measured.urdf_contact,
+            reread_shape_contacts(main_file),
+        )
         (folder / EXTENSION).write_bytes(measured.extension_json)
         judged = judge_package(main_file, simulator, record.geometry.extent_m.value)
         made = _record(record, section, judged, measured, folder)

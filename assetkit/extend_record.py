@@ -18,7 +18,8 @@ def extended_section(section: PhysicsSection, measured: MeasuredPhysics) -> Phys
 
     A measured mass scales densities and, unless it was measured too, inertia. A measured friction is that of one pair:
     both coefficients take it, the rule becomes `minimum` (exact on any support that is no smoother), and records of
-    the material class against other counterparts, which it contradicts, are dropped.
+    the material class against other counterparts, which it contradicts, are dropped. Parts of several materials all
+    take it: which of them touched is not known.
     """
     changed: dict[str, Any] = {}
     if measured.mass_kg is not None:
@@ -33,6 +34,10 @@ def extended_section(section: PhysicsSection, measured: MeasuredPhysics) -> Phys
         changed["centre_of_mass_m"] = measured.centre_of_mass_m
     if measured.friction is not None or measured.restitution is not None:
         changed["contacts"] = _contacts(section.contacts, measured)
+        parts = changed.get("mass_parts", section.mass_parts)
+        changed["mass_parts"] = tuple(
+            part.model_copy(update={"contacts": changed["contacts"]}) if part.contacts else part for part in parts
+        )
     return section.model_copy(update=changed)
 
 

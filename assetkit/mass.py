@@ -29,7 +29,10 @@ WALL_TRUST: dict[Source, float] = {"declared": 0.9, "measured": 0.9, "inferred":
 
 @dataclass(frozen=True)
 class MassEvidence:
-    """The mass properties to use, what is known about each of them, and what was wrong in the source."""
+    """The mass properties to use, what is known about each of them, and what was wrong in the source.
+
+    `members` are the numbers of the meshes of each of `parts`.
+    """
 
     properties: MassProperties
     material: Evidence[str]
@@ -38,6 +41,7 @@ class MassEvidence:
     centre_of_mass_m: Evidence[Vec3]
     inertia_kgm2: Evidence[Matrix3]
     parts: tuple[MassPart, ...]
+    members: tuple[tuple[int, ...], ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
 
@@ -77,6 +81,7 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
         centre_of_mass_m=_centre(solid, parts, total, method, trust, clues.unit),
         inertia_kgm2=_inertia(parts, total, bounds, method, trust * clues.unit.confidence),
         parts=tuple(_recorded(part, sum(volumes), total.mass_kg) for part in parts),
+        members=tuple(part.substance.meshes for part in parts),
         diagnostics=(*notes, *(d for j in judged for d in j.diagnostics), *_shared(parts, total)),
         repairs=tuple(r for j in judged for r in j.repairs),
     )

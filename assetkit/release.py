@@ -14,7 +14,7 @@ from schemas.asset import AssetRecord, SourceSection
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, declared, default
 from schemas.package import PackageContent
-from usdio.reread import reread_body
+from usdio.reread import reread_body, reread_shape_contacts
 from usdio.source_names import source_names
 from usdio.write_package import write_package
 
@@ -30,7 +30,7 @@ def author(draft: Draft, work_dir: Path) -> Path:
     shutil.rmtree(folder, ignore_errors=True)
     content = _content(draft)
     main_file = write_package(content, folder)
-    write_urdf(reread_body(main_file), content, folder)
+    write_urdf(reread_body(main_file), content, folder, reread_shape_contacts(main_file))
     return main_file
 
 
@@ -92,6 +92,8 @@ def _content(draft: Draft) -> PackageContent:
         author=stated.get("author", UNKNOWN),
         source_file=draft.source_name,
         thumbnail_png=need(draft.previews, "previews").images["thumbnail"],
+        surfaces=physics.surfaces,
+        shape_surfaces=physics.shape_surfaces,
     )
 
 

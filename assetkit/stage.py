@@ -21,7 +21,7 @@ from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence
 from schemas.model import Axis, Material, Mesh, Model
 from schemas.outcome import Outcome
-from schemas.physics import CollisionShape, Contact, MassProperties, Solid
+from schemas.physics import CollisionShape, Contact, MassProperties, Solid, SurfaceMaterial
 from sim.port import Simulator
 
 
@@ -79,7 +79,10 @@ class Interaction:
 
 @dataclass(frozen=True)
 class Physics:
-    """Collision shapes, mass properties and contact parameters."""
+    """Collision shapes, mass properties and contact parameters.
+
+    `surfaces` and `shape_surfaces` as in `schemas.package.PackageContent`.
+    """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
 
@@ -87,6 +90,8 @@ class Physics:
     mass: MassProperties
     contact: Contact
     section: PhysicsSection
+    surfaces: tuple[SurfaceMaterial, ...] = ()
+    shape_surfaces: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

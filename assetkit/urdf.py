@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,18 +11,24 @@ from scipy.spatial.transform import Rotation
 
 from schemas.model import FloatArray, IntArray, Material, Mesh
 from schemas.package import PackageContent
-from schemas.physics import CollisionShape, RigidBody
+from schemas.physics import CollisionShape, Contact, RigidBody
 from usdio.looks import Look, looks_per_mesh
 from usdio.write_meshes import mesh_prim_names
 
+# The namespace that Drake's own files declare for their additions to URDF.
+DRAKE = "http://drake.mit.edu"
+ElementTree.register_namespace("drake", DRAKE)
 
-def write_urdf(body: RigidBody, content: PackageContent, folder: Path) -> Path:
+
+def write_urdf(body: RigidBody, content: PackageContent, folder: Path, shape_contacts: Sequence[Contact] = ()) -> Path:
     """Write `<folder>/export/<asset_id>.urdf` with its OBJ files in `export/meshes/` and return it.
 
     Mass, inertia (full tensor about the mass centre, asset axes), shapes and friction are those of `body`, digit for
     digit; pass the body as re-read from the USD and the twin cannot differ. PyBullet users must load it with
     `URDF_USE_INERTIA_FROM_FILE`. `<contact>` is PyBullet's extension; its `lateral_friction` is the dynamic one.
-    Other tools ignore it. `capsule` is read by PyBullet and newer URDF parsers only.
+    Other tools ignore it. A link has one friction there; where shapes differ (`shape_contacts`, one each) every
+    `<collision>` also has its own in the way that Drake reads, `drake:proximity_properties`. `capsule` is read by
+    PyBullet and newer URDF parsers only.
     """
     export = folder / "export"
     (export / "meshes").mkdir(parents=True, exist_ok=True)
@@ -34,15 +40,22 @@ def write_urdf(body: RigidBody, content: PackageContent, folder: Path) -> Path:
     for name, mesh, look in zip(mesh_prim_names(content.model), content.model.meshes, looks, strict=True):
         if len(mesh.triangles):
             _visual(link, name, mesh, look, export)
-    for index, shape in enumerate(body.shapes):
-        _collision(link, f"collider_{index:02d}", shape, export)
+    own = shape_contacts if len(set(shape_contacts)) > 1 else [None] * len(body.shapes)
+    for index, (shape, contact) in enumerate(zip(body.shapes, own, strict=True)):
+        collision = _collision(link, f"collider_{index:02d}", shape, export)
+        if contact is not None:
+            _proximity(collision, contact)
     path = export / f"{content.asset_id}.urdf"
     _save(robot, path)
     return path
 
 
-def rewrite_urdf(body: RigidBody, path: Path, contact: Mapping[str, float]) -> None:
-    """Give the one link of a twin the mass, inertia and friction of `body`, and further children of `<contact>`."""
+def rewrite_urdf(
+    body: RigidBody, path: Path, contact: Mapping[str, float], shape_contacts: Sequence[Contact] = ()
+) -> None:
+    """Give the one link of a twin the mass, inertia and friction of `body`, and further children of `<contact>`; the
+    shapes `shape_contacts` where they have contacts of their own.
+    """
     robot = ElementTree.parse(path).getroot()
     link = robot.find("link")
     if link is None:
@@ -55,6 +68,10 @@ def rewrite_urdf(body: RigidBody, path: Path, contact: Mapping[str, float]) -> N
     for name, value in contact.items():
         ElementTree.SubElement(fresh[0], name, value=_text(value))
     link[:0] = list(fresh)
+    for collision, own in zip(link.findall("collision"), shape_contacts, strict=False):
+        for old in collision.findall(f"{{{DRAKE}}}proximity_properties"):
+            collision.remove(old)
+            _proximity(collision, own)
     _save(robot, path)
 
 
@@ -87,7 +104,13 @@ def _visual(link: ElementTree.Element, name: str, mesh: Mesh, look: Look, export
     ElementTree.SubElement(material, "color", rgba=_texts((*_srgb(look.material), look.material.opacity)))
 
 
-def _collision(link: ElementTree.Element, name: str, shape: CollisionShape, export: Path) -> None:
+def _proximity(collision: ElementTree.Element, contact: Contact) -> None:
+    properties = ElementTree.SubElement(collision, f"{{{DRAKE}}}proximity_properties")
+    ElementTree.SubElement(properties, f"{{{DRAKE}}}mu_static", value=_text(contact.static_friction))
+    ElementTree.SubElement(properties, f"{{{DRAKE}}}mu_dynamic", value=_text(contact.dynamic_friction))
+
+
+def _collision(link: ElementTree.Element, name: str, shape: CollisionShape, export: Path) -> ElementTree.Element:
     collision = ElementTree.SubElement(link, "collision", name=name)
     rpy = Rotation.from_matrix(shape.X_AS[:3, :3]).as_euler("xyz")  # URDF: fixed axes x, y, z
     ElementTree.SubElement(collision, "origin", xyz=_texts(shape.X_AS[:3, 3]), rpy=_texts(rpy))
@@ -96,7 +119,7 @@ def _collision(link: ElementTree.Element, name: str, shape: CollisionShape, expo
             raise ValueError("a hull shape needs points and triangles")
         _write_obj(export / "meshes" / f"{name}.obj", shape.points, shape.triangles)
         _mesh_element(collision, f"{name}.obj")
-        return
+        return collision
     geometry = ElementTree.SubElement(collision, "geometry")
     if shape.kind == "box":
         ElementTree.SubElement(geometry, "box", size=_texts(shape.size_m))
@@ -104,6 +127,7 @@ def _collision(link: ElementTree.Element, name: str, shape: CollisionShape, expo
         ElementTree.SubElement(geometry, "sphere", radius=_text(shape.size_m[0]))
     else:
         ElementTree.SubElement(geometry, shape.kind, radius=_text(shape.size_m[0]), length=_text(shape.size_m[1]))
+    return collision
 
 
 def _mesh_element(parent: ElementTree.Element, file: str) -> None:

@@ -133,13 +133,22 @@ class SemanticsSection(_Section):
 
 
 class MassPart(_Section):
-    """One substance of an object: the visual meshes it is seen on, and its shares of volume and mass."""
+    """One substance of an object: the visual meshes it is seen on, its shares of volume and mass, its contacts."""
 
     meshes: tuple[str, ...]
     material: Evidence[str]
     density_kgm3: Evidence[float]
     volume_share: float
     mass_share: float
+    contacts: tuple[Evidence[Contact], ...] = ()
+
+
+class ColliderMaterial(_Section):
+    """Which material a collision shape touches as, and the share of its surface that each one has in what it covers."""
+
+    collider: str
+    material: str
+    shares: dict[str, float]
 
 
 class PhysicsSection(_Section):
@@ -158,6 +167,7 @@ class PhysicsSection(_Section):
     contacts: tuple[Evidence[Contact], ...]
     collision_method: str
     candidates: tuple[Fidelity, ...]
+    collider_materials: tuple[ColliderMaterial, ...] = Field(default=(), description="where parts differ in material")
     joints: tuple[Evidence[dict[str, Any]], ...] = ()
 
 

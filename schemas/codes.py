@@ -395,6 +395,12 @@ CODES: dict[str, CodeInfo] = {
         "Every finer candidate failed or missed its tolerance.",
         "see the candidate table in the record; clean the mesh for a better fit",
     ),
+    "asset/mixed-collider": CodeInfo(
+        "info",
+        "A collision shape covers parts of different materials",
+        "An engine gives one shape one friction; where the other material touches it is another one.",
+        "nothing, or model the parts so that they can have shapes of their own; the record lists the shares",
+    ),
     "asset/render-collision-misaligned": CodeInfo(
         "error",
         "Collision and visible surface do not coincide",

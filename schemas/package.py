@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from pydantic import ConfigDict
 
 from schemas.model import Model
-from schemas.physics import CollisionShape, Contact, MassProperties
+from schemas.physics import CollisionShape, Contact, MassProperties, SurfaceMaterial
 
 
 @dataclass(frozen=True)
 class PackageContent:
     """One asset ready to be written: canonical model (metres, z-up, bottom-centre origin) and its physics.
 
+    `surfaces` are the contact materials when parts differ, that of the largest part first; `shape_surfaces` says for
+    each shape which of them it has. When empty, every shape has `contact`, `physical_material` and `density_kgm3`.
     `thumbnail_png` is a 256x256 PNG. Texts are "unknown" where nothing is known; they are never invented.
     """
 
@@ -32,3 +34,5 @@ class PackageContent:
     author: str
     source_file: str
     thumbnail_png: bytes
+    surfaces: tuple[SurfaceMaterial, ...] = ()
+    shape_surfaces: tuple[int, ...] = ()

@@ -57,6 +57,15 @@ class Contact(BaseModel):
     combine: Literal["average", "multiply", "minimum", "maximum"] = "average"
 
 
+@dataclass(frozen=True)
+class SurfaceMaterial:
+    """What something is made of where it touches: class in the material table, density, contact against any other."""
+
+    label: str
+    density_kgm3: float
+    contact: Contact
+
+
 class Fidelity(BaseModel):
     """How well a set of collision shapes represents the solid; distances are fractions of the box diagonal.
 

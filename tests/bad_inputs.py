@@ -281,6 +281,7 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/simready-rule": "tests/unit/test_validate.py",
     "asset/usd-rule": "tests/unit/test_validate.py",
     "asset/collision-fallback": "tests/unit/test_physics_stage.py",
+    "asset/mixed-collider": "tests/unit/test_collider_materials.py",
     "asset/render-collision-misaligned": "tests/unit/test_acceptance.py",
     "asset/unstable-settling": "tests/unit/test_acceptance.py",
     "asset/reference-pose-topples": "tests/unit/test_acceptance.py",

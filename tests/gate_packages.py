@@ -171,7 +171,7 @@ def _link(stage: Usd.Stage, name: str, scale: float, material: Sdf.Path, look: S
         author_normals(mesh, face_normals(points, triangles), UsdGeom.Tokens.uniform)
         UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(UsdShade.Material.Get(stage, look))
     UsdGeom.Xform.Define(stage, path.AppendChild("Visuals"))
-    author_colliders(stage, path, shapes, material, set())
+    author_colliders(stage, path, shapes, [material] * len(shapes), set())
     return mass
 
 

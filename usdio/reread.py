@@ -36,6 +36,16 @@ def reread_body(main_file: Path) -> RigidBody:
     return RigidBody(body.GetName(), shapes, _mass(body, main_file), _contact(colliders, main_file))
 
 
+def reread_shape_contacts(main_file: Path) -> tuple[Contact, ...]:
+    """The contact of each shape of `reread_body`, in the same order. Raises as that does."""
+    stage = open_stage(main_file)
+    body = next(prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI))
+    bound = [bound_contact_material(prim) for prim in collider_prims(body)]
+    if any(api is None for api in bound):
+        raise _invalid("a collider without a contact material", main_file)
+    return tuple(_contact_of(api) for api in bound if api is not None)
+
+
 def reread_visual(main_file: Path) -> tuple[FloatArray, IntArray]:
     """All rendered meshes merged, in the asset frame: points (n, 3) float64 and triangles (m, 3) int32."""
     stage = open_stage(main_file)
@@ -120,10 +130,16 @@ def _mass(body: Usd.Prim, main_file: Path) -> MassProperties:
 
 
 def _contact(colliders: list[Usd.Prim], main_file: Path) -> Contact:
-    """The contact material of the first collider; all share one."""
-    api = bound_contact_material(colliders[0]) if colliders else None
-    if api is None:
+    """The contact material of the colliders; of several the one written first, that of the largest part."""
+    bound = [api for prim in colliders if (api := bound_contact_material(prim)) is not None]
+    if not bound:
         raise _invalid("no collider with a contact material", main_file)
+    siblings = [prim.GetPath() for prim in bound[0].GetPrim().GetParent().GetChildren()]
+    api = min(bound, key=lambda one: siblings.index(path) if (path := one.GetPath()) in siblings else len(siblings))
+    return _contact_of(api)
+
+
+def _contact_of(api: UsdPhysics.MaterialAPI) -> Contact:
     return Contact(
         static_friction=api.GetStaticFrictionAttr().Get(),
         dynamic_friction=api.GetDynamicFrictionAttr().Get(),

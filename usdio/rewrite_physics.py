@@ -10,15 +10,16 @@ from pathlib import Path
 from pxr import Sdf, Usd
 
 from schemas.physics import Contact, MassProperties
-from usdio.write_physics import author_body, author_contact_material
+from usdio.write_physics import CONTACT_MATERIALS, author_body, author_contact_values
 
 _METADATA = "SimReady_Metadata"
 
 
-def rewrite_physics(main_file: Path, mass: MassProperties, contact: Contact, density_kgm3: float, label: str) -> None:
-    """Author body and contact material of a package that `write_package` wrote, with the writer's own functions.
+def rewrite_physics(main_file: Path, mass: MassProperties, contact: Contact | None, densities: float) -> None:
+    """Author the body and the contact materials of a package that `write_package` wrote.
 
-    `label` is the class of the contact material, as the package was written with. Raises OSError when writing fails.
+    Every material becomes `densities` times as dense; all get `contact`, None leaves them theirs. Raises OSError when
+    writing fails.
     """
     layer = Sdf.Layer.OpenAsAnonymous(str(main_file))
     stage = Usd.Stage.Open(layer, Usd.Stage.LoadNone)
@@ -30,7 +31,9 @@ def rewrite_physics(main_file: Path, mass: MassProperties, contact: Contact, den
     root = stage.GetDefaultPrim().GetPath()
     physics_file = main_file.parent / "payloads" / f"{main_file.stem}_physics.usda"
     physics = Sdf.Layer.OpenAsAnonymous(str(physics_file))
-    author_contact_material(Usd.Stage.Open(physics), root, contact, density_kgm3, label)
+    payload = Usd.Stage.Open(physics)
+    for material in payload.GetPrimAtPath(root.AppendChild(CONTACT_MATERIALS)).GetChildren():
+        author_contact_values(material, contact, densities)
     for changed, path in ((layer, main_file), (physics, physics_file)):
         if not changed.Export(str(path)):
             raise OSError(f"USD could not write {path.name}")

@@ -13,8 +13,9 @@ import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics
 
 from schemas.package import PackageContent
+from schemas.physics import SurfaceMaterial
 from usdio.looks import looks_per_mesh
-from usdio.names import identifier
+from usdio.names import identifier, prim_names
 from usdio.write_materials import author_materials, texture_files
 from usdio.write_meshes import author_meshes
 from usdio.write_physics import author_body, author_colliders, author_contact_material
@@ -49,8 +50,7 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     paths = {name: f"../textures/{file}" for name, file in files.items()}
     author_materials(Usd.Stage.Open(materials), root, looks, paths, label)
     stage = Usd.Stage.Open(physics)
-    contact = author_contact_material(stage, root, content.contact, content.density_kgm3, label)
-    author_colliders(stage, root, content.shapes, contact, taken)
+    author_colliders(stage, root, content.shapes, _contact_materials(stage, root, content), taken)
 
     stem = content.asset_id
     _export(meshes, payloads / f"{stem}_meshes.usdc")
@@ -68,6 +68,20 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     thumbnail.parent.mkdir(parents=True, exist_ok=True)
     thumbnail.write_bytes(content.thumbnail_png)
     return main_file
+
+
+def _contact_materials(stage: Usd.Stage, root: Sdf.Path, content: PackageContent) -> list[Sdf.Path]:
+    """Author the contact materials, the principal one first, and return that of each shape."""
+    label = content.physical_material or UNKNOWN
+    surfaces = list(dict.fromkeys(content.surfaces)) or [SurfaceMaterial(label, content.density_kgm3, content.contact)]
+    names = prim_names([surface.label for surface in surfaces], UNKNOWN)
+    paths = {
+        surface: author_contact_material(stage, root, surface.contact, surface.density_kgm3, surface.label, name)
+        for surface, name in zip(surfaces, names, strict=True)
+    }
+    if not content.shape_surfaces:
+        return [paths[surfaces[0]]] * len(content.shapes)
+    return [paths[content.surfaces[index]] for index in content.shape_surfaces]
 
 
 def _base_layer(root: Sdf.Path, stem: str) -> Sdf.Layer:

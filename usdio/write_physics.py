@@ -18,6 +18,8 @@ from usdio.names import identifier
 from usdio.write_materials import label_material
 from usdio.write_meshes import author_normals, define_mesh, distinct_listing
 
+CONTACT_MATERIALS = "PhysicsMaterials"
+
 
 def author_body(prim: Usd.Prim, mass: MassProperties) -> None:
     """RigidBodyAPI and MassAPI on `prim`: mass, mass centre, principal inertia about the mass centre with its axes."""
@@ -33,35 +35,44 @@ def author_body(prim: Usd.Prim, mass: MassProperties) -> None:
 
 
 def author_contact_material(
-    stage: Usd.Stage, root: Sdf.Path, contact: Contact, density_kgm3: float, label: str
+    stage: Usd.Stage, root: Sdf.Path, contact: Contact, density_kgm3: float, label: str, name: str = ""
 ) -> Sdf.Path:
-    """Define `<root>/PhysicsMaterials/<label>` and return its path."""
-    scope = UsdGeom.Scope.Define(stage, root.AppendChild("PhysicsMaterials")).GetPath()
-    material = UsdShade.Material.Define(stage, scope.AppendChild(identifier(label, "unknown")))
+    """Define `<root>/PhysicsMaterials/<name>`, by default named as its label, and return its path."""
+    scope = UsdGeom.Scope.Define(stage, root.AppendChild(CONTACT_MATERIALS)).GetPath()
+    material = UsdShade.Material.Define(stage, scope.AppendChild(name or identifier(label, "unknown")))
     label_material(material, label)
-    api = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
-    api.CreateStaticFrictionAttr(contact.static_friction)
-    api.CreateDynamicFrictionAttr(contact.dynamic_friction)
-    api.CreateRestitutionAttr(contact.restitution)
-    api.CreateDensityAttr(density_kgm3)
-    # UsdPhysics has no combine rule; engines use the average unless told otherwise, so the rule rides along as data.
-    material.GetPrim().SetCustomDataByKey("mana:combine", contact.combine)
+    UsdPhysics.MaterialAPI.Apply(material.GetPrim()).CreateDensityAttr(density_kgm3)
+    author_contact_values(material.GetPrim(), contact)
     return material.GetPath()
+
+
+def author_contact_values(material: Usd.Prim, contact: Contact | None, denser: float = 1.0) -> None:
+    """Friction, restitution and combine rule of a contact material, where given; its density times `denser`."""
+    api = UsdPhysics.MaterialAPI(material)
+    if contact is not None:
+        api.CreateStaticFrictionAttr(contact.static_friction)
+        api.CreateDynamicFrictionAttr(contact.dynamic_friction)
+        api.CreateRestitutionAttr(contact.restitution)
+        # UsdPhysics has no combine rule; engines take the average unless told otherwise: it rides along as data.
+        material.SetCustomDataByKey("mana:combine", contact.combine)
+    if denser != 1.0:
+        api.GetDensityAttr().Set(denser * api.GetDensityAttr().Get())
 
 
 def author_colliders(
     stage: Usd.Stage,
     root: Sdf.Path,
     shapes: Sequence[CollisionShape],
-    material: Sdf.Path,
+    materials: Sequence[Sdf.Path],
     taken: set[bytes],
 ) -> None:
     """Define `<root>/Colliders/collider_<n>` for every shape: purpose guide, collision API, bound contact material.
 
-    `taken` are the listings of the visible meshes, see `distinct_listing`.
+    `materials` are the paths of their contact materials, one per shape. `taken` are the listings of the visible
+    meshes, see `distinct_listing`.
     """
     colliders = UsdGeom.Xform.Define(stage, root.AppendChild("Colliders")).GetPath()
-    for index, shape in enumerate(shapes):
+    for index, (shape, material) in enumerate(zip(shapes, materials, strict=True)):
         path = colliders.AppendChild(f"collider_{index:02d}")
         prim = _hull(stage, path, shape, taken) if shape.kind == "hull" else _primitive(stage, path, shape)
         UsdGeom.Imageable(prim).CreatePurposeAttr(UsdGeom.Tokens.guide)

@@ -16,7 +16,7 @@ class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 3
+    version = 4
     result = Physics
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Physics]:

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from assetkit.collider_materials import touches
 from assetkit.colliders import choose_colliders
 from assetkit.mass import mass_evidence
 from assetkit.mass_parts import Clues
-from assetkit.source_contacts import contact_evidence
 from schemas.asset import PhysicsSection
 from schemas.diagnostics import Diagnostic
 from schemas.outcome import Repair
-from schemas.physics import CollisionShape, Contact, MassProperties, Solid
+from schemas.physics import CollisionShape, Contact, MassProperties, Solid, SurfaceMaterial
 from schemas.stated_physics import StatedContact
 
 
@@ -21,7 +21,7 @@ from schemas.stated_physics import StatedContact
 class PhysicsResult:
     """What the simulator gets (`shapes`, `mass`, `contact` against any counterpart) and what the record says about it.
 
-    All in the asset frame, metres and kilograms.
+    All in the asset frame, metres and kilograms. For `surfaces` and `shape_surfaces` see `PackageContent`.
     """
 
     shapes: tuple[CollisionShape, ...]
@@ -30,6 +30,8 @@ class PhysicsResult:
     section: PhysicsSection
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
+    surfaces: tuple[SurfaceMaterial, ...] = ()
+    shape_surfaces: tuple[int, ...] = ()
 
 
 def build_physics(
@@ -51,23 +53,26 @@ def build_physics(
     clues = clues or Clues()
     colliders = choose_colliders(solid, work_dir, exclude)
     mass = mass_evidence(solid, names, replace(clues, cavities=colliders.cavities))
-    touch = contact_evidence(mass.material, contacts, clues.as_read)
+    touched = touches(colliders.shapes, solid, mass, clues, contacts)
     section = PhysicsSection(
         material=mass.material,
         density_kgm3=mass.density_kgm3,
         mass_kg=mass.mass_kg,
         centre_of_mass_m=mass.centre_of_mass_m,
         inertia_kgm2=mass.inertia_kgm2,
-        mass_parts=mass.parts,
-        contacts=touch.contacts,
+        mass_parts=touched.parts,
+        contacts=touched.contacts,
         collision_method=colliders.method,
         candidates=colliders.candidates,
+        collider_materials=touched.colliders,
     )
     return PhysicsResult(
         shapes=colliders.shapes,
         mass=mass.properties,
-        contact=touch.contacts[0].value,
+        contact=touched.contacts[0].value,
         section=section,
-        diagnostics=(*colliders.diagnostics, *mass.diagnostics, *touch.diagnostics),
-        repairs=(*mass.repairs, *touch.repairs),
+        diagnostics=(*colliders.diagnostics, *mass.diagnostics, *touched.diagnostics),
+        repairs=(*mass.repairs, *touched.repairs),
+        surfaces=touched.surfaces,
+        shape_surfaces=touched.shape_surfaces,
     )

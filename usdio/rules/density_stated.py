@@ -33,8 +33,11 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 unit="kg/m3",
                 severity=subject.suspect if density > 0.0 else Severity.ERROR,
             )
+    # A package lists the material of every part; what a collider holds inside may be denser than what it touches with.
+    listed = [number(prim, "physics:density", 0.0) * to_si for prim in subject.contact_materials]
+    densest = max(listed, default=0.0) if subject.released and len(listed) > 1 else 0.0
     for body in subject.active_bodies:
-        most_kg = _most_kg(body, to_si)
+        most_kg = _most_kg(body, to_si, densest)
         if body.mass_kg is not None and body.mass_kg > MOST_RATIO * most_kg:
             yield finding(
                 CODE,
@@ -47,8 +50,11 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             )
 
 
-def _most_kg(body: Body, to_si: float) -> float:
-    """Mass of all colliders, with a skin of 1 mm, filled with the density of their material; inf when none says."""
+def _most_kg(body: Body, to_si: float, least_kgm3: float) -> float:
+    """Mass of all colliders, with a skin of 1 mm, filled with the density of their material; inf when none says.
+
+    No material counts as less dense than `least_kgm3`.
+    """
     total = 0.0
     for collider in body.active_colliders:
         material = contact_material(collider.prim)
@@ -57,7 +63,7 @@ def _most_kg(body: Body, to_si: float) -> float:
             return np.inf
         x, y, z = np.ptp(collider.points_W, axis=0) if len(collider.points_W) else np.zeros(3)
         volume_m3 = collider.hull_W.solid.mass_kg if collider.hull_W is not None else float(x * y * z)
-        total += density * (volume_m3 + 2.0 * _SKIN_M * float(x * y + y * z + z * x))
+        total += max(density, least_kgm3) * (volume_m3 + 2.0 * _SKIN_M * float(x * y + y * z + z * x))
     return total if total > 0.0 else np.inf
 
 
