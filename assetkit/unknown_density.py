@@ -19,7 +19,7 @@ USUAL_KGM3, USUAL_SIZE_M = 500.0, 0.1
 # A part from CAD is drawn with its walls, and what looks like bare metal is of metal: solid steel up to 10 cm.
 DENSE_FACTOR = 3.0
 DENSEST_KGM3 = 8100.0  # Stainless steel, as in `materials.csv`.
-CAD_FORMATS = ("stl", "urdf")
+CAD_FORMATS = ("stl",)
 METALLIC, METALLIC_SHARE = 0.5, 0.5
 # What a person would want to know to be outside the bounds: solid things from above, light things from below.
 _SOLID = (("steel", 7850.0), ("aluminium", 2700.0), ("stone", 2400.0), ("water", 1000.0))
