@@ -37,7 +37,7 @@ class MechanismProblem:
 
     def __init__(self, measurement: Measurement, horizon_s: float = HORIZON_S) -> None:
         self.measurement = measurement
-        self.declared: MechanismModel = build_mechanism(measurement.spec)
+        self.declared: MechanismModel = build_mechanism(measurement.spec, measurement.root)
         self.horizon_s = horizon_s
         self._logs = {t.id: log_of(t) for t in measurement.trials}
         self._row_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in measurement.trials])))
