@@ -11,8 +11,9 @@ from geom.cavity import Cavity, keeps_cavity
 from geom.merge_hulls import merge_hulls
 from geom.plane_cuts import Goal, cut_apart
 from geom.preflight import Body, arrays
+from geom.raise_hulls import raise_hulls
 from geom.surface_distance import SolidDistance, sample_surface
-from geom.trim_hulls import trim_hulls
+from geom.trim_hulls import FAR, trim_hulls
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
@@ -65,13 +66,16 @@ def convex_parts(
     hulls = merge_hulls([piece.hull for piece in pieces], most, fault=fault)
     if _union_volume(hulls) <= TRIM_ABOVE * volume:
         hulls = merge_hulls(hulls, most, JOIN_SPARE * volume, fault)
-    trimmed = hulls
+    trimmed, far = hulls, 0.0
     for depth in TRIM_DEPTHS:
         if _union_volume(trimmed) <= TRIM_ABOVE * volume:
             break
         # Deeper is not always thinner: what is a bulge at one depth may be a flat end at another.
+        far = FAR * depth * body.size
         deeper = trim_hulls(hulls, body.light, distance, depth * body.size)
         trimmed = min(trimmed, deeper, key=lambda hulls: sum(hull.volume() for hull in hulls))
+    if far > 0.0:
+        trimmed = raise_hulls(trimmed, distance, far, lambda hull: not blocks(hull))
     return [body.in_metres(arrays(hull)[0]) for hull in trimmed]
 
 

@@ -45,7 +45,7 @@ def _trimmed(hull: Manifold, inside: Manifold, distance: SolidDistance, depth: f
         return hull
     wall = 2.0 * inside.volume() / max(inside.surface_area(), np.finfo(float).tiny)
     cuts = []
-    for normal, is_empty in _outer_sides(hull, distance, FAR * depth):
+    for normal, is_empty in outer_sides(hull, distance, FAR * depth):
         most = min(depth, EMPTY_DEPTH * wall) if is_empty else depth
         reach = _depth_for(hull, normal, least, most)
         cap, upper_half = (hull.volume() - _cut(hull, normal, d).volume() for d in (reach, 0.5 * reach))
@@ -75,7 +75,7 @@ def _cut(hull: Manifold, normal: FloatArray, depth: float) -> Manifold:
     return hull.trim_by_plane((-normal[0], -normal[1], -normal[2]), depth - top)
 
 
-def _outer_sides(hull: Manifold, distance: SolidDistance, far: float) -> list[tuple[FloatArray, bool]]:
+def outer_sides(hull: Manifold, distance: SolidDistance, far: float) -> list[tuple[FloatArray, bool]]:
     """The hull's largest sides but for joints to other pieces: the normal of a face in the middle, and is it empty."""
     points, triangles = arrays(hull)
     a, b, c = np.moveaxis(points[triangles], 1, 0)
