@@ -19,6 +19,9 @@ _STEP = 2e-3
 _ENOUGH = 1e-4  # relative decrease of the cost below which the search ends
 _RIDGE = 1e-9
 _WALL = 1e-6
+# Share of a step and its damping, one after another. What is hardly seen where a search stands, as the rest of a spring
+# that is still weak, must not drag all others along (Levenberg, Quart. Appl. Math. 2, 1944).
+_TRIES = ((1.0, 0.0), (0.3, 0.0), (0.09, 0.0), (1.0, 1e-3), (1.0, 1e-1))
 _NORMAL = 1.96
 Residuals = Callable[[FloatArray], Sequence[FloatArray]]
 
@@ -95,16 +98,18 @@ def descend(
     jac, more = _jacobian(residuals, x, r, known, fixed, steps)
     calls += more
     for _ in range(most):
-        step = _boxed(*_sum([_normal(jac, r), prior.normal(x)]), x)
-        cost, share, moved = _cost(r) + prior.cost(x), 1.0, None
-        for _ in range(3):
+        H, g = _sum([_normal(jac, r), prior.normal(x)])
+        step = _boxed(H, g, x)
+        cost, moved = _cost(r) + prior.cost(x), None
+        for share, damping in _TRIES:
+            if damping:
+                step = _boxed(H + damping * np.diag(H).max() * np.eye(len(x)), g, x)
             tried = np.clip(x + share * step, 0.0, 1.0)
             there = tuple(residuals(tried))
             calls += 1
             if _cost(np.concatenate(there)) + prior.cost(tried) < cost:
                 moved = tried, there
                 break
-            share *= 0.3
         if moved is None:
             break
         x, here = moved

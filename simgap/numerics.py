@@ -19,6 +19,7 @@ from simgap.problem import Model, Problem, View
 from simgap.score import compare
 
 _REPEATS = 3
+_STEPS = 4  # of a descent that begins where the truth is
 
 
 @runtime_checkable
@@ -58,10 +59,10 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
     for seed in range(_REPEATS):
         again = problem.repeated(base, seed)
         errors = rollout_errors(again, trials, view, spread(again, given, trials, view))
-        null = fit(errors, known)
+        null = fit(errors, known, _STEPS)
         own = again.direct(term.candidate, null.model, trials)
         starts = [term.values, *([own.values] if own is not None else [])]
-        extended = extend(errors, null, term.candidate, starts)
+        extended = extend(errors, null, term.candidate, starts, _STEPS)
         fitted.append(extended.model[-1].values)
         gains.append({"gain": compare(null.held_out, extended.held_out).gain})
         if own is not None:

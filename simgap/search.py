@@ -16,7 +16,7 @@ import numpy as np
 from schemas.model import FloatArray
 from simgap.fit import Errors, Fit, extend, fit, promising, rollout_errors, spread
 from simgap.numerics import Numerics, numerics
-from simgap.problem import Candidate, DirectEstimate, Problem, View
+from simgap.problem import Candidate, DirectEstimate, Farsighted, Problem, View
 from simgap.score import Comparison, adjusted, compare, paired_p, trial_losses
 from simgap.splits import Trials
 
@@ -33,7 +33,7 @@ _AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: 
 _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
 _REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
 _RICHER = 1  # parameters more that a rival of another kind may have: a spring has a rest beside its stiffness
-_AHEAD = 4  # candidates that are tried in pairs
+_AHEAD = 3  # candidates that are tried in pairs
 Map = Callable[[Callable[[Candidate], "Trial"], Iterable[Candidate]], Iterable["Trial"]]
 
 
@@ -171,7 +171,9 @@ def _screening(problem: Problem, errors: Errors, base: Fit, trials: Trials) -> C
 
     def tried(candidate: Candidate) -> Trial:
         direct = problem.direct(candidate, base.model, trials.train)
-        if direct is None:
+        if direct is None and isinstance(problem, Farsighted):
+            starts = [dict(candidate.start)]  # Its direct route scans the whole range and found no trace.
+        elif direct is None:
             starts = promising(errors, base, candidate)
         else:
             starts = [direct.values, {**direct.values, **_strengths(candidate)}]

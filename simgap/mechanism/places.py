@@ -22,6 +22,7 @@ _QUANTILE = 0.95
 # Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
 TOLERANCE = 0.05
 MEETING = 0.1  # of a row: how well the time is known at which an input acts
+_REPEATED = 3.0  # half waves within the range that was reached, below which nothing repeats: springs and weights do so
 _STOP_SHARES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33)
 SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "direction_rad")
 _WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
@@ -188,7 +189,7 @@ def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple
         "inertia_kgm2": (-0.8 * r.inertia, 4.0 * r.inertia),
         "limit_Nm": (0.1 * max(r.effort, 1e-9), 4.0 * max(r.effort, 1e-9)),
         "band_Nm": (0.0, max(r.effort, 1e-9)),
-        "count_per_rad": (2.0 / max(span, 1e-6), 300.0 / max(span, 1e-6)),
+        "count_per_rad": (_REPEATED * np.pi / max(span, 1e-6), 300.0 / max(span, 1e-6)),
         "gap_rad": (0.0, 0.5 * span),
         "crossing_radps": (r.speed / 30.0, 30.0 * r.speed),
         "offset_rad": (-0.3 * span, 0.3 * span),
