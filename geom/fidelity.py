@@ -57,7 +57,8 @@ def measure(
     `outside`: from the outer surface of the union of all shapes to the outer surface of the solid; a lid over an
     opening shows here. `missing`: from the solid's surface to the union, 0 for what lies inside it: creases and parts
     within parts cannot be touched. `volume_ratio` is None unless the solid is closed, `cavity_kept` when it has no
-    cavity. Deterministic. Raises ValueError for no shapes.
+    cavity; a container is not kept either when its wall has gaps of the ball's size. Deterministic. Raises ValueError
+    for no shapes.
     """
     if not shapes:
         raise ValueError("no shapes to measure")
@@ -67,7 +68,9 @@ def measure(
     missing = np.zeros(len(true.probes))
     uncovered = ~_within(shapes, true.probes)
     missing[uncovered] = _distances(true.probes[uncovered], *union)
-    kept = all(keeps_cavity(shapes, cavity) for cavity in cavities) if cavities else None
+    # Where the ball gets out through a gap, the wall is about its radius away from the shapes.
+    held = all(cavity.through or missing.max() <= cavity.probe_m for cavity in cavities)
+    kept = held and all(keeps_cavity(shapes, cavity) for cavity in cavities) if cavities else None
     return Fidelity(
         method=method,
         shapes=len(shapes),

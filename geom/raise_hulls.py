@@ -1,7 +1,7 @@
 """Hulls of curved walls moved to the middle of the wall they stand for.
 
-Trimmed to the wall's thickness, the hull of a bent plate still lies on its chord: all of the bulge is missing, and on the
-hollow side it stands as far out of the wall. Moved outward by some of that, it is off by half as much everywhere.
+Trimmed to the wall's thickness, the hull of a bent plate still lies on its chord: all of the bulge is missing, and on
+the hollow side it stands as far out of the wall. Moved outward by some of that, it is off by half as much everywhere.
 """
 
 from __future__ import annotations
