@@ -142,14 +142,14 @@ def _kick(
         if isinstance(law.hook, JointTorque):
             smooth[:, law.joint, None] += law.hook.torque(state(law.joint), law.params, kept)
     free = dynamics.free_rates(q, qd, effort + smooth - bias, model.damping, h)
-    rubbing = [law for law in laws if isinstance(law.hook, JointFriction)]
+    rubbing = [(law, law.hook) for law in laws if isinstance(law.hook, JointFriction)]
     if rubbing or model.friction.any():
         direction = np.where(np.abs(free) > 1e-9, np.sign(free), 1.0)
         largest = np.broadcast_to(model.friction, q.shape).copy()
-        for law in rubbing:
+        for law, hook in rubbing:
             one = np.s_[:, law.joint : law.joint + 1]
             now = replace(state(law.joint), friction=largest[one])
-            largest[one] += law.hook.limit(now, law.params, direction[one])
+            largest[one] += hook.limit(now, law.params, direction[one])
         free = dynamics.held(q, free, h * np.maximum(largest, 0.0), model.damping, h)
     if not np.isfinite(free).all():
         free = np.nan_to_num(free)

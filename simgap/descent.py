@@ -103,7 +103,7 @@ def descend(
         cost, moved = _cost(r) + prior.cost(x), None
         for share, damping in _TRIES:
             if damping:
-                step = _boxed(H + damping * np.diag(H).max() * np.eye(len(x)), g, x)
+                step = _boxed(H + damping * np.diag(H).max(initial=0.0) * np.eye(len(x)), g, x)
             tried = np.clip(x + share * step, 0.0, 1.0)
             there = tuple(residuals(tried))
             calls += 1

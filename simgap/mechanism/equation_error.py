@@ -138,7 +138,7 @@ def _stack(logs: Sequence[Log], applied: Applied) -> _Stack:
 def _averages(logs: Sequence[Log], span: int) -> _Averages:
     counts = [len(log.series.t_s) for log in logs]
     by_trial = [
-        _plain_means(n, log.block) if span == BLOCKS else _smooth_means(n, min(span * log.block, n))
+        _plain_means(n, log.block) if span == BLOCKS else smooth_means(n, min(span * log.block, n))
         for n, log in zip(counts, logs, strict=True)
     ]
     ends = np.cumsum([len(m.indptr) - 1 for m in by_trial])[:-1]
@@ -153,7 +153,7 @@ def _plain_means(count: int, block: int) -> sparse.csr_array:
     return sparse.csr_array((weights, np.arange(count), np.append(starts, count)), shape=(len(starts), count))
 
 
-def _smooth_means(count: int, rows: int) -> sparse.csr_array:
+def smooth_means(count: int, rows: int) -> sparse.csr_array:
     """Means (b, count) over stretches that overlap by half, with weights that fade at both ends.
 
     The noise of an acceleration is that of readings, derived twice: a smooth weight takes the derivatives over, and

@@ -7,6 +7,8 @@ import pytest
 from scipy import stats
 
 from simgap.descent import Prior, descend, half_widths, left_out, mean_loss
+from simgap.fit import extend, fit, promising
+from tests.gap_suite.mechanism_cases import mechanism_case
 
 TRIALS, ROWS = 8, 30
 
@@ -106,3 +108,36 @@ def test_students_test_over_trials_keeps_its_level_although_rows_of_a_trial_err_
         found = descend(lambda x, A=A, y=y: [a @ x - b for a, b in zip(A, y, strict=True)], np.full(3, 0.5))
         false += abs(found.x[0] - 0.5) > half_widths(found)[0]
     assert stats.binom.sf(false - 1, 200, 0.05) > 1e-3
+
+
+def test_a_spring_that_is_still_weak_finds_its_strength():
+    """Where the strength is nearly none the place of rest is nearly unseen, and a plain step would throw it far off."""
+    q = np.linspace(-1.0, 1.0, 60)
+    truth = 4.0 * (q - 0.05)
+
+    def residuals(x):
+        return [10.0 * (20.0 * x[0] * (q - 20.0 * (x[1] - 0.5)) - truth)]
+
+    solved = descend(residuals, np.array([0.0005, 0.45]), most=30)
+    assert solved.x == pytest.approx([0.2, 0.5025], abs=1e-4)
+
+
+def test_a_wave_is_found_at_any_pitch_and_phase():
+    problem = mechanism_case(0).problem()
+    detent = next(c for c in problem.candidates() if c.effect.name == "joint.detent")
+    reach = detent.bounds["count_per_rad"][1] / 300.0  # one over the range that was reached
+    q = np.linspace(0.0, 1.0 / reach, 400)
+    strength = 0.4 * detent.bounds["torque_Nm"][1]
+
+    def errors(model):
+        waves = [t.values for t in model]
+        made = sum(v["torque_Nm"] * np.sin(v["count_per_rad"] * q - v["phase_rad"]) for v in waves)
+        hidden = strength * np.sin(211.0 * reach * q - 2.5)
+        return [5.0 * (made - hidden) / strength]
+
+    base = fit(errors, ())
+    best = promising(errors, base, detent)[2]
+    assert best["count_per_rad"] == pytest.approx(211.0 * reach, rel=0.02)
+    found = extend(errors, base, detent, [best], 20).model[-1].values
+    assert found["torque_Nm"] == pytest.approx(strength, rel=1e-3)
+    assert np.cos(found["phase_rad"] - 2.5) == pytest.approx(1.0, abs=1e-3)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from schemas.gap import EFFECT_NAMES
+from simgap.mechanism.equation_error import smooth_means
 from simgap.mechanism.problem import MechanismProblem
 from simgap.search import select
 from simgap.splits import split_trials
@@ -65,6 +66,29 @@ def test_the_rule_gives_what_the_protocol_asks():
     assert families["two"] + families["outside"] >= 0.2 * 300
     assert len({e.name for e in EFFECTS}) >= 20
     assert {e.name for e in EFFECTS} | {n for e in EFFECTS for d in e.scenes.values() for n in d} <= set(EFFECT_NAMES)
+
+
+def test_a_fast_clock_is_an_inertia_where_efforts_are_held_from_row_to_row():
+    """Why the suite counts the two as doubles on a driven joint."""
+    fast = 1.1
+    inputs = 0.3 * np.random.default_rng(0).normal(size=(1, 200, 1))
+    supply = np.full((1, 200), 12.0)
+    plant = _pendulum("effort")
+    q = truth.simulate(plant, {}, inputs, np.zeros((1, 1)), ROW_S, supply)[0, :: round(ROW_S / truth.STEP_S)]
+    heavy = {"inertia_share": np.array([fast**2 - 1.0])}
+    slow = truth.simulate(plant, heavy, inputs, np.zeros((1, 1)), fast * ROW_S, supply)[0]
+    assert slow[:: round(fast * ROW_S / truth.STEP_S)] == pytest.approx(q, abs=0.01 * np.ptp(q))
+
+
+def test_longer_means_of_the_balance_lose_noise_with_the_fifth_power_of_the_length():
+    noise = np.random.default_rng(0).normal(size=20_002)
+    accelerations = np.diff(noise, 2)
+    spread = []
+    for rows in (20, 40, 80):
+        means = smooth_means(len(accelerations), rows)
+        assert np.asarray(means.sum(axis=1)) == pytest.approx(1.0)
+        spread.append((means @ accelerations).var())
+    assert np.array(spread[:-1]) / spread[1:] == pytest.approx(32.0, rel=0.3)
 
 
 def test_controls_stay_without_a_name():
