@@ -34,6 +34,7 @@ _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
 _REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
 _RICHER = 1  # parameters more that a rival of another kind may have: a spring has a rest beside its stiffness
 _AHEAD = 3  # candidates that are tried in pairs
+_NOT_JUDGED = Comparison(0.0, (-np.inf, 1.0), 1.0)
 Map = Callable[[Callable[[Candidate], "Trial"], Iterable[Candidate]], Iterable["Trial"]]
 
 
@@ -101,8 +102,9 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
             break
         taken = {c.key for c in base.free}
         free = [c for c in problem.candidates() if c.key not in taken]
-        near = (errors, base) if view == "short_horizon" else _nearby(problem, trials, base)
-        this = _round(base, errors, list(each(_screening(problem, *near, trials), free)))
+        farther = view != "short_horizon"
+        near = _nearby(problem, trials, base) if farther else (errors, base)
+        this = _round(base, errors, list(each(_screening(problem, *near, trials), free)), farther)
         rounds.append(this)
         before = judged(base, level)
         worthy = _looking_ahead(errors, _worthy(this, base))
@@ -197,17 +199,21 @@ def _chance(comparison: Comparison, extended: Fit) -> float:
     return min(1.0, 2.0 * min(comparison.p_value, extended.p_value))
 
 
-def _round(base: Fit, errors: Errors, screened: list[Trial]) -> Round:
+def _round(base: Fit, errors: Errors, screened: list[Trial], farther: bool) -> Round:
     """The most promising ones, by their quick trial or by their direct estimate, fitted to the end; best first.
 
-    Where both say that chance does as well, no more is asked.
+    Where both say that chance does as well, no more is asked. What was screened on shorter horizons than it is judged
+    on (`farther`) and is no finalist has not been judged: it counts as no gain.
     """
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
     told = sorted(order, key=_told)
-    finalists = [t for t in (*order[:_FINALISTS], *told[:_TOLD]) if _shows(t)]
-    tried = [
-        _trial(base, extend(errors, base, t.candidate, _begun(t)), t.direct) if t in finalists else t for t in order
-    ]
+    finalists = {t.candidate.key for t in (*order[:_FINALISTS], *told[:_TOLD]) if _shows(t)}
+    tried = []
+    for t in order:
+        if t.candidate.key in finalists:
+            tried.append(_trial(base, extend(errors, base, t.candidate, _begun(t)), t.direct))
+        else:
+            tried.append(replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if farther else t)
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
     p = adjusted([t.comparison.p_value for t in tried])
     return Round(tuple(tried), tuple(float(v) for v in p))

@@ -110,18 +110,6 @@ def test_students_test_over_trials_keeps_its_level_although_rows_of_a_trial_err_
     assert stats.binom.sf(false - 1, 200, 0.05) > 1e-3
 
 
-def test_a_spring_that_is_still_weak_finds_its_strength():
-    """Where the strength is nearly none the place of rest is nearly unseen, and a plain step would throw it far off."""
-    q = np.linspace(-1.0, 1.0, 60)
-    truth = 4.0 * (q - 0.05)
-
-    def residuals(x):
-        return [10.0 * (20.0 * x[0] * (q - 20.0 * (x[1] - 0.5)) - truth)]
-
-    solved = descend(residuals, np.array([0.0005, 0.45]), most=30)
-    assert solved.x == pytest.approx([0.2, 0.5025], abs=1e-4)
-
-
 def test_a_wave_is_found_at_any_pitch_and_phase():
     problem = mechanism_case(0).problem()
     detent = next(c for c in problem.candidates() if c.effect.name == "joint.detent")
