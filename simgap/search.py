@@ -34,7 +34,7 @@ _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
 _REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
 _RICHER = 1  # parameters more that a rival of another kind may have: a spring has a rest beside its stiffness
 _AHEAD = 3  # candidates that are tried in pairs
-_NOT_JUDGED = Comparison(0.0, (-np.inf, 1.0), 1.0)
+_NOT_JUDGED = Comparison(0.0, (0.0, 0.0), 1.0)
 Map = Callable[[Callable[[Candidate], "Trial"], Iterable[Candidate]], Iterable["Trial"]]
 
 
