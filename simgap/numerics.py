@@ -64,7 +64,7 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
         starts = [term.values, *([own.values] if own is not None else [])]
         extended = extend(errors, null, term.candidate, starts, _STEPS)
         fitted.append(extended.model[-1].values)
-        gains.append({"gain": compare(null.held_out, extended.held_out).gain})
+        gains.append({"gain": max(compare(null.held_out, extended.held_out).gain, 0.0)})
         if own is not None:
             direct.append(own.values)
     if term.candidate.probes:
