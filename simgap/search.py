@@ -120,7 +120,9 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
     for place in range(len(accepted) if len(accepted) > 1 else 0):
         # What was chosen before the others were known is asked again beside them.
         kept, best, these = _beside_others(problem, trials, errors, base, accepted[place], rounds[place])
-        rivals[place] = _inseparable(errors, best, these)
+        before = {r.candidate.key for r in rivals[place]}
+        still = tuple(t for t in these if t.candidate.key in before and t is not best and not _beaten(t, best))
+        rivals[place] = (*still, *(t for t in _inseparable(errors, best, these) if t.candidate.key not in before))
         if best.candidate.key == accepted[place].candidate.key:
             continue
         made_up = numerics(problem, trials.train, view, kept.model, best.fit.model)
@@ -152,8 +154,7 @@ def _beside_others(
         tried.append(_trial(kept, extend(errors, kept, t.candidate, starts), direct))
     same = next(t for t in tried if t.candidate.key == found.candidate.key)
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
-    ahead = compare(same.fit.held_out, tried[0].fit.held_out)
-    best = tried[0] if ahead.p_value < AS_GOOD and ahead.gain > _AHEAD_GAIN else same
+    best = tried[0] if _beaten(same, tried[0]) else same
     return kept, best, tried
 
 
@@ -307,14 +308,19 @@ def _delta_bic(base: Fit, fitted: Fit) -> float:
     return float(n * np.log(max(base.losses.mean(), 1e-12) / max(fitted.losses.mean(), 1e-12)) - extra * np.log(n))
 
 
+def _beaten(rival: Trial, best: Trial) -> bool:
+    """Whether the best leaves less than the rival, beyond chance and by more than smoothing may do."""
+    ahead = compare(rival.fit.held_out, best.fit.held_out)
+    return ahead.p_value < AS_GOOD and ahead.gain > _AHEAD_GAIN
+
+
 def _inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[Trial, ...]:
     """Rivals that do as well as the best, and on top of which the best adds nothing."""
     found = []
     for rival in tried:
         if rival is best or rival.comparison.gain < RIVAL_SHARE * best.comparison.gain:
             continue
-        ahead = compare(rival.fit.held_out, best.fit.held_out)
-        if ahead.p_value < AS_GOOD and ahead.gain > _AHEAD_GAIN:
+        if _beaten(rival, best):
             continue
         # A richer law that does no better has had its chance, as has a much richer one of another kind; known doubles
         # stay in doubt.

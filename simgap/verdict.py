@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
 from simgap.numerics import Numerics
-from simgap.problem import DirectEstimate, Problem, Term
+from simgap.problem import DirectEstimate, Model, Problem, Term
 from simgap.score import Comparison, paired_p
 from simgap.search import LEVEL, Selection, Trial
 
@@ -25,10 +25,14 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
     unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
-    found_with = zip(selection.accepted, selection.rivals, selection.numerics, strict=True)
-    for position, (found, rivals, made_up) in enumerate(found_with):
-        base = selection.final.model
-        others = tuple(t for t in base if t.candidate.key != found.candidate.key)
+    base = selection.final.model
+    doubted = [
+        [r for r in rivals if not _told_apart(problem, found, r, _without(base, found), trials)]
+        for found, rivals in zip(selection.accepted, selection.rivals, strict=True)
+    ]
+    found_with = zip(selection.accepted, doubted, selection.numerics, strict=True)
+    for position, (found, same, made_up) in enumerate(found_with):
+        others = _without(base, found)
         term = next(t for t in base if t.candidate.key == found.candidate.key)
         widths = _wider(selection.final.half_widths.get(term.candidate.key, {}), made_up.fitted)
         if not _stands(term, widths):  # Effects found after it do its work.
@@ -39,15 +43,15 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
             said = problem.direct(found.candidate, others, trials)
             direct = said is not None and _agree(term, widths, said)
         direct = direct and said is not None and _beyond(term, said, made_up)
+        beside = problem.direct(found.candidate, others, trials) if len(doubted) > 1 else said
         drowned = unexplained and _removed(selection, position) < leftover.gain
-        same = [r for r in rivals if not _told_apart(problem, found, r, others, trials)]
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
         effect = NamedEffect(
             name=found.candidate.effect.name,
             where=found.candidate.where,
             confidence=_confidence(p, said, direct is True, bool(same) or drowned),
             routes={"heldout": True, "direct": direct is True},
-            parameters=parameters(term, _wider(widths, _unsure(term, said, selection.rivals))),
+            parameters=parameters(term, _wider(widths, _unsure(term, beside, doubted))),
         )
         if same or drowned or direct is not True:
             names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
@@ -88,6 +92,10 @@ def _removed(selection: Selection, position: int) -> float:
     """
     gains = [t.comparison.gain for t in selection.accepted[position:]]
     return float(gains[0] / max(np.prod([1.0 - g for g in gains]), 1e-12))
+
+
+def _without(model: Model, found: Trial) -> Model:
+    return tuple(t for t in model if t.candidate.key != found.candidate.key)
 
 
 def _unsure(term: Term, direct: DirectEstimate | None, rivals: Sequence[Sequence[Trial]]) -> dict[str, float]:
