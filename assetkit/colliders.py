@@ -213,7 +213,7 @@ def _misses(f: Fidelity, tolerance: Tolerance) -> list[Miss]:
         if value > bound:
             misses.append(Miss(f"{name} {value:.4f} above {bound:g}", value, bound, "of the diagonal", value / bound))
     if f.cavity_kept is False:
-        misses.append(Miss("fills an opening, or has a gap as wide", None, None, "", np.inf))
+        misses.append(Miss("fills an opening, or lets a ball out through its wall", None, None, "", np.inf))
     return misses
 
 

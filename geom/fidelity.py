@@ -11,6 +11,7 @@ from manifold3d import Manifold, OpType
 from geom.cavity import Cavity, keeps_cavity
 from geom.components import components_of
 from geom.hull import contains, convex_hull, volume
+from geom.leaks import leaks
 from geom.support import surface
 from geom.surface_distance import closest_on_surface, sample_surface
 from geom.weld import diagonal
@@ -21,6 +22,8 @@ SAMPLES = 4000
 # Hulls that share a cut plane leave a slit of rounding width between them, whose walls are no outer surface. Grown by
 # this share of the diagonal they merge; the distances below are too large by at most 1.7 times that.
 SLIT_SHARE = 5e-4
+# A gap that lets a ball through is wider than this share of its radius at the middle.
+GAP_SHARE = 0.7
 _CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
@@ -57,7 +60,7 @@ def measure(
     `outside`: from the outer surface of the union of all shapes to the outer surface of the solid; a lid over an
     opening shows here. `missing`: from the solid's surface to the union, 0 for what lies inside it: creases and parts
     within parts cannot be touched. `volume_ratio` is None unless the solid is closed, `cavity_kept` when it has no
-    cavity; a container is not kept either when its wall has gaps of the ball's size. Deterministic. Raises ValueError
+    cavity; a container is not kept either when a ball in it gets out through a gap. Deterministic. Raises ValueError
     for no shapes.
     """
     if not shapes:
@@ -68,8 +71,7 @@ def measure(
     missing = np.zeros(len(true.probes))
     uncovered = ~_within(shapes, true.probes)
     missing[uncovered] = _distances(true.probes[uncovered], *union)
-    # Where the ball gets out through a gap, the wall is about its radius away from the shapes.
-    held = all(cavity.through or missing.max() <= cavity.probe_m for cavity in cavities)
+    held = all(_holds_ball(union, true, cavity, float(missing.max())) for cavity in cavities)
     kept = held and all(keeps_cavity(shapes, cavity) for cavity in cavities) if cavities else None
     return Fidelity(
         method=method,
@@ -83,6 +85,17 @@ def measure(
         cavity_kept=kept,
         accepted=False,
     )
+
+
+def _holds_ball(union: tuple[FloatArray, IntArray], true: Reference, cavity: Cavity, gap_m: float) -> bool:
+    """Whether a ball in the cavity stays in as it does in the solid; `gap_m`: how far that lies from the shapes.
+
+    Where a ball gets out through a wall, that wall is about its radius away from the shapes.
+    """
+    if cavity.through or gap_m <= GAP_SHARE * cavity.probe_m:
+        return True
+    place = (cavity.way_m[-1], cavity.opening_m, cavity.direction, cavity.probe_m)
+    return not leaks(*union, *place) or leaks(true.points, true.triangles, *place)
 
 
 def outer_surface(solid: Solid) -> tuple[FloatArray, IntArray]:
