@@ -68,15 +68,25 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
         if own is not None:
             direct.append(own.values)
     if term.candidate.probes:
-        return Numerics(gain=_reach({"gain": 0.0}, gains)["gain"])
+        return Numerics(gain=reach_of({"gain": 0.0}, gains)["gain"])
     none = {n: v for n, v in term.candidate.null.items() if n not in term.candidate.shapes}
     none |= next((t.values for t in base if is_twin(t.candidate, term.candidate)), {})
-    return Numerics(_reach(none, fitted), _reach(none, direct))
+    return Numerics(reach_of(none, fitted), reach_of(none, direct))
 
 
-def _reach(none: Mapping[str, float], found: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Student's range of strengths about `none`: their root mean square holds bias and scatter alike."""
+def reach_of(none: Mapping[str, float], found: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """The furthest from `none` that another repeat would come, 95 %, by the narrower of two of Student's ranges.
+
+    One takes the repeats to scatter about `none`; the other about their own mean, where a bias that all share counts
+    once and not as if it could be of either sign and any size.
+    """
     if not found:
         return {}
-    wide = float(stats.t.ppf(0.975, len(found)))
-    return {n: wide * float(np.sqrt(np.mean([(v[n] - at) ** 2 for v in found]))) for n, at in none.items()}
+    n = len(found)
+    about_none, about_mean = float(stats.t.ppf(0.975, n)), float(stats.t.ppf(0.975, n - 1)) * np.sqrt(1.0 + 1.0 / n)
+    out = {}
+    for name, at in none.items():
+        off = np.array([v[name] for v in found]) - at
+        biased = abs(float(off.mean())) + about_mean * float(off.std(ddof=1)) if n > 1 else np.inf
+        out[name] = min(about_none * float(np.sqrt((off**2).mean())), float(biased))
+    return out

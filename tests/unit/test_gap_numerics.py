@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from simgap.mechanism.problem import MechanismProblem
-from simgap.numerics import numerics
+from simgap.numerics import numerics, reach_of
 from simgap.problem import Term
 from tests.gap_suite.mechanism_cases import mechanism_case
 
@@ -43,3 +43,25 @@ def test_what_is_found_without_an_effect_is_far_below_a_fifth_of_its_range(swing
     made_up = numerics(swing, swing.trial_ids[:6], "short_horizon", (), (Term(drag, {name: 0.2 * high}),))
     for reach in (made_up.fitted[name], made_up.direct[name]):
         assert 0.0 <= reach < 0.1 * high
+
+
+@pytest.mark.parametrize(
+    ("found", "least", "most"),
+    [
+        ((2.0, 2.0, 2.0), 2.0, 2.001),  # a bias that all repeats share is as large as it is
+        ((1.0, -1.0, 0.5), 2.0, 4.0),  # scatter reaches beyond what three draws show
+        ((0.0, 0.0, 0.0), 0.0, 0.0),
+    ],
+)
+def test_repeats_reach_as_far_as_their_bias_and_scatter(found: tuple[float, ...], least: float, most: float) -> None:
+    reach = reach_of({"x": 0.3}, [{"x": 0.3 + v} for v in found])["x"]
+    assert least - 1e-12 <= reach <= most + 1e-12
+    assert reach == pytest.approx(reach_of({"x": 0.0}, [{"x": -v} for v in found])["x"])
+
+
+def test_another_draw_lies_within_the_reach_as_often_as_it_should() -> None:
+    rng = np.random.default_rng(5)
+    for bias in (0.0, 3.0):
+        draws = bias + rng.normal(0.0, 1.0, (4000, 4))
+        inside = [abs(d[3]) <= reach_of({"x": 0.0}, [{"x": v} for v in d[:3]])["x"] for d in draws]
+        assert np.mean(inside) > 0.9
