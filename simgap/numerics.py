@@ -53,6 +53,8 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
         replace(t.candidate, start=t.values, null=t.values if t.candidate.nuisance else t.candidate.null) for t in base
     ]
     given = tuple(replace(t, candidate=c) for t, c in zip(base, known, strict=True))
+    none = {n: v for n, v in term.candidate.null.items() if n not in term.candidate.shapes}
+    none |= next((t.values for t in base if is_twin(t.candidate, term.candidate)), {})
     fitted: list[dict[str, float]] = []
     direct: list[dict[str, float]] = []
     gains: list[dict[str, float]] = []
@@ -61,7 +63,8 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
         errors = rollout_errors(again, trials, view, spread(again, given, trials, view))
         null = fit(errors, known, _STEPS)
         own = again.direct(term.candidate, null.model, trials)
-        starts = [term.values, *([own.values] if own is not None else [])]
+        # Nothing is hidden here: a descent from the found values alone may be stuck where the loss is higher.
+        starts = [{**term.values, **none}, term.values, *([own.values] if own is not None else [])]
         extended = extend(errors, null, term.candidate, starts, _STEPS)
         fitted.append(extended.model[-1].values)
         gains.append({"gain": max(compare(null.held_out, extended.held_out).gain, 0.0)})
@@ -69,8 +72,6 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
             direct.append(own.values)
     if term.candidate.probes:
         return Numerics(gain=reach_of({"gain": 0.0}, gains)["gain"])
-    none = {n: v for n, v in term.candidate.null.items() if n not in term.candidate.shapes}
-    none |= next((t.values for t in base if is_twin(t.candidate, term.candidate)), {})
     return Numerics(reach_of(none, fitted), reach_of(none, direct))
 
 
