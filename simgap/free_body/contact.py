@@ -19,7 +19,7 @@ _HARD = 0.3  # share of sqrt(g * length) at which an impact is worth reading
 def friction(toss: Toss) -> Evidence | None:
     """mu: tangential over normal force while sliding, and over impacts through which the corner kept slipping."""
     slides = [s.ratio for s in toss.slides]
-    ratios = [r for i in toss.impacts if (r := _slip_ratio(toss, i)) is not None]
+    ratios = [r for i in _corners(toss) if (r := _slip_ratio(toss, i)) is not None]
     return of_values(np.array(slides if len(slides) >= 4 else [*slides, *ratios]))
 
 
@@ -39,7 +39,7 @@ def anisotropy(toss: Toss) -> Evidence | None:
 def restitution(toss: Toss) -> Evidence | None:
     """The corner's speed away from the support over its speed towards it."""
     bounces = []
-    for i in toss.impacts:
+    for i in _corners(toss):
         towards = -(i.before.v + np.cross(i.before.w, i.lever))[2]
         away = (i.after.v + np.cross(i.after.w, i.lever))[2]
         if towards > _hard(toss):
@@ -48,13 +48,18 @@ def restitution(toss: Toss) -> Evidence | None:
 
 
 def inertia(toss: Toss) -> Evidence | None:
-    """factor: an impulse's moment about the mass centre over the change of angular momentum that it made."""
+    """factor: an impulse's moment about the mass centre over the change of angular momentum that it made.
+
+    Where along an edge an impulse acts is not known: there the moment about the edge counts alone.
+    """
     H, g = 0.0, 0.0
     for i in toss.impacts:
         impulse = i.after.v - i.before.v
         moment = toss.body.mass_kg * np.cross(i.lever, impulse)
         inertia_before, inertia_after = (m.R @ toss.body.inertia_B @ m.R.T for m in (i.before, i.after))
         turned = inertia_after @ i.after.w - inertia_before @ i.before.w
+        if i.edge is not None:
+            moment, turned = i.edge * float(i.edge @ moment), i.edge * float(i.edge @ turned)
         share = float(moment @ turned) / max(float(turned @ turned), 1e-300)
         off = np.linalg.norm(moment - share * turned) / max(float(np.linalg.norm(moment)), 1e-300)
         if i.clear and impulse[2] > _hard(toss) and off < _CONSISTENT:
@@ -70,6 +75,10 @@ def size(toss: Toss) -> Evidence | None:
         return None
     reach = float(support(toss.body.shapes, facet[None])[0])
     return of_values(toss.origin[toss.rest, 2] / reach, 1.0) if reach > 0.1 * toss.size else None
+
+
+def _corners(toss: Toss) -> list[Impact]:
+    return [i for i in toss.impacts if i.edge is None]
 
 
 def _slip_ratio(toss: Toss, i: Impact) -> float | None:

@@ -42,14 +42,17 @@ class Motion:
 
 @dataclass(frozen=True)
 class Impact:
-    """One corner's meeting with the support, axes of the support; `lever` (3,) from the mass centre to the corner.
+    """A corner's or an edge's meeting with the support, axes of the support.
 
-    `clear`: no other corner came near until the motion after it was read.
+    lever   (3,) from the mass centre to the corner, or to the middle of the edge.
+    edge    (3,) unit vector along an edge; None for a corner.
+    clear   no other corner came near until the motion after it was read.
     """
 
     before: Motion
     after: Motion
     lever: FloatArray
+    edge: FloatArray | None
     clear: bool
 
 
@@ -107,7 +110,7 @@ class Toss:
 
     @cached_property
     def impacts(self) -> list[Impact]:
-        """The ends of flights at which one corner meets the support."""
+        """The ends of flights at which one corner or one edge meets the support."""
         return [i for f in self.flights if (i := self._impact(f)) is not None]
 
     @cached_property
@@ -156,7 +159,7 @@ class Toss:
         )
 
     def _impact(self, flight: slice) -> Impact | None:
-        """What ends a flight, if it is a corner that meets the support and moves up again before another does."""
+        """What ends a flight, if a corner or an edge meets the support and moves up again before another does."""
         last, before = flight.stop - 1, slice(max(flight.start, flight.stop - _SIDE), flight.stop)
         after_touch = np.flatnonzero(self.t_s > self.t_s[last])
         soon = after_touch[self.t_s[after_touch] < self.t_s[last] + _LONGEST_S]
@@ -171,13 +174,15 @@ class Toss:
         leaving = self.motion(after, touch_s, False)
         reach = landing.R @ self.corners.T
         near = reach[2] < reach[2].min() + 0.5 * _PATCH * self.size
-        if np.ptp(reach[:, near], axis=1).max() > _PATCH * self.size:
+        edge, narrow = _line(reach[:, near].T, _PATCH * self.size)
+        if not narrow:
             return None
         others = self.heights[before.stop : after.stop][:, ~near]
         return Impact(
             before=landing,
             after=leaving,
             lever=reach[:, near].mean(axis=1),
+            edge=edge,
             clear=bool((others > _NEAR * self.size).all()),
         )
 
@@ -205,6 +210,15 @@ class Toss:
             return None
         along = np.array([*(slip / speed), 0.0])
         return Slide(-float(force @ along) / float(force[2]), self.matrices[at].T @ along, speed)
+
+
+def _line(points: FloatArray, width: float) -> tuple[FloatArray | None, bool]:
+    """Direction (3,) of points (n, 3) on a line, None if they are one spot; and whether no two are further off it."""
+    if np.ptp(points, axis=0).max() <= width:
+        return None, True
+    across = points - points.mean(axis=0)
+    along = np.linalg.svd(across)[2][0]
+    return along, bool(np.linalg.norm(across - np.outer(across @ along, along), axis=1).max() <= 0.5 * width)
 
 
 def resting_facet(toss: Toss) -> FloatArray | None:
