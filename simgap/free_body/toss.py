@@ -25,6 +25,7 @@ _SIDE = 5  # rows that tell the motion on one side of an impact
 _LONGEST_S = 0.03  # from touching down to moving up
 _INSTANTS = 60
 _SLIDE_ROWS = 7
+_STEADY = 0.8  # cosine between the slip at the ends and in the middle of a slide
 _LEVEL_RAD = 0.4  # between a facet and the support; more is another facet
 _STILL = 0.05  # share of sqrt(g * length): slower is rest
 
@@ -198,18 +199,26 @@ class Toss:
     def _slide(self, rows: slice) -> Slide | None:
         at = (rows.start + rows.stop) // 2
         motion = self.motion(rows, float(self.t_s[at]), False)
-        reach = self.matrices[at] @ self.corners.T
-        near = reach[2] < reach[2].min() + 0.5 * _NEAR * self.size
-        lever = reach[:, near].mean(axis=1)
-        slip = (motion.v + np.cross(motion.w, lever))[:2]
-        speed = float(np.linalg.norm(slip))
-        spread = float(np.linalg.norm(motion.w)) * float(np.ptp(reach[:, near], axis=1).max())
+        slip, speed, spread = self._slip(motion, at)
         force = motion.acceleration - self.gravity
         weight = float(np.linalg.norm(self.gravity))
         if speed < self.least_slip or spread > 0.5 * speed or not 0.3 < force[2] / weight < 3.0:
             return None
+        for end in (rows.start, rows.stop - 1):
+            # What sticks on the way carries less than friction could.
+            there, fast, _ = self._slip(self.motion(rows, float(self.t_s[end]), False), end)
+            if fast < self.least_slip or float(there @ slip) < _STEADY * fast * speed:
+                return None
         along = np.array([*(slip / speed), 0.0])
         return Slide(-float(force @ along) / float(force[2]), self.matrices[at].T @ along, speed)
+
+    def _slip(self, motion: Motion, row: int) -> tuple[FloatArray, float, float]:
+        """Velocity (2,) of the lowest corners along the support, its size, and how much it differs between them."""
+        reach = self.matrices[row] @ self.corners.T
+        near = reach[2] < reach[2].min() + 0.5 * _NEAR * self.size
+        slip = (motion.v + np.cross(motion.w, reach[:, near].mean(axis=1)))[:2]
+        spread = float(np.linalg.norm(motion.w)) * float(np.ptp(reach[:, near], axis=1).max())
+        return slip, float(np.linalg.norm(slip)), spread
 
 
 def _line(points: FloatArray, width: float) -> tuple[FloatArray | None, bool]:
