@@ -12,6 +12,8 @@ _TYPICAL_SIZE_M, _LOG_SPREAD = 0.15, 1.2  # Largest extent of household objects:
 _STANDARD_SHARE = 0.7  # Prior of the unit that a format's own standard implies where the file leaves it out.
 # A designed length is round in the designer's unit: how much more likely a reading is that makes it so.
 _ROUND_LENGTH, _BINARY_FRACTIONS = 5.0, 3.0
+# A cube, ball or cylinder of side 1 or 2 is what modelling tools start with, in their scene units, which are metres.
+_PRIMITIVE, _PRIMITIVE_SIDES = 5.0, (1.0, 2.0)
 
 # How likely each unit is before the numbers are looked at, by the tool that wrote the file, else by its format.
 _CAD = {"m": 0.20, "cm": 0.05, "mm": 0.70, "in": 0.05}
@@ -48,6 +50,7 @@ def posterior(prior: dict[str, float], extent: tuple[float, float, float]) -> di
         unit: p
         * math.exp(-0.5 * (math.log(max(extent) * METERS_PER_UNIT[unit] / _TYPICAL_SIZE_M) / _LOG_SPREAD) ** 2)
         * _roundness(extent, unit)
+        * (_PRIMITIVE if unit == "m" and prior is not _CAD and _is_primitive(extent) else 1.0)
         for unit, p in prior.items()
     }
     total = sum(weight.values()) or 1.0
@@ -68,6 +71,10 @@ def _roundness(extent: tuple[float, float, float], unit: str) -> float:
         _is_multiple(e, 0.5, 1e-6) for e in extent
     )
     return likelihood * (_BINARY_FRACTIONS if unit == "in" and sixteenths else 1.0)
+
+
+def _is_primitive(extent: tuple[float, float, float]) -> bool:
+    return any(all(math.isclose(e, side, rel_tol=1e-5) for e in extent) for side in _PRIMITIVE_SIDES)
 
 
 def _is_multiple(value: float, step: float, tolerance: float) -> bool:

@@ -3,7 +3,7 @@
 What the user says wins. A unit the file declares holds as long as the size it gives is usual; a size that no robot
 meets is a contradiction, which only a statement, a name or a doubled conversion factor can settle. Where nothing is
 declared the same signs decide, then what the format's standard implies, and last the plausibility of the size, which is
-never called certain.
+never called certain. Where several units are plausible a person decides.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from schemas.outcome import Repair
 PLAUSIBLE_M = (1e-4, 1e4)  # Outside, nothing a robot handles or drives through: refused.
 CREDIBLE_M = (1e-3, 100.0)  # Outside, no single prop or building: a contradiction.
 USUAL_M = (5e-3, 5.0)  # Outside, a size deserves a look.
-MIN_POSTERIOR = 0.6  # Below, plausibility does not decide.
+# Below, plausibility does not decide. A wrong unit is wrong by 2.5 in size and by 16 in mass at least, so that a guess
+# must be clearly more probable than all other units together (3 : 2); habits are known no better than that.
+MIN_POSTERIOR = 0.6
 MIN_SHARE = 0.05  # Units less probable than this are left out of the bounds.
 
 _NAME = {0.001: "mm", 0.01: "cm", 0.0254: "in", 1.0: "m", 0.3048: "ft", 0.1: "dm", 1e-6: "um"}
@@ -163,9 +165,12 @@ def _by_size(stated: Evidence[float], format_: str, hints: Sequence[str], extent
     holds = by_standard and _within(largest * stated.value, CREDIBLE_M)
     unit = implied if holds else _most_credible(share, implied)
     scale = METERS_PER_UNIT[unit]
-    spanned = (scale, *(METERS_PER_UNIT[u] for u, p in share.items() if p >= MIN_SHARE))
-    bounds = (min(spanned), max(spanned)) if len(set(spanned)) > 1 else None
+    candidates = {u: p for u, p in share.items() if p >= MIN_SHARE or u == unit}
+    spanned = [METERS_PER_UNIT[u] for u in candidates]
+    bounds = (min(spanned), max(spanned)) if len(spanned) > 1 else None
     usual = _within(largest * scale, USUAL_M)
+    if not _within(largest * scale, CREDIBLE_M):
+        return _for_review(stated, extent, f"no unit is declared and no reading of {largest:.3g} units is credible")
     if by_standard and unit == implied:
         evidence = stated.model_copy(update={"bounds": bounds, "confidence": stated.confidence if usual else 0.25})
     elif share[unit] >= MIN_POSTERIOR:
@@ -173,8 +178,7 @@ def _by_size(stated: Evidence[float], format_: str, hints: Sequence[str], extent
         evidence = inferred(scale, "habit of tool or format and plausible size", worth, bounds=bounds)
     else:
         evidence = default(scale, "no unit declared and the size fits several", bounds=bounds)
-    if not _within(largest * scale, CREDIBLE_M):
-        return _for_review(stated, extent, f"no unit is declared and no reading of {largest:.3g} units is credible")
+        return _ambiguous(evidence, candidates, stated.value, extent)
     note = _provisional(evidence, share[unit], largest)
     if unit != implied:
         return _with_repair(evidence, stated.value, extent, (note,))
@@ -188,6 +192,29 @@ def _most_credible(share: dict[str, float], implied: str) -> str:
     """The probable unit; else what the numbers imply as they stand, unless that is too improbable a placeholder."""
     best = max(share, key=lambda u: share[u])
     return implied if share[best] < MIN_POSTERIOR and share[implied] >= MIN_SHARE else best
+
+
+def _ambiguous(
+    placeholder: Evidence[float], candidates: dict[str, float], implied: float, extent: Extent
+) -> UnitDecision:
+    """The `placeholder`, and all `candidates` with size and probability: a person must decide."""
+    largest = max(extent)
+    by_share = sorted(candidates, key=lambda u: -candidates[u])
+    readings = ", ".join(f"{u} {_size(largest * METERS_PER_UNIT[u])} ({candidates[u]:.0%})" for u in by_share)
+    note = finding(
+        "asset/scale-unverified",
+        f"no unit is declared and the size fits several: {readings}; a person must say it with --units",
+        value=round(candidates[by_share[0]], 3),
+        bound=MIN_POSTERIOR,
+        unit="probability of the first",
+    )
+    if math.isclose(placeholder.value, implied, rel_tol=1e-6):
+        return UnitDecision(placeholder, (note,), review=True)
+    return replace(_with_repair(placeholder, implied, extent, (note,)), review=True)
+
+
+def _size(size_m: float) -> str:
+    return f"{size_m:.3g} m" if size_m >= 1.0 else f"{1000.0 * size_m:.3g} mm"
 
 
 def _provisional(evidence: Evidence[float], posterior: float, largest: float) -> Diagnostic:

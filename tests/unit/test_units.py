@@ -205,8 +205,11 @@ def test_no_decision_is_silent_or_sure_of_a_guess(stated, log_size: float, forma
     if decision.review or evidence.source == "default":
         assert evidence.confidence == 0.0
         assert decision.diagnostics
-    if evidence.source == "default" and not decision.review:
-        assert evidence.bounds is not None
+    if evidence.source == "default":  # Only a person knows.
+        assert decision.review
+        assert evidence.bounds is not None or not CREDIBLE_M[0] <= size_m <= CREDIBLE_M[1]
+    if decision.review and stated in (METRES, CENTIMETRES):
+        assert not USUAL_M[0] <= size_m <= USUAL_M[1]
     if not math.isclose(evidence.value, stated.value):
         assert decision.repairs
         assert evidence.source != "declared"
@@ -262,8 +265,9 @@ def test_a_shelf_in_metres_is_not_taken_for_inches():
     assert decide((0.879534, 2.36728, 0.884222), format_="stl").meters_per_unit.value == 1.0
 
 
-def test_ambiguous_size_keeps_metres_and_says_so():
+def test_ambiguous_size_keeps_metres_for_a_person_to_decide():
     decision = decide((2.0, 2.0, 3.0))
+    assert decision.review
     assert decision.meters_per_unit.value == 1.0
     assert decision.meters_per_unit.source == "default"
     assert decision.meters_per_unit.confidence == 0.0
@@ -280,6 +284,37 @@ def test_a_placeholder_is_never_a_reading_that_is_hardly_possible():
     low, high = decision.meters_per_unit.bounds or (1.0, 1.0)
     assert low <= METERS_PER_UNIT["cm"] <= high < 1.0
     assert codes(decision) == {"unit-mismatch", "scale-unverified"}
+    assert decision.review
+
+
+@pytest.mark.parametrize(
+    ("extent", "format_", "hints", "true_size", "true_scale"),
+    [
+        ((3.0, 2.0, 3.0), "stl", (), "in 76.2 mm", 0.0254),
+        ((12.0, 8.0, 5.0), "stl", (), "in 305 mm", 0.0254),
+        ((2.0, 1.5, 1.0), "obj", ("# https://github.com/mikedh/trimesh",), "in 50.8 mm", 0.0254),
+        ((25.0, 18.0, 3.0), "obj", ("# https://github.com/mikedh/trimesh",), "cm 250 mm", 0.01),
+    ],
+)
+def test_a_guess_that_is_hardly_better_than_the_others_goes_to_a_person(extent, format_, hints, true_size, true_scale):
+    decision = decide(extent, format_=format_, hints=hints)
+    assert decision.review
+    (note,) = (d for d in decision.diagnostics if d.code == "asset/scale-unverified")
+    assert true_size in note.headline
+    assert (note.bound, note.unit) == (0.6, "probability of the first")
+    low, high = decision.meters_per_unit.bounds or (1.0, 1.0)
+    assert low <= true_scale <= high
+
+
+@pytest.mark.parametrize("side", [1.0, 2.0])
+def test_a_tools_first_cube_stands_in_scene_units_but_not_where_cad_writes(side: float):
+    drawn = decide((side, side, side))
+    assert not drawn.review
+    assert drawn.meters_per_unit.value == 1.0
+    assert drawn.meters_per_unit.confidence < 0.8
+    cad = decide((2.0, 2.0, 2.0), format_="stl")
+    assert cad.review
+    assert decide((2.0, 1.5, 1.0)).review
 
 
 def test_the_tool_that_wrote_a_file_counts_more_than_its_format():
