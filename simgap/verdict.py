@@ -51,7 +51,7 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
             where=found.candidate.where,
             confidence=_confidence(p, said, direct is True, bool(same) or drowned),
             routes={"heldout": True, "direct": direct is True},
-            parameters=parameters(term, _wider(widths, _unsure(term, beside, doubted))),
+            parameters=parameters(term, _wider(widths, _unsure(term, widths, beside, doubted))),
         )
         if same or drowned or direct is not True:
             names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
@@ -98,11 +98,22 @@ def _without(model: Model, found: Trial) -> Model:
     return tuple(t for t in model if t.candidate.key != found.candidate.key)
 
 
-def _unsure(term: Term, direct: DirectEstimate | None, rivals: Sequence[Sequence[Trial]]) -> dict[str, float]:
-    """How far values lie from the direct estimate, and from those beside rivals of the other effects."""
+def _unsure(
+    term: Term, widths: Mapping[str, float], direct: DirectEstimate | None, rivals: Sequence[Sequence[Trial]]
+) -> dict[str, float]:
+    """How far values lie from those beside rivals of the other effects, and from the direct estimate.
+
+    Where that lies beyond `widths`, either route may be the right one: its own interval counts too.
+    """
     others = [t.values for each in rivals for r in each for t in r.fit.model if t.candidate.key == term.candidate.key]
-    others += [dict(direct.values)] if direct is not None else []
-    return {n: max((abs(o[n] - v) for o in others), default=0.0) for n, v in term.values.items()}
+    out = {n: max((abs(o[n] - v) for o in others), default=0.0) for n, v in term.values.items()}
+    if direct is None:
+        return out
+    for n, value in term.values.items():
+        apart = abs(direct.values[n] - value)
+        own = 1.96 * direct.standard_errors[n] if apart > widths.get(n, 0.0) else 0.0
+        out[n] = max(out[n], apart + own)
+    return out
 
 
 def _wider(widths: dict[str, float], least: Mapping[str, float]) -> dict[str, float]:

@@ -59,7 +59,7 @@ def free_body_case(number: int) -> Case:
 
     return Case(
         name=f"{number:03d} toss {name}",
-        family=made.family,
+        family="pair" if made.doubles else made.family,
         problem=problem,
         spec=spec,
         truth=made.truth,

@@ -22,7 +22,9 @@ def _targets(records: Sequence[Record]) -> list[str]:
         return [r for r in records if r["family"] in families and size in (None, r["size"])]
 
     sized = of("single", "two", "pair")
-    gains = [_number(r["reduction"]) / _number(r["ideal"]) for r in sized if r["outcome"] in ("named", "pair")]
+    # Tosses have no perfect model beside them: their sizes are fixed, not set by what it gains.
+    told = [r for r in sized if r["outcome"] in ("named", "pair") and _number(r["ideal"]) > 0.0]
+    gains = [_number(r["reduction"]) / _number(r["ideal"]) for r in told]
     covered = [bool(c) for r in sized for c in _list(r["covered"])]
     spent = sorted(_number(r["cpu_s"]) for r in records)
     rows = [
