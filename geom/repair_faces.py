@@ -1,10 +1,11 @@
-"""Drop faces that add nothing to the surface: without area, or present already; and fins that hang on a solid."""
+"""Drop faces that add nothing to the surface: without area, present already, backs of solids; and fins on a solid."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from geom.components import components_of
+from geom.back_faces import reversed_copies
+from geom.components import LEAST_COMPACTNESS, components_of
 from geom.duplicate_shells import has_reverse, later_copies, oriented_keys, row_numbers
 from geom.edges import Edges, consistent_flips, edges_of, face_components
 from geom.mesh_edit import keep_faces
@@ -37,7 +38,9 @@ def drop_surplus_faces(mesh: Mesh) -> tuple[Mesh, Figures]:
     same[proper] = later_copies(oriented_keys(mesh.triangles[proper]))
     kept = np.flatnonzero(proper & ~same)
     reverse = _odd_copies(mesh.triangles[kept])
-    kept, reversed_count = _better_sides(mesh.triangles, kept[~reverse], kept[reverse]), int(reverse.sum())
+    kept, gone, reversed_count = kept[~reverse], kept[reverse], int(reverse.sum())
+    flips, _ = consistent_flips(edges_of(mesh.triangles[kept]))
+    kept = _exchanged(mesh.triangles, kept, gone, flips)
     flaps = _folded_flaps(mesh.points, mesh.triangles[kept])
     kept, reversed_count = kept[~flaps], reversed_count + int(flaps.sum())
     hanging = _hanging_slivers(mesh.points, mesh.triangles[kept])
@@ -47,6 +50,35 @@ def drop_surplus_faces(mesh: Mesh) -> tuple[Mesh, Figures]:
         "duplicate_faces": int(same.sum()) + reversed_count,
     }
     return keep_faces(mesh, kept), figures
+
+
+def drop_backs_of_solids(mesh: Mesh) -> tuple[Mesh, Figures]:
+    """`mesh` (welded, no repeated points) with the outer side only of closed bodies that are drawn from both sides.
+
+    Such a component has most of its faces in both windings (`DOUBLE_SIDED_SHARE`), and one of each pair makes a closed
+    surface with two faces at every edge that encloses a volume: nobody sees its inside. Of each pair the face stays
+    that looks outwards, whatever the order in the file. Sheets, which are seen from both sides, and bodies in contact,
+    which share single faces, keep theirs. Figures: `back_faces` removed.
+    """
+    back = reversed_copies(mesh.triangles)
+    if not back.any():
+        return mesh, {"back_faces": 0}
+    _, whole = face_components(edges_of(mesh.triangles))
+    share = np.bincount(whole, has_reverse(mesh.triangles)) / np.bincount(whole)
+    doubled = (share >= DOUBLE_SIDED_SHARE)[whole]
+    front, gone = np.flatnonzero(doubled & ~back), np.flatnonzero(doubled & back)
+    single = mesh.triangles[front]
+    edges = edges_of(single)
+    flips, _ = consistent_flips(edges)
+    agreed = np.where(flips[:, None], single[:, [0, 2, 1]], single)
+    parts = components_of(mesh.points, agreed)
+    crowded = np.bincount(parts.label, (edges.uses[edges.of_face] != 2).any(axis=1), parts.count) > 0
+    compact = np.abs(parts.volume) > LEAST_COMPACTNESS * parts.area**1.5
+    body = (parts.solid & compact & ~crowded)[parts.label]
+    outer = _exchanged(mesh.triangles, front, gone, flips ^ (parts.volume < 0.0)[parts.label])[body]
+    settled = np.isin(whole, whole[front[body]])
+    kept = np.sort(np.concatenate([np.flatnonzero(~settled), outer]))
+    return keep_faces(mesh, kept), {"back_faces": len(mesh.triangles) - len(kept)}
 
 
 def true_degenerates(mesh: Mesh) -> int:
@@ -111,15 +143,14 @@ def _odd_copies(triangles: IntArray) -> FloatArray:
     return later & (((uses > 2) & (uses % 2 == 1)).all(axis=1) | _surplus_sheets(later, edges))
 
 
-def _better_sides(triangles: IntArray, kept: IntArray, gone: IntArray) -> IntArray:
-    """`kept` (k,) faces, exchanged for their reverses in `gone` where the faces around are wound that other way."""
+def _exchanged(triangles: IntArray, kept: IntArray, gone: IntArray, flips: FloatArray) -> IntArray:
+    """`kept` (k,) faces, exchanged for their reverses in `gone` where `flips` (k,) asks to turn them."""
     if len(gone) == 0:
         return kept
     key = row_numbers(np.sort(triangles[np.concatenate([kept, gone])], axis=1))
     of_kept, of_gone = key[: len(kept)], key[len(kept) :]
     order = np.argsort(of_gone, kind="stable")
     place = order[np.minimum(np.searchsorted(of_gone, of_kept, sorter=order), len(gone) - 1)]
-    flips, _ = consistent_flips(edges_of(triangles[kept]))
     return np.where(flips & (of_gone[place] == of_kept), gone[place], kept)
 
 

@@ -22,7 +22,7 @@ from geom.hausdorff import reach
 from geom.mesh_edit import facing, flip_faces, keep_faces, merge_surfaces, turn_normals
 from geom.repair_cracks import stitch_t_junctions
 from geom.repair_edges import split_touching_edges
-from geom.repair_faces import drop_fins, drop_surplus_faces, fin_faces, true_degenerates
+from geom.repair_faces import drop_backs_of_solids, drop_fins, drop_surplus_faces, fin_faces, true_degenerates
 from geom.repair_shells import drop_duplicate_shells
 from geom.repair_vertices import split_bow_ties, touching_points
 from geom.repair_winding import orient, outward_flips
@@ -71,6 +71,19 @@ def _duplicate_shells(item: Item) -> Edit:
         return Edit(item.mesh)
     before = {"duplicate_shells": figures["shells"], "triangles": len(item.mesh.triangles)}
     return Edit(mended, before, {"duplicate_shells": 0, "triangles": len(mended.triangles)})
+
+
+def _backs_of_solids(item: Item) -> Edit:
+    """Closed bodies drawn from both sides: two surfaces in one place, with no inside between them."""
+    mended, figures = drop_backs_of_solids(item.mesh)
+    if not figures["back_faces"]:
+        return Edit(item.mesh)
+    crowded = [int((edges_of(m.triangles).uses > 2).sum()) for m in (item.mesh, mended)]
+    return Edit(
+        mended,
+        {"back_faces": figures["back_faces"], "non_manifold_edges": crowded[0]},
+        {"back_faces": 0, "non_manifold_edges": crowded[1]},
+    )
 
 
 def _winding(items: Sequence[Item]) -> list[Edit]:
@@ -232,6 +245,12 @@ EDITS: tuple[Step, ...] = (
         "asset/degenerate-faces",
         "faces without area or present twice were removed",
         _each(_surplus_faces),
+    ),
+    Step(
+        "duplicate_shell",
+        "asset/duplicate-shell",
+        "closed surfaces drawn from both sides were reduced to their outside",
+        _each(_backs_of_solids),
     ),
     Step("fragment_removal", "asset/loose-fragments", "tiny pieces that float beside the object were removed", _debris),
     Step("non_manifold_edge", "asset/non-manifold-edge", "surplus faces on a solid's edges were removed", _each(_fins)),

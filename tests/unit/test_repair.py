@@ -11,7 +11,7 @@ from sample_surfaces import ball, box, cylinder, inside_out, lidless, mesh_of, t
 from geom.components import components_of
 from geom.edges import edges_of
 from geom.openings import judge_open_bodies
-from geom.repair_faces import drop_fins, drop_surplus_faces, true_degenerates
+from geom.repair_faces import drop_backs_of_solids, drop_fins, drop_surplus_faces, true_degenerates
 from geom.repair_holes import fill_openings
 from geom.repair_shells import drop_duplicate_shells, drop_fragments
 from geom.repair_vertices import split_bow_ties, touching_points
@@ -92,6 +92,45 @@ def test_back_faces_and_touching_walls_are_not_surplus() -> None:
     for surface in (double_sided, neighbours):
         mesh = weld(mesh_of(*surface))
         assert len(drop_surplus_faces(mesh)[0].triangles) == len(mesh.triangles)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("body", [ball(), box(), cylinder()], ids=["ball", "box", "cylinder"])
+def test_a_body_drawn_from_both_sides_keeps_its_outside_in_whatever_order(body, seed: int) -> None:
+    """Each face and its reverse, shuffled: what is left is the body itself, and its corners carry their own."""
+    points, triangles = body
+    both = np.random.default_rng(seed).permutation(np.vstack([triangles, triangles[:, [0, 2, 1]]]))
+    mended, figures = drop_backs_of_solids(weld(mesh_of(points, both)))
+    assert figures == {"back_faces": len(triangles)}
+    assert seen(mended).non_manifold_edges == 0
+    assert seen(mended).volume == pytest.approx(seen(mesh_of(points, triangles)).volume)
+    assert_attributes_follow(mended)
+    again, none = drop_backs_of_solids(mended)
+    assert again is mended
+    assert none == {"back_faces": 0}
+
+
+def test_backs_go_from_the_drawn_body_only() -> None:
+    doubled = together(ball(), inside_out(ball()))
+    sheet = together(lidless(box(at=(5, 0, 0))), inside_out(lidless(box(at=(5, 0, 0)))))
+    mended, figures = drop_backs_of_solids(weld(mesh_of(*together(sheet, doubled, box(at=(9, 0, 0))))))
+    assert figures == {"back_faces": len(ball()[1])}
+    assert len(mended.triangles) == len(sheet[1]) + len(ball()[1]) + len(box()[1])
+
+
+@pytest.mark.parametrize(
+    "surface",
+    [
+        together(lidless(box()), inside_out(lidless(box()))),
+        together(box(), box(at=(1, 0, 0))),
+        together(*(box(at=(x, y, z)) for x in range(3) for y in range(3) for z in range(3))),
+        together(ball(), inside_out(ball(0.5))),
+    ],
+    ids=["sheet", "contact", "cells", "hollow"],
+)
+def test_sheets_cells_and_cavities_keep_both_their_sides(surface) -> None:
+    mesh = weld(mesh_of(*surface))
+    assert drop_backs_of_solids(mesh)[0] is mesh
 
 
 def test_collapsed_quads_with_their_own_texture_coordinates_are_no_defect() -> None:

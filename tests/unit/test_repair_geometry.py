@@ -78,13 +78,24 @@ def test_an_inside_out_solid_is_turned() -> None:
     assert (result.observed[-1].inverted, result.reobserved.inverted) == (True, False)
 
 
+def test_a_solid_drawn_from_both_sides_is_reduced_to_its_outside() -> None:
+    result = repair_geometry([mesh_of(*together(inside_out(ball()), ball()))])
+    (repair,) = result.repairs
+    assert repair.name == "duplicate_shell"
+    edges = 3 * len(ball()[1]) // 2
+    assert (repair.before["back_faces"], repair.before["non_manifold_edges"]) == (len(ball()[1]), edges)
+    assert (repair.after["back_faces"], repair.after["non_manifold_edges"]) == (0, 0)
+    assert result.reobserved.watertight
+    assert not result.reobserved.inverted
+    assert result.reobserved.non_manifold_edges == 0
+
+
 CARD = (np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]]))
 BY_DESIGN = {
     "solid": [box()],
     "hollow ball": [together(ball(), inside_out(ball(0.5)))],
     "card": [CARD],
     "double-sided card": [together(CARD, inside_out(CARD))],
-    "double-sided solid": [together(ball(), inside_out(ball()))],
     "double-sided over two meshes": [ball(), inside_out(ball())],
     "parts in contact": [together(box(), box(at=(1, 0, 0)), box(at=(0, 0, 1)))],
     "legs at the corners of a seat": [
