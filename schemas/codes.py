@@ -255,6 +255,12 @@ CODES: dict[str, CodeInfo] = {
         "Inside and outside are undefined there.",
         "nothing; the surplus faces were removed from the physical surface",
     ),
+    "asset/non-manifold-left": CodeInfo(
+        "info",
+        "Edges with more than two faces are left",
+        "Boards that meet and sheets drawn from both sides look so by design; tools for closed surfaces refuse them.",
+        "separate the parts, or draw each surface once, if the render mesh itself is to be manifold",
+    ),
     "asset/non-manifold-vertex": CodeInfo(
         "warning",
         "Two surfaces touch in a single point",

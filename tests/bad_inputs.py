@@ -236,6 +236,7 @@ SAMPLES: dict[str, Writer] = {
     "asset/degenerate-faces": obj(faces_of(SPHERE, np.vstack([SPHERE.faces, [[0, 0, 1]], SPHERE.faces[:2]]))),
     "asset/small-holes": obj(faces_of(SPHERE, SPHERE.faces[1:])),
     "asset/non-manifold-edge": obj(fin()),
+    "asset/non-manifold-left": obj(joined(CUBE, moved(CUBE, 0.1, 0.0, 0.0))),
     "asset/non-manifold-vertex": obj(bowtie()),
     "asset/duplicate-shell": obj(joined(SPHERE, SPHERE)),
     "asset/overlapping-bodies": obj(joined(CUBE, moved(CUBE, 0.05, 0.02, 0.0))),

@@ -75,17 +75,27 @@ def repair_geometry(meshes: Sequence[Mesh], resolver: Resolver | None = None) ->
             distortions.append(made)
         repairs.append(_repair(found.name, found.code, was, now))
         notes.append(_note(found.code, found.headline, Location(), was, now))
+    left = _observe_all(current)
     return RepairResult(
         tuple(current),
         (*observed, merged),
-        _observe_all(current),
-        tuple(notes),
+        left,
+        (*notes, *_crowded(left)),
         tuple(repairs),
         tuple(distortions),
         shape_change(merge_surfaces(welded)[:2], merge_surfaces(current)[:2]),
         bodies,
         tuple(c for c in crossings if c.resolved is None),
     )
+
+
+def _crowded(left: Topology) -> tuple[Diagnostic, ...]:
+    """What is told of edges with more than two faces that stay: most are parts that meet by design, none is silent."""
+    count = left.non_manifold_edges
+    if not count:
+        return ()
+    headline = f"{count} edges of the released surface have more than two faces: parts that meet, or faces drawn twice"
+    return (finding("asset/non-manifold-left", headline, value=count, bound=0, unit="edges"),)
 
 
 def _observe_all(meshes: Sequence[Mesh]) -> Topology:
