@@ -14,9 +14,10 @@ from geom.cavity import Cavity, find_cavities
 from geom.decimate import decimate
 from geom.fidelity import Reference, measure, reference
 from geom.fits import fit_box, fit_capsule, fit_cylinder, fit_sphere
-from geom.hull import convex_hull, extreme_points, hull_shape
+from geom.hull import convex_hull, extreme_points
 from geom.inertia import PLATE_WALL_M
 from geom.preflight import Body, prepare
+from geom.resting import resting_planes, standing_hull
 from geom.thicken import thicken
 from schemas.diagnostics import Diagnostic, finding
 from schemas.model import FloatArray
@@ -60,13 +61,20 @@ class Miss:
 
 
 Fit = Callable[[FloatArray], CollisionShape | None]
+
+
+def _fit_hull(points: FloatArray) -> CollisionShape | None:
+    """The convex hull of points (n, 3), flat where the body can rest; None when they span no volume."""
+    return standing_hull(points, resting_planes(points))
+
+
 # Tried in this order; the first within tolerance is taken.
 SINGLE: tuple[tuple[str, Fit, Tolerance], ...] = (
     ("box", fit_box, ANALYTIC),
     ("sphere", fit_sphere, ANALYTIC),
     ("capsule", fit_capsule, ANALYTIC),
     ("cylinder", fit_cylinder, ANALYTIC),
-    ("hull", hull_shape, HULL),
+    ("hull", _fit_hull, HULL),
 )
 CUTS, CUTS_AROUND, CUTS_EVEN, COACD, COACD_COARSE, VHACD = (
     "cuts",

@@ -22,9 +22,10 @@ from manifold3d import Manifold
 
 from geom.cavity import Cavity
 from geom.convex_parts import convex_parts
-from geom.hull import hull_shape, thickness, volume
+from geom.hull import thickness, volume
 from geom.plane_cuts import CRUMB_SHARE, cut_around
 from geom.preflight import Body, arrays
+from geom.resting import resting_planes, standing_hull
 from jobs.cell import CellResult, Limits, run_cell
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
@@ -88,8 +89,8 @@ def decompose(
 ) -> Decomposition:
     """Hulls of at most 64 points each that fill `body` (`geom.preflight.prepare`), in metres.
 
-    At most `settings.max_hulls`, and never across one of `cavities`. Never raises for what the mesh is or the library
-    does: the reason says it. Same input, same hulls.
+    None reaches through a plane that the body rests on. At most `settings.max_hulls`, and never across one of
+    `cavities`. Never raises for what the mesh is or the library does: the reason says it. Same input, same hulls.
     """
     seeds = body.light.decompose()
     if len(seeds) > MOST_PARTS:
@@ -109,7 +110,9 @@ def decompose(
     if len(parts) > settings.max_hulls:
         return Decomposition((), f"{len(parts)} hulls, more than {settings.max_hulls}")
     size = body.size * body.scale_m
-    shapes = [shape for shape in map(hull_shape, parts) if shape is not None and _is_sound(shape, size)]
+    ground = resting_planes(body.in_metres(arrays(body.whole)[0]))
+    hulls = [standing_hull(part, ground) for part in parts]
+    shapes = [shape for shape in hulls if shape is not None and _is_sound(shape, size)]
     reason = "" if shapes else "all hulls are slivers"
     return Decomposition(tuple(shapes), reason, len(parts) - len(shapes))
 

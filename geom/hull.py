@@ -51,21 +51,26 @@ def _convex(points: FloatArray, triangles: IntArray) -> bool:
         return True
 
 
-def hull_shape(points: FloatArray, max_points: int = MAX_POINTS) -> CollisionShape | None:
-    """The convex hull of `points` (n, 3) as a collision shape of at most `max_points` points; None when flat."""
+def hull_shape(
+    points: FloatArray, max_points: int = MAX_POINTS, most_growth: float = MAX_GROWTH
+) -> CollisionShape | None:
+    """The convex hull of `points` (n, 3) as a collision shape, reduced as `reduced_hull` does; None when flat."""
     try:
-        hull_points, triangles = reduced_hull(points, max_points)
+        hull_points, triangles = reduced_hull(points, max_points, most_growth)
     except ValueError:
         return None
     return CollisionShape("hull", (), np.eye(4), hull_points, triangles)
 
 
-def reduced_hull(points: FloatArray, max_points: int = MAX_POINTS) -> tuple[FloatArray, IntArray]:
-    """A hull of at most `max_points` points with the same volume as the full hull.
+def reduced_hull(
+    points: FloatArray, max_points: int = MAX_POINTS, most_growth: float = MAX_GROWTH
+) -> tuple[FloatArray, IntArray]:
+    """A hull of at most `max_points` points with the same volume as the full hull, or as near as `most_growth` allows.
 
     Points are added farthest first (the order of Quickhull), which bounds the error at every step. A hull through a
     subset of the points is too small everywhere, so it is scaled about its centre until the volume is right: the error
-    is then shared between both sides of the surface. Raises ValueError when the points span no volume.
+    is then shared between both sides of the surface; 1 leaves it inside. Raises
+    ValueError when the points span no volume.
     """
     full, triangles = convex_hull(points)
     if len(full) <= max_points:
@@ -86,7 +91,7 @@ def reduced_hull(points: FloatArray, max_points: int = MAX_POINTS) -> tuple[Floa
     points_in, triangles_in = convex_hull(full[sorted(chosen)])
     growth = (volume(full, triangles) / volume(points_in, triangles_in)) ** (1.0 / 3.0)
     centre = centroid(points_in, triangles_in)
-    return centre + min(growth, MAX_GROWTH) * (points_in - centre), triangles_in
+    return centre + min(growth, most_growth) * (points_in - centre), triangles_in
 
 
 def extreme_points(points: FloatArray, directions: int) -> IntArray:
