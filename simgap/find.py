@@ -22,6 +22,7 @@ from schemas.gap import (
 from schemas.model import FloatArray
 from simgap.all_effects import all_effects_losses
 from simgap.black_box import corrected
+from simgap.pairing import pairing_trap
 from simgap.problem import Farsighted, Model, Problem, View
 from simgap.score import Comparison, compare, trial_losses
 from simgap.search import Map, Selection, select
@@ -56,7 +57,9 @@ def find(
     selection = select(problem, trials, search_view(problem), each)
     box = _black_box(problem, selection, trials)
     leftover = compare(selection.final_losses, box)
-    verdict = judge(problem, selection, trials.train, leftover)
+    pairing = pairing_trap(problem, selection.final.model, trials.train, search_view(problem))
+    traps = (*traps, *([pairing] if pairing else ()))
+    verdict = judge(problem, selection, trials.train, leftover, pairing)
     named = [e for e in verdict.effects if e.confidence >= NAMED]
     extension = ModelExtension(
         measurement=measurement,

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
+from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Trap, Verdict
 from simgap.numerics import Numerics
 from simgap.problem import DirectEstimate, Model, Problem, Term
 from simgap.score import Comparison, paired_p
@@ -18,10 +18,17 @@ AGREE_SHARE = 0.5
 NAMED = 0.8
 # What a model without names may still explain before we say that something else is there.
 LEFTOVER = 0.1
+_STRANGE = "The inputs do not belong to these motions: another trial's do as well. Check which file goes with which."
 
 
-def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftover: Comparison) -> Verdict:
-    """The verdict over all accepted effects; `leftover` compares the final model with a black box on top of it."""
+def judge(
+    problem: Problem, selection: Selection, trials: Sequence[str], leftover: Comparison, pairing: Trap | None = None
+) -> Verdict:
+    """The verdict over all accepted effects; `leftover` compares the final model with a black box on top of it.
+
+    Where `pairing` is suspect, nothing is sure: the inputs may be those of other motions.
+    """
+    strange = pairing is not None and pairing.status == "suspect"
     unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
@@ -44,7 +51,7 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
             direct = said is not None and _agree(term, widths, said)
         direct = direct and said is not None and _beyond(term, said, made_up)
         beside = problem.direct(found.candidate, others, trials) if len(doubted) > 1 else said
-        drowned = unexplained and _removed(selection, position) < leftover.gain
+        drowned = strange or (unexplained and _removed(selection, position) < leftover.gain)
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
         effect = NamedEffect(
             name=found.candidate.effect.name,
@@ -59,10 +66,10 @@ def judge(problem: Problem, selection: Selection, trials: Sequence[str], leftove
         named.append(effect)
     certain = [e for e in named if e.confidence >= NAMED]
     return Verdict(
-        status=_status(bool(certain), bool(groups), unexplained),
+        status=_status(bool(certain), bool(groups), unexplained or strange),
         effects=tuple(named),
         ambiguous_groups=tuple(groups),
-        statement=_statement(selection, named, groups, unexplained),
+        statement=_statement(selection, named, groups, unexplained) if not strange else _STRANGE,
     )
 
 

@@ -15,6 +15,7 @@ from simgap.fit import Errors, Fit
 from simgap.measurement import Measurement
 from simgap.mechanism.build import build_mechanism
 from simgap.mechanism.equation_error import SPANS, balance, estimate, in_noise_levels, refitted
+from simgap.mechanism.inputs import next_inputs
 from simgap.mechanism.logs import log_of
 from simgap.mechanism.places import candidates_of, nuisances_of
 from simgap.mechanism.repeats import repeated
@@ -115,6 +116,13 @@ class MechanismProblem:
         logs = [self._logs[t.id] for t in trials]
         again = repeated(self.declared, trials, logs, model, _FINER * self._step_s, seed)
         return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s)
+
+    def misdriven(self) -> MechanismProblem | None:
+        """See `simgap.pairing.Driven`."""
+        trials = next_inputs(self.measurement.trials)
+        if trials is None:
+            return None
+        return MechanismProblem(replace(self.measurement, trials=trials), self.horizon_s)
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
         """See `simgap.problem.Problem`: smoothed readings' noise, and the start's carried along in a straight line."""

@@ -1,0 +1,48 @@
+"""Inputs that belong to other motions are noticed, whatever else is wrong with the model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from simgap.mechanism.inputs import next_inputs
+from simgap.mechanism.problem import MechanismProblem
+from simgap.pairing import pairing_trap
+from tests.gap_suite.mechanism_cases import mechanism_case
+
+DRIVEN, SHUFFLED, FREE = (560, 565), (358, 378), (572,)
+
+
+def problem_of(number: int) -> MechanismProblem:
+    problem = mechanism_case(number).problem()
+    assert isinstance(problem, MechanismProblem)
+    return problem
+
+
+@pytest.mark.parametrize(
+    ("numbers", "status"), [(DRIVEN, "ok"), (SHUFFLED, "suspect")], ids=["driven", "with inputs of other trials"]
+)
+def test_a_model_does_better_with_its_own_inputs_if_they_are_its_own(numbers: tuple[int, ...], status: str) -> None:
+    for number in numbers:
+        problem = problem_of(number)
+        trap = pairing_trap(problem, (), problem.trial_ids, "long_horizon")
+        assert trap is not None
+        assert trap.status == status
+
+
+def test_nothing_is_said_where_nothing_drives() -> None:
+    problem = problem_of(FREE[0])
+    assert pairing_trap(problem, (), problem.trial_ids, "long_horizon") is None
+
+
+def test_trials_that_are_driven_alike_tell_nothing() -> None:
+    trials = problem_of(DRIVEN[0]).measurement.trials
+    name = "command" if trials[0].has("command") else "effort"
+    wave = [replace(t, **{name: np.sin(6.0 * t.t_s)[:, None]}) for t in trials]
+    assert next_inputs(wave) is None
+    other = [replace(t, **{name: np.sin((6.0 + k) * t.t_s)[:, None]}) for k, t in enumerate(trials)]
+    moved = next_inputs(other)
+    assert moved is not None
+    np.testing.assert_allclose(getattr(moved[0], name)[:, 0], np.sin(7.0 * trials[0].t_s), atol=0.1)
