@@ -118,10 +118,16 @@ def _inertia(
     stated = all(p.substance.stated is not None and p.substance.stated.inertia is not None for p in parts)
     ratios = (1.0 - STATED_TOLERANCE, 1.0 + STATED_TOLERANCE) if stated else bounds.ratios(total.mass_kg)
     low, high = elementwise(total.inertia_kgm2, *ratios)
+    spread = "spread evenly"
+    if any(p.squeeze is not None for p in parts):  # Anything from half of it to the even filling.
+        spread = "squeezed to fit about the stated mass centre"
+        even = combine([p.unsqueezed_body for p in parts if p.even.mass_kg > 0.0]).inertia_kgm2
+        narrow, wide = elementwise(total.inertia_kgm2, 0.5, 1.0), elementwise(even, *ratios)
+        low, high = np.minimum.reduce([low, *narrow, *wide]), np.maximum.reduce([high, *narrow, *wide])
     return Evidence(
         value=matrix3(total.inertia_kgm2),
         source="declared" if stated else "inferred" if _source(parts) == "declared" else _source(parts),
-        method=_method(parts, method) if stated else f"{_method(parts, method)}, spread evenly",
+        method=_method(parts, method) if stated else f"{_method(parts, method)}, {spread}",
         confidence=STATED_CONFIDENCE if stated else _confidence(parts, total, trust) * UNIFORMITY,
         bounds=(matrix3(low), matrix3(high)),
         inputs=_inputs(parts),

@@ -15,8 +15,9 @@ from assetkit.unknown_density import unknown_density
 from geom.cavity import Cavity
 from geom.composition import Division, divide
 from geom.inertia import mass_properties, scaled
+from geom.shifted_centre import squeezed
 from schemas.evidence import Evidence, declared
-from schemas.model import Mesh
+from schemas.model import FloatArray, Mesh
 from schemas.physics import MassProperties, Solid
 from schemas.stated_physics import StatedMass
 
@@ -52,6 +53,7 @@ class Part:
     """A substance with the body it fills at 1 kg/m3 (`even`) and as heavy as it is taken to be (`body`).
 
     `rival` is the even body when volume that parts share goes to the others, for `shared` tells why it does not.
+    `squeeze` is that of the verdict on its statement (`Judged`).
     """
 
     substance: Substance
@@ -59,11 +61,17 @@ class Part:
     body: MassProperties
     rival: MassProperties | None = None
     shared: str = ""
+    squeeze: FloatArray | None = None
 
     @property
     def rival_body(self) -> MassProperties:
         """The body as heavy as it is in the other reading; the same one where there is none."""
-        return self.body if self.rival is None else _weighed(self.substance, self.rival)
+        return self.body if self.rival is None else _weighed(self.substance, self.rival, self.squeeze)
+
+    @property
+    def unsqueezed_body(self) -> MassProperties:
+        """The body with its tensor as evenly filled, whether it fits about the mass centre or not."""
+        return _weighed(self.substance, self.even, None)
 
     @property
     def confidence(self) -> float:
@@ -90,7 +98,7 @@ def parts_of(
         made = divide(solid, groups, [s.density_kgm3.value for s in substances])
     exact, parts = made.exact, list[Part]()
     for substance, body, rival in zip(substances, made.shares, made.rival or [None] * len(substances), strict=True):
-        stated = substance.stated
+        stated, squeeze = substance.stated, None
         if stated is not None:
             points = solid.points
             if len(substances) > 1:
@@ -99,8 +107,8 @@ def parts_of(
                 stated = replace(stated, centre=None, inertia=None)  # Nothing to hold them against.
             verdict = judge(stated, points, body, exact=exact and solid.kind == "closed")
             judged.append(verdict)
-            substance = replace(substance, stated=verdict.stated)
-        parts.append(Part(substance, body, _weighed(substance, body), rival, made.reason))
+            substance, squeeze = replace(substance, stated=verdict.stated), verdict.squeeze
+        parts.append(Part(substance, body, _weighed(substance, body, squeeze), rival, made.reason, squeeze))
     return parts, exact, judged
 
 
@@ -115,12 +123,14 @@ def _sized(substances: Sequence[Substance], solid: Solid, dense: str) -> tuple[S
     )
 
 
-def _weighed(substance: Substance, even: MassProperties) -> MassProperties:
+def _weighed(substance: Substance, even: MassProperties, squeeze: FloatArray | None) -> MassProperties:
     """`even` as heavy as the source states, with its mass centre and tensor if stated, else as dense as known."""
     stated = substance.stated
     if stated is None or stated.mass_kg is None:
         return scaled(even, substance.density_kgm3.value)
     body = scaled(even, stated.mass_kg / even.mass_kg)
+    if squeeze is not None:
+        body = replace(body, inertia_kgm2=squeezed(body.inertia_kgm2, squeeze))
     return MassProperties(
         stated.mass_kg,
         body.centre_of_mass_m if stated.centre is None else stated.centre,

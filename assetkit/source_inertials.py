@@ -11,6 +11,7 @@ import numpy as np
 from geom.hull import contains, convex_hull, volume
 from geom.inertia import is_physical, scaled
 from geom.inertia_reach import inertia_reach
+from geom.shifted_centre import skin_share, squeeze_towards, squeezed
 from geom.surface_distance import closest_on_surface
 from geom.weld import diagonal
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -29,6 +30,8 @@ SINGLE_PRECISION = 1e-4  # Files keep tensors in single precision.
 # lamp with a lead foot a fifth.
 LEAST_SPREAD, MOST_SPREAD = 0.15, 3.5
 MOST_REACH = 0.9  # of what mass at the two ends of the object would give, along any axis
+# A mass centre on the skin has all mass in that face; a lead sheet below a balsa box comes to 8 %. Of the way through.
+LEAST_DEPTH = 0.01
 MOST_APART = 0.2  # of the trace; a rod turned by 90 degrees is 0.5 off
 
 Quantity = Literal["mass", "centre", "inertia"]
@@ -36,11 +39,16 @@ Quantity = Literal["mass", "centre", "inertia"]
 
 @dataclass(frozen=True)
 class Judged:
-    """A statement without the quantities that cannot be true (None when not even the mass can), and why."""
+    """A statement without the quantities that cannot be true (None when not even the mass can), and why.
+
+    `squeeze` (3, 3) is the map that makes evenly spread mass fit about a mass centre stated without a usable tensor
+    (`squeeze_towards`); None where it fits as it is.
+    """
 
     stated: StatedMass | None
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
+    squeeze: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -98,31 +106,79 @@ def judge(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact
     even    the same geometry filled with 1 kg/m3: bounds of the implied density, of the size and axes of the tensor.
     exact   `even` is the volume of a closed surface of its own; otherwise its wall is a guess.
 
-    An objection to the mass drops everything, one to the mass centre also the inertia, which is about it. The bounds
+    An objection to the mass drops everything, one to the mass centre also the inertia, which is about it. A mass centre
+    left without a tensor must lie below the skin, and the even filling is squeezed where it does not fit. The bounds
     are narrower than those of the static gate, so that what is believed here is released.
     """
     objections = list(_objections(stated, points, even, exact=exact))
-    if not objections:
-        return Judged(stated)
-    dropped = {o.quantity for o in objections}
-    notes = tuple(
+    kept = _without(stated, {o.quantity for o in objections})
+    squeeze: FloatArray | None = None
+    if kept is not None and kept.mass_kg is not None and kept.centre is not None and kept.inertia is None:
+        squeeze, contradicted = _squeeze(kept.centre, points, scaled(even, kept.mass_kg / even.mass_kg))
+        if contradicted is not None:
+            objections, kept = [*objections, contradicted], replace(kept, centre=None)
+    notes = [
         finding(CODE, o.headline, where=stated.where, value=o.shown, bound=o.bound, unit=o.unit) for o in objections
-    )
-    kept = None
-    if "mass" not in dropped and stated.mass_kg is not None:
-        centre = None if "centre" in dropped else stated.centre
-        kept = replace(stated, centre=centre, inertia=None)
-    elif "mass" not in dropped:
-        kept = stated
-    first = objections[0]
-    repair = Repair(
-        name="implausible_inertia",
-        code=CODE,
-        stage="physics",
-        before={"quantity": first.quantity, "value": first.shown, "bound": first.bound},
-        after={"quantity": first.quantity, "value": "computed from the solid"},
-    )
-    return Judged(kept, notes, (repair,))
+    ]
+    repairs: list[Repair] = []
+    if objections:
+        first = objections[0]
+        repairs.append(
+            Repair(
+                name="implausible_inertia",
+                code=CODE,
+                stage="physics",
+                before={"quantity": first.quantity, "value": first.shown, "bound": first.bound},
+                after={"quantity": first.quantity, "value": "computed from the solid"},
+            )
+        )
+    if squeeze is not None:
+        headline = "no usable tensor is stated and an even filling does not fit about the stated mass centre: squeezed"
+        share = float(np.trace(squeezed(even.inertia_kgm2, squeeze)) / np.trace(even.inertia_kgm2))
+        unit = "of the evenly filled"
+        notes.append(
+            finding(CODE, headline, where=stated.where, value=share, bound=1.0, unit=unit, severity=Severity.INFO)
+        )
+        repairs.append(
+            Repair(
+                name="squeezed_inertia",
+                code=CODE,
+                stage="physics",
+                before={"trace_of_even": 1.0},
+                after={"trace_of_even": share},
+            )
+        )
+    return Judged(kept, tuple(notes), tuple(repairs), squeeze)
+
+
+def _without(stated: StatedMass, dropped: set[Quantity]) -> StatedMass | None:
+    if not dropped:
+        return stated
+    if "mass" in dropped:
+        return None
+    if stated.mass_kg is None:
+        return stated
+    return replace(stated, centre=None if "centre" in dropped else stated.centre, inertia=None)
+
+
+def _squeeze(
+    centre: FloatArray, points: FloatArray, even: MassProperties
+) -> tuple[FloatArray | None, _Objection | None]:
+    """The squeeze of the evenly filled body (`even`, of the stated mass) that lets it have this mass centre, if needed;
+    or what speaks against the centre: it lies on the skin, or no tensor about it would be believed.
+    """
+    depth = skin_share(centre, points, even.centre_of_mass_m)
+    if depth < LEAST_DEPTH:
+        headline = "the stated mass centre lies on the skin of the object"
+        return None, _Objection("centre", headline, depth, LEAST_DEPTH, "of the way through the object")
+    if not list(_about_inertia(even.inertia_kgm2, even, points - centre)):
+        return None, None
+    S = squeeze_towards(centre, points, even.centre_of_mass_m, even.inertia_kgm2 / even.mass_kg)
+    doubt = next(_about_inertia(squeezed(even.inertia_kgm2, S), even, points - centre), None)
+    if doubt is None:
+        return S, None
+    headline = "no plausible tensor fits about the stated mass centre"
+    return None, _Objection("centre", headline, doubt.value, doubt.bound, doubt.unit)
 
 
 def _objections(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact: bool) -> Iterator[_Objection]:

@@ -18,6 +18,7 @@ from assetkit.mass_parts import Clues
 from assetkit.source_inertials import applicable, in_asset_frame, judge
 from assetkit.up_axis import TO_Z_UP
 from geom.inertia import inertia_about, moved, of_box, of_closed_surface, of_sheet, scaled
+from geom.inertia_reach import inertia_reach
 from geom.pose import pose
 from schemas.diagnostics import Location, Severity
 from schemas.model import Mesh
@@ -69,6 +70,42 @@ def test_the_finding_names_value_bound_and_place():
     assert found.where.prim == "/part"
 
 
+def test_a_low_centre_without_a_tensor_is_kept_and_the_filling_squeezed_about_it():
+    """4 % of the height: a weighted base. The even filling about it would need mass below the floor."""
+    found = judge(stated(centre=np.array([0.0, 0.0, 0.0024])), MESH.points, EVEN, exact=True)
+    assert found.stated is not None
+    assert found.stated.centre is not None
+    assert [d.severity for d in found.diagnostics] == [Severity.INFO]
+    assert [r.name for r in found.repairs] == ["squeezed_inertia"]
+    made = mass_evidence(SOLID, ["part"], clues(stated(centre=np.array([0.0, 0.0, 0.0024]))))
+    reach, most = inertia_reach(made.properties.inertia_kgm2 / 0.9, MESH.points - made.properties.centre_of_mass_m)
+    assert reach <= 0.9 * most
+    assert made.inertia_kgm2.source == "inferred"
+    assert "squeezed" in made.inertia_kgm2.method
+    low, high = (np.array(b) for b in made.inertia_kgm2.bounds or ())
+    assert (low <= made.properties.inertia_kgm2 + 1e-15).all()
+    assert (made.properties.inertia_kgm2 <= high + 1e-15).all()
+    weighted = moved(of_box((0.2, 0.1, 0.0048), 1.0), pose(None, (0.0, 0.0, 0.0024)))  # All in a base plate.
+    truth = scaled(weighted, 0.9 / weighted.mass_kg).inertia_kgm2
+    assert (np.diag(low) <= np.diag(truth)).all()
+    assert (np.diag(truth) <= np.diag(high)).all()
+
+
+@pytest.mark.parametrize("depth_m", [0.0, 1.5e-5])
+def test_a_centre_on_the_skin_is_dropped_where_no_tensor_comes_with_it(depth_m: float):
+    """15 mm written as 15 micrometres: on the skin no body but a film has its mass."""
+    kept, headlines, repairs = heard(stated(centre=np.array([0.0, 0.0, depth_m])))
+    assert kept is not None
+    assert kept.centre is None
+    assert headlines == ["the stated mass centre lies on the skin of the object"]
+    assert repairs == ["implausible_inertia"]
+
+
+def test_a_centre_that_is_little_aside_leaves_the_even_filling_alone():
+    found = judge(stated(centre=np.array([0.01, 0.0, 0.025])), MESH.points, EVEN, exact=True)
+    assert (found.diagnostics, found.repairs, found.squeeze) == ((), (), None)
+
+
 def test_a_guessed_volume_is_no_strong_witness():
     assert heard(stated(60.0), exact=False)[0] is not None
 
@@ -81,10 +118,13 @@ def test_a_centre_outside_is_dropped_with_the_tensor_about_it(centre):
     assert "centre" in headlines[0]
 
 
-def test_a_centre_on_the_skin_is_kept():
-    kept, headlines, _ = heard(stated(0.9, centre=np.array([0.0, 0.0, -0.001])))
+def test_a_centre_on_the_skin_is_kept_with_its_tensor():
+    """The visible mesh may be tighter than the thing."""
+    plate = moved(of_box((0.2, 0.1, 0.004), 1.0), pose(None, (0.0, 0.0, -0.001)))
+    kept, headlines, _ = heard(of(scaled(plate, 0.9 / plate.mass_kg)))
     assert headlines == []
     assert kept is not None
+    assert kept.centre is not None
 
 
 @pytest.mark.parametrize(
