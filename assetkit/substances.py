@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from assetkit.materials import UNKNOWN, UNKNOWN_FULL, material_for, materials
+from assetkit.outside_bounds import outside
 from schemas.evidence import Evidence, declared
 from schemas.model import Mesh
 from schemas.stated_physics import StatedMass
@@ -47,11 +48,12 @@ def substance_of(
 
     A thick body of unknown material may be hollow; a `full` one (walls, plates, tools) is not.
     """
-    row = materials()[UNKNOWN_FULL if full and material.value == UNKNOWN else material.value]
+    unknown = material.value == UNKNOWN
+    row = materials()[UNKNOWN_FULL if full and unknown else material.value]
     density = Evidence(
         value=row.density_kgm3,
         source=material.source,
-        method=f"material class {row.name}",
+        method=f"material class {row.name}" + (outside(*row.density_bounds_kgm3, full=full) if unknown else ""),
         confidence=material.confidence,
         bounds=row.density_bounds_kgm3,
         inputs=material.inputs,

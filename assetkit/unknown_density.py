@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from assetkit.mass_bounds import MAX_SPAN, mean_thickness
+from assetkit.outside_bounds import outside
 from geom.hull import convex_hull
 from geom.surface_distance import triangle_areas
 from schemas.evidence import Evidence, default
@@ -21,9 +22,6 @@ DENSE_FACTOR = 3.0
 DENSEST_KGM3 = 8100.0  # Stainless steel, as in `materials.csv`.
 CAD_FORMATS = ("stl",)
 METALLIC, METALLIC_SHARE = 0.5, 0.5
-# What a person would want to know to be outside the bounds: solid things from above, light things from below.
-_SOLID = (("steel", 7850.0), ("aluminium", 2700.0), ("stone", 2400.0), ("water", 1000.0))
-_LIGHT = (("a shell of plastic", 150.0), ("empty packaging", 40.0), ("foam", 20.0))
 
 
 def unknown_density(solid: Solid, dense: str = "") -> Evidence[float] | None:
@@ -39,11 +37,9 @@ def unknown_density(solid: Solid, dense: str = "") -> Evidence[float] | None:
     usual = USUAL_KGM3 * (DENSE_FACTOR if dense else 1.0) * math.sqrt(USUAL_SIZE_M / size_m)
     value = min(usual, DENSEST_KGM3 / half)
     low, high = value / half, value * half
-    outside = [f"solid {name}" for name, density in _SOLID if density > high]
-    outside += [name for name, density in _LIGHT if density < low]
     reason = f"{dense}, " if dense else ""
     method = f"things {100.0 * size_m:.3g} cm in size, {reason}{low:.0f} to {high:.0f} kg/m3"
-    return default(value, f"{method}; outside: {', '.join(outside)}" if outside else method, bounds=(low, high))
+    return default(value, method + outside(low, high), bounds=(low, high))
 
 
 def dense_look(format_: str, meshes: Sequence[Mesh], materials: Sequence[Material]) -> str:

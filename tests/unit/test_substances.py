@@ -57,3 +57,14 @@ def test_unknown_walls_are_full_and_unknown_blocks_may_be_hollow(full, density, 
     substance = uniform(["thing"], full=full)
     assert (substance.density_kgm3.value, substance.may_be_hollow) == (density, hollow)
     assert substance.material.value == UNKNOWN
+
+
+def test_unknown_full_material_says_what_its_bounds_leave_out():
+    """A brass goblet or a gold ring weighs more than the densest unknown body: the bounds must not hide that."""
+    method = uniform(["goblet"], full=True).density_kgm3.method
+    for name, density in (("solid brass", 8500.0), ("solid gold", 19300.0), ("cork or balsa", 160.0)):
+        low, high = uniform(["goblet"], full=True).density_kgm3.bounds or (0.0, 0.0)
+        assert not low <= density <= high
+        assert name in method.split("; outside: ")[1]
+    assert "steel" not in method
+    assert "outside" not in uniform(["wood"], full=True).density_kgm3.method
