@@ -183,6 +183,12 @@ GATE_CODES: dict[str, CodeInfo] = {
         "A hand reaches into what looks solid.",
         "add the missing collision shapes, or enable them",
     ),
+    "asset/gate-collider-cavity": CodeInfo(
+        "warning",
+        "Colliders close an opening, or let out what lies in it",
+        "A mug takes nothing, or loses what is put into it.",
+        "decompose the collision shape around the opening, or ingest the source again",
+    ),
     "asset/gate-collider-astray": _error(
         "A single collider stands away from the visible surface",
         "Things bump into empty space.",

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import numpy as np
-from pxr import UsdPhysics
+from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
 from tests.gate_defects.edits import (
     BASE,
@@ -40,6 +40,16 @@ def _disable(prim: object) -> None:
     UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Set(False)
 
 
+def _plate_over_the_drawer(stage: Usd.Stage) -> None:
+    """One more box collider, across the drawer's opening."""
+    plate = UsdGeom.Cube.Define(stage, f"{DRAWER}/Colliders/plate")
+    plate.CreateSizeAttr(1.0)
+    plate.CreatePurposeAttr("guide")
+    plate.AddTranslateOp().Set(Gf.Vec3d(0.0, 0.0, 0.67))
+    plate.AddScaleOp().Set(Gf.Vec3f(0.3, 0.3, 0.01))
+    UsdPhysics.CollisionAPI.Apply(plate.GetPrim())
+
+
 DEFECTS: tuple[Defect, ...] = (
     prop("colliders disabled", each_collider(PROP, _disable), "no-collider"),
     cabinet(
@@ -62,6 +72,10 @@ DEFECTS: tuple[Defect, ...] = (
     cabinet("colliders turned", place(f"{DOOR}/Colliders", rotate=(0, 0, 20)), "collider-displaced"),
     cabinet("back wall without collider", lambda s: s.RemovePrim(BACK), "collider-incomplete"),
     cabinet("one collider moved", place(f"{BASE}/Colliders/collider_03", (0, 0, -0.2)), "collider-incomplete"),
+    cabinet("plate across the drawer", _plate_over_the_drawer, "collider-cavity", "warning"),
+    cabinet(
+        "drawer without floor", lambda s: s.RemovePrim(f"{DRAWER}/Colliders/collider_00"), "collider-cavity", "warning"
+    ),
     cabinet("side wall's collider lifted", place(f"{BASE}/Colliders/collider_00", (0, 0, 0.1)), "collider-astray"),
     prop("hull 2 cm up", place(HULL, (0, 0, 0.02)), "collider-astray"),
     prop("one of two colliders gone", on_prim(HULL, lambda p: p.SetActive(False)), "record"),
