@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assetkit.mass_bounds import Bounds, elementwise, filling_of, mass_bounds
+from assetkit.mass_bounds import Bounds, elementwise, filling_of, mass_bounds, wall_factors
 from assetkit.mass_parts import STATED_CONFIDENCE, Clues, Part, parts_of
 from assetkit.source_inertials import applicable
 from assetkit.substances import STATED_TOLERANCE
@@ -71,14 +71,18 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
             "what parts share may be of either",
             total.mass_kg,
         )
+    wall_trust = WALL_TRUST["default" if clues.wall is None else clues.wall.source]
     if solid.kind == "shell":
-        trust = WALL_TRUST["default" if clues.wall is None else clues.wall.source]
+        trust = wall_trust
+    elif solid.walls is not None:
+        share = solid.walls.mass_kg / mass_properties(solid, 1.0)[0].mass_kg
+        method, trust = f"{method}, walls grown from sheets", (1.0 - share) * trust + share * wall_trust
     return MassEvidence(
         properties=total,
         material=parts[int(np.argmax(volumes))].substance.material,
         density_kgm3=_density(parts, total, bounds),
         mass_kg=_mass(parts, total, bounds, method, trust * clues.unit.confidence),
-        centre_of_mass_m=_centre(solid, parts, total, method, trust, clues.unit),
+        centre_of_mass_m=_centre(solid, parts, total, method, trust, clues),
         inertia_kgm2=_inertia(parts, total, bounds, method, trust * clues.unit.confidence),
         parts=tuple(_recorded(part, sum(volumes), total.mass_kg) for part in parts),
         members=tuple(part.substance.meshes for part in parts),
@@ -135,11 +139,12 @@ def _inertia(
 
 
 def _centre(
-    solid: Solid, parts: Sequence[Part], total: MassProperties, method: str, trust: float, unit: Evidence[float]
+    solid: Solid, parts: Sequence[Part], total: MassProperties, method: str, trust: float, clues: Clues
 ) -> Evidence[Vec3]:
     """From the centre of the evenly filled body to that of its surface, 5 % of the extent around; 1 % if stated.
 
-    Where inner shells may be cavities the centre of what is left then is within the bounds too.
+    Where inner shells may be cavities the centre of what is left then is within the bounds too; where walls were grown
+    from sheets, the centres with the thinnest and the thickest.
 
     The asset's origin is its bottom centre, so an uncertain unit moves the centre in proportion.
     """
@@ -160,11 +165,12 @@ def _centre(
     surface = of_sheet(solid.points, solid.triangles, 1.0, 1.0).centre_of_mass_m
     even = combine([p.even for p in parts if p.even.mass_kg > 0.0]).centre_of_mass_m
     rival = combine([p.rival_body for p in parts if p.rival_body.mass_kg > 0.0]).centre_of_mass_m
-    centres = np.stack([total.centre_of_mass_m, even, surface, rival, _without_core(solid, even)])
-    factors = np.array([1.0, *(bound / unit.value for bound in unit.bounds or ())])
+    extremes = [_with_walls(solid, even, factor) for factor in wall_factors(clues.wall)]
+    centres = np.stack([total.centre_of_mass_m, even, surface, rival, _without_core(solid, even), *extremes])
+    factors = np.array([1.0, *(bound / clues.unit.value for bound in clues.unit.bounds or ())])
     centres = (centres * factors[:, None, None]).reshape(-1, 3)
     slack = COM_SLACK_SHARE * extent
-    alike = len(parts) == 1 and parts[0].substance.stated is None and solid.core is None
+    alike = len(parts) == 1 and parts[0].substance.stated is None and solid.core is None and solid.walls is None
     geometric: Source = "measured" if solid.kind == "closed" and alike else "inferred"
     return Evidence(
         value=vec3(total.centre_of_mass_m),
@@ -183,6 +189,16 @@ def _without_core(solid: Solid, filled_centre_m: FloatArray) -> FloatArray:
     return (whole.mass_kg * whole.centre_of_mass_m - core.mass_kg * core.centre_of_mass_m) / (
         whole.mass_kg - core.mass_kg
     )
+
+
+def _with_walls(solid: Solid, centre_m: FloatArray, factor: float) -> FloatArray:
+    """The mass centre (3,) when the walls grown from sheets are thicker by a factor."""
+    if solid.walls is None:
+        return centre_m
+    whole, walls = mass_properties(solid, 1.0)[0], solid.walls
+    more_kg = (factor - 1.0) * walls.mass_kg
+    moment = whole.mass_kg * whole.centre_of_mass_m + more_kg * walls.centre_of_mass_m
+    return moment / (whole.mass_kg + more_kg)
 
 
 def _density(parts: Sequence[Part], total: MassProperties, bounds: Bounds) -> Evidence[float]:

@@ -120,23 +120,44 @@ def filling_of(solid: Solid, wall: Evidence[float] | None, cavities: Sequence[Ca
     """What the shape says about how much of `solid` is material.
 
     Closed: as little as a wall of 0.5 % of the diagonal, unless the model shows its walls; without what inner shells
-    hold that may be cavities. Shell: within the bounds of `wall`; while that is a guess, up to a filled hull. Hull:
-    filled to a third or fully.
+    hold that may be cavities; walls grown from sheets within the bounds of `wall`. Shell: within the bounds of `wall`;
+    while that is a guess, up to a filled hull. Hull: filled to a third or fully.
     """
     if solid.kind == "hull":
         return Filling(low=HULL_FILL, causes=("convex hull stands in",))
     area = float(triangle_areas(solid.points[solid.triangles]).sum())
     if solid.kind == "shell":
         return _sheet_filling(solid, area, wall)
-    low, causes = 1.0, ()
+    full = volume(solid.points, solid.triangles)
+    low, high, causes = 1.0, 1.0, ()
     if solid.core is not None:
-        low = 1.0 - solid.core.mass_kg / volume(solid.points, solid.triangles)
+        low = 1.0 - solid.core.mass_kg / full
         causes = ("an inner shell may be a cavity that lost its winding",)
+    thinnest = 0.0
+    if solid.walls is not None:
+        share, (thinner, thicker) = solid.walls.mass_kg / full, wall_factors(wall)
+        low, high, thinnest = low - share * (1.0 - thinner), 1.0 + share * (thicker - 1.0), share * thinner
+        causes = (*causes, *wall_causes(wall))
     if _shows_walls(solid, cavities):
-        return Filling(low, causes=causes)
+        return Filling(low, high, causes=causes)
     wall_m = min(max(WALL_PER_DIAGONAL * diagonal(solid.points), LEAST_WALL_M), MOST_WALL_M)
-    least = area * wall_m / volume(solid.points, solid.triangles)
-    return Filling(low, hollow=min(1.0, least / low), causes=causes)
+    least = _bodies(solid)[1] * wall_m / full + thinnest
+    return Filling(low, high, hollow=min(1.0, least / low), causes=causes)
+
+
+def wall_factors(wall: Evidence[float] | None) -> tuple[float, float]:
+    """By which factors the walls of sheets may be thinner and thicker than `wall`."""
+    if wall is None or wall.source == "default":
+        return SHEET_WALL_FACTORS
+    low, high = wall.bounds or (wall.value, wall.value)
+    return low / wall.value, high / wall.value
+
+
+def wall_causes(wall: Evidence[float] | None) -> tuple[str, ...]:
+    """Why walls may be thinner or thicker; () when the source says how thick they are."""
+    if wall is None or wall.source == "default":
+        return ("wall thickness unknown",)
+    return () if wall.source == "declared" else ("wall thickness inferred",)
 
 
 def is_full(solid: Solid, cavities: Sequence[Cavity]) -> bool:
@@ -149,23 +170,34 @@ def is_full(solid: Solid, cavities: Sequence[Cavity]) -> bool:
 
 
 def mean_thickness(solid: Solid) -> float:
-    """Twice the volume over the surface (m): the thickness of a wall, a third of the diameter of a ball."""
-    return 2.0 * volume(solid.points, solid.triangles) / float(triangle_areas(solid.points[solid.triangles]).sum())
+    """Twice the volume over the surface (m): the thickness of a wall, a third of the diameter of a ball.
+
+    Walls grown from sheets are left out where there are bodies beside them.
+    """
+    held, area = _bodies(solid)
+    return 2.0 * held / area
+
+
+def _bodies(solid: Solid) -> tuple[float, float]:
+    """Volume (m3) and area (m2) of a solid without the walls grown from sheets, each of which has two sides."""
+    full, area = volume(solid.points, solid.triangles), float(triangle_areas(solid.points[solid.triangles]).sum())
+    if solid.walls is None or solid.wall_thickness_m is None:
+        return full, area
+    held, bare = full - solid.walls.mass_kg, area - 2.0 * solid.walls.mass_kg / solid.wall_thickness_m
+    return (held, bare) if held > 0.0 and bare > 0.0 else (full, area)
 
 
 def _sheet_filling(solid: Solid, area: float, wall: Evidence[float] | None) -> Filling:
+    low, high = wall_factors(wall)
     if wall is not None and wall.source != "default":
-        low, high = wall.bounds or (wall.value, wall.value)
-        causes = () if wall.source == "declared" else ("wall thickness inferred",)
-        return Filling(low / wall.value, high / wall.value, causes=causes)
-    low, high = SHEET_WALL_FACTORS
+        return Filling(low, high, causes=wall_causes(wall))
     sheet = area * (solid.wall_thickness_m or LEAST_WALL_M)
     try:
         full = volume(*convex_hull(solid.points)) / sheet
     except ValueError:
         full = 0.0
     filled = ("perhaps a filled body left open",) if full > high else ()
-    return Filling(low, max(high, full), causes=("wall thickness unknown", *filled))
+    return Filling(low, max(high, full), causes=(*wall_causes(wall), *filled))
 
 
 def _shows_walls(solid: Solid, cavities: Sequence[Cavity]) -> bool:

@@ -85,7 +85,8 @@ def parts_of(
     """The substances with their bodies, whether these have places of their own, and the verdicts on statements."""
     full = is_full(solid, clues.cavities)
     even = mass_properties(solid, 1.0)[0]
-    judged = [judge(s, solid.points, even, exact=solid.kind == "closed") for s in masses if s.mass_kg is None]
+    sure = solid.kind == "closed" and solid.walls is None
+    judged = [judge(s, solid.points, even, exact=sure) for s in masses if s.mass_kg is None]
     kept = [s for s in masses if s.mass_kg is not None] + [j.stated for j in judged if j.stated is not None]
     substances = substances_of(clues.meshes, clues.render_materials, whole, kept, full=full)
     if not clues.meshes:
@@ -105,7 +106,7 @@ def parts_of(
                 points = np.concatenate([clues.meshes[i].points for i in substance.meshes])
             if not exact:
                 stated = replace(stated, centre=None, inertia=None)  # Nothing to hold them against.
-            verdict = judge(stated, points, body, exact=exact and solid.kind == "closed")
+            verdict = judge(stated, points, body, exact=exact and sure)
             judged.append(verdict)
             substance, squeeze = replace(substance, stated=verdict.stated), verdict.squeeze
         parts.append(Part(substance, body, _weighed(substance, body, squeeze), rival, made.reason, squeeze))

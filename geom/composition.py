@@ -10,6 +10,7 @@ import numpy as np
 
 from geom.inertia import mass_properties, of_closed_surface, of_sheet, scaled
 from geom.mesh_edit import keep_faces, merge_surfaces
+from geom.open_parts import wall_bodies
 from geom.repair_holes import cap_openings
 from geom.solid_bodies import Bodies, Surface, as_manifold, signed_volume, sort_bodies
 from geom.surface_distance import triangle_areas
@@ -43,12 +44,13 @@ class Division:
 def divide(solid: Solid, groups: Sequence[Sequence[Mesh]], densities_kgm3: Sequence[float]) -> Division:
     """How `solid` divides among `groups` of its meshes.
 
-    Closed: each group's closed bodies; if these do not add up, also its open surfaces with every loop capped (one skin
-    painted with two materials is cut along the paint). Where bodies overlap, the denser keeps the shared volume, as a
-    bolt displaces the wood around it; but the lighter does where it lies wholly inside the denser (foam in a steel
-    case), since nothing would be left of it; among equals the group listed first. Shell: each group's sheets. When
-    neither adds up to the solid, and for hulls, every group gets the share of the whole body that it has of the visible
-    area, spread evenly. Raises ValueError when all points coincide.
+    Closed: each group's closed bodies, with walls grown from its sheets if the solid has such; if these do not add up,
+    also its open surfaces with every loop capped (one skin painted with two materials is cut along the paint). Where
+    bodies overlap, the denser keeps the shared volume, as a bolt displaces the wood around it; but the lighter does
+    where it lies wholly inside the denser (foam in a steel case), since nothing would be left of it; among equals the
+    group listed first. Shell: each group's sheets. When neither adds up to the solid, and for hulls, every group gets
+    the share of the whole body that it has of the visible area, spread evenly. Raises ValueError when all points
+    coincide.
     """
     whole = mass_properties(solid, 1.0)[0]
     bodies = [sort_bodies(meshes) for meshes in groups]
@@ -65,6 +67,9 @@ def divide(solid: Solid, groups: Sequence[Sequence[Mesh]], densities_kgm3: Seque
 def _attempts(solid: Solid, groups: Sequence[Bodies], densities_kgm3: Sequence[float]) -> Iterator[Division]:
     """Ways to give each group a place of its own, the plainest first."""
     if solid.kind == "closed":
+        if solid.wall_thickness_m is not None:
+            wall_m = solid.wall_thickness_m
+            yield _volumes([(*group.closed, *wall_bodies(group, wall_m)) for group in groups], densities_kgm3)
         yield _volumes([group.closed for group in groups], densities_kgm3)
         yield _volumes([(*group.closed, *_capped_sheets(group)) for group in groups], densities_kgm3)
     elif solid.wall_thickness_m is not None:

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import trimesh
 
 from geom.enclosed import enclosed_matter
+from geom.hull import convex_hull
 from geom.inertia import combine
 from geom.mesh_edit import merge_surfaces
+from geom.open_parts import additions, matter_of_wall
 from geom.openings import HOLE_SHARE
 from geom.solid_bodies import Bodies, Surface, signed_volume, sort_bodies, unite
 from geom.solid_voxel import voxel_hull
@@ -32,25 +33,32 @@ VOXEL_TOLERANCE_CELLS = 2.0
 DISTANCE_SAMPLES = 2000
 # Inner shells that hold less of the solid change nothing, filled or empty.
 CORE_SHARE = 0.01
-PROTRUDING = 0.05  # Acceptance refuses colliders whose box misses the visible one by more.
 
 
-def solidify(meshes: Sequence[Mesh], bodies: Bodies | None = None, *, rebuild: bool = False) -> tuple[Solid, Figures]:
+def solidify(
+    meshes: Sequence[Mesh],
+    bodies: Bodies | None = None,
+    *,
+    rebuild: bool = False,
+    wall_m: float | None = None,
+    sheets: bool = False,
+) -> tuple[Solid, Figures]:
     """The physical surface of `meshes` (metres), and how it came about. At least one face must have area.
 
     `bodies` are those of the meshes where they are known already (`sort_bodies`). With `rebuild` the meshes are too
-    damaged for the first two rules, and the third is tried before them.
+    damaged for the first two rules, and the third is tried before them. `wall_m` is how thick sheets are, by default
+    1 % of the diagonal within 0.5 to 5 mm; with `sheets` somebody said that what is open is a sheet, so that neither
+    voxels nor hulls stand in for it.
 
-    First rule that applies:
+    Closed parts are solid and open parts sheets, each for itself. First rule that applies:
     1. Closed bodies, holes filled and hidden faces closed (`solid_bodies`, `openings`), carry at least half of the
-       area: `closed`, their union (method `union`; open decoration is left out). Open parts that reach beyond the
-       bodies by more than 5 % of the diagonal are no decoration: their hulls, cards as slabs, join the union (method
-       `union_and_hulls`).
+       area: `closed`, their union (method `union`) with what open parts add to it (`open_parts`): walls grown from
+       sheets (method `union_and_walls`), rarely hulls (`union_and_hulls`). Open decoration is left out.
     2. The surface is flat, or at least half of what is open is containers, or one sheet with a mouth wider than a
-       quarter of its cross-section: `shell`, all faces, with an assumed wall of 1 % of the diagonal within 0.5 to 5 mm.
+       quarter of its cross-section: as 1 if there are closed bodies at all, else `shell`, all faces.
     3. Patches with gaps: a voxel proxy and the surface lie within two cells of each other over 95 % of either:
        `closed` (method `voxel`).
-    4. At least half of what is open is sheets with mouths: `shell`. Else `hull`.
+    4. At least half of what is open is sheets with mouths: as 2. Else `hull`.
     Figures: `method`, `volume_m3` (shell: area times wall), `area_m2`, `naive_volume_m3` (bodies added up),
     `union_volume_m3`, `components`, `cavities`, `filled_openings`, `open_area_share`.
     """
@@ -60,9 +68,19 @@ def solidify(meshes: Sequence[Mesh], bodies: Bodies | None = None, *, rebuild: b
     united = unite(bodies.closed) if bodies.closed else None
     naive = sum(signed_volume(*body) for body in bodies.closed)
     total = bodies.closed_area + bodies.open_area
-    proxy = _voxel_solid(points, triangles) if rebuild else None
-    solid, method = (proxy, "voxel") if proxy else _choose(bodies, united, points, triangles, total)
-    if method == "union" and (core := core_of(meshes, bodies)) is not None:
+    proxy = _voxel_solid(points, triangles) if rebuild and not sheets else None
+    if proxy is not None:
+        solid, method = proxy, "voxel"
+    elif united is not None and bodies.closed_area >= CLOSED_AREA_SHARE * total:
+        solid, method = _with_open_parts(bodies, united, wall_m or assumed_wall_m(diagonal(points)), sheets=sheets)
+    else:
+        solid, method = _of_open(bodies, points, triangles, sheets=sheets)
+        if solid.kind == "shell":
+            wall_m = wall_m or assumed_wall_m(diagonal(points))
+            solid = replace(solid, wall_thickness_m=wall_m)
+            if united is not None:
+                solid, method = _with_open_parts(bodies, united, wall_m, sheets=sheets)
+    if method.startswith("union") and (core := core_of(meshes, bodies)) is not None:
         solid = replace(solid, core=core if core.mass_kg >= CORE_SHARE * _volume(solid) else None)
     figures: Figures = {
         "method": method,
@@ -90,24 +108,19 @@ def core_of(meshes: Sequence[Mesh], bodies: Bodies) -> MassProperties | None:
     return combine(cores) if cores else None
 
 
-def _choose(
-    bodies: Bodies, united: tuple[FloatArray, IntArray] | None, points: FloatArray, triangles: IntArray, total: float
-) -> tuple[Solid, str]:
-    if united is not None and bodies.closed_area >= CLOSED_AREA_SHARE * total:
-        return _with_protruding(bodies, united, diagonal(points))
-    wall = _wall(diagonal(points))
-    shell = Solid(points, triangles, kind="shell", wall_thickness_m=wall)
+def _of_open(bodies: Bodies, points: FloatArray, triangles: IntArray, *, sheets: bool) -> tuple[Solid, str]:
+    """Rules 2 to 4, for all faces; the thickness of a shell is left to the caller."""
+    shell = Solid(points, triangles, kind="shell")
     mouthed = [v for v in bodies.verdicts if any(o.section_share > HOLE_SHARE for o in v.openings)]
     containers = sum(v.area for v in mouthed if v.kind == "container")
     half = LEADING_SHARE * bodies.open_area
-    if _is_flat(points) or containers >= half > 0.0 or any(v.area >= half > 0.0 for v in mouthed):
+    if sheets or _is_flat(points) or containers >= half > 0.0 or any(v.area >= half > 0.0 for v in mouthed):
         return shell, "shell"
     if (proxy := _voxel_solid(points, triangles)) is not None:
         return proxy, "voxel"
     if sum(v.area for v in mouthed) >= half > 0.0:
         return shell, "shell"
-    hull = trimesh.PointCloud(points).convex_hull
-    return Solid(np.array(hull.vertices), np.array(hull.faces, dtype=np.int32), kind="hull"), "hull"
+    return Solid(*convex_hull(points), kind="hull"), "hull"
 
 
 def _voxel_solid(points: FloatArray, triangles: IntArray) -> Solid | None:
@@ -125,33 +138,25 @@ def _voxel_solid(points: FloatArray, triangles: IntArray) -> Solid | None:
     return Solid(proxy[0], proxy[1], kind="closed")
 
 
-def _with_protruding(bodies: Bodies, united: Surface, size: float) -> tuple[Solid, str]:
-    """The united bodies, with the hulls of open parts that reach beyond their box."""
-    low, high = united[0].min(axis=0) - PROTRUDING * size, united[0].max(axis=0) + PROTRUDING * size
-    hulls: list[Surface] = []
-    for part in bodies.verdicts:
-        points = bodies.open_surface[0][np.unique(bodies.open_surface[1][part.faces])]
-        if (points < low).any() or (points > high).any():
-            if _is_flat(points):
-                points = _slab(points, _wall(size))
-            hull = trimesh.PointCloud(points).convex_hull
-            hulls.append((np.array(hull.vertices), np.array(hull.faces, dtype=np.int32)))
-    both = unite([united, *hulls]) if hulls else None
-    return (
-        (Solid(*united, kind="closed"), "union") if both is None else (Solid(*both, kind="closed"), "union_and_hulls")
-    )
+def _with_open_parts(bodies: Bodies, united: Surface, wall_m: float, *, sheets: bool) -> tuple[Solid, str]:
+    """The `united` bodies with what the open parts add; as they are where that cannot be united with them."""
+    size = diagonal(np.concatenate([mesh.points for mesh in bodies.tidied]))
+    found = additions(bodies, united, wall_m, size, hidden=not sheets)
+    more = (*found.capped, *found.hulls)
+    full = unite([united, *more]) if more else united
+    if full is None:
+        return Solid(*united, kind="closed"), "union"
+    if found.wall is None:
+        return Solid(*full, kind="closed"), "union_and_hulls" if found.hulls else "union"
+    whole, walls = unite([full, found.wall]), matter_of_wall(found.wall, full)
+    if whole is None or walls is None:
+        return Solid(*full, kind="closed"), "union"
+    return Solid(*whole, kind="closed", wall_thickness_m=wall_m, walls=walls), "union_and_walls"
 
 
-def _wall(size: float) -> float:
+def assumed_wall_m(size: float) -> float:
     """The thickness assumed of a sheet in an asset with this diagonal."""
     return min(max(WALL_PER_DIAGONAL * size, LEAST_WALL_M), MOST_WALL_M)
-
-
-def _slab(points: FloatArray, thickness: float) -> FloatArray:
-    """A flat card given two faces, `thickness` apart along its thinnest direction."""
-    centred = points - points.mean(axis=0)
-    normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]
-    return np.concatenate([points - 0.5 * thickness * normal, points + 0.5 * thickness * normal])
 
 
 def _is_flat(points: FloatArray) -> bool:
@@ -162,6 +167,6 @@ def _is_flat(points: FloatArray) -> bool:
 
 
 def _volume(solid: Solid) -> float:
-    if solid.wall_thickness_m is not None:
+    if solid.kind == "shell" and solid.wall_thickness_m is not None:
         return float(triangle_areas(solid.points[solid.triangles]).sum()) * solid.wall_thickness_m
     return signed_volume(solid.points, solid.triangles)

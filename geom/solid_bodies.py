@@ -79,8 +79,8 @@ def sort_bodies(meshes: Sequence[Mesh]) -> Bodies:
     capped = tuple(v for v in verdicts if _is_body(v, total))
     for body in capped:
         shell = keep_faces(rest, body.faces)
-        local = _in_own_faces(body)
-        closed.append(_outward(*cap_openings(shell.points, shell.triangles, local.openings)[:2]))
+        local = in_own_faces(body)
+        closed.append(outward(*cap_openings(shell.points, shell.triangles, local.openings)[:2]))
         closed_area += body.area
         kept[body.faces] = False
     return Bodies(
@@ -170,12 +170,13 @@ def _is_body(body: OpenBody, total_area: float) -> bool:
     return looped and minor and closed_area - body.area <= HIDDEN_FACE_SHARE * closed_area
 
 
-def _in_own_faces(body: OpenBody) -> OpenBody:
+def in_own_faces(body: OpenBody) -> OpenBody:
     """The same loops with face numbers that count from the body's first face."""
     return replace(body, openings=tuple(replace(o, faces=np.searchsorted(body.faces, o.faces)) for o in body.openings))
 
 
-def _outward(points: FloatArray, triangles: IntArray) -> Surface:
+def outward(points: FloatArray, triangles: IntArray) -> Surface:
+    """A closed surface without unused points, turned outward when it holds a negative volume."""
     points, triangles = _compact(points, triangles)
     return points, triangles if signed_volume(points, triangles) >= 0.0 else triangles[:, [0, 2, 1]]
 

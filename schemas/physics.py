@@ -97,6 +97,8 @@ class Solid:
     kind  `closed`: watertight, outward, overlaps united, inner cavities kept as inward shells.
           `shell`: an open sheet with a significant opening; `wall_thickness_m` is the assumed thickness.
           `hull`: neither; the convex hull stands in, with low confidence.
+    walls `closed` only: what walls of `wall_thickness_m` hold (at 1 kg/m3) that were grown from sheets beside the
+          closed bodies, without what these hold already. None without any.
     core  what shells inside hold (at 1 kg/m3) that are wound like the surface around them: taken as filled, but they
           may be cavities whose winding was lost. None without any.
     """
@@ -108,6 +110,7 @@ class Solid:
     kind: Literal["closed", "shell", "hull"]
     wall_thickness_m: float | None = None
     core: MassProperties | None = None
+    walls: MassProperties | None = None
 
 
 @dataclass(frozen=True)

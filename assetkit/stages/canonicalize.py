@@ -75,10 +75,11 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
     )
     offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
     section = geometry_section(homed, physical, unit.meters_per_unit, mended, light, offset)
+    edits = (*mended.diagnostics, *light.diagnostics, *physical.diagnostics)
     doubts = _doubts((*mended.distortions, *light.distortions, *physical.distortions), mended.unresolved, p_origin)
     return Outcome(
         Canonical(homed, physical.solid, unit.meters_per_unit, up.axis, section),
-        (*unit.diagnostics, *up.diagnostics, *far.diagnostics, *mended.diagnostics, *light.diagnostics, *doubts),
+        (*unit.diagnostics, *up.diagnostics, *far.diagnostics, *edits, *doubts),
         (*unit.repairs, *up.repairs, *far.repairs, *physical.repairs, *light.repairs),
         review=unit.review or up.review or bool(doubts),
     )

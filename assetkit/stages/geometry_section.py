@@ -19,6 +19,9 @@ _VOLUME_CONFIDENCE = {
     "declared_shell": 0.9,
     "inferred_shell": 0.3,
     "default_shell": 0.3,
+    "union_and_declared_walls": 0.9,
+    "union_and_inferred_walls": 0.3,
+    "union_and_default_walls": 0.3,
     "hull": 0.1,
 }
 
@@ -71,13 +74,23 @@ def geometry_section(
 
 
 def _volume(physical: PhysicalSurface, unit_confidence: float) -> Evidence[float]:
-    """The volume by the method of the solid; with shells inside that may be cavities, down to what is left then."""
+    """The volume by the method of the solid; with shells inside that may be cavities, down to what is left then.
+
+    Walls beside closed bodies are as uncertain as their thickness, the bodies are not.
+    """
     volume, core = physical.volume_m3, physical.solid.core
     if core is not None:
         method = f"{physical.method}; {CORE_TEXT}"
         return inferred(volume, method, CORE_CONFIDENCE * unit_confidence, bounds=(volume - core.mass_kg, volume))
     if physical.method == "union":
         return measured(volume, physical.method, confidence=unit_confidence)
+    walls, wall = physical.solid.walls, physical.wall
+    if walls is not None and wall is not None:
+        share = walls.mass_kg / volume
+        trust = 1.0 - share + share * _VOLUME_CONFIDENCE[physical.method]
+        least, most = (bound / wall.value - 1.0 for bound in wall.bounds or (wall.value, wall.value))
+        bounds = (volume + least * walls.mass_kg, volume + most * walls.mass_kg)
+        return inferred(volume, physical.method, trust * unit_confidence, bounds=bounds)
     return inferred(volume, physical.method, _VOLUME_CONFIDENCE[physical.method] * unit_confidence)
 
 

@@ -12,13 +12,15 @@ from assetkit.self_union import self_union
 from assetkit.stages.distortion import Distortion
 from assetkit.stages.repair_geometry import RepairResult
 from assetkit.stages.triangle_budget import Budgeted
-from assetkit.wall import with_wall
+from assetkit.wall import wall_evidence
+from geom.hausdorff import Reach
 from geom.resolve_bodies import resolve_bodies
 from geom.solid import solidify
 from geom.solid_bodies import sort_bodies
 from geom.solid_distance import SolidDistance, solid_distance
-from geom.surface_distance import triangle_areas
+from geom.surface_distance import closest_on_surface, triangle_areas
 from geom.weld import diagonal
+from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence
 from schemas.model import FloatArray, Material, Mesh
 from schemas.outcome import Repair
@@ -26,14 +28,16 @@ from schemas.physics import Solid
 
 # Repairs that leave the visible surface alone and change the physical one instead.
 PHYSICAL_REPAIRS = ("asset/overlapping-bodies", "asset/self-intersection", "asset/dirty-mesh")
+# What stands in for a surface instead of following it.
+STAND_INS = ("voxel", "union_and_hulls", "hull")
 
 
 @dataclass(frozen=True)
 class PhysicalSurface:
-    """The solid in the asset frame (metres), how it came about, and its wall where it is a sheet.
+    """The solid in the asset frame (metres), how it came about, and its wall where sheets are in it.
 
     `repairs` are those of the mended meshes, with the distance of the solid where they changed only that;
-    `distortions` holds what rebuilding it from scratch may have cost.
+    `distortions` holds how far it departs from what is seen.
     """
 
     solid: Solid
@@ -44,6 +48,7 @@ class PhysicalSurface:
     distance: SolidDistance
     repairs: tuple[Repair, ...]
     distortions: tuple[Distortion, ...]
+    diagnostics: tuple[Diagnostic, ...]
 
 
 def physical_surface(
@@ -58,36 +63,73 @@ def physical_surface(
     """The physical surface of the meshes in `light`, whose asset frame has its origin at `p_origin` (3,)."""
     bodies = resolve_bodies(sort_bodies(light.meshes), self_union)[0] if light.repairs else mended.bodies
     rebuild = any(r.code == "asset/dirty-mesh" for r in mended.repairs)
-    made, figures = solidify(light.meshes, bodies, rebuild=rebuild)
-    solid, wall = with_wall(
-        _moved(made, -p_origin),
-        str(figures["method"]),
-        homed := at_origin(light.meshes, p_origin),
-        stated_m=options.shell_thickness_m,
-        materials=materials,
-        meters_per_unit=meters_per_unit,
+    homed = at_origin(light.meshes, p_origin)
+    size = diagonal(np.concatenate([m.points for m in homed]))
+    wall = wall_evidence(size, stated_m=options.shell_thickness_m, materials=materials, meters_per_unit=meters_per_unit)
+    made, figures = solidify(
+        light.meshes, bodies, rebuild=rebuild, wall_m=wall.value, sheets=options.shell_thickness_m is not None
     )
-    distance, size = solid_distance(homed, solid), diagonal(np.concatenate([m.points for m in homed]))
-    area = float(triangle_areas(solid.points[solid.triangles]).sum())
-    furthest = max(distance.added, distance.missing, key=lambda way: way.attained)
-    lost = Distortion("mesh_repair", furthest.attained, furthest.attained, size, None, furthest.at + p_origin)
+    solid, method, volume = _moved(made, -p_origin), str(figures["method"]), float(figures["volume_m3"])
+    distance = solid_distance(homed, solid)
+    departed = _departure(distance, method)
+    told = {"shell": f"{wall.source}_shell", "union_and_walls": f"union_and_{wall.source}_walls"}
+    lost = Distortion(
+        "mesh_repair" if rebuild else method,
+        departed.attained,
+        departed.attained,
+        size,
+        _nearest_mesh(homed, departed.at),
+        departed.at + p_origin,
+    )
     return PhysicalSurface(
         solid,
-        method=str(figures["method"]) if wall is None else f"{wall.source}_shell",
-        volume_m3=float(figures["volume_m3"]) if wall is None else area * wall.value,
-        area_m2=area,
-        wall=wall,
+        method=told.get(method, method),
+        volume_m3=volume,
+        area_m2=float(triangle_areas(solid.points[solid.triangles]).sum()),
+        wall=wall if solid.wall_thickness_m is not None else None,
         distance=distance,
         repairs=tuple(_with_distance(r, distance, size) for r in mended.repairs),
-        distortions=(lost,) if rebuild else (),
+        distortions=(lost,),
+        diagnostics=_sheets_found(solid, wall, volume),
     )
+
+
+def _departure(distance: SolidDistance, method: str) -> Reach:
+    """The reach that a person must judge when it is far: visible parts outside the solid; and, where voxels or hulls
+    stand in, matter that nothing shows. Caps and walls add matter too, but are judged on their own.
+    """
+    if method in STAND_INS:
+        return max(distance.added, distance.missing, key=lambda way: way.attained)
+    return distance.missing
+
+
+def _nearest_mesh(meshes: Sequence[Mesh], place: FloatArray) -> str | None:
+    """The name of the mesh nearest to `place` (3,); None where that is nowhere."""
+    if not np.isfinite(place).all():
+        return None
+    solid = [m for m in meshes if triangle_areas(m.points[m.triangles]).any()]
+    away = [np.linalg.norm(closest_on_surface(place[None], m.points, m.triangles)[0] - place) for m in solid]
+    return solid[int(np.argmin(away))].name
+
+
+def _sheets_found(solid: Solid, wall: Evidence[float], volume_m3: float) -> tuple[Diagnostic, ...]:
+    """What is told when sheets stand beside closed bodies."""
+    if solid.walls is None:
+        return ()
+    share = solid.walls.mass_kg / volume_m3
+    headline = (
+        f"open sheets beside closed bodies count as walls of {1e3 * wall.value:.3g} mm ({wall.source}), "
+        f"{share:.0%} of the volume"
+    )
+    return (finding("asset/open-shell", headline, value=wall.value, unit="m"),)
 
 
 def _moved(solid: Solid, shift: FloatArray) -> Solid:
-    core = solid.core
-    if core is not None:
-        core = replace(core, centre_of_mass_m=core.centre_of_mass_m + shift)
-    return replace(solid, points=solid.points + shift, core=core)
+    core, walls = (
+        None if held is None else replace(held, centre_of_mass_m=held.centre_of_mass_m + shift)
+        for held in (solid.core, solid.walls)
+    )
+    return replace(solid, points=solid.points + shift, core=core, walls=walls)
 
 
 def at_origin(meshes: Sequence[Mesh], p_origin: FloatArray) -> tuple[Mesh, ...]:

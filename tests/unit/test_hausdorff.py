@@ -104,8 +104,8 @@ def test_the_solid_is_measured_against_what_is_seen() -> None:
     assert solid_distance(clean, solidify(clean)[0]).bound == 0.0
     overlapping = [mesh_of(*together(box(), box(at=(0.5, 0.2, 0.1))))]
     assert solid_distance(overlapping, solidify(overlapping)[0]).attained < 1e-6
-    flag = (np.array([[0.5, 0, 0.0], [0.52, 0, 0.0], [0.52, 0, 0.03]]), np.array([[0, 1, 2]]))
+    flag = (np.array([[0.5, 0, 0.0], [0.515, 0, 0.0], [0.515, 0, 0.03]]), np.array([[0, 1, 2]]))  # under 1 %: trim
     flagged = [mesh_of(*box()), mesh_of(*flag)]
     found = solid_distance(flagged, solidify(flagged)[0])
-    assert found.missing.attained == pytest.approx(0.02, abs=1e-3)
+    assert found.missing.attained == pytest.approx(0.015, abs=1e-3)
     assert found.added.bound == 0.0

@@ -119,7 +119,7 @@ def test_a_card_is_a_shell_also_when_drawn_double_sided() -> None:
 
 
 def test_open_decoration_does_not_spoil_a_solid_and_boards_get_their_hidden_ends() -> None:
-    leaf = (np.array([[0.0, 0, 0.5], [0.3, 0, 0.5], [0.3, 0.3, 0.55]]), np.array([[0, 1, 2]]))  # on the top face
+    leaf = (np.array([[0.0, 0, 0.5], [0.3, 0, 0.5], [0.3, 0.3, 0.515]]), np.array([[0, 1, 2]]))  # on the top face
     solid, figures = solid_of(box(), leaf)
     assert solid.kind == "closed"
     assert figures["volume_m3"] == pytest.approx(1.0)
@@ -192,7 +192,7 @@ def test_open_parts_beyond_the_bodies_belong_to_the_solid():
     card_points = np.array([[0.2, 0.2, 0.5], [0.4, 0.2, 0.5], [0.4, 0.2, 1.5], [0.2, 0.2, 1.5]])
     card = (card_points, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32))
     solid, figures = solid_of(block, card)
-    assert figures["method"] == "union_and_hulls"
+    assert figures["method"] == "union_and_walls"
     assert_closed_outward(solid)
     assert solid.points[:, 2].max() == pytest.approx(1.5)
     assert figures["volume_m3"] == pytest.approx(1.0, rel=0.01)
