@@ -106,7 +106,7 @@ def _with_rooms(solid: Solid, walls: FloatArray, hull_volume: float, found: Sequ
 
     A room stands for an opening that was found already only where a straight drop does not get far into it.
     """
-    least_radius = 0.5 * MOUTH_DIAMETER_SHARE * hull_volume ** (1.0 / 3.0)
+    least_radius = least_mouth_radius(hull_volume)
     cavities = list(found)
     for room in find_rooms(solid.points, solid.triangles, walls, UPWARD_SHARE * hull_volume, least_radius):
         probe = PROBE_SHARE * room.radius
@@ -118,6 +118,11 @@ def _with_rooms(solid: Solid, walls: FloatArray, hull_volume: float, found: Sequ
         if all(other.reach_m < COMPARTMENT_SHARE * room.depth for other in same):
             cavities = [*(other for other in cavities if not _is_same(cavity, other)), cavity]
     return tuple(cavities)
+
+
+def least_mouth_radius(hull_volume_m3: float) -> float:
+    """Radius in metres of the smallest ball for which a way in counts as an opening of a solid with such a hull."""
+    return 0.5 * MOUTH_DIAMETER_SHARE * hull_volume_m3 ** (1.0 / 3.0)
 
 
 def keeps_cavity(shapes: Sequence[CollisionShape], cavity: Cavity) -> bool:

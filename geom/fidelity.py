@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import Manifold, OpType
 
-from geom.cavity import Cavity, keeps_cavity
+from geom.cavity import PROBE_SHARE, Cavity, keeps_cavity, least_mouth_radius
 from geom.components import components_of
 from geom.hull import contains, convex_hull, volume
 from geom.leaks import leaks
@@ -34,6 +34,7 @@ class Reference:
     points (n, 3), triangles (m, 3)  without the walls of sealed inner cavities, which touch nothing.
     probes                           (k, 3) points spread over it, `samples` of them evenly, then corners.
     size                             diagonal of its box.
+    least_radius_m                   of the smallest ball whose way counts as an opening.
     volume_m3                        None unless the solid is closed.
     """
 
@@ -42,6 +43,7 @@ class Reference:
     probes: FloatArray
     samples: int
     size: float
+    least_radius_m: float
     volume_m3: float | None
 
 
@@ -49,7 +51,15 @@ def reference(solid: Solid, samples: int = SAMPLES) -> Reference:
     """The outer surface of `solid` with its probes. Deterministic."""
     outer = outer_surface(solid)
     inside = volume(*outer) if solid.kind == "closed" else None
-    return Reference(*outer, _probes(*outer, samples), samples, diagonal(outer[0]), inside)
+    least = least_mouth_radius(_hull_volume(outer[0]))
+    return Reference(*outer, _probes(*outer, samples), samples, diagonal(outer[0]), least, inside)
+
+
+def _hull_volume(points: FloatArray) -> float:
+    try:
+        return volume(*convex_hull(points))
+    except ValueError:
+        return 0.0
 
 
 def measure(
@@ -73,6 +83,7 @@ def measure(
     missing[uncovered] = _distances(true.probes[uncovered], *union)
     held = all(_holds_ball(union, true, cavity, float(missing.max())) for cavity in cavities)
     kept = held and all(keeps_cavity(shapes, cavity) for cavity in cavities) if cavities else None
+    kept = kept and all(_keeps_ways(union, true, cavity) for cavity in cavities)
     return Fidelity(
         method=method,
         shapes=len(shapes),
@@ -96,6 +107,21 @@ def _holds_ball(union: tuple[FloatArray, IntArray], true: Reference, cavity: Cav
         return True
     place = (cavity.way_m[-1], cavity.opening_m, cavity.direction, cavity.probe_m)
     return not leaks(*union, *place) or leaks(true.points, true.triangles, *place)
+
+
+def _keeps_ways(union: tuple[FloatArray, IntArray], true: Reference, cavity: Cavity) -> bool:
+    """Whether the cavity still has a second way out where the solid has one, as a funnel, a pot or a teapot does.
+
+    Such a way counts when the smallest ball that makes a mouth passes it; a ball of 60 % must then pass the shapes.
+    """
+    if cavity.through:
+        return True
+    # A small ball at the bottom of the probe ball, where that has got furthest: a shallow basin holds no more of it.
+    low = cavity.way_m[-1] - max(cavity.probe_m - true.least_radius_m, 0.0) * cavity.direction
+    place = (low, cavity.opening_m, cavity.direction)
+    return leaks(*union, *place, PROBE_SHARE * true.least_radius_m) or not leaks(
+        true.points, true.triangles, *place, true.least_radius_m
+    )
 
 
 def outer_surface(solid: Solid) -> tuple[FloatArray, IntArray]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 
 from geom import gprims
+from geom.cavity import find_cavities
 from geom.fidelity import SLIT_SHARE, measure, outer_surface, union_surface, union_volume
 from geom.pose import pose
+from geom.preflight import arrays
 from schemas.physics import CollisionShape, Solid
 
 SLACK = 2.0 * SLIT_SHARE
@@ -89,3 +92,21 @@ def test_a_shell_has_no_volume_ratio():
 def test_no_shapes_is_a_bug():
     with pytest.raises(ValueError, match="no shapes"):
         measure("none", [], cube_solid(), [])
+
+
+def test_a_plugged_drain_is_a_lost_opening():
+    """A basin of 30 cm, walls and floor of 1 cm, with a drain of 4 cm: its boards keep the drain, a whole floor not."""
+    basin = Manifold.cube((0.3, 0.3, 0.1), center=True) - Manifold.cube((0.28, 0.28, 0.1), center=True).translate(
+        (0.0, 0.0, 0.01)
+    )
+    points, triangles = arrays(basin - Manifold.cube((0.04, 0.04, 0.2), center=True))
+    solid = Solid(points, triangles.astype(np.int32), "closed")
+    walls = [box((0.01, 0.3, 0.1), (side * 0.145, 0.0, 0.0)) for side in (-1, 1)]
+    walls += [box((0.3, 0.01, 0.1), (0.0, side * 0.145, 0.0)) for side in (-1, 1)]
+    boards = [box((0.13, 0.3, 0.01), (side * 0.085, 0.0, -0.045)) for side in (-1, 1)]
+    boards += [box((0.04, 0.13, 0.01), (0.0, side * 0.085, -0.045)) for side in (-1, 1)]
+    floor = box((0.3, 0.3, 0.01), (0.0, 0.0, -0.045))
+    cavities = find_cavities(solid)
+    assert len(cavities) == 1
+    assert measure("boards", [*walls, *boards], solid, cavities).cavity_kept is True
+    assert measure("floor", [*walls, floor], solid, cavities).cavity_kept is False
