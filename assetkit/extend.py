@@ -84,7 +84,7 @@ def extend_package(package: Path, measured: MeasuredPhysics, out: Path, simulato
             reread_shape_contacts(main_file),
         )
         (folder / EXTENSION).write_bytes(measured.extension_json)
-        judged = judge_package(main_file, simulator, record.geometry.extent_m.value)
+        judged = judge_package(main_file, simulator, record.geometry.extent_m.value, record.physics.stands_in)
         made = _record(record, section, judged, measured, folder)
         (folder / RECORD).write_text(made.model_dump_json(indent=1) + "\n")
         occupied = None if made.outcome is ItemOutcome.REJECTED else publish(folder, out / record.asset_id)

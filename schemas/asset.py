@@ -170,6 +170,11 @@ class PhysicsSection(_Section):
     collider_materials: tuple[ColliderMaterial, ...] = Field(default=(), description="where parts differ in material")
     joints: tuple[Evidence[dict[str, Any]], ...] = ()
 
+    @property
+    def stands_in(self) -> bool:
+        """Whether the chosen collider misses a bound, so that a person should look before anyone uses it."""
+        return not any(c.accepted for c in self.candidates if c.method == self.collision_method)
+
 
 class StablePose(_Section):
     """A resting orientation found by drop-settle trials.

@@ -19,6 +19,8 @@ from usdio.source_names import renamed, source_names
 
 # Either the unit of the source or its category is wrong, or the thing is a toy: a person must say which.
 UNDECIDED = frozenset({"asset/gate-category-size"})
+# What a collider that misses its bounds, and says so, may be found guilty of.
+OF_STAND_INS = frozenset({"asset/gate-collider-astray", "asset/gate-collider-displaced"})
 
 
 class AcceptPackage(Stage):
@@ -32,7 +34,8 @@ class AcceptPackage(Stage):
         """Validator verdicts, gate findings and simulator figures of the package on disk."""
         main_file = release.author(draft, tools.work_dir)
         extent_m = need(draft.canonicalize, "canonicalize").section.extent_m.value
-        judged = judge_package(main_file, tools.simulator, extent_m)
+        stands_in = need(draft.physics, "physics").section.stands_in
+        judged = judge_package(main_file, tools.simulator, extent_m, stands_in)
         names = renamed(source_names(draft.model))
         return Outcome(Acceptance(judged.section), (*names, *judged.diagnostics), review=judged.review)
 
@@ -46,12 +49,16 @@ class Judged:
     review: bool
 
 
-def judge_package(main_file: Path, simulator: Simulator, extent_m: Vec3) -> Judged:
-    """Outside validators, gate and simulator on the package with this main file, as it lies on disk."""
+def judge_package(main_file: Path, simulator: Simulator, extent_m: Vec3, stands_in: bool = False) -> Judged:
+    """Outside validators, gate and simulator on the package with this main file, as it lies on disk.
+
+    Of a collider that only `stands_in` it is known that it misses its bounds: a person looks at it anyway.
+    """
     verdicts = outside_verdicts(main_file)
     judged_by_gate = gate(main_file)
     review = any(d.code in UNDECIDED and d.severity is Severity.ERROR for d in judged_by_gate)
-    gate_findings = tuple(_for_a_person(d) for d in judged_by_gate)
+    known = UNDECIDED | (OF_STAND_INS if stands_in else frozenset())
+    gate_findings = tuple(_for_a_person(d, known) for d in judged_by_gate)
     errors = [d for d in gate_findings if d.severity is Severity.ERROR]
     validators = tuple(_check(v.judge, len(v.findings)) for v in verdicts)
     validators += (_check("mana gate", len(errors)),)
@@ -63,9 +70,9 @@ def judge_package(main_file: Path, simulator: Simulator, extent_m: Vec3) -> Judg
     return Judged(section, (*refused, *gate_findings, *judged.diagnostics), review)
 
 
-def _for_a_person(diagnostic: Diagnostic) -> Diagnostic:
+def _for_a_person(diagnostic: Diagnostic, known: frozenset[str]) -> Diagnostic:
     """A finding about what only a person can decide no longer refuses the package."""
-    undecided = diagnostic.code in UNDECIDED
+    undecided = diagnostic.code in known
     return diagnostic.model_copy(update={"severity": Severity.WARNING}) if undecided else diagnostic
 
 

@@ -8,7 +8,6 @@ from assetkit.stage import Canonical, Draft, Physics, Stage, Tools, need
 from assetkit.stages.physics import build_physics
 from assetkit.unknown_density import dense_look
 from assetkit.up_axis import TO_Z_UP
-from schemas.asset import PhysicsSection
 from schemas.outcome import Outcome
 
 
@@ -33,7 +32,7 @@ class AuthorPhysics(Stage):
             contacts=draft.intake.model.contacts,
         )
         physics = Physics(built.shapes, built.mass, built.contact, built.section, built.surfaces, built.shape_surfaces)
-        return Outcome(physics, built.diagnostics, built.repairs, review=_is_stand_in(built.section))
+        return Outcome(physics, built.diagnostics, built.repairs, review=built.section.stands_in)
 
 
 def clues_of(draft: Draft, canonical: Canonical) -> Clues:
@@ -49,8 +48,3 @@ def clues_of(draft: Draft, canonical: Canonical) -> Clues:
         wall=canonical.section.wall_thickness_m,
         dense=dense_look(draft.intake.format, canonical.meshes, draft.model.materials),
     )
-
-
-def _is_stand_in(section: PhysicsSection) -> bool:
-    """Whether the chosen collider misses a bound, so that a person should look before anyone uses it."""
-    return not any(c.accepted for c in section.candidates if c.method == section.collision_method)
