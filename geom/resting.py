@@ -19,7 +19,7 @@ from schemas.physics import CollisionShape
 
 # Faces of the convex hull within this cosine are one facet; it is one to rest on from this share of the hull's surface
 # on, which keeps the foot of a vase and leaves out the faces of what is round and rolls.
-SAME_FACET, LEAST_AREA = 0.9999, 0.005
+SAME_FACET, LEAST_AREA = 0.9999, 0.03
 BIN = 0.01  # of the components of a normal
 # A hull that reaches through a plane by this share of its own size does not: rounding.
 ROUNDING = 1e-9
