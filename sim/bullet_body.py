@@ -20,8 +20,8 @@ from sim.body_replay import BodyModel, BodyMotion, BodyWindows
 from sim.bullet_shapes import clear_margins, compound
 from sim.bullet_windows import (
     HOLD_S,
-    LARGEST_STEP_S,
     PARKED_M,
+    WindowsClient,
     contact_numbers,
     empty_world,
     last_sound,
@@ -32,27 +32,10 @@ from sim.bullet_windows import (
 from sim.effects.effect import BodyState, BodyWrench, Params
 
 
-class BulletBodyReplay:
+class BulletBodyReplay(WindowsClient):
     """One private DIRECT client; close it, or use it as a context manager."""
 
-    def __init__(self, largest_step_s: float = LARGEST_STEP_S) -> None:
-        self._client = pybullet.connect(pybullet.DIRECT)
-        self._usual_step_s = self._largest_step_s = largest_step_s
-        self._handle = -1
-        self._X_BI = np.eye(4)
-        self._loaded: tuple[BodyModel, float] | None = None
-
-    def close(self) -> None:
-        """Free the engine's world; the object is of no use afterwards."""
-        if self._client >= 0:
-            pybullet.disconnect(physicsClientId=self._client)
-            self._client = -1
-
-    def __enter__(self) -> BulletBodyReplay:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.close()
+    _loaded: tuple[BodyModel, float] | None = None
 
     def rollout(
         self,

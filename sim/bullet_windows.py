@@ -6,6 +6,8 @@ axes. `X_BI` is the pose of the inertial frame in the measured frame.
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 import pybullet
 from scipy.spatial.transform import Rotation
@@ -20,6 +22,31 @@ HOLD_S = 1.0 / 120.0  # forces of effects are held at most so long: they follow 
 # steps would throw out harder what starts a little inside the support.
 _RECOVERY_PER_S = 0.2 * 240.0
 _LARGEST_M = 1e3
+
+
+class WindowsClient:
+    """One private DIRECT client with one body in it; close it, or use it as a context manager.
+
+    `_handle` is the engine's body, `_X_BI` (4, 4) its inertial frame in the measured frame.
+    """
+
+    def __init__(self, largest_step_s: float = LARGEST_STEP_S) -> None:
+        self._client = pybullet.connect(pybullet.DIRECT)
+        self._usual_step_s = self._largest_step_s = largest_step_s
+        self._handle = -1
+        self._X_BI = np.eye(4)
+
+    def close(self) -> None:
+        """Free the engine's world; the object is of no use afterwards."""
+        if self._client >= 0:
+            pybullet.disconnect(physicsClientId=self._client)
+            self._client = -1
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
 
 
 def empty_world(model: BodyModel, step_s: float, client: int) -> None:

@@ -145,7 +145,8 @@ def _beside_others(
     kept = fit(errors, [c for c in _warm(base) if c.key != found.candidate.key])
     taken = {c.key for c in kept.free}
     least = RIVAL_SHARE * found.comparison.gain
-    asked = [t for t in this.tried if t.comparison.gain > least and t.candidate.key not in taken][:_FINALISTS]
+    others = [t for t in this.tried if t.comparison.gain > least and t.candidate.key not in taken]
+    asked = [found, *(t for t in others if t.candidate.key != found.candidate.key)][:_FINALISTS]
     now = {t.candidate.key: t.values for t in base.model}
     tried = []
     for t in asked:

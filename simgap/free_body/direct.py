@@ -59,9 +59,9 @@ def estimate(
     estimators, names = routes_to.get(candidate.effect.name, ()), list(candidate.null)
     routes = []
     for estimator, bias in zip(estimators, biases or [np.zeros(len(names))] * len(estimators), strict=True):
-        pooled = _pooled(estimator, tosses)
-        if pooled is not None:
-            values, errors, n = (pooled[0][: len(names)], pooled[1][: len(names)], pooled[2])
+        told = pooled(estimator, tosses)
+        if told is not None:
+            values, errors, n = (told[0][: len(names)], told[1][: len(names)], told[2])
             routes.append((values, np.hypot(errors, bias), n))
     if not routes:
         return None
@@ -89,7 +89,7 @@ def biases_of(
     null = np.array(list(candidate.null.values()))
     out = []
     for estimator in routes_to.get(candidate.effect.name, ()):
-        read = [r[0][: len(null)] - null for tosses in simulated if (r := _pooled(estimator, tosses)) is not None]
+        read = [r[0][: len(null)] - null for tosses in simulated if (r := pooled(estimator, tosses)) is not None]
         out.append(np.abs(read).max(axis=0) if read else np.zeros(len(null)))
     return tuple(out)
 
@@ -100,7 +100,7 @@ def _p_value(values: FloatArray, errors: FloatArray, null: FloatArray, trials: i
     return float(np.min(2.0 * stats.t.sf(np.abs(offset), trials - 1)) * len(null))
 
 
-def _pooled(estimator: Estimator, tosses: Sequence[Toss]) -> tuple[FloatArray, FloatArray, int] | None:
+def pooled(estimator: Estimator, tosses: Sequence[Toss]) -> tuple[FloatArray, FloatArray, int] | None:
     """Values, standard errors (jackknife over tosses) and the number of tosses."""
     told = [e for toss in tosses if (e := estimator(toss)) is not None]
     if len(told) < _LEAST:

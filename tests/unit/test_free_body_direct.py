@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 from schemas.physics import CollisionShape
 from sim.body_replay import BodyModel
 from sim.effects.effect import Series
-from simgap.free_body.direct import estimate
+from simgap.free_body.direct import estimate, pooled
+from simgap.free_body.evidence import Evidence
 from simgap.free_body.places import candidates_of
 from simgap.free_body.terms import AppliedBody
 from simgap.free_body.toss import Toss
@@ -174,3 +175,19 @@ def test_what_was_not_seen_is_not_estimated():
     assert _told("contact.friction", flights) is None
     assert _told("body.size", flights) is None
     assert _told("contact.compliance", flights) is None
+
+
+@pytest.mark.parametrize("freedom", [3, 30], ids=["some tosses far off", "nearly normal"])
+def test_pooled_errors_are_those_of_repeated_experiments(freedom: int) -> None:
+    """Estimates over their standard errors scatter by one (24 tosses, 400 experiments)."""
+    rng, told = np.random.default_rng(3), []
+    for _ in range(400):
+        sizes, values = rng.uniform(0.5, 2.0, 24), rng.standard_t(freedom, 24)
+        sets = iter(
+            Evidence(np.array([[s]]), np.array([s * v]), np.zeros(1)) for s, v in zip(sizes, values, strict=True)
+        )
+        found = pooled(lambda _, sets=sets: next(sets), [None] * 24)  # pyright: ignore[reportArgumentType]
+        assert found is not None
+        told.append(float(found[0][0] / found[1][0]))
+    assert np.std(told) == pytest.approx(1.0, abs=0.15)
+    assert abs(np.mean(told)) < 0.15

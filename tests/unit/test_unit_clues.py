@@ -90,12 +90,12 @@ def node(path: str, scale: float, meshes: tuple[int, ...] = ()) -> Node:
 
 
 def test_a_conversion_factor_counts_only_when_all_meshes_share_it():
-    root = node("/root", 100.0)
-    [clue] = scaled_nodes((root, node("/root/a", 1.0, (0,)), node("/root/b", 1.0, (1,))), 1.0)
+    root = node("/top", 100.0)
+    [clue] = scaled_nodes((root, node("/top/a", 1.0, (0,)), node("/top/b", 1.0, (1,))), 1.0)
     assert clue.meters_per_unit == pytest.approx(0.01)
-    assert scaled_nodes((root, node("/root/a", 1.0, (0,)), node("/b", 1.0, (1,))), 1.0) == []
-    assert scaled_nodes((node("/root", 7.0, (0,)),), 1.0) == []
-    assert scaled_nodes((node("/root", 100.0), node("/root/a", 0.01, (0,))), 1.0) == []
+    assert scaled_nodes((root, node("/top/a", 1.0, (0,)), node("/b", 1.0, (1,))), 1.0) == []
+    assert scaled_nodes((node("/top", 7.0, (0,)),), 1.0) == []
+    assert scaled_nodes((node("/top", 100.0), node("/top/a", 0.01, (0,))), 1.0) == []
     assert scaled_nodes((), 1.0) == []
 
 

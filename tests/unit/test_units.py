@@ -18,7 +18,7 @@ METRES = declared(1.0, "glTF")
 CENTIMETRES = declared(0.01, "metersPerUnit")
 BY_STANDARD_M = declared(1.0, "COLLADA default unit", confidence=0.5)
 BY_STANDARD_CM = declared(0.01, "USD fallback", confidence=0.5)
-BELOW_100 = (Node("/root", np.diag([100.0, 100.0, 100.0, 1.0])), Node("/root/part", np.eye(4), (0,)))
+BELOW_100 = (Node("/top", np.diag([100.0, 100.0, 100.0, 1.0])), Node("/top/part", np.eye(4), (0,)))
 
 
 def decide(
