@@ -9,12 +9,13 @@ they are told apart as `through`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import ndimage
 
 from geom.hull import contains, convex_hull, outside_by, volume
+from geom.leaks import widest_second_way
 from geom.support import surface
 from geom.surface_distance import closest_on_surface, sample_surface
 from geom.voids import find_rooms
@@ -59,6 +60,8 @@ class Cavity:
     volume_m3   water it holds.
     through     the ground is mostly open: a pipe or ring rather than a container.
     way_m       (k, 3) centres of the probe ball on its way in, as far as it must get.
+    second_m    radius of the widest ball that gets out otherwise than by the mouth, as from a funnel, a pot or a
+                teapot; 0 where no opening is wide enough to count, and for `through`.
     """
 
     direction: FloatArray
@@ -70,6 +73,7 @@ class Cavity:
     volume_m3: float
     through: bool
     way_m: FloatArray
+    second_m: float = 0.0
 
 
 def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
@@ -96,12 +100,12 @@ def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
                 found.append(cavity)
             elif not cavity.through and all(cavity.volume_m3 > FULLER * other.volume_m3 for other in before):
                 found = [*(other for other in found if not _is_same(cavity, other)), cavity]
-    if solid.kind == "closed" and volume(solid.points, solid.triangles) > (1.0 - UPWARD_SHARE) * hull_volume:
-        return tuple(found)
-    return _with_rooms(solid, walls, hull_volume, found)
+    if solid.kind != "closed" or volume(solid.points, solid.triangles) <= (1.0 - UPWARD_SHARE) * hull_volume:
+        found = _with_rooms(solid, walls, hull_volume, found)
+    return tuple(_with_second_way(solid, cavity, least_mouth_radius(hull_volume)) for cavity in found)
 
 
-def _with_rooms(solid: Solid, walls: FloatArray, hull_volume: float, found: Sequence[Cavity]) -> tuple[Cavity, ...]:
+def _with_rooms(solid: Solid, walls: FloatArray, hull_volume: float, found: Sequence[Cavity]) -> list[Cavity]:
     """`found` and the rooms behind a narrower mouth, whose water is mostly out of sight from above the mouth.
 
     A room stands for an opening that was found already only where a straight drop does not get far into it.
@@ -117,7 +121,14 @@ def _with_rooms(solid: Solid, walls: FloatArray, hull_volume: float, found: Sequ
         same = [other for other in cavities if _is_same(cavity, other)]
         if all(other.reach_m < COMPARTMENT_SHARE * room.depth for other in same):
             cavities = [*(other for other in cavities if not _is_same(cavity, other)), cavity]
-    return tuple(cavities)
+    return cavities
+
+
+def _with_second_way(solid: Solid, cavity: Cavity, least_m: float) -> Cavity:
+    if cavity.through:
+        return cavity
+    place = (cavity.way_m[-1], cavity.opening_m, cavity.direction)
+    return replace(cavity, second_m=widest_second_way(solid.points, solid.triangles, *place, cavity.probe_m, least_m))
 
 
 def least_mouth_radius(hull_volume_m3: float) -> float:

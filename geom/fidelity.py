@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import Manifold, OpType
 
-from geom.cavity import PROBE_SHARE, Cavity, keeps_cavity, least_mouth_radius
+from geom.cavity import PROBE_SHARE, Cavity, keeps_cavity
 from geom.components import components_of
 from geom.hull import contains, convex_hull, volume
-from geom.leaks import leaks
+from geom.leaks import bottom_of, leaks
 from geom.support import surface
 from geom.surface_distance import closest_on_surface, sample_surface
 from geom.weld import diagonal
@@ -34,7 +34,6 @@ class Reference:
     points (n, 3), triangles (m, 3)  without the walls of sealed inner cavities, which touch nothing.
     probes                           (k, 3) points spread over it, `samples` of them evenly, then corners.
     size                             diagonal of its box.
-    least_radius_m                   of the smallest ball whose way counts as an opening.
     volume_m3                        None unless the solid is closed.
     """
 
@@ -43,7 +42,6 @@ class Reference:
     probes: FloatArray
     samples: int
     size: float
-    least_radius_m: float
     volume_m3: float | None
 
 
@@ -51,15 +49,7 @@ def reference(solid: Solid, samples: int = SAMPLES) -> Reference:
     """The outer surface of `solid` with its probes. Deterministic."""
     outer = outer_surface(solid)
     inside = volume(*outer) if solid.kind == "closed" else None
-    least = least_mouth_radius(_hull_volume(outer[0]))
-    return Reference(*outer, _probes(*outer, samples), samples, diagonal(outer[0]), least, inside)
-
-
-def _hull_volume(points: FloatArray) -> float:
-    try:
-        return volume(*convex_hull(points))
-    except ValueError:
-        return 0.0
+    return Reference(*outer, _probes(*outer, samples), samples, diagonal(outer[0]), inside)
 
 
 def measure(
@@ -83,7 +73,7 @@ def measure(
     missing[uncovered] = _distances(true.probes[uncovered], *union)
     held = all(_holds_ball(union, true, cavity, float(missing.max())) for cavity in cavities)
     kept = held and all(keeps_cavity(shapes, cavity) for cavity in cavities) if cavities else None
-    kept = kept and all(_keeps_ways(union, true, cavity) for cavity in cavities)
+    kept = kept and all(_keeps_second_way(union, cavity) for cavity in cavities)
     return Fidelity(
         method=method,
         shapes=len(shapes),
@@ -109,19 +99,13 @@ def _holds_ball(union: tuple[FloatArray, IntArray], true: Reference, cavity: Cav
     return not leaks(*union, *place) or leaks(true.points, true.triangles, *place)
 
 
-def _keeps_ways(union: tuple[FloatArray, IntArray], true: Reference, cavity: Cavity) -> bool:
-    """Whether the cavity still has a second way out where the solid has one, as a funnel, a pot or a teapot does.
-
-    Such a way counts when the smallest ball that makes a mouth passes it; a ball of 60 % must then pass the shapes.
-    """
-    if cavity.through:
+def _keeps_second_way(union: tuple[FloatArray, IntArray], cavity: Cavity) -> bool:
+    """Whether a ball of 60 % of the widest that leaves the solid otherwise than by the mouth so leaves the shapes."""
+    if cavity.second_m == 0.0:
         return True
-    # A small ball at the bottom of the probe ball, where that has got furthest: a shallow basin holds no more of it.
-    low = cavity.way_m[-1] - max(cavity.probe_m - true.least_radius_m, 0.0) * cavity.direction
-    place = (low, cavity.opening_m, cavity.direction)
-    return leaks(*union, *place, PROBE_SHARE * true.least_radius_m) or not leaks(
-        true.points, true.triangles, *place, true.least_radius_m
-    )
+    radius_m = PROBE_SHARE * cavity.second_m
+    start = bottom_of(cavity.way_m[-1], cavity.probe_m, radius_m, cavity.direction)
+    return leaks(*union, start, cavity.opening_m, cavity.direction, radius_m)
 
 
 def outer_surface(solid: Solid) -> tuple[FloatArray, IntArray]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy import ndimage
 
@@ -29,19 +31,73 @@ def leaks(
     ball's centre moves over a grid. A ball too small for the grid counts as the smallest that the grid can tell. False
     where the ball has no place at `inside_m`: what does not go in cannot come out.
     """
+    return _gets_out(_clearance(points, triangles, mouth_m, outward, radius_m), inside_m, radius_m)
+
+
+def widest_second_way(
+    points: FloatArray,
+    triangles: IntArray,
+    last_m: FloatArray,
+    mouth_m: FloatArray,
+    outward: FloatArray,
+    probe_m: float,
+    least_m: float,
+) -> float:
+    """Radius in metres, to 1 part in 30, of the widest ball that leaks; 0 where even one of `least_m` does not.
+
+    `last_m` (3,) is the last place of the probe ball on its way in: no ball wider than that of `probe_m` is asked for,
+    and a smaller one starts at its bottom. Surface and mouth as for `leaks`.
+    """
+    clearance = _clearance(points, triangles, mouth_m, outward, least_m)
+
+    def passes(radius_m: float) -> bool:
+        return _gets_out(clearance, bottom_of(last_m, probe_m, radius_m, outward), radius_m)
+
+    if not passes(least_m):
+        return 0.0
+    low, high = least_m, max(probe_m, least_m)
+    while high - low > low / 30.0:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if passes(middle) else (low, middle)
+    return low
+
+
+def bottom_of(last_m: FloatArray, probe_m: float, radius_m: float, outward: FloatArray) -> FloatArray:
+    """Centre (3,) of a ball of `radius_m` at the bottom of the probe ball's last place, to which it has rolled."""
+    return last_m - max(probe_m - radius_m, 0.0) * outward
+
+
+@dataclass(frozen=True)
+class _Clearance:
+    """Distance in metres to the surface at nodes (n, 3) of a grid, 0 for those above the mouth."""
+
+    nodes: FloatArray
+    distance: FloatArray
+    shape: tuple[int, ...]
+    cell_m: float
+
+
+def _clearance(
+    points: FloatArray, triangles: IntArray, mouth_m: FloatArray, outward: FloatArray, margin_m: float
+) -> _Clearance:
     used = points[triangles].reshape(-1, 3)
-    low, high = used.min(axis=0) - radius_m, used.max(axis=0) + radius_m
+    low, high = used.min(axis=0) - margin_m, used.max(axis=0) + margin_m
     cell = float((high - low).max()) / GRID_CELLS
     shape = np.ceil((high - low) / cell).astype(int) + 1
     nodes = (low + cell * np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)).reshape(-1, 3)
     below = (nodes - mouth_m) @ outward < 0.0
     distance = np.zeros(len(nodes))
     distance[below] = np.linalg.norm(NearestOnSurface(points, triangles)(nodes[below])[0] - nodes[below], axis=1)
-    free = below & (distance >= max(SMALLER * radius_m, LEAST_CELLS * cell))
-    labels = np.asarray(ndimage.label(free.reshape(shape))[0])  # pyright: ignore[reportIndexIssue]
-    away = np.linalg.norm(nodes - inside_m, axis=1)
+    return _Clearance(nodes, distance, tuple(shape.tolist()), cell)
+
+
+def _gets_out(clearance: _Clearance, inside_m: FloatArray, radius_m: float) -> bool:
+    """Whether the free nodes of such a ball lead from `inside_m` to the grid's border."""
+    free = clearance.distance >= max(SMALLER * radius_m, LEAST_CELLS * clearance.cell_m)
+    labels = np.asarray(ndimage.label(free.reshape(clearance.shape))[0])  # pyright: ignore[reportIndexIssue]
+    away = np.linalg.norm(clearance.nodes - inside_m, axis=1)
     start = int(np.where(free, away, np.inf).argmin())
-    if not free[start] or away[start] > 2.0 * cell:
+    if not free[start] or away[start] > 2.0 * clearance.cell_m:
         return False
     border = np.ones(labels.shape, dtype=bool)
     border[1:-1, 1:-1, 1:-1] = False
