@@ -9,7 +9,7 @@ they are told apart as `through`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import ndimage
@@ -60,8 +60,9 @@ class Cavity:
     volume_m3   water it holds.
     through     the ground is mostly open: a pipe or ring rather than a container.
     way_m       (k, 3) centres of the probe ball on its way in, as far as it must get.
-    second_m    radius of the widest ball that gets out otherwise than by the mouth, as from a funnel, a pot or a
-                teapot; 0 where no opening is wide enough to count, and for `through`.
+    second_m    60 % of the radius of the widest ball that gets out otherwise than by the mouth, as from a funnel, a
+                pot or a teapot; 0 where no opening is wide enough to count, and for `through`.
+    second_way_m  (j, 3) centres of a ball on that way.
     """
 
     direction: FloatArray
@@ -74,6 +75,7 @@ class Cavity:
     through: bool
     way_m: FloatArray
     second_m: float = 0.0
+    second_way_m: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
 
 def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
@@ -128,7 +130,8 @@ def _with_second_way(solid: Solid, cavity: Cavity, least_m: float) -> Cavity:
     if cavity.through:
         return cavity
     place = (cavity.way_m[-1], cavity.opening_m, cavity.direction)
-    return replace(cavity, second_m=widest_second_way(solid.points, solid.triangles, *place, cavity.probe_m, least_m))
+    radius, way = widest_second_way(solid.points, solid.triangles, *place, cavity.probe_m, least_m)
+    return replace(cavity, second_m=PROBE_SHARE * radius, second_way_m=way)
 
 
 def least_mouth_radius(hull_volume_m3: float) -> float:
@@ -137,20 +140,23 @@ def least_mouth_radius(hull_volume_m3: float) -> float:
 
 
 def keeps_cavity(shapes: Sequence[CollisionShape], cavity: Cavity) -> bool:
-    """True iff the probe ball goes its way into the opening between the collision shapes."""
-    for shape in shapes:
-        points, triangles = surface(shape)
-        hull = convex_hull(points)
-        # Beyond a face plane by the radius is far enough; only the rest needs exact distances.
-        centres_near = cavity.way_m[outside_by(*hull, cavity.way_m) < cavity.probe_m]
-        if len(centres_near) == 0:
-            continue
-        if contains(*hull, centres_near).any():
-            return False
-        nearest, _ = closest_on_surface(centres_near, points, triangles)
-        if (np.linalg.norm(nearest - centres_near, axis=1) < cavity.probe_m).any():
-            return False
-    return True
+    """True iff the probe ball goes its way into the opening between the collision shapes, and a ball its second way."""
+    ways = ((cavity.way_m, cavity.probe_m), (cavity.second_way_m, cavity.second_m))
+    return all(_is_clear(shape, way, radius) for shape in shapes for way, radius in ways)
+
+
+def _is_clear(shape: CollisionShape, centres_m: FloatArray, radius_m: float) -> bool:
+    """Whether balls at `centres_m` (k, 3) touch nothing of the shape."""
+    points, triangles = surface(shape)
+    hull = convex_hull(points)
+    # Beyond a face plane by the radius is far enough; only the rest needs exact distances.
+    near = centres_m[outside_by(*hull, centres_m) < radius_m]
+    if len(near) == 0:
+        return True
+    if contains(*hull, near).any():
+        return False
+    nearest, _ = closest_on_surface(near, points, triangles)
+    return not bool((np.linalg.norm(nearest - near, axis=1) < radius_m).any())
 
 
 def _askew(points: FloatArray) -> FloatArray:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import Manifold, OpType
 
-from geom.cavity import PROBE_SHARE, Cavity, keeps_cavity
+from geom.cavity import Cavity, keeps_cavity
 from geom.components import components_of
 from geom.hull import contains, convex_hull, volume
-from geom.leaks import bottom_of, leaks
+from geom.leaks import leaks
 from geom.support import surface
 from geom.surface_distance import closest_on_surface, sample_surface
 from geom.weld import diagonal
@@ -73,7 +73,6 @@ def measure(
     missing[uncovered] = _distances(true.probes[uncovered], *union)
     held = all(_holds_ball(union, true, cavity, float(missing.max())) for cavity in cavities)
     kept = held and all(keeps_cavity(shapes, cavity) for cavity in cavities) if cavities else None
-    kept = kept and all(_keeps_second_way(union, cavity) for cavity in cavities)
     return Fidelity(
         method=method,
         shapes=len(shapes),
@@ -97,15 +96,6 @@ def _holds_ball(union: tuple[FloatArray, IntArray], true: Reference, cavity: Cav
         return True
     place = (cavity.way_m[-1], cavity.opening_m, cavity.direction, cavity.probe_m)
     return not leaks(*union, *place) or leaks(true.points, true.triangles, *place)
-
-
-def _keeps_second_way(union: tuple[FloatArray, IntArray], cavity: Cavity) -> bool:
-    """Whether a ball of 60 % of the widest that leaves the solid otherwise than by the mouth so leaves the shapes."""
-    if cavity.second_m == 0.0:
-        return True
-    radius_m = PROBE_SHARE * cavity.second_m
-    start = bottom_of(cavity.way_m[-1], cavity.probe_m, radius_m, cavity.direction)
-    return leaks(*union, start, cavity.opening_m, cavity.direction, radius_m)
 
 
 def outer_surface(solid: Solid) -> tuple[FloatArray, IntArray]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+from scipy import ndimage, sparse
 
 from geom.surface_distance import NearestOnSurface
 from schemas.model import FloatArray, IntArray
@@ -42,29 +42,25 @@ def widest_second_way(
     outward: FloatArray,
     probe_m: float,
     least_m: float,
-) -> float:
-    """Radius in metres, to 1 part in 30, of the widest ball that leaks; 0 where even one of `least_m` does not.
+) -> tuple[float, FloatArray]:
+    """Radius in metres, to 1 part in 30, of the widest ball that leaks, and places (k, 3) of its centre on its way.
 
-    `last_m` (3,) is the last place of the probe ball on its way in: no ball wider than that of `probe_m` is asked for,
-    and a smaller one starts at its bottom. Surface and mouth as for `leaks`.
+    0 and no place where even a ball of `least_m` does not. `last_m` (3,) is the last place of the probe ball on its
+    way in: no ball wider than that of `probe_m` is asked for, and a smaller one starts at its bottom, to which it
+    rolls. Surface and mouth as for `leaks`.
     """
     clearance = _clearance(points, triangles, mouth_m, outward, least_m)
 
-    def passes(radius_m: float) -> bool:
-        return _gets_out(clearance, bottom_of(last_m, probe_m, radius_m, outward), radius_m)
+    def start(radius_m: float) -> FloatArray:
+        return last_m - max(probe_m - radius_m, 0.0) * outward
 
-    if not passes(least_m):
-        return 0.0
+    if not _gets_out(clearance, start(least_m), least_m):
+        return 0.0, np.empty((0, 3))
     low, high = least_m, max(probe_m, least_m)
     while high - low > low / 30.0:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if passes(middle) else (low, middle)
-    return low
-
-
-def bottom_of(last_m: FloatArray, probe_m: float, radius_m: float, outward: FloatArray) -> FloatArray:
-    """Centre (3,) of a ball of `radius_m` at the bottom of the probe ball's last place, to which it has rolled."""
-    return last_m - max(probe_m - radius_m, 0.0) * outward
+        low, high = (middle, high) if _gets_out(clearance, start(middle), middle) else (low, middle)
+    return low, _way_out(clearance, start(low), low)
 
 
 @dataclass(frozen=True)
@@ -91,14 +87,37 @@ def _clearance(
     return _Clearance(nodes, distance, tuple(shape.tolist()), cell)
 
 
+def _free(clearance: _Clearance, radius_m: float) -> FloatArray:
+    """(n,) True where a ball of that radius may be."""
+    return clearance.distance >= max(SMALLER * radius_m, LEAST_CELLS * clearance.cell_m)
+
+
+def _border(clearance: _Clearance) -> FloatArray:
+    """(n,) True for the outermost nodes."""
+    border = np.ones(clearance.shape, dtype=bool)
+    border[1:-1, 1:-1, 1:-1] = False
+    return border.reshape(-1)
+
+
 def _gets_out(clearance: _Clearance, inside_m: FloatArray, radius_m: float) -> bool:
     """Whether the free nodes of such a ball lead from `inside_m` to the grid's border."""
-    free = clearance.distance >= max(SMALLER * radius_m, LEAST_CELLS * clearance.cell_m)
-    labels = np.asarray(ndimage.label(free.reshape(clearance.shape))[0])  # pyright: ignore[reportIndexIssue]
-    away = np.linalg.norm(clearance.nodes - inside_m, axis=1)
-    start = int(np.where(free, away, np.inf).argmin())
-    if not free[start] or away[start] > 2.0 * clearance.cell_m:
-        return False
-    border = np.ones(labels.shape, dtype=bool)
-    border[1:-1, 1:-1, 1:-1] = False
-    return bool((labels[border] == labels.reshape(-1)[start]).any())
+    free = _free(clearance, radius_m)
+    labels = np.asarray(ndimage.label(free.reshape(clearance.shape))[0]).reshape(-1)  # pyright: ignore[reportIndexIssue]
+    away = np.where(free, np.linalg.norm(clearance.nodes - inside_m, axis=1), np.inf)
+    start = int(away.argmin())
+    return bool(away[start] <= 2.0 * clearance.cell_m and (labels[_border(clearance)] == labels[start]).any())
+
+
+def _way_out(clearance: _Clearance, inside_m: FloatArray, radius_m: float) -> FloatArray:
+    """Nodes (k, 3) on the shortest way from `inside_m` to the grid's border; there is one."""
+    free = _free(clearance, radius_m)
+    index = np.where(free, np.arange(len(free)), -1).reshape(clearance.shape)
+    pairs = [(np.delete(index, -1, axis), np.delete(index, 0, axis)) for axis in range(3)]
+    edges = np.concatenate([np.stack([a, b])[:, (a >= 0) & (b >= 0)] for a, b in pairs], axis=1)
+    graph = sparse.coo_array((np.ones(edges.shape[1]), (edges[0], edges[1])), shape=(len(free), len(free))).tocsr()
+    start = int(np.where(free, np.linalg.norm(clearance.nodes - inside_m, axis=1), np.inf).argmin())
+    order, before = sparse.csgraph.breadth_first_order(graph, start, directed=False)
+    way = [int(order[_border(clearance)[order]][0])]
+    while way[-1] != start:
+        way.append(int(before[way[-1]]))
+    return clearance.nodes[way[::-1]]
