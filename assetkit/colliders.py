@@ -221,7 +221,8 @@ def _misses(f: Fidelity, tolerance: Tolerance) -> list[Miss]:
         if value > bound:
             misses.append(Miss(f"{name} {value:.4f} above {bound:g}", value, bound, "of the diagonal", value / bound))
     if f.cavity_kept is False:
-        misses.append(Miss("fills an opening, or lets a ball out through its wall", None, None, "", np.inf))
+        text = "lets a ball out of an opening through its wall" if f.cavity_open else "fills an opening"
+        misses.append(Miss(text, None, None, "", np.inf))
     return misses
 
 

@@ -148,7 +148,7 @@ def missed(figures: Fidelity, largest_hull: int) -> list[str]:
     if ratio is not None and not low <= ratio <= high:
         found.append("volume")
     if figures.cavity_kept is False:
-        found.append("opening")
+        found.append("leak" if figures.cavity_open else "opening")
     if figures.shapes > MAX_SHAPES or largest_hull > MAX_HULL_POINTS:
         found.append("size")
     return found

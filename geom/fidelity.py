@@ -59,9 +59,8 @@ def measure(
 
     `outside`: from the outer surface of the union of all shapes to the outer surface of the solid; a lid over an
     opening shows here. `missing`: from the solid's surface to the union, 0 for what lies inside it: creases and parts
-    within parts cannot be touched. `volume_ratio` is None unless the solid is closed, `cavity_kept` when it has no
-    cavity; a container is not kept either when a ball in it gets out through a gap. Deterministic. Raises ValueError
-    for no shapes.
+    within parts cannot be touched. `volume_ratio` is None unless the solid is closed. A container is not kept either
+    when a ball in it gets out through a gap. Deterministic. Raises ValueError for no shapes.
     """
     if not shapes:
         raise ValueError("no shapes to measure")
@@ -71,8 +70,8 @@ def measure(
     missing = np.zeros(len(true.probes))
     uncovered = ~_within(shapes, true.probes)
     missing[uncovered] = _distances(true.probes[uncovered], *union)
-    held = all(_holds_ball(union, true, cavity, float(missing.max())) for cavity in cavities)
-    kept = held and all(keeps_cavity(shapes, cavity) for cavity in cavities) if cavities else None
+    is_open = all(keeps_cavity(shapes, cavity) for cavity in cavities)
+    kept = is_open and all(_holds_ball(union, true, cavity, float(missing.max())) for cavity in cavities)
     return Fidelity(
         method=method,
         shapes=len(shapes),
@@ -82,7 +81,8 @@ def measure(
         outside_max=float(outside.max()) / true.size,
         missing_p95=float(np.percentile(missing[: true.samples], 95)) / true.size,
         missing_max=float(missing.max()) / true.size,
-        cavity_kept=kept,
+        cavity_open=is_open if cavities else None,
+        cavity_kept=kept if cavities else None,
         accepted=False,
     )
 

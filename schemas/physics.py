@@ -71,7 +71,8 @@ class Fidelity(BaseModel):
 
     `outside_p95` measures collider surface -> solid, `missing_p95` solid surface -> collider union.
     `volume_ratio` is union of shapes / solid, None where the solid has no volume of its own. `settings` names library,
-    version, parameters and seed of a decomposition.
+    version, parameters and seed of a decomposition. `cavity_open`: a ball goes into every opening, and by a second way
+    out where there is one; `cavity_kept`: and it stays in as it does in the solid. None without an opening.
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -86,6 +87,7 @@ class Fidelity(BaseModel):
     missing_max: float
     cavity_kept: bool | None
     accepted: bool
+    cavity_open: bool | None = None
     reason: str = ""
     settings: str = ""
 
