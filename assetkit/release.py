@@ -118,6 +118,7 @@ def _record(draft: Draft, journal: Journal, hashes: dict[str, str]) -> AssetReco
         appearance=need(draft.appearance, "appearance").section,
         semantics=need(draft.semantics, "semantics").section,
         parts=need(draft.interaction, "interaction").parts,
+        anchors=need(draft.acceptance, "acceptance").anchors,
         physics=need(draft.physics, "physics").section,
         acceptance=need(draft.acceptance, "acceptance").section,
         diagnostics=journal.diagnostics,

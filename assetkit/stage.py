@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from pydantic import ConfigDict
 
 from assetkit.options import Options
+from schemas.anchors import Anchor
 from schemas.asset import (
     AcceptanceSection,
     AppearanceSection,
@@ -72,9 +73,10 @@ class Semantics:
 
 @dataclass(frozen=True)
 class Interaction:
-    """Parts of the object, each a JSON object with its evidence."""
+    """Parts of the object, each a JSON object with its evidence; anchors are proposals until acceptance."""
 
     parts: tuple[Evidence[dict[str, Any]], ...] = ()
+    anchors: tuple[Anchor, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -103,9 +105,10 @@ class Previews:
 
 @dataclass(frozen=True)
 class Acceptance:
-    """What simulator and validators found on the package as re-read from disk."""
+    """What simulator and validators found on the package as re-read from disk, and the anchors that hold."""
 
     section: AcceptanceSection
+    anchors: tuple[Evidence[Anchor], ...] = ()
 
 
 @dataclass(frozen=True)

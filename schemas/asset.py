@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.anchors import Anchor
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence
 from schemas.model import FloatArray
@@ -227,7 +228,7 @@ class AssetRecord(_Section):
     semantics: SemanticsSection
     parts: tuple[Evidence[dict[str, Any]], ...] = ()
     affordances: tuple[Evidence[dict[str, Any]], ...] = ()
-    anchors: tuple[Evidence[dict[str, Any]], ...] = ()
+    anchors: tuple[Evidence[Anchor], ...] = ()
     physics: PhysicsSection
     acceptance: AcceptanceSection
     diagnostics: tuple[Diagnostic, ...] = ()

@@ -431,6 +431,12 @@ CODES: dict[str, CodeInfo] = {
         "The object rolls or rocks on; scenes place it in its reference pose.",
         "nothing for balls and the like; else check collision shape and mass centre in the record",
     ),
+    "asset/anchor-unverified": CodeInfo(
+        "warning",
+        "A surface or volume does not hold what is put there",
+        "Geometry offers it, but in simulation probes fall off, through or out of it: collision shapes differ there.",
+        "nothing if the anchor is not needed; else compare the collision picture, and clean the mesh there",
+    ),
     "asset/package-invalid": CodeInfo(
         "error",
         "The written package fails validation",

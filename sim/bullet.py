@@ -32,9 +32,10 @@ from geom import pose
 from geom.principal_axes import principal_axes
 from geom.support import bounds, diagonal, heights
 from schemas.model import FloatArray
-from schemas.physics import RigidBody
+from schemas.physics import CollisionShape, RigidBody
+from sim.bullet_probes import drop_probes
 from sim.bullet_shapes import clear_margins, compound
-from sim.port import DropResult, DropSettings, Stillness, World, model_scale, pair_value, rms_speeds
+from sim.port import DropResult, DropSettings, ProbesAtEnd, Stillness, World, model_scale, pair_value, rms_speeds
 
 _PARKED_M = 1000.0
 _SINGLE = 1e-6  # relative: the OBJ reader is single precision
@@ -107,6 +108,12 @@ class BulletSimulator:
         through the order in which the solver visits contacts.
         """
         return tuple(self.drop(body, X_WA, settings) for X_WA in poses_WA)
+
+    def drop_probes(
+        self, fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float
+    ) -> ProbesAtEnd:
+        """See `sim.port.Simulator`."""
+        return drop_probes(fixed, probes, duration_s)
 
     def _load(self, body: RigidBody, world: World) -> _Loaded:
         """Build ground and body in an empty world, and prove that the engine holds what was asked for."""

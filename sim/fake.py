@@ -8,10 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from geom.pose import quat_of, shortest_rotation
-from geom.support import centre_heights, facet_directions, heights, support
+from geom.rays import Rays
+from geom.support import centre_heights, facet_directions, heights, support, surface
 from schemas.model import FloatArray
-from schemas.physics import RigidBody
-from sim.port import DropResult, DropSettings
+from schemas.physics import CollisionShape, RigidBody
+from sim.port import DropResult, DropSettings, ProbesAtEnd, World
 
 _NUDGE_RAD = 1e-4
 
@@ -60,6 +61,21 @@ class FakeSimulator:
     ) -> tuple[DropResult, ...]:
         """See `sim.port.Simulator`."""
         return tuple(self.drop(body, X_WA, settings) for X_WA in poses_WA)
+
+    def drop_probes(
+        self, fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float
+    ) -> ProbesAtEnd:
+        """See `sim.port.Simulator`: each probe comes to rest with its lowest point straight below its centre."""
+        centres = np.array([probe.X_AS[:3, 3] for probe in probes]).reshape(-1, 3)
+        below = np.array([support([probe], -np.eye(3)[2:])[0] for probe in probes]) + centres[:, 2]
+        surfaces = [surface(shape) for shape in fixed]
+        firsts = np.cumsum([0, *(len(points) for points, _ in surfaces)])[:-1]
+        triangles = np.concatenate([own + first for (_, own), first in zip(surfaces, firsts, strict=True)])
+        fall = Rays(np.concatenate([points for points, _ in surfaces]), triangles).reach(centres, -np.eye(3)[2]) - below
+        free_m = 0.5 * -World().gravity_mps2[2] * duration_s**2
+        caught = fall < free_m
+        rest = centres - np.where(caught, fall, free_m)[:, None] * np.eye(3)[2]
+        return ProbesAtEnd(rest, rest[:, 2] - below, np.where(caught, 0.0, 2.0 * free_m / duration_s))
 
 
 def _resting_direction(body: RigidBody, down_A: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from schemas.model import FloatArray
-from schemas.physics import MassProperties, RigidBody
+from schemas.physics import CollisionShape, MassProperties, RigidBody
 
 GRAVITY_MPS2 = 9.81
 ROLLING_RESISTANCE = 0.003  # of the size, see `world_for`
@@ -100,8 +100,17 @@ class DropResult:
         return since if self.times_s[-1] - since >= still.hold_s * (1.0 - 1e-9) else None
 
 
+@dataclass(frozen=True)
+class ProbesAtEnd:
+    """Where loose probes are in the end: centres (n, 3), heights (n,) of their lowest points, speeds (n,)."""
+
+    centres_m: FloatArray
+    lowest_m: FloatArray
+    speeds_mps: FloatArray
+
+
 class Simulator(Protocol):
-    """Drops one rigid body on the ground. Equal calls give equal results, whatever was simulated before."""
+    """Drops rigid bodies. Equal calls give equal results, whatever was simulated before."""
 
     @property
     def name(self) -> str:
@@ -116,6 +125,15 @@ class Simulator(Protocol):
         self, body: RigidBody, poses_WA: Sequence[FloatArray], settings: DropSettings
     ) -> tuple[DropResult, ...]:
         """Independent drops: element i equals `drop(body, poses_WA[i], settings)`."""
+        ...
+
+    def drop_probes(
+        self, fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float
+    ) -> ProbesAtEnd:
+        """Boxes and spheres released at rest where they are posed, over the `fixed` shapes, without any ground.
+
+        They do not feel one another. Fixed and probes share one frame, z up; friction is 0.5, nothing bounces.
+        """
         ...
 
 

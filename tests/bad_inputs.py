@@ -270,6 +270,8 @@ SAMPLES: dict[str, Writer] = {
         extensions={KHR: {"physicsMaterials": [{"staticFriction": 0.2, "dynamicFriction": 0.4}]}},
     ),
     "asset/animation-dropped": gltf(animations=[ANIMATION]),
+    "asset/category-unknown": obj(CUBE),
+    "asset/category-contradicted": text("mug.obj", obj_text(trimesh.creation.box((2.0, 2.0, 3.0)))),
 }
 
 NOT_FROM_A_FILE: dict[str, str] = {
@@ -284,8 +286,10 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/collision-fallback": "tests/unit/test_physics_stage.py",
     "asset/mixed-collider": "tests/unit/test_collider_materials.py",
     "asset/render-collision-misaligned": "tests/unit/test_acceptance.py",
+    "asset/category-outside-vocabulary": "tests/unit/test_semantics.py",
     "asset/unstable-settling": "tests/unit/test_acceptance.py",
     "asset/reference-pose-topples": "tests/unit/test_acceptance.py",
     "asset/no-stable-pose": "tests/unit/test_acceptance.py",
+    "asset/anchor-unverified": "tests/unit/test_anchor_trials.py",
     "asset/name-sanitised": "tests/unit/test_names.py",
 }

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from assetkit import release
+from assetkit.anchor_trials import verify_anchors
 from assetkit.stage import Acceptance, Draft, Stage, Tools, need
 from assetkit.stages.acceptance import accept
 from schemas.asset import AcceptanceSection, Check, Vec3
@@ -27,17 +28,20 @@ class AcceptPackage(Stage):
     """Nothing is released on the strength of what is in memory: the bytes judged are the bytes shipped."""
 
     name = "acceptance"
-    version = 3
+    version = 4
     result = Acceptance
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Acceptance]:
-        """Validator verdicts, gate findings and simulator figures of the package on disk."""
+        """Validator verdicts, gate findings and simulator figures of the package on disk, anchors tried on it."""
         main_file = release.author(draft, tools.work_dir)
         extent_m = need(draft.canonicalize, "canonicalize").section.extent_m.value
         stands_in = need(draft.physics, "physics").section.stands_in
         judged = judge_package(main_file, tools.simulator, extent_m, stands_in)
         names = renamed(source_names(draft.model))
-        return Outcome(Acceptance(judged.section), (*names, *judged.diagnostics), review=judged.review)
+        proposed = need(draft.interaction, "interaction").anchors
+        tried = verify_anchors(proposed, reread_body(main_file).shapes, tools.simulator)
+        diagnostics = (*names, *judged.diagnostics, *tried.diagnostics)
+        return Outcome(Acceptance(judged.section, tried.anchors), diagnostics, review=judged.review)
 
 
 @dataclass(frozen=True)

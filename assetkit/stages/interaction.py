@@ -1,4 +1,4 @@
-"""Stage 5, interaction: the parts the source itself names, with their place in the asset frame."""
+"""Stage 5, interaction: the parts the source itself names, and anchors as geometry proposes them; asset frame."""
 
 from __future__ import annotations
 
@@ -6,27 +6,30 @@ from typing import Any
 
 import numpy as np
 
-from assetkit.stage import Draft, Interaction, Stage, Tools, need
+from assetkit.anchors import propose_anchors
+from assetkit.stage import Canonical, Draft, Interaction, Stage, Tools, need
+from geom.cavity import find_cavities
 from schemas.evidence import Evidence, measured
 from schemas.model import Mesh
 from schemas.outcome import Outcome
 
 
 class ProposeParts(Stage):
-    """Takes the source hierarchy at its word: one part per named mesh group."""
+    """Takes the source hierarchy at its word: one part per named mesh group. Anchors wait for acceptance."""
 
     name = "interaction"
-    version = 1
+    version = 2
     result = Interaction
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:
-        """Parts with bounding boxes in metres, asset frame; empty when the source has one unnamed mesh."""
+        """Parts with bounding boxes in metres, none when the source has one unnamed mesh; proposed anchors."""
+        canonical: Canonical = need(draft.canonicalize, "canonicalize")
         groups: dict[str, list[Mesh]] = {}
-        for mesh in need(draft.canonicalize, "canonicalize").meshes:
+        for mesh in canonical.meshes:
             groups.setdefault(mesh.source_path or mesh.name, []).append(mesh)
-        if len(groups) < 2:
-            return Outcome(Interaction(()))
-        return Outcome(Interaction(tuple(_part(path, meshes) for path, meshes in sorted(groups.items()))))
+        parts = [_part(path, meshes) for path, meshes in sorted(groups.items())] if len(groups) > 1 else []
+        anchors = propose_anchors(canonical.solid, find_cavities(canonical.solid))
+        return Outcome(Interaction(tuple(parts), anchors))
 
 
 def _part(path: str, meshes: list[Mesh]) -> Evidence[dict[str, Any]]:
