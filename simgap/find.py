@@ -22,10 +22,10 @@ from schemas.gap import (
 from schemas.model import FloatArray
 from simgap.all_effects import all_effects_losses
 from simgap.black_box import corrected
-from simgap.pairing import pairing_trap
+from simgap.pairing import others_inputs_trap, pairing_trap
 from simgap.problem import Farsighted, Model, Problem, View
 from simgap.score import Comparison, compare, trial_losses
-from simgap.search import Map, Selection, select
+from simgap.search import MOST_EFFECTS, Map, Selection, select
 from simgap.splits import Trials
 from simgap.verdict import NAMED, agrees, judge
 
@@ -54,12 +54,16 @@ def find(
 
     `quick` leaves out the baseline with all effects at once.
     """
-    selection = select(problem, trials, search_view(problem), each)
+    others = others_inputs_trap(problem, search_view(problem))
+    mixed_up = others is not None and others.status == "suspect"
+    selection = select(problem, trials, search_view(problem), each, 0 if mixed_up else MOST_EFFECTS)
     box = _black_box(problem, selection, trials)
     leftover = compare(selection.final_losses, box)
     pairing = pairing_trap(problem, selection.final.model, trials.train, search_view(problem))
-    traps = (*traps, *([pairing] if pairing else ()))
-    verdict = judge(problem, selection, trials.train, leftover, pairing)
+    doubts = [trap for trap in (others, pairing) if trap is not None]
+    traps = (*traps, *doubts)
+    strange = any(trap.status == "suspect" for trap in doubts)
+    verdict = judge(problem, selection, trials.train, leftover, strange)
     named = [e for e in verdict.effects if e.confidence >= NAMED]
     extension = ModelExtension(
         measurement=measurement,

@@ -75,8 +75,13 @@ class Selection:
     scale: FloatArray
 
 
-def select(problem: Problem, trials: Trials, view: View, each: Map | None = None) -> Selection:
-    """Null refit, then the best candidate of each round as long as it gains beyond chance and beyond the noise."""
+def select(
+    problem: Problem, trials: Trials, view: View, each: Map | None = None, most: int = MOST_EFFECTS
+) -> Selection:
+    """Null refit, then the best candidate of each round as long as it gains beyond chance and beyond the noise.
+
+    At most so many effects are taken: 0 for the null alone.
+    """
     each = each or (lambda work, items: map(work, items))
     first = spread(problem, (), trials.train, view)
     null = fit(rollout_errors(problem, trials.train, view, first), problem.nuisances())
@@ -98,7 +103,7 @@ def select(problem: Problem, trials: Trials, view: View, each: Map | None = None
         losses = judged(base, scale)
         if not accepted:
             null, null_losses = base, losses
-        if len(accepted) == MOST_EFFECTS:
+        if len(accepted) == most:
             break
         taken = {c.key for c in base.free}
         free = [c for c in problem.candidates() if c.key not in taken]

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Trap, Verdict
+from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
 from simgap.numerics import Numerics
 from simgap.problem import DirectEstimate, Model, Problem, Term
 from simgap.score import Comparison, paired_p
@@ -18,17 +18,18 @@ AGREE_SHARE = 0.5
 NAMED = 0.8
 # What a model without names may still explain before we say that something else is there.
 LEFTOVER = 0.1
-_STRANGE = "The inputs do not belong to these motions: another trial's do as well. Check which file goes with which."
+_STRANGE = (
+    "The inputs do not belong to these motions: another trial's do as well or better. Check which file goes with which."
+)
 
 
 def judge(
-    problem: Problem, selection: Selection, trials: Sequence[str], leftover: Comparison, pairing: Trap | None = None
+    problem: Problem, selection: Selection, trials: Sequence[str], leftover: Comparison, strange: bool = False
 ) -> Verdict:
     """The verdict over all accepted effects; `leftover` compares the final model with a black box on top of it.
 
-    Where `pairing` is suspect, nothing is sure: the inputs may be those of other motions.
+    Where the data are `strange`, nothing is sure: the inputs may be those of other motions.
     """
-    strange = pairing is not None and pairing.status == "suspect"
     unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []

@@ -13,8 +13,8 @@ from simgap.trial import Trial
 _ALIKE = 0.3  # share of the inputs' size; trials that differ by less are driven alike
 
 
-def next_inputs(trials: Sequence[Trial]) -> tuple[Trial, ...] | None:
-    """Each trial with commands and efforts of the next one, at equal times since the start.
+def next_inputs(trials: Sequence[Trial], by: int = 1) -> tuple[Trial, ...] | None:
+    """Each trial with commands and efforts of the one `by` places on, at equal times since the start.
 
     None where nothing drives, or where all trials are driven alike: then nothing could be told.
     """
@@ -22,7 +22,8 @@ def next_inputs(trials: Sequence[Trial]) -> tuple[Trial, ...] | None:
     if not names or len(trials) < 2:
         return None
     out, differ = [], []
-    for trial, other in zip(trials, (*trials[1:], trials[0]), strict=True):
+    for place, trial in enumerate(trials):
+        other = trials[(place + by) % len(trials)]
         given = {n: _read_at(other, n, trial.t_s) for n in names}
         own = {n: np.nan_to_num(getattr(trial, n)) for n in names}
         differ.append(max(_apart(own[n], given[n]) for n in names))

@@ -117,9 +117,9 @@ class MechanismProblem:
         again = repeated(self.declared, trials, logs, model, _FINER * self._step_s, seed)
         return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s)
 
-    def misdriven(self) -> MechanismProblem | None:
+    def misdriven(self, by: int = 1) -> MechanismProblem | None:
         """See `simgap.pairing.Driven`."""
-        trials = next_inputs(self.measurement.trials)
+        trials = next_inputs(self.measurement.trials, by)
         if trials is None:
             return None
         return MechanismProblem(replace(self.measurement, trials=trials), self.horizon_s)

@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from simgap.find import find
 from simgap.mechanism.inputs import next_inputs
 from simgap.mechanism.problem import MechanismProblem
-from simgap.pairing import pairing_trap
+from simgap.pairing import others_inputs_trap, pairing_trap
+from simgap.splits import split_trials
 from tests.gap_suite.mechanism_cases import mechanism_case
 
 DRIVEN, SHUFFLED, FREE = (560, 565), (358, 378), (572,)
@@ -32,9 +34,31 @@ def test_a_model_does_better_with_its_own_inputs_if_they_are_its_own(numbers: tu
         assert trap.status == status
 
 
+@pytest.mark.parametrize(
+    ("numbers", "status"),
+    [(DRIVEN, "ok"), ((*SHUFFLED, 1038), "suspect")],
+    ids=["driven", "with inputs of other trials"],
+)
+def test_inputs_of_others_are_noticed_before_anything_is_searched(numbers: tuple[int, ...], status: str) -> None:
+    for number in numbers:
+        trap = others_inputs_trap(problem_of(number), "long_horizon")
+        assert trap is not None
+        assert trap.status == status
+
+
+def test_nothing_is_searched_where_inputs_belong_to_others() -> None:
+    case = mechanism_case(SHUFFLED[0])
+    problem = case.problem()
+    found = find(problem, split_trials(case.spec, problem.trial_ids), measurement="made up", horizon_s=0.2, quick=True)
+    assert found.report.verdict.status == "outside_model_class"
+    assert not found.report.hypotheses
+    assert "inputs do not belong" in found.report.verdict.statement
+
+
 def test_nothing_is_said_where_nothing_drives() -> None:
     problem = problem_of(FREE[0])
     assert pairing_trap(problem, (), problem.trial_ids, "long_horizon") is None
+    assert others_inputs_trap(problem, "long_horizon") is None
 
 
 def test_trials_that_are_driven_alike_tell_nothing() -> None:
