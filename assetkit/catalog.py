@@ -92,6 +92,7 @@ def _row(record: AssetRecord) -> tuple[object, ...]:
 
 def _text(record: AssetRecord) -> str:
     names = [record.asset_id, record.semantics.name, record.semantics.category.value, record.physics.material.value]
+    names += [record.semantics.family.value, *record.semantics.source_texts]
     names += [r.value for r in record.semantics.roles]
     names += record.appearance.materials
     names += [str(p.value["name"]) for p in record.parts]

@@ -20,6 +20,7 @@ class Options(BaseModel):
     up_axis: UpAxisName = "auto"
     role: str | None = None
     category: str | None = None
+    require_category: bool = Field(default=False, description="an object of unknown category goes to a person")
     license: str | None = None
     author: str | None = None
     shell_thickness_m: float | None = Field(default=None, gt=0.0, description="wall thickness of open surfaces")

@@ -169,7 +169,7 @@ def _from_store_or_made(stage: Stage, draft: Draft, tools: Tools, cache: Cache, 
 def _identity(item: Intake) -> list[Any]:
     """What the object is made from, for the store's key: files, which part of them, and what is said about them."""
     shapes = [(m.name, len(m.points), len(m.triangles), m.points.min(), m.points.max()) for m in item.model.meshes]
-    return [[f.model_dump() for f in item.files], item.format, item.folder, item.model.hints, shapes]
+    return [[f.model_dump() for f in item.files], item.format, item.folders, item.model.hints, shapes]
 
 
 def _report(candidate: Candidate, journals: list[Journal], packages: list[str], trace: str) -> ReportItem:

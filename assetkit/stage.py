@@ -31,7 +31,8 @@ class Intake:
     """One object as read: the model in source units and axes, and the files it came from.
 
     `file_extent` is the bounding box of the whole file in source units: one file has one unit, however many objects.
-    `folder` is the name of the folder the file stands in: names may tell a unit.
+    `folder` is the name of the folder the file stands in: names may tell a unit. `folders` are the names of all folders
+    from there up to the asset's root: they may tell what it is. `siblings` is the number of other objects in the file.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -41,6 +42,8 @@ class Intake:
     model: Model
     file_extent: tuple[float, float, float]
     folder: str = ""
+    folders: tuple[str, ...] = ()
+    siblings: int = 0
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,9 @@ def ingest_command(
     root: Annotated[Path | None, typer.Option("--root", help="Folder that references may not leave.")] = None,
     role: Annotated[str | None, typer.Option(help="Declared role, e.g. manipulated or receptacle.")] = None,
     category: Annotated[str | None, typer.Option(help="Declared category, e.g. mug.")] = None,
+    require_category: Annotated[
+        bool, typer.Option("--require-category", help="Send objects of unknown category to review.")
+    ] = False,
     units: Annotated[str, typer.Option(help="mm, cm, m, in or auto.")] = "auto",
     up_axis: Annotated[str, typer.Option("--up-axis", help="x, y, z or auto.")] = "auto",
     license_: Annotated[str | None, typer.Option("--license", help="Licence, e.g. CC-BY-4.0.")] = None,
@@ -74,6 +77,7 @@ def ingest_command(
         up_axis=cast(UpAxisName, up_axis),
         role=role,
         category=category,
+        require_category=require_category,
         license=license_,
         author=author,
         shell_thickness_m=None if shell_thickness is None else shell_thickness / 1000.0,

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.anchors import Anchor
 from schemas.diagnostics import Diagnostic
-from schemas.evidence import Evidence
+from schemas.evidence import Evidence, default
 from schemas.model import FloatArray
 from schemas.outcome import ItemOutcome, Repair
 from schemas.physics import Contact, Fidelity
@@ -124,13 +124,30 @@ class AppearanceSection(_Section):
     unmapped: dict[str, dict[str, Any]] = {}
 
 
+class CategoryHypothesis(_Section):
+    """A category of the vocabulary, the chance that it is right, and the clues for and against it in words."""
+
+    category: str
+    score: float
+    clues: tuple[str, ...]
+
+
 class SemanticsSection(_Section):
-    """Meaning. Until the semantics stage knows better, values are `default` with confidence 0."""
+    """Meaning; what nobody knows is `default` with confidence 0.
+
+    `category` and `family` are of the controlled vocabulary, unless the user stated another category;
+    `interaction_group` is how things of the category move when they are articulated. `hypotheses` are all categories
+    that came into question, best first; `source_texts` what the source calls the object and its parts, as it stands.
+    """
 
     name: str
     category: Evidence[str]
+    family: Evidence[str] = default("unknown")
+    interaction_group: Evidence[str] | None = None
     roles: tuple[Evidence[str], ...]
     qcode: Evidence[str]
+    hypotheses: tuple[CategoryHypothesis, ...] = ()
+    source_texts: tuple[str, ...] = ()
 
 
 class MassPart(_Section):

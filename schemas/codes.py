@@ -382,6 +382,25 @@ CODES: dict[str, CodeInfo] = {
         "An asset is static; its first frame was taken.",
         "nothing, or export the pose you want",
     ),
+    # Semantics.
+    "asset/category-unknown": CodeInfo(
+        "info",
+        "Nothing tells what kind of thing the object is",
+        "Names are silent, ambiguous or contradicted, and shape alone proves nothing; `unknown` beats a guess.",
+        "say it with --category, or give the file or its folder a telling name",
+    ),
+    "asset/category-contradicted": CodeInfo(
+        "warning",
+        "The stated or named category does not fit the object",
+        "Size, form or other names speak against it: the unit, the name or the statement is wrong, or it is a toy.",
+        "check the size in the report, and say the truth with --units or --category",
+    ),
+    "asset/category-outside-vocabulary": CodeInfo(
+        "info",
+        "The stated category is not in the vocabulary",
+        "It is kept as stated, but no family, roles, usual size or Wikidata class belong to it.",
+        "nothing, or state a category of docs/pipelines/semantics.md",
+    ),
     # Physics and acceptance.
     "asset/source-inertia-implausible": CodeInfo(
         "warning",

@@ -12,6 +12,7 @@ from assetkit.stages.appearance import NormalizeAppearance
 from assetkit.stages.author_physics import AuthorPhysics
 from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.intake import take_in
+from assetkit.stages.semantics import DescribeObject
 from cli.docs import file_name, index, page
 from schemas.codes import CODES
 from schemas.diagnostics import Diagnostic, finding
@@ -26,7 +27,7 @@ GATE = "asset/gate-"  # Rules over released USD files; tests/unit/test_gate.py s
 
 
 def findings(file: Path, options: Options) -> list[Diagnostic]:
-    """What intake, canonicalize and appearance say about a file, and physics where the source states some."""
+    """What the stages up to semantics say about a file, and physics where the source states some."""
     taken = take_in(discover([file])[0], options)
     found = list(taken.diagnostics)
     for item in taken.objects[:1]:
@@ -35,6 +36,8 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
         canonical = Canonicalize().run(draft, tools)
         found += canonical.diagnostics
         found += NormalizeAppearance().run(draft, tools).diagnostics
+        if canonical.value is not None:
+            found += DescribeObject().run(replace(draft, canonicalize=canonical.value), tools).diagnostics
         if canonical.value is not None and (item.model.masses or item.model.contacts):
             found += AuthorPhysics().run(replace(draft, canonicalize=canonical.value), tools).diagnostics
     return found

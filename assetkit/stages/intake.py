@@ -83,9 +83,15 @@ def _take_in(candidate: Candidate, options: Options) -> IntakeResult:
             models, review = (model,), True
     low, high = (f([f(m.points, axis=0) for m in model.meshes], axis=0) for f in (np.min, np.max))
     extent = (float(high[0] - low[0]), float(high[1] - low[1]), float(high[2] - low[2]))
-    folder = candidate.file.path.absolute().parent.name
-    objects = tuple(Intake(candidate.format, files, m, extent, folder) for m in models)
+    folders = _folders(candidate.file)
+    objects = tuple(Intake(candidate.format, files, m, extent, folders[0], folders, len(models) - 1) for m in models)
     return IntakeResult(objects, tuple(diagnostics), outcome.repairs, review)
+
+
+def _folders(source: SourceFile) -> tuple[str, ...]:
+    """Names of the folders from the file up to its root, nearest first."""
+    root, own = source.root.absolute(), source.path.absolute().parent
+    return tuple(f.name for f in (own, *own.parents) if f == own or f.is_relative_to(root))
 
 
 def _stated(options: Options) -> dict[str, str]:

@@ -1,0 +1,1 @@
+"""What kind of thing an object is: evidence in, ranked hypotheses of its category out."""

@@ -1,0 +1,146 @@
+"""What one name says a thing is.
+
+In English compounds the last noun is the thing: a "mug holder" is no mug, a "coffee mug white v2" is one. So the
+longest known names in a name are found, inside and outside the vocabulary, and the last before a preposition counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+from assetkit.annotate.words import singulars, words_of
+from assetkit.materials import materials
+from assetkit.taxonomy.tables import Category, categories, fillers, other_things
+
+# How much a name counts: chance that the thing is what it says, before its shape is looked at (a judgement, checked by
+# `benchmarks.semantics`). `CLEAR`: its last noun, unmistakable. `LIKELY`: unknown words follow, or the noun means other
+# things as well, is a plural, or not the only thing named. `FAINT`: two of these.
+CLEAR, LIKELY, FAINT = 0.75, 0.5, 0.2
+_PREPOSITIONS = frozenset(("of", "with", "for", "in", "on", "and", "from", "without"))
+_EDIBLE = "food"  # As plurals these are mostly names of packages: "peaches" is a can.
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a name says: a category with the words it was told by and how much it counts, or something else.
+
+    other   the words of a thing outside the vocabulary, or of a part, when the name speaks of one, else "".
+    silent  whether the name says nothing at all: jargon, numbers, colours.
+    """
+
+    category: str | None = None
+    words: str = ""
+    strength: float = 0.0
+    other: str = ""
+    silent: bool = False
+
+
+def category_called(name: str) -> Category | None:
+    """The category that a whole name means, as a user states it ("mug", "Coffee mugs"), or None."""
+    if name in categories():
+        return categories()[name]
+    found = _look_up(words_of(name))
+    return None if found is None or found[0].category is None else categories()[found[0].category]
+
+
+@dataclass(frozen=True)
+class _Entry:
+    category: str | None
+    weak: bool = False
+
+
+@dataclass(frozen=True)
+class _Mention:
+    start: int
+    end: int
+    entry: _Entry
+    plural: bool
+
+
+def read_name(name: str) -> Reading:
+    """The reading of a name, a file stem, folder, node, material or title."""
+    words = words_of(name)
+    mentions = _without_adjectives(words, _mentions(words))
+    if not mentions:
+        return Reading(silent=all(word in fillers() for word in words))
+    phrase_end = next((i for i, w in enumerate(words) if w in _PREPOSITIONS and i >= mentions[0].end), len(words))
+    head = [m for m in mentions if m.end <= phrase_end][-1]
+    said = " ".join(words[head.start : head.end])
+    if head.entry.category is None:
+        return Reading(other=said)
+    doubts = sum(_doubts(words[:phrase_end], head)) + int(_names_another(mentions, head))
+    return Reading(head.entry.category, said, (CLEAR, LIKELY, FAINT)[min(doubts, 2)])
+
+
+def _doubts(words: Sequence[str], head: _Mention) -> tuple[int, ...]:
+    """How far from clear: an ambiguous noun (more so behind an unknown word), unknown words behind it, a plural."""
+    edible = head.entry.category is not None and categories()[head.entry.category].family == _EDIBLE
+    before = head.start > 0 and words[head.start - 1] not in fillers()
+    behind = any(word not in fillers() for word in words[head.end :])
+    return (
+        int(head.entry.weak),
+        int(head.entry.weak and before),
+        int(behind),
+        (2 if edible else 1) * int(head.plural),
+    )
+
+
+def _names_another(mentions: Sequence[_Mention], head: _Mention) -> bool:
+    """Whether the name speaks of another category that is no part of the noun: "coffee mug 16 oz cup"."""
+    return any(m.end < head.start and m.entry.category not in (None, head.entry.category) for m in mentions)
+
+
+def _mentions(words: Sequence[str]) -> list[_Mention]:
+    """The longest known names from left to right, none overlapping; parts may be written as one word or several."""
+    found: list[_Mention] = []
+    start = 0
+    while start < len(words):
+        for end in range(min(len(words), start + _longest()), start, -1):
+            hit = _look_up(words[start:end])
+            if hit is not None:
+                found.append(_Mention(start, end, *hit))
+                start = end
+                break
+        else:
+            start += 1
+    return found
+
+
+def _look_up(words: Sequence[str]) -> tuple[_Entry, bool] | None:
+    """The entry of these words, and whether they are its plural."""
+    known = _lexicon()
+    joined = "".join(words)
+    if joined in known:
+        return known[joined], False
+    plural_of = (form for form in singulars(joined) if form in known)
+    found = next(plural_of, None)
+    return None if found is None else (known[found], True)
+
+
+def _without_adjectives(words: Sequence[str], mentions: list[_Mention]) -> list[_Mention]:
+    """Without colours and materials that are things too ("orange", "glass"), where another thing is named as well."""
+    nouns = [m for m in mentions if m.end - m.start > 1 or words[m.start] not in _adjectives()]
+    return nouns or mentions
+
+
+@cache
+def _adjectives() -> frozenset[str]:
+    return fillers() | frozenset(w for m in materials().values() if m.name != "food" for w in m.words)
+
+
+@cache
+def _lexicon() -> dict[str, _Entry]:
+    """Every known name, written as one word."""
+    known = {"".join(words_of(name)): _Entry(None) for name in other_things()}
+    for category in categories().values():
+        known |= {"".join(words_of(name)): _Entry(category.id, weak=True) for name in category.weak_aliases}
+        known |= {"".join(words_of(name)): _Entry(category.id) for name in category.aliases}
+    return known
+
+
+@cache
+def _longest() -> int:
+    names = [*other_things(), *(a for c in categories().values() for a in (*c.aliases, *c.weak_aliases))]
+    return max(len(words_of(name)) for name in names)
