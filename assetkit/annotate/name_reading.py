@@ -19,6 +19,7 @@ from assetkit.taxonomy.tables import Category, categories, fillers, other_things
 # things as well, is a plural, or not the only thing named. `FAINT`: two of these.
 CLEAR, LIKELY, FAINT = 0.75, 0.5, 0.2
 _PREPOSITIONS = frozenset(("of", "with", "for", "in", "on", "and", "from", "without"))
+_COUNTED = frozenset(("count", "pack", "packs", "ct", "pk", "pcs", "assorted", "assortment", "set", "kit"))
 _EDIBLE = "food"  # As plurals these are mostly names of packages: "peaches" is a can.
 
 
@@ -75,16 +76,22 @@ def read_name(name: str) -> Reading:
 
 
 def _doubts(words: Sequence[str], head: _Mention) -> tuple[int, ...]:
-    """How far from clear: an ambiguous noun (more so behind an unknown word), unknown words behind it, a plural."""
-    edible = head.entry.category is not None and categories()[head.entry.category].family == _EDIBLE
+    """How far from clear: an ambiguous noun (more so behind an unknown word), unknown words behind it, a plural, a
+    count as packages of several things have it.
+    """
     before = head.start > 0 and words[head.start - 1] not in fillers()
     behind = any(word not in fillers() for word in words[head.end :])
     return (
         int(head.entry.weak),
         int(head.entry.weak and before),
         int(behind),
-        (2 if edible else 1) * int(head.plural),
+        (2 if _edible(head) else 1) * int(head.plural),
+        int(not _COUNTED.isdisjoint(words)),
     )
+
+
+def _edible(mention: _Mention) -> bool:
+    return mention.entry.category is not None and categories()[mention.entry.category].family == _EDIBLE
 
 
 def _names_another(mentions: Sequence[_Mention], head: _Mention) -> bool:
@@ -120,9 +127,9 @@ def _look_up(words: Sequence[str]) -> tuple[_Entry, bool] | None:
 
 
 def _without_adjectives(words: Sequence[str], mentions: list[_Mention]) -> list[_Mention]:
-    """Without colours and materials that are things too ("orange", "glass"), where another thing is named as well."""
+    """Without colours, materials and contents ("orange", "glass", "avocado"), where another thing is named as well."""
     nouns = [m for m in mentions if m.end - m.start > 1 or words[m.start] not in _adjectives()]
-    return nouns or mentions
+    return [m for m in nouns if not _edible(m)] or nouns or mentions
 
 
 @cache

@@ -46,9 +46,11 @@ def test_words_in_other_words_and_other_things(name: str):
     [
         ("Cole_Hardware_Bowl_Scirocco", "bowl", LIKELY),  # An unknown word behind the noun.
         ("plate", "plate", LIKELY),  # Of steel or of china.
+        ("bowl_avocado", "bowl", LIKELY),  # A colour or what lies in it, not the thing.
         ("teapots", "teapot", LIKELY),  # Several things, perhaps.
         ("clutch_plate", "plate", FAINT),  # An ambiguous noun behind an unknown word.
         ("peaches", "fruit", FAINT),  # As likely the name on a can.
+        ("pencil_24_count", "pen", LIKELY),  # The package of them.
         ("Coffee_Mug_Kristen_16_oz_cup", "cup", LIKELY),  # Two things named.
     ],
 )
