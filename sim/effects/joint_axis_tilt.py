@@ -13,21 +13,20 @@ from sim.mechanism import MechanismModel
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
-    towards = params["direction_rad"]
-    hinge = np.array([np.cos(towards), np.sin(towards), 0.0])
-    tilted = Rotation.from_rotvec(params["angle_rad"] * hinge).apply(model.gravity_W)
-    return replace(model, gravity_W=tilted)
+    # Two angles instead of one and its direction: at no tilt every direction is the same, and no search can begin.
+    turn = np.array([params["about_x_rad"], params["about_y_rad"], 0.0])
+    return replace(model, gravity_W=Rotation.from_rotvec(turn).apply(model.gravity_W))
 
 
 EFFECT = Effect(
     name="joint.axis_tilt",
     kinds=("mechanism", "tracking"),
-    formula="gravity in the base frame turned by angle_rad about the horizontal direction at direction_rad",
+    formula="gravity in the base frame turned by the rotation vector (about_x_rad, about_y_rad, 0)",
     source="statics",
     reveals="a door swings by itself; a pendulum rests off its zero or swings slower",
     parameters=(
-        Parameter("angle_rad", "rad", 0.0, 1.5, 0.0),
-        Parameter("direction_rad", "rad", -np.pi, np.pi, 0.0),
+        Parameter("about_x_rad", "rad", -1.5, 1.5, 0.0),
+        Parameter("about_y_rad", "rad", -1.5, 1.5, 0.0),
     ),
     confusables=(
         Confusable("actuator.bias", "switch the drive off"),

@@ -24,7 +24,7 @@ TOLERANCE = 0.05
 MEETING = 0.1  # of a row: how well the time is known at which an input acts
 _REPEATED = 3.0  # half waves within the range that was reached, below which nothing repeats: springs and weights do so
 _STOP_SHARES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33)
-SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "direction_rad")
+SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad")
 _WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
 
 
@@ -242,5 +242,4 @@ def _start(name: str, each: Effect, null: float, r: Ranges) -> float:
         "velocity_radps": 0.1 * r.speed,
         "count_per_rad": 12.0 / max(span, 1e-6),
         "crossing_radps": 2.0 * r.speed,
-        "direction_rad": 1.5707963,
     }.get(name, null)
