@@ -71,6 +71,9 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
             "what parts share may be of either",
             total.mass_kg,
         )
+    geometric = bounds
+    if clues.usual_kg is not None and _source(parts) != "declared":
+        bounds = bounds.within(clues.usual_kg, _usual(clues), total.mass_kg)
     wall_trust = WALL_TRUST["default" if clues.wall is None else clues.wall.source]
     if solid.kind == "shell":
         trust = wall_trust
@@ -86,9 +89,27 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
         inertia_kgm2=_inertia(parts, total, bounds, method, trust * clues.unit.confidence),
         parts=tuple(_recorded(part, sum(volumes), total.mass_kg) for part in parts),
         members=tuple(part.substance.meshes for part in parts),
-        diagnostics=(*notes, *(d for j in judged for d in j.diagnostics), *_shared(parts, total)),
+        diagnostics=(
+            *notes,
+            *(d for j in judged for d in j.diagnostics),
+            *_shared(parts, total),
+            *_unusual(geometric, clues),
+        ),
         repairs=tuple(r for j in judged for r in j.repairs),
     )
+
+
+def _usual(clues: Clues) -> str:
+    low, high = clues.usual_kg or (0.0, 0.0)
+    return f"things of category {clues.category} weigh {low:g} to {high:g} kg"
+
+
+def _unusual(bounds: Bounds, clues: Clues) -> list[Diagnostic]:
+    """What is told when no mass that geometry and statements allow is one of the category; these then stand alone."""
+    if clues.usual_kg is None or bounds.meets(clues.usual_kg):
+        return []
+    headline = f"{_usual(clues)}, this one {bounds.low:.3g} to {bounds.high:.3g} kg"
+    return [finding("asset/category-contradicted", headline)]
 
 
 def _shared(parts: Sequence[Part], total: MassProperties) -> list[Diagnostic]:

@@ -61,6 +61,23 @@ class Bounds:
         both = _within_span(value, low, high, (1.0, 1.0), (*self.causes, cause))
         return replace(both, span=max(self.span, other.span, both.span))
 
+    def within(self, usual_kg: tuple[float, float], cause: str, value: float) -> Bounds:
+        """Bounds cut to another range, not past the estimate `value`; as they are where the two do not meet.
+
+        `span` shrinks in proportion.
+        """
+        if not self.meets(usual_kg):
+            return self
+        low, high = min(max(self.low, usual_kg[0]), value), max(min(self.high, usual_kg[1]), value)
+        if (low, high) == (self.low, self.high):
+            return self
+        span = self.span * (high / low) / (self.high / self.low)
+        return Bounds(low, high, (*self.causes, cause), span)
+
+    def meets(self, range_kg: tuple[float, float]) -> bool:
+        """Whether some mass is within both."""
+        return self.low <= range_kg[1] and range_kg[0] <= self.high
+
     def ratios(self, value: float) -> tuple[float, float]:
         """Low and high as factors on the estimate."""
         return self.low / value, self.high / value

@@ -36,6 +36,7 @@ class Clues:
     wall              wall thickness (m) of an open surface, None where the solid is none.
     cavities          openings of the solid.
     dense             why a body of unknown material is likely solid or of metal (`dense_look`), "" if nothing says so.
+    category          what the object is, "" while nobody knows, and what such things weigh: `usual_kg`, least and most.
     """
 
     meshes: tuple[Mesh, ...] = ()
@@ -46,6 +47,8 @@ class Clues:
     wall: Evidence[float] | None = None
     cavities: tuple[Cavity, ...] = ()
     dense: str = ""
+    category: str = ""
+    usual_kg: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

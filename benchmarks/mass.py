@@ -11,17 +11,20 @@ from __future__ import annotations
 import argparse
 import csv
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
 from assetkit.discover import Candidate, discover
 from assetkit.mass import mass_evidence
 from assetkit.options import Options
-from assetkit.stage import Draft
+from assetkit.stage import Draft, Tools
 from assetkit.stages.author_physics import clues_of
 from assetkit.stages.canonicalize import canonicalize
 from assetkit.stages.intake import READERS, take_in
+from assetkit.stages.semantics import DescribeObject
 from geom.cavity import find_cavities
+from sim.fake import FakeSimulator
 
 MAX_SPAN = 30.0
 VOLUME_TOLERANCE = 0.01
@@ -55,12 +58,15 @@ def measured(row: dict[str, str], candidate: Candidate) -> dict:
     item = take_in(candidate, Options()).objects[0]
     canonical = canonicalize(item, name, Options()).value
     assert canonical is not None, f"{row['id']} has no size"
-    clues = clues_of(Draft(row["id"], name, item, canonicalize=canonical), canonical)
+    draft = Draft(row["id"], name, item, canonicalize=canonical)
+    described = DescribeObject().run(draft, Tools(FakeSimulator(), Path(), Options())).value
+    clues = clues_of(replace(draft, semantics=described), canonical)
     found = mass_evidence(canonical.solid, [name], replace(clues, cavities=find_cavities(canonical.solid)))
     low, high = found.mass_kg.bounds or (found.mass_kg.value,) * 2
     return {
         "id": row["id"],
         "kind": canonical.solid.kind,
+        "category": clues.category,
         "material": found.material.value,
         "source": found.mass_kg.source,
         "volume_m3": canonical.section.volume_m3.value,
@@ -91,6 +97,9 @@ def summary(table: list[dict]) -> None:
     widths = [t["bounds_kg"][1] / t["bounds_kg"][0] for t in table]
     print(f"masses inside their bounds: {len(inside)} of {len(weighed)}")
     print(f"volumes within 1 %: {sum(e <= VOLUME_TOLERANCE for e in errors)} of {len(sized)}, worst {max(errors):.2%}")
+    weights = [t["bounds_kg"][1] / t["bounds_kg"][0] for t in weighed]
+    mean = math.exp(sum(map(math.log, weights)) / len(weights))
+    print(f"bounds of those with a published mass: x{mean:.2f} in the geometric mean")
     print(f"widest bounds: x{max(widths):.1f}; wider than x{MAX_SPAN:g}: {sum(w > 1.001 * MAX_SPAN for w in widths)}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from assetkit.annotate.name_reading import category_called
 from assetkit.mass_parts import Clues
 from assetkit.source_inertials import in_asset_frame
 from assetkit.stage import Canonical, Draft, Physics, Stage, Tools, need
@@ -15,7 +16,7 @@ class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 4
+    version = 5
     result = Physics
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Physics]:
@@ -39,6 +40,7 @@ def clues_of(draft: Draft, canonical: Canonical) -> Clues:
     """What is known about the parts of the object and their masses, in its asset frame."""
     R_AM, origin_m = TO_Z_UP[canonical.up_axis.value], canonical.section.origin_offset_m
     scale = canonical.meters_per_unit.value
+    category = category_called(draft.semantics.section.category.value) if draft.semantics else None
     return Clues(
         meshes=canonical.meshes,
         as_read=draft.intake.model.meshes,
@@ -47,4 +49,6 @@ def clues_of(draft: Draft, canonical: Canonical) -> Clues:
         unit=canonical.meters_per_unit,
         wall=canonical.section.wall_thickness_m,
         dense=dense_look(draft.intake.format, canonical.meshes, draft.model.materials),
+        category=category.id if category else "",
+        usual_kg=category.mass_kg if category else None,
     )

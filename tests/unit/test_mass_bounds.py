@@ -10,12 +10,14 @@ import trimesh
 from mass_samples import ball, box, inside_out, joined, weighed
 from package_samples import mesh_from
 
-from assetkit.mass import MassEvidence
-from assetkit.mass_bounds import MAX_SPAN
+from assetkit.mass import MassEvidence, mass_evidence
+from assetkit.mass_bounds import MAX_SPAN, Bounds
+from assetkit.mass_parts import Clues
 from assetkit.unknown_density import dense_look
 from benchmarks.everyday import bounds_kg, things
 from schemas.evidence import inferred
 from schemas.model import Material, Mesh
+from schemas.physics import Solid
 
 CUBE = (0.2, 0.2, 0.2)
 
@@ -155,3 +157,28 @@ def test_shares_that_only_the_paint_tells_could_be_any_of_the_materials():
     volume = canonical.section.volume_m3.value
     assert "visible area" in found.mass_kg.method
     assert found.mass_kg.bounds == pytest.approx((890.0 * volume, 8100.0 * volume))
+
+
+def test_what_a_category_weighs_cuts_the_bounds_but_never_past_the_estimate():
+    wide = Bounds(0.1, 3.0, ("material unknown",), 60.0)
+    cut = wide.within((0.2, 1.5), "cans weigh 0.2 to 1.5 kg", 0.5)
+    assert (cut.low, cut.high) == (0.2, 1.5)
+    assert cut.span == pytest.approx(60.0 * (1.5 / 0.2) / 30.0)
+    assert "cans weigh" in cut.text
+    assert wide.within((0.2, 0.4), "", 0.5).high == 0.5
+    assert wide.within((0.01, 30.0), "", 0.5) == wide
+    assert wide.within((4.0, 9.0), "", 0.5) == wide
+
+
+def test_a_category_that_no_such_body_can_have_is_told_and_changes_nothing():
+    cube = trimesh.creation.box((0.05, 0.05, 0.05))
+    body = Solid(np.asarray(cube.vertices), cube.faces.astype(np.int32), "closed")
+    plain = mass_evidence(body, ["part"], Clues())
+    told = mass_evidence(body, ["part"], Clues(category="sofa", usual_kg=(15.0, 200.0)))
+    assert told.mass_kg.bounds == plain.mass_kg.bounds
+    assert [d.code for d in told.diagnostics] == ["asset/category-contradicted"]
+    fits = mass_evidence(body, ["part"], Clues(category="block", usual_kg=(0.02, 0.2)))
+    assert fits.mass_kg.value == plain.mass_kg.value
+    assert fits.mass_kg.bounds is not None
+    assert fits.mass_kg.bounds[0] >= 0.02
+    assert "block weigh 0.02 to 0.2 kg" in fits.mass_kg.method
