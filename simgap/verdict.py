@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
 from simgap.numerics import Numerics
-from simgap.problem import DirectEstimate, Model, Problem, Term
+from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
 from simgap.score import Comparison, paired_p
 from simgap.search import LEVEL, Selection, Trial
 
 DIRECT_LEVEL = 0.05
 AGREE_ERRORS = 3.0
 AGREE_SHARE = 0.5
+_HELD = 1e-6  # a range so narrow holds a value, relative
 NAMED = 0.8
 # What a model without names may still explain before we say that something else is there.
 LEFTOVER = 0.1
@@ -50,6 +52,10 @@ def judge(
             # What was fitted beside causes not yet found is judged again beside them.
             said = problem.direct(found.candidate, others, trials)
             direct = said is not None and _agree(term, widths, said)
+            if not direct and term.candidate.shapes:
+                # A strength means something beside a shape only: torque at rest beside the speed at which it is gone.
+                pinned = problem.direct(_of_one_shape(term), others, trials)
+                said, direct = (pinned, True) if pinned and _agree(term, widths, pinned) else (said, False)
         direct = direct and said is not None and _beyond(term, said, made_up)
         beside = problem.direct(found.candidate, others, trials) if len(doubted) > 1 else said
         drowned = strange or (unexplained and _removed(selection, position) < leftover.gain)
@@ -90,6 +96,13 @@ def _agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool
     slack = max(AGREE_ERRORS * noise, AGREE_SHARE * abs(step))
     one_way = step * (direct.values[strength] - null) > 0.0
     return direct.p_value < DIRECT_LEVEL and one_way and abs(apart) <= slack
+
+
+def _of_one_shape(term: Term) -> Candidate:
+    """The candidate with its shape held as it was fitted: strengths of two routes then compare."""
+    held = {n: (v - _HELD * (abs(v) + _HELD), v + _HELD * (abs(v) + _HELD)) for n, v in term.values.items()}
+    bounds = {n: held[n] if n in term.candidate.shapes else b for n, b in term.candidate.bounds.items()}
+    return replace(term.candidate, start=term.values, bounds=bounds)
 
 
 def _removed(selection: Selection, position: int) -> float:
