@@ -78,7 +78,7 @@ def _volume(anchor_id: str, inside: Containment) -> ContainmentVolume:
         slices=tuple(
             VolumeSlice(
                 height_m=round(float(height) - inside.floor_m, DIGITS),
-                polygons=tuple(_polygon(part, x, y) for part in shapely.get_parts(layer)),
+                polygons=tuple(_polygon(part, x, y) for part in shapely.get_parts(layer) if part.area > 0.0),
             )
             for height, layer in zip(inside.heights_m, inside.layers, strict=True)
         ),
@@ -97,16 +97,15 @@ def _middle(polygon: shapely.Polygon) -> tuple[float, float]:
 
 
 def _polygon(polygon: shapely.Polygon, x: float, y: float) -> AnchorPolygon:
-    """In the frame whose origin is at x, y; each ring starts at its lowest corner, leftmost first."""
-    turned = shapely.orient_polygons(shapely.normalize(polygon))
-    return AnchorPolygon(
-        outline_m=_ring(turned.exterior, x, y), holes_m=tuple(_ring(hole, x, y) for hole in turned.interiors)
-    )
+    """In the frame whose origin is at x, y, rounded so that it stays simple; each ring starts at its lowest corner."""
+    rounded = shapely.set_precision(translate(polygon.buffer(0.0), -x, -y), 10.0**-DIGITS)
+    largest = max(shapely.get_parts(rounded), key=shapely.area)
+    turned = shapely.orient_polygons(shapely.normalize(largest))
+    return AnchorPolygon(outline_m=_ring(turned.exterior), holes_m=tuple(_ring(hole) for hole in turned.interiors))
 
 
-def _ring(ring: shapely.LinearRing, x: float, y: float) -> Ring:
-    corners = [(round(px - x, DIGITS) + 0.0, round(py - y, DIGITS) + 0.0) for px, py in ring.coords[:-1]]
-    return tuple(corners)
+def _ring(ring: shapely.LinearRing) -> Ring:
+    return tuple((round(x, DIGITS) + 0.0, round(y, DIGITS) + 0.0) for x, y in ring.coords[:-1])
 
 
 def _point(values: FloatArray | Sequence[float]) -> Point3:

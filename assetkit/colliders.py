@@ -144,15 +144,18 @@ class _Target:
             return str(error)
 
 
-def choose_colliders(solid: Solid, work_dir: Path, exclude: frozenset[str] = frozenset()) -> Colliders:
+def choose_colliders(
+    solid: Solid, work_dir: Path, exclude: frozenset[str] = frozenset(), cavities: tuple[Cavity, ...] | None = None
+) -> Colliders:
     """The first candidate of `SINGLE`, then of `LADDER`, that meets its tolerance and keeps every opening.
 
-    `exclude` names methods that must not be chosen again. When none passes, the one that misses least stands in, one
-    that keeps the openings before any that does not; with a warning, unless it is as good as parts have to be. A sheet
-    counts as a wall of its assumed thickness. Cuts around an axis are for vessels.
+    `exclude` names methods that must not be chosen again; `cavities` are those of the solid where they are known. When
+    none passes, the one that misses least stands in, one that keeps the openings before any that does not; with a
+    warning, unless it is as good as parts have to be. A sheet counts as a wall of its assumed thickness. Cuts around an
+    axis are for vessels.
     The rungs below CoACD are for bodies of which the rungs before made nothing.
     """
-    target = _target(solid)
+    target = _target(solid, find_cavities(solid) if cavities is None else cavities)
     tried: list[Candidate] = []
     for method, fit, tolerance in SINGLE:
         shape = fit(target.corners) if method not in exclude else None
@@ -183,8 +186,7 @@ def _decomposed(method: str, settings: Settings, target: _Target, work_dir: Path
     return replace(judged, fidelity=judged.fidelity.model_copy(update={"settings": str(settings)}))
 
 
-def _target(solid: Solid) -> _Target:
-    cavities = find_cavities(solid)
+def _target(solid: Solid, cavities: tuple[Cavity, ...]) -> _Target:
     if solid.kind == "shell" and solid.wall_thickness_m is not None:
         points, triangles = decimate(solid.points, solid.triangles, SHEET_FACES)
         try:

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from pydantic import ConfigDict
 
 from assetkit.options import Options
+from geom.cavity import Cavity
 from schemas.anchors import Anchor
 from schemas.asset import (
     AcceptanceSection,
@@ -76,10 +77,13 @@ class Semantics:
 
 @dataclass(frozen=True)
 class Interaction:
-    """Parts of the object, each a JSON object with its evidence; anchors are proposals until acceptance."""
+    """Parts of the object, each a JSON object with its evidence; anchors are proposals until acceptance. `cavities` are
+    the openings of the solid, for all stages that ask.
+    """
 
     parts: tuple[Evidence[dict[str, Any]], ...] = ()
     anchors: tuple[Anchor, ...] = ()
+    cavities: tuple[Cavity, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from pydantic import ConfigDict
 from scipy import ndimage
 
 from geom.hull import contains, convex_hull, outside_by, volume
@@ -64,6 +65,8 @@ class Cavity:
                 pot or a teapot; 0 where no opening is wide enough to count, and for `through`.
     second_way_m  (j, 3) centres of a ball on that way.
     """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
 
     direction: FloatArray
     opening_m: FloatArray

@@ -28,10 +28,10 @@ LEVEL_RAD = np.radians(0.2)  # what leans less is level
 # the root of the area of the hull of the footprint.
 STEP_SHARE, GAP_SHARE = 0.008, 0.01
 # What is broad: a disc of this radius fits (share of the breadth), and the area is this share of the footprint.
-DISC_SHARE, AREA_SHARE = 0.06, 0.03
-# What is flat: root-mean-square distance from the plane, as a share of the radius of the largest disc that fits. Round
-# things have 0.03, from their top down to where they get too steep; a cushion has 0.02.
-ROUGH_SHARE = 0.022
+DISC_SHARE, AREA_SHARE = 0.06, 0.04
+# What is flat: the median distance from the plane, as a share of the radius of the largest disc that fits; lips, dents
+# and the noise of scans count little. Round things have 0.026, from their top down to where they get too steep.
+ROUGH_SHARE = 0.016
 # Neighbouring places belong together while the clearances differ by less than this share.
 SAME_CLEARANCE = 0.2
 # A side is open if this share of the places sees out of it.
@@ -163,7 +163,7 @@ def _parts(geometry: BaseGeometry, scale: _Scale, *, least_hole: float = 0.0) ->
 
 @dataclass(frozen=True)
 class _Plane:
-    """The plane `z = middle z + slopes . (x, y)` through faces, their rms distance from it, and their height."""
+    """The plane `z = middle z + slopes . (x, y)` through faces, their median distance from it, and their height."""
 
     middle: FloatArray
     slopes: FloatArray
@@ -202,10 +202,16 @@ def _plane_of(corners: FloatArray, polygon: shapely.Polygon) -> _Plane | None:
     local = places - middle
     weighted = local[:, :2] * weights[:, None]
     slopes = np.linalg.lstsq(weighted.T @ local[:, :2], weighted.T @ local[:, 2], rcond=None)[0]
-    rough_m = float(np.sqrt(weights @ (local[:, 2] - local[:, :2] @ slopes) ** 2))
-    order = np.argsort(centres[:, 2], kind="stable")
-    upper = order[np.searchsorted(np.cumsum(areas[order]), 0.9 * total)]
-    return _Plane(middle, slopes, rough_m, float(centres[upper, 2]))
+    over = local[:, 2] - local[:, :2] @ slopes
+    rough_m = _quantile(np.abs(over - _quantile(over, weights, 0.5)), weights, 0.5)
+    return _Plane(middle, slopes, rough_m, _quantile(centres[:, 2], areas, 0.9))
+
+
+def _quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
+    """The least of `values` (k,) that at least this share of the weight does not exceed."""
+    order = np.argsort(values, kind="stable")
+    held = np.cumsum(weights[order])
+    return float(values[order[np.searchsorted(held, share * held[-1] * (1.0 - 1e-9))]])
 
 
 def _clear_parts(polygon: shapely.Polygon, plane: _Plane, rays: Rays, scale: _Scale) -> Iterator[Support]:

@@ -31,6 +31,7 @@ class AuthorPhysics(Stage):
             exclude=frozenset(draft.excluded_colliders),
             clues=clues_of(draft, canonical),
             contacts=draft.intake.model.contacts,
+            cavities=draft.interaction.cavities if draft.interaction else None,
         )
         physics = Physics(built.shapes, built.mass, built.contact, built.section, built.surfaces, built.shape_surfaces)
         return Outcome(physics, built.diagnostics, built.repairs, review=built.section.stands_in)

@@ -18,7 +18,7 @@ class ProposeParts(Stage):
     """Takes the source hierarchy at its word: one part per named mesh group. Anchors wait for acceptance."""
 
     name = "interaction"
-    version = 2
+    version = 3
     result = Interaction
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:
@@ -28,8 +28,8 @@ class ProposeParts(Stage):
         for mesh in canonical.meshes:
             groups.setdefault(mesh.source_path or mesh.name, []).append(mesh)
         parts = [_part(path, meshes) for path, meshes in sorted(groups.items())] if len(groups) > 1 else []
-        anchors = propose_anchors(canonical.solid, find_cavities(canonical.solid))
-        return Outcome(Interaction(tuple(parts), anchors))
+        cavities = find_cavities(canonical.solid)
+        return Outcome(Interaction(tuple(parts), propose_anchors(canonical.solid, cavities), cavities))
 
 
 def _part(path: str, meshes: list[Mesh]) -> Evidence[dict[str, Any]]:

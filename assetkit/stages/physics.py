@@ -10,6 +10,7 @@ from assetkit.collider_materials import touches
 from assetkit.colliders import choose_colliders
 from assetkit.mass import mass_evidence
 from assetkit.mass_parts import Clues
+from geom.cavity import Cavity
 from schemas.asset import PhysicsSection
 from schemas.diagnostics import Diagnostic
 from schemas.outcome import Repair
@@ -42,16 +43,18 @@ def build_physics(
     exclude: frozenset[str] = frozenset(),
     clues: Clues | None = None,
     contacts: Sequence[StatedContact] = (),
+    cavities: tuple[Cavity, ...] | None = None,
 ) -> PhysicsResult:
     """Physics of one rigid body.
 
     `names` of the whole (file) may mention its material, `clues` hold what is known about its parts, `contacts` what
     the source states about friction; `exclude` holds collision methods that must not be chosen again because
-    acceptance rejected them. Deterministic, except that a decomposition that runs into its time limit falls to the next
-    rung. Raises ValueError when all points of `solid` coincide.
+    acceptance rejected them; `cavities` are those of the solid where they are known. Deterministic, except that a
+    decomposition that runs into its time limit falls to the next rung. Raises ValueError when all points of `solid`
+    coincide.
     """
     clues = clues or Clues()
-    colliders = choose_colliders(solid, work_dir, exclude)
+    colliders = choose_colliders(solid, work_dir, exclude, cavities)
     mass = mass_evidence(solid, names, replace(clues, cavities=colliders.cavities))
     touched = touches(colliders.shapes, solid, mass, clues, contacts)
     section = PhysicsSection(
