@@ -197,7 +197,7 @@ class PlanarChain:
     def bias(self, q: FloatArray, qd: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `JointDynamics`."""
         at = self._directions(q)
-        rate2 = np.cumsum(qd, axis=1) ** 2
+        rate2 = np.add.accumulate(qd, axis=1) ** 2
         between = self.coupled * at.conj()[:, :, None] * at[:, None, :]
         pull = (self.weight * at).conj() * self.gravity
         absolute = -np.einsum("wij,wj->wi", between.imag, rate2) - pull.imag
@@ -224,7 +224,7 @@ class PlanarChain:
 
     def _directions(self, q: FloatArray) -> ComplexArray:
         """(w, j) unit numbers of the absolute angles."""
-        return np.exp(1j * np.cumsum(q + self.zero, axis=1))
+        return np.exp(1j * np.add.accumulate(q + self.zero, axis=1))
 
     def _mass_matrix(self, q: FloatArray) -> FloatArray:
         at = self._directions(q)
@@ -234,7 +234,7 @@ class PlanarChain:
 
 def _onto_joints(absolute: FloatArray) -> FloatArray:
     """Efforts on absolute angles (w, j, ...) as joint efforts: a joint turns all links from its own on."""
-    return np.flip(np.cumsum(np.flip(absolute, axis=1), axis=1), axis=1)
+    return np.add.accumulate(absolute[:, ::-1], axis=1)[:, ::-1]
 
 
 def _coupled_rates(M: FloatArray, qd: FloatArray, effort: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
@@ -246,12 +246,17 @@ def _coupled_held(
     M: FloatArray, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray
 ) -> FloatArray:
     """Projected Gauss-Seidel over the joints, as engines do for contacts."""
-    inverse = np.linalg.inv(M + h[:, :, None] * np.diag(damping))
-    impulse, rates = np.zeros_like(free), free.copy()
+    # Joint by joint from here on, worlds side by side: (j, j, w) and (j, w).
+    inverse = np.linalg.inv(M + h[:, :, None] * np.diag(damping)).transpose(1, 2, 0).copy()
+    most, rates = largest.T.copy(), free.T.copy()
+    impulse = np.zeros_like(rates)
     for _ in range(_SWEEPS):
-        for j in range(free.shape[1]):
-            wanted = impulse[:, j] - rates[:, j] / inverse[:, j, j]
-            change = np.clip(wanted, -largest[:, j], largest[:, j]) - impulse[:, j]
-            impulse[:, j] += change
-            rates += inverse[:, :, j] * change[:, None]
-    return rates
+        before = impulse.copy()
+        for j in range(len(rates)):
+            wanted = impulse[j] - rates[j] / inverse[j, j]
+            given = np.minimum(np.maximum(wanted, -most[j]), most[j])
+            rates += inverse[:, j] * (given - impulse[j])
+            impulse[j] = given
+        if np.array_equal(before, impulse):  # All slide, or rest: no sweep changes anything any more.
+            break
+    return rates.T
