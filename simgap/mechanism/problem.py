@@ -46,6 +46,7 @@ class MechanismProblem:
         self._rows = max(4, round(horizon_s / step) + 1)
         self._windows = max(_LEAST_WINDOWS, _MOST_WINDOWS // len(self._logs))
         self._step_s = _largest_step_s(self.declared)
+        self._floors: dict[tuple[View, tuple[str, ...]], FloatArray] = {}
         self._kept: dict[tuple[View, tuple[str, ...]], tuple[tuple[object, ...], Windows]] = {}
         self._balances: dict[tuple[object, ...], tuple[Errors, Fit]] = {}
 
@@ -125,13 +126,39 @@ class MechanismProblem:
         return MechanismProblem(replace(self.measurement, trials=trials), self.horizon_s)
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
-        """See `simgap.problem.Problem`: smoothed readings' noise, and the start's carried along in a straight line."""
-        length = self.horizon_s
-        squares = [
-            2.0 * (s.kept * s.q_noise) ** 2 + (s.qd_noise * length) ** 2 / 3.0
-            for s in (self._logs[t].smooth for t in trials)
-        ]
-        return np.sqrt(np.mean(squares, axis=0))
+        """See `simgap.problem.Problem`: smoothed readings' noise, and the start's carried along by the model.
+
+        In a straight line at most: a controller soon forgets a start, and without one it would grow with any horizon.
+        """
+        key = (view, tuple(trials))
+        if key not in self._floors:
+            smooth = [self._logs[t].smooth for t in trials]
+            read = np.mean([(s.kept * s.q_noise) ** 2 for s in smooth], axis=0)
+            ahead = np.mean([(s.qd_noise * self.horizon_s) ** 2 / 3.0 for s in smooth], axis=0)
+            self._floors[key] = np.sqrt(read + np.minimum(read + ahead, self._carried(trials, view)))
+        return self._floors[key]
+
+    def _carried(self, trials: Sequence[str], view: View) -> FloatArray:
+        """(j,) mean square of what the declared model makes of the noise of its starts, where roll-outs are judged."""
+        applied = apply_terms(self.declared, ())
+        pieces = [(self._logs[t].series, self._cut(t, view)) for t in trials]
+        windows = windows_of(pieces, applied)
+        smooth = [(self._logs[t].smooth, len(piece.rows)) for t, (_, piece) in zip(trials, pieces, strict=True)]
+        noise_q, noise_qd = (
+            np.concatenate([np.tile(of(s), (count, 1)) for s, count in smooth])
+            for of in (lambda s: s.kept * s.q_noise, lambda s: s.qd_noise)
+        )
+
+        def judged(start: Windows) -> FloatArray:
+            q, _ = rollout(applied.mechanism, start, applied.laws, largest_step_s=self._step_s)
+            rows = np.split(q, np.cumsum([count for _, count in smooth])[:-1])
+            return np.concatenate(
+                [r[:, piece.compared].reshape(-1, q.shape[2]) for r, (_, piece) in zip(rows, pieces, strict=True)]
+            )
+
+        plain = judged(windows)
+        moved = (replace(windows, q0=windows.q0 + noise_q), replace(windows, qd0=windows.qd0 + noise_qd))
+        return np.sum([np.nanmean((judged(start) - plain) ** 2, axis=0) for start in moved], axis=0)
 
     def _windows_of(
         self, trials: Sequence[str], view: View, pieces: Sequence[tuple[Series, Cut]], applied: Applied
