@@ -10,7 +10,7 @@ from simgap.mechanism.problem import MechanismProblem
 from tests.gap_suite import mujoco_truth, truth
 from tests.gap_suite.case import Case, Family
 from tests.gap_suite.effects import EFFECTS, OUTSIDE, SAME_LAW, HiddenEffect, Sizes, hidden_numbers, with_friction
-from tests.gap_suite.power import GAINS, ideal_gain, sized
+from tests.gap_suite.power import GAINS, ideal_gain, size_of, sized
 from tests.gap_suite.readings import declared_spec, measurement, read
 from tests.gap_suite.truth import STEP_S, Hidden, Plant
 
@@ -147,6 +147,7 @@ def _hidden(number: int, family: Family, scene: str, chosen: list[HiddenEffect],
     else:
         chosen_doubles = chosen[0].scenes[scene]
     names = "+".join(e.name.partition(".")[2] for e in chosen)
+    size = size_of(gain)
     words = f"{scene} {names} {size} x{noise:.0f}" + (" mujoco" if stage.mujoco else "")
     return Case(
         _titled(number, words),

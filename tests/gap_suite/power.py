@@ -15,6 +15,11 @@ _TRIES = 7
 _NEAR = 0.15  # relative miss of the aim that is good enough
 
 
+def size_of(gain: float) -> str:
+    """The size whose gain is nearest, by logarithms: the limits of a joint may keep a case from what was aimed at."""
+    return min(GAINS, key=lambda size: abs(np.log(max(gain, 1e-6) / GAINS[size])))
+
+
 def null_error(problem: Problem, scale: np.ndarray | None = None) -> tuple[float, np.ndarray]:
     """Root of the null refit's mean loss over all trials, in levels `scale` (c,; default: what it leaves itself)."""
     ids, view = problem.trial_ids, "short_horizon"
