@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from schemas.asset import StageEntry
 from schemas.diagnostics import Diagnostic, Severity
-from schemas.outcome import ItemOutcome, Repair
+from schemas.outcome import EndpointUse, ItemOutcome, Repair
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,7 @@ class Entry:
     cached: bool = False
     version: int = 0
     key: str = ""
+    endpoint: EndpointUse | None = None
 
 
 @dataclass

@@ -26,7 +26,7 @@ from assetkit.versions import library_versions
 from jobs.cache import Cache, content_key
 from schemas import arrays
 from schemas.diagnostics import Diagnostic, finding
-from schemas.outcome import ItemOutcome, Outcome, Repair
+from schemas.outcome import EndpointUse, ItemOutcome, Outcome, Repair
 from schemas.report import ReportItem
 from sim.port import Simulator
 
@@ -100,6 +100,7 @@ def _bug(error: Exception) -> Diagnostic:
 def _process_object(draft: Draft, tools: Tools, journal: Journal, out: Path, store: Path) -> tuple[Journal, list[str]]:
     """The journal that stands in the end, and the published package folders of one object (none or one)."""
     cache = Cache(store / "stages")
+    tools = replace(tools, answers=Cache(store))
     key = content_key(intake.NAME, intake.VERSION, _identity(draft.intake), draft.asset_id)
     journal.entries[intake.NAME] = replace(journal.entries[intake.NAME], version=intake.VERSION, key=key)
 
@@ -130,6 +131,8 @@ def run_stages(
         key = content_key(key, library_versions())
         started = time.monotonic()
         outcome, cached = _from_store_or_made(stage, draft, tools, cache, key)
+        if outcome.outside is not None:
+            key = content_key(key, outcome.outside.digest)
         journal.entries[stage.name] = Entry(
             outcome.diagnostics,
             outcome.repairs,
@@ -138,6 +141,7 @@ def run_stages(
             cached,
             stage.version,
             key,
+            outcome.outside.use if outcome.outside else None,
         )
         if outcome.value is None:
             return None
@@ -160,7 +164,7 @@ def _from_store_or_made(stage: Stage, draft: Draft, tools: Tools, cache: Cache, 
             return Outcome(value, note.diagnostics, note.repairs, note.review), True
     findings = stage.accepts(draft)
     outcome = stage.run(draft, tools) if not findings else Outcome(None, tuple(findings))
-    if outcome.value is not None:
+    if outcome.value is not None and outcome.outside is None:
         arrays.save(outcome.value, stage.result, value_file)
         arrays.save(Noted(outcome.diagnostics, outcome.repairs, outcome.review), Noted, note_file)
     return outcome, False
@@ -181,6 +185,7 @@ def _report(candidate: Candidate, journals: list[Journal], packages: list[str], 
     seconds: dict[str, float] = {}
     for name, entry in (pair for j in journals for pair in j.entries.items()):
         seconds[name] = round(seconds.get(name, 0.0) + entry.seconds, 3)
+    uses = [e.endpoint for j in journals for e in j.entries.values() if e.endpoint is not None]
     return ReportItem(
         source=candidate.given,
         outcome=min((j.outcome for j in journals), key=order.index),
@@ -191,4 +196,5 @@ def _report(candidate: Candidate, journals: list[Journal], packages: list[str], 
         seconds=seconds,
         cached=tuple(sorted({name for j in journals for name, e in j.entries.items() if e.cached})),
         traceback=trace,
+        endpoint=sum(uses, EndpointUse()) if uses else None,
     )

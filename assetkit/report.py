@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -11,7 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from assetkit.record import RECORD
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
-from schemas.outcome import ItemOutcome
+from schemas.outcome import EndpointUse, ItemOutcome
 from schemas.report import IngestReport, ReportItem
 
 
@@ -27,10 +27,18 @@ def build_report(items: Iterable[ReportItem], *, wall_seconds: float, interrupte
         **{o.value: outcomes[o] for o in ItemOutcome},
         "packages": sum(len(i.packages) for i in items),
         "cached": sum(bool(i.cached == ("item",)) for i in items),
+        **_endpoint_totals(items),
         "wall_seconds": round(wall_seconds, 2),
         **{f"{stage}_seconds": round(spent, 2) for stage, spent in sorted(seconds.items())},
     }
     return IngestReport(items=items, totals=totals, interrupted=interrupted)
+
+
+def _endpoint_totals(items: Sequence[ReportItem]) -> dict[str, float]:
+    """What this run asked of a multimodal endpoint; empty when nobody was asked."""
+    uses = [i.endpoint for i in items if i.endpoint is not None and i.cached != ("item",)]
+    spent = sum(uses, EndpointUse()).model_dump(exclude_none=True)
+    return {f"endpoint_{name}": round(value, 6) for name, value in spent.items()} if uses else {}
 
 
 def write_report(report: IngestReport, out: Path) -> None:

@@ -10,6 +10,7 @@ from pydantic import ConfigDict
 
 from assetkit.options import Options
 from geom.cavity import Cavity
+from jobs.cache import Cache
 from schemas.anchors import Anchor
 from schemas.asset import (
     AcceptanceSection,
@@ -152,11 +153,12 @@ class Draft:
 
 @dataclass(frozen=True)
 class Tools:
-    """What stages may use: the simulator, a scratch folder, the user's statements."""
+    """What stages may use: the simulator, a scratch folder, the user's statements, a store of models' answers."""
 
     simulator: Simulator
     work_dir: Path
     options: Options
+    answers: Cache | None = None
 
 
 class Stage(Protocol):

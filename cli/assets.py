@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import Annotated, cast, get_args
 
 import typer
+from pydantic import ValidationError
 from rich.markup import escape
 from rich.progress import TextColumn
 
 from assetkit import catalog
+from assetkit.annotate.exchange import worst_seconds
 from assetkit.discover import Candidate, discover
 from assetkit.ingest import Batch, default_jobs, ingest
-from assetkit.options import Options, UnitName, UpAxisName
+from assetkit.options import Endpoint, Options, UnitName, UpAxisName
 from assetkit.record import RECORD
 from assetkit.report import build_report, write_report
 from cli import text
@@ -49,6 +51,18 @@ def ingest_command(
     shell_thickness: Annotated[
         float | None, typer.Option("--shell-thickness", help="Wall thickness of open surfaces in millimetres.")
     ] = None,
+    annotator_url: Annotated[
+        str | None,
+        typer.Option(help="Base address of a model that is shown the pictures, e.g. https://api.openai.com/v1."),
+    ] = None,
+    annotator_model: Annotated[
+        str | None, typer.Option(help="Its name. Its key is read from MANA_ANNOTATOR_KEY.")
+    ] = None,
+    annotator_kind: Annotated[str, typer.Option(help="openai (and compatible) or gemini.")] = "openai",
+    annotator_timeout: Annotated[float, typer.Option(help="Seconds one request may take; it is tried 3 times.")] = 40.0,
+    annotator_price: Annotated[
+        tuple[float, float] | None, typer.Option(help="USD per million input and output tokens.")
+    ] = None,
     timeout: Annotated[float, typer.Option(help="Seconds one asset may take.")] = 300.0,
     memory: Annotated[int, typer.Option(help="Address space of one worker in MiB.")] = 8192,
     resume: Annotated[
@@ -72,12 +86,19 @@ def ingest_command(
         raise typer.BadParameter("must be above zero", param_hint="--shell-thickness")
     if role is not None and role not in get_args(Role):
         raise typer.BadParameter(f"must be one of {', '.join(get_args(Role))}", param_hint="--role")
+    endpoint = None
+    if annotator_url is not None or annotator_model is not None:
+        endpoint = endpoint_stated(annotator_url, annotator_model, annotator_kind, annotator_timeout, annotator_price)
+        if (longest := worst_seconds(annotator_timeout)) >= timeout:
+            said = f"must exceed the {longest:g} s that asking the annotator may take"
+            raise typer.BadParameter(said, param_hint="--timeout")
     options = Options(
         units=cast(UnitName, units),
         up_axis=cast(UpAxisName, up_axis),
         role=role,
         category=category,
         require_category=require_category,
+        endpoint=endpoint,
         license=license_,
         author=author,
         shell_thickness_m=None if shell_thickness is None else shell_thickness / 1000.0,
@@ -103,6 +124,19 @@ def ingest_command(
             text.console.print(f"interrupted after {len(report.items)} items; the same command continues")
         raise typer.Exit(2)
     raise typer.Exit(1 if report.totals[ItemOutcome.REJECTED.value] else 0)
+
+
+def endpoint_stated(
+    url: str | None, model: str | None, kind: str, seconds: float, usd_per_million: tuple[float, float] | None
+) -> Endpoint:
+    """The endpoint that the `--annotator-*` flags name. Raises typer.BadParameter for what cannot be asked."""
+    said = {"kind": kind, "url": url, "model": model, "seconds": seconds, "usd_per_million": usd_per_million}
+    try:
+        return Endpoint.model_validate(said)
+    except ValidationError as error:
+        first = error.errors()[0]
+        flag = {"seconds": "timeout", "usd_per_million": "price"}.get(str(first["loc"][0]), first["loc"][0])
+        raise typer.BadParameter(first["msg"], param_hint=f"--annotator-{flag}") from None
 
 
 def run_batch(candidates: tuple[Candidate, ...], batch: Batch, *, quiet: bool) -> IngestReport:

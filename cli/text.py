@@ -77,6 +77,11 @@ def show_summary(report: IngestReport) -> None:
     counts = [str(int(totals[o.value])) for o in ItemOutcome]
     table.add_row(*counts, str(int(totals["packages"])), str(int(totals["cached"])), f"{totals['wall_seconds']:.1f}")
     console.print(table)
+    if "endpoint_requests" in totals:
+        spent = f"{totals['endpoint_input_tokens']:.0f} tokens in, {totals['endpoint_output_tokens']:.0f} out"
+        price = f", {totals['endpoint_usd']:.4f} USD" if "endpoint_usd" in totals else ""
+        asked, kept = (int(totals[f"endpoint_{name}"]) for name in ("requests", "from_store"))
+        console.print(f"annotator: {asked} requests, {kept} answers from the store, {spent}{price}")
     for item in report.items:
         if item.outcome in {ItemOutcome.REVIEW, ItemOutcome.REJECTED}:
             style = STYLE[item.outcome]

@@ -132,6 +132,22 @@ class CategoryHypothesis(_Section):
     clues: tuple[str, ...]
 
 
+class EndpointAnswer(_Section):
+    """What a multimodal model said of the pictures, before names and shape were weighed against it.
+
+    `categories` and `roles` are of the controlled vocabulary, with the model's own confidence; `refused` is what it
+    said beside it. `description` is its free text, cleaned and cut: words of a stranger, never a value. `settings` are
+    those that the endpoint took.
+    """
+
+    method: str
+    categories: dict[str, float]
+    roles: dict[str, float]
+    description: str
+    refused: tuple[str, ...] = ()
+    settings: dict[str, float] = {}
+
+
 class SemanticsSection(_Section):
     """Meaning; what nobody knows is `default` with confidence 0.
 
@@ -148,6 +164,7 @@ class SemanticsSection(_Section):
     qcode: Evidence[str]
     hypotheses: tuple[CategoryHypothesis, ...] = ()
     source_texts: tuple[str, ...] = ()
+    endpoint_answer: EndpointAnswer | None = None
 
 
 class MassPart(_Section):

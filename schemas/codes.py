@@ -395,6 +395,19 @@ CODES: dict[str, CodeInfo] = {
         "Size, form or other names speak against it: the unit, the name or the statement is wrong, or it is a toy.",
         "check the size in the report, and say the truth with --units or --category",
     ),
+    "asset/annotator-failed": CodeInfo(
+        "warning",
+        "The multimodal annotator gave no usable answer",
+        "The endpoint was not reached, refused, took too long or answered something else than it was asked; what the "
+        "object is was told without it, from names and shape.",
+        "check --annotator-url, --annotator-model and the key in MANA_ANNOTATOR_KEY, then run the same command again",
+    ),
+    "asset/annotator-refused": CodeInfo(
+        "warning",
+        "The multimodal annotator said something outside the vocabulary",
+        "Scenes rely on the controlled vocabulary; whatever else a model says is left out.",
+        "nothing, or state the category with --category; an endpoint that keeps to JSON Schema does not do this",
+    ),
     "asset/category-outside-vocabulary": CodeInfo(
         "info",
         "The stated category is not in the vocabulary",

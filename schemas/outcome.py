@@ -38,17 +38,51 @@ class Repair(BaseModel):
     after: dict[str, float | int | str] = {}
 
 
+class EndpointUse(BaseModel):
+    """What asking a model over the network took. `from_store` counts answers that were already there and cost nothing;
+    `usd` is None where no price was stated.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    requests: int = 0
+    from_store: int = 0
+    input_tokens: int = 0
+    output_tokens: int = 0
+    usd: float | None = None
+
+    def __add__(self, other: EndpointUse) -> EndpointUse:
+        known = [u.usd for u in (self, other) if u.usd is not None]
+        return EndpointUse(
+            requests=self.requests + other.requests,
+            from_store=self.from_store + other.from_store,
+            input_tokens=self.input_tokens + other.input_tokens,
+            output_tokens=self.output_tokens + other.output_tokens,
+            usd=sum(known) if known else None,
+        )
+
+
+@dataclass(frozen=True)
+class Outside:
+    """What a stage learned from the world outside: a digest of it, on which all later results depend, and its price."""
+
+    digest: str
+    use: EndpointUse
+
+
 @dataclass(frozen=True)
 class Outcome(Generic[T]):
     """A stage's result: a value, or None when an error-severity diagnostic ended the item.
 
-    `review` means that a person must decide; its diagnostics say what.
+    `review` means that a person must decide; its diagnostics say what. With `outside` the result does not follow from
+    files and options alone, so it is not stored.
     """
 
     value: T | None
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
     review: bool = False
+    outside: Outside | None = None
 
     @property
     def failed(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict
 
 from schemas.diagnostics import Diagnostic
-from schemas.outcome import ItemOutcome, Repair
+from schemas.outcome import EndpointUse, ItemOutcome, Repair
 
 
 class ReportItem(BaseModel):
@@ -22,6 +22,7 @@ class ReportItem(BaseModel):
     seconds: dict[str, float] = {}
     cached: tuple[str, ...] = ()
     peak_memory_mb: float = 0.0
+    endpoint: EndpointUse | None = None
     traceback: str = ""
 
 

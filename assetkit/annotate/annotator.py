@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Protocol
 
+from schemas.asset import EndpointAnswer
+from schemas.diagnostics import Diagnostic
+from schemas.outcome import EndpointUse
+
 UNKNOWN = "unknown"
+# A category is said from this chance on, when no other comes near it.
+STANDS = 0.5
+RIVAL = 0.75
 
 
 @dataclass(frozen=True)
@@ -29,6 +37,7 @@ class Observation:
     file       stem of the source file.             folders  names of the folders it stands in, nearest first.
     nodes      names of nodes and meshes.           materials  names of render materials.
     titles     what the file calls itself.         shared     whether the file holds other objects as well.
+    views      PNG pictures by name, in the order to be shown; only for an annotator that looks at them.
     """
 
     file: str
@@ -38,6 +47,7 @@ class Observation:
     titles: tuple[str, ...]
     shape: Shape
     shared: bool = False
+    views: Mapping[str, bytes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -50,16 +60,31 @@ class Hypothesis:
 
 
 @dataclass(frozen=True)
+class Asked:
+    """How a question to an endpoint went: its answer, or None and a finding that says why there is none."""
+
+    answer: EndpointAnswer | None
+    use: EndpointUse
+    findings: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True)
 class Annotation:
     """Ranked hypotheses, best first; `category` is `unknown` unless the first one stands; `reason` says why.
 
-    contradictions  where names speak of a category that shape or other names contradict, in words.
+    method          by which the first hypothesis was found.
+    contradictions  where names or pictures speak of a category that shape or each other contradict, in words.
+    disputed        whether pictures are contradicted, so that a person must decide.
+    asked           None when no endpoint was asked.
     """
 
     category: str
     hypotheses: tuple[Hypothesis, ...]
     reason: str
+    method: str
     contradictions: tuple[str, ...] = ()
+    disputed: bool = False
+    asked: Asked | None = None
 
     @property
     def score(self) -> float:
@@ -70,8 +95,21 @@ class Annotation:
 class Annotator(Protocol):
     """Anything that tells what an object is: the embedded one needs names, a multimodal one pictures."""
 
-    method: str
-
     def annotate(self, observation: Observation) -> Annotation:
-        """The annotation; deterministic, never raises for what the evidence holds."""
+        """The annotation; deterministic, never raises for what the evidence holds or an endpoint answers."""
         ...
+
+
+def decided(hypotheses: Sequence[Hypothesis], method: str, contradictions: tuple[str, ...] = ()) -> Annotation:
+    """The annotation of these hypotheses: ranked, and the first one stands when it is likely and has no rival.
+
+    `method` and `contradictions` become those of the annotation.
+    """
+    ranked = tuple(sorted(hypotheses, key=lambda h: (-h.score, h.category)))
+    best, others = ranked[0], ranked[1:]
+    if others and others[0].score >= RIVAL * best.score:
+        return Annotation(UNKNOWN, ranked, f"{best.category} or {others[0].category}", method, contradictions)
+    if best.score <= STANDS:
+        reason = f"perhaps {best.category}, on thin evidence"
+        return Annotation(UNKNOWN, ranked, reason, method, contradictions)
+    return Annotation(best.category, ranked, "; ".join(best.clues), method, contradictions)

@@ -11,15 +11,13 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from assetkit.annotate.annotator import UNKNOWN, Annotation, Hypothesis, Observation
+from assetkit.annotate.annotator import STANDS, UNKNOWN, Annotation, Hypothesis, Observation, decided
 from assetkit.annotate.name_reading import Reading, read_name
 from assetkit.annotate.shape_check import compare
 from assetkit.taxonomy.tables import categories
 
-# A category is said from this chance on, when no other comes near it.
-STANDS = 0.5
-RIVAL = 0.75
 SUREST = 0.95
+METHOD = "names and geometry against the taxonomy"
 # How far a place is believed, against the file's own name. A folder often holds many things; when the file has a name
 # of its own it says less, and nothing when the file is another thing. Modelling tools name nodes as they like.
 TITLE, FOLDER, FOLDER_OF_NAMED, NODES, MATERIALS = 0.95, 0.85, 0.4, 0.7, 0.35
@@ -44,8 +42,6 @@ class _Witness(NamedTuple):
 class EmbeddedAnnotator:
     """Names, confirmed or contradicted by geometry; says `unknown` when the evidence is thin or contradictory."""
 
-    method = "names and geometry against the taxonomy"
-
     def annotate(self, observation: Observation) -> Annotation:
         """Ranked hypotheses with their clues; the first one stands when it is likely and has no rival."""
         witnesses = tuple(_witnesses(observation))
@@ -53,16 +49,10 @@ class EmbeddedAnnotator:
             _weighed(category, witnesses, observation) for category in dict.fromkeys(w.category for w in witnesses)
         ]
         found.sort(key=lambda pair: (-pair[0].score, pair[0].category))
-        hypotheses = tuple(hypothesis for hypothesis, _ in found)
+        if not found:
+            return Annotation(UNKNOWN, (), "no name speaks of a category", METHOD)
         contradictions = tuple(f"named {h.category}, but {text}" for h, against in found[:1] for text in against)
-        if not hypotheses:
-            return Annotation(UNKNOWN, (), "no name speaks of a category")
-        best = hypotheses[0]
-        if len(hypotheses) > 1 and hypotheses[1].score >= RIVAL * best.score:
-            return Annotation(UNKNOWN, hypotheses, f"{best.category} or {hypotheses[1].category}", contradictions)
-        if best.score <= STANDS:
-            return Annotation(UNKNOWN, hypotheses, f"perhaps {best.category}, on thin evidence", contradictions)
-        return Annotation(best.category, hypotheses, "; ".join(best.clues), contradictions)
+        return decided([hypothesis for hypothesis, _ in found], METHOD, contradictions)
 
 
 def _weighed(

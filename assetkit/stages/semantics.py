@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
 from pathlib import Path, PurePosixPath
 
 import numpy as np
 
 from assetkit.annotate.annotator import UNKNOWN, Annotation, Annotator, Observation
 from assetkit.annotate.embedded import EmbeddedAnnotator
+from assetkit.annotate.exchange import exchange_in_cell
+from assetkit.annotate.multimodal import MultimodalAnnotator
 from assetkit.annotate.name_reading import category_called
 from assetkit.annotate.shape_check import compare, shape_of
+from assetkit.annotate.weigh import SEEN
 from assetkit.options import Options
 from assetkit.stage import Draft, Semantics, Stage, Tools, need
+from assetkit.stages.previews import render
 from assetkit.taxonomy.tables import OBJECT_QCODE, Category
-from schemas.asset import CategoryHypothesis, SemanticsSection
+from jobs.cache import content_key
+from render.camera import STANDARD_VIEWS
+from schemas.asset import CategoryHypothesis, EndpointAnswer, SemanticsSection
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, declared, default, inferred
-from schemas.outcome import Outcome
+from schemas.outcome import Outcome, Outside
 
 _MAX_TEXTS = 60
 _TITLES = ("title", "name")
@@ -26,30 +34,35 @@ class DescribeObject(Stage):
     """Category, family, roles and Wikidata class of the object, each with its evidence."""
 
     name = "semantics"
-    version = 2
+    version = 3
     result = Semantics
-    annotator: Annotator = EmbeddedAnnotator()
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Semantics]:
-        """The section; `review` when the category is unknown and the user wants to know it."""
+        """The section; `review` when an unknown category is not enough for the user, or pictures are contradicted."""
         options, seen = tools.options, observe(draft)
-        annotation = self.annotator.annotate(seen)
-        category = _category(annotation, options, self.annotator.method)
+        if options.endpoint is not None:
+            seen = replace(seen, views=_views(draft, tools))
+        annotation = _annotator(tools).annotate(seen)
+        answer = annotation.asked.answer if annotation.asked else None
+        category = _category(annotation, options)
         known = category_called(category.value)
         section = SemanticsSection(
             name=Path(draft.source_name).stem,
             category=category,
             family=_alike(category, known.family, "family of the category") if known else default(UNKNOWN),
             interaction_group=_alike(category, known.group, "how such things move") if known and known.group else None,
-            roles=_roles(category, known, options),
+            roles=_roles(category, known, answer, options),
             qcode=_qcode(category, known),
             hypotheses=tuple(
                 CategoryHypothesis(category=h.category, score=h.score, clues=h.clues) for h in annotation.hypotheses
             ),
             source_texts=tuple(dict.fromkeys((seen.file, *seen.titles, *seen.nodes, *seen.materials)))[:_MAX_TEXTS],
+            endpoint_answer=answer,
         )
         doubtful = options.require_category and category.value == UNKNOWN
-        return Outcome(Semantics(section), _findings(annotation, seen, known, options), review=doubtful)
+        disputed = annotation.disputed and not options.category
+        findings = _findings(annotation, seen, known, options)
+        return Outcome(Semantics(section), findings, review=doubtful or disputed, outside=_outside(annotation))
 
 
 def observe(draft: Draft) -> Observation:
@@ -68,12 +81,33 @@ def observe(draft: Draft) -> Observation:
     )
 
 
-def _category(annotation: Annotation, options: Options, method: str) -> Evidence[str]:
+def _annotator(tools: Tools) -> Annotator:
+    embedded = EmbeddedAnnotator()
+    if tools.options.endpoint is None:
+        return embedded
+    send = partial(exchange_in_cell, work_dir=tools.work_dir)
+    return MultimodalAnnotator(tools.options.endpoint, embedded, send, tools.answers)
+
+
+def _views(draft: Draft, tools: Tools) -> dict[str, bytes]:
+    """The four standard views, as previews will show them."""
+    pictures = render(draft.model, (), tools.work_dir)
+    return {view.name: pictures[view.name] for view in STANDARD_VIEWS}
+
+
+def _outside(annotation: Annotation) -> Outside | None:
+    if annotation.asked is None:
+        return None
+    answer = annotation.asked.answer
+    return Outside(content_key(answer.model_dump() if answer else None), annotation.asked.use)
+
+
+def _category(annotation: Annotation, options: Options) -> Evidence[str]:
     if options.category:
         return declared(options.category, "--category")
     if annotation.category == UNKNOWN:
         return default(UNKNOWN, annotation.reason)
-    return inferred(annotation.category, method, annotation.score, inputs=annotation.hypotheses[0].clues)
+    return inferred(annotation.category, annotation.method, annotation.score, inputs=annotation.hypotheses[0].clues)
 
 
 def _alike(category: Evidence[str], value: str, method: str) -> Evidence[str]:
@@ -81,10 +115,15 @@ def _alike(category: Evidence[str], value: str, method: str) -> Evidence[str]:
     return inferred(value, method, category.confidence, inputs=(category.value,))
 
 
-def _roles(category: Evidence[str], known: Category | None, options: Options) -> tuple[Evidence[str], ...]:
+def _roles(
+    category: Evidence[str], known: Category | None, answer: EndpointAnswer | None, options: Options
+) -> tuple[Evidence[str], ...]:
     if options.role:
         return (declared(options.role, "--role"),)
-    return tuple(_alike(category, role, "usual role of the category") for role in (known.roles if known else ()))
+    usual = {role: _alike(category, role, "usual role of the category") for role in (known.roles if known else ())}
+    seen = answer.roles if answer else {}
+    others = (inferred(r, answer.method, SEEN * chance) for r, chance in seen.items() if answer and r not in usual)
+    return (*usual.values(), *others)
 
 
 def _qcode(category: Evidence[str], known: Category | None) -> Evidence[str]:
@@ -98,16 +137,17 @@ def _qcode(category: Evidence[str], known: Category | None) -> Evidence[str]:
 def _findings(
     annotation: Annotation, seen: Observation, known: Category | None, options: Options
 ) -> tuple[Diagnostic, ...]:
+    asked = annotation.asked.findings if annotation.asked else ()
     if not options.category:
         contradicted = [finding("asset/category-contradicted", text) for text in annotation.contradictions]
-        return (*contradicted, *([_unknown(annotation)] if annotation.category == UNKNOWN else []))
+        return (*asked, *contradicted, *([_unknown(annotation)] if annotation.category == UNKNOWN else []))
     if known is None:
         headline = f"'{options.category}' is no category of the vocabulary"
-        return (finding("asset/category-outside-vocabulary", headline),)
+        return (*asked, finding("asset/category-outside-vocabulary", headline))
     against = [f"stated {known.id}, but {f.text}" for f in compare(known, seen.shape) if f.leaves < 1.0]
     if annotation.category not in (UNKNOWN, known.id):
         against.append(f"stated {known.id}, but {annotation.hypotheses[0].clues[0]}")
-    return tuple(finding("asset/category-contradicted", text) for text in against)
+    return (*asked, *(finding("asset/category-contradicted", text) for text in against))
 
 
 def _unknown(annotation: Annotation) -> Diagnostic:

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assetkit.annotate.annotator import UNKNOWN, Observation, Shape
-from assetkit.annotate.embedded import STANDS, EmbeddedAnnotator
+from assetkit.annotate.annotator import STANDS, UNKNOWN, Observation, Shape
+from assetkit.annotate.embedded import EmbeddedAnnotator
 
 MUG = Shape((0.08, 0.085, 0.115), 0.6, 0.8)
 ANNOTATE = EmbeddedAnnotator().annotate
