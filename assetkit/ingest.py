@@ -27,7 +27,7 @@ LOST_CODES = {
     "crashed": "asset/worker-crashed",
     "failed": "asset/worker-crashed",
 }
-ENDPOINT_FAILED = "asset/annotator-failed"
+ENDPOINT_CODES = ("asset/annotator-unreachable", "asset/annotator-failed")
 # One core per asset, the batch fills the others; and USD starts no threads, which could not be forked.
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1", "PYTHONHASHSEED": "0"}
 _CHATTER = ("pybullet build time", "#")  # What PyBullet and, told how many threads to use, OpenUSD print on import.
@@ -75,7 +75,7 @@ def _one(candidate: Candidate, batch: Batch) -> ReportItem:
         note = memory.file_of(candidate, batch.out, batch.options)
         stored = None if batch.fresh else memory.recall(note)
         if stored is not None and memory.is_current(stored, candidate, batch.out):
-            transient = set(stored.item.codes) & {*LOST_CODES.values(), "asset/internal-error", ENDPOINT_FAILED}
+            transient = set(stored.item.codes) & {*LOST_CODES.values(), "asset/internal-error", *ENDPOINT_CODES}
             if batch.resume or not transient:
                 return stored.item.model_copy(update={"cached": ("item",)})
         return _in_cell(candidate, batch, note)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from assetkit import release
+from assetkit.annotate.multimodal import UNREACHABLE
 from assetkit.discover import Candidate
 from assetkit.journal import Entry, Journal
 from assetkit.options import Options
@@ -76,6 +77,8 @@ def process_source(
         journal = Journal({intake.NAME: replace(entry, seconds=entry.seconds if number == 1 else 0.0)})
         tools = Tools(simulator, work_dir / asset_id, options)
         try:
+            lost = any(d.code == UNREACHABLE for j in journals for d in j.diagnostics)
+            tools = replace(tools, endpoint_lost=lost)
             journal, published = _process_object(
                 Draft(asset_id, candidate.file.path.name, item),
                 tools,

@@ -153,12 +153,16 @@ class Draft:
 
 @dataclass(frozen=True)
 class Tools:
-    """What stages may use: the simulator, a scratch folder, the user's statements, a store of models' answers."""
+    """What stages may use: the simulator, a scratch folder, the user's statements, a store of models' answers.
+
+    With `endpoint_lost` the endpoint was out of reach for another object of the file and is left alone.
+    """
 
     simulator: Simulator
     work_dir: Path
     options: Options
     answers: Cache | None = None
+    endpoint_lost: bool = False
 
 
 class Stage(Protocol):

@@ -395,12 +395,19 @@ CODES: dict[str, CodeInfo] = {
         "Size, form or other names speak against it: the unit, the name or the statement is wrong, or it is a toy.",
         "check the size in the report, and say the truth with --units or --category",
     ),
+    "asset/annotator-unreachable": CodeInfo(
+        "warning",
+        "The multimodal annotator could not be asked",
+        "The endpoint was not found, stayed silent or busy, or does not know the key or the model; what the object is "
+        "was told without it, from names and shape.",
+        "check --annotator-url, --annotator-model and the key in MANA_ANNOTATOR_KEY, then run the same command again",
+    ),
     "asset/annotator-failed": CodeInfo(
         "warning",
         "The multimodal annotator gave no usable answer",
-        "The endpoint was not reached, refused, took too long or answered something else than it was asked; what the "
-        "object is was told without it, from names and shape.",
-        "check --annotator-url, --annotator-model and the key in MANA_ANNOTATOR_KEY, then run the same command again",
+        "The endpoint refused this question or answered something else than it was asked; what the object is was told "
+        "without it, from names and shape.",
+        "choose a model that sees pictures and keeps to a JSON Schema, then run the same command again",
     ),
     "asset/annotator-refused": CodeInfo(
         "warning",

@@ -287,6 +287,7 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/mixed-collider": "tests/unit/test_collider_materials.py",
     "asset/render-collision-misaligned": "tests/unit/test_acceptance.py",
     "asset/category-outside-vocabulary": "tests/unit/test_semantics.py",
+    "asset/annotator-unreachable": "tests/unit/test_multimodal.py",
     "asset/annotator-failed": "tests/unit/test_multimodal.py",
     "asset/annotator-refused": "tests/unit/test_multimodal.py",
     "asset/unstable-settling": "tests/unit/test_acceptance.py",

@@ -45,13 +45,13 @@ def test_an_endpoint_that_fails_and_recovers(tmp_path: Path, monkeypatch: pytest
     good = says(openai(answer(sponge=0.9, roles={"tool": 0.9, "distractor": 0.5}, description="A pad.")))
     with endpoint(says("who are you", 401), good) as server:
         item, totals, record = ingested(server)
-        assert "asset/annotator-failed" in item.codes
+        assert "asset/annotator-unreachable" in item.codes
         assert record.semantics.category.value == "unknown"
         of_anything = record.physics.mass_kg
 
         item, totals, record = ingested(server)
         assert server.asked[-1].headers["authorization"] == f"Bearer {KEY}"
-        assert "asset/annotator-failed" not in item.codes
+        assert "asset/annotator-unreachable" not in item.codes
         category = record.semantics.category
         assert (category.value, category.source, category.method) == ("sponge", "inferred", "looker, prompt 1")
         assert [r.value for r in record.semantics.roles] == ["manipulated", "tool", "distractor"]
@@ -63,13 +63,13 @@ def test_an_endpoint_that_fails_and_recovers(tmp_path: Path, monkeypatch: pytest
         assert len(server.asked) == 2
 
 
-def described(server: Server, folder: Path, file: str, **said) -> Outcome[Semantics]:
+def described(server: Server, folder: Path, file: str, *, lost: bool = False, **said) -> Outcome[Semantics]:
     """The outcome of the stage, with pictures drawn and the question sent as in a batch."""
     (folder / file).write_text(obj_text(PAD, "# units: m, z up\n"))
     asked = Endpoint(url=server.url, model="looker", seconds=10.0)
     options = Options(units="m", up_axis="z", endpoint=asked, **said)
     draft = Draft("part", file, take_in(discover([folder / file])[0], options).objects[0])
-    tools = Tools(FakeSimulator(), folder / "work", options)
+    tools = Tools(FakeSimulator(), folder / "work", options, endpoint_lost=lost)
     return DescribeObject().run(replace(draft, canonicalize=Canonicalize().run(draft, tools).value), tools)
 
 
@@ -93,6 +93,15 @@ def test_contradicted_pictures_go_to_a_person(tmp_path: Path):
     pictures = [p for p in json.loads(server.asked[-1].body)["messages"][1]["content"] if p["type"] == "image_url"]
     assert len({p["image_url"]["url"] for p in pictures}) == 4
     assert all(p["image_url"]["url"].startswith("data:image/png;base64,iVBOR") for p in pictures)
+
+
+def test_a_lost_endpoint_is_left_alone(tmp_path: Path):
+    with endpoint(says(openai(answer(book=0.95)))) as server:
+        outcome = described(server, tmp_path, "sponge.obj", lost=True)
+        assert server.asked == []
+    assert outcome.value is not None
+    assert outcome.value.section.category.value == "sponge"
+    assert [d.code for d in outcome.diagnostics] == ["asset/annotator-unreachable"]
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,7 @@ MAX_BYTES = 2**20  # An answer is some hundred bytes.
 ATTEMPTS = 3
 MAX_WAIT_S = 20.0
 _BUSY = frozenset((408, 425, 429, 500, 502, 503, 504, 529))
+_CLOSED = frozenset((401, 403, 404))
 _SPARE_S, _MEMORY_MB = 10.0, 2048
 _CHUNK = 2**16
 
@@ -56,6 +57,11 @@ class Reply(BaseModel):
     status: int = 0
     failure: str = ""
     attempts: int = 0
+
+    @property
+    def unreachable(self) -> bool:
+        """Whether another question would fare no better."""
+        return self.failure != "" and self.status in {0, *_BUSY, *_CLOSED}
 
 
 class _NoRedirect(urllib.request.HTTPRedirectHandler):

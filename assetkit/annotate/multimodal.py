@@ -21,6 +21,7 @@ from schemas.asset import EndpointAnswer
 from schemas.diagnostics import finding
 from schemas.outcome import EndpointUse
 
+UNREACHABLE = "asset/annotator-unreachable"
 _MAX_TOLD = 200
 _BAD_REQUEST = 400
 
@@ -68,13 +69,15 @@ class MultimodalAnnotator:
             settings = {name: value for name, value in settings.items() if name not in unknown}
         use = EndpointUse(requests=requests)
         if reply.failure:
-            return self._failed(f"{reply.failure} {_quoted(reply.text)}".strip(), use)
+            code = UNREACHABLE if reply.unreachable else "asset/annotator-failed"
+            return self._failed(code, f"{reply.failure} {_quoted(reply.text)}".strip(), use)
         try:
             said = dialect.said(reply.text)
             use = self._priced(said, requests)
             answer = self._answer(said.text, settings)
         except ValueError:
-            return self._failed(f"the answer does not keep the schema {_quoted(reply.text)}".strip(), use)
+            why = f"the answer does not keep the schema {_quoted(reply.text)}".strip()
+            return self._failed("asset/annotator-failed", why, use)
         if file is not None:
             kept = _Kept(text=said.text, settings=settings)
             write_atomically(file, kept.model_dump_json().encode("utf-8", "surrogatepass"))
@@ -104,9 +107,9 @@ class MultimodalAnnotator:
         usd = None if price is None else (said.input_tokens * price[0] + said.output_tokens * price[1]) / 1e6
         return EndpointUse(requests=requests, input_tokens=said.input_tokens, output_tokens=said.output_tokens, usd=usd)
 
-    def _failed(self, why: str, use: EndpointUse) -> Asked:
+    def _failed(self, code: str, why: str, use: EndpointUse) -> Asked:
         headline = f"{self.endpoint.model} gave no usable answer: {why}"
-        return Asked(None, use, (finding("asset/annotator-failed", headline),))
+        return Asked(None, use, (finding(code, headline),))
 
 
 def _asked(answer: EndpointAnswer, use: EndpointUse) -> Asked:

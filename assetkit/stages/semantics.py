@@ -10,7 +10,7 @@ import numpy as np
 
 from assetkit.annotate.annotator import UNKNOWN, Annotation, Annotator, Observation
 from assetkit.annotate.embedded import EmbeddedAnnotator
-from assetkit.annotate.exchange import exchange_in_cell
+from assetkit.annotate.exchange import Post, Reply, exchange_in_cell
 from assetkit.annotate.multimodal import MultimodalAnnotator
 from assetkit.annotate.name_reading import category_called
 from assetkit.annotate.shape_check import compare, shape_of
@@ -85,8 +85,12 @@ def _annotator(tools: Tools) -> Annotator:
     embedded = EmbeddedAnnotator()
     if tools.options.endpoint is None:
         return embedded
-    send = partial(exchange_in_cell, work_dir=tools.work_dir)
+    send = _unsent if tools.endpoint_lost else partial(exchange_in_cell, work_dir=tools.work_dir)
     return MultimodalAnnotator(tools.options.endpoint, embedded, send, tools.answers)
+
+
+def _unsent(post: Post) -> Reply:
+    return Reply(failure="out of reach for another object of this file, so not asked again")
 
 
 def _views(draft: Draft, tools: Tools) -> dict[str, bytes]:

@@ -48,12 +48,15 @@ def told(found: Annotation) -> list[str]:
     return [d.code for d in found.asked.findings]
 
 
-def assert_falls_back(found: Annotation, evidence: Observation) -> str:
+UNREACHABLE, FAILED = "asset/annotator-unreachable", "asset/annotator-failed"
+
+
+def assert_falls_back(found: Annotation, evidence: Observation, code: str = UNREACHABLE) -> str:
     """The embedded annotator's word stands, and one finding says why; its headline is returned."""
     assert replace(found, asked=None) == EmbeddedAnnotator().annotate(evidence)
     assert found.asked is not None
     assert found.asked.answer is None
-    assert told(found) == ["asset/annotator-failed"]
+    assert told(found) == [code]
     return found.asked.findings[0].headline
 
 
@@ -130,7 +133,7 @@ def test_what_goes_over_the_wire(kind: str, path: str, header: str, key: str):
 )
 def test_what_is_no_answer_changes_nothing(body: str):
     with endpoint(says(body)) as server:
-        headline = assert_falls_back(asking(server).annotate(seen("025_mug")), seen("025_mug"))
+        headline = assert_falls_back(asking(server).annotate(seen("025_mug")), seen("025_mug"), FAILED)
     assert "does not keep the schema" in headline
     assert len(headline) < 400
     assert len(server.asked) == 1
@@ -148,7 +151,7 @@ def test_slow_endpoints_are_left(respond):
 
 def test_endless_answers_are_cut():
     with endpoint(endless()) as server:
-        headline = assert_falls_back(asking(server).annotate(seen()), seen())
+        headline = assert_falls_back(asking(server).annotate(seen()), seen(), FAILED)
     assert str(MAX_BYTES) in headline
 
 
@@ -173,10 +176,12 @@ def test_endpoints_that_stay_busy_are_left():
     assert len(server.asked) == ATTEMPTS
 
 
-@pytest.mark.parametrize("status", [401, 403, 404, 422])
-def test_refusals_are_final_and_never_show_the_key(status: int):
+@pytest.mark.parametrize(
+    ("status", "code"), [(401, UNREACHABLE), (403, UNREACHABLE), (404, UNREACHABLE), (413, FAILED), (422, FAILED)]
+)
+def test_refusals_are_final_and_never_show_the_key(status: int, code: str):
     with endpoint(says(f'{{"error": "bad key {KEY}\x1b[31m"}}', status)) as server:
-        headline = assert_falls_back(asking(server).annotate(seen()), seen())
+        headline = assert_falls_back(asking(server).annotate(seen()), seen(), code)
     assert len(server.asked) == 1
     assert f"status {status}" in headline
     assert KEY not in headline
@@ -187,7 +192,7 @@ def test_the_key_follows_no_redirect():
     with endpoint(says(openai(answer(mug=0.9)))) as other:
         for status in (301, 302, 303, 307, 308):
             with endpoint(says("", status, Location=other.url)) as server:
-                assert f"status {status}" in assert_falls_back(asking(server).annotate(seen()), seen())
+                assert f"status {status}" in assert_falls_back(asking(server).annotate(seen()), seen(), FAILED)
     assert other.asked == []
 
 
@@ -206,7 +211,7 @@ def test_settings_that_a_model_does_not_know_are_left_out():
     assert set(found.asked.answer.settings) == {"seed", "max_completion_tokens"}
     assert "temperature" not in json.loads(server.asked[1].body)
     with endpoint(refusal) as server:
-        assert_falls_back(asking(server).annotate(seen()), seen())
+        assert_falls_back(asking(server).annotate(seen()), seen(), FAILED)
     assert len(server.asked) == 2
 
 
