@@ -8,15 +8,22 @@ from contextlib import closing
 from pathlib import Path
 
 from assetkit.record import RECORD, read_record
+from assetkit.search.facts import Facts, facts_of, texts_of
+from assetkit.search.judging import TextHit
+from assetkit.search.wishes import Wish
 from schemas.asset import AssetRecord
+from schemas.diagnostics import InvalidInput, finding
 
 CATALOG = "catalog.sqlite"
 _TABLES = """
 CREATE TABLE assets (
   asset_id TEXT PRIMARY KEY, name TEXT, outcome TEXT, category TEXT, roles TEXT, license TEXT, format TEXT,
   size_x_m REAL, size_y_m REAL, size_z_m REAL, mass_kg REAL, material TEXT, collider TEXT, triangles INTEGER);
-CREATE VIRTUAL TABLE words USING fts5 (asset_id UNINDEXED, text);
+CREATE TABLE facts (asset_id TEXT PRIMARY KEY, facts TEXT);
+CREATE VIRTUAL TABLE words USING fts5 (asset_id UNINDEXED, names, source_texts, aliases, others);
 """
+# How far a word in a text tells what an asset is, the best place first: names are given by people, for reasons.
+_SAYS = {"names": 0.6, "others": 0.5, "source_texts": 0.4, "aliases": 0.4}
 
 
 def records(out: Path) -> Iterator[tuple[Path, AssetRecord]]:
@@ -38,7 +45,8 @@ def rebuild(out: Path) -> int:
         for _, record in records(out):
             count += 1
             db.execute(f"INSERT INTO assets VALUES ({','.join('?' * 14)})", _row(record))
-            db.execute("INSERT INTO words VALUES (?, ?)", (record.asset_id, _text(record)))
+            db.execute("INSERT INTO facts VALUES (?, ?)", (record.asset_id, facts_of(record).model_dump_json()))
+            db.execute("INSERT INTO words VALUES (?, ?, ?, ?, ?)", (record.asset_id, *texts_of(record)))
     temporary.replace(path)
     return count
 
@@ -48,17 +56,22 @@ def listing(out: Path) -> list[dict[str, object]]:
     return _query(out, "SELECT * FROM assets ORDER BY asset_id", ())
 
 
-def search(out: Path, words: str) -> list[dict[str, object]]:
-    """Rows whose name, category, material or part names contain all words (prefixes count), best first."""
-    terms = " ".join(f'"{w}"*' for w in words.replace('"', " ").split())
-    if not terms:
-        return listing(out)
-    return _query(
-        out,
-        "SELECT assets.*, words.text AS matched FROM words JOIN assets USING (asset_id) WHERE words MATCH ? "
-        "ORDER BY rank, asset_id",
-        (terms,),
-    )
+def facts(out: Path) -> list[Facts]:
+    """What search knows of every package, by asset id. Raises FileNotFoundError when `out` has no catalog, InvalidInput
+    when an older version wrote it.
+    """
+    return [Facts.model_validate_json(str(row["facts"])) for row in _query(out, "SELECT facts FROM facts", ())]
+
+
+def find_text(out: Path, wish: Wish) -> TextHit:
+    """The assets whose texts hold one of the words of a wish or begin with it, with the place that says most."""
+    found: dict[str, tuple[str, float, str]] = {}
+    for column, confidence in _SAYS.items():
+        for word in wish.values:
+            sql = f"SELECT asset_id, snippet(words, -1, '', '', '...', 8) AS found FROM words WHERE {column} MATCH ?"
+            for row in _query(out, sql, (f'"{word}"*',)):
+                found.setdefault(str(row["asset_id"]), (column, confidence, str(row["found"])))
+    return found
 
 
 def _query(out: Path, sql: str, parameters: tuple[str, ...]) -> list[dict[str, object]]:
@@ -67,7 +80,11 @@ def _query(out: Path, sql: str, parameters: tuple[str, ...]) -> list[dict[str, o
         raise FileNotFoundError(path)
     with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as db:
         db.row_factory = sqlite3.Row
-        return [dict(row) for row in db.execute(sql, parameters)]
+        try:
+            return [dict(row) for row in db.execute(sql, parameters)]
+        except sqlite3.DatabaseError as error:
+            headline = f"{CATALOG} cannot be read ({error}); `mana assets ingest` writes it anew"
+            raise InvalidInput(finding("asset/catalog-unreadable", headline)) from error
 
 
 def _row(record: AssetRecord) -> tuple[object, ...]:
@@ -88,12 +105,3 @@ def _row(record: AssetRecord) -> tuple[object, ...]:
         record.physics.collision_method,
         record.geometry.reobserved.triangles,
     )
-
-
-def _text(record: AssetRecord) -> str:
-    names = [record.asset_id, record.semantics.name, record.semantics.category.value, record.physics.material.value]
-    names += [record.semantics.family.value, *record.semantics.source_texts]
-    names += [r.value for r in record.semantics.roles]
-    names += record.appearance.materials
-    names += [str(p.value["name"]) for p in record.parts]
-    return " ".join(n.replace("_", " ") for n in names)

@@ -6,10 +6,11 @@ import json
 import os
 import shutil
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from assetkit import memory, ownership
+from assetkit.decisions import read_decisions, with_decisions
 from assetkit.discover import Candidate
 from assetkit.options import Options
 from assetkit.source import SourceFile, refusal
@@ -17,6 +18,7 @@ from jobs.cache import content_key, file_sha256, write_atomically
 from jobs.cell import CellResult, Limits, run_cell
 from jobs.schedule import run_all
 from jobs.warm import run_module, warm_cells
+from schemas.decision import Decision
 from schemas.diagnostics import Diagnostic, finding
 from schemas.outcome import ItemOutcome
 from schemas.report import ReportItem
@@ -58,20 +60,23 @@ def ingest(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem
 
     A source whose files, options, libraries and code are unchanged and whose packages are intact is taken from the
     store (`cached = ("item",)`). Crashes and time-outs are tried again unless `resume` is set. Stopping the iteration
-    (Ctrl-C) ends the running cells and stores nothing of them.
+    (Ctrl-C) ends the running cells and stores nothing of them. Decisions of people in the output folder are replayed.
+    Raises InvalidInput when their file cannot be read.
     """
     batch.out.mkdir(parents=True, exist_ok=True)
+    decisions = read_decisions(batch.out)
     owned = [ownership.settle(c, batch.out) for c in candidates]
     with warm_cells(batch.preload, env=ENVIRONMENT):
-        for _, item in run_all(lambda c: _one(c, batch), owned, jobs=batch.jobs):
+        for _, item in run_all(lambda c: _one(c, batch, decisions), owned, jobs=batch.jobs):
             yield item
 
 
-def _one(candidate: Candidate, batch: Batch) -> ReportItem:
+def _one(candidate: Candidate, batch: Batch, decisions: Sequence[Decision]) -> ReportItem:
     """The item of one source: remembered, or made in a cell. Whatever goes wrong costs this item only."""
     try:
         if (unusable := refusal(candidate.file)) is not None:
             return _rejected(candidate, unusable)
+        batch = replace(batch, options=with_decisions(batch.options, candidate, decisions))
         note = memory.file_of(candidate, batch.out, batch.options)
         stored = None if batch.fresh else memory.recall(note)
         if stored is not None and memory.is_current(stored, candidate, batch.out):

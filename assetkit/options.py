@@ -7,6 +7,8 @@ from urllib.parse import urlsplit
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
+from schemas.decision import Decision
+
 UnitName = Literal["mm", "cm", "m", "in", "auto"]
 UpAxisName = Literal["x", "y", "z", "auto"]
 METERS_PER_UNIT: dict[str, float] = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
@@ -50,3 +52,20 @@ class Options(BaseModel):
     shell_thickness_m: float | None = Field(default=None, gt=0.0, description="wall thickness of open surfaces")
     max_triangles: int = Field(default=200_000, description="visual triangles above which a mesh is reduced")
     max_objects: int = Field(default=24, description="separate objects in one file above which a person decides")
+    decisions: tuple[Decision, ...] = Field(default=(), description="of people about this very source, oldest first")
+    outdated: tuple[Decision, ...] = Field(default=(), description="about its earlier content; told, never used")
+
+    def of_object(self, number: int) -> Options:
+        """The options of one object of the source, or of the whole file with number 0: what a person decided about it
+        overrules what was said about the batch, and the last decision the earlier ones.
+        """
+        about = tuple(d for d in self.decisions if d.object in (0, number))
+        decided = {field: value for d in about for field, value in d.set.items()}
+        nothing = {"units": "auto", "up_axis": "auto"}
+        stated = {field: value or nothing.get(field) for field, value in decided.items()}
+        return self.model_copy(update={**stated, "decisions": about, "outdated": ()})
+
+    def origin(self, field: str) -> str:
+        """Who states `field`: a person who decided, else the command line with its flag."""
+        said = (f"decision by {d.by}" for d in reversed(self.decisions) if field in d.set)
+        return next(said, f"--{field.replace('_', '-')}")

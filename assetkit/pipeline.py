@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from assetkit import release
+from assetkit.acceptance_by_person import accepted_by_person
 from assetkit.annotate.multimodal import UNREACHABLE
+from assetkit.decisions import decision_findings
 from assetkit.discover import Candidate
 from assetkit.journal import Entry, Journal
 from assetkit.options import Options
@@ -63,7 +65,7 @@ def process_source(
     started = time.monotonic()
     trace = ""
     try:
-        taken = intake.take_in(candidate, options)
+        taken = intake.take_in(candidate, options.of_object(0))
     except MemoryError:
         raise  # The cell reports it as what it is.
     except Exception as error:  # A reader's bug; everything a file can do wrong comes back as findings.
@@ -75,7 +77,9 @@ def process_source(
     for number, item in enumerate(taken.objects, start=1):
         asset_id = f"{candidate.asset_id}-{number:02d}" if len(taken.objects) > 1 else candidate.asset_id
         journal = Journal({intake.NAME: replace(entry, seconds=entry.seconds if number == 1 else 0.0)})
-        tools = Tools(simulator, work_dir / asset_id, options)
+        if told := decision_findings(options, number):
+            journal.entries["decisions"] = Entry(told)
+        tools = Tools(simulator, work_dir / asset_id, options.of_object(number))
         try:
             lost = any(d.code == UNREACHABLE for j in journals for d in j.diagnostics)
             tools = replace(tools, endpoint_lost=lost)
@@ -115,6 +119,7 @@ def _process_object(draft: Draft, tools: Tools, journal: Journal, out: Path, sto
     finished = run_stages(draft, tools, journal, cache, key, STAGES)
     if finished is not None:
         finished, journal = repair_until_accepted(finished, journal, rerun)
+        journal = accepted_by_person(journal, tools.options)
     if finished is None or journal.rejected:
         return journal, []
     folder = release.finish(finished, journal, tools.work_dir)

@@ -46,6 +46,7 @@ def decide_unit(
     *,
     stated: Evidence[float],
     chosen: UnitName = "auto",
+    chosen_by: str = "--units",
     extent: Extent,
     format_: str,
     name: str = "",
@@ -59,7 +60,7 @@ def decide_unit(
     of the numbers gives an object between 0.1 mm and 10 km.
     """
     if chosen != "auto":
-        return _kept(declared(METERS_PER_UNIT[chosen], f"--units {chosen}"), max(extent))
+        return _kept(declared(METERS_PER_UNIT[chosen], f"{chosen_by} {chosen}"), max(extent))
     clues = [*stated_in_text(hints, extent), *stated_in_name(name, extent)]
     if stated.source != "default" and stated.confidence > 0.5:
         return _declared(stated, [*clues, *scaled_nodes(nodes, stated.value)], extent)

@@ -39,14 +39,18 @@ class UpDecision:
     review: bool = False
 
 
-def decide_up_axis(stated: Evidence[Axis], hints: Sequence[str], chosen: UpAxisName = "auto") -> UpDecision:
+def decide_up_axis(
+    stated: Evidence[Axis], hints: Sequence[str], chosen: UpAxisName = "auto", chosen_by: str = "--up-axis"
+) -> UpDecision:
     """The up axis of the source: said by the user, declared by the file, stated in its texts, or the format's habit.
 
     `stated` with source `declared` and confidence above 0.5 is the file's own word; with 0.5 or less it is what the
     format's standard implies where the file is silent.
     """
     if chosen != "auto":
-        return UpDecision(Evidence[Axis](value=chosen, source="declared", method=f"--up-axis {chosen}", confidence=1.0))
+        return UpDecision(
+            Evidence[Axis](value=chosen, source="declared", method=f"{chosen_by} {chosen}", confidence=1.0)
+        )
     said = _ORIGIN.sub("", "\n".join(hints)[:MAX_TEXT].lower())
     found = sorted({a or b for a, b in _STATEMENT.findall(said)})
     if stated.source != "default" and stated.confidence > 0.5:

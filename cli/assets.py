@@ -20,6 +20,8 @@ from assetkit.options import Endpoint, Options, UnitName, UpAxisName
 from assetkit.record import RECORD
 from assetkit.report import build_report, write_report
 from cli import text
+from cli.assets_review import review_command
+from cli.assets_search import search_command
 from cli.findings import show_findings
 from jobs.cell import Limits
 from schemas.asset import Role
@@ -171,17 +173,8 @@ def list_command(library: Library, as_json: AsJson = False) -> None:
     _rows(catalog.listing(library), as_json)
 
 
-@app.command("search")
-def search_command(
-    words: Annotated[list[str], typer.Argument(help="Words that name, category, material or parts contain.")],
-    library: Annotated[Path, typer.Option("--in", help="An output folder of `mana assets ingest`.")] = Path("."),
-    as_json: AsJson = False,
-) -> None:
-    """Find packages by words.
-
-    Example: `mana assets search "red mug" --in library`
-    """
-    _rows(catalog.search(library, " ".join(words)), as_json)
+app.command("search")(search_command)
+app.command("review")(review_command)
 
 
 @app.command("show")

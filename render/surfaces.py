@@ -121,7 +121,7 @@ def _surface(mesh: Mesh, model: Model, frame: AnnotationFrame, textures: frozens
         mapping = (use.uv_set, use.uv_scale, use.uv_rotation_rad, use.uv_offset)
         attribute = mappings.setdefault(mapping, f"manaUV{len(mappings)}")
         if attribute not in attributes:
-            attributes[attribute] = _transformed(mesh.uvs[use.uv_set][keep], use)
+            attributes[attribute] = placed_uvs(mesh.uvs[use.uv_set][keep], use)
         slots.append(Slot(name, use, attribute))
     return Surface(material, tuple(slots), points[keep], _normals(mesh, points)[keep], attributes)
 
@@ -141,7 +141,7 @@ def _normals(mesh: Mesh, points: FloatArray) -> FloatArray:
     return np.where(usable, np.where(side < 0.0, -mesh.normals, mesh.normals), face[:, None])
 
 
-def _transformed(uvs: FloatArray, use: TextureUse) -> FloatArray:
+def placed_uvs(uvs: FloatArray, use: TextureUse) -> FloatArray:
     """Texture coordinates after the transform of `use`: scale, then rotate counter-clockwise, then translate."""
     scaled = uvs * np.asarray(use.uv_scale, dtype=np.float32)
     cosine, sine = np.cos(use.uv_rotation_rad), np.sin(use.uv_rotation_rad)

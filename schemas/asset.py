@@ -117,9 +117,14 @@ class GeometrySection(_Section):
 
 
 class AppearanceSection(_Section):
-    """Render materials as authored, and what the source held that UsdPreviewSurface cannot say."""
+    """Render materials as authored, and what the source held that UsdPreviewSurface cannot say.
+
+    `colours` are basic colour terms with their share of the visible surface, by the base colours that materials,
+    textures and vertices state; empty when nothing states one.
+    """
 
     materials: tuple[str, ...]
+    colours: dict[str, float] = {}
     textures: tuple[str, ...]
     unmapped: dict[str, dict[str, Any]] = {}
 

@@ -421,6 +421,37 @@ CODES: dict[str, CodeInfo] = {
         "It is kept as stated, but no family, roles, usual size or Wikidata class belong to it.",
         "nothing, or state a category of docs/pipelines/semantics.md",
     ),
+    # Decisions of people.
+    "asset/decided-by-person": CodeInfo(
+        "info",
+        "A person decided about this asset",
+        "What was decided is declared evidence or an answer to a question of review; the finding says who and why.",
+        "nothing, or overrule it with a later decision: mana assets review",
+    ),
+    "asset/decision-overruled": CodeInfo(
+        "info",
+        "Two statements about an asset contradict each other",
+        "The last decision of a person wins, over earlier ones and over what the command line says of the whole batch.",
+        "nothing, or record another decision: mana assets review",
+    ),
+    "asset/decision-outdated": CodeInfo(
+        "warning",
+        "A decision of a person does not cover the asset as it is now",
+        "The file or what it refers to has changed, or findings appeared that the person did not know of.",
+        "look again and decide anew: mana assets review",
+    ),
+    "asset/decision-unreadable": CodeInfo(
+        "error",
+        "The file of decisions has a line that is no decision",
+        "Decisions are only ever appended; leaving a damaged one out would undo it silently.",
+        "mend or remove that line of decisions.jsonl",
+    ),
+    "asset/catalog-unreadable": CodeInfo(
+        "error",
+        "The catalog of a library cannot be read",
+        "It is damaged, or another version wrote it. The records beside it are the truth; it is only made from them.",
+        "run mana assets ingest on the library again, which writes it anew",
+    ),
     # Physics and acceptance.
     "asset/source-inertia-implausible": CodeInfo(
         "warning",

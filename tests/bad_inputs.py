@@ -294,5 +294,10 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/reference-pose-topples": "tests/unit/test_acceptance.py",
     "asset/no-stable-pose": "tests/unit/test_acceptance.py",
     "asset/anchor-unverified": "tests/unit/test_anchor_trials.py",
+    "asset/catalog-unreadable": "tests/test_search.py",
+    "asset/decided-by-person": "tests/test_review.py",
+    "asset/decision-overruled": "tests/test_review.py",
+    "asset/decision-outdated": "tests/test_review.py",
+    "asset/decision-unreadable": "tests/test_review.py",
     "asset/name-sanitised": "tests/unit/test_names.py",
 }

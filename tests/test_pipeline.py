@@ -175,7 +175,9 @@ def test_a_damaged_package_is_made_again(library: tuple[Path, dict]):
 def test_list_search_and_show(library: tuple[Path, dict]):
     out, _ = library
     assert {r["asset_id"] for r in json.loads(mana("assets", "list", out, "--json"))} >= {"cup", "ring", "duck"}
-    assert [r["asset_id"] for r in json.loads(mana("assets", "search", "duck", "--in", out, "--json"))] == ["duck"]
+    assert [r["asset_id"] for r in json.loads(mana("assets", "search", "duck", "--in", out, "--json"))["hits"]] == [
+        "duck"
+    ]
     assert "mass_kg" in mana("assets", "show", out / "cup")
 
 

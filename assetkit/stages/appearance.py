@@ -6,6 +6,7 @@ import math
 from dataclasses import fields, replace
 
 from assetkit.stage import Appearance, Draft, Stage, Tools
+from assetkit.surface_colours import surface_colours
 from schemas.asset import AppearanceSection
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Material, Model, TextureUse
@@ -19,12 +20,12 @@ class NormalizeAppearance(Stage):
     """Checks every material value against its range and every texture use against the textures that exist."""
 
     name = "appearance"
-    version = 1
+    version = 2
     result = Appearance
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Appearance]:
         """Clean materials, and a record of what has no counterpart in UsdPreviewSurface."""
-        return normalize(draft.intake.model)
+        return normalize(draft.model)
 
 
 def normalize(model: Model) -> Outcome[Appearance]:
@@ -51,6 +52,7 @@ def normalize(model: Model) -> Outcome[Appearance]:
     section = AppearanceSection(
         materials=tuple(m.name for m in materials),
         textures=tuple(used),
+        colours=surface_colours(replace(model, materials=tuple(materials))),
         unmapped={m.name: m.unmapped for m in materials if m.unmapped},
     )
     return Outcome(Appearance(tuple(materials), section), tuple(diagnostics), tuple(repairs))

@@ -48,6 +48,7 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
         unit = decide_unit(
             stated=model.meters_per_unit,
             chosen=options.units,
+            chosen_by=options.origin("units"),
             extent=item.file_extent,
             format_=item.format,
             name=f"{item.folder}/{Path(source_name).stem}",
@@ -56,7 +57,7 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
         )
     except InvalidInput as refused:
         return Outcome(None, (refused.diagnostic,))
-    up = decide_up_axis(model.up_axis, model.hints, options.up_axis)
+    up = decide_up_axis(model.up_axis, model.hints, options.up_axis, options.origin("up_axis"))
     R_AS = TO_Z_UP[up.axis.value]
     far = _recentred(low, high)
     centred = [replace(m, points=m.points - far.shift) for m in model.meshes]

@@ -97,7 +97,9 @@ def _folders(source: SourceFile) -> tuple[str, ...]:
 def _stated(options: Options) -> dict[str, str]:
     """What the user says about the origin, with where it was said; it overrules the file."""
     said = {"license": options.license, "author": options.author}
-    return {k: v for key, value in said.items() if value for k, v in ((key, value), (f"{key}_from", f"--{key}"))}
+    return {
+        k: v for key, value in said.items() if value for k, v in ((key, value), (f"{key}_from", options.origin(key)))
+    }
 
 
 def _require_readable(candidate: Candidate) -> None:

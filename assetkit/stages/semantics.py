@@ -108,7 +108,7 @@ def _outside(annotation: Annotation) -> Outside | None:
 
 def _category(annotation: Annotation, options: Options) -> Evidence[str]:
     if options.category:
-        return declared(options.category, "--category")
+        return declared(options.category, options.origin("category"))
     if annotation.category == UNKNOWN:
         return default(UNKNOWN, annotation.reason)
     return inferred(annotation.category, annotation.method, annotation.score, inputs=annotation.hypotheses[0].clues)
@@ -123,7 +123,7 @@ def _roles(
     category: Evidence[str], known: Category | None, answer: EndpointAnswer | None, options: Options
 ) -> tuple[Evidence[str], ...]:
     if options.role:
-        return (declared(options.role, "--role"),)
+        return (declared(options.role, options.origin("role")),)
     usual = {role: _alike(category, role, "usual role of the category") for role in (known.roles if known else ())}
     seen = answer.roles if answer else {}
     others = (inferred(r, answer.method, SEEN * chance) for r, chance in seen.items() if answer and r not in usual)

@@ -1,0 +1,126 @@
+"""Decisions of people: kept in a file that only grows, and replayed whenever the same content is ingested again."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from assetkit.discover import Candidate
+from assetkit.options import Options
+from jobs.cache import file_sha256
+from schemas.decision import Decision
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
+
+DECISIONS = "decisions.jsonl"
+
+
+def read_decisions(out: Path) -> tuple[Decision, ...]:
+    """All decisions of an output folder, oldest first; () where there are none.
+
+    Raises InvalidInput (`asset/decision-unreadable`) with the line that is no decision: leaving it out silently would
+    undo what somebody decided.
+    """
+    path = out / DECISIONS
+    if not path.is_file():
+        return ()
+    decisions = []
+    for number, line in enumerate(path.read_bytes().splitlines(), start=1):
+        try:
+            decisions.append(Decision.model_validate_json(line))
+        except ValidationError as error:
+            first = error.errors()[0]
+            reason = ".".join(str(p) for p in first["loc"]) + f" {first['msg']}"
+            where = Location(file=DECISIONS, line=number)
+            headline = f"{DECISIONS} line {number} is no decision: {reason.strip()}"
+            raise InvalidInput(finding("asset/decision-unreadable", headline, where=where)) from error
+    return tuple(decisions)
+
+
+def record_decision(decision: Decision, out: Path) -> None:
+    """Append one decision. It is one write at the end of the file, so that two people can decide at the same time."""
+    line = decision.model_dump_json(exclude_defaults=True) + "\n"
+    with (out / DECISIONS).open("ab", buffering=0) as file:
+        file.write(line.encode())
+
+
+def date_of_decision() -> str | None:
+    """The day of SOURCE_DATE_EPOCH, None where that is not set to a number: equal decisions give equal bytes."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    return datetime.fromtimestamp(int(epoch), UTC).date().isoformat() if epoch.isdecimal() else None
+
+
+def with_decisions(options: Options, candidate: Candidate, decisions: Sequence[Decision]) -> Options:
+    """The options of one source: with the decisions about its very content, and those about what it was before.
+
+    Sources that nobody decided about keep their options, and with them their stored results. Raises OSError when the
+    file cannot be read.
+    """
+    if not decisions or not candidate.file.path.is_file():
+        return options
+    sha256 = file_sha256(candidate.file.path)
+    about = [d for d in decisions if d.source_sha256 == sha256 and _has_references(candidate, d)]
+    before = [d for d in decisions if d.source == candidate.given and d not in about]
+    # After a decision about the present content, older ones about other content have nothing left to say.
+    return options.model_copy(update={"decisions": tuple(about), "outdated": () if about else tuple(before)})
+
+
+def _has_references(candidate: Candidate, decision: Decision) -> bool:
+    folder = candidate.file.path.resolve().parent
+    paths = {folder / name: sha for name, sha in decision.references.items()}
+    return all(path.is_file() and file_sha256(path) == sha for path, sha in paths.items())
+
+
+def decision_findings(batch: Options, number: int) -> tuple[Diagnostic, ...]:
+    """What the user should know about the decisions on object `number` of a source under the options of its batch."""
+    outdated = [
+        finding(
+            "asset/decision-outdated",
+            f"the file has changed since {_who(d)} decided about it; the decision was not used",
+            value=_what(d),
+        )
+        for d in batch.outdated
+        if d.object in (0, number)
+    ]
+    about = [d for d in batch.decisions if d.object in (0, number)]
+    made = [finding("asset/decided-by-person", f"{_who(d)} decided: {_what(d)}{_why(d)}") for d in about]
+    return (*outdated, *made, *_conflicts(batch, about))
+
+
+def _conflicts(batch: Options, about: Sequence[Decision]) -> Iterable[Diagnostic]:
+    """Statements that a later decision overrules, of earlier decisions and of the command line."""
+    for field in dict.fromkeys(name for d in about for name in d.set):
+        said = [(d.set[field], _who(d)) for d in about if field in d.set]
+        flag = batch.model_dump()[field]
+        if flag not in (None, "auto"):
+            said.insert(0, (flag, f"--{field.replace('_', '-')}"))
+        stands, who = said[-1]
+        for value, other in said[:-1]:
+            if value != stands:
+                headline = f"{field}: '{stands}' by {who} stands, '{value}' by {other} is overruled"
+                yield finding("asset/decision-overruled", headline, value=stands, bound=value)
+    verdicts = [d for d in about if d.accept is not None]
+    for earlier in verdicts[:-1]:
+        if earlier.accept != verdicts[-1].accept:
+            headline = f"'{_verdict(verdicts[-1])}' by {_who(verdicts[-1])} stands, not that of {_who(earlier)}"
+            yield finding("asset/decision-overruled", headline)
+
+
+def _verdict(decision: Decision) -> str:
+    return "accepted as it is" if decision.accept else "acceptance withdrawn"
+
+
+def _what(decision: Decision) -> str:
+    said = [f"{field} is {value}" if value else f"{field} is not stated" for field, value in decision.set.items()]
+    return ", ".join([*said, *([] if decision.accept is None else [_verdict(decision)])])
+
+
+def _who(decision: Decision) -> str:
+    return decision.by if decision.date is None else f"{decision.by} ({decision.date})"
+
+
+def _why(decision: Decision) -> str:
+    return f" ({decision.reason})" if decision.reason else ""

@@ -1,0 +1,67 @@
+"""Limits of size and mass in a request: "under 10 cm", "between 5 and 8 in", "at least 200 g", "12 cm tall"."""
+
+from __future__ import annotations
+
+import re
+
+from assetkit.search.wishes import Field, Wish
+
+ABOUT = 0.2  # "About 10 cm", or just "10 cm": within 20 %.
+_LENGTH_M = {"mm": 0.001, "cm": 0.01, "m": 1.0, "meter": 1.0, "metre": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
+_MASS_KG = {"g": 0.001, "gram": 0.001, "kg": 1.0, "lb": 0.4536, "lbs": 0.4536, "oz": 0.02835}
+_MOST = (
+    "under|below|less than|smaller than|shorter than|lighter than|lower than|at most|max|maximum|up to|no more than|<=?"
+)
+_LEAST = (
+    "over|above|more than|larger than|bigger than|longer than|taller than|higher than|heavier than|at least|min|>=?"
+)
+_UNIT = "mm|cm|inches|inch|in|ft|meters|metres|meter|metre|m|kg|grams|gram|g|lbs|lb|oz"
+_NUMBER = r"\d+(?:[.,]\d+)?"
+_LIMIT = re.compile(
+    rf"(?:(?P<most>{_MOST})|(?P<least>{_LEAST})|(?:about|around|roughly)|(?P<span>between|from))?\s*"
+    rf"\b(?P<first>{_NUMBER})(?:\s*(?:and|to|-)\s*(?P<second>{_NUMBER}))?\s*(?P<unit>{_UNIT})\b"
+    r"(?:\s+(?P<upright>tall|high|in height)\b|\s+(?:long|wide|across|in size|in length)\b)?"
+)
+
+
+def read_limits(request: str) -> tuple[tuple[Wish, ...], str]:
+    """The limits in a lower-case request, and what is left of it.
+
+    A length limits the longest edge of the box around the asset, or its height where the words say so.
+    """
+    wishes = tuple(_wish(match) for match in _LIMIT.finditer(request))
+    return wishes, _LIMIT.sub(" ; ", request)
+
+
+def limit_of(text: str, field: Field) -> float:
+    """A figure with its unit, "10cm" or "0.5 kg", in metres or kilograms. Raises ValueError when it is none."""
+    units = _MASS_KG if field == "mass_kg" else _LENGTH_M
+    match = re.fullmatch(rf"\s*({_NUMBER})\s*([a-z]+)\s*", text.lower())
+    if match is None or _singular(match[2]) not in units:
+        raise ValueError(f"'{text}' is no figure with a unit ({', '.join(units)})")
+    return _figure(match[1]) * units[_singular(match[2])]
+
+
+def _wish(match: re.Match[str]) -> Wish:
+    unit = _singular(match["unit"])
+    field, scale = ("mass_kg", _MASS_KG[unit]) if unit in _MASS_KG else ("size_m", _LENGTH_M[unit])
+    if field == "size_m" and (match["upright"] or re.match("taller|higher|lower", match[0])):
+        field = "height_m"
+    first = _figure(match["first"]) * scale
+    if match["second"]:
+        low, high = sorted((first, _figure(match["second"]) * scale))
+    elif match["most"]:
+        low, high = 0.0, first
+    elif match["least"]:
+        low, high = first, float("inf")
+    else:
+        low, high = first * (1 - ABOUT), first * (1 + ABOUT)
+    return Wish(match[0].strip(), field, low=low, high=high, reading=f"{field} {low:.4g} to {high:.4g}")
+
+
+def _singular(unit: str) -> str:
+    return {"inches": "inch", "meters": "meter", "metres": "metre", "grams": "gram"}.get(unit, unit)
+
+
+def _figure(text: str) -> float:
+    return float(text.replace(",", "."))
