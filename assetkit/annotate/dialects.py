@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Annotated, Any, ClassVar, NamedTuple, Protocol
 from urllib.parse import quote
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -18,6 +18,7 @@ from assetkit.annotate.question import Question
 from assetkit.options import Endpoint
 
 _MAX_TOKENS = 4096  # Models that think aloud need some thousand.
+_Tokens = Annotated[int, Field(ge=0, le=10**9)]
 Settings = Mapping[str, float]
 
 
@@ -57,8 +58,8 @@ class _OpenAiChoice(_Reply):
 
 
 class _OpenAiUsage(_Reply):
-    prompt_tokens: int = Field(default=0, ge=0)
-    completion_tokens: int = Field(default=0, ge=0)
+    prompt_tokens: _Tokens = 0
+    completion_tokens: _Tokens = 0
 
 
 class _OpenAiReply(_Reply):
@@ -114,9 +115,9 @@ class _GeminiCandidate(_Reply):
 
 
 class _GeminiUsage(_Reply):
-    prompt: int = Field(default=0, ge=0, alias="promptTokenCount")
-    answer: int = Field(default=0, ge=0, alias="candidatesTokenCount")
-    thoughts: int = Field(default=0, ge=0, alias="thoughtsTokenCount")
+    prompt: _Tokens = Field(default=0, alias="promptTokenCount")
+    answer: _Tokens = Field(default=0, alias="candidatesTokenCount")
+    thoughts: _Tokens = Field(default=0, alias="thoughtsTokenCount")
 
 
 class _GeminiReply(_Reply):

@@ -80,6 +80,8 @@ def exchange(post: Post, key: str) -> Reply:
     Waits grow fourfold from `wait_s`; what `Retry-After` asks for is kept up to `MAX_WAIT_S`. Never raises for what the
     endpoint does. The key is blotted out of what comes back.
     """
+    if not (key.isascii() and key.isprintable()):  # `http.client` would tell it in its error.
+        return Reply(failure=f"the key in {KEY_VARIABLE} cannot be sent")
     reply, retry_after = Reply(), None
     for attempt in range(ATTEMPTS):
         if attempt:
@@ -115,8 +117,8 @@ def _attempt(post: Post, key: str) -> tuple[Reply, float | None]:
         return Reply(failure=failure), None
     except (OSError, HTTPException) as error:
         return Reply(failure=f"the connection broke: {type(error).__name__}"), None
-    except ValueError:  # Of `http.client`, whose message holds the header's value.
-        return Reply(status=400, failure=f"the key in {KEY_VARIABLE} cannot be sent"), None
+    except ValueError:  # A host name that is none, or a redirect to one.
+        return Reply(failure="the address is none"), None
 
 
 def _read(response: Any, status: int, key: str, deadline: float) -> Reply:

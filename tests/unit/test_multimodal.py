@@ -115,6 +115,7 @@ def test_what_goes_over_the_wire(kind: str, path: str, header: str, key: str):
         "[" * 100_000,
         '{"choices": []}',
         openai(None),
+        openai(answer(mug=0.9)).replace("1000", "9" * 400),
         openai("I cannot help with that."),
         openai(answer(mug=0.9), finish="length"),
         openai(answer(mug=0.9), finish="content_filter"),
@@ -159,6 +160,14 @@ def test_nobody_listens():
     with endpoint(says("")) as server:
         pass
     assert "not reached" in assert_falls_back(asking(server).annotate(seen()), seen())
+
+
+@pytest.mark.parametrize("place", ["http://[::x/v1", "//", "file:///etc/passwd", "http://\u2024/", ""])
+def test_redirects_to_nowhere(place: str):
+    with endpoint(says("", 302, Location=place.encode().decode("latin-1"))) as server:
+        found = asking(server).annotate(seen("025_mug"))
+    assert found.category == "mug"
+    assert len(told(found)) == 1
 
 
 @pytest.mark.parametrize("status", [429, 500, 503])
