@@ -8,6 +8,7 @@ against either is measured, and believed.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 from assetkit.annotate.annotator import STANDS, UNKNOWN, Annotation, Asked, Hypothesis, Shape, decided
@@ -31,14 +32,19 @@ def weigh(embedded: Annotation, asked: Asked, shape: Shape) -> Annotation:
     found = []
     for name in dict.fromkeys((*seen, *named)):
         sides = [side[name] for side in (seen, named) if name in side]
-        own_seen, own_named = (side[name].score if name in side else 0.0 for side in (seen, named))
+        own_seen, own_named = _score(seen, name), _score(named, name)
         doubt = (1.0 - (lead_seen - own_seen)) * (1.0 - (lead_named - own_named))
         clues = tuple(dict.fromkeys(clue for side in sides for clue in side.clues))
         found.append(Hypothesis(name, round(max(own_seen, own_named) * doubt, 3), clues))
     against = _contradictions(embedded, answer, shape)
     result = decided(found, embedded.method, (*embedded.contradictions, *against))
-    method = answer.method if result.hypotheses[0].category in seen else embedded.method
+    best = result.hypotheses[0].category
+    method = answer.method if _score(seen, best) > _score(named, best) else embedded.method
     return replace(result, method=method, disputed=bool(against), asked=asked)
+
+
+def _score(side: Mapping[str, Hypothesis], category: str) -> float:
+    return side[category].score if category in side else 0.0
 
 
 def _seen(category: str, chance: float, method: str, shape: Shape) -> Hypothesis:

@@ -312,6 +312,7 @@ def test_both_saying_the_same_prove_no_more_than_the_surer():
     alone = EmbeddedAnnotator().annotate(seen("025_mug"))
     both = weighed(seen("025_mug"), mug=0.9)
     assert score_of(both, "mug") == max(alone.score, score_of(weighed(seen(), mug=0.9), "mug"))
+    assert both.method == alone.method  # The names are surer.
     assert not both.disputed
 
 
