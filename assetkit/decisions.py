@@ -6,16 +6,24 @@ import os
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import get_args
 
 from pydantic import ValidationError
 
 from assetkit.discover import Candidate
-from assetkit.options import Options
+from assetkit.options import Options, UnitName, UpAxisName
 from jobs.cache import file_sha256
+from schemas.asset import Role
 from schemas.decision import Decision
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 
 DECISIONS = "decisions.jsonl"
+# Fields that take only certain values; an empty text withdraws any of them.
+ALLOWED: dict[str, tuple[str, ...]] = {
+    "role": get_args(Role),
+    "units": get_args(UnitName),
+    "up_axis": get_args(UpAxisName),
+}
 
 
 def read_decisions(out: Path) -> tuple[Decision, ...]:
@@ -30,14 +38,21 @@ def read_decisions(out: Path) -> tuple[Decision, ...]:
     decisions = []
     for number, line in enumerate(path.read_bytes().splitlines(), start=1):
         try:
-            decisions.append(Decision.model_validate_json(line))
-        except ValidationError as error:
-            first = error.errors()[0]
+            decisions.append(_checked(Decision.model_validate_json(line)))
+        except ValueError as error:
+            first = error.errors()[0] if isinstance(error, ValidationError) else {"loc": ("set",), "msg": str(error)}
             reason = ".".join(str(p) for p in first["loc"]) + f" {first['msg']}"
             where = Location(file=DECISIONS, line=number)
             headline = f"{DECISIONS} line {number} is no decision: {reason.strip()}"
             raise InvalidInput(finding("asset/decision-unreadable", headline, where=where)) from error
     return tuple(decisions)
+
+
+def _checked(decision: Decision) -> Decision:
+    for field, value in decision.set.items():
+        if value and value not in ALLOWED.get(field, (value,)):
+            raise ValueError(f"{field} must be one of {', '.join(ALLOWED[field])}")
+    return decision
 
 
 def record_decision(decision: Decision, out: Path) -> None:

@@ -10,20 +10,12 @@ import typer
 from rich.markup import escape
 
 from assetkit.annotate.name_reading import category_called
-from assetkit.decisions import DECISIONS, read_decisions, record_decision
-from assetkit.options import UnitName, UpAxisName
+from assetkit.decisions import ALLOWED, DECISIONS, read_decisions, record_decision
 from assetkit.review import Question, decision_about, items_called, questions, read_report
 from cli import text
-from schemas.asset import Role
 from schemas.decision import DecidedField, Decision
 from schemas.outcome import ItemOutcome
 from schemas.report import ReportItem
-
-_ALLOWED: dict[str, tuple[str, ...]] = {
-    "role": get_args(Role),
-    "units": get_args(UnitName),
-    "up_axis": get_args(UpAxisName),
-}
 
 
 def review_command(
@@ -112,7 +104,7 @@ def _field_and_value(said: str) -> tuple[DecidedField, str]:
     if not equals or field not in get_args(DecidedField):
         known = ", ".join(get_args(DecidedField))
         raise typer.BadParameter(f"'{said}' is not FIELD=VALUE with one of {known}", param_hint="--set")
-    allowed = _ALLOWED.get(field)
+    allowed = ALLOWED.get(field)
     if allowed and value and value not in allowed:
         raise typer.BadParameter(f"{field} must be one of {', '.join(allowed)}", param_hint="--set")
     return cast(DecidedField, field), value

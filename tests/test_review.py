@@ -51,10 +51,13 @@ def test_decisions_are_only_ever_appended_and_read_back(mug: Path, tmp_path: Pat
     assert b"date" not in before
 
 
-def test_a_damaged_line_stops_the_batch_and_is_named(mug: Path, tmp_path: Path):
+@pytest.mark.parametrize(
+    "line", ['{"by": "Bob"}', "{", "", '{"source": "a", "source_sha256": "b", "by": "Bob", "set": {"units": "miles"}}']
+)
+def test_a_damaged_line_stops_the_batch_and_is_named(line: str, mug: Path, tmp_path: Path):
     record_decision(decision(mug, accept=True), tmp_path)
     with (tmp_path / DECISIONS).open("a") as file:
-        file.write('{"by": "Bob", "set": {"colour": "red"}}\n')
+        file.write(line + "\n")
     with pytest.raises(InvalidInput) as refused:
         read_decisions(tmp_path)
     assert refused.value.diagnostic.code == "asset/decision-unreadable"

@@ -45,8 +45,10 @@ def read(request: str) -> dict[str, object]:
         ("bottle at least 0,2 kg", {"category": ("bottle",), "mass_kg": (0.2, INF)}),
         ("vase taller than 20cm", {"category": ("vase",), "height_m": (0.2, INF)}),
         ("can", {"category": ("can",)}),
+        ("a container", {"family": ("containers",)}),
+        ("mug no more than 10 cm", {"category": ("mug",), "size_m": (0.0, 0.1)}),
+        ("mug not taller than 10 cm", {"category": ("mug",), "height_m": (0.0, 0.1)}),
         ("", {}),
-        ("?!", {}),
     ],
 )
 def test_requests_are_read(request_: str, meaning: dict[str, object]):
@@ -126,6 +128,33 @@ def test_a_strange_word_beside_a_known_thing_is_said_and_ranks_only():
     found = find("nice red mug")
     assert ids(found) == ["red_mug"]
     assert [w.words for w in found.unmatched] == ["nice"]
+
+
+@pytest.mark.parametrize(
+    ("request_", "denied"),
+    [
+        ("not red mug", ["not red"]),
+        ("mug without a handle", ["not handle"]),
+        ("mug that is not red", ["not red"]),
+        ("container other than a mug", ["not mug"]),
+        ("tray without an opening", ["an opening"]),
+    ],
+)
+def test_what_is_denied_is_not_wished_for(request_: str, denied: list[str]):
+    wishes = read_request(request_)
+    assert [w.words for w in wishes if w.denied] == denied
+    assert [w.field for w in wishes if w.names_thing] in (["category"], ["family"])
+
+
+def test_a_denied_colour_must_be_known_to_be_another():
+    assert ids(find("mug that is not red")) == ["blue_mug"]
+
+
+@pytest.mark.parametrize("request_", ["杯子", "the thing", "?!", "red 杯子"])
+def test_a_request_that_says_nothing_known_finds_nothing(request_: str):
+    found = find(request_)
+    assert not found.hits
+    assert found.unmatched
 
 
 def test_an_affordance_counts_more_than_an_opening():

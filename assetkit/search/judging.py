@@ -11,7 +11,7 @@ from assetkit.search.facts import Facts, Sure
 from assetkit.search.wishes import Wish
 
 # How far an indirect sign counts against a direct one.
-CHANCE, BY_SHAPE, USUAL_PART, FAINT_COLOUR = 0.5, 0.6, 0.3, 0.15
+CHANCE, BY_SHAPE, USUAL_PART, FAINT_COLOUR, NOT_SO = 0.5, 0.6, 0.3, 0.15, 0.7
 # What a task needs where no affordance was recorded: an opening for what goes in and out, a face for what stands on it.
 _ANCHOR_OF_TASK = {"pour": "volume", "fill": "volume", "stand on": "surface"}
 _ANCHOR_WORDS = {"volume": "an inside with an opening", "surface": "a surface to stand things on"}
@@ -33,6 +33,19 @@ TextHit = Mapping[str, tuple[str, float, str]]  # asset id -> field, confidence,
 
 def judge(wish: Wish, asset: Facts, texts: Mapping[Wish, TextHit]) -> Answer:
     """The answer of an asset. `texts` holds, for wishes that ask for a text, the assets whose texts hold it."""
+    if wish.denied:
+        return _denied(wish, _granted(wish, asset, texts))
+    return _granted(wish, asset, texts)
+
+
+def _denied(wish: Wish, answer: Answer) -> Answer:
+    """The answer to the opposite: what is recorded otherwise grants it, what nobody knows does not."""
+    if answer.confidence > 0.0 or answer.value == UNKNOWN:
+        return Answer(wish, answer.field, answer.value, 0.0, f"not to be so; {answer.evidence}")
+    return Answer(wish, answer.field, answer.value, NOT_SO, f"nothing says so; {answer.evidence}")
+
+
+def _granted(wish: Wish, asset: Facts, texts: Mapping[Wish, TextHit]) -> Answer:
     match wish.field:
         case "category":
             return _category(wish, asset)

@@ -10,7 +10,8 @@ ABOUT = 0.2  # "About 10 cm", or just "10 cm": within 20 %.
 _LENGTH_M = {"mm": 0.001, "cm": 0.01, "m": 1.0, "meter": 1.0, "metre": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 _MASS_KG = {"g": 0.001, "gram": 0.001, "kg": 1.0, "lb": 0.4536, "lbs": 0.4536, "oz": 0.02835}
 _MOST = (
-    "under|below|less than|smaller than|shorter than|lighter than|lower than|at most|max|maximum|up to|no more than|<=?"
+    "not (?:over|above|(?:more|larger|bigger|longer|taller|higher|heavier) than)|no more than|"
+    "under|below|less than|smaller than|shorter than|lighter than|lower than|at most|max|maximum|up to|<=?"
 )
 _LEAST = (
     "over|above|more than|larger than|bigger than|longer than|taller than|higher than|heavier than|at least|min|>=?"
@@ -45,7 +46,7 @@ def limit_of(text: str, field: Field) -> float:
 def _wish(match: re.Match[str]) -> Wish:
     unit = _singular(match["unit"])
     field, scale = ("mass_kg", _MASS_KG[unit]) if unit in _MASS_KG else ("size_m", _LENGTH_M[unit])
-    if field == "size_m" and (match["upright"] or re.match("taller|higher|lower", match[0])):
+    if field == "size_m" and (match["upright"] or re.search("taller|higher|lower", match[0])):
         field = "height_m"
     first = _figure(match["first"]) * scale
     if match["second"]:

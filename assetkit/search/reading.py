@@ -10,6 +10,7 @@ import csv
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 from typing import NamedTuple
@@ -25,6 +26,7 @@ _LONGEST = 4
 _SIZES_M = {"tiny": (0.0, 0.03), "small": (0.0, 0.10), "large": (0.30, float("inf")), "huge": (1.0, float("inf"))}
 _EDIBLE = "food"  # As a material it is what things hold, not what they are made of: "bowl for fruit".
 _JOINING = frozenset(("or", "and"))
+_ARTICLES = frozenset(("a", "an", "the", "any"))
 
 
 class _Phrase(NamedTuple):
@@ -40,17 +42,47 @@ class _Noun(NamedTuple):
 
 
 def read_request(request: str) -> tuple[Wish, ...]:
-    """The wishes of a request, in the order of their kinds; () when it holds no word."""
-    plain = unicodedata.normalize("NFKD", request).encode("ascii", "ignore").decode().lower()
+    """The wishes of a request, in the order of their kinds; () when it is empty. A request without a word that says
+    anything is a wish for itself, so that it finds nothing rather than everything.
+    """
+    plain = "".join(c for c in unicodedata.normalize("NFKD", request) if not unicodedata.combining(c)).lower()
     limits, rest = read_limits(plain)
-    words = re.findall(r"[a-z]+|\d+|;", rest)
+    words = re.findall(r"[^\W\d_]+|\d+|;", rest)
     taken: dict[int, _Phrase] = dict(_phrases(words))
-    things, used = _things(words, taken)
+    denied = _denied(words, taken)
+    things, used = _things(words, taken, denied)
     left = [i for i in range(len(words)) if i not in taken and i not in used and words[i] != ";"]
     wanted = [categories()[v] for t in things if t.field == "category" for v in t.values]
-    asked = [_asked(phrase, text, wanted) for phrase, text in _spoken(words, taken) if phrase.kind != "stop"]
-    named = [_property(words, i, things) for i in left]
-    return (*things, *named, *asked, *limits)
+    asked = [
+        replace(_asked(phrase, text, wanted), denied=bool({i for i in denied if taken.get(i) == phrase}))
+        for phrase, text in _spoken(words, taken)
+        if phrase.kind not in ("stop", "not")
+    ]
+    named = [_denying(wish) if i in denied else wish for i in left for wish in [_property(words, i, things)]]
+    found = (*things, *named, *asked, *limits)
+    if found or not plain.strip():
+        return found
+    return (Wish(request.strip(), "text", reading="nothing that could be looked for"),)
+
+
+def _denied(words: Sequence[str], taken: dict[int, _Phrase]) -> set[int]:
+    """Positions that "not" (the next word) and "without" (all words up to the next phrase) deny."""
+    denied: set[int] = set()
+    for i, phrase in taken.items():
+        if phrase.kind != "not" or taken.get(i + 1) == phrase:
+            continue
+        j = i + 1
+        while j < len(words) and words[j] in _ARTICLES and taken[j].kind == "stop":
+            j += 1
+        end = j + 1
+        while end < len(words) and taken.get(end) == taken.get(j) and words[end] != ";":
+            end += 1
+        denied |= set(range(j, end if phrase.value == "all" or j in taken else j + 1)) & set(range(len(words)))
+    return denied
+
+
+def _denying(wish: Wish) -> Wish:
+    return replace(wish, words=f"not {wish.words}", reading=f"not: {wish.reading}", denied=True, soft=False)
 
 
 def _phrases(words: Sequence[str]) -> Iterator[tuple[int, _Phrase]]:
@@ -92,7 +124,7 @@ def _size_word(value: str, words: str, wanted: Sequence[Category]) -> Wish:
     return Wish(words, "size_m", low=low, high=high, reading=reading, soft=True)
 
 
-def _things(words: Sequence[str], taken: dict[int, _Phrase]) -> tuple[tuple[Wish, ...], set[int]]:
+def _things(words: Sequence[str], taken: dict[int, _Phrase], denied: set[int]) -> tuple[tuple[Wish, ...], set[int]]:
     """The wish for the kind of thing, and the positions that said it; () when no category or family is named.
 
     The head of the first run of words that holds a noun is the thing; the heads of runs that "or" and "and" join to it
@@ -100,7 +132,7 @@ def _things(words: Sequence[str], taken: dict[int, _Phrase]) -> tuple[tuple[Wish
     """
     runs = [run for run in _runs(words, taken) if run]
     heads = [(run, _head(words, run)) for run in runs]
-    known = [(run, noun) for run, noun in heads if noun is not None]
+    known = [(run, noun) for run, noun in heads if noun is not None and noun.start not in denied]
     if not known or (known[0][1].category is None and not known[0][1].family):
         return (), set()
     chosen = [known[0]]
@@ -193,7 +225,7 @@ def _table() -> dict[tuple[str, ...], _Phrase]:
 def _families() -> dict[str, str]:
     """Family ids by what people call them: the id, and without a plural s."""
     named = {family.replace("_", " "): family for family in families()}
-    return named | {name.removesuffix("s"): family for name, family in named.items() if category_called(name) is None}
+    return named | {name.removesuffix("s"): family for name, family in named.items()}
 
 
 @cache

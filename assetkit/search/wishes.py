@@ -20,6 +20,7 @@ class Wish:
     names_thing  whether it says what kind of thing is wanted: without an answer to it nothing is a hit.
     soft     an asset without it ranks lower and is still a hit.
     stated   only what the record states counts, no mere chance (flags).
+    denied   it must not be so: "not red", "without a handle".
     """
 
     words: str
@@ -31,3 +32,4 @@ class Wish:
     names_thing: bool = False
     soft: bool = False
     stated: bool = False
+    denied: bool = False
