@@ -18,7 +18,8 @@ def accepted_by_person(journal: Journal, options: Options) -> Journal:
     verdict = next((d for d in reversed(options.decisions) if d.accept is not None), None)
     if verdict is None or not verdict.accept or not any(e.review for e in journal.entries.values()):
         return journal
-    doubts = {d.code for d in journal.diagnostics if d.severity is not Severity.INFO}
+    entries = journal.entries.values()
+    doubts = {d.code for e in entries for d in e.diagnostics if e.review or d.severity is not Severity.INFO}
     unseen = sorted(doubts - set(verdict.known))
     settled = journal.copy()
     if unseen:

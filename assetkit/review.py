@@ -139,9 +139,7 @@ def decision_about(
         object=int(about[0].asset_id.rpartition("-")[2]) if one_of_several else 0,
         set=set_,
         accept=accept,
-        known=tuple(sorted({d.code for r in about for d in r.diagnostics if d.severity is not Severity.INFO}))
-        if accept
-        else (),
+        known=tuple(sorted({d.code for r in about for d in r.diagnostics})) if accept else (),
         by=by,
         reason=reason,
         date=date_of_decision(),

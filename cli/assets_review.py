@@ -17,6 +17,8 @@ from schemas.decision import DecidedField, Decision
 from schemas.outcome import ItemOutcome
 from schemas.report import ReportItem
 
+_OF_THE_FILE = {"license", "author", "units", "up_axis"}
+
 
 def review_command(
     library: Annotated[Path, typer.Argument(help="An output folder of `mana assets ingest`.", exists=True)],
@@ -90,8 +92,11 @@ def _decision(
     if not by or not by.strip():
         raise typer.BadParameter("say who decides", param_hint="--by")
     said = dict(_field_and_value(text_) for text_ in set_)
-    if name in meant.packages and len(meant.packages) > 1 and {"license", "author"} & set(said):
-        raise typer.BadParameter(f"license and author are of the whole file: name {meant.source}", param_hint="--set")
+    if name in meant.packages and len(meant.packages) > 1 and (whole := _OF_THE_FILE & set(said)):
+        shown = " and ".join(sorted(whole))
+        raise typer.BadParameter(
+            f"{shown}: the same for all objects of the file; name {meant.source}", param_hint="--set"
+        )
     try:
         return decision_about(library, meant, name, set_=said, accept=accept, by=by.strip(), reason=reason)
     except LookupError as nothing:
