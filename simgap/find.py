@@ -22,12 +22,15 @@ from schemas.gap import (
 from schemas.model import FloatArray
 from simgap.all_effects import all_effects_losses
 from simgap.black_box import corrected
+from simgap.fit import spread
 from simgap.pairing import others_inputs_trap, pairing_trap
 from simgap.problem import Farsighted, Model, Problem, View
 from simgap.score import Comparison, compare, trial_losses
 from simgap.search import MOST_EFFECTS, Map, Selection, select
 from simgap.splits import Trials
 from simgap.verdict import NAMED, agrees, judge
+
+_NOISE_LOSS = 1.3  # mean loss, in typical errors, of noise that grows along a roll-out
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ def find(
     doubts = [trap for trap in (others, pairing) if trap is not None]
     traps = (*traps, *doubts)
     strange = any(trap.status == "suspect" for trap in doubts)
-    verdict = judge(problem, selection, trials.train, leftover, strange)
+    verdict = judge(problem, selection, trials.train, leftover, _in_tails(problem, selection, trials), strange)
     named = [e for e in verdict.effects if e.confidence >= NAMED]
     extension = ModelExtension(
         measurement=measurement,
@@ -109,6 +112,14 @@ def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatA
     judged = problem.residuals(model, trials.test, view)
     better = corrected(problem.features(trials.train, view), teach, problem.features(trials.test, view), judged)
     return trial_losses(better, selection.scale)
+
+
+def _in_tails(problem: Problem, selection: Selection, trials: Trials) -> float:
+    """Share of the final model's held-out loss that lies in tails longer than noise has."""
+    model, view = selection.final.model, search_view(problem)
+    level = spread(problem, model, trials.train, view)
+    loss = float(trial_losses(problem.residuals(model, trials.test, view), level).mean())
+    return max(0.0, 1.0 - _NOISE_LOSS / max(loss, 1e-12))
 
 
 def _baseline(problem: Problem, trials: Trials) -> Baseline:

@@ -16,7 +16,7 @@ import numpy as np
 from schemas.model import FloatArray
 from simgap.fit import Errors, Fit, extend, fit, promising, rollout_errors, spread
 from simgap.numerics import Numerics, numerics
-from simgap.problem import Candidate, DirectEstimate, Farsighted, Problem, View
+from simgap.problem import Candidate, DirectEstimate, Farsighted, Problem, Term, View
 from simgap.score import Comparison, adjusted, compare, paired_p, trial_losses
 from simgap.splits import Trials
 
@@ -29,7 +29,8 @@ _FINALISTS = 6
 _TOLD = 3  # finalists by direct estimates
 _SHOWS = 0.3  # chance below which a quick look is followed by a long one
 _SCREEN_STEPS = 2
-_AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
+AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
+_SMOOTHED = 0.01  # share of what the best takes away by which it must be ahead
 _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
 _REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
 _RICHER = 1  # parameters more that a rival of another kind may have: a spring has a rest beside its stiffness
@@ -112,6 +113,8 @@ def select(
         this = _round(base, errors, list(each(_screening(problem, *near, trials), free)), farther)
         rounds.append(this)
         before = judged(base, level)
+        for place, found in enumerate(accepted):
+            rivals[place] = (*rivals[place], *_in_its_place(this, base, found, rivals[place]))
         worthy = _looking_ahead(errors, _worthy(this, base))
         confirmed = (t for t in worthy if _confirmed(before, judged(t.fit, level)))
         asked = ((t, numerics(problem, trials.train, view, base.model, t.fit.model)) for t in confirmed)
@@ -272,16 +275,27 @@ def _worthy(this: Round, base: Fit) -> list[Trial]:
 
 def _takes_a_place(extended: Fit, base: Fit) -> bool:
     """Whether an effect accepted before all but vanishes beside the new one: that is another name, not one more."""
-    after = {t.candidate.key: t for t in extended.model}
-    for term in base.model:
-        now = after.get(term.candidate.key)
-        if now is None or term.candidate.nuisance:
-            continue
-        names = [n for n in term.values if n not in term.candidate.shapes]
-        null = term.candidate.null
-        if all(abs(now.values[n] - null[n]) < _REPLACED * abs(term.values[n] - null[n]) for n in names):
-            return True
-    return False
+    return any(_vanishes(term, extended) for term in base.model)
+
+
+def _vanishes(term: Term, extended: Fit) -> bool:
+    now = next((t for t in extended.model if t.candidate.key == term.candidate.key), None)
+    if now is None or term.candidate.nuisance:
+        return False
+    null = term.candidate.null
+    names = [n for n in term.values if n not in term.candidate.shapes]
+    return all(abs(now.values[n] - null[n]) < _REPLACED * abs(term.values[n] - null[n]) for n in names)
+
+
+def _in_its_place(this: Round, base: Fit, found: Trial, known: Sequence[Trial]) -> list[Trial]:
+    """Significant candidates beside which what was found before all but vanishes: they may be what it is."""
+    term = next(t for t in base.model if t.candidate.key == found.candidate.key)
+    taken = {t.candidate.key for t in known}
+    return [
+        trial
+        for trial, p in zip(this.tried, this.p_adjusted, strict=True)
+        if p < LEVEL and trial.candidate.key not in taken and _vanishes(term, trial.fit)
+    ]
 
 
 def _rivals(simpler: Trial, best: Trial) -> bool:
@@ -327,7 +341,18 @@ def _delta_bic(base: Fit, fitted: Fit) -> float:
 def _beaten(rival: Trial, best: Trial) -> bool:
     """Whether the best leaves less than the rival, beyond chance and by more than smoothing may do."""
     ahead = compare(rival.fit.held_out, best.fit.held_out)
-    return ahead.p_value < AS_GOOD and ahead.gain > _AHEAD_GAIN
+    return ahead.p_value < AS_GOOD and _ahead(rival.fit, best.fit, best)
+
+
+def _ahead(rival: Fit, better: Fit, best: Trial) -> bool:
+    """Whether `better` leaves less than smoothing may do, as a share of what is left and of what `best` takes away.
+
+    Readings and inputs are shifted and smoothed on the way to either: that errs with the size of what is hidden.
+    """
+    left, least = float(rival.held_out.mean()), float(better.held_out.mean())
+    gain = min(best.comparison.gain, 0.999)
+    taken = float(best.fit.held_out.mean()) * gain / (1.0 - gain)
+    return left - least > max(AHEAD_GAIN * left, _SMOOTHED * taken)
 
 
 def _inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[Trial, ...]:
@@ -343,11 +368,12 @@ def _inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[T
         doubles = {c.effect for c in best.candidate.effect.confusables}
         kin = rival.candidate.effect.family == best.candidate.effect.family
         richer = len(rival.candidate.null) > len(best.candidate.null) + (0 if kin else _RICHER)
-        if richer and rival.candidate.effect.name not in doubles:
+        does_better = _NEARLY * rival.comparison.gain > best.comparison.gain
+        if richer and not does_better and rival.candidate.effect.name not in doubles:
             continue
         both = extend(errors, rival.fit, best.candidate, [best.fit.model[-1].values, best.candidate.start])
         over_rival = compare(rival.fit.held_out, both.held_out)
-        if _chance(over_rival, both) < LEVEL and over_rival.gain > _AHEAD_GAIN:
+        if _chance(over_rival, both) < LEVEL and _ahead(rival.fit, both, best):
             continue
         found.append(rival)
     return tuple(found)

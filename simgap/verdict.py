@@ -10,12 +10,13 @@ import numpy as np
 from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
 from simgap.numerics import Numerics
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
-from simgap.score import Comparison, paired_p
-from simgap.search import LEVEL, Selection, Trial
+from simgap.score import Comparison, compare
+from simgap.search import AHEAD_GAIN, LEVEL, Selection, Trial
 
 DIRECT_LEVEL = 0.05
 AGREE_ERRORS = 3.0
 AGREE_SHARE = 0.5
+_TOLD = 3  # candidates that the direct route is asked about besides
 _HELD = 1e-6  # a range so narrow holds a value, relative
 NAMED = 0.8
 # What a model without names may still explain before we say that something else is there.
@@ -26,13 +27,20 @@ _STRANGE = (
 
 
 def judge(
-    problem: Problem, selection: Selection, trials: Sequence[str], leftover: Comparison, strange: bool = False
+    problem: Problem,
+    selection: Selection,
+    trials: Sequence[str],
+    leftover: Comparison,
+    tails: float = 0.0,
+    strange: bool = False,
 ) -> Verdict:
     """The verdict over all accepted effects; `leftover` compares the final model with a black box on top of it.
 
-    Where the data are `strange`, nothing is sure: the inputs may be those of other motions.
+    `tails` is the share of its loss that lies in tails longer than noise has: what comes seldom, as play at reversals,
+    no black box finds. Where the data are `strange`, nothing is sure: the inputs may be those of other motions.
     """
     unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
+    nameless = max(leftover.gain if unexplained else 0.0, tails)
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
     base = selection.final.model
@@ -41,24 +49,22 @@ def judge(
         for found, rivals in zip(selection.accepted, selection.rivals, strict=True)
     ]
     found_with = zip(selection.accepted, doubted, selection.numerics, strict=True)
-    for position, (found, same, made_up) in enumerate(found_with):
+    for position, (found, alike, made_up) in enumerate(found_with):
         others = _without(base, found)
+        same = [*alike, *_preferred(problem, found, alike, others, selection.rounds[position].tried, trials)]
         term = next(t for t in base if t.candidate.key == found.candidate.key)
         widths = _wider(selection.final.half_widths.get(term.candidate.key, {}), made_up.fitted)
         if not _stands(term, widths):  # Effects found after it do its work.
             continue
-        said, direct = found.direct, agrees(found)
-        if said is not None and direct is not True:
-            # What was fitted beside causes not yet found is judged again beside them.
-            said = problem.direct(found.candidate, others, trials)
-            direct = said is not None and _agree(term, widths, said)
-            if not direct and term.candidate.shapes:
-                # A strength means something beside a shape only: torque at rest beside the speed at which it is gone.
-                pinned = problem.direct(_of_one_shape(term), others, trials)
-                said, direct = (pinned, True) if pinned and _agree(term, widths, pinned) else (said, False)
+        # What is said is said of the final model: values move when causes are found that were not yet known.
+        said = beside = problem.direct(found.candidate, others, trials)
+        direct = said is not None and _agree(term, widths, said)
+        if said is not None and not direct and term.candidate.shapes:
+            # A strength means something beside a shape only: torque at rest beside the speed at which it is gone.
+            pinned = problem.direct(_of_one_shape(term), others, trials)
+            said, direct = (pinned, True) if pinned and _agree(term, widths, pinned) else (said, False)
         direct = direct and said is not None and _beyond(term, said, made_up)
-        beside = problem.direct(found.candidate, others, trials) if len(doubted) > 1 else said
-        drowned = strange or (unexplained and _removed(selection, position) < leftover.gain)
+        drowned = strange or _removed(selection, position) < nameless
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
         effect = NamedEffect(
             name=found.candidate.effect.name,
@@ -103,6 +109,33 @@ def _of_one_shape(term: Term) -> Candidate:
     held = {n: (v - _HELD * (abs(v) + _HELD), v + _HELD * (abs(v) + _HELD)) for n, v in term.values.items()}
     bounds = {n: held[n] if n in term.candidate.shapes else b for n, b in term.candidate.bounds.items()}
     return replace(term.candidate, start=term.values, bounds=bounds)
+
+
+def _preferred(
+    problem: Problem, found: Trial, known: Sequence[Trial], others: Model, tried: Sequence[Trial], trials: Sequence[str]
+) -> list[Trial]:
+    """Other candidates of the round that the direct route prefers beyond chance: the two routes name different causes.
+
+    One law that does the work of two on roll-outs seldom balances the equations of motion as well.
+    """
+    own = problem.direct(found.candidate, others, trials)
+    if own is None or own.held_out is None:
+        return []
+    taken = {found.candidate.key, *(t.candidate.key for t in known), *(t.candidate.key for t in others)}
+    left = [
+        (float(t.direct.held_out.sum()), t.candidate.key, t)
+        for t in tried
+        if t.candidate.key not in taken and t.direct is not None and t.direct.held_out is not None
+    ]
+    out = []
+    for _, _, rival in sorted(left, key=lambda entry: entry[:2])[:_TOLD]:
+        theirs = problem.direct(rival.candidate, others, trials)
+        if theirs is None or theirs.held_out is None:
+            continue
+        ahead = compare(own.held_out, theirs.held_out)
+        if ahead.p_value < LEVEL and ahead.gain > AHEAD_GAIN:
+            out.append(rival)
+    return out
 
 
 def _removed(selection: Selection, position: int) -> float:
@@ -198,7 +231,8 @@ def _told_apart(problem: Problem, best: Trial, rival: Trial, others: tuple[Term,
     alone, other = (problem.direct(t.candidate, others, trials) for t in (best, rival))
     if alone is None or other is None or alone.held_out is None or other.held_out is None:
         return True
-    return paired_p(other.held_out, alone.held_out) < LEVEL
+    ahead = compare(other.held_out, alone.held_out)
+    return ahead.p_value < LEVEL and ahead.gain > AHEAD_GAIN
 
 
 def _confidence(p_adjusted: float, direct: DirectEstimate | None, agreed: bool, shared: bool) -> float:
