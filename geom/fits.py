@@ -23,20 +23,23 @@ from schemas.physics import CollisionShape
 ALIGNED_PREFERENCE = 1.02
 # The outline of a projection is resampled to this many points, so that dense corners do not weigh more.
 OUTLINE_SAMPLES = 180
+# Thinner than this share of their spread, points have no thickness but rounding.
+FLAT_SHARE = 1e-7
 
 
 def fit_box(points: FloatArray) -> CollisionShape | None:
-    """The axis-aligned bounding box, or the smallest oriented one when that is more than 2 % smaller.
+    """The axis-aligned bounding box, or the smallest oriented one when that is more than 2 % smaller; None when flat.
 
     Oriented: one face flush with a hull face (`trimesh.bounds.oriented_bounds`; O'Rourke 1985 shows that the exact
     optimum may be slightly smaller).
     """
     low, high = points.min(axis=0), points.max(axis=0)
     size = high - low
-    if not size.min() > 0.0:
-        return None
     centre = 0.5 * (low + high)
     scale = float(size.max())
+    across = np.linalg.svd((points - centre) / max(scale, 1e-300), compute_uv=False)
+    if not across[-1] > FLAT_SHARE * across[0]:  # Of a plane turned by hand, rounding is the thickness.
+        return None
     to_box, oriented = trimesh.bounds.oriented_bounds((points - centre) / scale, ordered=False)
     if np.prod(size / scale) <= ALIGNED_PREFERENCE * np.prod(oriented):
         return CollisionShape("box", _floats(size), pose(None, centre))

@@ -41,6 +41,14 @@ def test_a_turned_and_moved_shape_is_found_again(kind, seed):
         assert abs(found.X_AS[:3, 2] @ X_AS[:3, 2]) == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_plane_however_turned_has_no_box(seed: int):
+    """Turned by hand, a plane is as thick as its rounding: the smallest oriented box of it has no meaning."""
+    plane = np.array([[x, y, 0.0] for x in (-1.0, 1.0) for y in (-1.0, 1.0)])
+    assert fit_box(plane @ Rotation.random(random_state=seed).as_matrix().T + 3.0) is None
+    assert fit_box(plane + [[0.0, 0.0, k * 1e-17] for k in range(4)]) is None
+
+
 def test_a_box_nearly_along_the_axes_stays_along_the_axes():
     turned = CollisionShape("box", (0.3, 0.2, 0.1), pose(Rotation.from_euler("z", 0.3, degrees=True).as_matrix()))
     found = fit_box(surface(turned)[0])
