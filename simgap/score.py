@@ -64,7 +64,7 @@ def paired_p(before: FloatArray, after: FloatArray) -> float:
     return float(np.asarray(stats.ttest_1samp(ratios, 0.0, alternative="greater")[1]))
 
 
-def adjusted(p_values: Sequence[float] | FloatArray) -> FloatArray:
+def adjusted(p_values: Sequence[float]) -> FloatArray:
     """Holm's step-down adjustment: the chance of one false name among all hypotheses stays below the level."""
     p = np.asarray(p_values, dtype=float)
     order = np.argsort(p)

@@ -225,18 +225,8 @@ def _round(base: Fit, errors: Errors, screened: list[Trial], farther: bool) -> R
         else:
             tried.append(replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if farther else t)
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
-    return Round(tuple(tried), tuple(float(v) for v in _by_either_route(tried)))
-
-
-def _by_either_route(tried: Sequence[Trial]) -> FloatArray:
-    """Adjusted p-values: one route stands all comparisons of the round, or the direct one does and the other agrees.
-
-    What acts in few trials, as a stop or a limit, moves their mean loss little beyond chance, and its own direct
-    estimate much. Two ways to pass count twice.
-    """
-    held_out = np.array([t.comparison.p_value for t in tried])
-    told = adjusted([1.0 if t.direct is None else t.direct.p_value for t in tried])
-    return np.minimum(adjusted(held_out), np.where(held_out < LEVEL, np.minimum(2.0 * told, 1.0), 1.0))
+    p = adjusted([t.comparison.p_value for t in tried])
+    return Round(tuple(tried), tuple(float(v) for v in p))
 
 
 def _shows(found: Trial) -> bool:

@@ -56,9 +56,13 @@ def judge(
         widths = _wider(selection.final.half_widths.get(term.candidate.key, {}), made_up.fitted)
         if not _stands(term, widths):  # Effects found after it do its work.
             continue
-        # What is said is said of the final model: values move when causes are found that were not yet known.
-        said = beside = problem.direct(found.candidate, others, trials)
+        said = found.direct
         direct = said is not None and _agree(term, widths, said)
+        if said is not None and (len(doubted) > 1 or not direct):
+            # What is said is said of the final model: values move when causes are found that were not yet known.
+            said = problem.direct(found.candidate, others, trials)
+            direct = said is not None and _agree(term, widths, said)
+        beside = said
         if said is not None and not direct and term.candidate.shapes:
             # A strength means something beside a shape only: torque at rest beside the speed at which it is gone.
             pinned = problem.direct(_of_one_shape(term), others, trials)
@@ -118,6 +122,8 @@ def _preferred(
 
     One law that does the work of two on roll-outs seldom balances the equations of motion as well.
     """
+    if found.direct is None or found.direct.held_out is None:
+        return []
     own = problem.direct(found.candidate, others, trials)
     if own is None or own.held_out is None:
         return []
