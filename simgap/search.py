@@ -335,7 +335,7 @@ def _beaten(rival: Trial, best: Trial) -> bool:
 
 
 def _ahead(rival: Fit, better: Fit, best: Trial) -> bool:
-    """Whether `better` leaves less than smoothing may do, as a share of what is left and of what `best` takes away.
+    """Whether `better` leaves less than `rival` by more than smoothing may do, of what is left and what `best` takes.
 
     Readings and inputs are shifted and smoothed on the way to either: that errs with the size of what is hidden.
     """

@@ -125,7 +125,7 @@ def _preferred(
     if found.direct is None or found.direct.held_out is None:
         return []
     own = problem.direct(found.candidate, others, trials)
-    if own is None or own.held_out is None:
+    if own is None:
         return []
     taken = {found.candidate.key, *(t.candidate.key for t in known), *(t.candidate.key for t in others)}
     left = [
@@ -136,12 +136,17 @@ def _preferred(
     out = []
     for _, _, rival in sorted(left, key=lambda entry: entry[:2])[:_TOLD]:
         theirs = problem.direct(rival.candidate, others, trials)
-        if theirs is None or theirs.held_out is None:
-            continue
-        ahead = compare(own.held_out, theirs.held_out)
-        if ahead.p_value < LEVEL and ahead.gain > AHEAD_GAIN:
+        if theirs is not None and _leads(theirs, own) is True:
             out.append(rival)
     return out
+
+
+def _leads(best: DirectEstimate, other: DirectEstimate) -> bool | None:
+    """Whether `best` leaves less than `other`, beyond chance and smoothing; None where one has no held-out losses."""
+    if best.held_out is None or other.held_out is None:
+        return None
+    ahead = compare(other.held_out, best.held_out)
+    return ahead.p_value < LEVEL and ahead.gain > AHEAD_GAIN
 
 
 def _removed(selection: Selection, position: int) -> float:
@@ -235,10 +240,7 @@ def _told_apart(problem: Problem, best: Trial, rival: Trial, others: tuple[Term,
     if not (kept and dropped):
         return False
     alone, other = (problem.direct(t.candidate, others, trials) for t in (best, rival))
-    if alone is None or other is None or alone.held_out is None or other.held_out is None:
-        return True
-    ahead = compare(other.held_out, alone.held_out)
-    return ahead.p_value < LEVEL and ahead.gain > AHEAD_GAIN
+    return alone is None or other is None or _leads(alone, other) is not False
 
 
 def _confidence(p_adjusted: float, direct: DirectEstimate | None, agreed: bool, shared: bool) -> float:

@@ -121,3 +121,24 @@ def test_a_sensor_scale_cannot_shrink_the_error_away():
     scale = next(c for c in problem.candidates() if c.effect.name == "sensor.scale")
     estimate = problem.direct(scale, (), problem.trial_ids)
     assert estimate is None or estimate.p_value > 1e-3 or abs(estimate.values["factor"] - 1.0) < 0.05
+
+
+@pytest.mark.parametrize(("scene", "number"), [("servo", 1101), ("driven", 1050)])
+def test_the_noise_of_a_start_counts_as_far_as_the_mechanism_carries_it(scene: str, number: int):
+    """A controller forgets a start within a roll-out: all that is left to hear is the noise of the readings."""
+    problem = mechanism_case(number).problem()
+    assert isinstance(problem, MechanismProblem)
+    assert (problem.declared.drive.type == "position_pd") is (scene == "servo")
+    short, long = (problem.noise_floor(problem.trial_ids, view)[0] for view in ("short_horizon", "long_horizon"))
+    assert bool(long < 0.9 * short) is (scene == "servo")
+
+
+def test_strengths_of_two_routes_are_compared_at_one_shape():
+    """Torque and speed of Stribeck friction trade against one another: apart by three times, yet one curve."""
+    record = run_case(mechanism_case(1048))
+    assert record["outcome"] == "named", record["said"]
+
+
+def test_a_lag_that_a_delay_mimics_gets_no_sure_name():
+    record = run_case(mechanism_case(1230))
+    assert record["outcome"] not in ("wrong", "invented", "overconfident"), record["said"]
