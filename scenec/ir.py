@@ -1,0 +1,241 @@
+"""The program bound to geometry: what the analysis, the solver and the emitter work on. One combination of variants.
+
+Frames: W world; P an asset frame (the owner of a place); A an anchor frame (origin at the bounding-box centre of its
+polygon, axes of P); S a stance: the asset frame turned by one allowed orientation, before yaw. Metres, radians.
+Every item keeps the `path` it has in the program, by which the text finds file, line and column.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import Polygon
+
+FloatArray = NDArray[np.float64]
+Path = tuple[str | int, ...]
+WORLD_PARENT = "background"
+RelationKind = Literal["before", "near", "far_from", "aligned", "facing", "between"]
+
+
+@dataclass(frozen=True)
+class Slab:
+    """One convex collision shape of a stance: outline (n, 2) counter-clockwise in S, and the heights it spans over the
+    support, so that the lowest slab of a stance begins at 0."""
+
+    outline_m: FloatArray
+    low_m: float
+    high_m: float
+
+
+@dataclass(frozen=True)
+class Stance:
+    """One way to stand: `quat_wxyz` turns the asset frame; the asset origin lies `origin_height_m` over the support."""
+
+    quat_wxyz: tuple[float, float, float, float]
+    slabs: tuple[Slab, ...]
+    origin_height_m: float
+    name: str = "upright"
+
+    @property
+    def height_m(self) -> float:
+        """Height of the highest point over the support."""
+        return max(slab.high_m for slab in self.slabs)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A polygon in A to stand on; `clearance_m` is the free height over it, inf where the sky is free.
+
+    `above` are slabs of the owner itself over the surface (rims, shelf posts), in A with heights over the surface.
+    """
+
+    name: str
+    polygon: Polygon
+    origin_P_m: FloatArray  # (3,)
+    clearance_m: float = np.inf
+    above: tuple[Slab, ...] = ()
+
+
+@dataclass(frozen=True)
+class Volume:
+    """The inside of a receptacle in A: `layers` are (low, high, polygon) from the floor up; origin on the floor."""
+
+    name: str
+    layers: tuple[tuple[float, float, Polygon], ...]
+    opening: Polygon
+    origin_P_m: FloatArray  # (3,)
+
+    @property
+    def height_m(self) -> float:
+        """Usable height from the floor to the rim."""
+        return self.layers[-1][1]
+
+
+@dataclass(frozen=True)
+class Body:
+    """An asset as scenes need it, scale applied. `surfaces` and `volumes` in its upright frame P, main one first."""
+
+    asset_id: str
+    stances: tuple[Stance, ...]
+    surfaces: tuple[Surface, ...] = ()
+    volumes: tuple[Volume, ...] = ()
+    mass_kg: float | None = None
+    package: str | None = None
+    scale: float = 1.0
+    inline: object | None = None  # the primitive as written, for the emitter
+
+
+@dataclass(frozen=True)
+class Spot:
+    """One complete pose in A: origin of the asset frame at (x, y, z), turned by yaw."""
+
+    x_m: float
+    y_m: float
+    z_m: float
+    yaw_rad: float
+    name: str = ""
+    path: Path = ()
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Where one thing may be on its place. `spots`, when given, are the only poses; ranges bound the asset origin in A.
+
+    `yaw_rad` is (low, high) with high - low <= 2 pi; equal ends fix it.
+    """
+
+    x_m: tuple[float, float] = (-np.inf, np.inf)
+    y_m: tuple[float, float] = (-np.inf, np.inf)
+    yaw_rad: tuple[float, float] = (-np.pi, np.pi)
+    stances: tuple[int, ...] = (0,)
+    spots: tuple[Spot, ...] = ()
+    path: Path = ()
+
+
+@dataclass(frozen=True)
+class Thing:
+    """One placed node: its body, and its place as owner (a thing's name, or WORLD_PARENT) and anchor of that owner."""
+
+    name: str
+    body: Body
+    parent: str
+    place: Surface | Volume
+    domain: Domain
+    path: Path
+    group: str | None = None
+    tags: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class RelationIR:
+    """A relation between things.
+
+    before     the footprint of the first ends before that of the second begins along `direction` (unit, in the frame of
+               the relation, a (2,) vector), by at least `gap_m`: left_of, right_of, front_of, behind all become this.
+    near, far_from   distance of footprints at most or at least `gap_m`.
+    aligned    offset of the origins of all across `direction` at most `tolerance`.
+    facing     +x of the first points at the origin of the second within `tolerance` rad.
+    between    the origin of the first lies between those of the others along their line, within `tolerance` beside it.
+    `frame` is WORLD_PARENT or the thing in whose frame `direction` counts.
+    """
+
+    kind: RelationKind
+    things: tuple[str, ...]
+    direction: tuple[float, float] = (1.0, 0.0)
+    gap_m: float = 0.0
+    tolerance: float = 0.0
+    frame: str = WORLD_PARENT
+    path: Path = ()
+    word: str = ""
+
+
+@dataclass(frozen=True)
+class KeepOutIR:
+    """Part of a place where nothing may be, up to `height_m` above it: polygon in A."""
+
+    parent: str
+    place: str
+    polygon: Polygon
+    height_m: float
+    path: Path
+
+
+@dataclass(frozen=True)
+class ReachIR:
+    """A ring around `base_m` (3,) in W in which the origins of `members` must lie."""
+
+    base_m: FloatArray
+    least_m: float
+    most_m: float
+    members: tuple[str, ...]
+    path: Path
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One combination, ready to analyse and solve."""
+
+    scene: str
+    background: Body | None
+    X_WB: FloatArray  # (4, 4) background in the world
+    things: tuple[Thing, ...]
+    relations: tuple[RelationIR, ...]
+    clearance_m: float
+    keep_outs: tuple[KeepOutIR, ...] = ()
+    reach: ReachIR | None = None
+    combination: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where a thing is, in the frame A of its place: asset origin, yaw, which stance; `base_m` is the height of the
+    support point over A (0 on the floor of a volume or a surface; more when it stands on contents)."""
+
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    stance: int
+    base_m: float = 0.0
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Why there is no scene: `kind` names the argument, `value` against `bound` in `unit`, `paths` what it rests on."""
+
+    kind: str
+    text: str
+    value: float
+    bound: float
+    unit: str
+    paths: tuple[Path, ...]
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A whole assignment by name of thing."""
+
+    placements: dict[str, Placement]
+    steps: int = 0
+
+
+@dataclass(frozen=True)
+class Infeasible:
+    """There is no scene, and why."""
+
+    proof: Proof
+
+
+@dataclass(frozen=True)
+class Exhausted:
+    """Not found within the budget: how many things stood at best, and which one kept failing."""
+
+    placed: int
+    of: int
+    blocking: str
+    steps: int
+
+
+Result = Solved | Infeasible | Exhausted

@@ -1,0 +1,105 @@
+"""What the scene compiler hands out: a verdict, and with it a whole scene or none."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from schemas.diagnostics import Diagnostic, Location
+
+SCHEMA_VERSION = "1.0"
+Verdict = Literal["compiled", "infeasible", "budget_exhausted", "invalid_program"]
+Point2 = tuple[float, float]
+Point3 = tuple[float, float, float]
+Quat_wxyz = tuple[float, float, float, float]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+
+class Prism(_Model):
+    """A convex piece of collision geometry seen from above: an outline in x and y, and the heights it spans."""
+
+    outline_m: tuple[Point2, ...]
+    low_m: float
+    high_m: float
+
+
+class PlacedObject(_Model):
+    """One object at rest. `position_m` and `quat_wxyz` are those of its asset frame in the world.
+
+    `prisms` are its collision geometry in the world, by which anyone can check the scene without packages. `parent` is
+    the object it stands on or in (`background` for what does not move), `anchor` the name of that place.
+    """
+
+    id: str
+    asset_id: str
+    package: str | None
+    position_m: Point3
+    quat_wxyz: Quat_wxyz
+    scale: float
+    parent: str
+    anchor: str
+    prisms: tuple[Prism, ...]
+    semantic_tags: tuple[str, ...] = ()
+
+
+class CompiledScene(_Model):
+    """A complete, checked scene in the world frame: metres, z up. Never partial."""
+
+    schema_version: str = SCHEMA_VERSION
+    scene: str
+    seed: int
+    combination: dict[str, str] = {}
+    background: PlacedObject | None
+    objects: tuple[PlacedObject, ...]
+    clearance_m: float
+
+
+class ConflictMember(_Model):
+    """One authored constraint that cannot hold together with the others."""
+
+    path: str
+    file: str | None = None
+    line: int | None = None
+    column: int | None = None
+
+
+class Suggestion(_Model):
+    """A change of the program; `verified` when it was compiled again and gave a scene."""
+
+    edit: str
+    verified: bool
+
+
+class CombinationVerdict(_Model):
+    """What became of one combination of geometry-changing variants."""
+
+    combination: dict[str, str]
+    verdict: Verdict
+    proof: str = ""
+    seconds: float = 0.0
+
+
+class CompileReport(_Model):
+    """`mana scene compile --json` and `diagnose --json` (design: JSON that outside tools rely on)."""
+
+    schema_version: str = SCHEMA_VERSION
+    verdict: Verdict
+    seconds: float
+    matrix: tuple[CombinationVerdict, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
+    conflict: tuple[ConflictMember, ...] = ()
+    minimal: bool | None = None
+    proof: str = ""
+    blocking: str | None = None
+    suggestions: tuple[Suggestion, ...] = ()
+    scene: str | None = None
+    plan: str | None = None
+
+
+def location_of(member: ConflictMember) -> Location:
+    """Where a member stands in the text."""
+    return Location(file=member.file, line=member.line, column=member.column)
