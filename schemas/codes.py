@@ -9,6 +9,7 @@ from __future__ import annotations
 from schemas.code_info import CodeInfo
 from schemas.gap_codes import GAP_CODES
 from schemas.gate_codes import GATE_CODES
+from schemas.scene_codes import SCENE_CODES
 
 CODES: dict[str, CodeInfo] = {
     # Intake: the file itself.
@@ -527,4 +528,5 @@ CODES: dict[str, CodeInfo] = {
     ),
     **GATE_CODES,
     **GAP_CODES,
+    **SCENE_CODES,
 }

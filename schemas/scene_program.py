@@ -20,7 +20,7 @@ Quat_wxyz = tuple[float, float, float, float]
 
 
 class _Written(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 # What an object is.

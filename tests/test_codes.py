@@ -14,15 +14,16 @@ from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.intake import take_in
 from assetkit.stages.semantics import DescribeObject
 from cli.docs import file_name, index, page
+from scenec.source.read import read_program
 from schemas.codes import CODES
 from schemas.diagnostics import Diagnostic, finding
 from sim.fake import FakeSimulator
 from simgap.measurement import read
-from tests import gap_bad_inputs
+from tests import gap_bad_inputs, scene_bad_inputs
 from tests.bad_inputs import NOT_FROM_A_FILE, SAMPLES
 
 PAGES = Path(__file__).parents[1] / "docs" / "diagnostics"
-GAP = "gap/"
+GAP, SCENE = "gap/", "scene/"
 GATE = "asset/gate-"  # Rules over released USD files; tests/unit/test_gate.py seeds one defect for each.
 
 
@@ -45,7 +46,7 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
 
 def test_every_code_has_a_sample():
     covered = {*SAMPLES, *NOT_FROM_A_FILE} | {c for c in CODES if c.startswith(GATE)}
-    assert covered == {c for c in CODES if not c.startswith(GAP)}
+    assert covered == {c for c in CODES if not c.startswith((GAP, SCENE))}
     assert not set(SAMPLES) & set(NOT_FROM_A_FILE)
 
 
@@ -53,6 +54,25 @@ def test_every_gap_code_has_a_sample():
     samples, others = set(gap_bad_inputs.SAMPLES), set(gap_bad_inputs.NOT_FROM_A_FOLDER)
     assert samples | others == {c for c in CODES if c.startswith(GAP)}
     assert not samples & others
+
+
+def test_every_scene_code_has_a_sample():
+    groups = (scene_bad_inputs.SAMPLES, scene_bad_inputs.BOUND, scene_bad_inputs.VERDICTS)
+    assert sorted(code for group in groups for code in group) == sorted(c for c in CODES if c.startswith(SCENE))
+
+
+@pytest.mark.parametrize("code", sorted(scene_bad_inputs.SAMPLES))
+def test_scene_sample_triggers_its_code_alone_with_place_and_help(code: str, tmp_path: Path):
+    found = read_program(scene_bad_inputs.write(scene_bad_inputs.SAMPLES[code], tmp_path)).diagnostics
+    assert [d.code for d in found] == [code]
+    assert found[0].where.line
+    assert found[0].help == CODES[code].help
+
+
+@pytest.mark.parametrize("code", sorted({**scene_bad_inputs.BOUND, **scene_bad_inputs.VERDICTS}))
+def test_scene_samples_of_later_phases_are_sound_texts(code: str, tmp_path: Path):
+    sample = {**scene_bad_inputs.BOUND, **scene_bad_inputs.VERDICTS}[code]
+    assert not read_program(scene_bad_inputs.write(sample, tmp_path)).diagnostics
 
 
 @pytest.mark.parametrize(("code", "test"), sorted({**NOT_FROM_A_FILE, **gap_bad_inputs.NOT_FROM_A_FOLDER}.items()))

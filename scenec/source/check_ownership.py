@@ -1,0 +1,145 @@
+"""Who owns whose placement: exactly one owner each, anchors that exist, no circle, supports that stay upright."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import networkx as nx
+
+from scenec.ir import Path
+from scenec.names import Names, anchor_named
+from scenec.source.hint import did_you_mean
+from scenec.source.tree import Spans, written
+from schemas.diagnostics import Diagnostic, Label, finding
+from schemas.scene_program import (
+    BACKGROUND,
+    DiscretePlacement,
+    SlotGroup,
+    VolumeGroup,
+    VolumePlacement,
+)
+
+
+def check_ownership(names: Names, spans: Spans) -> Iterator[Diagnostic]:
+    """Findings about owners of nodes and of anchors."""
+    yield from _one_owner(names, spans)
+    yield from _anchors(names, spans)
+    for path, placing in _placings(names):
+        yield from _place(names, path, placing, spans)
+    for i, keep_out in enumerate(names.program.keep_outs):
+        yield from _anchor(names, keep_out.surface, "surface", spans, ("keep_outs", i, "surface"))
+    yield from _circles(names, spans)
+    yield from _tipped(names, spans)
+
+
+def _one_owner(names: Names, spans: Spans) -> Iterator[Diagnostic]:
+    layout = names.program.layout
+    for name, node in layout.nodes.items():
+        path = ("layout", "nodes", name)
+        owners: list[Path] = [("layout", "groups", group) for group in names.groups_of.get(name, ())]
+        owners = [(*path, "placement"), *owners] if node.placement is not None else owners
+        if not owners:
+            yield finding("scene/no-owner", f"nothing places the node `{name}`", where=spans.key(path))
+        elif len(owners) > 1:
+            said = " and ".join(f"`{written(owner)}`" for owner in owners)
+            labels = tuple(Label(where=spans.key(owner), text="an owner") for owner in owners)
+            yield finding("scene/two-owners", f"`{name}` is placed by {said}", where=spans.key(path), labels=labels)
+    for name, group in layout.groups.items():
+        for i, member in enumerate(group.members):
+            if member in group.members[:i]:
+                where = spans.place(("layout", "groups", name, "members", i))
+                yield finding("scene/duplicate-id", f"`{member}` is a member of `{name}` twice", where=where)
+    placed = {node.object for node in layout.nodes.values()}
+    for i, thing in enumerate(names.program.objects):
+        if thing.id not in placed:
+            where = spans.place(("objects", i, "id"))
+            yield finding("scene/unplaced-object", f"no node places the object `{thing.id}`", where=where)
+
+
+def _anchors(names: Names, spans: Spans) -> Iterator[Diagnostic]:
+    program = names.program
+    for name, anchor in program.anchors.items():
+        path = ("anchors", name, "object")
+        placed = names.placed(anchor.object)
+        if anchor.object == BACKGROUND and program.background is None and not program.variants.backgrounds:
+            headline = f"the anchor `{name}` is on the background, and the program has none"
+            yield finding("scene/missing-anchor", headline, where=spans.place(path))
+        elif not placed and anchor.object not in names.objects:  # An object that is never placed is reported as such.
+            known = [BACKGROUND, *names.objects, *program.layout.nodes]
+            headline = f"there is no object `{anchor.object}`{did_you_mean(anchor.object, known)}"
+            yield finding("scene/unknown-name", headline, where=spans.place(path))
+        elif len(placed) > 1:
+            headline = f"`{anchor.object}` is placed {len(placed)} times: {', '.join(placed[:4])}"
+            yield finding("scene/ambiguous-name", headline, where=spans.place(path))
+
+
+def _placings(names: Names) -> Iterator[tuple[Path, object]]:
+    layout = names.program.layout
+    for name, node in layout.nodes.items():
+        if node.placement is not None:
+            yield ("layout", "nodes", name, "placement"), node.placement
+    for name, group in layout.groups.items():
+        yield ("layout", "groups", name), group
+
+
+def _place(names: Names, path: Path, placing: object, spans: Spans) -> Iterator[Diagnostic]:
+    if isinstance(placing, DiscretePlacement | SlotGroup):
+        given = [kind for kind in ("surface", "volume") if getattr(placing, kind) is not None]
+        if len(given) != 1:
+            code = "scene/given-twice" if given else "scene/missing-key"
+            headline = f"`{written(path)}` needs one of `surface` and `volume`: the frame of its poses"
+            yield finding(code, headline, where=spans.place(path))
+            return
+        kind = given[0]
+    else:
+        kind = "volume" if isinstance(placing, VolumePlacement | VolumeGroup) else "surface"
+    yield from _anchor(names, anchor_named(placing) or "", kind, spans, (*path, kind))
+
+
+def _anchor(names: Names, name: str, kind: str, spans: Spans, path: Path) -> Iterator[Diagnostic]:
+    anchors = names.program.anchors
+    if name not in anchors:
+        headline = f"no anchor is called `{name}`{did_you_mean(name, anchors)}"
+        yield finding("scene/missing-anchor", headline, where=spans.place(path))
+        return
+    anchor, other = anchors[name], "surface" if kind == "volume" else "volume"
+    if getattr(anchor, kind) is None and getattr(anchor, other) is not None:
+        labels = (Label(where=spans.key(("anchors", name)), text=f"a {other}"),)
+        headline = f"the anchor `{name}` is a {other}, not a {kind}"
+        yield finding("scene/missing-anchor", headline, where=spans.place(path), labels=labels)
+
+
+def _circles(names: Names, spans: Spans) -> Iterator[Diagnostic]:
+    graph: nx.DiGraph = nx.DiGraph()
+    for node in names.program.layout.nodes:
+        anchor = names.anchor_of(node)
+        owner = names.owner(anchor) if anchor is not None else None
+        graph.add_edges_from((thing, owner) for thing in names.copies[node] if owner not in (None, BACKGROUND))
+    for circle in nx.simple_cycles(graph):  # Each thing has one owner, so that circles share nothing.
+        start = circle.index(min(circle))
+        chain = [*circle[start:], *circle[:start], circle[start]]
+        headline = f"{' stands on '.join(f'`{thing}`' for thing in chain)}"
+        yield finding("scene/owner-cycle", headline, where=spans.key(("layout", "nodes", chain[0])))
+
+
+def _tipped(names: Names, spans: Spans) -> Iterator[Diagnostic]:
+    """Owners whose orientation may be other than a turn about the vertical."""
+    used = {names.anchor_of(node) for node in names.program.layout.nodes} - {None}
+    owners = {names.owner(anchor) for anchor in used if anchor is not None}
+    for name, node in names.program.layout.nodes.items():
+        groups = names.groups_of.get(name, ())
+        placing = node.placement or (names.program.layout.groups[groups[0]] if groups else None)
+        if not owners.isdisjoint(names.copies[name]) and not _upright(placing):
+            headline = f"`{name}` carries things, but may be turned over"
+            yield finding("scene/owner-not-upright", headline, where=spans.key(("layout", "nodes", name)))
+
+
+def _upright(placing: object) -> bool:
+    if isinstance(placing, DiscretePlacement):
+        quats = [pose.quat_wxyz for pose in placing.poses if pose.quat_wxyz is not None]
+    else:
+        orientation = getattr(placing, "orientation", "upright")
+        quats = list(orientation) if isinstance(orientation, tuple) else []
+        if orientation == "stable":
+            return False
+    return all(abs(x) < 1e-6 and abs(y) < 1e-6 for _, x, y, _ in quats)

@@ -1,0 +1,81 @@
+"""Relations as written: one word each, things that exist, options that belong to the word."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scenec.ir import Path
+from scenec.names import WORLD, Names
+from scenec.source.hint import did_you_mean
+from scenec.source.tree import Spans, written
+from schemas.diagnostics import Diagnostic, finding
+from schemas.scene_program import BACKGROUND, Relation
+
+DIRECTIONS = ("left_of", "right_of", "front_of", "behind")
+WORDS = (*DIRECTIONS, "near", "far_from", "aligned", "facing", "between")
+_OPTIONS: dict[str, frozenset[str]] = {
+    **{word: frozenset({"gap", "frame", "viewpoint"}) for word in DIRECTIONS},
+    "near": frozenset({"distance"}),
+    "far_from": frozenset({"distance"}),
+    "aligned": frozenset({"axis", "tolerance", "frame"}),
+    "facing": frozenset({"tolerance", "tolerance_deg"}),
+    "between": frozenset({"tolerance"}),
+}
+
+
+def words_of(relation: Relation) -> list[str]:
+    """The relation words that are given."""
+    return [word for word in WORDS if getattr(relation, word) is not None]
+
+
+def check_relations(names: Names, spans: Spans) -> Iterator[Diagnostic]:
+    """Findings about each relation by itself."""
+    for i, relation in enumerate(names.program.relations):
+        path, words = ("relations", i), words_of(relation)
+        if len(words) != 1:
+            said = f"says {' and '.join(words)} at once" if words else "has no relation word"
+            yield finding("scene/relation-words", f"`{written(path)}` {said}", where=spans.place(path))
+            continue
+        yield from _things(names, words[0], getattr(relation, words[0]), spans, path)
+        yield from _options(relation, words[0], spans, path)
+        if relation.frame is not None:
+            yield from _frame(names, relation.frame, spans, (*path, "frame"))
+
+
+def _things(names: Names, word: str, things: tuple[str, ...], spans: Spans, path: Path) -> Iterator[Diagnostic]:
+    known = [*names.program.layout.nodes, *names.program.layout.groups, *names.things]
+    seen: set[str] = set()
+    for k, name in enumerate(things):
+        stands_for = names.stand_for(name)
+        if not stands_for and name not in names.program.layout.groups:
+            headline = f"there is no node or group `{name}`{did_you_mean(name, known)}"
+            yield finding("scene/unknown-name", headline, where=spans.place((*path, word, k)))
+        elif not seen.isdisjoint(stands_for):
+            both = sorted(seen.intersection(stands_for))[0]
+            headline = f"`{both}` is on both sides of {word}"
+            yield finding("scene/relation-self", headline, where=spans.place((*path, word, k)))
+        seen |= set(stands_for)
+
+
+def _options(relation: Relation, word: str, spans: Spans, path: Path) -> Iterator[Diagnostic]:
+    for key in sorted(relation.model_fields_set - {word} - _OPTIONS[word] - set(WORDS)):
+        wanted = ", ".join(f"`{option}`" for option in sorted(_OPTIONS[word]))
+        headline = f"`{key}` has no effect on {word}, which takes {wanted}"
+        yield finding("scene/option-without-effect", headline, where=spans.key((*path, key)))
+    if word in ("near", "far_from") and relation.distance is None:
+        yield finding("scene/missing-key", f"`{written(path)}` needs `distance`", where=spans.place(path))
+    if relation.tolerance is not None and relation.tolerance_deg is not None:
+        headline = f"`{written(path)}` gives its tolerance twice"
+        yield finding("scene/given-twice", headline, where=spans.key((*path, "tolerance_deg")))
+
+
+def _frame(names: Names, frame: str, spans: Spans, path: Path) -> Iterator[Diagnostic]:
+    program = names.program
+    placed = (names.owner(frame),) if frame in program.anchors else names.placed(frame)
+    if frame != WORLD and not placed:
+        known = [WORLD, BACKGROUND, *program.anchors, *program.layout.nodes, *names.objects]
+        headline = f"no anchor, node or object is called `{frame}`{did_you_mean(frame, known)}"
+        yield finding("scene/unknown-name", headline, where=spans.place(path))
+    elif len(placed) > 1:
+        headline = f"`{frame}` is placed {len(placed)} times"
+        yield finding("scene/ambiguous-name", headline, where=spans.place(path))

@@ -1,0 +1,80 @@
+"""The language as JSON Schema: for editors, and to find the key that a misspelt one was meant to be."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from scenec.ir import Path
+from scenec.source.tree import Block, Row, Scalar, Tree, child
+from schemas.scene_program import SceneProgram
+
+JsonSchema = dict[str, Any]
+_RULES: JsonSchema = {
+    "type": "object",
+    "description": "over a list of the included file: `$append`, `$replace`, or ids of items to override",
+    "properties": {"$append": {"type": "array"}, "$replace": {"type": "array"}, "include": True},
+}
+_INCLUDE: JsonSchema = {
+    "description": "file or files, relative to this one, that are expanded here; the other keys lie over them",
+    "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}],
+}
+
+
+def editor_schema() -> JsonSchema:
+    """JSON Schema (2020-12) of what people write: the program, with `include` and the rules of overlays at any node."""
+    schema = _as_written(_program_schema())
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "Scene program"}
+
+
+def keys_at(tree: Tree, path: Path) -> list[str]:
+    """The keys that the mapping at `path` of a program may have, empty where any or none may stand."""
+    root = schema = _program_schema()
+    node: Tree | None = tree
+    for depth, step in enumerate(path):
+        schema = _branch(schema, node, root)
+        if isinstance(step, int):
+            prefix = schema.get("prefixItems", [])
+            schema = prefix[step] if step < len(prefix) else schema.get("items", {})
+        else:
+            schema = schema.get("properties", {}).get(step, schema.get("additionalProperties", {}))
+        node = child(tree, path[: depth + 1])
+        if not isinstance(schema, dict):
+            return []
+    return list(_branch(schema, node, root).get("properties", {}))
+
+
+@cache
+def _program_schema() -> JsonSchema:
+    return SceneProgram.model_json_schema()
+
+
+def _branch(schema: JsonSchema, node: Tree | None, root: JsonSchema) -> JsonSchema:
+    """What a schema means for this value: references resolved, of alternatives the one of its kind."""
+    if "$ref" in schema:
+        return _branch(root["$defs"][schema["$ref"].removeprefix("#/$defs/")], node, root)
+    if "discriminator" in schema:
+        tag = child(node, ("type",))
+        mapping = schema["discriminator"]["mapping"]
+        known = isinstance(tag, Scalar) and tag.text in mapping
+        return _branch({"$ref": mapping[tag.text]}, node, root) if known else {}  # pyright: ignore
+    options = [_branch(option, node, root) for option in schema.get("anyOf", [])]
+    kind = "object" if isinstance(node, Block) else "array" if isinstance(node, Row) else "string"
+    return next((option for option in options if option.get("type") == kind), {}) if options else schema
+
+
+def _as_written(schema: Any) -> Any:
+    if isinstance(schema, list):
+        return [_as_written(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    out: JsonSchema = {key: _as_written(value) for key, value in schema.items()}
+    if schema.get("type") == "array":
+        return {"anyOf": [out, _RULES], **{key: out.pop(key) for key in ("title", "default") if key in out}}
+    if schema.get("type") == "object" and "properties" in schema:
+        required = out.pop("required", [])
+        # What a fragment or an overlay leaves out stands in the file it belongs to.
+        out["properties"] = {**out["properties"], "include": _INCLUDE, "$delete": {"const": True}}
+        if required:
+            out["anyOf"] = [{"required": required}, {"required": ["include"]}, {"required": ["$delete"]}]
+    return out

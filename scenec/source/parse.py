@@ -1,0 +1,104 @@
+"""YAML 1.2 text as a tree with file, line and column; bounded in bytes, depth and values."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+from scenec.source.tree import Block, Item, Row, Scalar, Tree
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
+
+MAX_BYTES = 1_000_000
+MAX_DEPTH = 60
+MAX_VALUES = 200_000  # aliases counted out
+_PREFIX = "tag:yaml.org,2002:"
+_READ = {_PREFIX + kind for kind in ("null", "bool", "int", "float")}
+_TEXT = {_PREFIX + kind for kind in ("str", "timestamp", "merge", "value")}
+
+
+class Parsed(NamedTuple):
+    """A tree, findings about single keys and values of it, and how many values it holds."""
+
+    tree: Tree
+    diagnostics: tuple[Diagnostic, ...]
+    values: int
+
+
+def parse(data: bytes, file: str, most_values: int = MAX_VALUES) -> Parsed:
+    """The tree of a text; `file` is how findings call it.
+
+    Raises InvalidInput (`scene/yaml-syntax`, `scene/file-too-large`) when there is no tree.
+    """
+    if len(data) > MAX_BYTES:
+        raise too_large(f"{file} has {len(data)} bytes", Location(file=file), len(data), MAX_BYTES, "bytes")
+    try:
+        yaml = YAML(typ="safe", pure=True)
+        root = yaml.compose(data.decode("utf-8-sig"))
+        reader = _Reader(file, yaml, most_values)
+        empty = Block({}, Location(file=file, line=1, column=1))
+        return Parsed(reader.tree(root, 0) if root is not None else empty, tuple(reader.found), reader.values)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = Location(file=file, line=mark.line + 1, column=mark.column + 1) if mark else Location(file=file)
+        problem = error.problem or error.context or "unreadable"
+    except UnicodeDecodeError as error:
+        where, problem = Location(file=file, line=data[: error.start].count(b"\n") + 1), "the text is not UTF-8"
+    except RecursionError:
+        raise too_large(f"{file} is nested too deeply", Location(file=file), None, MAX_DEPTH, "levels") from None
+    except (YAMLError, ValueError) as error:
+        where, problem = Location(file=file), str(error).splitlines()[0]
+    raise InvalidInput(finding("scene/yaml-syntax", problem, where=where))
+
+
+def too_large(headline: str, where: Location, value: float | None, bound: float, unit: str) -> InvalidInput:
+    """The text passes a bound."""
+    return InvalidInput(finding("scene/file-too-large", headline, where=where, value=value, bound=bound, unit=unit))
+
+
+class _Reader:
+    """Turns syntax nodes into the tree; an alias becomes a copy, so that an override changes one place only."""
+
+    def __init__(self, file: str, yaml: YAML, most_values: int) -> None:
+        self.file, self.yaml, self.most_values = file, yaml, most_values
+        self.found: list[Diagnostic] = []
+        self.values = 0
+
+    def tree(self, node: Node, depth: int) -> Tree:
+        at = self._at(node)
+        self.values += 1
+        if self.values > self.most_values:
+            raise too_large("the program holds too many values", at, None, MAX_VALUES, "values")
+        if depth > MAX_DEPTH:  # An alias inside of what it stands for ends here, too.
+            raise too_large(f"{self.file} is nested too deeply", at, depth, MAX_DEPTH, "levels")
+        if isinstance(node, MappingNode):
+            return self._block(node, at, depth)
+        if isinstance(node, SequenceNode):
+            return Row(tuple(self.tree(item, depth + 1) for item in node.value), at)
+        assert isinstance(node, ScalarNode), "YAML has three kinds of nodes"
+        return self._scalar(node, at)
+
+    def _block(self, node: MappingNode, at: Location, depth: int) -> Block:
+        items: dict[str, Item] = {}
+        for key, value in node.value:
+            here = self._at(key)
+            if not isinstance(key, ScalarNode):
+                self.found.append(finding("scene/yaml-syntax", "a key is a list or a mapping", where=here))
+            elif key.value in items:
+                self.found.append(finding("scene/yaml-syntax", f"the key `{key.value}` stands here twice", where=here))
+            else:
+                items[key.value] = Item(here, self.tree(value, depth + 1))
+        return Block(items, at)
+
+    def _scalar(self, node: ScalarNode, at: Location) -> Scalar:
+        tag = str(node.tag)
+        if tag in _READ:
+            return Scalar(self.yaml.constructor.construct_object(node), node.value, at)
+        if tag not in _TEXT:
+            self.found.append(finding("scene/yaml-syntax", f"the tag `{tag}` has no meaning here", where=at))
+        return Scalar(node.value, node.value, at)
+
+    def _at(self, node: Node) -> Location:
+        return Location(file=self.file, line=node.start_mark.line + 1, column=node.start_mark.column + 1)

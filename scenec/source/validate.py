@@ -1,0 +1,122 @@
+"""A tree against the model of the language: every error of it as one finding where it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from scenec.ir import Path
+from scenec.source.hint import did_you_mean
+from scenec.source.language import keys_at
+from scenec.source.tree import Row, Scalar, Spans, Tree, child, plain, written
+from schemas.diagnostics import Diagnostic, finding
+from schemas.scene_program import SceneProgram
+
+LONGEST_TEXT = 60
+
+
+def validate(tree: Tree, spans: Spans) -> tuple[SceneProgram | None, tuple[Diagnostic, ...]]:
+    """The program, or None and all that is wrong with its keys and values, in the order of the text."""
+    values, as_text = plain(tree), set[Path]()
+    while True:
+        try:
+            return SceneProgram.model_validate(values), ()
+        except ValidationError as error:
+            places = [_place(tree, detail) for detail in error.errors(include_url=False)]
+        numbers = [p.path for p in places if p.error["type"] == "string_type" and _is_number(child(tree, p.path))]
+        if not set(numbers) - as_text:
+            break
+        for path in numbers:  # An id such as 007 is meant as it is written.
+            _write(values, path, child(tree, path).text)  # pyright: ignore[reportOptionalMemberAccess,reportAttributeAccessIssue]
+        as_text |= set(numbers)
+    found = (_finding(place, tree, spans) for place in _one_each(places))
+    return None, tuple(sorted(found, key=lambda d: (d.where.file or "", d.where.line or 0, d.where.column or 0)))
+
+
+class _Place(NamedTuple):
+    """Where an error belongs, and whether the alternative of a union that it speaks of has the shape of the value."""
+
+    path: Path
+    fits: bool
+    error: ErrorDetails
+
+
+def _place(tree: Tree, error: ErrorDetails) -> _Place:
+    """Pydantic's location without the marks of the alternatives that it tried."""
+    node: Tree | None = tree
+    path, tag_seen, fits = (), False, True
+    for at, step in enumerate(error["loc"]):
+        below = child(node, (step,))
+        tag = child(node, ("type",))
+        if not tag_seen and isinstance(tag, Scalar) and tag.text == step:
+            tag_seen = True
+        elif below is not None:
+            node, path, tag_seen = below, (*path, step), False
+        elif at == len(error["loc"]) - 1 and error["type"] == "missing":
+            path = (*path, step)
+        elif isinstance(step, str):
+            fits = fits and _has_shape(step, node)
+    return _Place(path, fits, error)
+
+
+def _has_shape(mark: str, node: Tree | None) -> bool:
+    """Whether an alternative, as pydantic marks it, is of the kind of the value."""
+    if isinstance(node, Row):
+        return mark.startswith("tuple[")
+    plain_text = mark == "str" or mark.startswith("literal[")
+    return plain_text if isinstance(node, Scalar) else not plain_text and not mark.startswith("tuple[")
+
+
+def _one_each(places: list[_Place]) -> Iterator[_Place]:
+    """One error for each place, of the alternative that was meant."""
+    fitting = [place for place in places if place.fits]
+    chosen: dict[Path, _Place] = {}
+    for place in [*fitting, *(p for p in places if not any(f.path[: len(p.path)] == p.path for f in fitting))]:
+        chosen.setdefault(place.path, place)
+    yield from chosen.values()
+
+
+def _finding(place: _Place, tree: Tree, spans: Spans) -> Diagnostic:
+    path, kind, context = place.path, place.error["type"], place.error.get("ctx", {})
+    above = f"`{written(path[:-1])}`" if path[:-1] else "the program"
+    if kind == "extra_forbidden":
+        known = keys_at(tree, path[:-1])
+        headline = f"`{path[-1]}` is not a key of {above}{did_you_mean(str(path[-1]), known)}"
+        return finding("scene/unknown-key", headline, where=spans.key(path), bound=", ".join(known) or None)
+    if kind == "missing" and isinstance(path[-1], str):
+        return finding("scene/missing-key", f"{above} needs `{path[-1]}`", where=spans.place(path[:-1]))
+    if kind == "union_tag_not_found":
+        return finding("scene/missing-key", f"`{written(path)}` needs `type`", where=spans.place(path))
+    if kind == "union_tag_invalid":
+        tags = [tag.strip(" '") for tag in str(context["expected_tags"]).split(",")]
+        headline = f"`{written(path)}` has an unknown type{did_you_mean(str(context['tag']), tags)}"
+        where = spans.place((*path, "type"))
+        return finding("scene/invalid-value", headline, where=where, value=context["tag"], bound=", ".join(tags))
+    message = "has too few entries" if kind == "missing" else _message(place.error["msg"])
+    path = path[:-1] if kind == "missing" else path
+    return finding(
+        "scene/invalid-value", f"`{written(path)}` {message}", where=spans.place(path), value=_shown(child(tree, path))
+    )
+
+
+def _message(text: str) -> str:
+    for old, new in (("Input should", "should"), ("Tuple should", "should"), (" after validation", "")):
+        text = text.replace(old, new)
+    return text[:1].lower() + text[1:]
+
+
+def _shown(node: Tree | None) -> str | None:
+    return node.text[:LONGEST_TEXT] if isinstance(node, Scalar) else None
+
+
+def _is_number(node: Tree | None) -> bool:
+    return isinstance(node, Scalar) and node.value is not None and not isinstance(node.value, str)
+
+
+def _write(values: Any, path: Path, text: str) -> None:
+    for step in path[:-1]:
+        values = values[step]
+    values[path[-1]] = text
