@@ -1,0 +1,125 @@
+"""A problem and its placements as input of the independent judge (`geom.scene_check`): everything in the world."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geom.scene_check import (
+    CheckKeepOut,
+    CheckObject,
+    CheckPlace,
+    CheckPrism,
+    CheckReach,
+    CheckRelation,
+    CheckScene,
+    Violation,
+    check,
+)
+from scenec.ir import WORLD_PARENT, FloatArray, Placement, Problem, Slab, Spot, Surface, Thing, Volume
+
+LevelPose = tuple[FloatArray, float]  # origin (3,) in W and yaw: supports are level
+
+
+def violations(problem: Problem, placements: dict[str, Placement]) -> tuple[Violation, ...]:
+    """What the independent judge finds wrong with a whole assignment; empty when the scene is valid."""
+    return check(check_scene(problem, placements))
+
+
+def check_scene(problem: Problem, placements: dict[str, Placement]) -> CheckScene:
+    """The scene in the world. Raises KeyError when a thing has no placement: a partial scene is no scene."""
+    poses = world_poses(problem, placements)
+    objects = tuple(_object(thing, placements[thing.name], poses) for thing in problem.things)
+    places = {(thing.parent, thing.place.name): thing.place for thing in problem.things}
+    keep_outs = tuple(
+        CheckKeepOut(_place(rule.parent, places[rule.parent, rule.place], poses), rule.polygon, rule.height_m)
+        for rule in problem.keep_outs
+        if (rule.parent, rule.place) in places
+    )
+    reach = problem.reach
+    relations = tuple(
+        CheckRelation(
+            kind=relation.kind,
+            objects=relation.things,
+            direction=turned(np.array([relation.direction]), poses[relation.frame][1])[0],
+            gap_m=relation.gap_m,
+            tolerance=relation.tolerance,
+            label=relation.word or relation.kind,
+        )
+        for relation in problem.relations
+    )
+    ring = None if reach is None else CheckReach(reach.base_m, reach.least_m, reach.most_m, reach.members)
+    return CheckScene(objects, problem.clearance_m, relations, keep_outs, ring)
+
+
+def world_poses(problem: Problem, placements: dict[str, Placement]) -> dict[str, LevelPose]:
+    """Origin and yaw in W of the asset frame P of every thing and of the background, as owners of places."""
+    X_WB = problem.X_WB
+    poses: dict[str, LevelPose] = {WORLD_PARENT: (X_WB[:3, 3], float(np.arctan2(X_WB[1, 0], X_WB[0, 0])))}
+    waiting = list(problem.things)
+    while waiting:
+        ready = [thing for thing in waiting if thing.parent in poses]
+        if not ready:
+            raise ValueError(f"no owner stands for {waiting[0].name}")
+        for thing in ready:
+            at = placements[thing.name]
+            anchor, yaw = _anchor(thing.parent, thing.place, poses)
+            offset = turned(np.array([[at.x_m, at.y_m]]), yaw)[0]
+            height = at.base_m + thing.body.stances[at.stance].origin_height_m
+            poses[thing.name] = (anchor + np.array([*offset, height]), yaw + at.yaw_rad)
+        waiting = [thing for thing in waiting if thing.name not in poses]
+    return poses
+
+
+def turned(points: FloatArray, yaw_rad: float) -> FloatArray:
+    """Points (n, 2) turned about the origin."""
+    cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
+    return points @ np.array([[cos, sin], [-sin, cos]])
+
+
+def _anchor(owner: str, place: Surface | Volume, poses: dict[str, LevelPose]) -> LevelPose:
+    origin, yaw = poses[owner]
+    shift = turned(place.origin_P_m[None, :2], yaw)[0]
+    return origin + np.array([*shift, place.origin_P_m[2]]), yaw
+
+
+def _place(owner: str, place: Surface | Volume, poses: dict[str, LevelPose]) -> CheckPlace:
+    origin, yaw = _anchor(owner, place, poses)
+    if isinstance(place, Volume):
+        return CheckPlace(owner, place.name, origin, yaw, layers=place.layers, height_m=place.height_m)
+    above = tuple(CheckPrism(slab.outline_m, slab.low_m, slab.high_m) for slab in place.above)
+    return CheckPlace(owner, place.name, origin, yaw, place.polygon, height_m=place.clearance_m, above=above)
+
+
+def _object(thing: Thing, at: Placement, poses: dict[str, LevelPose]) -> CheckObject:
+    origin, yaw = poses[thing.name]
+    stance, domain = thing.body.stances[at.stance], thing.domain
+    place = _place(thing.parent, thing.place, poses)
+    floor = float(place.origin_m[2]) + at.base_m
+    return CheckObject(
+        name=thing.name,
+        prisms=tuple(_prism(slab, origin, yaw, floor) for slab in stance.slabs),
+        origin_m=origin,
+        yaw_rad=yaw,
+        front=turned(_front(stance.quat_wxyz)[None], yaw)[0],
+        place=place,
+        x_m=domain.x_m,
+        y_m=domain.y_m,
+        yaw_range_rad=domain.yaw_rad,
+        spots=tuple(_spot(spot) for spot in domain.spots),
+        stance=at.stance,
+        stances=domain.stances,
+    )
+
+
+def _prism(slab: Slab, origin: FloatArray, yaw: float, floor_m: float) -> CheckPrism:
+    return CheckPrism(turned(slab.outline_m, yaw) + origin[:2], floor_m + slab.low_m, floor_m + slab.high_m)
+
+
+def _front(quat_wxyz: tuple[float, float, float, float]) -> FloatArray:
+    """The front (+x of the asset frame) seen from above, (2,)."""
+    w, x, y, z = quat_wxyz
+    return np.array([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z)])
+
+
+def _spot(spot: Spot) -> tuple[float, float, float, float]:
+    return spot.x_m, spot.y_m, spot.z_m, spot.yaw_rad
