@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.diagnostics import Diagnostic, Location
+from schemas.scene_program import Inline
 
 SCHEMA_VERSION = "1.0"
 Verdict = Literal["compiled", "infeasible", "budget_exhausted", "invalid_program"]
@@ -31,7 +32,9 @@ class PlacedObject(_Model):
     """One object at rest. `position_m` and `quat_wxyz` are those of its asset frame in the world.
 
     `prisms` are its collision geometry in the world, by which anyone can check the scene without packages. `parent` is
-    the object it stands on or in (`background` for what does not move), `anchor` the name of that place.
+    the object it stands on or in (`background` for what does not move), `anchor` the name of that place. `package` is
+    its folder below `packages/` beside the scene file; what has none is the `primitive` as written, before `scale`.
+    `mass_kg` is the mass at that scale, None where nobody said any.
     """
 
     id: str
@@ -44,6 +47,8 @@ class PlacedObject(_Model):
     anchor: str
     prisms: tuple[Prism, ...]
     semantic_tags: tuple[str, ...] = ()
+    primitive: Annotated[Inline, Field(discriminator="type")] | None = None
+    mass_kg: float | None = None
 
 
 class CompiledScene(_Model):
@@ -75,12 +80,22 @@ class Suggestion(_Model):
 
 
 class CombinationVerdict(_Model):
-    """What became of one combination of geometry-changing variants."""
+    """What became of one combination of geometry-changing variants; `scene` is its stage, beside the report."""
 
     combination: dict[str, str]
     verdict: Verdict
     proof: str = ""
     seconds: float = 0.0
+    scene: str | None = None
+
+
+class Settling(_Model):
+    """How far one object went from its compiled pose when everything was let go at once."""
+
+    id: str
+    moved_m: float
+    turned_rad: float
+    stayed: bool
 
 
 class CompileReport(_Model):
@@ -98,6 +113,8 @@ class CompileReport(_Model):
     suggestions: tuple[Suggestion, ...] = ()
     scene: str | None = None
     plan: str | None = None
+    phases: dict[str, float] = Field(default={}, description="seconds of each phase, in the order they ran")
+    settling: tuple[Settling, ...] = Field(default=(), description="of `scene`; empty when it was not let go")
 
 
 def location_of(member: ConflictMember) -> Location:

@@ -109,6 +109,15 @@ class ProbesAtEnd:
     speeds_mps: FloatArray
 
 
+@dataclass(frozen=True)
+class Standing:
+    """A body of a scene at X_WA (4, 4); what does not move needs shapes and contact alone."""
+
+    body: RigidBody
+    X_WA: FloatArray
+    moves: bool
+
+
 class Simulator(Protocol):
     """Drops rigid bodies. Equal calls give equal results, whatever was simulated before."""
 

@@ -30,10 +30,17 @@ def reread_body(main_file: Path) -> RigidBody:
     bodies = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
     if len(bodies) != 1:
         raise _invalid(f"{len(bodies)} rigid bodies instead of one", main_file)
-    body = bodies[0]
-    colliders = collider_prims(body)
-    shapes = tuple(_shape(prim, body, main_file) for prim in colliders)
-    return RigidBody(body.GetName(), shapes, _mass(body, main_file), _contact(colliders, main_file))
+    return body_of(bodies[0], main_file)
+
+
+def body_of(body: Usd.Prim, main_file: Path) -> RigidBody:
+    """The rigid body at the prim `body`, in its frame and without its scale. Raises as `reread_body` does."""
+    return RigidBody(body.GetName(), shapes_of(body, main_file), _mass(body, main_file), contact_of(body, main_file))
+
+
+def shapes_of(body: Usd.Prim, main_file: Path) -> tuple[CollisionShape, ...]:
+    """The collision shapes that belong to `body`, in its frame. Raises InvalidInput for an unknown collider type."""
+    return tuple(_shape(prim, body, main_file) for prim in collider_prims(body))
 
 
 def reread_shape_contacts(main_file: Path) -> tuple[Contact, ...]:
@@ -129,9 +136,9 @@ def _mass(body: Usd.Prim, main_file: Path) -> MassProperties:
     return MassProperties(float(api.GetMassAttr().Get()), centre, inertia_from_principal(moments, quat_wxyz))
 
 
-def _contact(colliders: list[Usd.Prim], main_file: Path) -> Contact:
-    """The contact material of the colliders; of several the one written first, that of the largest part."""
-    bound = [api for prim in colliders if (api := bound_contact_material(prim)) is not None]
+def contact_of(body: Usd.Prim, main_file: Path) -> Contact:
+    """The contact material of the colliders of `body`; of several the one written first, that of the largest part."""
+    bound = [api for prim in collider_prims(body) if (api := bound_contact_material(prim)) is not None]
     if not bound:
         raise _invalid("no collider with a contact material", main_file)
     siblings = [prim.GetPath() for prim in bound[0].GetPrim().GetParent().GetChildren()]

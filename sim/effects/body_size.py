@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from geom.scaling import scaled
 from schemas.gap import Place
 from sim.body_replay import BodyModel
 from sim.effects.effect import Confusable, Effect, Numbers, Parameter, Params
-from sim.effects.shapes import scaled
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from render.figure import figure, png, tidy
 from schemas.model import FloatArray
 from simgap.events import EventProblem
-from simgap.pictures.figure import DECLARED, EXTENDED, MEASURED, figure, png, tidy
+from simgap.pictures.colours import DECLARED, EXTENDED, MEASURED
 from simgap.problem import Model
 
 _SHOWN = 4.0  # robust spreads of the readings that are shown around their median

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from render.figure import figure, png, tidy
 from schemas.gap import Rival
-from simgap.pictures.figure import DECLARED, EXTENDED, NOISE, figure, png, tidy
+from simgap.pictures.colours import DECLARED, EXTENDED, NOISE
 
 _WORDS = {"declared": "model as declared", "null_refit": "declared numbers refitted", "noise_floor": "noise alone"}
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from simgap.pictures.figure import DECLARED, EXTENDED, MEASURED, figure, png, tidy
+from render.figure import figure, png, tidy
+from simgap.pictures.colours import DECLARED, EXTENDED, MEASURED
 from simgap.replays import Replay
 
 

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from render.figure import figure, png, tidy
 from schemas.gap import Place
 from schemas.model import FloatArray
 from simgap.measurement import Measurement
 from simgap.mechanism.equation_error import balance
 from simgap.mechanism.logs import Log, log_of
 from simgap.mechanism.problem import MechanismProblem
-from simgap.pictures.figure import EXTENDED, MEASURED, figure, png, tidy
+from simgap.pictures.colours import EXTENDED, MEASURED
 from simgap.problem import Model
 
 _BINS = 40

@@ -1,4 +1,4 @@
-"""One look for all pictures: no display, no dates, colours that say measured, declared, extended."""
+"""One look for all drawn pictures: no display, no dates, no frame where nothing is read off."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-MEASURED, DECLARED, EXTENDED, NOISE = "#1b1f24", "#b3261e", "#1f7a4d", "#8a929d"
 _DPI = 110
 
 

@@ -1,0 +1,3 @@
+"""Colours that say measured, declared, extended, noise."""
+
+MEASURED, DECLARED, EXTENDED, NOISE = "#1b1f24", "#b3261e", "#1f7a4d", "#8a929d"

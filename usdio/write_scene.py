@@ -1,0 +1,142 @@
+"""Write a compiled scene as a USD stage with the packages it uses beside it, so that the folder can be handed on.
+
+Packages are copied, not referenced where they lie: ingest replaces packages in a library in place, and a scene that was
+checked must stay as it was checked; a folder that holds all it refers to also opens on any machine.
+"""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+
+from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics
+
+from schemas.compiled_scene import CompiledScene, PlacedObject
+from usdio.names import prim_names
+from usdio.write_package import USD_FOLDER
+from usdio.write_physics import author_contact_material
+from usdio.write_primitive import CONTACT, DENSITY_KGM3, author_primitive
+
+PACKAGES = "packages"
+GRAVITY_MPS2 = 9.81
+_ROOT = Sdf.Path("/World")
+_PREVIEWS = "previews"
+
+
+def write_scene(scene: CompiledScene, library: Path | None, file: Path) -> Path:
+    """Write the stage `file` (.usda) and copy the packages of `library` that it uses to `packages/` beside it.
+
+    `/World/Background` does not move, every object is a body of its own below `/World/Objects`; poses are those of the
+    compiled scene. The same scene gives the same bytes. Returns `file`; raises OSError when writing fails.
+    """
+    file.parent.mkdir(parents=True, exist_ok=True)
+    placed = [*([scene.background] if scene.background is not None else []), *scene.objects]
+    for package in sorted({item.package for item in placed if item.package is not None}):
+        if library is None:
+            raise FileNotFoundError(package)
+        _copy(library / package, file.parent / PACKAGES / package)
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    stage = Usd.Stage.Open(layer)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
+    world = UsdGeom.Xform.Define(stage, _ROOT).GetPrim()
+    stage.SetDefaultPrim(world)
+    Usd.ModelAPI(world).SetKind(Kind.Tokens.assembly)
+    _author_physics_scene(stage)
+    _author_lights(stage)
+    contact = author_contact_material(stage, _ROOT, CONTACT, DENSITY_KGM3, "inline")
+    if scene.background is not None:
+        _author_object(stage, _ROOT.AppendChild("Background"), scene.background, contact, file.parent, moves=False)
+    group = UsdGeom.Xform.Define(stage, _ROOT.AppendChild("Objects")).GetPrim()
+    Usd.ModelAPI(group).SetKind(Kind.Tokens.group)
+    for name, item in zip(object_prims(scene), scene.objects, strict=True):
+        _author_object(stage, group.GetPath().AppendChild(name), item, contact, file.parent, moves=True)
+    layer.customLayerData = {
+        "mana:scene": scene.scene,
+        "mana:seed": scene.seed,
+        "mana:combination": {key: scene.combination[key] for key in sorted(scene.combination)},
+    }
+    if not layer.Export(str(file)):
+        raise OSError(f"USD could not write {file.name}")
+    return file
+
+
+def object_prims(scene: CompiledScene) -> Sequence[str]:
+    """The prim names below `/World/Objects`, in the order of the objects of the scene."""
+    return tuple(prim_names([item.id for item in scene.objects], "object"))
+
+
+def _author_physics_scene(stage: Usd.Stage) -> None:
+    physics = UsdPhysics.Scene.Define(stage, _ROOT.AppendChild("PhysicsScene"))
+    physics.CreateGravityDirectionAttr(Gf.Vec3f(0.0, 0.0, -1.0))
+    physics.CreateGravityMagnitudeAttr(GRAVITY_MPS2)
+
+
+def _author_lights(stage: Usd.Stage) -> None:
+    """A soft dome and one lamp, so that the stage is not dark where it is opened."""
+    scope = UsdGeom.Scope.Define(stage, _ROOT.AppendChild("Lights")).GetPath()
+    UsdLux.DomeLight.Define(stage, scope.AppendChild("Dome")).CreateIntensityAttr(700.0)
+    lamp = UsdLux.DistantLight.Define(stage, scope.AppendChild("Lamp"))
+    lamp.CreateIntensityAttr(1200.0)
+    lamp.CreateAngleAttr(2.0)
+    lamp.AddRotateXYZOp().Set(Gf.Vec3f(35.0, -25.0, 0.0))
+
+
+def _author_object(
+    stage: Usd.Stage, path: Sdf.Path, item: PlacedObject, contact: Sdf.Path, folder: Path, *, moves: bool
+) -> None:
+    """One object at its pose: a reference to its package, or the primitive with collider and mass."""
+    prim = UsdGeom.Xform.Define(stage, path).GetPrim()
+    if item.primitive is not None:
+        author_primitive(stage, path, item.primitive, item.scale, item.mass_kg, contact, moves=moves)
+        Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
+    elif item.package is not None:
+        _refer(stage, prim, item, folder, moves=moves)
+    form = UsdGeom.Xformable(prim)
+    form.ClearXformOpOrder()
+    form.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(*item.position_m))
+    w, x, y, z = item.quat_wxyz
+    form.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(w, x, y, z))
+    if item.package is not None and item.scale != 1.0:
+        form.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(item.scale))
+    if item.semantic_tags:
+        UsdSemantics.LabelsAPI.Apply(prim, "tags").CreateLabelsAttr(list(item.semantic_tags))
+    prim.SetCustomDataByKey("mana:id", item.id)
+    if item.parent:
+        prim.SetCustomDataByKey("mana:on", item.parent)
+
+
+def _refer(stage: Usd.Stage, prim: Usd.Prim, item: PlacedObject, folder: Path, *, moves: bool) -> None:
+    """A reference to the copied package; what stands still has its body switched off, which leaves its colliders.
+
+    A scaled body keeps its density: mass goes with the cube of the scale, moments of inertia with the fifth power.
+    """
+    name = str(item.package)
+    main = next(iter(sorted((folder / PACKAGES / name / USD_FOLDER).glob("*.usda"))))
+    prim.GetReferences().AddReference(f"./{PACKAGES}/{name}/{USD_FOLDER}/{main.name}")
+    if not moves:
+        UsdPhysics.RigidBodyAPI.Apply(prim).CreateRigidBodyEnabledAttr(False)
+    elif item.scale != 1.0:
+        source = Usd.Stage.Open(str(main)).GetDefaultPrim()
+        stated = UsdPhysics.MassAPI(source)
+        mass = UsdPhysics.MassAPI.Apply(prim)
+        mass.CreateMassAttr(stated.GetMassAttr().Get() * item.scale**3)
+        mass.CreateDiagonalInertiaAttr(stated.GetDiagonalInertiaAttr().Get() * item.scale**5)
+
+
+def _copy(source: Path, target: Path) -> None:
+    """The package without its previews; files that are there with the same bytes stay untouched."""
+    if not source.is_dir():
+        raise FileNotFoundError(source)
+    for file in sorted(path for path in source.rglob("*") if path.is_file()):
+        inside = file.relative_to(source)
+        there = target / inside
+        if inside.parts[0] == _PREVIEWS or (there.is_file() and there.read_bytes() == file.read_bytes()):
+            continue
+        there.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, there)
