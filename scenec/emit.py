@@ -78,8 +78,8 @@ def _placed(
         id=name,
         asset_id=body.asset_id,
         package=body.package,
-        position_m=_rounded(X_WU[:3, 3]),
-        quat_wxyz=_rounded(quat),
+        position_m=(_rounded(X_WU[0, 3]), _rounded(X_WU[1, 3]), _rounded(X_WU[2, 3])),
+        quat_wxyz=(_rounded(quat[0]), _rounded(quat[1]), _rounded(quat[2]), _rounded(quat[3])),
         scale=body.scale,
         parent=parent,
         anchor=anchor,
@@ -98,13 +98,13 @@ def prisms(stance: Stance, X_WU: FloatArray) -> tuple[Prism, ...]:
         outline = apply(X_WU, np.column_stack([slab.outline_m, np.zeros(len(slab.outline_m))]))[:, :2]
         made.append(
             Prism(
-                outline_m=tuple(_rounded(point) for point in outline),
-                low_m=round(floor_m + slab.low_m, _DIGITS),
-                high_m=round(floor_m + slab.high_m, _DIGITS),
+                outline_m=tuple((_rounded(x), _rounded(y)) for x, y in outline),
+                low_m=_rounded(floor_m + slab.low_m),
+                high_m=_rounded(floor_m + slab.high_m),
             )
         )
     return tuple(made)
 
 
-def _rounded(values: FloatArray) -> tuple[float, ...]:
-    return tuple(round(float(v), _DIGITS) + 0.0 for v in values)  # + 0.0: no negative zero.
+def _rounded(value: float) -> float:
+    return round(float(value), _DIGITS) + 0.0  # + 0.0: no negative zero.

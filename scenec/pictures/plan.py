@@ -1,0 +1,143 @@
+"""A compiled scene seen from above: supports, footprints with names and fronts, relations, clearance."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+
+import numpy as np
+import shapely
+from matplotlib.axes import Axes
+from shapely.affinity import affine_transform
+from shapely.geometry.base import BaseGeometry
+
+from geom.pose import matrix_of
+from render.figure import png
+from scenec.emit import world_frames
+from scenec.ir import WORLD_PARENT, FloatArray, Placement, Problem, Slab, Stance, Surface, Thing, Volume
+from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, arrow, name, sheet
+
+_MOST_NAMES = 60
+
+
+def plan(problem: Problem, placements: Mapping[str, Placement], title: str = "") -> bytes:
+    """PNG of the scene from above. Things are drawn from the lowest to the highest, so what stands on top is on top."""
+    frames = world_frames(problem, placements)
+    shapes = {t.name: footprint(t.body.stances[placements[t.name].stance], frames[t.name]) for t in problem.things}
+    supports = world_supports(problem, frames)
+    everything = shapely.union_all([*supports, *shapes.values()])
+    bounds = np.array(everything.bounds if not everything.is_empty else (0.0, 0.0, 1.0, 1.0))
+    made, axes = sheet(bounds[:2], bounds[2:], title or problem.scene)
+    draw_supports(axes, problem, frames)
+    order = sorted(problem.things, key=lambda t: (_top(t, placements, frames), t.name))
+    colours = {thing.name: THINGS[index % len(THINGS)] for index, thing in enumerate(problem.things)}
+    for level, thing in enumerate(order):
+        _draw_thing(axes, thing, shapes[thing.name], frames[thing.name], placements, colours[thing.name], 2.0 + level)
+    above = 3.0 + len(order)
+    _draw_clearance(axes, problem, shapes, above)
+    if len(order) <= _MOST_NAMES:
+        for thing in order:
+            name(axes, _label_at(thing, shapes, problem), thing.name, order=above + 2.0)
+    for number, relation in enumerate(problem.relations):
+        middles = [np.array(shapes[member].centroid.coords[0]) for member in relation.things]
+        word = relation.word or relation.kind
+        for first, second in itertools.pairwise(middles):
+            arrow(axes, first, second, word, order=above + 1.0, bend=0.1 + 0.03 * (number % 3))
+    return png(made)
+
+
+def footprint(stance: Stance, X_WU: FloatArray) -> BaseGeometry:
+    """The union of the outlines of a stance, seen from above in the world."""
+    return shapely.union_all([_turned(shapely.Polygon(slab.outline_m), X_WU) for slab in stance.slabs])
+
+
+def place_outline(place: Surface | Volume, X_WU: FloatArray) -> BaseGeometry:
+    """The polygon of a surface, or the floor of a volume, seen from above; `X_WU` is the frame of its owner."""
+    inside = place.polygon if isinstance(place, Surface) else place.layers[0][2]
+    moved = np.array(X_WU)
+    moved[:3, 3] = (X_WU @ np.append(np.asarray(place.origin_P_m, dtype=np.float64), 1.0))[:3]
+    return _turned(inside, moved)
+
+
+def world_supports(problem: Problem, frames: Mapping[str, FloatArray]) -> list[BaseGeometry]:
+    """Places of the background that something stands on, seen from above, and the background itself."""
+    used = {t.place.name: t.place for t in problem.things if t.parent == WORLD_PARENT}
+    shapes = [place_outline(place, frames[WORLD_PARENT]) for place in used.values()]
+    if problem.background is not None:
+        shapes.append(footprint(problem.background.stances[0], frames[WORLD_PARENT]))
+    return shapes
+
+
+def draw_supports(axes: Axes, problem: Problem, frames: Mapping[str, FloatArray]) -> None:
+    """The background, its places in use, keep-outs and the reach of the robot."""
+    if problem.background is not None:
+        whole = footprint(problem.background.stances[0], frames[WORLD_PARENT])
+        area(axes, whole, order=0.5, facecolor="#f7f5f1", edgecolor=EDGE, linewidth=0.8)
+    for place in {t.place.name: t.place for t in problem.things if t.parent == WORLD_PARENT}.values():
+        outline = place_outline(place, frames[WORLD_PARENT])
+        area(axes, outline, order=1.0, facecolor=SUPPORT, edgecolor=EDGE, linewidth=1.2)
+    for rule in problem.keep_outs:
+        place = next((t.place for t in problem.things if (t.parent, t.place.name) == (rule.parent, rule.place)), None)
+        if place is not None and rule.parent in frames:
+            moved = np.array(frames[rule.parent])
+            moved[:3, 3] = (moved @ np.append(np.asarray(place.origin_P_m, dtype=np.float64), 1.0))[:3]
+            area(
+                axes, _turned(rule.polygon, moved), order=1.5, facecolor="none", edgecolor=WRONG, hatch="///", alpha=0.5
+            )
+    if problem.reach is not None:
+        base = shapely.Point(problem.reach.base_m[:2])
+        ring = base.buffer(problem.reach.most_m, 64).difference(base.buffer(problem.reach.least_m, 64))
+        area(axes, ring, order=1.6, facecolor="none", edgecolor=FREE, linestyle="--", linewidth=1.0)
+
+
+def _draw_thing(
+    axes: Axes,
+    thing: Thing,
+    shape: BaseGeometry,
+    X_WU: FloatArray,
+    placements: Mapping[str, Placement],
+    colour: str,
+    order: float,
+) -> None:
+    area(axes, shape, order=order, facecolor=colour, edgecolor=INK, linewidth=0.9, alpha=0.92)
+    stance = thing.body.stances[placements[thing.name].stance]
+    front = (X_WU[:3, :3] @ matrix_of(np.array(stance.quat_wxyz)))[:2, 0]
+    if np.linalg.norm(front) > 0.5:  # A front that points up or down shows nothing from above.
+        start = X_WU[:2, 3]
+        length = 0.35 * np.sqrt(shape.area)
+        axes.plot(*np.column_stack([start, start + length * front]), color=INK, linewidth=1.4, zorder=order + 0.2)
+        axes.plot(*start, marker="o", markersize=2.5, color=INK, zorder=order + 0.2)
+
+
+def _draw_clearance(axes: Axes, problem: Problem, shapes: Mapping[str, BaseGeometry], order: float) -> None:
+    """Each footprint grown by half the clearance: these do not overlap among things that share a place."""
+    if problem.clearance_m <= 0.0:
+        return
+    for shape in shapes.values():
+        grown = shape.buffer(problem.clearance_m / 2.0)
+        area(axes, grown, order=order, facecolor="none", edgecolor=CLEAR, linestyle=":", linewidth=0.8)
+
+
+def _label_at(thing: Thing, shapes: Mapping[str, BaseGeometry], problem: Problem) -> FloatArray:
+    """A point of the footprint that no child covers, where there is one."""
+    children = [shapes[t.name] for t in problem.things if t.parent == thing.name]
+    own = shapes[thing.name]
+    free = own.difference(shapely.union_all(children)) if children else own
+    point = free.centroid if free.contains(free.centroid) else free.representative_point()
+    if free.is_empty:
+        point = own.centroid
+    return np.array(point.coords[0])
+
+
+def _top(thing: Thing, placements: Mapping[str, Placement], frames: Mapping[str, FloatArray]) -> float:
+    stance = thing.body.stances[placements[thing.name].stance]
+    return float(frames[thing.name][2, 3]) - stance.origin_height_m + max(_highs(stance.slabs))
+
+
+def _highs(slabs: tuple[Slab, ...]) -> list[float]:
+    return [slab.high_m for slab in slabs]
+
+
+def _turned(shape: BaseGeometry, X_WU: FloatArray) -> BaseGeometry:
+    (a, b), (c, d) = X_WU[:2, :2]
+    return affine_transform(shape, [a, b, c, d, X_WU[0, 3], X_WU[1, 3]])
