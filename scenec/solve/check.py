@@ -1,0 +1,142 @@
+"""Incremental validation: what an assignment activates. Every test names the things it rests on, for backjumping."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from math import pi
+
+import numpy as np
+import shapely
+
+from scenec.solve.frames import pose_of
+from scenec.solve.model import SLACK_M, Model, Site, yaw_allowed
+from scenec.solve.placed import Placed, bounds_gap, footprint_distance
+from scenec.solve.relations import SLACK, excess, known
+
+Assignment = Mapping[str, Placed]
+
+
+def fits_alone(model: Model, placed: Placed) -> bool:
+    """Domain, place, owner's own geometry and keep-outs: all that concerns a thing without the others."""
+    thing = model.things[placed.name]
+    domain, placement = thing.domain, placed.placement
+    if placement.stance not in model.stances(thing):
+        return False
+    if domain.spots:
+        height = placed.turned.shape.origin_height_m
+        if not any(
+            abs(spot.x_m - placement.x_m) <= SLACK_M
+            and abs(spot.y_m - placement.y_m) <= SLACK_M
+            and abs(spot.z_m - height - placement.base_m) <= SLACK_M
+            and abs((spot.yaw_rad - placement.yaw_rad + pi) % (2 * pi) - pi) <= SLACK_M
+            for spot in domain.spots
+        ):
+            return False
+    elif (
+        yaw_allowed(placement.yaw_rad, domain.yaw_rad) is None
+        or not domain.x_m[0] - SLACK_M <= placement.x_m <= domain.x_m[1] + SLACK_M
+        or not domain.y_m[0] - SLACK_M <= placement.y_m <= domain.y_m[1] + SLACK_M
+    ):
+        return False
+    for dx, dy, end in model.limits.get(placed.name, ()):
+        at = placed.x_P_m * dx + placed.y_P_m * dy
+        if at + float((placed.turned.hull @ (dx, dy)).max()) > end + SLACK_M:
+            return False
+    return on_site(placed, model.site(thing))
+
+
+def on_site(placed: Placed, site: Site) -> bool:
+    """Wholly on the polygon (of each layer that it spans), under what is above, clear of owner's parts, keep-outs."""
+    base, shape = placed.placement.base_m, placed.turned.shape
+    # What a thing in a receptacle carries may rise over the rim; under a board nothing may.
+    height_m = shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
+    if base < -SLACK_M or base + height_m > site.top_m + SLACK_M:
+        return False
+    in_air = base > SLACK_M and site.is_surface  # a spot off the floor: its author has said that it holds
+    for (low, high, layer), grown in zip(site.layers, site.grown_layers, strict=True):
+        if in_air:
+            continue
+        if len(site.layers) == 1 and site.is_box:
+            x0, y0, x1, y1 = placed.bounds
+            a0, b0, a1, b1 = layer.bounds
+            if min(x0 - a0, y0 - b0, a1 - x1, b1 - y1) < -SLACK_M:
+                return False
+        elif len(site.layers) == 1:
+            if not all(grown.covers(piece) for piece in placed.footprint):
+                return False
+        else:
+            for outline, slab_low, slab_high in placed.slabs:
+                spans = slab_low - site.base_P_m < high - SLACK_M and slab_high - site.base_P_m > low + SLACK_M
+                if spans and not grown.covers(outline):
+                    return False
+    for outline, low, high in site.above:
+        for slab, slab_low, slab_high in placed.slabs:
+            if slab_low < high - SLACK_M and slab_high > low + SLACK_M and _overlap(slab, outline):
+                return False
+    return not any(
+        slab_low < high - SLACK_M and slab_high > low + SLACK_M and _overlap(slab, polygon)
+        for polygon, low, high in site.keep_outs
+        for slab, slab_low, slab_high in placed.slabs
+    )
+
+
+def _overlap(a: shapely.Polygon, b: shapely.Polygon) -> bool:
+    # Whether interiors meet by more than rounding.
+    return bool(a.intersects(b)) and shapely.intersection(a, b).area > SLACK_M * min(a.length, b.length)
+
+
+def clash(a: Placed, b: Placed, clearance_m: float) -> bool:
+    """Whether two things on the same owner come closer than the clearance at heights they share."""
+    if bounds_gap(a, b) >= clearance_m - SLACK_M:
+        return False
+    if not (a.base_P_m < b.top_P_m - SLACK_M and b.base_P_m < a.top_P_m - SLACK_M):
+        return False
+    if a.place == b.place:
+        return footprint_distance(a, b) < clearance_m - SLACK_M
+    return any(
+        low_a < high_b - SLACK_M and low_b < high_a - SLACK_M and p.distance(q) < clearance_m - SLACK_M
+        for p, low_a, high_a in a.slabs
+        for q, low_b, high_b in b.slabs
+    )
+
+
+def in_reach(model: Model, name: str, assignment: Assignment) -> bool:
+    """Whether the asset origin of a placed thing lies in the robot's ring, seen from above in the world."""
+    reach = model.problem.reach
+    if reach is None or name not in reach.members:
+        return True
+    pose = pose_of(name, assignment)
+    p_W = (model.problem.X_WB @ (pose.x_m, pose.y_m, pose.z_m, 1.0))[:3]
+    return reach.least_m - SLACK_M <= float(np.hypot(*(p_W - reach.base_m)[:2])) <= reach.most_m + SLACK_M
+
+
+def blockers(model: Model, assignment: Assignment, name: str, siblings: Iterable[str] | None = None) -> set[str] | None:
+    """None where `name` agrees with all that is placed; else the things it clashes with (none: its own domain)."""
+    placed = assignment[name]
+    if not fits_alone(model, placed):
+        return set()
+    clearance = model.problem.clearance_m
+    found: set[str] = set()
+    for other in siblings if siblings is not None else assignment:
+        mate = assignment[other]
+        if mate.parent == placed.parent and other != name and clash(placed, mate, clearance):
+            found.add(other)
+    for rule in model.rules_of.get(name, ()):
+        if known(rule, assignment, model.chains) and excess(rule, assignment) > SLACK:
+            found.update(link for member in (*rule.things, rule.frame) for link in model.chains.get(member, ()))
+    if not found and _reach_known(model, name, assignment) and not in_reach(model, name, assignment):
+        return set(model.chains[name]) - {name}
+    return found - {name} if found else None
+
+
+def _reach_known(model: Model, name: str, assignment: Assignment) -> bool:
+    return all(link in assignment for link in model.chains[name])
+
+
+def faulty(model: Model, assignment: Assignment, names: Iterable[str] | None = None) -> dict[str, set[str]]:
+    """Things of an assignment that do not stand right, with what they clash with; empty for a valid one."""
+    found = {}
+    for name in names if names is not None else assignment:
+        if (cause := blockers(model, assignment, name)) is not None:
+            found[name] = cause
+    return found

@@ -1,0 +1,166 @@
+"""Which things must be solved together, and how a relation between others is kept without merging them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import pairwise
+from math import cos, hypot, inf, pi, sin
+
+import networkx as nx
+import numpy as np
+
+from scenec.ir import WORLD_PARENT, RelationIR
+from scenec.solve.model import Limit, Model
+
+YAW_SAMPLES = 64
+
+
+def footprint_bounds(model: Model, name: str) -> tuple[float, float, float, float]:
+    """A box (x0, y0, x1, y1) in P in which the footprint of a thing lies wherever its domain lets it be."""
+    thing = model.things[name]
+    site = model.site(thing)
+    a0, b0, a1, b1 = site.layers[0][2].bounds
+    if len(site.layers) > 1:
+        every = np.array([polygon.bounds for _, _, polygon in site.layers])
+        (a0, b0), (a1, b1) = every[:, :2].min(axis=0), every[:, 2:].max(axis=0)
+    ox, oy = float(thing.place.origin_P_m[0]), float(thing.place.origin_P_m[1])
+    boxes = []
+    for stance in thing.domain.stances:
+        if stance >= len(model.shapes[name]):
+            continue
+        shape = model.shapes[name][stance]
+        if thing.domain.spots:
+            for spot in thing.domain.spots:
+                x0, y0, x1, y1 = shape.turned(spot.yaw_rad).bounds
+                boxes.append((spot.x_m + ox + x0, spot.y_m + oy + y0, spot.x_m + ox + x1, spot.y_m + oy + y1))
+            continue
+        (xa, xb), (ya, yb) = thing.domain.x_m, thing.domain.y_m
+        if thing.domain.yaw_rad[0] == thing.domain.yaw_rad[1]:
+            x0, y0, x1, y1 = shape.turned(thing.domain.yaw_rad[0]).bounds
+        else:
+            radius = shape.radius_m
+            x0, y0, x1, y1 = -radius, -radius, radius, radius
+        boxes.append((max(xa + ox + x0, a0), max(ya + oy + y0, b0), min(xb + ox + x1, a1), min(yb + oy + y1, b1)))
+    if not boxes:
+        return a0, b0, a1, b1
+    every = np.array(boxes)
+    (x0, y0), (x1, y1) = every[:, :2].min(axis=0).tolist(), every[:, 2:].max(axis=0).tolist()
+    return x0, y0, x1, y1
+
+
+def _heights(model: Model, name: str) -> tuple[float, float]:
+    thing = model.things[name]
+    base = model.site(thing).base_P_m
+    shapes = model.shapes[name]
+    lows = [spot.z_m - shape.origin_height_m for spot in thing.domain.spots for shape in shapes] or [0.0]
+    return base + min(lows), base + max(lows) + max(shape.height_m for shape in shapes)
+
+
+def overlapping(model: Model) -> list[tuple[str, str]]:
+    """Pairs of things of one owner whose footprints, grown by the clearance, may meet at heights they share."""
+    siblings: dict[str, list[str]] = defaultdict(list)
+    for name, thing in model.things.items():
+        siblings[thing.parent].append(name)
+    pairs = []
+    for names in siblings.values():
+        if len(names) < 2:
+            continue
+        box = np.array([footprint_bounds(model, name) for name in names])
+        height = np.array([_heights(model, name) for name in names])
+        near = np.ones((len(names), len(names)), dtype=bool)
+        for low, high, room in (
+            (box[:, 0], box[:, 2], model.problem.clearance_m),
+            (box[:, 1], box[:, 3], model.problem.clearance_m),
+            (height[:, 0], height[:, 1], 0.0),
+        ):
+            near &= (low[:, None] < high[None, :] + room) & (low[None, :] < high[:, None] + room)
+        pairs += [(names[i], names[j]) for i, j in zip(*np.nonzero(np.triu(near, 1)), strict=True)]
+    return pairs
+
+
+def components_of(model: Model) -> tuple[tuple[str, ...], ...]:
+    """Names of things solved together, each in the order of names, the components by their first name."""
+    graph: nx.Graph[str] = nx.Graph()
+    graph.add_nodes_from(model.things)
+    graph.add_edges_from(overlapping(model))
+    for rule in model.rules:
+        if rule.kind != "before" or not siblings_in_frame(model, rule):
+            tied = sorted(depends_on(model, rule))
+            graph.add_edges_from(pairwise(tied))
+    if model.problem.reach is not None:
+        for name in model.problem.reach.members:
+            chain = model.chains.get(name, ())
+            graph.add_edges_from(pairwise(chain))
+    return tuple(sorted(tuple(sorted(members)) for members in nx.connected_components(graph)))
+
+
+def siblings_in_frame(model: Model, rule: RelationIR) -> bool:
+    """Whether a relation can be judged in the frame of one owner that carries all its members."""
+    owners = {model.things[name].parent for name in rule.things}
+    free_of_frame = rule.kind in ("near", "far_from", "facing", "between")
+    return len(owners) == 1 and (free_of_frame or rule.frame in owners)
+
+
+def depends_on(model: Model, rule: RelationIR) -> set[str]:
+    """Things whose poses decide whether a relation holds."""
+    if siblings_in_frame(model, rule):
+        return set(rule.things)
+    names: Iterable[str] = (*rule.things, rule.frame)
+    return {link for name in names if name != WORLD_PARENT for link in model.chains[name]}
+
+
+def lifted(model: Model, rule: RelationIR) -> RelationIR:
+    """A stricter relation between siblings in place of one across owners: what stands on a tray is left of a box when
+    the tray is. It then holds wherever things stand on their owners. The relation itself where there is none such."""
+    if rule.kind not in ("before", "far_from") or siblings_in_frame(model, rule):
+        return rule
+    chains = [(WORLD_PARENT, *model.chains[name]) for name in rule.things]
+    depth = 0
+    while depth < min(len(chain) for chain in chains) and chains[0][depth] == chains[1][depth]:
+        depth += 1
+    owner = chains[0][depth - 1]
+    if any(len(chain) <= depth for chain in chains) or (rule.kind == "before" and rule.frame != owner):
+        return rule
+    return replace(rule, things=(chains[0][depth], chains[1][depth]))
+
+
+def separated(model: Model, components: tuple[tuple[str, ...], ...]) -> dict[str, tuple[Limit, ...]] | None:
+    """Limits by name of thing that keep every directional relation between different components: each such relation
+    gets one coordinate that its first member ends before and its second begins after. None where there is no room."""
+    home = {name: k for k, members in enumerate(components) for name in members}
+    limits: dict[str, list[Limit]] = defaultdict(list)
+    for rule in model.rules:
+        if rule.kind != "before" or home[rule.things[0]] == home[rule.things[1]]:
+            continue
+        dx, dy = rule.direction
+        first, second = (_span(footprint_bounds(model, name), dx, dy) for name in rule.things)
+        if first[1] + rule.gap_m <= second[0]:
+            continue
+        widths = [_least_width(model, name, dx, dy) for name in rule.things]
+        earliest, latest = first[0] + widths[0], second[1] - widths[1] - rule.gap_m
+        if earliest > latest:
+            return None
+        # In the middle both have the same room to spare, as far as their ranges reach.
+        middle = min(max((earliest + latest) / 2, earliest), latest)
+        limits[rule.things[0]].append(Limit(dx, dy, middle))
+        limits[rule.things[1]].append(Limit(-dx, -dy, -middle - rule.gap_m))
+    return {name: tuple(found) for name, found in limits.items()}
+
+
+def _span(box: tuple[float, float, float, float], dx: float, dy: float) -> tuple[float, float]:
+    along = [x * dx + y * dy for x in (box[0], box[2]) for y in (box[1], box[3])]
+    return min(along), max(along)
+
+
+def _least_width(model: Model, name: str, dx: float, dy: float) -> float:
+    # Least extent of the footprint along a direction over the yaws allowed (sampled: a guess that only places a limit).
+    thing, least = model.things[name], inf
+    low, high = thing.domain.yaw_rad
+    for shape in model.shapes[name]:
+        for yaw in np.linspace(low, high, YAW_SAMPLES if high > low else 1).tolist():
+            c, s = cos(yaw), sin(yaw)
+            along = shape.hull @ (c * dx + s * dy, -s * dx + c * dy)
+            least = min(least, float(np.ptp(along)))
+    return least if least < inf else hypot(pi, pi)

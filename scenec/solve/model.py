@@ -1,0 +1,181 @@
+"""A problem made ready to solve: shapes per stance bottom-up, places in their owner's frame, rules by thing.
+
+Things are kept in the order of their names, so that the order in the program never matters.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.affinity import translate
+
+from scenec.ir import WORLD_PARENT, Placement, Problem, RelationIR, Surface, Thing, Volume
+from scenec.solve.placed import Placed
+from scenec.solve.planar import polygon
+from scenec.solve.shapes import Shape, carried_slabs, shape_of, tallest
+
+SLACK_M = 1e-9  # rounding allowed where geometry touches; the independent checker allows 1e-6
+
+
+class Site:
+    """One place of one owner in the owner's frame P: polygons to stay on (by height), what stands above, keep-outs."""
+
+    def __init__(
+        self, parent: str, place: Surface | Volume, problem: Problem, origins: Mapping[str, tuple[float, ...]]
+    ):
+        self.parent, self.place = parent, place
+        ox, oy, oz = (float(v) for v in place.origin_P_m)
+        if isinstance(place, Surface):
+            layers = ((0.0, place.clearance_m, place.polygon),)
+            above = place.above
+        else:
+            layers, above = place.layers, ()
+        self.layers = tuple((low, high, translate(area, ox, oy)) for low, high, area in layers)
+        shift = np.array([ox, oy])
+        self.above = tuple((polygon(s.outline_m + shift), s.low_m + oz, s.high_m + oz) for s in above)
+        # Keep-outs count for all that the owner carries: (polygon, low, high).
+        self.keep_outs = tuple(
+            (
+                translate(keep.polygon, *origins[keep.place][:2]),
+                origins[keep.place][2],
+                origins[keep.place][2] + keep.height_m,
+            )
+            for keep in problem.keep_outs
+            if keep.parent == parent and keep.place in origins
+        )
+        self.origin_P_m, self.base_P_m = place.origin_P_m, oz
+        self.top_m = place.clearance_m if isinstance(place, Surface) else place.height_m
+        self.is_surface = isinstance(place, Surface)
+        self.is_box = all(is_box(area) for _, _, area in self.layers)
+
+    @cached_property
+    def grown_layers(self) -> tuple[Polygon, ...]:
+        """The layers' polygons with room for rounding, prepared."""
+        grown = tuple(area.buffer(SLACK_M, join_style="mitre") for _, _, area in self.layers)
+        for area in grown:
+            shapely.prepare(area)
+        return grown
+
+
+def is_box(area: Polygon) -> bool:
+    """Whether a polygon is its own bounding box."""
+    x0, y0, x1, y1 = area.bounds
+    return abs((x1 - x0) * (y1 - y0) - area.area) <= 1e-12
+
+
+class Limit(NamedTuple):
+    """The footprint ends before `end_m` along (dx, dy) in the frame P of the owner."""
+
+    dx: float
+    dy: float
+    end_m: float
+
+
+@dataclass
+class Model:
+    """See the module. `rules` are the relations to hold, `limits` by name of thing; the solver may set stricter ones in
+    place of the program's."""
+
+    problem: Problem
+    things: dict[str, Thing]
+    shapes: dict[str, tuple[Shape, ...]]
+    sites: dict[tuple[str, str], Site]
+    rules: tuple[RelationIR, ...]
+    limits: dict[str, tuple[Limit, ...]]
+
+    @cached_property
+    def rules_of(self) -> dict[str, tuple[RelationIR, ...]]:
+        """Rules in which a thing takes part, by name (as member, or as the frame)."""
+        found: dict[str, list[RelationIR]] = defaultdict(list)
+        for rule in self.rules:
+            for name in {*rule.things, rule.frame} - {WORLD_PARENT}:
+                found[name].append(rule)
+        return {name: tuple(rules) for name, rules in found.items()}
+
+    @cached_property
+    def chains(self) -> dict[str, tuple[str, ...]]:
+        """Each thing's movable owners, outermost first, and itself."""
+        chains: dict[str, tuple[str, ...]] = {}
+        for name in owner_first(self.things):
+            chains[name] = (*chains.get(self.things[name].parent, ()), name)
+        return chains
+
+    @cached_property
+    def carriers(self) -> frozenset[str]:
+        """Things that others stand on or in."""
+        return frozenset(thing.parent for thing in self.things.values())
+
+    def site(self, thing: Thing) -> Site:
+        """The place a thing stands on."""
+        return self.sites[thing.parent, thing.place.name]
+
+    def stances(self, thing: Thing) -> tuple[int, ...]:
+        """Stances a thing may take: those that its domain names, upright ones only where it carries others."""
+        carries, shapes = thing.name in self.carriers, self.shapes[thing.name]
+        return tuple(s for s in thing.domain.stances if s < len(shapes) and (shapes[s].upright or not carries))
+
+    def put(self, name: str, placement: Placement) -> Placed:
+        """The thing at a pose."""
+        thing = self.things[name]
+        turned = self.shapes[name][placement.stance].turned(placement.yaw_rad)
+        return Placed(name, thing.parent, thing.place.name, placement, turned, thing.place.origin_P_m)
+
+
+def model_of(problem: Problem) -> Model:
+    """The model of a problem with the program's own relations as rules."""
+    things = {thing.name: thing for thing in sorted(problem.things, key=lambda t: t.name)}
+    children: dict[str, list[Thing]] = defaultdict(list)
+    for thing in things.values():
+        children[thing.parent].append(thing)
+    shapes: dict[str, tuple[Shape, ...]] = {}
+    for name in reversed(owner_first(things)):
+        loads: dict[str, tuple[Surface | Volume, float]] = {}
+        for child in children[name]:
+            height = max(tallest(child, shapes[child.name]), loads.get(child.place.name, (None, 0.0))[1])
+            loads[child.place.name] = (child.place, height)
+        shapes[name] = tuple(
+            shape_of(stance, carried_slabs(stance, tuple(loads.values())) if loads else ())
+            for stance in things[name].body.stances
+        )
+    places = {(thing.parent, thing.place.name): thing.place for thing in things.values()}
+    if problem.background is not None:
+        for place in (*problem.background.surfaces, *problem.background.volumes):
+            places.setdefault((WORLD_PARENT, place.name), place)
+    origins: dict[str, dict[str, tuple[float, ...]]] = defaultdict(dict)
+    for (parent, name), place in places.items():
+        origins[parent][name] = tuple(float(v) for v in place.origin_P_m)
+    sites = {key: Site(key[0], place, problem, origins[key[0]]) for key, place in places.items()}
+    return Model(problem, things, shapes, sites, problem.relations, {})
+
+
+def owner_first(things: dict[str, Thing]) -> list[str]:
+    """Names so that owners come before what they carry, else in the order of `things`."""
+    order: list[str] = []
+    seen: set[str] = set()
+
+    def visit(name: str, above: tuple[str, ...]) -> None:
+        if name in seen or name not in things or name in above:
+            return
+        visit(things[name].parent, (*above, name))
+        seen.add(name)
+        order.append(name)
+
+    for name in things:
+        visit(name, ())
+    return order
+
+
+def yaw_allowed(yaw_rad: float, span_rad: tuple[float, float]) -> float | None:
+    """The yaw brought by whole turns into a span (low, high), or None where it does not fit."""
+    low, high = span_rad
+    turns = -(-(low - SLACK_M - yaw_rad) // (2 * pi))
+    moved = yaw_rad + turns * 2 * pi
+    return min(max(moved, low), high) if moved <= high + SLACK_M else None

@@ -1,0 +1,54 @@
+"""A thing at a provisional pose, with its geometry in the frame P of its owner. An assignment maps names to these."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import shapely
+from shapely import Polygon
+
+from scenec.ir import FloatArray, Placement
+from scenec.solve.planar import polygon
+from scenec.solve.shapes import Turned
+
+
+class Placed:
+    """`placement` is in the frame A of its place; `x_P_m, y_P_m` (origin) and `base_P_m` (support height) in P."""
+
+    def __init__(
+        self, name: str, parent: str, place: str, placement: Placement, turned: Turned, origin_P_m: FloatArray
+    ):
+        self.name, self.parent, self.place, self.placement, self.turned = name, parent, place, placement, turned
+        self.x_P_m = placement.x_m + float(origin_P_m[0])
+        self.y_P_m = placement.y_m + float(origin_P_m[1])
+        self.base_P_m = placement.base_m + float(origin_P_m[2])
+        x0, y0, x1, y1 = turned.bounds
+        self.bounds = (x0 + self.x_P_m, y0 + self.y_P_m, x1 + self.x_P_m, y1 + self.y_P_m)
+        self.top_P_m = self.base_P_m + turned.shape.height_m
+
+    @cached_property
+    def footprint(self) -> tuple[Polygon, ...]:
+        """Convex pieces of the whole footprint in P."""
+        shift = (self.x_P_m, self.y_P_m)
+        return tuple(polygon(piece + shift) for piece in self.turned.pieces)
+
+    @cached_property
+    def slabs(self) -> tuple[tuple[Polygon, float, float], ...]:
+        """All slabs in P as (outline, low, high); the body's own come first."""
+        shift = (self.x_P_m, self.y_P_m)
+        return tuple(
+            (polygon(outline + shift), slab.low_m + self.base_P_m, slab.high_m + self.base_P_m)
+            for outline, slab in zip(self.turned.outlines, self.turned.shape.slabs, strict=True)
+        )
+
+
+def footprint_distance(a: Placed, b: Placed) -> float:
+    """Least distance (m) of two whole footprints in the same frame P."""
+    return min(float(shapely.distance(p, q)) for p in a.footprint for q in b.footprint)
+
+
+def bounds_gap(a: Placed, b: Placed) -> float:
+    """A lower bound (m) of the distance of two footprints: that of their bounding boxes along an axis."""
+    ax0, ay0, ax1, ay1 = a.bounds
+    bx0, by0, bx1, by1 = b.bounds
+    return max(bx0 - ax1, ax0 - bx1, by0 - ay1, ay0 - by1)

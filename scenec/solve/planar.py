@@ -1,0 +1,38 @@
+"""Planar shapes from arrays of corners, with the types that vectorised shapely calls leave open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import cast
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from scenec.ir import FloatArray
+
+
+def polygon(outline: FloatArray) -> Polygon:
+    """The polygon of an outline (n, 2)."""
+    return cast(Polygon, shapely.polygons(outline))
+
+
+def outline_of(area: BaseGeometry) -> FloatArray:
+    """Corners (n, 2) of a polygon without holes, counter-clockwise, the first not repeated."""
+    return shapely.get_coordinates(shapely.orient_polygons(area))[:-1]
+
+
+def hull_of(points: FloatArray) -> FloatArray:
+    """Corners (n, 2) of the convex hull of points (m, 2), counter-clockwise."""
+    return outline_of(hulls([points])[0])
+
+
+def hulls(clouds: Sequence[FloatArray]) -> list[BaseGeometry]:
+    """Convex hulls of several clouds of points (m, 2)."""
+    if not clouds:
+        return []
+    index = np.repeat(np.arange(len(clouds)), [len(cloud) for cloud in clouds])
+    points = cast(list[BaseGeometry], shapely.points(np.concatenate(clouds)))
+    found = shapely.convex_hull(shapely.multipoints(points, indices=index))
+    return list(cast(Sequence[BaseGeometry], found))

@@ -1,0 +1,327 @@
+"""Exact feasible regions: where the asset origin of a thing may be at one stance and yaw, given what already stands.
+
+The place eroded by the footprint, less the Minkowski sums of obstacles with the reflected footprint (no-fit polygons),
+cut by ranges, limits and relations. Round corners of distances are polygons of SEGMENTS sides to a quarter turn, on the
+safe side. All in the frame P of the owner, metres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import atan2, cos, hypot, inf, pi, sin
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from scenec.ir import WORLD_PARENT, FloatArray, RelationIR
+from scenec.solve.check import Assignment
+from scenec.solve.frames import Pose2, pose_of, turned_direction
+from scenec.solve.model import SLACK_M, Model, Site
+from scenec.solve.placed import Placed
+from scenec.solve.planar import hulls, polygon
+from scenec.solve.relations import direction_B, extent, front_B, known, origin_B, outlines_B
+from scenec.solve.shapes import Turned
+
+SEGMENTS = 6
+ROUND_OUT = 1.0 / cos(pi / (4 * SEGMENTS))  # a polygon of this radius holds the circle
+NOWHERE = Polygon()
+
+
+def sums(outline: FloatArray, reflected: Sequence[FloatArray]) -> list[BaseGeometry]:
+    """No-fit polygons of one convex obstacle (n, 2): its Minkowski sums with the reflected footprint's pieces."""
+    return hulls([_sum(outline, piece) for piece in reflected])
+
+
+def _sum(a: FloatArray, b: FloatArray) -> FloatArray:
+    return (a[:, None, :] - b[None, :, :]).reshape(-1, 2)
+
+
+def eroded(area: Polygon, pieces: Sequence[FloatArray]) -> BaseGeometry:
+    """Where the origin may be so that the union of convex pieces lies wholly on a polygon with holes."""
+    corners = pieces[0] if len(pieces) == 1 else np.concatenate(pieces)
+    x0, y0, x1, y1 = area.bounds
+    hull = area.convex_hull
+    lows, highs = corners.min(axis=0), corners.max(axis=0)
+    if x1 - x0 - highs[0] + lows[0] < -SLACK_M or y1 - y0 - highs[1] + lows[1] < -SLACK_M:
+        return NOWHERE
+    inner = _box(x0 - lows[0], y0 - lows[1], x1 - highs[0], y1 - highs[1])
+    if hull.area < (x1 - x0) * (y1 - y0) - 1e-12:
+        outline = shapely.get_coordinates(hull)[None] - corners[:, None]  # one moved hull for each corner
+        inner = shapely.intersection_all([inner, *map(polygon, outline)])
+    if hull.area - area.area > 1e-12:
+        gaps = shapely.constrained_delaunay_triangles(hull.difference(area))
+        no_fit = [s for gap in shapely.get_parts(gaps) for s in sums(shapely.get_coordinates(gap)[:-1], pieces)]
+        inner = inner.difference(shapely.union_all(no_fit))
+    return inner
+
+
+def half_plane(dx: float, dy: float, end: float, around: tuple[float, float, float, float]) -> Polygon:
+    """The part of a large square around a box where p . (dx, dy) <= end, for a unit direction."""
+    cx, cy = (around[0] + around[2]) / 2, (around[1] + around[3]) / 2
+    size = 2.0 * (around[2] - around[0] + around[3] - around[1]) + 1.0
+    past = min(end - cx * dx - cy * dy, 0.7 * size)  # a border far beyond the box must not leave the box behind
+    px, py = cx + past * dx, cy + past * dy
+    return Polygon(
+        [
+            (px + size * -dy, py + size * dx),
+            (px + size * (-dy - 2 * dx), py + size * (dx - 2 * dy)),
+            (px + size * (dy - 2 * dx), py + size * (-dx - 2 * dy)),
+            (px + size * dy, py - size * dx),
+        ]
+    )
+
+
+def alone(model: Model, name: str, turned: Turned) -> BaseGeometry:
+    """Where a thing may be by itself: place, ranges, limits, owner's parts and keep-outs."""
+    thing = model.things[name]
+    site = model.site(thing)
+    area = on_site_region(site, turned)
+    if area.is_empty:
+        return area
+    ox, oy = float(thing.place.origin_P_m[0]), float(thing.place.origin_P_m[1])
+    (xa, xb), (ya, yb) = thing.domain.x_m, thing.domain.y_m
+    if max(-xa, xb, -ya, yb) > -inf and (xa > -inf or xb < inf or ya > -inf or yb < inf):
+        x0, y0, x1, y1 = area.bounds
+        low = (max(x0, xa + ox), max(y0, ya + oy))
+        high = (min(x1, xb + ox), min(y1, yb + oy))
+        if low[0] > high[0] + SLACK_M or low[1] > high[1] + SLACK_M:
+            return NOWHERE
+        area = area.intersection(_box(*low, *high))
+    for dx, dy, end in model.limits.get(name, ()):
+        if area.is_empty:
+            return area
+        area = area.intersection(half_plane(dx, dy, end - float((turned.hull @ (dx, dy)).max()), area.bounds))
+    return area
+
+
+def _box(x0: float, y0: float, x1: float, y1: float) -> BaseGeometry:
+    # Ranges may be a line or a point.
+    if x1 - x0 > SLACK_M and y1 - y0 > SLACK_M:
+        return shapely.box(x0, y0, x1, y1)
+    if x1 - x0 <= SLACK_M and y1 - y0 <= SLACK_M:
+        return shapely.Point((x0 + x1) / 2, (y0 + y1) / 2)
+    return shapely.LineString([(x0, y0), (x1, y1)])
+
+
+def on_site_region(site: Site, turned: Turned) -> BaseGeometry:
+    """Where a footprint may be on a place for itself, standing on its floor."""
+    shape = turned.shape
+    height = shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
+    if height > site.top_m + SLACK_M:
+        return NOWHERE
+    slabs = list(zip(turned.outlines, shape.slabs, strict=True))
+    if len(site.layers) == 1:
+        area = eroded(site.layers[0][2], turned.pieces)
+    else:
+        spanned = [
+            (layer, [outline for outline, slab in slabs if slab.low_m < high - SLACK_M and slab.high_m > low + SLACK_M])
+            for low, high, layer in site.layers
+        ]
+        area = shapely.intersection_all([eroded(layer, pieces) for layer, pieces in spanned if pieces])
+    blocked = [
+        s
+        for part, low, high in site.above
+        for outline, slab in slabs
+        if slab.low_m + site.base_P_m < high - SLACK_M and slab.high_m + site.base_P_m > low + SLACK_M
+        for s in sums(shapely.get_coordinates(part)[:-1], [outline])
+    ]
+    for keep, low, high in site.keep_outs:
+        parts = shapely.get_parts(shapely.constrained_delaunay_triangles(keep))
+        blocked += [
+            s
+            for outline, slab in slabs
+            if slab.low_m + site.base_P_m < high - SLACK_M and slab.high_m + site.base_P_m > low + SLACK_M
+            for part in parts
+            for s in sums(shapely.get_coordinates(part)[:-1], [outline])
+        ]
+    return area.difference(shapely.union_all(blocked)) if blocked and not area.is_empty else area
+
+
+def feasible(
+    model: Model, name: str, turned: Turned, assignment: Assignment, alone_m: BaseGeometry
+) -> tuple[BaseGeometry, set[str]]:
+    """(region of the origin, names of things that made it smaller than `alone_m`): see the module. Relations that speak
+    of things not placed yet, or whose frame is the thing itself, are left to the check."""
+    if alone_m.is_empty:
+        return alone_m, set()
+    area, culprits = alone_m, set[str]()
+    thing = model.things[name]
+    for rule in model.rules_of.get(name, ()):
+        others = {link for n in (*rule.things, rule.frame) if n != WORLD_PARENT for link in model.chains[n]} - {name}
+        if rule.frame == name or not others.issubset(assignment) or rule.things.count(name) != 1:
+            continue
+        owner = pose_of(thing.parent, assignment)
+        allowed = _rule_region(rule, name, turned, owner, assignment, area.bounds)
+        culprits |= others
+        if allowed is not None:
+            area = area.intersection(allowed)
+        if area.is_empty:
+            return area, culprits
+    if model.problem.reach is not None and name in model.problem.reach.members:
+        area = area.intersection(_reach_region(model, pose_of(thing.parent, assignment), area.bounds))
+        culprits |= set(model.chains[name]) - {name}
+        if area.is_empty:
+            return area, culprits
+    no_fit, blamed = _obstacles(model, name, turned, assignment, area.bounds)
+    if no_fit:
+        area = area.difference(shapely.union_all(no_fit))
+        culprits |= blamed
+    return area, culprits
+
+
+def _obstacles(
+    model: Model, name: str, turned: Turned, assignment: Assignment, around: tuple[float, float, float, float]
+) -> tuple[list[BaseGeometry], set[str]]:
+    # No-fit polygons of what stands on the same owner at heights shared, as far as they reach the box `around`.
+    thing, clearance = model.things[name], model.problem.clearance_m
+    base = model.site(thing).base_P_m
+    top = base + turned.shape.height_m
+    fx0, fy0, fx1, fy1 = turned.bounds
+    x0, y0, x1, y1 = around
+    whole: list[FloatArray] = []
+    found: list[BaseGeometry] = []
+    blamed: set[str] = set()
+    for other, placed in assignment.items():
+        if placed.parent != thing.parent or other == name:
+            continue
+        bx0, by0, bx1, by1 = placed.bounds
+        if (
+            bx0 - fx1 - clearance >= x1
+            or bx1 - fx0 + clearance <= x0
+            or by0 - fy1 - clearance >= y1
+            or by1 - fy0 + clearance <= y0
+        ):
+            continue
+        if not (placed.base_P_m < top - SLACK_M and base < placed.top_P_m - SLACK_M):
+            continue
+        blamed.add(other)
+        if placed.place == thing.place.name:
+            shift = (placed.x_P_m, placed.y_P_m)
+            whole += [_sum(piece + shift, mine) for piece in placed.turned.pieces for mine in turned.pieces]
+        else:
+            for outline, low, high in placed.slabs:
+                for mine, slab in zip(turned.outlines, turned.shape.slabs, strict=True):
+                    if slab.low_m + base < high - SLACK_M and low < slab.high_m + base - SLACK_M:
+                        found += sums(shapely.get_coordinates(outline)[:-1], [mine])
+    found += hulls(whole)
+    if clearance > 0.0 and found:
+        found = [shape.buffer(clearance * ROUND_OUT, quad_segs=SEGMENTS) for shape in found]
+    return found, blamed
+
+
+def _rule_region(
+    rule: RelationIR,
+    name: str,
+    turned: Turned,
+    owner: Pose2,
+    assignment: Assignment,
+    around: tuple[float, float, float, float],
+) -> BaseGeometry | None:
+    # Where the origin of `name` may be so that the rule holds, the others placed; None: left to the check.
+    mates = [assignment[n] for n in rule.things if n != name]
+    if rule.kind == "before":
+        dx, dy = direction_B(rule, assignment)
+        px, py = turned_direction((dx, dy), -owner.yaw_rad)
+        start = owner.x_m * dx + owner.y_m * dy
+        along = turned.hull @ (px, py)
+        begin, end = extent(mates[0], (dx, dy), assignment)
+        if rule.things[0] == name:
+            return half_plane(px, py, begin - rule.gap_m - start - float(along.max()), around)
+        return half_plane(-px, -py, -(end + rule.gap_m - start - float(along.min())), around)
+    if rule.kind in ("near", "far_from"):
+        no_fit = hulls(
+            [_sum(_in_P(o, owner), mine) for o in outlines_B(mates[0], assignment) for mine in turned.pieces]
+        )
+        if rule.kind == "near":
+            return shapely.union_all(shapely.buffer(no_fit, rule.gap_m, quad_segs=4 * SEGMENTS))
+        grown = shapely.union_all(shapely.buffer(no_fit, rule.gap_m * ROUND_OUT, quad_segs=SEGMENTS))
+        return shapely.difference(shapely.box(*_widened(around)), grown)
+    points = [owner.inverse_point(*origin_B(mate, assignment)) for mate in mates]
+    if rule.kind == "aligned":
+        px, py = turned_direction(direction_B(rule, assignment), -owner.yaw_rad)
+        across = [-py * x + px * y for x, y in points]
+        low, high = max(across) - rule.tolerance, min(across) + rule.tolerance
+        return _strip(-py, px, low, high, around) if high - low >= -SLACK_M else NOWHERE
+    if rule.kind == "facing":
+        if rule.tolerance > 1.4:
+            return None
+        ahead = turned.yaw_rad + turned.shape.front_rad
+        if rule.things[1] == name:
+            ahead = front_B(mates[0], assignment) - owner.yaw_rad
+        size = sum(abs(v) for v in around) + sum(abs(v) for v in points[0]) + 1.0
+        away = 0.0 if rule.things[1] == name else pi
+        return _wedge(points[0], ahead + away, rule.tolerance, size)
+    if rule.things[0] == name:  # between
+        return _beside(points[0], points[1], rule.tolerance)
+    return None
+
+
+def _in_P(outline_B: FloatArray, owner: Pose2) -> FloatArray:
+    c, s = cos(owner.yaw_rad), sin(owner.yaw_rad)
+    return (outline_B - (owner.x_m, owner.y_m)) @ np.array([[c, -s], [s, c]])
+
+
+def _widened(box: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    return box[0] - 1.0, box[1] - 1.0, box[2] + 1.0, box[3] + 1.0
+
+
+def _strip(nx: float, ny: float, low: float, high: float, around: tuple[float, float, float, float]) -> BaseGeometry:
+    # Points with low <= p . n <= high near a box; a line where both are equal.
+    cx, cy = (around[0] + around[2]) / 2, (around[1] + around[3]) / 2
+    size = around[2] - around[0] + around[3] - around[1] + 1.0
+    at = cx * nx + cy * ny
+    ends = [(cx + (v - at) * nx, cy + (v - at) * ny) for v in (low, high)]
+    if high - low <= SLACK_M:
+        x, y = ends[0]
+        return shapely.LineString([(x - size * ny, y + size * nx), (x + size * ny, y - size * nx)])
+    (xa, ya), (xb, yb) = ends
+    return Polygon(
+        [
+            (xa - size * ny, ya + size * nx),
+            (xa + size * ny, ya - size * nx),
+            (xb + size * ny, yb - size * nx),
+            (xb - size * ny, yb + size * nx),
+        ]
+    )
+
+
+def _wedge(apex: tuple[float, float], heading: float, half: float, size: float) -> BaseGeometry:
+    x, y = apex
+    size /= cos(half)
+    sides = [(x + size * cos(heading + h), y + size * sin(heading + h)) for h in (-half, half)]
+    if half <= SLACK_M:
+        return shapely.LineString([apex, sides[0]])
+    return Polygon([apex, *sides])
+
+
+def _beside(a: tuple[float, float], b: tuple[float, float], tolerance: float) -> BaseGeometry:
+    length = hypot(b[0] - a[0], b[1] - a[1])
+    if length < SLACK_M:
+        return NOWHERE
+    line = shapely.LineString([a, b])
+    return line.buffer(tolerance, cap_style="flat") if tolerance > SLACK_M else line
+
+
+def _reach_region(model: Model, owner: Pose2, around: tuple[float, float, float, float]) -> BaseGeometry:
+    reach = model.problem.reach
+    assert reach is not None
+    base_B = np.linalg.inv(model.problem.X_WB) @ (*reach.base_m, 1.0)
+    centre = shapely.Point(owner.inverse_point(float(base_B[0]), float(base_B[1])))
+    ring: BaseGeometry = centre.buffer(reach.most_m, quad_segs=8 * SEGMENTS)
+    if reach.least_m > 0.0:
+        ring = ring.difference(centre.buffer(reach.least_m * ROUND_OUT, quad_segs=SEGMENTS))
+    return ring
+
+
+def aimed(model: Model, placed: Placed, assignment: Assignment) -> float | None:
+    """The yaw by which a thing looks straight at what it must face, when that stands already; None without such."""
+    for rule in model.rules_of.get(placed.name, ()):
+        if rule.kind == "facing" and rule.things[0] == placed.name and rule.things[1] in assignment:
+            trial = {**assignment, placed.name: placed}
+            if known(rule, trial, model.chains):
+                (ax, ay), (bx, by) = (origin_B(trial[n], trial) for n in rule.things)
+                owner = pose_of(placed.parent, trial)
+                return atan2(by - ay, bx - ax) - owner.yaw_rad - placed.turned.shape.front_rad
+    return None

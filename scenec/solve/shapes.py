@@ -1,0 +1,138 @@
+"""What the solver knows of one stance of a thing: convex pieces of its footprint, and slabs with heights.
+
+A thing that carries others takes the room above its places with it: hulls of those places up to the highest thing
+that may stand there are added to its slabs. So what stands on different owners never has to be compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import atan2, cos, sin
+
+import numpy as np
+import shapely
+from shapely import Polygon
+
+from scenec.ir import FloatArray, Slab, Stance, Surface, Thing, Volume
+from scenec.solve.planar import hull_of, outline_of, polygon
+
+AREA_NOISE = 1e-7  # share of a hull's area by which a union may miss it and still count as convex
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One stance before yaw. `pieces` are convex outlines (n, 2) whose union is the whole footprint, things carried
+    included; the first `own` of `slabs` belong to the body. `front_rad` is the heading of the asset's +x at yaw 0."""
+
+    pieces: tuple[FloatArray, ...]
+    slabs: tuple[Slab, ...]
+    own: int
+    height_m: float
+    origin_height_m: float
+    front_rad: float
+    upright: bool
+
+    @cached_property
+    def hull(self) -> FloatArray:
+        """Convex hull of the whole footprint, (n, 2) counter-clockwise."""
+        return self.pieces[0] if len(self.pieces) == 1 else hull_of(np.concatenate(self.pieces))
+
+    @cached_property
+    def area_m2(self) -> float:
+        """Area of the hull of the whole footprint."""
+        return polygon(self.hull).area
+
+    @cached_property
+    def radius_m(self) -> float:
+        """Distance of the farthest footprint point from the asset origin."""
+        return float(np.hypot(*self.hull.T).max())
+
+    @cached_property
+    def _turned(self) -> dict[float, Turned]:
+        return {}
+
+    def turned(self, yaw_rad: float) -> Turned:
+        """The same at a yaw; remembered, since searches ask for few yaws again and again."""
+        known = self._turned.get(yaw_rad)
+        if known is None:
+            if len(self._turned) > 64:
+                self._turned.clear()
+            known = self._turned[yaw_rad] = Turned(self, yaw_rad)
+        return known
+
+
+class Turned:
+    """A shape at one yaw, origin at 0: `pieces` and slab outlines (n, 2), and `bounds` (x0, y0, x1, y1)."""
+
+    def __init__(self, shape: Shape, yaw_rad: float):
+        self.shape, self.yaw_rad = shape, yaw_rad
+        self._turn_T = _turn_T(yaw_rad)
+        self.pieces = tuple(piece @ self._turn_T for piece in shape.pieces)
+        points = self.pieces[0] if len(self.pieces) == 1 else np.concatenate(self.pieces)
+        (x0, y0), (x1, y1) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+        self.bounds = (x0, y0, x1, y1)
+
+    @cached_property
+    def hull(self) -> FloatArray:
+        """Convex hull of the footprint at this yaw."""
+        return self.pieces[0] if len(self.pieces) == 1 else self.shape.hull @ self._turn_T
+
+    @cached_property
+    def outlines(self) -> tuple[FloatArray, ...]:
+        """Outlines of all slabs at this yaw."""
+        return tuple(slab.outline_m @ self._turn_T for slab in self.shape.slabs)
+
+
+def _turn_T(yaw_rad: float) -> FloatArray:
+    # Quarter turns are exact, so that boxes stay boxes and touching stays touching.
+    c, s = (float(round(v)) if abs(v - round(v)) < 1e-15 else v for v in (cos(yaw_rad), sin(yaw_rad)))
+    return np.array([[c, s], [-s, c]])
+
+
+def shape_of(stance: Stance, carried: Sequence[Slab] = ()) -> Shape:
+    """The stance of a body with what it carries: see the module."""
+    slabs = (*stance.slabs, *carried)
+    w, x, y, z = stance.quat_wxyz
+    return Shape(
+        pieces=_convex_pieces([slab.outline_m for slab in slabs]),
+        slabs=slabs,
+        own=len(stance.slabs),
+        height_m=max(slab.high_m for slab in slabs),
+        origin_height_m=stance.origin_height_m,
+        front_rad=atan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z)),
+        upright=x * x + y * y + z * z < 1e-12,
+    )
+
+
+def carried_slabs(stance: Stance, loads: Sequence[tuple[Surface | Volume, float]]) -> tuple[Slab, ...]:
+    """Slabs over the places of an upright stance: (place, height of the highest thing there) for each place in use."""
+    slabs = []
+    for place, height_m in loads:
+        area = place.polygon if isinstance(place, Surface) else place.layers[-1][2]
+        low = float(place.origin_P_m[2]) + stance.origin_height_m
+        outline = hull_of(shapely.get_coordinates(area)) + np.asarray(place.origin_P_m[:2])
+        slabs.append(Slab(outline, low, low + height_m))
+    return tuple(slabs)
+
+
+def _convex_pieces(outlines: list[FloatArray]) -> tuple[FloatArray, ...]:
+    # Few convex pieces whose union is that of the outlines: the hull where it is all there is, else no covered ones.
+    if len(outlines) == 1:
+        return (outlines[0],)
+    polygons: list[Polygon] = sorted((Polygon(o) for o in outlines), key=lambda p: -p.area)
+    hull = shapely.convex_hull(shapely.union_all(polygons))
+    if hull.area - shapely.union_all(polygons).area <= AREA_NOISE * hull.area:
+        return (outline_of(hull),)
+    kept: list[Polygon] = []
+    for piece in polygons:
+        if not any(other.covers(piece) for other in kept):
+            kept.append(piece)
+    return tuple(outline_of(p) for p in kept)
+
+
+def tallest(thing: Thing, shapes: Sequence[Shape]) -> float:
+    """Height of the highest point of a thing over its place, over all it may do."""
+    spots = max((spot.z_m - shape.origin_height_m for spot in thing.domain.spots for shape in shapes), default=0.0)
+    return max(shape.height_m for shape in shapes) + max(spots, 0.0)

@@ -1,0 +1,376 @@
+"""Shelf packing with swap search: rows of axis-aligned footprints, first fit by decreasing depth (Coffman et al. 1980).
+
+Relations along x are kept by the order within rows (those that must be left stand at the left end, right at the right),
+relations along y by the order of rows; what is still broken is repaired by swaps. Polygons with holes, keep-outs and
+things that already stand only shorten the rows. Lengths in metres in the frame P of the owner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import inf, pi
+
+import networkx as nx
+import numpy as np
+import shapely
+from numpy.random import Generator
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from scenec.ir import Placement, RelationIR, Thing
+from scenec.solve.model import Model, Site, yaw_allowed
+from scenec.solve.placed import Placed
+from scenec.solve.streams import stream
+
+NOISES = (0.0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.15, 0.2, 0.2, 0.25)  # of the depths that sort things into rows
+AXIS = 1.0 - 1e-9  # a direction closer to an axis than this is along it
+
+
+@dataclass(frozen=True)
+class Item:
+    """A thing at its packing pose: extents (x0, y0, x1, y1) about the asset origin and bounds of that origin in P."""
+
+    name: str
+    stance: int
+    yaw_rad: float
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+    x_range: tuple[float, float]
+    y_range: tuple[float, float]
+
+    @property
+    def width(self) -> float:
+        """Extent along x."""
+        return self.x1 - self.x0
+
+    @property
+    def depth(self) -> float:
+        """Extent along y."""
+        return self.y1 - self.y0
+
+
+@dataclass
+class Bin:
+    """A free stretch of a row and what stands in it."""
+
+    x0: float
+    x1: float
+    y0: float
+    depth: float
+    row: int
+    items: list[int] = field(default_factory=list)
+    used: float = 0.0
+
+
+@dataclass(frozen=True)
+class Rule:
+    """offset[a] . d + gap <= offset[b] . d over origins; `reach` holds extents and gap: p_a . d - p_b . d <= -reach."""
+
+    a: int
+    b: int
+    dx: float
+    dy: float
+    reach: float
+
+
+def item_of(model: Model, thing: Thing, flip: bool = False) -> Item | None:
+    """A thing turned by quarters as its domain allows: the least deep way, or (flip) the deepest."""
+    best: Item | None = None
+    ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
+    (xa, xb), (ya, yb) = thing.domain.x_m, thing.domain.y_m
+    for stance in model.stances(thing)[:4]:
+        for yaw in _packing_yaws(thing.domain.yaw_rad):
+            x0, y0, x1, y1 = model.shapes[thing.name][stance].turned(yaw).bounds
+            item = Item(thing.name, stance, yaw, x0, y0, x1, y1, (xa + ox, xb + ox), (ya + oy, yb + oy))
+            if best is None or (item.depth > best.depth + 1e-9 if flip else item.depth < best.depth - 1e-9):
+                best = item
+        if best is not None:
+            return best
+    return best
+
+
+def _packing_yaws(span_rad: tuple[float, float]) -> list[float]:
+    quarters = [yaw_allowed(k * pi / 2, span_rad) for k in (0, 1, 2, 3)]
+    found = [yaw for yaw in quarters if yaw is not None][:2]
+    return found or [min(span_rad, key=lambda yaw: abs(((yaw + pi / 4) % (pi / 2)) - pi / 4))]
+
+
+def free_area(model: Model, site: Site, standing: Sequence[Placed], height_m: float) -> BaseGeometry:
+    """Where footprints up to a height may be: all layers, less what rises above, keep-outs and what stands."""
+    layers = [polygon for low, _, polygon in site.layers if low < height_m]
+    area = layers[0] if len(layers) == 1 else shapely.intersection_all(layers)
+    blocked = [polygon for polygon, _, _ in site.above] + [keep[0] for keep in site.keep_outs]
+    clearance = model.problem.clearance_m
+    for placed in standing:
+        blocked += [piece.buffer(clearance, join_style="mitre") for piece in placed.footprint]
+    return area.difference(shapely.union_all(blocked)) if blocked else area
+
+
+def _stretches(area: BaseGeometry, y0: float, y1: float) -> list[tuple[float, float]]:
+    # Intervals of x over which the whole band [y0, y1] is free.
+    x0, _, x1, _ = area.bounds
+    inside = 1e-9  # stay clear of slivers along the border
+    taken = shapely.difference(shapely.box(x0, y0 + inside, x1, y1 - inside), area)
+    spans = sorted((part.bounds[0], part.bounds[2]) for part in shapely.get_parts(taken) if part.area > 0.0)
+    free, at = [], x0
+    for low, high in spans:
+        if low > at:
+            free.append((at, low))
+        at = max(at, high)
+    return [*free, (at, x1)] if at < x1 else free
+
+
+class Packing:
+    """Rows of items on a free area; `left_over` are items that found no room."""
+
+    def __init__(self, items: Sequence[Item], rules: Sequence[Rule], area: BaseGeometry, clearance_m: float):
+        self.items, self.rules, self.area, self.clearance = items, rules, area, clearance_m
+        self.x_rank = _ranks(items, rules, "x")
+        self.y_preds: dict[int, list[int]] = {}
+        for rule in rules:
+            if rule.a >= 0 and rule.b >= 0 and abs(rule.dy) > AXIS:
+                first, second = (rule.a, rule.b) if rule.dy > 0 else (rule.b, rule.a)
+                self.y_preds.setdefault(second, []).append(first)
+        self.y_rank = _ranks(items, rules, "y")
+        self.is_box = isinstance(area, Polygon) and len(area.exterior.coords) == 5 and _is_box(area)
+        self.bins: list[Bin] = []
+        self.bin_of: list[int] = []
+        self.left_over: list[int] = []
+        self.x: list[float] = []
+        self.y: list[float] = []
+
+    def fill(self, depths: Sequence[float]) -> None:
+        """Opens rows from the front; each item goes to the first stretch that takes it, deepest (as told) first."""
+        items, clearance = self.items, self.clearance
+        _, area_y0, _, area_y1 = self.area.bounds
+        order = sorted(range(len(items)), key=lambda i: (self.y_rank[i] if self.y_preds else 0.0, -depths[i]))
+        self.bins, self.left_over = [], []
+        self.bin_of, row, top = [-1] * len(items), -1, area_y0 - clearance
+        for i in order:
+            item = items[i]
+            after = max(
+                (self.bins[self.bin_of[p]].row for p in self.y_preds.get(i, ()) if self.bin_of[p] >= 0), default=-1
+            )
+            home = next((k for k, b in enumerate(self.bins) if b.row > after and self._takes(b, item)), None)
+            if home is None:
+                y0 = max(top + clearance, item.y_range[0] + item.y0)
+                y1 = y0 + item.depth
+                if y1 <= area_y1 + 1e-12 and y0 - item.y0 <= item.y_range[1]:
+                    x0, _, x1, _ = self.area.bounds
+                    row += 1
+                    for low, high in [(x0, x1)] if self.is_box else _stretches(self.area, y0, y1):
+                        self.bins.append(Bin(low, high, y0, item.depth, row))
+                        if home is None and self._takes(self.bins[-1], item):
+                            home = len(self.bins) - 1
+                    top = y1
+            if home is None:
+                self.left_over.append(i)
+                continue
+            chosen = self.bins[home]
+            chosen.items.append(i)
+            chosen.used += item.width + clearance
+            self.bin_of[i] = home
+
+    def _takes(self, b: Bin, item: Item) -> bool:
+        if item.depth > b.depth + 1e-12 or b.used + item.width > b.x1 - b.x0 + 1e-12:
+            return False
+        low, high = max(b.x0, item.x_range[0] + item.x0), min(b.x1, item.x_range[1] + item.x1)
+        bottom = max(b.y0, item.y_range[0] + item.y0)
+        return (
+            high - low >= item.width - 1e-12
+            and bottom <= min(b.y0 + b.depth, item.y_range[1] + item.y1) - item.depth + 1e-12
+        )
+
+    def spread_rows(self) -> None:
+        """Moves rows apart evenly by the depth left free (a plain rectangle only)."""
+        if not self.is_box or not self.bins or any(i.y_range != (-inf, inf) for i in self.items):
+            return
+        slack = self.area.bounds[3] - max(b.y0 + b.depth for b in self.bins)
+        gap = slack / (self.bins[-1].row + 2)
+        for b in self.bins:
+            b.y0 += gap * (b.row + 1)
+
+    def settle(self, spread: bool) -> bool:
+        """Puts all items at their places; False where a range does not let them."""
+        self.x, self.y = [0.0] * len(self.items), [0.0] * len(self.items)
+        done = [self._settle(b, spread) for b in self.bins]
+        return all(done)
+
+    def _settle(self, b: Bin, spread: bool) -> bool:
+        rank, items = self.x_rank, self.items
+        b.items.sort(key=lambda i: (rank[i], max(items[i].x_range[0], b.x0)))
+        slack = b.x1 - b.x0 - b.used + self.clearance
+        gap, at, ok = slack / (len(b.items) + 1) if spread else 0.0, b.x0, True
+        pushed = spread
+        for i in b.items:
+            item = items[i]
+            if not pushed and rank[i] > 0.5:
+                at, pushed = at + max(slack, 0.0), True  # those that must be right stand at the right end
+            at = max(at + gap, item.x_range[0] + item.x0)
+            self.x[i] = at - item.x0
+            self.y[i] = max(b.y0, item.y_range[0] + item.y0) - item.y0
+            ok = ok and self.x[i] <= item.x_range[1] + 1e-12
+            at += item.width + self.clearance
+        return ok and at - self.clearance <= b.x1 + 1e-9
+
+    def broken(self) -> list[tuple[float, Rule]]:
+        """Rules that do not hold, with by how much."""
+        x, y, found = self.x, self.y, []
+        for rule in self.rules:
+            over = rule.reach
+            if rule.a >= 0:
+                over += rule.dx * x[rule.a] + rule.dy * y[rule.a]
+            if rule.b >= 0:
+                over -= rule.dx * x[rule.b] + rule.dy * y[rule.b]
+            if over > 1e-10:
+                found.append((over, rule))
+        return found
+
+    def swap_until_right(self, rng: Generator, steps: int, spread: bool) -> int:
+        """Swaps members of broken rules with others while the total does not grow; steps taken. Positions are set."""
+        bad = self.broken()
+        cost, taken = sum(over for over, _ in bad), 0
+        movable = [i for i in range(len(self.items)) if self.bin_of[i] >= 0]
+        picks = rng.random((steps, 3)) if bad else np.zeros((0, 3))
+        for one, two, three in picks.tolist():
+            if not bad:
+                break
+            taken += 1
+            rule = bad[int(one * len(bad))][1]
+            ends = [i for i in (rule.a, rule.b) if i >= 0 and self.bin_of[i] >= 0]
+            if not ends:
+                break
+            i, j = ends[int(two * len(ends))], movable[int(three * len(movable))]
+            p, q = self.bins[self.bin_of[i]], self.bins[self.bin_of[j]]
+            if p is q or not self._may_swap(p, i, j) or not self._may_swap(q, j, i):
+                continue
+            self._exchange(i, j)
+            if self._settle(p, spread) and self._settle(q, spread):
+                now = self.broken()
+                if (total := sum(over for over, _ in now)) <= cost:
+                    bad, cost = now, total
+                    continue
+            self._exchange(j, i)
+            self._settle(p, spread)
+            self._settle(q, spread)
+        return taken
+
+    def _may_swap(self, b: Bin, out: int, into: int) -> bool:
+        item = self.items[into]
+        return (
+            item.depth <= b.depth + 1e-12
+            and b.used + item.width - self.items[out].width - self.clearance <= b.x1 - b.x0 + 1e-12
+        )
+
+    def _exchange(self, i: int, j: int) -> None:
+        p, q = self.bins[self.bin_of[i]], self.bins[self.bin_of[j]]
+        change = self.items[j].width - self.items[i].width
+        p.items[p.items.index(i)], q.items[q.items.index(j)] = j, i
+        p.used, q.used = p.used + change, q.used - change
+        self.bin_of[i], self.bin_of[j] = self.bin_of[j], self.bin_of[i]
+
+
+def _is_box(area: Polygon) -> bool:
+    x0, y0, x1, y1 = area.bounds
+    return abs((x1 - x0) * (y1 - y0) - area.area) <= 1e-12
+
+
+def _ranks(items: Sequence[Item], rules: Sequence[Rule], axis: str) -> list[float]:
+    # 0 for what must come first, 1 for what must come last, 0.5 for what is free, strictly growing along every rule.
+    graph: nx.DiGraph[int] = nx.DiGraph()
+    for rule in rules:
+        d = rule.dx if axis == "x" else rule.dy
+        if rule.a >= 0 and rule.b >= 0 and abs(d) > AXIS:
+            graph.add_edge(*((rule.a, rule.b) if d > 0 else (rule.b, rule.a)))
+    ranks = [0.5] * len(items)
+    if graph and nx.is_directed_acyclic_graph(graph):
+        order = list(nx.topological_sort(graph))
+        before, after = dict.fromkeys(order, 0), dict.fromkeys(order, 0)
+        for i in order:
+            before[i] = max((before[p] + 1 for p in graph.predecessors(i)), default=0)
+        for i in reversed(order):
+            after[i] = max((after[s] + 1 for s in graph.successors(i)), default=0)
+        for i in order:
+            ranks[i] = before[i] / max(before[i] + after[i], 1)
+    return ranks
+
+
+def rules_on(
+    model: Model, site: Site, items: Sequence[Item], standing: Mapping[str, Placed], rules: Sequence[RelationIR]
+) -> list[Rule]:
+    """Directional rules among items, or between an item and what stands on the same owner, in the owner's frame."""
+    number = {item.name: i for i, item in enumerate(items)}
+    found = []
+    for rule in rules:
+        if rule.kind != "before" or rule.frame != site.parent or not any(name in number for name in rule.things):
+            continue
+        dx, dy = rule.direction
+        reach, ends = rule.gap_m, []
+        for name, sign in zip(rule.things, (1, -1), strict=True):
+            if name in number:
+                item = items[number[name]]
+                hull = model.shapes[name][item.stance].turned(item.yaw_rad).hull
+                shift = 0.0
+            elif name in standing and standing[name].parent == site.parent:
+                hull = standing[name].turned.hull
+                shift = standing[name].x_P_m * dx + standing[name].y_P_m * dy
+            else:
+                break
+            reach += sign * (shift + float((sign * (hull @ (dx, dy))).max()) * sign)
+            ends.append(number.get(name, -1))
+        if len(ends) == 2:
+            found.append(Rule(ends[0], ends[1], dx, dy, reach))
+    return found
+
+
+def pack_shelves(
+    model: Model,
+    names: Sequence[str],
+    standing: Mapping[str, Placed],
+    rules: Sequence[RelationIR],
+    seed: int,
+    steps: int,
+) -> tuple[dict[str, Placement], int]:
+    """Placements (in A) for as many of `names`, all of one place, as the family can seat, and the steps it took."""
+    things = [model.things[name] for name in names]
+    site = model.site(things[0])
+    items = [item for thing in things if (item := item_of(model, thing)) is not None]
+    mates = [placed for placed in standing.values() if placed.parent == site.parent]
+    area = free_area(model, site, mates, max(model.shapes[i.name][i.stance].height_m for i in items) if items else 0.0)
+    if not items or area.is_empty:
+        return {}, 1
+    packing = Packing(items, rules_on(model, site, items, standing, rules), area, model.problem.clearance_m)
+    rng, taken = stream(seed, "shelf", *names), 0
+    best: tuple[tuple[int, float], dict[str, Placement]] | None = None
+    for noise in NOISES:
+        factors = 1.0 - noise * rng.random(len(items))
+        depths = [item.depth * factor for item, factor in zip(items, factors.tolist(), strict=True)]
+        for spread in (True, False):
+            packing.fill(depths)
+            taken += 1
+            if packing.left_over and best is not None and len(packing.left_over) >= best[0][0]:
+                break
+            if spread:
+                packing.spread_rows()
+            packing.settle(spread)
+            if not packing.left_over:
+                taken += packing.swap_until_right(rng, 40 if spread else min(steps, 2000), spread)
+            score = (len(packing.left_over), sum(over for over, _ in packing.broken()))
+            if best is None or score < best[0]:
+                best = (score, _placements(packing, site))
+            if score == (0, 0.0) or taken >= steps:
+                return best[1], taken
+    assert best is not None
+    return best[1], taken
+
+
+def _placements(packing: Packing, site: Site) -> dict[str, Placement]:
+    ox, oy = (float(v) for v in site.origin_P_m[:2])
+    return {
+        item.name: Placement(packing.x[i] - ox, packing.y[i] - oy, item.yaw_rad, item.stance)
+        for i, item in enumerate(packing.items)
+        if packing.bin_of[i] >= 0
+    }
