@@ -90,7 +90,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Spot:
-    """One complete pose in A: origin of the asset frame at (x, y, z), turned by yaw."""
+    """One complete pose in A: origin of the asset frame at (x, y, z), standing as `stance` says, turned by yaw."""
 
     x_m: float
     y_m: float
@@ -98,6 +98,7 @@ class Spot:
     yaw_rad: float
     name: str = ""
     path: Path = ()
+    stance: int = 0
 
 
 @dataclass(frozen=True)

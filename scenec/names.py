@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Literal
 
 from schemas.scene_program import (
     BACKGROUND,
     DiscretePlacement,
+    Group,
+    Placement,
     ScatterGroup,
     SceneProgram,
     SlotGroup,
@@ -76,12 +79,15 @@ class Names:
         placed = self.placed(reference.object) if reference else ()
         return placed[0] if len(placed) == 1 else None
 
+    def placing(self, node: str) -> Placement | Group | None:
+        """What places a node: its own placement, or the group that owns it."""
+        groups = self.groups_of.get(node, ())
+        return self.program.layout.nodes[node].placement or (self.program.layout.groups[groups[0]] if groups else None)
+
     def anchor_of(self, node: str) -> str | None:
-        """The anchor on which a node, or the group that owns it, is placed."""
-        owners = self.groups_of.get(node, ())
-        placing = self.program.layout.nodes[node].placement
-        group = self.program.layout.groups[owners[0]] if owners else None
-        return anchor_named(placing or group) if placing or group else None
+        """The anchor on which a node is placed."""
+        placing = self.placing(node)
+        return anchor_named(placing) if placing is not None else None
 
     def _count(self, node: str) -> int:
         groups = (self.program.layout.groups[name] for name in self.groups_of.get(node, ()))
@@ -92,10 +98,28 @@ class Names:
         return (node,) if count == 1 else tuple(f"{node}-{i}" for i in range(1, count + 1))
 
 
-def anchor_named(placing: object) -> str | None:
-    """The anchor that a placement or group names."""
-    if isinstance(placing, VolumePlacement | VolumeGroup):
-        return placing.volume
+def anchor_named(placing: Placement | Group) -> str:
+    """The anchor that a placement or group names, empty where it names none."""
     if isinstance(placing, DiscretePlacement | SlotGroup):
-        return placing.surface or placing.volume
-    return getattr(placing, "surface", None)
+        return placing.surface or placing.volume or ""
+    return placing.volume if isinstance(placing, VolumePlacement | VolumeGroup) else placing.surface
+
+
+def kind_of(placing: Placement | Group) -> Literal["surface", "volume"]:
+    """Whether it places on a surface or in a volume."""
+    if isinstance(placing, DiscretePlacement | SlotGroup):
+        return "surface" if placing.surface is not None else "volume"
+    return "volume" if isinstance(placing, VolumePlacement | VolumeGroup) else "surface"
+
+
+def upright(placing: Placement | Group | None) -> bool:
+    """Whether what it places can only turn about the vertical."""
+    if isinstance(placing, DiscretePlacement):
+        quats = [pose.quat_wxyz for pose in placing.poses if pose.quat_wxyz is not None]
+    elif placing is None or isinstance(placing, SlotGroup) or placing.orientation == "upright":
+        return True
+    elif placing.orientation == "stable":
+        return False
+    else:
+        quats = list(placing.orientation)
+    return all(abs(x) < 1e-6 and abs(y) < 1e-6 for _, x, y, _ in quats)

@@ -7,16 +7,16 @@ from collections.abc import Iterator
 import networkx as nx
 
 from scenec.ir import Path
-from scenec.names import Names, anchor_named
+from scenec.names import Names, anchor_named, kind_of, upright
 from scenec.source.hint import did_you_mean
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, finding
 from schemas.scene_program import (
     BACKGROUND,
     DiscretePlacement,
+    Group,
+    Placement,
     SlotGroup,
-    VolumeGroup,
-    VolumePlacement,
 )
 
 
@@ -73,7 +73,7 @@ def _anchors(names: Names, spans: Spans) -> Iterator[Diagnostic]:
             yield finding("scene/ambiguous-name", headline, where=spans.place(path))
 
 
-def _placings(names: Names) -> Iterator[tuple[Path, object]]:
+def _placings(names: Names) -> Iterator[tuple[Path, Placement | Group]]:
     layout = names.program.layout
     for name, node in layout.nodes.items():
         if node.placement is not None:
@@ -82,7 +82,7 @@ def _placings(names: Names) -> Iterator[tuple[Path, object]]:
         yield ("layout", "groups", name), group
 
 
-def _place(names: Names, path: Path, placing: object, spans: Spans) -> Iterator[Diagnostic]:
+def _place(names: Names, path: Path, placing: Placement | Group, spans: Spans) -> Iterator[Diagnostic]:
     if isinstance(placing, DiscretePlacement | SlotGroup):
         given = [kind for kind in ("surface", "volume") if getattr(placing, kind) is not None]
         if len(given) != 1:
@@ -90,10 +90,8 @@ def _place(names: Names, path: Path, placing: object, spans: Spans) -> Iterator[
             headline = f"`{written(path)}` needs one of `surface` and `volume`: the frame of its poses"
             yield finding(code, headline, where=spans.place(path))
             return
-        kind = given[0]
-    else:
-        kind = "volume" if isinstance(placing, VolumePlacement | VolumeGroup) else "surface"
-    yield from _anchor(names, anchor_named(placing) or "", kind, spans, (*path, kind))
+    kind = kind_of(placing)
+    yield from _anchor(names, anchor_named(placing), kind, spans, (*path, kind))
 
 
 def _anchor(names: Names, name: str, kind: str, spans: Spans, path: Path) -> Iterator[Diagnostic]:
@@ -124,22 +122,9 @@ def _circles(names: Names, spans: Spans) -> Iterator[Diagnostic]:
 
 def _tipped(names: Names, spans: Spans) -> Iterator[Diagnostic]:
     """Owners whose orientation may be other than a turn about the vertical."""
-    used = {names.anchor_of(node) for node in names.program.layout.nodes} - {None}
-    owners = {names.owner(anchor) for anchor in used if anchor is not None}
-    for name, node in names.program.layout.nodes.items():
-        groups = names.groups_of.get(name, ())
-        placing = node.placement or (names.program.layout.groups[groups[0]] if groups else None)
-        if not owners.isdisjoint(names.copies[name]) and not _upright(placing):
+    nodes = names.program.layout.nodes
+    owners = {names.owner(anchor) for node in nodes if (anchor := names.anchor_of(node)) is not None}
+    for name in nodes:
+        if not owners.isdisjoint(names.copies[name]) and not upright(names.placing(name)):
             headline = f"`{name}` carries things, but may be turned over"
             yield finding("scene/owner-not-upright", headline, where=spans.key(("layout", "nodes", name)))
-
-
-def _upright(placing: object) -> bool:
-    if isinstance(placing, DiscretePlacement):
-        quats = [pose.quat_wxyz for pose in placing.poses if pose.quat_wxyz is not None]
-    else:
-        orientation = getattr(placing, "orientation", "upright")
-        quats = list(orientation) if isinstance(orientation, tuple) else []
-        if orientation == "stable":
-            return False
-    return all(abs(x) < 1e-6 and abs(y) < 1e-6 for _, x, y, _ in quats)

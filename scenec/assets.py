@@ -1,0 +1,169 @@
+"""The asset library: packages and inline primitives as bodies for scenes. Nothing else reads packages."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from shapely.affinity import scale as stretch
+
+from scenec.ir import Body, Stance, Surface, Volume
+from scenec.places import drawn_surface, drawn_volume, recorded_surface, recorded_volume
+from scenec.primitives import UPRIGHT, shape_of, stable_quats_wxyz, top_of
+from scenec.slabs import scaled, stance_of
+from scenec.source.hint import did_you_mean
+from schemas.anchors import ContainmentVolume, SupportSurface
+from schemas.asset import AssetRecord
+from schemas.diagnostics import InvalidInput, finding
+from schemas.physics import CollisionShape
+from schemas.scene_program import AuthoredPolygon, FixedAsset, Inline, Orientation
+from usdio.reread import reread_body
+
+Quat_wxyz = tuple[float, float, float, float]
+Single = Inline | FixedAsset  # an asset that is no pool
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What an asset offers to scenes, scale applied: collision shapes, places, orientations, in its asset frame."""
+
+    asset_id: str
+    shapes: tuple[CollisionShape, ...]
+    surfaces: tuple[Surface, ...]
+    volumes: tuple[Volume, ...]
+    stable_quats_wxyz: tuple[Quat_wxyz, ...]
+    roles: frozenset[str]
+    mass_kg: float | None
+    package: str | None
+    inline: Inline | None = None
+
+
+class AssetLibrary:
+    """A folder of packages (`mana assets ingest --out`); with None only inline primitives are known."""
+
+    def __init__(self, folder: Path | None) -> None:
+        self.folder = folder
+        self._geometries: dict[tuple[str, float], Geometry] = {}
+        self._bodies: dict[tuple[str, float, Orientation], Body] = {}
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The ids of all packages."""
+        if self.folder is None:
+            return ()
+        return tuple(sorted(record.parent.name for record in self.folder.glob("*/record.json")))
+
+    def body(self, asset: Single, scale: float = 1.0, orientation: Orientation = "upright") -> Body:
+        """The asset in each way it may stand. Raises InvalidInput (`scene/unknown-asset`, `scene/unusable-asset`)."""
+        key = (asset.model_dump_json(), scale, orientation)
+        if key not in self._bodies:
+            geometry = self.geometry(asset, scale)
+            stances = [_stance(geometry, i, q) for i, q in enumerate(_orientations(geometry, orientation))]
+            self._bodies[key] = Body(
+                geometry.asset_id,
+                tuple(stances),
+                geometry.surfaces,
+                geometry.volumes,
+                geometry.mass_kg,
+                geometry.package,
+                scale,
+                geometry.inline,
+            )
+        return self._bodies[key]
+
+    def geometry(self, asset: Single, scale: float = 1.0) -> Geometry:
+        """All that the asset offers. Raises InvalidInput as `body` does."""
+        key = (asset.model_dump_json(), scale)
+        if key not in self._geometries:
+            package = isinstance(asset, FixedAsset)
+            self._geometries[key] = self._package(asset.id, scale) if package else _primitive(asset, scale)
+        return self._geometries[key]
+
+    def surface(self, asset: Single, scale: float, wanted: str | AuthoredPolygon, name: str) -> Surface | None:
+        """The surface `wanted` (`auto` for the main one); a drawn one is called `name`. None when there is none."""
+        geometry = self.geometry(asset, scale)
+        if isinstance(wanted, AuthoredPolygon):
+            return drawn_surface(name, wanted, geometry.shapes)
+        return next((s for s in geometry.surfaces if wanted in ("auto", s.name)), None)
+
+    def volume(self, asset: Single, scale: float, wanted: str | AuthoredPolygon, name: str) -> Volume | None:
+        """The volume `wanted` (`auto` for the main one); a drawn one is called `name`. None when there is none."""
+        if isinstance(wanted, AuthoredPolygon):
+            return drawn_volume(name, wanted)
+        return next((v for v in self.geometry(asset, scale).volumes if wanted in ("auto", v.name)), None)
+
+    def _package(self, asset_id: str, scale: float) -> Geometry:
+        if asset_id not in self.names:
+            said = "there is no asset library" if self.folder is None else "the library has none of that name"
+            headline = f"no asset `{asset_id}`: {said}{did_you_mean(asset_id, self.names)}"
+            raise InvalidInput(finding("scene/unknown-asset", headline))
+        assert self.folder is not None, "it holds the package"
+        folder = self.folder / asset_id
+        try:
+            record = AssetRecord.model_validate_json((folder / "record.json").read_bytes())
+            rigid = reread_body(folder / "usd" / f"{asset_id}.usda")
+        except (OSError, ValueError) as error:
+            raise _unusable(asset_id, str(error).splitlines()[0]) from None
+        except InvalidInput as error:
+            raise _unusable(asset_id, error.diagnostic.headline) from None
+        if not rigid.shapes:
+            raise _unusable(asset_id, "it has no collision shape")
+        shapes = tuple(scaled(shape, scale) for shape in rigid.shapes)
+        anchors = [evidence.value for evidence in record.anchors]
+        poses = sorted((p.value for p in record.acceptance.stable_poses), key=lambda p: -p.probability)
+        return Geometry(
+            asset_id,
+            shapes,
+            tuple(recorded_surface(a, shapes, scale) for a in anchors if isinstance(a, SupportSurface)),
+            tuple(recorded_volume(a, scale) for a in anchors if isinstance(a, ContainmentVolume)),
+            tuple(swing_and_yaw(p.quat_wxyz)[0] for p in poses),
+            frozenset(role.value for role in record.semantics.roles if role.confidence > 0.0),
+            record.physics.mass_kg.value * scale**3,
+            asset_id,
+        )
+
+
+def _primitive(asset: Inline, scale: float) -> Geometry:
+    tops = tuple(_enlarged(top, scale) for top in top_of(asset))
+    mass_kg = None if asset.mass_kg is None else asset.mass_kg * scale**3
+    shapes = (scaled(shape_of(asset), scale),)
+    return Geometry(asset.type, shapes, tops, (), stable_quats_wxyz(asset), frozenset(), mass_kg, None, asset)
+
+
+def swing_and_yaw(quat_wxyz: Sequence[float]) -> tuple[Quat_wxyz, float]:
+    """An orientation as a turn that leaves no heading, and the heading (rad) about the vertical that follows it."""
+    w, x, y, z = np.asarray(quat_wxyz, dtype=np.float64) / np.linalg.norm(quat_wxyz)
+    half = np.arctan2(z, w) if np.hypot(w, z) > 1e-9 else 0.0
+    c, s = np.cos(half), np.sin(half)  # the turn back about z is (c, 0, 0, -s), multiplied from the left
+    swing = (c * w + s * z, c * x + s * y, c * y - s * x, c * z - s * w)
+    a, b, d, e = (round(float(q), 12) + 0.0 for q in swing)
+    return (a, b, d, e), float(2.0 * half)
+
+
+def _orientations(geometry: Geometry, orientation: Orientation) -> tuple[Quat_wxyz, ...]:
+    if orientation == "upright":
+        return (UPRIGHT,)
+    if orientation == "stable":
+        return geometry.stable_quats_wxyz or (UPRIGHT,)
+    return tuple(_unit(quat) for quat in orientation)
+
+
+def _unit(quat_wxyz: Quat_wxyz) -> Quat_wxyz:
+    w, x, y, z = (float(q) for q in np.asarray(quat_wxyz) / np.linalg.norm(quat_wxyz))
+    return w, x, y, z
+
+
+def _stance(geometry: Geometry, index: int, quat_wxyz: Quat_wxyz) -> Stance:
+    return stance_of(geometry.shapes, quat_wxyz, "upright" if quat_wxyz == UPRIGHT else f"pose_{index}")
+
+
+def _enlarged(surface: Surface, scale: float) -> Surface:
+    polygon = stretch(surface.polygon, scale, scale, origin=(0.0, 0.0))
+    return Surface(surface.name, polygon, surface.origin_P_m * scale)
+
+
+def _unusable(asset_id: str, why: str) -> InvalidInput:
+    return InvalidInput(finding("scene/unusable-asset", f"the package `{asset_id}` cannot be used: {why}"))

@@ -1,0 +1,71 @@
+"""Every asset that a program names, looked at once: does it exist, can it be used, can it play its role?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import get_args
+
+from scenec.assets import AssetLibrary
+from scenec.ir import Path
+from scenec.source.hint import did_you_mean
+from scenec.source.tree import Spans
+from scenec.variants import singles
+from schemas.asset import Role
+from schemas.diagnostics import Diagnostic, InvalidInput, finding
+from schemas.scene_program import Asset, FixedAsset, PoolAsset, SceneProgram
+
+ROLES: tuple[str, ...] = get_args(Role)
+
+
+def check_assets(program: SceneProgram, library: AssetLibrary, spans: Spans) -> tuple[Diagnostic, ...]:
+    """Findings about assets and roles, each where the asset is named."""
+    found: dict[tuple[str, Path], Diagnostic] = {}
+    for path, asset, scale, role in _named(program):
+        for at, diagnostic in _check(path, asset, scale, role, library):
+            found.setdefault((diagnostic.code, at), diagnostic.model_copy(update={"where": spans.place(at)}))
+    return (*_roles(program, spans), *found.values())
+
+
+def _roles(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
+    for i, thing in enumerate(program.objects):
+        if thing.role is not None and thing.role not in ROLES:
+            headline = f"there is no role `{thing.role}`{did_you_mean(thing.role, ROLES)}"
+            where = spans.place(("objects", i, "role"))
+            yield finding("scene/unknown-name", headline, where=where, bound=", ".join(ROLES))
+
+
+def _named(program: SceneProgram) -> Iterator[tuple[Path, Asset | str, float, str | None]]:
+    """Path, asset, scale and role of each place where the program names an asset."""
+    for i, thing in enumerate(program.objects):
+        yield ("objects", i, "asset"), thing.asset, thing.scale, thing.role
+    if program.background is not None:
+        yield ("background", "asset"), program.background.asset, program.background.scale, None
+    objects = {thing.id: thing for thing in program.objects}
+    for i, variant in enumerate(program.variants.assets):
+        for name, asset in variant.objects.items():
+            yield ("variants", "assets", i, "objects", name), asset, objects[name].scale, objects[name].role
+    for i, variant in enumerate(program.variants.backgrounds):
+        path = ("variants", "backgrounds", i, "background", "asset")
+        yield path, variant.background.asset, variant.background.scale, None
+
+
+def _check(
+    path: Path, asset: Asset | str, scale: float, role: str | None, library: AssetLibrary
+) -> Iterator[tuple[Path, Diagnostic]]:
+    places: dict[str, Path] = {}
+    if isinstance(asset, PoolAsset):
+        for k, candidates in enumerate(asset.candidates):
+            for n, name in enumerate(candidates.assets):
+                places.setdefault(name, (*path, "candidates", k, "assets", n))
+    for single in singles(asset):
+        at = (*path, "id") if isinstance(asset, FixedAsset) else path
+        at = places.get(single.id, at) if isinstance(single, FixedAsset) else at
+        try:
+            roles = library.geometry(single, scale).roles
+        except InvalidInput as error:
+            yield at, error.diagnostic
+            continue
+        # What nobody knows the role of is not turned away.
+        if places and role in ROLES and roles and role not in roles:
+            headline = f"`{library.geometry(single, scale).asset_id}` is no {role}, but {', '.join(sorted(roles))}"
+            yield at, finding("scene/role-mismatch", headline, value=", ".join(sorted(roles)), bound=role)

@@ -1,0 +1,307 @@
+"""A program bound to geometry: one problem for each combination of geometry-changing variants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import shapely
+
+from geom.pose import matrix_of, pose
+from scenec.assets import AssetLibrary, swing_and_yaw
+from scenec.bind import check_assets
+from scenec.ir import (
+    WORLD_PARENT,
+    Body,
+    Domain,
+    FloatArray,
+    KeepOutIR,
+    Path,
+    Problem,
+    ReachIR,
+    RelationIR,
+    Spot,
+    Surface,
+    Thing,
+    Volume,
+)
+from scenec.lower_relations import lower_relations
+from scenec.names import Names, anchor_named, kind_of
+from scenec.source.tree import Spans
+from scenec.variants import Choice, choices
+from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
+from schemas.scene_program import (
+    BACKGROUND,
+    Background,
+    DiscretePlacement,
+    Group,
+    Orientation,
+    Placement,
+    Pose,
+    Ranges,
+    SceneProgram,
+    Slot,
+    SlotGroup,
+)
+
+FULL_TURN = 2.0 * np.pi
+Place = Surface | Volume
+
+
+@dataclass(frozen=True)
+class Lowered:
+    """One problem for each combination, none when a diagnostic is an error; with `union` footprints of pools that
+    carry nothing are those of all their candidates at once."""
+
+    problems: tuple[Problem, ...]
+    diagnostics: tuple[Diagnostic, ...]
+    union: bool
+
+
+def lower(program: SceneProgram, library: AssetLibrary, spans: Spans) -> Lowered:
+    """The problems that a program poses with the assets of a library (at most `variants.MAX_COMBINATIONS`)."""
+    names = Names(program)
+    found = list(check_assets(program, library, spans))
+    if _wrong(found):
+        return Lowered((), tuple(found), False)
+    try:
+        chosen = choices(names)
+    except InvalidInput as error:
+        where = spans.place(("variants",)) if program.variants.assets else spans.place(("objects",))
+        return Lowered((), (*found, error.diagnostic.model_copy(update={"where": where})), False)
+    found += [note.model_copy(update={"where": spans.place(("objects",))}) for note in chosen.diagnostics]
+    problems = []
+    for choice in chosen.choices:
+        lowering = _Lowering(names, choice, library, spans)
+        problems.append(lowering.problem())
+        found += [diagnostic for diagnostic in lowering.found if diagnostic not in found]
+    return Lowered(() if _wrong(found) else tuple(problems), tuple(found), chosen.union)
+
+
+def _wrong(diagnostics: Sequence[Diagnostic]) -> bool:
+    return any(d.severity is Severity.ERROR for d in diagnostics)
+
+
+class _Lowering:
+    """One combination. Findings gather in `found`; what they concern is left out of the problem."""
+
+    def __init__(self, names: Names, choice: Choice, library: AssetLibrary, spans: Spans) -> None:
+        self.names, self.choice, self.library, self.spans = names, choice, library, spans
+        self.program = names.program
+        self.found: list[Diagnostic] = []
+        self.objects = {thing.id: thing for thing in self.program.objects}
+        self.object_of = {t: node.object for n, node in self.program.layout.nodes.items() for t in names.copies[n]}
+
+    def problem(self) -> Problem:
+        program, background = self.program, self.choice.background
+        things = {thing.name: thing for node in program.layout.nodes for thing in self._things(node)}
+        background_yaw = _yaw(background) if background is not None else 0.0
+        relations: tuple[RelationIR, ...] = ()
+        if not _wrong(self.found):
+            relations, wrong = lower_relations(self.names, things, background_yaw, self.spans)
+            self.found += wrong
+        return Problem(
+            program.scene,
+            self._background(),
+            _world_pose(background),
+            tuple(things.values()),
+            relations,
+            program.clearance,
+            tuple(keep_out for i in range(len(program.keep_outs)) if (keep_out := self._keep_out(i)) is not None),
+            self._reach(tuple(things)),
+            dict(self.choice.combination),
+        )
+
+    def _background(self) -> Body | None:
+        background, asset = self.choice.background, self.choice.background_asset
+        return None if background is None or asset is None else self.library.body(asset, background.scale)
+
+    # Things.
+
+    def _things(self, node: str) -> list[Thing]:
+        layout = self.program.layout
+        groups, placing = self.names.groups_of.get(node, ()), self.names.placing(node)
+        group = groups[0] if groups else None
+        assert placing is not None, "the checks of the text ask for one owner"
+        path: Path = ("layout", "nodes", node)
+        placed_by: Path = (*path, "placement") if group is None else ("layout", "groups", group)
+        found = self._place(anchor_named(placing), kind_of(placing))
+        if found is None:
+            return []
+        parent, place = found
+        written = self.objects[layout.nodes[node].object]
+        orientation, turns = _orientation(placing)
+        body = self._body(written.id, written.scale, orientation, placed_by)
+        domain = self._domain(placing, node, group, body, turns, placed_by)
+        return [
+            Thing(name, body, parent, place, domain, path, group, written.semantic_tags)
+            for name in self.names.copies[node]
+        ]
+
+    def _body(self, name: str, scale: float, orientation: Orientation, placed_by: Path) -> Body:
+        candidates = self.choice.objects[name]
+        if orientation == "stable":
+            for asset in candidates:
+                geometry = self.library.geometry(asset, scale)
+                if not geometry.stable_quats_wxyz:
+                    headline = f"no stable pose of `{geometry.asset_id}` is known"
+                    where = self.spans.place((*placed_by, "orientation"))
+                    self.found.append(finding("scene/no-stable-pose", headline, where=where))
+        bodies = [self.library.body(asset, scale, orientation) for asset in candidates]
+        return bodies[0] if len(bodies) == 1 else _union(bodies)
+
+    def _domain(
+        self,
+        placing: Placement | Group,
+        node: str,
+        group: str | None,
+        body: Body,
+        turns: Sequence[tuple[int, float]],
+        path: Path,
+    ) -> Domain:
+        stances = tuple(range(len(body.stances)))
+        if isinstance(placing, SlotGroup):
+            assert group is not None, "a slot group is one"
+            assign = {**placing.assign, **self.choice.assign.get(group, {})}
+            taken = {slot for member, slot in assign.items() if member != node}
+            spots = tuple(
+                _spot(slot, 0, _yaw(slot), body, slot.id, (*path, "slots", i))
+                for i, slot in enumerate(placing.slots)
+                if (assign.get(node, slot.id) == slot.id and slot.id not in taken)
+            )
+            if not spots:
+                headline = f"no slot is left for `{node}`: all are assigned to others"
+                self._add(finding("scene/slot-assignment", headline, where=self.spans.place((*path, "assign"))))
+            return _at(spots, (*path, "slots"))
+        if isinstance(placing, DiscretePlacement):
+            spots = tuple(
+                _spot(pose, stance, yaw, body, "", (*path, "poses", i))
+                for i, (pose, (stance, yaw)) in enumerate(zip(placing.poses, turns, strict=True))
+            )
+            return _at(spots, (*path, "poses"))
+        ranges = placing.ranges
+        everywhere = (-np.inf, np.inf)
+        return Domain(ranges.x or everywhere, ranges.y or everywhere, _headings(ranges), stances, (), (*path, "ranges"))
+
+    # Places.
+
+    def _place(self, anchor: str, kind: Literal["surface", "volume"]) -> tuple[str, Place] | None:
+        """The owner of an anchor and the place itself, None where it has no such place."""
+        reference, owner = self.program.anchors[anchor], self.names.owner(anchor)
+        if owner is None:
+            headline = f"`{reference.object}`, on which `{anchor}` is, is never placed"
+            where = self.spans.place(("anchors", anchor, "object"))
+            self._add(finding("scene/missing-anchor", headline, where=where))
+            return None
+        wanted = (reference.surface if kind == "surface" else reference.volume) or "auto"
+        if owner == BACKGROUND:
+            background = self.choice.background
+            assets = (self.choice.background_asset,) if self.choice.background_asset is not None else ()
+            scale = background.scale if background is not None else 1.0
+        else:
+            assets, scale = self.choice.objects[self.object_of[owner]], self.objects[self.object_of[owner]].scale
+        if not assets:
+            headline = f"the anchor `{anchor}` is on the background, and the program has none"
+            where = self.spans.place(("anchors", anchor, "object"))
+            self._add(finding("scene/missing-anchor", headline, where=where))
+            return None
+        find = self.library.surface if kind == "surface" else self.library.volume
+        place = find(assets[0], scale, wanted, anchor)
+        if place is not None and not (isinstance(place, Volume) and not place.layers):
+            return WORLD_PARENT if owner == BACKGROUND else owner, place
+        geometry = self.library.geometry(assets[0], scale)
+        there = [p.name for p in (geometry.surfaces if kind == "surface" else geometry.volumes)]
+        said = f"it has {', '.join(there)}" if there else "it has none"
+        named = f"no {kind}" if wanted == "auto" else f"no {kind} `{wanted}`"
+        headline = f"`{anchor}`: the asset `{geometry.asset_id}` has {named}" + (
+            "" if wanted == "auto" else f"; {said}"
+        )
+        where = self.spans.place(("anchors", anchor, kind))
+        self._add(finding("scene/missing-anchor", headline, where=where))
+        return None
+
+    def _add(self, diagnostic: Diagnostic) -> None:
+        if diagnostic not in self.found:
+            self.found.append(diagnostic)
+
+    def _keep_out(self, index: int) -> KeepOutIR | None:
+        keep_out = self.program.keep_outs[index]
+        found = self._place(keep_out.surface, "surface")
+        if found is None:
+            return None
+        parent, place = found
+        assert isinstance(place, Surface), "a surface was asked for"
+        if keep_out.outline is not None:
+            polygon = shapely.Polygon(keep_out.outline)
+        else:
+            x0, y0, x1, y1 = place.polygon.bounds
+            ranges = keep_out.ranges or Ranges()
+            (x0, x1), (y0, y1) = ranges.x or (x0, x1), ranges.y or (y0, y1)
+            polygon = shapely.box(x0, y0, x1, y1)
+        return KeepOutIR(parent, place.name, polygon, keep_out.height or np.inf, ("keep_outs", index))
+
+    def _reach(self, things: tuple[str, ...]) -> ReachIR | None:
+        reach = self.program.reach
+        if reach is None:
+            return None
+        named = things if reach.members == "all" else [t for m in reach.members for t in self.names.stand_for(m)]
+        members = tuple(dict.fromkeys(named))
+        return ReachIR(np.array(reach.base), reach.min_radius, reach.radius, members, ("reach",))
+
+
+def _orientation(placing: Placement | Group) -> tuple[Orientation, tuple[tuple[int, float], ...]]:
+    """The orientations to prepare; of discrete poses also which of them each has, and its heading."""
+    if isinstance(placing, SlotGroup):
+        return "upright", ()
+    if not isinstance(placing, DiscretePlacement):
+        return placing.orientation, ()
+    parts = [swing_and_yaw(pose.quat_wxyz or (1.0, 0.0, 0.0, 0.0)) for pose in placing.poses]
+    swings = tuple(dict.fromkeys(swing for swing, _ in parts))
+    yaws = [yaw if p.quat_wxyz is not None else _yaw(p) for p, (_, yaw) in zip(placing.poses, parts, strict=True)]
+    return swings, tuple((swings.index(swing), yaw) for (swing, _), yaw in zip(parts, yaws, strict=True))
+
+
+def _spot(at: Pose | Slot, stance: int, yaw_rad: float, body: Body, name: str, path: Path) -> Spot:
+    """A pose in A; without `z` the thing stands there."""
+    z = at.z if "z" in at.model_fields_set else body.stances[stance].origin_height_m
+    return Spot(at.x, at.y, z, yaw_rad, name, path, stance)
+
+
+def _at(spots: tuple[Spot, ...], path: Path) -> Domain:
+    """The domain of listed poses."""
+    if not spots:
+        return Domain(path=path)
+    xs, ys, yaws = ([getattr(spot, key) for spot in spots] for key in ("x_m", "y_m", "yaw_rad"))
+    turn = (min(yaws), max(yaws)) if max(yaws) - min(yaws) < FULL_TURN else (-np.pi, np.pi)
+    stances = tuple(sorted({spot.stance for spot in spots}))
+    return Domain((min(xs), max(xs)), (min(ys), max(ys)), turn, stances, spots, path)
+
+
+def _yaw(heading: Background | Pose | Slot) -> float:
+    return float(np.radians(heading.yaw_deg)) if heading.yaw_deg is not None else heading.yaw or 0.0
+
+
+def _headings(ranges: Ranges) -> tuple[float, float]:
+    low, high = ranges.yaw or (-np.pi, np.pi)
+    if ranges.yaw_deg is not None:
+        low, high = (float(np.radians(angle)) for angle in ranges.yaw_deg)
+    return (low, high) if high - low < FULL_TURN else (-np.pi, np.pi)
+
+
+def _world_pose(background: Background | None) -> FloatArray:
+    if background is None:
+        return np.eye(4)
+    half = 0.5 * _yaw(background)
+    return pose(matrix_of(np.array([np.cos(half), 0.0, 0.0, np.sin(half)])), background.position)
+
+
+def _union(bodies: Sequence[Body]) -> Body:
+    """A body that holds each of the bodies in each stance: where it fits, any of them does."""
+    count = min(len(body.stances) for body in bodies)
+    stances = tuple(
+        replace(bodies[0].stances[k], slabs=tuple(slab for body in bodies for slab in body.stances[k].slabs))
+        for k in range(count)
+    )
+    return replace(bodies[0], stances=stances, surfaces=(), volumes=())
