@@ -7,7 +7,7 @@ import traceback
 
 import typer
 
-from cli import assets, demo, gap, schema
+from cli import assets, demo, gap, scene, schema
 from schemas.diagnostics import InvalidInput
 
 app = typer.Typer(
@@ -18,6 +18,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(assets.app, name="assets")
+app.add_typer(scene.app, name="scene")
 app.add_typer(gap.app, name="gap")
 app.add_typer(schema.app, name="schema")
 app.command("demo")(demo.demo)

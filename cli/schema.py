@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 from pydantic import BaseModel
 
+from scenec.source.language import editor_schema
 from schemas.asset import AssetRecord
 from schemas.measurement import MeasurementSpec
 from schemas.report import IngestReport
@@ -51,3 +52,12 @@ def report(as_json: Annotated[bool, typer.Option("--json", help="The output is J
     Example: `mana schema report > report.schema.json`
     """
     _print("report")
+
+
+@app.command("scene")
+def scene(as_json: Annotated[bool, typer.Option("--json", help="The output is JSON in any case.")] = True) -> None:
+    """The schema of scene programs, the same as `mana scene schema`.
+
+    Example: `mana schema scene > scene.schema.json`
+    """
+    print(json.dumps(editor_schema(), indent=1, sort_keys=True))

@@ -55,9 +55,9 @@ def show_diagnostic(diagnostic: Diagnostic, indent: str = "") -> None:
     if where != "(whole asset)":
         console.print(f"{indent}  at {escape(where)}", soft_wrap=True)
     if diagnostic.value is not None:
-        bound = "" if diagnostic.bound is None else f", bound {_figure(diagnostic.bound)}"
+        bound = "" if diagnostic.bound is None else f", bound {figure(diagnostic.bound)}"
         unit = f" {diagnostic.unit}" if diagnostic.unit else ""
-        console.print(f"{indent}  found {escape(_figure(diagnostic.value) + bound + unit)}", soft_wrap=True)
+        console.print(f"{indent}  found {escape(figure(diagnostic.value) + bound + unit)}", soft_wrap=True)
     for cause in diagnostic.because:
         console.print(f"{indent}  because", soft_wrap=True)
         show_diagnostic(cause, indent + "    ")
@@ -97,9 +97,10 @@ def show_rows(rows: Iterable[dict[str, object]], columns: dict[str, str]) -> Non
     for number, heading in enumerate(columns.values()):
         table.add_column(heading, no_wrap=number == 0, overflow="fold")
     for row in rows:
-        table.add_row(*(escape(_figure(row[key])) for key in columns))
+        table.add_row(*(escape(figure(row[key])) for key in columns))
     console.print(table)
 
 
-def _figure(value: object) -> str:
+def figure(value: object) -> str:
+    """A number with four digits, anything else as it is."""
     return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from render.camera import STANDARD_VIEWS, View
 from schemas.model import Model
 from schemas.physics import CollisionShape
 
@@ -16,9 +17,11 @@ class RenderRequest:
     shapes   collision shapes in the frame of the model; none: no `collision.png`.
     out_dir  an existing folder or one to create; files of the same names are replaced.
     size_px  edge of the square pictures; the thumbnail is always 256.
+    views    where to look from; each gives the picture of its name.
     """
 
     model: Model
     shapes: tuple[CollisionShape, ...]
     out_dir: str
     size_px: int = 512
+    views: tuple[View, ...] = STANDARD_VIEWS

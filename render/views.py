@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
-from render.camera import HERO_VIEW, STANDARD_VIEWS, AnnotationFrame, annotation_frame, camera
+from render.camera import HERO_VIEW, AnnotationFrame, annotation_frame, camera
 from render.collision import collision_actors, shape_mesh
 from render.request import RenderRequest
 from render.studio import floor, studio_renderer
@@ -62,7 +62,7 @@ def _draw_views(
             visual.GetProperty().SetLineWidth(2.0 * SUPERSAMPLING)
     if any(visual.GetForceTranslucent() for visual in visuals):
         _peel(renderer)
-    sizes = dict.fromkeys(STANDARD_VIEWS, request.size_px) | {HERO_VIEW: THUMBNAIL_PX}
+    sizes = dict.fromkeys(request.views, request.size_px) | {HERO_VIEW: THUMBNAIL_PX}
     pictures = {v.name: take_picture(window, renderer, camera(v, frame.extent), px) for v, px in sizes.items()}
     for visual in visuals:
         renderer.RemoveActor(visual)

@@ -50,12 +50,19 @@ def write_scene(scene: CompiledScene, library: Path | None, file: Path) -> Path:
     _author_physics_scene(stage)
     _author_lights(stage)
     contact = author_contact_material(stage, _ROOT, CONTACT, DENSITY_KGM3, "inline")
+    background = _ROOT.AppendChild("Background")
     if scene.background is not None:
-        _author_object(stage, _ROOT.AppendChild("Background"), scene.background, contact, file.parent, moves=False)
+        _author_object(stage, background, scene.background, contact, file.parent, moves=False)
     group = UsdGeom.Xform.Define(stage, _ROOT.AppendChild("Objects")).GetPrim()
     Usd.ModelAPI(group).SetKind(Kind.Tokens.group)
-    for name, item in zip(object_prims(scene), scene.objects, strict=True):
-        _author_object(stage, group.GetPath().AppendChild(name), item, contact, file.parent, moves=True)
+    objects = [group.GetPath().AppendChild(name) for name in object_prims(scene)]
+    for path, item in zip(objects, scene.objects, strict=True):
+        _author_object(stage, path, item, contact, file.parent, moves=True)
+    del stage, world, group  # A living stage would look for the packages at once, and not beside `file`.
+    for path, item in zip([background, *objects] if scene.background is not None else objects, placed, strict=True):
+        if item.package is not None:
+            main = f"./{_main_file(file.parent, item.package).relative_to(file.parent).as_posix()}"
+            layer.GetPrimAtPath(path).referenceList.prependedItems = [Sdf.Reference(main)]
     layer.customLayerData = {
         "mana:scene": scene.scene,
         "mana:seed": scene.seed,
@@ -96,7 +103,7 @@ def _author_object(
         author_primitive(stage, path, item.primitive, item.scale, item.mass_kg, contact, moves=moves)
         Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
     elif item.package is not None:
-        _refer(stage, prim, item, folder, moves=moves)
+        _adapt_body(prim, item, _main_file(folder, item.package), moves=moves)
     form = UsdGeom.Xformable(prim)
     form.ClearXformOpOrder()
     form.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(*item.position_m))
@@ -111,14 +118,16 @@ def _author_object(
         prim.SetCustomDataByKey("mana:on", item.parent)
 
 
-def _refer(stage: Usd.Stage, prim: Usd.Prim, item: PlacedObject, folder: Path, *, moves: bool) -> None:
-    """A reference to the copied package; what stands still has its body switched off, which leaves its colliders.
+def _main_file(folder: Path, package: str) -> Path:
+    """The main USD file of a copied package, the only one in its folder."""
+    return min((folder / PACKAGES / package / USD_FOLDER).glob("*.usda"))
+
+
+def _adapt_body(prim: Usd.Prim, item: PlacedObject, main: Path, *, moves: bool) -> None:
+    """What stands still has the body of its package switched off, which leaves its colliders.
 
     A scaled body keeps its density: mass goes with the cube of the scale, moments of inertia with the fifth power.
     """
-    name = str(item.package)
-    main = next(iter(sorted((folder / PACKAGES / name / USD_FOLDER).glob("*.usda"))))
-    prim.GetReferences().AddReference(f"./{PACKAGES}/{name}/{USD_FOLDER}/{main.name}")
     if not moves:
         UsdPhysics.RigidBodyAPI.Apply(prim).CreateRigidBodyEnabledAttr(False)
     elif item.scale != 1.0:

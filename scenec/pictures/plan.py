@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping
 
 import numpy as np
@@ -15,7 +14,8 @@ from geom.pose import matrix_of
 from render.figure import png
 from scenec.emit import world_frames
 from scenec.ir import WORLD_PARENT, FloatArray, Placement, Problem, Slab, Stance, Surface, Thing, Volume
-from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, arrow, name, sheet
+from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
+from scenec.pictures.relations import draw_relations
 
 _MOST_NAMES = 60
 
@@ -38,11 +38,8 @@ def plan(problem: Problem, placements: Mapping[str, Placement], title: str = "")
     if len(order) <= _MOST_NAMES:
         for thing in order:
             name(axes, _label_at(thing, shapes, problem), thing.name, order=above + 2.0)
-    for number, relation in enumerate(problem.relations):
-        middles = [np.array(shapes[member].centroid.coords[0]) for member in relation.things]
-        word = relation.word or relation.kind
-        for first, second in itertools.pairwise(middles):
-            arrow(axes, first, second, word, order=above + 1.0, bend=0.1 + 0.03 * (number % 3))
+    middles = {item: np.array(shape.centroid.coords[0]) for item, shape in shapes.items()}
+    draw_relations(axes, problem.relations, middles, lambda _: INK, order=above + 1.0)
     return png(made)
 
 

@@ -1,0 +1,102 @@
+"""The files of a compiled scene: report, stages, JSON, graph, pictures; nothing of an earlier run stays beside them."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from assetkit.readers.images import load_texture
+from jobs.cache import write_atomically
+from jobs.cell import Limits
+from jobs.warm import run_module
+from render.camera import View
+from render.request import RenderRequest
+from scenec.compile import Compiled
+from scenec.ir import Solved
+from scenec.pictures.failure import failure
+from scenec.pictures.plan import plan
+from schemas import arrays
+from schemas.compiled_scene import CompileReport
+from usdio.read import read_stage
+from usdio.write_scene import write_scene
+
+REPORT, SCENE, GRAPH = "report.json", "scene", "graph"
+PLAN, PERSPECTIVE, FAILURE = "plan.png", "perspective.png", "failure.png"
+_VIEW = View("perspective", -70.0, 34.0)  # Beside the default viewer, who stands at -y.
+_LIMITS = Limits(seconds=120.0, memory_mb=6144)
+
+
+def write_output(compiled: Compiled, assets: Path | None, out: Path) -> CompileReport:
+    """Write stages and JSON of every combination, or none; returns the report that names them.
+
+    The first combination is `scene.usda` and `scene.json`, the others `scene-2` and so on.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    clear(out)
+    rows = list(compiled.report.matrix)
+    for index, scene in enumerate(compiled.scenes):
+        stem = SCENE if index == 0 else f"{SCENE}-{index + 1}"
+        write_scene(scene, assets, out / f"{stem}.usda")
+        write_atomically(out / f"{stem}.json", scene.model_dump_json(indent=1).encode())
+        rows[index] = rows[index].model_copy(update={"scene": f"{stem}.usda"})
+    first = f"{SCENE}.usda" if compiled.scenes else None
+    return compiled.report.model_copy(update={"matrix": tuple(rows), "scene": first})
+
+
+def clear(out: Path) -> None:
+    """Remove the scenes, graphs and pictures of an earlier run: a stale scene beside a failure would be a lie."""
+    for pattern in (f"{SCENE}.*", f"{SCENE}-*.*", f"{GRAPH}.*", f"{GRAPH}-*.*", PLAN, PERSPECTIVE, FAILURE, REPORT):
+        for file in out.glob(pattern):
+            file.unlink()
+
+
+def write_report(report: CompileReport, out: Path) -> None:
+    """Write `report.json`."""
+    out.mkdir(parents=True, exist_ok=True)
+    write_atomically(out / REPORT, report.model_dump_json(indent=1).encode())
+
+
+def write_graphs(compiled: Compiled, out: Path) -> tuple[Path, ...]:
+    """Write the interaction graph of every combination as `graph.dot` and `graph.json`, numbered like the scenes."""
+    out.mkdir(parents=True, exist_ok=True)
+    made = []
+    for index, graph in enumerate(compiled.graphs):
+        stem = GRAPH if index == 0 else f"{GRAPH}-{index + 1}"
+        for suffix, words in (("dot", graph.dot()), ("json", graph.json())):
+            made.append(out / f"{stem}.{suffix}")
+            write_atomically(made[-1], words.encode())
+    return tuple(made)
+
+
+def draw_plan(compiled: Compiled, out: Path) -> Path | None:
+    """`plan.png` of the first combination seen from above, or `failure.png` with what stands in the way."""
+    if compiled.failed is not None:
+        problem, result = compiled.problems[compiled.failed], compiled.results[compiled.failed]
+        picture, name = failure(problem, result, compiled.conflict), FAILURE
+    elif compiled.scenes:
+        result = compiled.results[0]
+        assert isinstance(result, Solved), "every combination has a scene"
+        picture, name = plan(compiled.problems[0], result.placements), PLAN
+    else:
+        return None
+    out.mkdir(parents=True, exist_ok=True)
+    write_atomically(out / name, picture)
+    return out / name
+
+
+def draw_perspective(scene_usda: Path) -> Path:
+    """`perspective.png` beside a written stage, drawn from what the stage holds, in a child process.
+
+    Raises RuntimeError when the renderer fails: a broken environment, not a bad scene.
+    """
+    outcome = read_stage(scene_usda, scene_usda.parent, load_texture=load_texture)
+    assert outcome.value is not None, "our own stage can be read"
+    with tempfile.TemporaryDirectory(prefix="mana") as place:
+        request = Path(place) / "request.npz"
+        asked = RenderRequest(model=outcome.value, shapes=(), out_dir=place, size_px=768, views=(_VIEW,))
+        arrays.save(asked, RenderRequest, request)
+        result = run_module("render", [str(request)], _LIMITS)
+        if result.status != "ok":
+            raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
+        write_atomically(scene_usda.parent / PERSPECTIVE, (Path(place) / f"{_VIEW.name}.png").read_bytes())
+    return scene_usda.parent / PERSPECTIVE

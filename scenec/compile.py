@@ -1,0 +1,188 @@
+"""The compiler: phases in their order, one verdict for each combination of variants, a whole scene or none."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+
+from scenec.assets import AssetLibrary
+from scenec.emit import compiled_scene
+from scenec.graph import Graph, interaction_graph
+from scenec.ir import Exhausted, Infeasible, Path, Placement, Problem, Result, Solved
+from scenec.lower import lower
+from scenec.report import conflict_members, verdict_of, why
+from scenec.solve import ComponentCache, solve
+from scenec.source.read import Read, read_program
+from scenec.validate import violations
+from schemas.compiled_scene import CombinationVerdict, CompiledScene, CompileReport, Suggestion
+from schemas.diagnostics import Diagnostic, Severity
+
+DEFAULT_BUDGET = 20_000  # steps of the search, of each combination
+_WORST_FIRST = ("infeasible", "budget_exhausted", "compiled")
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """What came of a program. `problems`, `graphs`, `results` have one entry a combination, `scenes` as many or none.
+
+    `failed` is the index of the combination that the report explains, None when every one gave a scene.
+    """
+
+    report: CompileReport
+    scenes: tuple[CompiledScene, ...] = ()
+    results: tuple[Result, ...] = ()
+    problems: tuple[Problem, ...] = ()
+    graphs: tuple[Graph, ...] = ()
+    failed: int | None = None
+    conflict: tuple[Path, ...] = ()
+
+
+@dataclass(frozen=True)
+class Explained:
+    """Why there is no scene: constraints that conflict, whether their set is minimal (None: not asked), tried edits."""
+
+    conflict: tuple[Path, ...] = ()
+    minimal: bool | None = None
+    edits: tuple[Suggestion, ...] = ()
+
+
+class Clock:
+    """Seconds spent in each phase, in the order in which they began."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._since = time.perf_counter()
+
+    @contextmanager
+    def phase(self, name: str) -> Iterator[None]:
+        """Count what is done inside toward the phase `name`."""
+        since = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - since
+
+    @property
+    def total_s(self) -> float:
+        """Seconds since the clock was made."""
+        return time.perf_counter() - self._since
+
+
+def compile_program(
+    path: FilePath,
+    assets: FilePath | None = None,
+    *,
+    seed: int = 0,
+    budget: int = DEFAULT_BUDGET,
+    root: FilePath | None = None,
+    previous: dict[str, Placement] | None = None,
+    cache: ComponentCache | None = None,
+    library: AssetLibrary | None = None,
+    explain: bool = True,
+) -> Compiled:
+    """Compile the program in `path` with the packages in `assets`; deterministic in program, assets and seed.
+
+    `scenes` holds a checked scene for each combination of geometry-changing variants, or nothing at all unless all of
+    them compiled. `previous` placements are repaired before anything is searched anew, `cache` keeps components solved
+    before. With `explain`, a failure comes with conflict and suggestions. Raises RuntimeError when the independent
+    checker refuses what the solver found: a defect of ours, not of the program.
+    """
+    clock = Clock()
+    with clock.phase("read"):
+        read = read_program(path, root)
+    if read.program is None:
+        return Compiled(_invalid(read.diagnostics, clock))
+    with clock.phase("bind"):
+        lowered = lower(read.program, library or AssetLibrary(assets), read.spans)
+    found = (*read.diagnostics, *lowered.diagnostics)
+    if not lowered.problems or any(d.severity is Severity.ERROR for d in lowered.diagnostics):
+        return Compiled(_invalid(found, clock))
+    with clock.phase("graph"):
+        graphs = tuple(interaction_graph(problem) for problem in lowered.problems)
+    cache = cache or ComponentCache()
+    results, rows = [], []
+    for problem in lowered.problems:
+        since = clock.total_s
+        with clock.phase("solve"):
+            result = solve(problem, seed, budget, previous=previous, cache=cache)
+        if isinstance(result, Solved):
+            with clock.phase("check"):
+                _check(problem, result)
+        results.append(result)
+        rows.append(_row(problem, result, clock.total_s - since))
+    failed = _worst(results)
+    if failed is None:
+        with clock.phase("emit"):
+            scenes = tuple(_emit(p, r, seed) for p, r in zip(lowered.problems, results, strict=True))
+        report = CompileReport(
+            verdict="compiled",
+            seconds=clock.total_s,
+            matrix=tuple(rows),
+            diagnostics=found,
+            phases=clock.seconds,
+        )
+        return Compiled(report, scenes, tuple(results), lowered.problems, graphs)
+    with clock.phase("explain"):
+        told = _explain(lowered.problems[failed], results[failed], seed) if explain else Explained()
+    report = _failure(read, lowered.problems[failed], results[failed], told, found, tuple(rows), clock)
+    return Compiled(report, (), tuple(results), lowered.problems, graphs, failed, told.conflict)
+
+
+def _invalid(diagnostics: tuple[Diagnostic, ...], clock: Clock) -> CompileReport:
+    return CompileReport(
+        verdict="invalid_program", seconds=clock.total_s, diagnostics=diagnostics, phases=clock.seconds
+    )
+
+
+def _check(problem: Problem, result: Solved) -> None:
+    """Raise RuntimeError unless the independent checker agrees; a refused scene never leaves the compiler."""
+    wrong = violations(problem, result.placements)
+    if wrong:
+        raise RuntimeError(f"{problem.scene}: the checker refuses the solved scene: {wrong[0]}")
+
+
+def _emit(problem: Problem, result: Result, seed: int) -> CompiledScene:
+    assert isinstance(result, Solved), "no combination failed"
+    return compiled_scene(problem, result.placements, seed)
+
+
+def _row(problem: Problem, result: Result, seconds: float) -> CombinationVerdict:
+    proof = result.proof.text if isinstance(result, Infeasible) else ""
+    return CombinationVerdict(combination=problem.combination, verdict=verdict_of(result), proof=proof, seconds=seconds)
+
+
+def _worst(results: list[Result]) -> int | None:
+    """Index of the first result of the worst verdict; None when all are compiled."""
+    ranks = [_WORST_FIRST.index(verdict_of(result)) for result in results]
+    return None if min(ranks) == _WORST_FIRST.index("compiled") else ranks.index(min(ranks))
+
+
+def _explain(problem: Problem, result: Result, seed: int) -> Explained:
+    """The conflict behind a proof, and edits that were tried; for a search that ended without one, neither."""
+    return Explained(result.proof.paths) if isinstance(result, Infeasible) else Explained()
+
+
+def _failure(
+    read: Read,
+    problem: Problem,
+    result: Result,
+    told: Explained,
+    found: tuple[Diagnostic, ...],
+    rows: tuple[CombinationVerdict, ...],
+    clock: Clock,
+) -> CompileReport:
+    return CompileReport(
+        verdict=verdict_of(result),
+        seconds=clock.total_s,
+        matrix=rows,
+        diagnostics=(*found, why(problem, result, told.conflict, told.edits, read.spans)),
+        conflict=conflict_members(told.conflict, read.spans),
+        minimal=told.minimal,
+        proof=result.proof.text if isinstance(result, Infeasible) else "",
+        blocking=result.blocking if isinstance(result, Exhausted) else None,
+        suggestions=told.edits,
+        phases=clock.seconds,
+    )
