@@ -131,8 +131,8 @@ def _adapt_body(prim: Usd.Prim, item: PlacedObject, main: Path, *, moves: bool) 
     if not moves:
         UsdPhysics.RigidBodyAPI.Apply(prim).CreateRigidBodyEnabledAttr(False)
     elif item.scale != 1.0:
-        source = Usd.Stage.Open(str(main)).GetDefaultPrim()
-        stated = UsdPhysics.MassAPI(source)
+        source = Usd.Stage.Open(str(main))
+        stated = UsdPhysics.MassAPI(source.GetDefaultPrim())
         mass = UsdPhysics.MassAPI.Apply(prim)
         mass.CreateMassAttr(stated.GetMassAttr().Get() * item.scale**3)
         mass.CreateDiagonalInertiaAttr(stated.GetDiagonalInertiaAttr().Get() * item.scale**5)

@@ -159,9 +159,9 @@ def _draw_ranges(axes: Axes, thing: Thing) -> None:
         return
     x0, x1 = axes.get_xlim()
     y0, y1 = axes.get_ylim()
-    corners = [max(xa, x0), max(ya, y0), min(xb, x1), min(yb, y1)]
-    if corners[2] >= corners[0] and corners[3] >= corners[1]:
-        area(axes, shapely.box(*corners), order=2.5, facecolor="none", edgecolor=FREE, linestyle="--", linewidth=1.0)
+    low, high = (max(xa, x0), max(ya, y0)), (min(xb, x1), min(yb, y1))
+    if low[0] <= high[0] and low[1] <= high[1]:
+        area(axes, shapely.box(*low, *high), order=2.5, facecolor="none", edgecolor=FREE, linestyle="--", linewidth=1.0)
 
 
 def _index(relation: RelationIR) -> object:
