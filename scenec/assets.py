@@ -91,9 +91,10 @@ class AssetLibrary:
 
     def volume(self, asset: Single, scale: float, wanted: str | AuthoredPolygon, name: str) -> Volume | None:
         """The volume `wanted` (`auto` for the main one); a drawn one is called `name`. None when there is none."""
+        geometry = self.geometry(asset, scale)
         if isinstance(wanted, AuthoredPolygon):
-            return drawn_volume(name, wanted)
-        return next((v for v in self.geometry(asset, scale).volumes if wanted in ("auto", v.name)), None)
+            return drawn_volume(name, wanted, geometry.shapes)
+        return next((v for v in geometry.volumes if wanted in ("auto", v.name)), None)
 
     def _package(self, asset_id: str, scale: float) -> Geometry:
         if asset_id not in self.names:
@@ -118,7 +119,7 @@ class AssetLibrary:
             asset_id,
             shapes,
             tuple(recorded_surface(a, shapes, scale) for a in anchors if isinstance(a, SupportSurface)),
-            tuple(recorded_volume(a, scale) for a in anchors if isinstance(a, ContainmentVolume)),
+            tuple(recorded_volume(a, shapes, scale) for a in anchors if isinstance(a, ContainmentVolume)),
             tuple(swing_and_yaw(p.quat_wxyz)[0] for p in poses),
             frozenset(role.value for role in record.semantics.roles if role.confidence > 0.0),
             record.physics.mass_kg.value * scale**3,

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import shapely
 from shapely.affinity import scale as stretch
 from shapely.affinity import translate
 
-from scenec.ir import Surface, Volume
+from scenec.ir import Slab, Surface, Volume
 from scenec.slabs import slabs_between
 from schemas.anchors import AnchorPolygon, ContainmentVolume, SupportSurface
 from schemas.physics import CollisionShape
@@ -18,6 +19,8 @@ from schemas.scene_program import AuthoredPolygon
 
 # Collision shapes differ a little from what is seen: what rises over a floor by no more than this is part of it.
 STEP_M = 0.004
+UP = np.array([0.0, 0.0, 1.0])
+DRAWN_LAYERS = 8  # of a volume drawn by hand, so that what its owner has inside counts at its heights only
 
 
 def recorded_surface(anchor: SupportSurface, shapes: Sequence[CollisionShape], scale: float) -> Surface:
@@ -36,21 +39,14 @@ def drawn_surface(name: str, drawn: AuthoredPolygon, shapes: Sequence[CollisionS
 
 def with_owner(surface: Surface, shapes: Sequence[CollisionShape]) -> Surface:
     """The surface with what its owner has over it. It is raised to what collision shapes really carry there."""
-    over = slabs_between(shapes, float(surface.origin_P_m[2]), np.inf)
-    x, y, z = surface.origin_P_m
-    local = [replace(slab, outline_m=slab.outline_m - [x, y]) for slab in over]
-    floor = [slab.high_m for slab in local if slab.high_m <= STEP_M and _meets(slab.outline_m, surface.polygon)]
-    rise = max(floor, default=0.0)
-    above = tuple(
-        replace(slab, low_m=max(slab.low_m - rise, 0.0), high_m=slab.high_m - rise)
-        for slab in local
-        if slab.high_m > max(STEP_M, rise)
-    )
-    origin = np.array([x, y, z + rise])
+    above = _over(shapes, surface.origin_P_m)
+    rise = _rise(above, surface.polygon)
+    above = tuple(_lowered(slab, rise) for slab in above if slab.high_m > max(STEP_M, rise))
+    origin = surface.origin_P_m + rise * UP
     return replace(surface, origin_P_m=origin, clearance_m=surface.clearance_m - rise, above=above)
 
 
-def recorded_volume(anchor: ContainmentVolume, scale: float) -> Volume:
+def recorded_volume(anchor: ContainmentVolume, shapes: Sequence[CollisionShape], scale: float) -> Volume:
     """A volume of a record: layers of equal height about its slices, of each the largest piece."""
     step = anchor.height_m * scale / max(len(anchor.slices), 1)
     layers = tuple(
@@ -58,14 +54,56 @@ def recorded_volume(anchor: ContainmentVolume, scale: float) -> Volume:
         for i, part in enumerate(anchor.slices)
         if part.polygons
     )
-    return Volume(anchor.anchor_id, layers, _polygon(anchor.opening, scale), np.asarray(anchor.position_m) * scale)
+    origin = np.asarray(anchor.position_m) * scale
+    return _carved(Volume(anchor.anchor_id, layers, _polygon(anchor.opening, scale), origin), shapes)
 
 
-def drawn_volume(name: str, drawn: AuthoredPolygon) -> Volume:
-    """A volume drawn in the asset frame: one layer with upright walls."""
+def drawn_volume(name: str, drawn: AuthoredPolygon, shapes: Sequence[CollisionShape]) -> Volume:
+    """A volume drawn in the asset frame: upright walls, less what its owner has inside."""
     polygon, origin = _centred(shapely.Polygon(drawn.outline, drawn.holes), drawn.z)
     assert drawn.height is not None, "the checks of the text ask for it"
-    return Volume(name, ((0.0, drawn.height, polygon),), polygon, origin)
+    heights = np.linspace(0.0, drawn.height, DRAWN_LAYERS + 1)
+    layers = tuple((float(low), float(high), polygon) for low, high in pairwise(heights))
+    return _carved(Volume(name, layers, polygon, origin), shapes)
+
+
+def _carved(volume: Volume, shapes: Sequence[CollisionShape]) -> Volume:
+    """The volume without what collision shapes of its owner fill, its floor raised to what they carry there.
+
+    Walls are approximated by convex pieces that reach a little further in than what is seen. Layers above the first
+    that is filled are out of reach from the floor and are left out.
+    """
+    if not volume.layers:
+        return volume
+    rise = _rise(_over(shapes, volume.origin_P_m), volume.layers[0][2])
+    layers = []
+    for low, high, polygon in volume.layers:
+        base = max(low, rise)
+        if high <= base:
+            continue
+        filled = _over(shapes, volume.origin_P_m + base * UP, high - base)
+        free = polygon.difference(shapely.union_all([shapely.Polygon(slab.outline_m) for slab in filled]))
+        largest = max(shapely.get_parts(free), key=shapely.area, default=shapely.Polygon())
+        if not isinstance(largest, shapely.Polygon) or largest.is_empty:
+            break
+        layers.append((base - rise, high - rise, largest))
+    return replace(volume, layers=tuple(layers), origin_P_m=volume.origin_P_m + rise * UP)
+
+
+def _over(shapes: Sequence[CollisionShape], origin_P_m: np.ndarray, height_m: float = np.inf) -> tuple[Slab, ...]:
+    """What shapes hold over the origin of an anchor, up to a height: outlines in the anchor frame, heights from it."""
+    x, y, z = (float(v) for v in origin_P_m)
+    return tuple(replace(s, outline_m=s.outline_m - [x, y]) for s in slabs_between(shapes, z, z + height_m))
+
+
+def _rise(over: Sequence[Slab], polygon: shapely.Polygon) -> float:
+    """How far collision shapes that belong to the floor reach over it."""
+    floor = [s.high_m for s in over if s.high_m <= STEP_M and shapely.Polygon(s.outline_m).intersects(polygon)]
+    return max(floor, default=0.0)
+
+
+def _lowered(slab: Slab, rise: float) -> Slab:
+    return replace(slab, low_m=max(slab.low_m - rise, 0.0), high_m=slab.high_m - rise)
 
 
 def _polygon(anchor: AnchorPolygon, scale: float) -> shapely.Polygon:
@@ -77,7 +115,3 @@ def _centred(polygon: shapely.Polygon, z: float) -> tuple[shapely.Polygon, np.nd
     x0, y0, x1, y1 = polygon.bounds
     x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
     return translate(polygon, -x, -y), np.array([x, y, z])
-
-
-def _meets(outline_m: np.ndarray, polygon: shapely.Polygon) -> bool:
-    return shapely.Polygon(outline_m).intersection(polygon).area > 0.0

@@ -21,6 +21,7 @@ SOUND = HEAD + ANCHORS + OBJECTS + LAYOUT
 GROUPED = HEAD + ANCHORS + OBJECTS + "layout:\n  nodes: {a: {object: a}, b: {object: b}, c: {object: c}}\n  groups:\n"
 REGION = "    row: {type: region, members: [a, b, c], surface: tabletop}\n"
 SLOTS = "    rack: {type: slot, members: [a, b, c], surface: tabletop, slots: [%s], assign: {%s}}\n"
+CUBES = tuple(f"cube_{i}" for i in range(17))
 THREE = "{id: l, x: -0.2, y: 0}, {id: m, x: 0, y: 0}, {id: r, x: 0.2, y: 0}"
 ON_TRAY = (
     SOUND.replace("tabletop: {object: background", "inside: {object: a, surface: auto}, tabletop: {object: background")
@@ -29,12 +30,10 @@ ON_TRAY = (
 )
 
 
-def pool(*assets: str) -> str:
-    """The sound program with a pool for `a`."""
-    names = ", ".join(assets)
-    return SOUND.replace(
-        f"id: a, asset: {BOX}", f"id: a, asset: {{type: pool, candidates: [{{id: p, assets: [{names}]}}]}}"
-    )
+def pool(*assets: str, of: str = "a", text: str = SOUND) -> str:
+    """The program with a pool for an object."""
+    candidates = f"[{{id: p, assets: [{', '.join(assets)}]}}]"
+    return text.replace(f"id: {of}, asset: {BOX}", f"id: {of}, asset: {{type: pool, candidates: {candidates}}}")
 
 
 def deep(levels: int) -> str:
@@ -95,7 +94,7 @@ BOUND: dict[str, Text] = {
     "scene/no-stable-pose": pool("cube").replace(
         f"a: {{object: a, placement: {ON[:-1]}", f"a: {{object: a, placement: {ON[:-1]}, orientation: stable"
     ),
-    "scene/union-footprints": pool(*(f"cube_{i}" for i in range(300))),
+    "scene/union-footprints": pool(*CUBES, of="b", text=pool(*CUBES)),
 }
 
 VERDICTS: dict[str, Text] = {

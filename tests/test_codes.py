@@ -14,12 +14,14 @@ from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.intake import take_in
 from assetkit.stages.semantics import DescribeObject
 from cli.docs import file_name, index, page
+from scenec.assets import AssetLibrary
+from scenec.lower import lower
 from scenec.source.read import read_program
 from schemas.codes import CODES
 from schemas.diagnostics import Diagnostic, finding
 from sim.fake import FakeSimulator
 from simgap.measurement import read
-from tests import gap_bad_inputs, scene_bad_inputs
+from tests import gap_bad_inputs, scene_bad_inputs, scene_library
 from tests.bad_inputs import NOT_FROM_A_FILE, SAMPLES
 
 PAGES = Path(__file__).parents[1] / "docs" / "diagnostics"
@@ -69,10 +71,25 @@ def test_scene_sample_triggers_its_code_alone_with_place_and_help(code: str, tmp
     assert found[0].help == CODES[code].help
 
 
-@pytest.mark.parametrize("code", sorted({**scene_bad_inputs.BOUND, **scene_bad_inputs.VERDICTS}))
-def test_scene_samples_of_later_phases_are_sound_texts(code: str, tmp_path: Path):
-    sample = {**scene_bad_inputs.BOUND, **scene_bad_inputs.VERDICTS}[code]
-    assert not read_program(scene_bad_inputs.write(sample, tmp_path)).diagnostics
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> AssetLibrary:
+    return AssetLibrary(scene_library.library(tmp_path_factory.mktemp("library")))
+
+
+@pytest.mark.parametrize("code", sorted(scene_bad_inputs.BOUND))
+def test_scene_sample_triggers_its_code_once_assets_are_known(code: str, tmp_path: Path, library: AssetLibrary):
+    read = read_program(scene_bad_inputs.write(scene_bad_inputs.BOUND[code], tmp_path))
+    assert read.program is not None, read.diagnostics
+    found = lower(read.program, library, read.spans).diagnostics
+    assert [d.code for d in found] == [code]
+    assert found[0].where.line
+
+
+@pytest.mark.parametrize("code", sorted(scene_bad_inputs.VERDICTS))
+def test_scene_samples_without_a_scene_are_sound_programs(code: str, tmp_path: Path, library: AssetLibrary):
+    read = read_program(scene_bad_inputs.write(scene_bad_inputs.VERDICTS[code], tmp_path))
+    assert read.program is not None, read.diagnostics
+    assert len(lower(read.program, library, read.spans).problems) == 1
 
 
 @pytest.mark.parametrize(("code", "test"), sorted({**NOT_FROM_A_FILE, **gap_bad_inputs.NOT_FROM_A_FOLDER}.items()))

@@ -9,11 +9,12 @@ from __future__ import annotations
 from pathlib import Path as FilePath
 
 from scenec.source.merge import merge, settled
-from scenec.source.parse import MAX_VALUES, parse
+from scenec.source.parse import MAX_VALUES, Parsed, parse, too_large
 from scenec.source.tree import Block, Item, Row, Scalar, Tree
 from schemas.diagnostics import Diagnostic, InvalidInput, Label, Location, finding
 from schemas.scene_program import SceneProgram
 
+MAX_FILES = 1000  # each time that one is included counts
 INCLUDE, DEFINITION = "include", "definition"
 SECTIONS = frozenset(SceneProgram.model_fields) - {DEFINITION}
 
@@ -36,7 +37,8 @@ class _Loader:
     def __init__(self, root: FilePath) -> None:
         self.root = root
         self.found: list[Diagnostic] = []
-        self.values = 0
+        self.values = self.files = 0
+        self.parsed: dict[FilePath, Parsed] = {}
 
     def program(self, file: FilePath, asked: Location, within: tuple[FilePath, ...]) -> Tree:
         """A file at the root of the program: its sections may stand under `definition`."""
@@ -90,6 +92,8 @@ class _Loader:
             tree, target = self._file(file.parent / name.text, name.at, within)
             return self.expand(tree, target, (*within, target))
         except InvalidInput as error:
+            if error.diagnostic.code == "scene/file-too-large":
+                raise  # What is too large is not read on.
             self.found.append(error.diagnostic)
             return None
 
@@ -105,13 +109,19 @@ class _Loader:
                 labels = tuple(Label(where=Location(file=one), text="in the circle") for one in chain)
                 headline = f"{name} includes itself: {' -> '.join([*chain, name])}"
                 raise InvalidInput(finding("scene/include-cycle", headline, where=asked, labels=labels))
-            data = target.read_bytes()
+            data = b"" if target in self.parsed else target.read_bytes()
         except (OSError, ValueError, RuntimeError):  # absent, a folder, a name that no file can have, a circle of links
             raise InvalidInput(finding("scene/missing-file", f"cannot read {file.name}", where=asked)) from None
-        parsed = parse(data, name, MAX_VALUES - self.values)
-        self.found += parsed.diagnostics
-        self.values += parsed.values + 1
-        return parsed.tree, target
+        self.files += 1
+        if self.files > MAX_FILES:
+            raise too_large("the program includes too many files", asked, None, MAX_FILES, "files")
+        if target not in self.parsed:
+            self.parsed[target] = parse(data, name)
+            self.found += self.parsed[target].diagnostics
+        self.values += self.parsed[target].values
+        if self.values > MAX_VALUES:
+            raise too_large("the program holds too many values", asked, None, MAX_VALUES, "values")
+        return self.parsed[target].tree, target
 
 
 def _lifted(tree: Tree, found: list[Diagnostic]) -> Tree:

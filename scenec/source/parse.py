@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
@@ -13,6 +14,7 @@ from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 60
+MAX_BRACKETS = 500
 MAX_VALUES = 200_000  # aliases counted out
 _PREFIX = "tag:yaml.org,2002:"
 _READ = {_PREFIX + kind for kind in ("null", "bool", "int", "float")}
@@ -27,7 +29,7 @@ class Parsed(NamedTuple):
     values: int
 
 
-def parse(data: bytes, file: str, most_values: int = MAX_VALUES) -> Parsed:
+def parse(data: bytes, file: str) -> Parsed:
     """The tree of a text; `file` is how findings call it.
 
     Raises InvalidInput (`scene/yaml-syntax`, `scene/file-too-large`) when there is no tree.
@@ -35,9 +37,11 @@ def parse(data: bytes, file: str, most_values: int = MAX_VALUES) -> Parsed:
     if len(data) > MAX_BYTES:
         raise too_large(f"{file} has {len(data)} bytes", Location(file=file), len(data), MAX_BYTES, "bytes")
     try:
+        if _open_brackets(data) > MAX_BRACKETS:
+            raise RecursionError
         yaml = YAML(typ="safe", pure=True)
         root = yaml.compose(data.decode("utf-8-sig"))
-        reader = _Reader(file, yaml, most_values)
+        reader = _Reader(file, yaml)
         empty = Block({}, Location(file=file, line=1, column=1))
         return Parsed(reader.tree(root, 0) if root is not None else empty, tuple(reader.found), reader.values)
     except MarkedYAMLError as error:
@@ -58,21 +62,42 @@ def too_large(headline: str, where: Location, value: float | None, bound: float,
     return InvalidInput(finding("scene/file-too-large", headline, where=where, value=value, bound=bound, unit=unit))
 
 
-class _Reader:
-    """Turns syntax nodes into the tree; an alias becomes a copy, so that an override changes one place only."""
+def _open_brackets(data: bytes) -> int:
+    """The most brackets that are open at once; those in comments and texts count, too, which does no harm so far up.
 
-    def __init__(self, file: str, yaml: YAML, most_values: int) -> None:
-        self.file, self.yaml, self.most_values = file, yaml, most_values
+    The parser's time grows with the square of it.
+    """
+    steps = np.frombuffer(data, dtype=np.uint8)
+    change = np.isin(steps, list(b"[{")).astype(np.int64) - np.isin(steps, list(b"]}"))
+    return int(np.cumsum(change).max(initial=0))
+
+
+class _Reader:
+    """Turns syntax nodes into the tree. An alias is read once and counts in full wherever it stands."""
+
+    def __init__(self, file: str, yaml: YAML) -> None:
+        self.file, self.yaml = file, yaml
         self.found: list[Diagnostic] = []
-        self.values = 0
+        self.values = self.deepest = 0
+        self._read: dict[int, tuple[Tree, int, int]] = {}  # by node: its tree, how many values it holds, its depth
 
     def tree(self, node: Node, depth: int) -> Tree:
+        tree, values, height = self._read.get(id(node), (None, 0, 0))
+        self.values += max(values, 1)
+        if self.values > MAX_VALUES:
+            raise too_large("the program holds too many values", self._at(node), None, MAX_VALUES, "values")
+        if depth + height > MAX_DEPTH:  # An alias inside of what it stands for ends here, too.
+            raise too_large(f"{self.file} is nested too deeply", self._at(node), depth + height, MAX_DEPTH, "levels")
+        self.deepest = max(self.deepest, depth + height)
+        if tree is None:
+            outside, self.deepest, before = self.deepest, depth, self.values
+            tree = self._new(node, depth)
+            self._read[id(node)] = tree, self.values - before + 1, self.deepest - depth
+            self.deepest = max(outside, self.deepest)
+        return tree
+
+    def _new(self, node: Node, depth: int) -> Tree:
         at = self._at(node)
-        self.values += 1
-        if self.values > self.most_values:
-            raise too_large("the program holds too many values", at, None, MAX_VALUES, "values")
-        if depth > MAX_DEPTH:  # An alias inside of what it stands for ends here, too.
-            raise too_large(f"{self.file} is nested too deeply", at, depth, MAX_DEPTH, "levels")
         if isinstance(node, MappingNode):
             return self._block(node, at, depth)
         if isinstance(node, SequenceNode):

@@ -1,0 +1,70 @@
+"""A small asset library for scene tests: cubes, an open bin with its anchors, a package that is torn."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from schemas.physics import CollisionShape
+from tests.unit import package_samples as samples
+from usdio.write_package import write_package
+
+RECORD = Path(__file__).parent / "data" / "record.json"
+CUBE_M = 0.06
+# An open bin: 0.2 x 0.15 outside, walls and floor of 1 cm, 8 cm high.
+BIN: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
+    "floor": ((0.2, 0.15, 0.01), (0.0, 0.0, 0.005)),
+    "left": ((0.01, 0.15, 0.07), (-0.095, 0.0, 0.045)),
+    "right": ((0.01, 0.15, 0.07), (0.095, 0.0, 0.045)),
+    "front": ((0.18, 0.01, 0.07), (0.0, -0.07, 0.045)),
+    "rear": ((0.18, 0.01, 0.07), (0.0, 0.07, 0.045)),
+}
+_INSIDE = {"outline_m": [[-0.09, -0.065], [0.09, -0.065], [0.09, 0.065], [-0.09, 0.065]]}
+_FLOOR: dict[str, Any] = {"anchor_id": "surface_0", "kind": "surface", "position_m": [0, 0, 0.01], "polygon": _INSIDE}
+_FLOOR |= {"normal": [0, 0, 1], "area_m2": 0.0234, "clearance_m": None, "load_directions": [[0, 0, 1]]}
+_HOLD: dict[str, Any] = {"anchor_id": "volume_0", "kind": "volume", "position_m": [0, 0, 0.01], "opening": _INSIDE}
+_HOLD |= {"direction": [0, 0, 1], "height_m": 0.07, "volume_m3": 0.00164, "passes_m": 0.13}
+_HOLD |= {"slices": [{"height_m": 0.0175 + 0.035 * i, "polygons": [_INSIDE]} for i in range(2)]}
+
+
+def cube(library: Path, asset_id: str = "cube") -> None:
+    """A solid cube; nobody knows how it comes to rest."""
+    mesh = samples.box_mesh((CUBE_M, CUBE_M, CUBE_M))
+    shape = CollisionShape("box", (CUBE_M, CUBE_M, CUBE_M), samples.at(0.5 * CUBE_M))
+    _package(library, asset_id, [mesh], [shape], ["manipulated"], [])
+
+
+def open_bin(library: Path, asset_id: str = "bin") -> None:
+    """The bin, with the surface and the volume that its inside is."""
+    meshes = [samples.box_mesh(size, name, (x, y, z - size[2] / 2)) for name, (size, (x, y, z)) in BIN.items()]
+    shapes = []
+    for size, centre in BIN.values():
+        X_AS = samples.at(0.0)
+        X_AS[:3, 3] = centre
+        shapes.append(CollisionShape("box", size, X_AS))
+    _package(library, asset_id, meshes, shapes, ["receptacle"], [_FLOOR, _HOLD])
+
+
+def library(folder: Path, cubes: int = 17) -> Path:
+    """All of them: `cube`, `cube_0` and on, `bin`, `torn`."""
+    cube(folder)
+    for i in range(cubes):
+        cube(folder, f"cube_{i}")
+    open_bin(folder)
+    (folder / "torn").mkdir()
+    (folder / "torn" / "record.json").write_text("{")
+    return folder
+
+
+def _package(
+    library: Path, asset_id: str, meshes: list, shapes: list[CollisionShape], roles: list[str], anchors: list[dict]
+) -> None:
+    content = samples.content(samples.model(meshes), shapes, asset_id=asset_id)
+    write_package(content, library / asset_id)
+    record = json.loads(RECORD.read_text()) | {"asset_id": asset_id}
+    measured = {"source": "measured", "method": "test", "confidence": 1.0}
+    record["semantics"]["roles"] = [{"value": role, **measured} for role in roles]
+    record["anchors"] = [{"value": anchor, **measured} for anchor in anchors]
+    record["acceptance"]["stable_poses"] = []
+    (library / asset_id / "record.json").write_text(json.dumps(record))
