@@ -271,7 +271,7 @@ def _pairs(scene: CheckScene, by_name: dict[str, CheckObject]) -> Iterator[Viola
         how = judged(a, b)
         if how == "owner" or (how == "apart" and not overlap):
             continue
-        distance = float(polygons[i].distance(polygons[j]))
+        distance = float(shapely.distance(polygons[i], polygons[j]))
         value = distance if distance > 0.0 else _separation(parts[i][1].outline_m, parts[j][1].outline_m)
         least, deepest = worst.get((a, b), (np.inf, 0.0))
         worst[a, b] = (min(least, value), max(deepest, -value if overlap else 0.0))
@@ -402,9 +402,9 @@ def _outside(outline: FloatArray, polygon: Polygon) -> float:
     return max(corners, float(shapely.maximum_inscribed_circle(_largest(beyond)).length), TOLERANCE_M)
 
 
-def _largest(shape: shapely.Geometry) -> shapely.Geometry:
-    parts = shapely.get_parts(shape)
-    return parts[int(np.argmax(shapely.area(parts)))]
+def _largest(shape: shapely.Geometry) -> Polygon:
+    """The largest polygon of what an intersection or a difference left."""
+    return max((part for part in shapely.get_parts(shape).tolist() if isinstance(part, Polygon)), key=lambda p: p.area)
 
 
 def _separation(one: FloatArray, two: FloatArray) -> float:
@@ -427,4 +427,4 @@ def _overlap(one: tuple[float, float], two: tuple[float, float]) -> bool:
 def _polygons(outlines: list[FloatArray]) -> NDArray[np.object_]:
     rings = [np.vstack([outline, outline[:1]]) for outline in outlines]
     index = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
-    return shapely.polygons(shapely.linearrings(np.concatenate(rings), indices=index))
+    return np.asarray(shapely.polygons(shapely.linearrings(np.concatenate(rings), indices=index)))

@@ -1,0 +1,75 @@
+"""Near and far at once.
+
+Theorem (triangle inequality): the distance of two footprints is at most the sum of the distances along a path of
+`near`, plus the diameters of the footprints passed on the way.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import networkx as nx
+import numpy as np
+from scipy.spatial.distance import pdist
+
+from scenec.ir import FloatArray, Problem, Proof, RelationIR, Thing
+from scenec.proofs.outlines import SLACK_M, hull, stances
+from scenec.proofs.places import area_hull
+
+
+def near_and_far(problem: Problem) -> Proof | None:
+    """A proof for the first `far_from` that a chain of `near`, or the size of the support, cannot stretch to."""
+    by_name = {thing.name: thing for thing in problem.things}
+    graph = nx.Graph()
+    for relation in problem.relations:
+        if relation.kind == "near":
+            one, two = relation.things[:2]
+            old = graph.get_edge_data(one, two, {"gap": np.inf})
+            if relation.gap_m < old["gap"]:
+                graph.add_edge(one, two, gap=relation.gap_m, path=relation.path)
+    for relation in problem.relations:
+        if relation.kind == "far_from":
+            proof = _by_chain(relation, graph, by_name) or _by_place(relation, by_name)
+            if proof is not None:
+                return proof
+    return None
+
+
+def _by_chain(relation: RelationIR, graph: nx.Graph, by_name: dict[str, Thing]) -> Proof | None:
+    one, two = relation.things[:2]
+    if one not in graph or two not in graph or not nx.has_path(graph, one, two):
+        return None
+    widest = {name: _diameter(by_name[name]) for name in graph.nodes}
+
+    def length(u: str, v: str, edge: dict) -> float:
+        return edge["gap"] + (widest[v] if v != two else 0.0)
+
+    chain = nx.shortest_path(graph.to_directed(), one, two, weight=length)
+    steps = list(pairwise(chain))
+    most = sum(length(u, v, graph.edges[u, v]) for u, v in steps)
+    if relation.gap_m <= most + len(steps) * SLACK_M:
+        return None
+    paths = (relation.path, *(graph.edges[u, v]["path"] for u, v in steps))
+    through = ", ".join(chain)
+    text = f"{one} must be {relation.gap_m:.4g} m from {two}, but near: {through} allow {most:.4g} m at most"
+    return Proof("empty-domain", text, relation.gap_m, most, "m", paths)
+
+
+def _by_place(relation: RelationIR, by_name: dict[str, Thing]) -> Proof | None:
+    one, two = (by_name[name] for name in relation.things[:2])
+    if (one.parent, one.place.name) != (two.parent, two.place.name) or one.domain.spots or two.domain.spots:
+        return None
+    # The two touch their place at points as far apart as its diameter at most.
+    most = _widest(area_hull(one.place))
+    if relation.gap_m <= most + SLACK_M:
+        return None
+    text = f"{one.name} must be {relation.gap_m:.4g} m from {two.name}; {one.place.name} is {most:.4g} m across"
+    return Proof("empty-domain", text, relation.gap_m, most, "m", (relation.path,))
+
+
+def _diameter(thing: Thing) -> float:
+    return max(_widest(hull(stance.slabs)) for stance in stances(thing))
+
+
+def _widest(ring: FloatArray) -> float:
+    return float(pdist(ring).max())

@@ -1,0 +1,402 @@
+"""A complete argument for few things: branch and bound over headings, stances, spots and sides, with linear bounds.
+
+At a node every thing has a stance and an interval of headings, and some pairs have chosen on which side of each other
+they stand. What must hold then for all headings of the intervals is linear in the origins (walls, ranges, `before`,
+`aligned`, `near` from outside ...), so an infeasible linear program closes the node. Otherwise the program's solution
+breaks some pair: two outlines, reduced to what they cover at all headings of their intervals (`kernel`), are too close.
+Their difference lies outside their grown Minkowski difference, a convex outline, hence beyond one of its edges: one
+child an edge (beyond it, and not beyond the edges before it). When no pair is broken the widest interval is halved.
+All nodes closed = no scene. A bounded number of programs; a point that survives ends the search without a claim.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import combinations, pairwise, product
+
+import numpy as np
+import shapely
+from scipy.optimize import linprog
+from shapely import Polygon
+
+from scenec.ir import FloatArray, Problem, Proof, RelationIR, Stance, Thing
+from scenec.proofs.fits import spot_usable
+from scenec.proofs.outlines import SLACK_M, TURN, YawCell, hull, kernel, period, reach_bounds, turned
+from scenec.proofs.places import Room, fits_height, forbidden, free_region, linear_bounds, minkowski, play, room
+
+MOST_THINGS = 5
+MOST_START_NODES = 64
+SMALLEST_CELL_RAD = np.radians(0.25)
+COARSE_CELL_RAD = np.radians(15.0)
+DISC_SIDES = 8
+FAR_M = 1e3
+
+
+@dataclass(frozen=True)
+class Pose:
+    """What is known of one thing at a node: its stance, its headings in A, how high over the place its lowest point may
+    be; `at` when a spot fixes its origin in A."""
+
+    stance: Stance
+    yaw: YawCell
+    room: Room
+    base_m: tuple[float, float]
+    at: FloatArray | None = None
+
+
+@dataclass(frozen=True)
+class Row:
+    """normal @ (p_second - p_first) <= bound over origins in P; first or second is -1 for the owner's own origin."""
+
+    first: int
+    second: int
+    normal: tuple[float, float]
+    bound: float
+
+
+@dataclass(frozen=True)
+class Node:
+    """Poses of all things and the sides chosen so far."""
+
+    poses: tuple[Pose, ...]
+    sides: tuple[Row, ...] = ()
+    chosen: frozenset[tuple] = frozenset()
+
+
+@dataclass(frozen=True)
+class Either:
+    """A disjunction: one of these sets of rows must hold."""
+
+    key: tuple
+    things: tuple[int, ...]
+    options: tuple[tuple[Row, ...], ...]
+
+
+def no_arrangement(problem: Problem, most_programs: int = 400) -> Proof | None:
+    """A proof when the things on one owner, or a few of them tied by relations, have no arrangement at all."""
+    for things in few_together(problem):
+        case = Case(problem, things)
+        if case.closed(most_programs):
+            names = ", ".join(thing.name for thing in things)
+            rules = tuple(relation.path for relation in case.relations)
+            text = f"{names} have no arrangement: every combination of headings and sides was ruled out"
+            paths = tuple(dict.fromkeys((*rules, *(thing.path for thing in things))))
+            return Proof("infeasible", text, 0.0, 1.0, "arrangements", paths)
+    return None
+
+
+def few_together(problem: Problem) -> list[tuple[Thing, ...]]:
+    """Sets of 2 to 5 things on one owner to be looked at: all of them, or those that relations tie together."""
+    found: list[tuple[Thing, ...]] = []
+    for parent in dict.fromkeys(thing.parent for thing in problem.things):
+        things = [thing for thing in problem.things if thing.parent == parent]
+        if len(things) <= MOST_THINGS:
+            found += [tuple(things)] if len(things) > 1 else []
+            continue
+        ties = {thing.name: {thing.name} for thing in things}
+        for relation in problem.relations:
+            if all(name in ties for name in relation.things):
+                joined = set().union(*(ties[name] for name in relation.things))
+                for name in joined:
+                    ties[name] = joined
+        for tied in dict.fromkeys(frozenset(names) for names in ties.values()):
+            if 2 <= len(tied) <= MOST_THINGS:
+                found.append(tuple(thing for thing in things if thing.name in tied))
+    return found
+
+
+class Case:
+    """One set of things on one owner, in the owner's frame P."""
+
+    def __init__(self, problem: Problem, things: tuple[Thing, ...]) -> None:
+        self.problem, self.things = problem, things
+        self.index = {thing.name: k for k, thing in enumerate(things)}
+        self.relations = [r for r in problem.relations if all(name in self.index for name in r.things)]
+        self.corner = [thing.place.origin_P_m[:2] for thing in things]
+        self.programs = 0
+        # What was derived once for a thing or pair at its stances and headings.
+        self.walls: dict[tuple, list[Row]] = {}
+        self.blocked: dict[tuple, list[Either]] = {}
+        self.known: dict[tuple, Either | None] = {}
+
+    def closed(self, most_programs: int) -> bool:
+        """Whether every node is ruled out within so many linear programs."""
+        nodes = self._start()
+        if nodes is None:
+            return False
+        while nodes:
+            node = nodes.pop()
+            rows = (*self._rows(node), *node.sides)
+            point = self._solve(rows)
+            if point is None:
+                continue
+            if self.programs >= most_programs:
+                return False
+            broken = self._broken(node, point)
+            coarse = self._widest(node, broken.things if broken else range(len(self.things)))
+            if broken is not None and node.poses[coarse].yaw[1] - node.poses[coarse].yaw[0] <= COARSE_CELL_RAD:
+                nodes += [
+                    replace(node, sides=(*node.sides, *rows), chosen=node.chosen | {broken.key})
+                    for rows in reversed(broken.options)
+                ]
+                continue
+            low, high = node.poses[coarse].yaw
+            if high - low < SMALLEST_CELL_RAD or (broken is None and self._stands(node)):
+                return False
+            middle = (low + high) / 2.0
+            nodes += [self._with_yaw(node, coarse, cell) for cell in ((middle, high), (low, middle))]
+        return True
+
+    def _start(self) -> list[Node] | None:
+        """One node for each choice of stances and spots; None when they are too many."""
+        choices = [self._poses(thing) for thing in self.things]
+        if np.prod([float(len(poses)) for poses in choices]) > MOST_START_NODES:
+            return None
+        return [Node(poses) for poses in product(*choices)]
+
+    def _poses(self, thing: Thing) -> list[Pose]:
+        stances = [thing.body.stances[k] for k in thing.domain.stances if fits_height(thing, thing.body.stances[k])]
+        rooms = [(stance, room(self.problem, thing, stance)) for stance in stances]
+        if thing.domain.spots:
+            return [
+                Pose(stance, (spot.yaw_rad, spot.yaw_rad), place, (base, base), np.array([spot.x_m, spot.y_m]))
+                for stance, place in rooms
+                for spot in thing.domain.spots
+                for base in [spot.z_m - stance.origin_height_m]
+                if spot_usable(self.problem, thing, stance, spot)
+            ]
+        return [
+            Pose(stance, cell, place, (0.0, play(thing, stance)))
+            for stance, place in rooms
+            for cell in self._usable(thing, stance, place)
+        ]
+
+    def _usable(self, thing: Thing, stance: Stance, place: Room) -> list[YawCell]:
+        """Headings at which the thing alone has a place, adjoining cells joined; one period of a symmetric outline."""
+        low, high = thing.domain.yaw_rad
+        turns = any(r.kind == "facing" and r.things[0] == thing.name for r in self.relations)
+        if not turns and len(stance.slabs) == 1:
+            high = min(high, low + period(hull(stance.slabs)))
+        if high - low < 1e-9:
+            return [(low, high)]
+        count = max(1, int(np.ceil((high - low) / COARSE_CELL_RAD - 1e-9)))
+        ends = np.linspace(low, high, count + 1).tolist()
+        joined: list[YawCell] = []
+        for cell in pairwise(ends):
+            if shapely.is_empty(free_region(place, cell)):
+                continue
+            if joined and joined[-1][1] == cell[0]:
+                joined[-1] = (joined[-1][0], cell[1])
+            else:
+                joined.append(cell)
+        return joined
+
+    def _with_yaw(self, node: Node, thing: int, yaw: YawCell) -> Node:
+        poses = (*node.poses[:thing], replace(node.poses[thing], yaw=yaw), *node.poses[thing + 1 :])
+        return Node(poses, node.sides, node.chosen)
+
+    def _widest(self, node: Node, things) -> int:
+        return max(things, key=lambda k: (node.poses[k].yaw[1] - node.poses[k].yaw[0], -k))
+
+    # What must hold at a node.
+
+    def _rows(self, node: Node) -> list[Row]:
+        rows: list[Row] = []
+        for k, pose in enumerate(node.poses):
+            if pose.at is not None:
+                at = pose.at + self.corner[k]
+                for sign, axis in product((1.0, -1.0), (0, 1)):
+                    normal = (sign, 0.0) if axis == 0 else (0.0, sign)
+                    rows.append(Row(-1, k, normal, sign * float(at[axis]) + SLACK_M))
+                continue
+            key = (k, pose.yaw, pose.stance.quat_wxyz)
+            if key not in self.walls:
+                normals, bounds = linear_bounds(pose.room, pose.yaw)
+                limits = bounds + normals @ self.corner[k]
+                self.walls[key] = [
+                    Row(-1, k, (float(n[0]), float(n[1])), float(b)) for n, b in zip(normals, limits, strict=True)
+                ]
+            rows += self.walls[key]
+        for relation in self.relations:
+            rows += self._relation_rows(node, relation)
+        return rows
+
+    def _relation_rows(self, node: Node, relation: RelationIR) -> list[Row]:
+        at = [self.index[name] for name in relation.things]
+        if relation.kind == "near":
+            return [self._near(node, at[0], at[1], angle, relation.gap_m) for angle in np.arange(16) * (TURN / 16)]
+        if relation.kind == "facing":
+            return self._facing(node, at[0], at[1], relation.tolerance)
+        turn = self._frame(node, relation.frame)
+        if turn is None:
+            return []
+        along = turned(np.array([relation.direction]), turn)[0]
+        if relation.kind == "before":
+            front = reach_bounds(hull(node.poses[at[0]].stance.slabs), along, node.poses[at[0]].yaw)[0]
+            back = reach_bounds(hull(node.poses[at[1]].stance.slabs), along, node.poses[at[1]].yaw)[2]
+            return [Row(at[0], at[1], (-along[0], -along[1]), SLACK_M - relation.gap_m - front - back)]
+        if relation.kind == "aligned":
+            across = (-float(along[1]), float(along[0]))
+            both = [(one, two) for one in at for two in at if one != two]
+            return [Row(one, two, across, relation.tolerance + SLACK_M) for one, two in both]
+        return []
+
+    def _frame(self, node: Node, frame: str) -> float | None:
+        """Heading in P of the frame of a relation, where it is fixed."""
+        if frame == self.things[0].parent:
+            return 0.0
+        if frame in self.index:
+            low, high = node.poses[self.index[frame]].yaw
+            return low if high - low < 1e-9 else None
+        return None
+
+    def _near(self, node: Node, one: int, two: int, angle: float, gap_m: float) -> Row:
+        normal = np.array([np.cos(angle), np.sin(angle)])
+        front = reach_bounds(hull(node.poses[one].stance.slabs), normal, node.poses[one].yaw)[1]
+        back = reach_bounds(hull(node.poses[two].stance.slabs), normal, node.poses[two].yaw)[3]
+        return Row(one, two, (float(normal[0]), float(normal[1])), gap_m + front + back + SLACK_M)
+
+    def _facing(self, node: Node, one: int, two: int, tolerance: float) -> list[Row]:
+        """The second origin lies in the wedge that the front of the first sweeps, when that is narrower than pi."""
+        w, x, y, z = node.poses[one].stance.quat_wxyz
+        low, high = node.poses[one].yaw
+        front = np.arctan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
+        half = (high - low) / 2.0 + tolerance + SLACK_M
+        if half >= np.pi / 2.0:
+            return []
+        middle = front + (low + high) / 2.0
+        rows = []
+        for sign in (1.0, -1.0):
+            angle = middle + sign * (half + np.pi / 2.0)
+            rows.append(Row(one, two, (float(np.cos(angle)), float(np.sin(angle))), SLACK_M))
+        return rows
+
+    def _solve(self, rows: tuple[Row, ...]) -> FloatArray | None:
+        """Origins (n, 2) in P that satisfy the rows, or None when there are none (a failed program counts as some)."""
+        count = len(self.things)
+        matrix = np.zeros((len(rows), 2 * count))
+        for k, row in enumerate(rows):
+            if row.second >= 0:
+                matrix[k, 2 * row.second : 2 * row.second + 2] += row.normal
+            if row.first >= 0:
+                matrix[k, 2 * row.first : 2 * row.first + 2] -= row.normal
+        bounds = np.array([row.bound for row in rows])
+        self.programs += 1
+        answer = linprog(np.zeros(2 * count), A_ub=matrix, b_ub=bounds, bounds=(-FAR_M, FAR_M), method="highs-ds")
+        if answer.status == 2:
+            return None
+        return np.zeros((count, 2)) if answer.x is None else answer.x.reshape(-1, 2)
+
+    # What may hold in one of several ways.
+
+    def _broken(self, node: Node, point: FloatArray) -> Either | None:
+        """The disjunction most broken at the point, among those not yet chosen at the node."""
+        worst, found = SLACK_M, None
+        for either in self._disjunctions(node):
+            if either.key in node.chosen:
+                continue
+            amount = min(max(self._excess(row, point) for row in rows) for rows in either.options)
+            if amount > worst:
+                worst, found = amount, either
+        return found
+
+    def _excess(self, row: Row, point: FloatArray) -> float:
+        first = point[row.first] if row.first >= 0 else np.zeros(2)
+        second = point[row.second] if row.second >= 0 else np.zeros(2)
+        return float((second - first) @ row.normal) - row.bound
+
+    def _disjunctions(self, node: Node) -> list[Either]:
+        found: list[Either] = []
+        for k, pose in enumerate(node.poses):
+            if pose.at is None:
+                key = ("blocked", k, pose.yaw, pose.stance.quat_wxyz)
+                if key not in self.blocked:
+                    rings = forbidden(pose.room, pose.yaw)
+                    self.blocked[key] = [
+                        self._beyond((*key, n), -1, k, ring + self.corner[k]) for n, ring in enumerate(rings)
+                    ]
+                found += self.blocked[key]
+        for one, two in combinations(range(len(self.things)), 2):
+            found += self._apart(node, one, two, self.problem.clearance_m, "apart")
+        for n, relation in enumerate(self.relations):
+            at = [self.index[name] for name in relation.things]
+            if relation.kind == "far_from":
+                found += self._apart(node, at[0], at[1], relation.gap_m, f"far {n}")
+            if relation.kind == "between":
+                found.append(self._between(n, at, relation.tolerance))
+        return found
+
+    def _apart(self, node: Node, one: int, two: int, gap_m: float, word: str) -> list[Either]:
+        """Pieces of two outlines that must be apart: all of them for one place, those that meet in height otherwise."""
+        first, second = node.poses[one], node.poses[two]
+        if word == "apart" and not self._surely_meet(one, two, first, second):
+            return []
+        found = []
+        for (m, piece), (n, other) in product(_pieces(first.stance), _pieces(second.stance)):
+            key = (word, one, two, m, n, first.yaw, second.yaw, first.stance.quat_wxyz, second.stance.quat_wxyz)
+            if key not in self.known:
+                inner, outer = kernel(piece, first.yaw), kernel(other, second.yaw)
+                thick = len(inner) >= 3 and len(outer) >= 3
+                ring = _grown(minkowski(inner, -outer), gap_m) if thick else None
+                self.known[key] = None if ring is None else self._beyond(key, one, two, ring)
+            if (either := self.known[key]) is not None:
+                found.append(either)
+        return found
+
+    def _surely_meet(self, one: int, two: int, first: Pose, second: Pose) -> bool:
+        """Whether two things of one place overlap in height wherever they stand. Others are left aside: no claim."""
+        if self.things[one].place.name != self.things[two].place.name:
+            return False
+        top, other_top = first.base_m[0] + first.stance.height_m, second.base_m[0] + second.stance.height_m
+        return first.base_m[1] < other_top - SLACK_M and second.base_m[1] < top - SLACK_M
+
+    def _beyond(self, key: tuple, first: int, second: int, ring: FloatArray) -> Either:
+        """p_second - p_first lies outside a convex outline: beyond one edge, and not beyond those before it."""
+        edges = np.roll(ring, -1, axis=0) - ring
+        lengths = np.hypot(edges[:, 0], edges[:, 1])
+        normals = (np.stack([edges[:, 1], -edges[:, 0]], axis=1)[lengths > 0.0]) / lengths[lengths > 0.0, None]
+        offsets = np.einsum("ij,ij->i", normals, ring[lengths > 0.0])
+        order = np.argsort(-lengths[lengths > 0.0], kind="stable")
+        options: list[tuple[Row, ...]] = []
+        within: list[Row] = []
+        for k in order:
+            x, y = float(normals[k, 0]), float(normals[k, 1])
+            options.append((Row(first, second, (-x, -y), SLACK_M - float(offsets[k])), *within))
+            within.append(Row(first, second, (x, y), float(offsets[k]) + SLACK_M))
+        return Either(key, (second,) if first < 0 else (first, second), tuple(options))
+
+    def _between(self, n: int, at: list[int], tolerance: float) -> Either:
+        """The first origin lies in the box of the two others, grown by the tolerance, in one of their four orders."""
+        a, b, c = at
+        options = []
+        for x, y in product((1.0, -1.0), repeat=2):
+            rows = []
+            for normal in ((-x, 0.0), (0.0, -y)):
+                rows += [
+                    Row(b, c, normal, SLACK_M),
+                    Row(b, a, normal, tolerance + SLACK_M),
+                    Row(a, c, normal, tolerance + SLACK_M),
+                ]
+            options.append(tuple(rows))
+        return Either(("between", n), tuple(at), tuple(options))
+
+    def _stands(self, node: Node) -> bool:
+        """Whether the sides chosen leave an arrangement at the middle headings: then no claim can be made."""
+        middles = tuple(replace(pose, yaw=(sum(pose.yaw) / 2.0,) * 2) for pose in node.poses)
+        exact = Node(middles, node.sides, node.chosen)
+        point = self._solve((*self._rows(exact), *node.sides))
+        return point is not None and self._broken(replace(exact, chosen=frozenset()), point) is None
+
+
+def _pieces(stance: Stance) -> list[tuple[int, FloatArray]]:
+    """The outlines of a stance, the two largest when there are many: any choice is safe."""
+    order = sorted(range(len(stance.slabs)), key=lambda k: -Polygon(stance.slabs[k].outline_m).area)
+    return [(k, stance.slabs[k].outline_m) for k in order[:2]]
+
+
+def _grown(ring: FloatArray, gap_m: float) -> FloatArray:
+    """The outline grown by a polygon inside the disc of that radius."""
+    if gap_m <= 0.0:
+        return ring
+    angles = np.arange(DISC_SIDES) * (TURN / DISC_SIDES)
+    return minkowski(ring, gap_m * np.stack([np.cos(angles), np.sin(angles)], axis=1))

@@ -1,0 +1,107 @@
+"""Each thing by itself: too high under its lid, no heading at which it fits its place, none of its spots usable.
+
+Theorem: if for every stance and every cell of headings the region left to the origin is empty, taken with the least
+reach of the outline along each wall and with what it covers at all headings of the cell as its obstacle, then there is
+no pose at all.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from shapely import Polygon
+
+from scenec.ir import Path, Problem, Proof, Spot, Stance, Surface, Thing
+from scenec.proofs.outlines import SLACK_M, YawCell, hull, turned
+from scenec.proofs.places import Room, area, fits_height, free_region, headroom, room
+
+SMALLEST_CELL_RAD = np.radians(0.5)
+
+
+def no_place_of_its_own(problem: Problem) -> Proof | None:
+    """A proof for the first thing that has no pose even when all others are away."""
+    for thing in problem.things:
+        proof = _too_high(thing) or (_no_spot(problem, thing) if thing.domain.spots else _no_region(problem, thing))
+        if proof is not None:
+            return proof
+    return None
+
+
+def _too_high(thing: Thing) -> Proof | None:
+    stances = [thing.body.stances[k] for k in thing.domain.stances]
+    if any(fits_height(thing, stance) for stance in stances) or thing.domain.spots:
+        return None
+    least, most = min(stance.height_m for stance in stances), headroom(thing.place)
+    text = f"{thing.name} is {least:.4g} m high at least; {thing.place.name} of {thing.parent} has {most:.4g} m"
+    return Proof("empty-region", text, least, most, "m", (thing.path,))
+
+
+def _no_region(problem: Problem, thing: Thing) -> Proof | None:
+    tried = [thing.body.stances[k] for k in thing.domain.stances if fits_height(thing, thing.body.stances[k])]
+    for stance in tried:
+        if any_heading(room(problem, thing, stance), thing.domain.yaw_rad):
+            return None
+    narrow = min(float(np.ptp(hull(stance.slabs), axis=0).min()) for stance in tried)
+    size = shapely.get_coordinates(shapely.minimum_rotated_rectangle(area(thing.place)))
+    wide = float(np.hypot(*(size[1:3] - size[:2]).T).min())
+    rules = tuple(r.path for r in problem.keep_outs if (r.parent, r.place) == (thing.parent, thing.place.name))
+    text = f"{thing.name} fits nowhere on {thing.place.name} of {thing.parent} within its ranges, at any heading"
+    paths = (thing.path, *_range_paths(thing), *rules, *_reach_path(problem, thing))
+    return Proof("empty-region", text, narrow, wide, "m", paths)
+
+
+def any_heading(place: Room, yaw: YawCell) -> bool:
+    """False only when no heading of the interval leaves the origin a place (cells are halved down to half a degree)."""
+    cells = [yaw]
+    while cells:
+        low, high = cells.pop()
+        if shapely.is_empty(free_region(place, (low, high))):
+            continue
+        middle = (low + high) / 2.0
+        if high - low < SMALLEST_CELL_RAD or not shapely.is_empty(free_region(place, (middle, middle))):
+            return True
+        cells += [(low, middle), (middle, high)]
+    return False
+
+
+def _range_paths(thing: Thing) -> tuple[Path, ...]:
+    bounds = (("x", thing.domain.x_m), ("y", thing.domain.y_m), ("yaw", thing.domain.yaw_rad))
+    free = {"x": np.inf, "y": np.inf, "yaw": 2.0 * np.pi - 1e-9}
+    return tuple((*thing.domain.path, axis) for axis, (low, high) in bounds if high - low < free[axis])
+
+
+def _reach_path(problem: Problem, thing: Thing) -> tuple[Path, ...]:
+    return (problem.reach.path,) if problem.reach is not None and thing.name in problem.reach.members else ()
+
+
+def _no_spot(problem: Problem, thing: Thing) -> Proof | None:
+    stances = [thing.body.stances[k] for k in thing.domain.stances]
+    if any(spot_usable(problem, thing, stance, spot) for spot in thing.domain.spots for stance in stances):
+        return None
+    text = f"none of the {len(thing.domain.spots)} written poses of {thing.name} is free of its place's bounds"
+    return Proof("empty-domain", text, 0.0, 1.0, "poses", (thing.path, thing.domain.path))
+
+
+def spot_usable(problem: Problem, thing: Thing, stance: Stance, spot: Spot) -> bool:
+    """Whether the thing may stand at one written pose when all others are away. True when in doubt."""
+    base = spot.z_m - stance.origin_height_m
+    if base + stance.height_m > headroom(thing.place) + SLACK_M:
+        return False
+    origin = np.array([spot.x_m, spot.y_m])
+    outlines = [Polygon(turned(slab.outline_m, spot.yaw_rad) + origin) for slab in stance.slabs]
+    if isinstance(thing.place, Surface) and abs(base) <= SLACK_M:
+        allowed = thing.place.polygon.buffer(SLACK_M, join_style="mitre")
+        if not all(allowed.covers(outline) for outline in outlines):
+            return False
+    for rule in problem.keep_outs:
+        if (rule.parent, rule.place) == (thing.parent, thing.place.name):
+            inner = rule.polygon.buffer(-SLACK_M, join_style="mitre")
+            for slab, outline in zip(stance.slabs, outlines, strict=True):
+                entered = min(base + slab.high_m, rule.height_m) - max(base + slab.low_m, 0.0) > SLACK_M
+                if entered and outline.intersection(inner).area > SLACK_M:
+                    return False
+    ring = room(problem, thing, stance).ring
+    if ring is not None:
+        centre, least, most = ring
+        return least - SLACK_M <= float(np.hypot(*(origin - centre))) <= most + SLACK_M
+    return True

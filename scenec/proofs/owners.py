@@ -1,0 +1,23 @@
+"""Who stands on whom: an owner that is not there, or owners in a circle. Nothing can be placed before its owner is."""
+
+from __future__ import annotations
+
+import networkx as nx
+
+from scenec.ir import WORLD_PARENT, Problem, Proof
+
+
+def no_first_owner(problem: Problem) -> Proof | None:
+    """A proof when the owners of the things do not end in the background."""
+    by_name = {thing.name: thing for thing in problem.things}
+    for thing in problem.things:
+        if thing.parent != WORLD_PARENT and thing.parent not in by_name:
+            text = f"{thing.name} stands on {thing.parent}, which is not in the scene"
+            return Proof("missing-anchor", text, 0.0, 1.0, "owners", (thing.path,))
+    graph = nx.DiGraph([(thing.name, thing.parent) for thing in problem.things])
+    try:
+        circle = [one for one, _ in nx.find_cycle(graph)]
+    except nx.NetworkXNoCycle:
+        return None
+    text = f"{' stands on '.join([*circle, circle[0]])}"
+    return Proof("owner-cycle", text, float(len(circle)), 0.0, "owners", tuple(by_name[n].path for n in circle))

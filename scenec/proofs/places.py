@@ -1,0 +1,174 @@
+"""What a thing may not leave and not enter on its place, as convex pieces in A that bound the truth from the safe side.
+
+Walls are convex hulls of what must contain an outline; obstacles are convex pieces that an outline must not enter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import Polygon
+
+from scenec.ir import WORLD_PARENT, FloatArray, Problem, Stance, Surface, Thing, Volume
+from scenec.proofs.outlines import SLACK_M, YawCell, half_planes, hull, kernel, reach_bounds, turned
+
+RING_SIDES = 24
+LEAST_AREA_M2 = 1e-8
+
+
+@dataclass(frozen=True)
+class Room:
+    """For one thing in one stance: (outline in S, container or obstacle (n, 2) in A), and the rectangle of its origin.
+
+    `ring` is the robot's reach in A (centre, least, most) where the place does not move.
+    """
+
+    walls: tuple[tuple[FloatArray, FloatArray], ...]
+    obstacles: tuple[tuple[FloatArray, FloatArray], ...]
+    low_m: FloatArray
+    high_m: FloatArray
+    ring: tuple[FloatArray, float, float] | None = None
+
+
+def background_yaw(problem: Problem) -> float:
+    """Heading of the background in the world."""
+    return float(np.arctan2(problem.X_WB[1, 0], problem.X_WB[0, 0]))
+
+
+def area(place: Surface | Volume) -> shapely.Geometry:
+    """All that any footprint in the place may cover, in A (the union of the layers of a volume)."""
+    return place.polygon if isinstance(place, Surface) else shapely.union_all([layer[2] for layer in place.layers])
+
+
+def area_hull(place: Surface | Volume) -> FloatArray:
+    """Convex hull of that, counter-clockwise (n, 2)."""
+    return ring_of(shapely.convex_hull(area(place)))
+
+
+def ring_of(convex: shapely.Geometry) -> FloatArray:
+    """Corners (n, 2) of a polygon without holes, counter-clockwise."""
+    return shapely.get_coordinates(shapely.orient_polygons(convex))[:-1]
+
+
+def headroom(place: Surface | Volume) -> float:
+    """Greatest height of a thing that stands there."""
+    return place.clearance_m if isinstance(place, Surface) else place.height_m
+
+
+def fits_height(thing: Thing, stance: Stance) -> bool:
+    """Whether a stance stays under the lid or rim."""
+    return stance.height_m <= headroom(thing.place) + SLACK_M
+
+
+def play(thing: Thing, stance: Stance) -> float:
+    """How high over the floor it may stand at most: on contents of a volume, else 0."""
+    return max(0.0, thing.place.height_m - stance.height_m) if isinstance(thing.place, Volume) else 0.0
+
+
+def room(problem: Problem, thing: Thing, stance: Stance) -> Room:
+    """The room of a thing in one stance. Raises nothing; things with spots are not asked."""
+    walls: list[tuple[FloatArray, FloatArray]] = []
+    obstacles: list[tuple[FloatArray, FloatArray]] = []
+    lift = play(thing, stance)
+    pieces = sorted(stance.slabs, key=lambda slab: -Polygon(slab.outline_m).area)[:8]
+    if isinstance(thing.place, Surface):
+        walls.append((hull(stance.slabs), area_hull(thing.place)))
+        holes = _parts(thing.place.polygon.convex_hull.difference(thing.place.polygon))
+        obstacles += [(slab.outline_m, part) for slab in pieces for part in holes]
+        obstacles += [
+            (slab.outline_m, part.outline_m)
+            for slab in pieces
+            for part in thing.place.above
+            if min(slab.high_m, part.high_m) - max(slab.low_m, part.low_m) > SLACK_M
+        ]
+    else:
+        for slab in pieces:
+            container = _layers(thing.place, slab.low_m + lift, slab.high_m)
+            if shapely.is_empty(container):
+                return Room((), (), np.full(2, np.inf), np.full(2, -np.inf))
+            around = shapely.convex_hull(container)
+            walls.append((slab.outline_m, ring_of(around)))
+            obstacles += [(slab.outline_m, part) for part in _parts(shapely.difference(around, container))]
+    for rule in problem.keep_outs:
+        if (rule.parent, rule.place) == (thing.parent, thing.place.name):
+            entered = [slab for slab in pieces if slab.low_m + lift < rule.height_m - SLACK_M]
+            obstacles += [(slab.outline_m, part) for slab in entered for part in _parts(rule.polygon)]
+    (x0, x1), (y0, y1) = thing.domain.x_m, thing.domain.y_m
+    return Room(tuple(walls), tuple(obstacles), np.array([x0, y0]), np.array([x1, y1]), _ring(problem, thing))
+
+
+def _layers(place: Volume, low_m: float, high_m: float) -> shapely.Geometry:
+    """What holds a slab that spans at least these heights: all layers there at once; any layer if none is certain."""
+    spanned = [polygon for low, high, polygon in place.layers if min(high, high_m) - max(low, low_m) > SLACK_M]
+    return shapely.intersection_all(spanned) if spanned else area(place)
+
+
+def _parts(shape: shapely.Geometry) -> list[FloatArray]:
+    """Convex pieces of polygons: themselves, or the triangles of those that are not convex."""
+    found: list[FloatArray] = []
+    for polygon in shapely.get_parts(shape):
+        if polygon.geom_type != "Polygon" or polygon.area < LEAST_AREA_M2:
+            continue
+        convex = not polygon.interiors and polygon.convex_hull.area - polygon.area < 1e-12
+        pieces = [polygon] if convex else shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+        found += [ring_of(piece) for piece in pieces if piece.area >= LEAST_AREA_M2]
+    return found
+
+
+def _ring(problem: Problem, thing: Thing) -> tuple[FloatArray, float, float] | None:
+    reach = problem.reach
+    if reach is None or thing.name not in reach.members or thing.parent != WORLD_PARENT:
+        return None
+    centre = turned((reach.base_m - problem.X_WB[:3, 3])[None, :2], -background_yaw(problem))[0]
+    return centre - thing.place.origin_P_m[:2], reach.least_m, reach.most_m
+
+
+def linear_bounds(room: Room, yaw: YawCell) -> tuple[FloatArray, FloatArray]:
+    """(normals (k, 2), bounds (k,)): normals @ origin <= bounds for the origin in A at any heading of the interval."""
+    normals, bounds = [], []
+    for outline, container in room.walls:
+        edges = np.roll(container, -1, axis=0) - container
+        outward = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
+        fronts = np.array([reach_bounds(outline, normal, yaw)[0] for normal in outward])
+        normals.append(outward)
+        bounds.append(np.einsum("ij,ij->i", outward, container) - fronts)
+    normals.append(np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]))
+    bounds.append(np.concatenate([room.high_m, -room.low_m]))
+    if room.ring is not None:
+        angles = np.arange(RING_SIDES) * (2.0 * np.pi / RING_SIDES)
+        outward = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        normals.append(outward)
+        bounds.append(outward @ room.ring[0] + room.ring[2])
+    stacked, limits = np.concatenate(normals), np.concatenate(bounds) + SLACK_M
+    return stacked[np.isfinite(limits)], limits[np.isfinite(limits)]
+
+
+def forbidden(room: Room, yaw: YawCell) -> list[FloatArray]:
+    """Convex outlines in A in whose inside the origin cannot be at any heading of the interval."""
+    found = [
+        minkowski(obstacle, -inner) for outline, obstacle in room.obstacles if len(inner := kernel(outline, yaw)) >= 3
+    ]
+    if room.ring is not None and room.ring[1] > 0.0:
+        angles = np.arange(RING_SIDES) * (2.0 * np.pi / RING_SIDES)
+        found.append(room.ring[0] + room.ring[1] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
+    return found
+
+
+def minkowski(one: FloatArray, two: FloatArray) -> FloatArray:
+    """Sum of two convex outlines: the hull of all sums of corners, counter-clockwise."""
+    sums = (one[:, None] + two[None]).reshape(-1, 2)
+    return ring_of(shapely.MultiPoint(sums).convex_hull)
+
+
+def free_region(room: Room, yaw: YawCell) -> shapely.Geometry:
+    """Where the origin may be for some heading of the interval, or a little more; empty proves that it has no pose."""
+    normals, bounds = linear_bounds(room, yaw)
+    far = 1e3
+    region = half_planes(normals, bounds, np.array([[-far, -far], [far, -far], [far, far], [-far, far]]))
+    if len(region) < 3:
+        return Polygon()
+    left: shapely.Geometry = Polygon(region)
+    blocked = [Polygon(ring).buffer(-SLACK_M, join_style="mitre") for ring in forbidden(room, yaw)]
+    return left.difference(shapely.union_all(blocked)) if blocked else left
