@@ -21,15 +21,26 @@ from shapely import Polygon
 
 from scenec.ir import FloatArray, Problem, Proof, RelationIR, Stance, Thing
 from scenec.proofs.fits import spot_usable
-from scenec.proofs.outlines import SLACK_M, TURN, YawCell, hull, kernel, period, reach_bounds, turned
-from scenec.proofs.places import Room, fits_height, forbidden, free_region, linear_bounds, minkowski, play, room
+from scenec.proofs.outlines import SLACK_M, TURN, YawCell, half_planes, hull, kernel, period, reach_bounds, turned
+from scenec.proofs.places import (
+    Room,
+    fits_height,
+    forbidden,
+    free_region,
+    linear_bounds,
+    minkowski,
+    play,
+    ring_of,
+    room,
+)
 
 MOST_THINGS = 5
 MOST_START_NODES = 64
 SMALLEST_CELL_RAD = np.radians(0.25)
-COARSE_CELL_RAD = np.radians(15.0)
+COARSE_CELL_RAD = np.radians(15.001)  # a little over a round part of a turn
 DISC_SIDES = 8
 FAR_M = 1e3
+KEPT_SHAPE = 0.005
 
 
 @dataclass(frozen=True)
@@ -42,6 +53,11 @@ class Pose:
     room: Room
     base_m: tuple[float, float]
     at: FloatArray | None = None
+
+    @property
+    def key(self) -> tuple:
+        """Tells poses of one thing apart."""
+        return (self.yaw, self.stance.quat_wxyz, None if self.at is None else tuple(self.at.tolist()))
 
 
 @dataclass(frozen=True)
@@ -118,6 +134,7 @@ class Case:
         self.walls: dict[tuple, list[Row]] = {}
         self.blocked: dict[tuple, list[Either]] = {}
         self.known: dict[tuple, Either | None] = {}
+        self.reached: dict[tuple, FloatArray] = {}
 
     def closed(self, most_programs: int) -> bool:
         """Whether every node is ruled out within so many linear programs."""
@@ -134,7 +151,8 @@ class Case:
                 return False
             broken = self._broken(node, point)
             coarse = self._widest(node, broken.things if broken else range(len(self.things)))
-            if broken is not None and node.poses[coarse].yaw[1] - node.poses[coarse].yaw[0] <= COARSE_CELL_RAD:
+            width = node.poses[coarse].yaw[1] - node.poses[coarse].yaw[0]
+            if broken is not None and (width <= COARSE_CELL_RAD or not broken.options):
                 nodes += [
                     replace(node, sides=(*node.sides, *rows), chosen=node.chosen | {broken.key})
                     for rows in reversed(broken.options)
@@ -209,7 +227,7 @@ class Case:
                     normal = (sign, 0.0) if axis == 0 else (0.0, sign)
                     rows.append(Row(-1, k, normal, sign * float(at[axis]) + SLACK_M))
                 continue
-            key = (k, pose.yaw, pose.stance.quat_wxyz)
+            key = (k, pose.key)
             if key not in self.walls:
                 normals, bounds = linear_bounds(pose.room, pose.yaw)
                 limits = bounds + normals @ self.corner[k]
@@ -295,7 +313,8 @@ class Case:
         for either in self._disjunctions(node):
             if either.key in node.chosen:
                 continue
-            amount = min(max(self._excess(row, point) for row in rows) for rows in either.options)
+            excess = [max(self._excess(row, point) for row in rows) for rows in either.options]
+            amount = min(excess, default=np.inf)
             if amount > worst:
                 worst, found = amount, either
         return found
@@ -309,11 +328,12 @@ class Case:
         found: list[Either] = []
         for k, pose in enumerate(node.poses):
             if pose.at is None:
-                key = ("blocked", k, pose.yaw, pose.stance.quat_wxyz)
+                key = ("blocked", k, pose.key)
                 if key not in self.blocked:
                     rings = forbidden(pose.room, pose.yaw)
                     self.blocked[key] = [
-                        self._beyond((*key, n), -1, k, ring + self.corner[k]) for n, ring in enumerate(rings)
+                        self._beyond((*key, n), np.zeros((1, 2)), -1, self._alone(k, pose), k, ring + self.corner[k])
+                        for n, ring in enumerate(rings)
                     ]
                 found += self.blocked[key]
         for one, two in combinations(range(len(self.things)), 2):
@@ -333,12 +353,13 @@ class Case:
             return []
         found = []
         for (m, piece), (n, other) in product(_pieces(first.stance), _pieces(second.stance)):
-            key = (word, one, two, m, n, first.yaw, second.yaw, first.stance.quat_wxyz, second.stance.quat_wxyz)
+            key = (word, one, two, m, n, first.key, second.key)
             if key not in self.known:
                 inner, outer = kernel(piece, first.yaw), kernel(other, second.yaw)
                 thick = len(inner) >= 3 and len(outer) >= 3
-                ring = _grown(minkowski(inner, -outer), gap_m) if thick else None
-                self.known[key] = None if ring is None else self._beyond(key, one, two, ring)
+                ring = _fewer_corners(_grown(minkowski(inner, -outer), gap_m)) if thick else None
+                alone = self._alone(one, first), self._alone(two, second)
+                self.known[key] = None if ring is None else self._beyond(key, alone[0], one, alone[1], two, ring)
             if (either := self.known[key]) is not None:
                 found.append(either)
         return found
@@ -350,20 +371,37 @@ class Case:
         top, other_top = first.base_m[0] + first.stance.height_m, second.base_m[0] + second.stance.height_m
         return first.base_m[1] < other_top - SLACK_M and second.base_m[1] < top - SLACK_M
 
-    def _beyond(self, key: tuple, first: int, second: int, ring: FloatArray) -> Either:
-        """p_second - p_first lies outside a convex outline: beyond one edge, and not beyond those before it."""
+    def _beyond(
+        self, key: tuple, first: FloatArray, one: int, second: FloatArray, two: int, ring: FloatArray
+    ) -> Either:
+        """p_two - p_one lies outside a convex outline: beyond one edge, and not beyond those before it.
+
+        `first` and `second` are the corners of where the two may be by themselves: edges out of reach are no option.
+        """
         edges = np.roll(ring, -1, axis=0) - ring
         lengths = np.hypot(edges[:, 0], edges[:, 1])
         normals = (np.stack([edges[:, 1], -edges[:, 0]], axis=1)[lengths > 0.0]) / lengths[lengths > 0.0, None]
         offsets = np.einsum("ij,ij->i", normals, ring[lengths > 0.0])
-        order = np.argsort(-lengths[lengths > 0.0], kind="stable")
+        farthest = (second @ normals.T).max(axis=0) - (first @ normals.T).min(axis=0)
         options: list[tuple[Row, ...]] = []
         within: list[Row] = []
-        for k in order:
-            x, y = float(normals[k, 0]), float(normals[k, 1])
-            options.append((Row(first, second, (-x, -y), SLACK_M - float(offsets[k])), *within))
-            within.append(Row(first, second, (x, y), float(offsets[k]) + SLACK_M))
-        return Either(key, (second,) if first < 0 else (first, second), tuple(options))
+        for k in np.argsort(-lengths[lengths > 0.0], kind="stable"):
+            x, y, offset = float(normals[k, 0]), float(normals[k, 1]), float(offsets[k])
+            if farthest[k] >= offset - SLACK_M:
+                options.append((Row(one, two, (-x, -y), SLACK_M - offset), *within))
+                within.append(Row(one, two, (x, y), offset + SLACK_M))
+        return Either(key, (two,) if one < 0 else (one, two), tuple(options))
+
+    def _alone(self, k: int, pose: Pose) -> FloatArray:
+        """Corners (m, 2) of where the origin of a thing may be in P by its walls alone."""
+        key = (k, pose.key)
+        if pose.at is not None:
+            return (pose.at + self.corner[k])[None]
+        if key not in self.reached:
+            normals, bounds = linear_bounds(pose.room, pose.yaw)
+            region = half_planes(normals, bounds, FAR_M * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], float))
+            self.reached[key] = (region if len(region) else np.zeros((1, 2))) + self.corner[k]
+        return self.reached[key]
 
     def _between(self, n: int, at: list[int], tolerance: float) -> Either:
         """The first origin lies in the box of the two others, grown by the tolerance, in one of their four orders."""
@@ -392,6 +430,13 @@ def _pieces(stance: Stance) -> list[tuple[int, FloatArray]]:
     """The outlines of a stance, the two largest when there are many: any choice is safe."""
     order = sorted(range(len(stance.slabs)), key=lambda k: -Polygon(stance.slabs[k].outline_m).area)
     return [(k, stance.slabs[k].outline_m) for k in order[:2]]
+
+
+def _fewer_corners(ring: FloatArray) -> FloatArray:
+    """A convex outline inside the given one, half a hundredth of its size away at most, with fewer sides to try."""
+    tolerance = KEPT_SHAPE * float(np.ptp(ring, axis=0).max())
+    kept = ring_of(shapely.simplify(Polygon(ring), tolerance, preserve_topology=True))
+    return kept if len(kept) >= 3 else ring
 
 
 def _grown(ring: FloatArray, gap_m: float) -> FloatArray:

@@ -16,8 +16,8 @@ from scenec.proofs import prove, prove_cheaply
 from scenec.proofs.exhaustive import no_arrangement
 from scenec.proofs.outlines import kernel, least_width, period, reach_bounds, turned
 from scenec.validate import violations
-from tests.unit.random_problems import random_problem
 from tests.unit.proof_problems import box_body, left_of, problem, table, thing
+from tests.unit.random_problems import random_problem
 from tests.unit.scene_truth import truth
 
 TABLE = table(1.2, 0.8)
@@ -151,7 +151,7 @@ def test_two_that_exclude_each_other_are_ruled_out_by_trying_all_sides():
 
 def test_trying_all_sides_covers_free_headings():
     for depth, none in ((0.19, True), (0.2, False)):
-        both = [thing(name, (0.1, 0.1), table(0.12, depth), yaw=(-np.pi, np.pi)) for name in "ab"]
+        both = [thing(name, (0.18, 0.1), table(0.2, depth), yaw=(-np.pi, np.pi)) for name in "ab"]
         assert (no_arrangement(problem(both, clearance=0.0)) is not None) == none
 
 
