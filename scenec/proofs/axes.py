@@ -100,7 +100,8 @@ def _fixed(frame: str, known: dict[str, YawCell]) -> float | None:
 
 def _system(problem: Problem, root: str, known: dict[str, YawCell], d: FloatArray) -> Differences:
     system = Differences()
-    things = [thing for thing in problem.things if thing.name in known and thing.name != root]
+    tied = _tied(problem)
+    things = [thing for thing in problem.things if thing.name in known and thing.name in tied and thing.name != root]
     node = {root: 0} | {thing.name: 3 * k + 1 for k, thing in enumerate(things)}
     for thing in things:
         _own_differences(system, thing, node, known, d)
@@ -111,10 +112,21 @@ def _system(problem: Problem, root: str, known: dict[str, YawCell], d: FloatArra
     if root == WORLD_PARENT and problem.reach is not None:
         base = turned((problem.reach.base_m - problem.X_WB[:3, 3])[None, :2], -background_yaw(problem))[0]
         reason = Reason("reach", "within reach", problem.reach.path)
-        for name in problem.reach.members:
+        for name in tied.intersection(problem.reach.members):
             system.least(0, node[name] + ORIGIN, float(base @ d) - problem.reach.most_m, reason)
             system.least(node[name] + ORIGIN, 0, -float(base @ d) - problem.reach.most_m, reason)
     return system
+
+
+def _tied(problem: Problem) -> set[str]:
+    """Things in relations, and their owners; any other is bounded by its place alone (`fits`)."""
+    owner = {thing.name: thing.parent for thing in problem.things}
+    tied: set[str] = set()
+    for name in (name for relation in problem.relations for name in relation.things):
+        while name in owner and name not in tied:
+            tied.add(name)
+            name = owner[name]
+    return tied
 
 
 def _own_differences(

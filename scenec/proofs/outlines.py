@@ -44,6 +44,19 @@ def reach_bounds(outline: FloatArray, direction: FloatArray, yaw: YawCell) -> tu
     The reach is the greatest of sinusoids, one a corner; its extremes lie at the ends of the interval, where two
     corners change places (an edge normal meets the direction), or where a corner meets the direction or its opposite.
     """
+    return _reaches(outline.tobytes(), (float(direction[0]), float(direction[1])), yaw)[:4]
+
+
+def least_width(outline: FloatArray, direction: FloatArray, yaw: YawCell) -> float:
+    """Least extent along a unit direction over the headings of the interval (exact: between its breakpoints, where an
+    edge stands across the direction, the extent is concave)."""
+    return _reaches(outline.tobytes(), (float(direction[0]), float(direction[1])), yaw)[4]
+
+
+@lru_cache(maxsize=65536)
+def _reaches(key: bytes, direction: tuple[float, float], yaw: YawCell) -> tuple[float, float, float, float, float]:
+    """The four bounds of `reach_bounds` and the least width: the same few outlines are asked for again and again."""
+    outline = np.frombuffer(key).reshape(-1, 2)
     aim = np.arctan2(direction[1], direction[0])
     edges = np.roll(outline, -1, axis=0) - outline
     normal = np.arctan2(-edges[:, 0], edges[:, 1])
@@ -54,19 +67,8 @@ def reach_bounds(outline: FloatArray, direction: FloatArray, yaw: YawCell) -> tu
     angles = np.concatenate([[low, high], low + past[past <= high - low]])
     along = np.cos(angles - aim)[:, None] * outline[:, 0] - np.sin(angles - aim)[:, None] * outline[:, 1]
     front, back = along.max(axis=1), -along.min(axis=1)
-    return float(front.min()), float(front.max()), float(back.min()), float(back.max())
-
-
-def least_width(outline: FloatArray, direction: FloatArray, yaw: YawCell) -> float:
-    """Least extent along a unit direction over the headings of the interval (exact: between its breakpoints, where an
-    edge stands across the direction, the extent is concave)."""
-    aim = np.arctan2(direction[1], direction[0])
-    edges = np.roll(outline, -1, axis=0) - outline
-    normal = np.arctan2(-edges[:, 0], edges[:, 1])
-    past = (aim - np.concatenate([normal, normal + np.pi]) - yaw[0]) % TURN
-    angles = np.concatenate([[*yaw], yaw[0] + past[past <= yaw[1] - yaw[0]]])
-    along = np.cos(angles - aim)[:, None] * outline[:, 0] - np.sin(angles - aim)[:, None] * outline[:, 1]
-    return float(np.ptp(along, axis=1).min())
+    least = float((front + back).min())
+    return float(front.min()), float(front.max()), float(back.min()), float(back.max()), least
 
 
 def kernel(outline: FloatArray, yaw: YawCell) -> FloatArray:
