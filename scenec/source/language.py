@@ -64,17 +64,16 @@ def _branch(schema: JsonSchema, node: Tree | None, root: JsonSchema) -> JsonSche
 
 
 def _as_written(schema: Any) -> Any:
+    """What one file may say. What it leaves out may stand in the file it belongs to: nothing is required here."""
     if isinstance(schema, list):
         return [_as_written(item) for item in schema]
     if not isinstance(schema, dict):
         return schema
-    out: JsonSchema = {key: _as_written(value) for key, value in schema.items()}
+    out: JsonSchema = {key: _as_written(value) for key, value in schema.items() if key not in ("required", "oneOf")}
+    if "oneOf" in schema:  # Without what is required, more than one alternative may fit.
+        out["anyOf"] = _as_written(schema["oneOf"])
     if schema.get("type") == "array":
         return {"anyOf": [out, _RULES], **{key: out.pop(key) for key in ("title", "default") if key in out}}
-    if schema.get("type") == "object" and "properties" in schema:
-        required = out.pop("required", [])
-        # What a fragment or an overlay leaves out stands in the file it belongs to.
+    if schema.get("type") == "object" and isinstance(schema.get("properties"), dict):
         out["properties"] = {**out["properties"], "include": _INCLUDE, "$delete": {"const": True}}
-        if required:
-            out["anyOf"] = [{"required": required}, {"required": ["include"]}, {"required": ["$delete"]}]
     return out
