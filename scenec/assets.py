@@ -105,9 +105,10 @@ class AssetLibrary:
         folder = self.folder / asset_id
         try:
             record = AssetRecord.model_validate_json((folder / "record.json").read_bytes())
+        except (OSError, ValueError):
+            raise _unusable(asset_id, "its record.json is not the record of an asset") from None
+        try:
             rigid = reread_body(folder / "usd" / f"{asset_id}.usda")
-        except (OSError, ValueError) as error:
-            raise _unusable(asset_id, str(error).splitlines()[0]) from None
         except InvalidInput as error:
             raise _unusable(asset_id, error.diagnostic.headline) from None
         if not rigid.shapes:

@@ -68,7 +68,7 @@ def choices(names: Names) -> Choices:
                 unit="combinations",
             )
         )
-    headline = f"{count} combinations of variants: {left} were compiled, with the union of the candidates' footprints"
+    headline = f"{count} combinations of variants are covered by {left}, with the union of their footprints"
     note = finding("scene/union-footprints", headline, value=count, bound=MAX_COMBINATIONS, unit="combinations")
     found = tuple(choice for setting in _settings(names) for choice in _combined(setting, together))
     return Choices(found, True, (note,))
