@@ -1,12 +1,14 @@
-"""Random small problems, about half of them without a scene: boxes on a small table, by a seed."""
+"""Random problems by a seed: small ones, more than half of them without a scene; and mixed ones, most with one."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from shapely import box
 
 from scenec.ir import KeepOutIR, Problem, ReachIR, RelationIR
-from tests.unit.proof_problems import problem, table, thing
+from tests.unit.proof_problems import box_body, problem, table, thing
 
 CM = 0.01
 
@@ -16,14 +18,14 @@ def random_problem(seed: int) -> Problem:
     rng = np.random.default_rng(seed)
     free_yaw = rng.random() < 0.3
     count = 2 if free_yaw else int(rng.choice([2, 3, 3, 4]))
-    width, depth = CM * rng.integers(12, 21), CM * rng.integers(9, 14)
+    width, depth = CM * rng.integers(14, 25), CM * rng.integers(10, 17)
     place = table(width, depth)
     things = []
     for k in range(count):
         size = CM * rng.integers(4, 9, 2)
         ranges = {}
         for axis, extent in (("x", width), ("y", depth)):
-            if rng.random() < 0.3:
+            if rng.random() < 0.2:
                 low = CM * rng.integers(0, round(extent / CM)) - extent / 2
                 ranges[axis] = (low, low + CM * rng.integers(0, 6))
         yaw = (0.0, 0.0)
@@ -45,6 +47,37 @@ def random_problem(seed: int) -> Problem:
         base = np.array([0.0, -depth / 2 - 0.05, 0.0])
         rules["reach"] = ReachIR(base, 0.05, CM * rng.integers(6, 20), ("o0", "o1"), ("reach",))
     return problem(things, relations, float(rng.choice([0.0, 0.01, 0.02])), **rules)
+
+
+def mixed_problem(seed: int) -> Problem:
+    """Two to thirteen boxes at free headings that cover an eighth to two fifths of a table; in one of three a tray
+    with two to four more; relations, ranges, a keep-out, each sometimes."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(2, 13))
+    sizes = rng.uniform(0.04, 0.12, (count, 2))
+    area = float(sizes.prod(axis=1).sum()) / rng.uniform(0.12, 0.4)
+    width = float(np.sqrt(area * rng.uniform(1.0, 2.0)))
+    place = table(width, area / width)
+    things = []
+    for k, size in enumerate(sizes):
+        ranges = {"x": (-width / 2, float(rng.uniform(-0.2, 0.5)) * width)} if rng.random() < 0.15 else {}
+        yaw = (0.0, 0.0) if rng.random() < 0.3 else (-np.pi, np.pi)
+        things.append(thing(f"o{k}", (float(size[0]), float(size[1])), place, yaw=yaw, **ranges))
+    if rng.random() < 0.33:
+        tray = box_body("tray", 0.3, 0.22, 0.02, holds=True)
+        big = table(width + 0.45, max(area / width, 0.45))
+        things = [replace(item, place=big) for item in things]
+        things.append(thing("tray", tray, big, yaw=(-np.pi, np.pi)))
+        small = rng.uniform(0.03, 0.07, (int(rng.integers(2, 5)), 2))
+        for k, size in enumerate(small):
+            things.append(thing(f"t{k}", tuple(size), tray.surfaces[0], parent="tray", yaw=(-np.pi, np.pi)))
+    relations = [_relation(rng, n, count) for n in range(int(rng.integers(0, count // 2 + 1)))]
+    rules = {}
+    if rng.random() < 0.2:
+        x, y = rng.uniform(-0.5, 0.3, 2) * [width, area / width]
+        polygon = box(x, y, x + 0.15 * width, y + 0.15 * area / width)
+        rules["keep_outs"] = (KeepOutIR("background", place.name, polygon, 0.1, ("keep_outs", 0)),)
+    return problem(things, relations, float(rng.choice([0.0, 0.005, 0.01])), **rules)
 
 
 def _relation(rng: np.random.Generator, number: int, count: int) -> RelationIR:
