@@ -142,3 +142,19 @@ def test_every_combination_of_variants_is_a_problem(problems: dict[str, tuple[Pr
     assert np.allclose(turned.X_WB[:3, 3], [0, 0, 0.7])
     flat = next(p for p in found if p.combination["variants.assets"] == "flat")
     assert np.isclose(flat.things[1].body.stances[0].height_m, 0.01)
+
+
+def test_the_programs_of_the_reference_page_are_sound(tmp_path: Path, library: AssetLibrary):
+    page = (Path(__file__).parents[2] / "docs" / "reference" / "scene-language.md").read_text()
+    whole, anchor, overlay = (part.split("```")[0] for part in page.split("```yaml\n")[1:])
+    base = whole.replace("anchors:\n", anchor)
+    base = base.replace("  - {id: cup", "  - {id: old, asset: {type: sphere, radius_m: 0.02}}\n  - {id: cup")
+    old = "    old: {object: old, placement: {type: surface, surface: half}}\n"
+    (tmp_path / "base.yaml").write_text(base.replace("relations:\n", old + "relations:\n"))
+    (tmp_path / "overlay.yaml").write_text(overlay)
+    for name, nodes in (("base", ["tray", "cup", "spare", "old"]), ("overlay", ["tray", "cup", "spare"])):
+        read = read_program(tmp_path / f"{name}.yaml")
+        assert read.program is not None, read.diagnostics
+        lowered = lower(read.program, library, read.spans)
+        assert [thing.name for thing in lowered.problems[0].things] == nodes
+        assert [d.code for d in read.diagnostics] == (["scene/unplaced-object"] if name == "overlay" else [])
