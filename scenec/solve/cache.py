@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from hashlib import blake2b
 
@@ -13,14 +13,29 @@ from scenec.ir import Body, Placement, RelationIR, Surface, Thing, Volume
 from scenec.solve.model import Model
 
 Digest = bytes
+KEPT = 8  # sets of things known to stand right, for each surroundings
+
+
+@dataclass(frozen=True)
+class Record:
+    """Content of a component: `digest` of all that decides it, `surroundings` of what is not a thing (clearance,
+    keep-outs, reach), digests of its things with what they carry, and of the rules that each takes part in."""
+
+    digest: Digest
+    surroundings: Digest
+    things: dict[str, Digest]
 
 
 @dataclass
 class ComponentCache:
-    """Placements of components by digest of all that decides them, and digests of bodies and places already seen."""
+    """Placements of components by digest of all that decides them, and digests of bodies and places already seen.
+
+    `right` holds sets of things found valid together, as (name, content, placement): what an edit leaves as it was
+    need not be validated against each other again.
+    """
 
     solved: dict[Digest, dict[str, Placement]] = field(default_factory=dict)
-    right: dict[Digest, frozenset[tuple[str, Digest, Placement]]] = field(default_factory=dict)
+    right: dict[Digest, list[dict[str, tuple[Digest, Placement]]]] = field(default_factory=dict)
     _known: dict[int, tuple[object, Digest]] = field(default_factory=dict)
 
     def digest(self, item: Body | Surface | Volume) -> Digest:
@@ -29,6 +44,40 @@ class ComponentCache:
         if known is None or known[0] is not item:
             known = self._known[id(item)] = (item, _digest(item))
         return known[1]
+
+    def record(self, model: Model, names: Sequence[str], seed: int) -> Record:
+        """The content of a component as it is now."""
+        surroundings = _surroundings(model)
+        things = {name: self._loaded(model, name) for name in names}
+        return Record(_hash(surroundings, repr((seed, names)).encode(), *things.values()), surroundings, things)
+
+    def keep(self, record: Record, placements: dict[str, Placement]) -> None:
+        """Remembers what was found for a component."""
+        self.solved[record.digest] = placements
+        sets = self.right.setdefault(record.surroundings, [])
+        sets.append({name: (content, placements[name]) for name, content in record.things.items()})
+        del sets[:-KEPT]
+
+    def suspects(self, record: Record, previous: Mapping[str, Placement]) -> set[str] | None:
+        """Things of `previous` not known to stand right with the others; None where nothing is known of any."""
+        now = {name: (content, previous.get(name)) for name, content in record.things.items()}
+        known = [
+            {name for name, state in now.items() if found.get(name) == state}
+            for found in self.right.get(record.surroundings, [])
+        ]
+        best = max(known, key=len, default=set[str]())
+        return set(now) - best if best else None
+
+    def _loaded(self, model: Model, name: str) -> Digest:
+        rules = [_rule(rule) for rule in model.rules_of.get(name, ())]
+        own = _hash(self.thing(model.things[name]), repr(model.limits.get(name, ())).encode(), *rules)
+        if name not in model.carriers:
+            return own
+        pieces = [
+            _array(p) for shape in model.shapes[name] for p in (*shape.pieces, *(s.outline_m for s in shape.slabs))
+        ]
+        heights = repr([[(s.low_m, s.high_m) for s in shape.slabs] for shape in model.shapes[name]]).encode()
+        return _hash(own, heights, *pieces)
 
     def thing(self, thing: Thing) -> Digest:
         """Content of a thing: its body, place and domain, not what it carries."""
@@ -74,33 +123,13 @@ def _polygon(polygon: Polygon) -> bytes:
     return polygon.wkb
 
 
-def component_digest(
-    cache: ComponentCache, model: Model, names: Sequence[str], seed: int
-) -> tuple[Digest, dict[str, Digest]]:
-    """(digest of all that decides a component, digests by thing with what it carries)."""
-    things = {name: _loaded(cache, model, name) for name in names}
-    rules = [_rule(rule) for rule in model.rules if any(name in things for name in rule.things)]
-    limits = repr([model.limits.get(name, ()) for name in names]).encode()
-    return _hash(
-        context(model), repr(seed).encode(), *(n.encode() + d for n, d in things.items()), *rules, limits
-    ), things
-
-
-def context(model: Model) -> Digest:
+def _surroundings(model: Model) -> Digest:
     """What concerns every thing: clearance, keep-outs, reach, where the background stands."""
     problem = model.problem
     keep_outs = [repr((k.parent, k.place, k.height_m)).encode() + _polygon(k.polygon) for k in problem.keep_outs]
     reach = problem.reach
     ring = b"" if reach is None else _array(reach.base_m) + repr((reach.least_m, reach.most_m, reach.members)).encode()
     return _hash(repr(problem.clearance_m).encode(), _array(problem.X_WB), ring, *keep_outs)
-
-
-def _loaded(cache: ComponentCache, model: Model, name: str) -> Digest:
-    own = cache.thing(model.things[name])
-    if name not in model.carriers:
-        return own
-    heights = repr([(shape.height_m, len(shape.slabs)) for shape in model.shapes[name]]).encode()
-    return _hash(own, heights, *(_array(p) for shape in model.shapes[name] for p in shape.pieces))
 
 
 def _rule(rule: RelationIR) -> bytes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from math import pi
 
 import numpy as np
@@ -11,7 +11,7 @@ import shapely
 from scenec.solve.frames import pose_of
 from scenec.solve.model import SLACK_M, Model, Site, yaw_allowed
 from scenec.solve.placed import Placed, bounds_gap, footprint_distance
-from scenec.solve.relations import SLACK, excess, known
+from scenec.solve.relations import SLACK, excess
 
 Assignment = Mapping[str, Placed]
 
@@ -110,33 +110,54 @@ def in_reach(model: Model, name: str, assignment: Assignment) -> bool:
     return reach.least_m - SLACK_M <= float(np.hypot(*(p_W - reach.base_m)[:2])) <= reach.most_m + SLACK_M
 
 
-def blockers(model: Model, assignment: Assignment, name: str, siblings: Iterable[str] | None = None) -> set[str] | None:
-    """None where `name` agrees with all that is placed; else the things it clashes with (none: its own domain)."""
+def blockers(model: Model, assignment: Assignment, name: str, mates: Iterable[str] | None = None) -> set[str] | None:
+    """None where `name` agrees with all that is placed; else the things it clashes with (none: its own domain).
+
+    `mates` are the only things that can come too close, where the caller knows that.
+    """
     placed = assignment[name]
     if not fits_alone(model, placed):
         return set()
     clearance = model.problem.clearance_m
     found: set[str] = set()
-    for other in siblings if siblings is not None else assignment:
+    for other in assignment if mates is None else mates:
         mate = assignment[other]
         if mate.parent == placed.parent and other != name and clash(placed, mate, clearance):
             found.add(other)
     for rule in model.rules_of.get(name, ()):
-        if known(rule, assignment, model.chains) and excess(rule, assignment) > SLACK:
-            found.update(link for member in (*rule.things, rule.frame) for link in model.chains.get(member, ()))
-    if not found and _reach_known(model, name, assignment) and not in_reach(model, name, assignment):
-        return set(model.chains[name]) - {name}
+        links = model.depends_on(rule)
+        if links.issubset(assignment) and excess(rule, assignment) > SLACK:
+            found |= links
+    chain = set(model.chains[name])
+    if not found and chain.issubset(assignment) and not in_reach(model, name, assignment):
+        return chain - {name}
     return found - {name} if found else None
 
 
-def _reach_known(model: Model, name: str, assignment: Assignment) -> bool:
-    return all(link in assignment for link in model.chains[name])
-
-
-def faulty(model: Model, assignment: Assignment, names: Iterable[str] | None = None) -> dict[str, set[str]]:
-    """Things of an assignment that do not stand right, with what they clash with; empty for a valid one."""
+def faulty(model: Model, assignment: Assignment, suspects: Iterable[str] | None = None) -> dict[str, set[str]]:
+    """Things of an assignment that do not stand right, with what they clash with; empty for a valid one. Where
+    `suspects` are given, only faults in which one of them takes part are looked for."""
+    names = list(assignment) if suspects is None else [name for name in suspects if name in assignment]
+    mates = _close(model, assignment, names)
     found = {}
-    for name in names if names is not None else assignment:
-        if (cause := blockers(model, assignment, name)) is not None:
+    for name in names:
+        if (cause := blockers(model, assignment, name, mates[name])) is not None:
             found[name] = cause
     return found
+
+
+def _close(model: Model, assignment: Assignment, names: Sequence[str]) -> dict[str, list[str]]:
+    # For each of `names` the things on the same owner whose bounding boxes are closer than the clearance.
+    everyone = list(assignment)
+    box = np.array([assignment[name].bounds for name in everyone]).reshape(-1, 4)
+    owner = {parent: k for k, parent in enumerate(sorted({placed.parent for placed in assignment.values()}))}
+    owners = np.array([owner[assignment[name].parent] for name in everyone])
+    index = {name: k for k, name in enumerate(everyone)}
+    rows = [index[name] for name in names]
+    mine, clearance = box[rows], model.problem.clearance_m
+    near = owners[rows][:, None] == owners[None, :]
+    for low, high in ((0, 2), (1, 3)):
+        near &= mine[:, low, None] < box[None, :, high] + clearance
+        near &= box[None, :, low] < mine[:, high, None] + clearance
+    near[np.arange(len(rows)), rows] = False
+    return {name: [everyone[k] for k in np.flatnonzero(near[i]).tolist()] for i, name in enumerate(names)}

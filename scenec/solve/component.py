@@ -1,4 +1,4 @@
-"""One component: the earlier assignment repaired, then structured families, then exact search. All or nothing."""
+"""One component the ready way: the earlier assignment repaired, then what structured families propose."""
 
 from __future__ import annotations
 
@@ -6,47 +6,41 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
 from scenec.ir import Placement
-from scenec.solve.check import Assignment, faulty
-from scenec.solve.model import Model
+from scenec.solve.model import Model, owner_first
 from scenec.solve.placed import Placed
 from scenec.solve.repair import repaired
-from scenec.solve.search import Effort, ordered, search
+from scenec.solve.search import Effort
 from scenec.solve.shelf import pack_shelves
 from scenec.solve.spots import match_spots
 
 FAMILY_SHARE = 0.3  # of the steps; the rest is for exact search
 
 
-def solve_component(
+def solve_readily(
     model: Model,
     names: Sequence[str],
-    standing: Assignment,
     seed: int,
     effort: Effort,
     previous: Mapping[str, Placement],
     suspects: Iterable[str] | None = None,
 ) -> dict[str, Placed] | None:
-    """Poses for all of `names`, valid with each other and what stands, or None. `previous` is kept as far as it holds;
-    `suspects` are the things of it that may have changed (all, when None)."""
+    """Poses for all of `names` from `previous` or from families, repaired where they do not hold; or None.
+
+    `previous` is kept as far as it holds; `suspects` are the things of it that may have changed (all, when None).
+    """
     old = {name: previous[name] for name in names if name in previous}
     if old:
-        found = repaired(model, names, old, standing, seed, effort, suspects)
+        found = repaired(model, names, old, seed, effort, suspects)
         if found is not None:
             return found
-    proposal = propose(model, names, standing, seed, effort)
-    if proposal:
-        found = repaired(model, names, proposal, standing, seed, effort)
-        if found is not None:
-            return found
-    return search(model, names, standing, seed, effort)
+    proposal = propose(model, names, seed, effort)
+    return repaired(model, names, proposal, seed, effort) if proposal else None
 
 
-def propose(
-    model: Model, names: Sequence[str], standing: Assignment, seed: int, effort: Effort
-) -> dict[str, Placement]:
+def propose(model: Model, names: Sequence[str], seed: int, effort: Effort) -> dict[str, Placement]:
     """What structured families seat: things with spots by matching, several on one place by shelves, owners first."""
     proposal: dict[str, Placement] = {}
-    placed: dict[str, Placed] = dict(standing)
+    placed: dict[str, Placed] = {}
     for members in _by_place(model, names):
         with_spots = [name for name in members if model.things[name].domain.spots]
         if with_spots:
@@ -64,12 +58,8 @@ def propose(
 
 def _by_place(model: Model, names: Sequence[str]) -> list[list[str]]:
     groups: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for name in ordered(model, names):
+    rank = {name: k for k, name in enumerate(owner_first(model.things))}
+    for name in sorted(names, key=lambda n: rank[n]):
         thing = model.things[name]
         groups[thing.parent, thing.place.name].append(name)
     return [sorted(members) for members in groups.values()]
-
-
-def whole(model: Model, assignment: Assignment) -> bool:
-    """Whether nothing of an assignment is at fault."""
-    return not faulty(model, assignment)

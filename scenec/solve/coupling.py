@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
 from math import cos, hypot, inf, pi, sin
 
 import networkx as nx
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from scenec.ir import WORLD_PARENT, RelationIR
 from scenec.solve.model import Limit, Model
@@ -45,9 +47,8 @@ def footprint_bounds(model: Model, name: str) -> tuple[float, float, float, floa
         boxes.append((max(xa + ox + x0, a0), max(ya + oy + y0, b0), min(xb + ox + x1, a1), min(yb + oy + y1, b1)))
     if not boxes:
         return a0, b0, a1, b1
-    every = np.array(boxes)
-    (x0, y0), (x1, y1) = every[:, :2].min(axis=0).tolist(), every[:, 2:].max(axis=0).tolist()
-    return x0, y0, x1, y1
+    x0s, y0s, x1s, y1s = zip(*boxes, strict=True)
+    return min(x0s), min(y0s), max(x1s), max(y1s)
 
 
 def _heights(model: Model, name: str) -> tuple[float, float]:
@@ -60,13 +61,18 @@ def _heights(model: Model, name: str) -> tuple[float, float]:
 
 def overlapping(model: Model) -> list[tuple[str, str]]:
     """Pairs of things of one owner whose footprints, grown by the clearance, may meet at heights they share."""
+    return [
+        (names[i], names[j]) for names, near in _near(model) for i, j in zip(*np.nonzero(np.triu(near, 1)), strict=True)
+    ]
+
+
+def _near(model: Model) -> list[tuple[list[str], NDArray[np.bool_]]]:
+    # For each owner: names of what it carries, and which of them may meet, (n, n).
     siblings: dict[str, list[str]] = defaultdict(list)
     for name, thing in model.things.items():
         siblings[thing.parent].append(name)
-    pairs = []
+    found = []
     for names in siblings.values():
-        if len(names) < 2:
-            continue
         box = np.array([footprint_bounds(model, name) for name in names])
         height = np.array([_heights(model, name) for name in names])
         near = np.ones((len(names), len(names)), dtype=bool)
@@ -76,45 +82,34 @@ def overlapping(model: Model) -> list[tuple[str, str]]:
             (height[:, 0], height[:, 1], 0.0),
         ):
             near &= (low[:, None] < high[None, :] + room) & (low[None, :] < high[:, None] + room)
-        pairs += [(names[i], names[j]) for i, j in zip(*np.nonzero(np.triu(near, 1)), strict=True)]
-    return pairs
+        found.append((names, near))
+    return found
 
 
 def components_of(model: Model) -> tuple[tuple[str, ...], ...]:
     """Names of things solved together, each in the order of names, the components by their first name."""
     graph: nx.Graph[str] = nx.Graph()
     graph.add_nodes_from(model.things)
-    graph.add_edges_from(overlapping(model))
+    for names, near in _near(model):
+        labels = [0] * len(names)
+        if not near.all():
+            labels = connected_components(csr_array(near), directed=False)[1].tolist()
+        first: dict[int, str] = {}
+        for name, label in zip(names, labels, strict=True):
+            graph.add_edge(first.setdefault(label, name), name)
     for rule in model.rules:
-        if rule.kind != "before" or not siblings_in_frame(model, rule):
-            tied = sorted(depends_on(model, rule))
-            graph.add_edges_from(pairwise(tied))
+        if rule.kind != "before" or not model.in_one_frame(rule):
+            graph.add_edges_from(pairwise(sorted(model.depends_on(rule))))
     if model.problem.reach is not None:
         for name in model.problem.reach.members:
-            chain = model.chains.get(name, ())
-            graph.add_edges_from(pairwise(chain))
+            graph.add_edges_from(pairwise(model.chains.get(name, ())))
     return tuple(sorted(tuple(sorted(members)) for members in nx.connected_components(graph)))
-
-
-def siblings_in_frame(model: Model, rule: RelationIR) -> bool:
-    """Whether a relation can be judged in the frame of one owner that carries all its members."""
-    owners = {model.things[name].parent for name in rule.things}
-    free_of_frame = rule.kind in ("near", "far_from", "facing", "between")
-    return len(owners) == 1 and (free_of_frame or rule.frame in owners)
-
-
-def depends_on(model: Model, rule: RelationIR) -> set[str]:
-    """Things whose poses decide whether a relation holds."""
-    if siblings_in_frame(model, rule):
-        return set(rule.things)
-    names: Iterable[str] = (*rule.things, rule.frame)
-    return {link for name in names if name != WORLD_PARENT for link in model.chains[name]}
 
 
 def lifted(model: Model, rule: RelationIR) -> RelationIR:
     """A stricter relation between siblings in place of one across owners: what stands on a tray is left of a box when
     the tray is. It then holds wherever things stand on their owners. The relation itself where there is none such."""
-    if rule.kind not in ("before", "far_from") or siblings_in_frame(model, rule):
+    if rule.kind not in ("before", "far_from") or model.in_one_frame(rule):
         return rule
     chains = [(WORLD_PARENT, *model.chains[name]) for name in rule.things]
     depth = 0

@@ -34,8 +34,9 @@ AT_BACKGROUND = Pose2(0.0, 0.0, 0.0, 0.0)
 
 
 def pose_of(name: str, assignment: Mapping[str, Placed]) -> Pose2:
-    """Asset frame of a placed thing in B; its owners must be placed as well."""
-    if name == WORLD_PARENT:
+    """Asset frame of a placed thing in B. An owner that is not placed counts as the frame itself: what is judged among
+    its contents alone does not depend on where it stands."""
+    if name == WORLD_PARENT or name not in assignment:
         return AT_BACKGROUND
     placed = assignment[name]
     owner = pose_of(placed.parent, assignment)

@@ -93,12 +93,25 @@ class Model:
 
     @cached_property
     def rules_of(self) -> dict[str, tuple[RelationIR, ...]]:
-        """Rules in which a thing takes part, by name (as member, or as the frame)."""
+        """Rules that the pose of a thing decides, by name: as member, as frame, or as the owner of one of these."""
         found: dict[str, list[RelationIR]] = defaultdict(list)
         for rule in self.rules:
-            for name in {*rule.things, rule.frame} - {WORLD_PARENT}:
+            for name in self.depends_on(rule):
                 found[name].append(rule)
         return {name: tuple(rules) for name, rules in found.items()}
+
+    def in_one_frame(self, rule: RelationIR) -> bool:
+        """Whether a relation can be judged in the frame of one owner that carries all its members."""
+        owners = {self.things[name].parent for name in rule.things}
+        free_of_frame = rule.kind in ("near", "far_from", "facing", "between")
+        return len(owners) == 1 and (free_of_frame or rule.frame in owners)
+
+    def depends_on(self, rule: RelationIR) -> set[str]:
+        """Things whose poses decide whether a relation holds."""
+        if self.in_one_frame(rule):
+            return set(rule.things)
+        names = (*rule.things, rule.frame)
+        return {link for name in names if name != WORLD_PARENT for link in self.chains[name]}
 
     @cached_property
     def chains(self) -> dict[str, tuple[str, ...]]:
@@ -154,6 +167,17 @@ def model_of(problem: Problem) -> Model:
         origins[parent][name] = tuple(float(v) for v in place.origin_P_m)
     sites = {key: Site(key[0], place, problem, origins[key[0]]) for key, place in places.items()}
     return Model(problem, things, shapes, sites, problem.relations, {})
+
+
+def has_owner_cycle(things: Mapping[str, Thing]) -> bool:
+    """Whether some thing carries itself, by way of others."""
+    for start in things:
+        at, left = start, len(things)
+        while at in things and left:
+            at, left = things[at].parent, left - 1
+        if at in things:
+            return True
+    return False
 
 
 def owner_first(things: dict[str, Thing]) -> list[str]:

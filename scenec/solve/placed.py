@@ -8,7 +8,7 @@ import shapely
 from shapely import Polygon
 
 from scenec.ir import FloatArray, Placement
-from scenec.solve.planar import polygon
+from scenec.solve.planar import ROUND_OUT, SEGMENTS, outline_of, polygon
 from scenec.solve.shapes import Turned
 
 
@@ -24,6 +24,7 @@ class Placed:
         self.base_P_m = placement.base_m + float(origin_P_m[2])
         x0, y0, x1, y1 = turned.bounds
         self.bounds = (x0 + self.x_P_m, y0 + self.y_P_m, x1 + self.x_P_m, y1 + self.y_P_m)
+        self._grown: tuple[float, tuple[FloatArray, ...]] | None = None
         self.top_P_m = self.base_P_m + turned.shape.height_m
 
     @cached_property
@@ -31,6 +32,16 @@ class Placed:
         """Convex pieces of the whole footprint in P."""
         shift = (self.x_P_m, self.y_P_m)
         return tuple(polygon(piece + shift) for piece in self.turned.pieces)
+
+    def grown(self, by_m: float) -> tuple[FloatArray, ...]:
+        """The pieces of the footprint in P grown by a distance, corners cut on the safe side; remembered."""
+        if self._grown is None or self._grown[0] != by_m:
+            wide = by_m * ROUND_OUT
+            pieces = (
+                outline_of(p.buffer(wide, quad_segs=SEGMENTS)) if wide > 0.0 else outline_of(p) for p in self.footprint
+            )
+            self._grown = (by_m, tuple(pieces))
+        return self._grown[1]
 
     @cached_property
     def slabs(self) -> tuple[tuple[Polygon, float, float], ...]:

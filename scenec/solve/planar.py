@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import cos, pi
 from typing import cast
 
 import numpy as np
@@ -11,6 +12,9 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from scenec.ir import FloatArray
+
+SEGMENTS = 6  # sides to a quarter turn where corners are round
+ROUND_OUT = 1.0 / cos(pi / (4 * SEGMENTS))  # a polygon of this radius holds the circle
 
 
 def polygon(outline: FloatArray) -> Polygon:

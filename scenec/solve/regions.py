@@ -20,12 +20,10 @@ from scenec.solve.check import Assignment
 from scenec.solve.frames import Pose2, pose_of, turned_direction
 from scenec.solve.model import SLACK_M, Model, Site
 from scenec.solve.placed import Placed
-from scenec.solve.planar import hulls, polygon
-from scenec.solve.relations import direction_B, extent, front_B, known, origin_B, outlines_B
+from scenec.solve.planar import ROUND_OUT, SEGMENTS, hulls, polygon
+from scenec.solve.relations import direction_B, extent, front_B, origin_B, outlines_B
 from scenec.solve.shapes import Turned
 
-SEGMENTS = 6
-ROUND_OUT = 1.0 / cos(pi / (4 * SEGMENTS))  # a polygon of this radius holds the circle
 NOWHERE = Polygon()
 
 
@@ -149,12 +147,13 @@ def feasible(
     area, culprits = alone_m, set[str]()
     thing = model.things[name]
     for rule in model.rules_of.get(name, ()):
-        others = {link for n in (*rule.things, rule.frame) if n != WORLD_PARENT for link in model.chains[n]} - {name}
-        if rule.frame == name or not others.issubset(assignment) or rule.things.count(name) != 1:
+        others = {n for n in (*rule.things, rule.frame) if n not in (name, WORLD_PARENT)}
+        links = model.depends_on(rule) - {name}
+        if name not in rule.things or not links.issubset(assignment) or any(name in model.chains[n] for n in others):
             continue
         owner = pose_of(thing.parent, assignment)
         allowed = _rule_region(rule, name, turned, owner, assignment, area.bounds)
-        culprits |= others
+        culprits |= links
         if allowed is not None:
             area = area.intersection(allowed)
         if area.is_empty:
@@ -181,7 +180,6 @@ def _obstacles(
     fx0, fy0, fx1, fy1 = turned.bounds
     x0, y0, x1, y1 = around
     whole: list[FloatArray] = []
-    found: list[BaseGeometry] = []
     blamed: set[str] = set()
     for other, placed in assignment.items():
         if placed.parent != thing.parent or other == name:
@@ -198,17 +196,14 @@ def _obstacles(
             continue
         blamed.add(other)
         if placed.place == thing.place.name:
-            shift = (placed.x_P_m, placed.y_P_m)
-            whole += [_sum(piece + shift, mine) for piece in placed.turned.pieces for mine in turned.pieces]
+            whole += [_sum(piece, mine) for piece in placed.grown(clearance) for mine in turned.pieces]
         else:
             for outline, low, high in placed.slabs:
+                wide = outline.buffer(clearance * ROUND_OUT, quad_segs=SEGMENTS) if clearance > 0.0 else outline
                 for mine, slab in zip(turned.outlines, turned.shape.slabs, strict=True):
                     if slab.low_m + base < high - SLACK_M and low < slab.high_m + base - SLACK_M:
-                        found += sums(shapely.get_coordinates(outline)[:-1], [mine])
-    found += hulls(whole)
-    if clearance > 0.0 and found:
-        found = [shape.buffer(clearance * ROUND_OUT, quad_segs=SEGMENTS) for shape in found]
-    return found, blamed
+                        whole.append(_sum(shapely.get_coordinates(wide)[:-1], mine))
+    return hulls(whole), blamed
 
 
 def _rule_region(
@@ -320,7 +315,7 @@ def aimed(model: Model, placed: Placed, assignment: Assignment) -> float | None:
     for rule in model.rules_of.get(placed.name, ()):
         if rule.kind == "facing" and rule.things[0] == placed.name and rule.things[1] in assignment:
             trial = {**assignment, placed.name: placed}
-            if known(rule, trial, model.chains):
+            if model.depends_on(rule).issubset(trial):
                 (ax, ay), (bx, by) = (origin_B(trial[n], trial) for n in rule.things)
                 owner = pose_of(placed.parent, trial)
                 return atan2(by - ay, bx - ax) - owner.yaw_rad - placed.turned.shape.front_rad

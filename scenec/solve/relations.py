@@ -12,6 +12,7 @@ from scenec.solve.frames import pose_of, turned_direction
 from scenec.solve.placed import Placed, footprint_distance
 from scenec.solve.planar import polygon
 
+NEAREST_M = 1e-5  # origins closer than this give no direction
 SLACK = 1e-9  # metres or radians, for rounding
 
 
@@ -84,6 +85,8 @@ def excess(rule: RelationIR, assignment: Mapping[str, Placed]) -> float:
         across = [-dy * x + dx * y for x, y in points]
         return max(across) - min(across) - rule.tolerance
     if rule.kind == "facing":
+        if hypot(points[1][0] - points[0][0], points[1][1] - points[0][1]) < NEAREST_M:
+            return pi
         heading = atan2(points[1][1] - points[0][1], points[1][0] - points[0][0])
         return abs(wrapped(heading - front_B(members[0], assignment))) - rule.tolerance
     (px, py), (ax, ay), (bx, by) = points  # between
@@ -91,8 +94,3 @@ def excess(rule: RelationIR, assignment: Mapping[str, Placed]) -> float:
     ux, uy = (bx - ax) / length, (by - ay) / length
     along, beside = (px - ax) * ux + (py - ay) * uy, abs((py - ay) * ux - (px - ax) * uy)
     return max(-along, along - length, beside - rule.tolerance)
-
-
-def known(rule: RelationIR, assignment: Mapping[str, Placed], chains: Mapping[str, tuple[str, ...]]) -> bool:
-    """Whether everything a rule speaks of is placed; `chains` gives each thing's movable owners and itself."""
-    return all(link in assignment for name in (*rule.things, rule.frame) for link in chains.get(name, ()))

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from scenec.ir import Placement
-from scenec.solve.check import Assignment, faulty
+from scenec.solve.check import faulty
 from scenec.solve.model import Model
 from scenec.solve.placed import Placed
 from scenec.solve.search import Effort, search
@@ -15,9 +15,7 @@ ROUNDS = 3  # each takes up what stood in the way of the last
 STEPS_PER_THING = 40
 
 
-def kept(
-    model: Model, proposal: Mapping[str, Placement], standing: Assignment, suspects: Iterable[str] | None = None
-) -> dict[str, Placed]:
+def kept(model: Model, proposal: Mapping[str, Placement], suspects: Iterable[str] | None = None) -> dict[str, Placed]:
     """The largest part of a proposal found by taking away, one by one, what takes part in most faults. Only `suspects`
     are looked at where given (the rest was found right before); things on what was taken away stay with it."""
     assignment = {
@@ -25,7 +23,7 @@ def kept(
         for name, placement in proposal.items()
         if name in model.things and placement.stance < len(model.shapes[name])
     }
-    faults = faulty(model, {**standing, **assignment}, assignment if suspects is None else suspects)
+    faults = faulty(model, assignment, suspects)
     while faults:
         weight: Counter[str] = Counter()
         for name, others in faults.items():
@@ -42,20 +40,19 @@ def repaired(
     model: Model,
     names: Sequence[str],
     proposal: Mapping[str, Placement],
-    standing: Assignment,
     seed: int,
     effort: Effort,
     suspects: Iterable[str] | None = None,
 ) -> dict[str, Placed] | None:
     """An assignment of `names` that keeps as much of the proposal as it can; None when a few rounds do not do it."""
-    right = kept(model, proposal, standing, suspects)
+    right = kept(model, proposal, suspects)
     missing = [name for name in names if name not in right]
     for _ in range(ROUNDS):
         if not missing:
             return right
         before = effort.failures.copy()
         trial = Effort(min(effort.left, effort.taken + STEPS_PER_THING * len(missing)), effort.taken)
-        found = search(model, missing, {**standing, **right}, seed, trial)
+        found = search(model, missing, right, seed, trial)
         effort.taken = trial.taken
         effort.placed = max(effort.placed, trial.placed)
         effort.failures = before + trial.failures

@@ -7,9 +7,10 @@ search returns to the latest thing that had a part in it. Candidates are samples
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from heapq import heapify, heappop, heappush
 from math import cos, inf, pi, sin
 from typing import Literal
 
@@ -224,7 +225,6 @@ def _starved(
 def ordered(model: Model, names: Sequence[str], failures: Counter[str] | None = None) -> list[str]:
     """Owners first; then what failed before, what has few poses or little room, what is large; those that aim at others
     or stand between them last."""
-    waiting, order = set(names), list[str]()
     late = {rule.things[0] for rule in model.rules if rule.kind in ("facing", "between")}
 
     def key(name: str) -> tuple[float, ...]:
@@ -234,13 +234,18 @@ def ordered(model: Model, names: Sequence[str], failures: Counter[str] | None = 
             return (-(failures or {}).get(name, 0), name in late, len(thing.domain.spots), -area)
         return (-(failures or {}).get(name, 0), name in late, 1e3 + min(_room(thing), 1e6), -area)
 
-    while waiting:
-        ready = sorted(n for n in waiting if model.things[n].parent not in waiting)
-        if not ready:  # an owner cycle: nothing can be first
-            return [*order, *sorted(waiting)]
-        chosen = min(ready, key=key)
-        order.append(chosen)
-        waiting.discard(chosen)
+    within = set(names)
+    contents: dict[str, list[str]] = defaultdict(list)
+    for name in names:
+        contents[model.things[name].parent].append(name)
+    ready = [(key(name), name) for name in names if model.things[name].parent not in within]
+    heapify(ready)
+    order: list[str] = []
+    while ready:
+        _, name = heappop(ready)
+        order.append(name)
+        for content in contents[name]:
+            heappush(ready, (key(content), content))
     return order
 
 

@@ -10,13 +10,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, cos, sin
+from weakref import ref
 
 import numpy as np
 import shapely
 from shapely import Polygon
 
 from scenec.ir import FloatArray, Slab, Stance, Surface, Thing, Volume
-from scenec.solve.planar import hull_of, outline_of, polygon
+from scenec.solve.planar import hull_of, outline_of
 
 AREA_NOISE = 1e-7  # share of a hull's area by which a union may miss it and still count as convex
 
@@ -42,7 +43,8 @@ class Shape:
     @cached_property
     def area_m2(self) -> float:
         """Area of the hull of the whole footprint."""
-        return polygon(self.hull).area
+        x, y = self.hull.T
+        return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
     @cached_property
     def radius_m(self) -> float:
@@ -91,8 +93,21 @@ def _turn_T(yaw_rad: float) -> FloatArray:
     return np.array([[c, s], [-s, c]])
 
 
+_BARE: dict[int, tuple[ref[Stance], Shape]] = {}  # shapes of stances that live, by id
+
+
 def shape_of(stance: Stance, carried: Sequence[Slab] = ()) -> Shape:
-    """The stance of a body with what it carries: see the module."""
+    """The stance of a body with what it carries: see the module. One that carries nothing is made once."""
+    if carried:
+        return _shape_of(stance, carried)
+    known = _BARE.get(id(stance))
+    if known is None or known[0]() is not stance:
+        key = id(stance)
+        known = _BARE[key] = (ref(stance, lambda _: _BARE.pop(key, None)), _shape_of(stance, ()))
+    return known[1]
+
+
+def _shape_of(stance: Stance, carried: Sequence[Slab]) -> Shape:
     slabs = (*stance.slabs, *carried)
     w, x, y, z = stance.quat_wxyz
     return Shape(

@@ -280,13 +280,14 @@ def _is_box(area: Polygon) -> bool:
 
 def _ranks(items: Sequence[Item], rules: Sequence[Rule], axis: str) -> list[float]:
     # 0 for what must come first, 1 for what must come last, 0.5 for what is free, strictly growing along every rule.
+    # NetworkXUnfeasible where rules contradict one another.
     graph: nx.DiGraph[int] = nx.DiGraph()
     for rule in rules:
         d = rule.dx if axis == "x" else rule.dy
         if rule.a >= 0 and rule.b >= 0 and abs(d) > AXIS:
             graph.add_edge(*((rule.a, rule.b) if d > 0 else (rule.b, rule.a)))
     ranks = [0.5] * len(items)
-    if graph and nx.is_directed_acyclic_graph(graph):
+    if graph:
         order = list(nx.topological_sort(graph))
         before, after = dict.fromkeys(order, 0), dict.fromkeys(order, 0)
         for i in order:
@@ -342,7 +343,10 @@ def pack_shelves(
     area = free_area(model, site, mates, max(model.shapes[i.name][i.stance].height_m for i in items) if items else 0.0)
     if not items or area.is_empty:
         return {}, 1
-    packing = Packing(items, rules_on(model, site, items, standing, rules), area, model.problem.clearance_m)
+    try:
+        packing = Packing(items, rules_on(model, site, items, standing, rules), area, model.problem.clearance_m)
+    except nx.NetworkXUnfeasible:
+        return {}, 1
     rng, taken = stream(seed, "shelf", *names), 0
     best: tuple[tuple[int, float], dict[str, Placement]] | None = None
     for noise in NOISES:

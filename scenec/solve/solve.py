@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import lru_cache
+from itertools import pairwise
 
-from scenec.ir import Exhausted, Placement, Problem, Result, Solved
-from scenec.solve.cache import ComponentCache, component_digest
+import networkx as nx
+
+from scenec.ir import Exhausted, Infeasible, Placement, Problem, Proof, Result, Solved
+from scenec.proofs import prove, prove_cheaply
+from scenec.solve.cache import ComponentCache
 from scenec.solve.check import blockers
-from scenec.solve.component import solve_component
-from scenec.solve.coupling import components_of, depends_on, lifted, separated, siblings_in_frame
-from scenec.solve.model import Model, model_of, owner_first
+from scenec.solve.component import solve_readily
+from scenec.solve.coupling import components_of, lifted, separated
+from scenec.solve.model import Model, has_owner_cycle, model_of, owner_first
 from scenec.solve.placed import Placed
-from scenec.solve.search import Effort
+from scenec.solve.search import Effort, search
 
 DEFAULT_BUDGET = 20_000  # steps: packings and candidate poses tried
 
@@ -25,24 +30,31 @@ def solve(
     previous: Mapping[str, Placement] | None = None,
     cache: ComponentCache | None = None,
 ) -> Result:
-    """Solved with a placement for every thing, or Exhausted after `budget` steps; deterministic in problem and seed.
+    """A placement for every thing, a proof that there is no scene, or how far `budget` steps went. Deterministic.
 
     Relations across owners or components are first kept by stricter ones that leave components apart (lifted to their
-    owners, separating coordinates); where that finds nothing, what they tie is merged and solved jointly.
+    owners, separating coordinates); where that finds nothing, what they tie is merged and solved jointly. Cheap proofs
+    are looked for before any long search, the complete one for few things after it.
     """
+    cheap_proof = lru_cache(None)(lambda: prove_cheaply(problem))
     base = model_of(problem)
-    cache = cache if cache is not None else ComponentCache()
-    previous = previous or {}
-    # Half of the steps for the stricter way, all that is left for the joint one.
-    apart = _apart(base)
+    if has_owner_cycle(base.things) and (proof := cheap_proof()) is not None:
+        return Infeasible(proof)
     efforts: list[Effort] = []
-    for model, components, share in (*([(*apart, 0.5)] if apart else []), (*_joint(base), 1.0)):
-        effort = Effort(int(share * budget) - sum(e.taken for e in efforts) if share == 1.0 else int(share * budget))
+    for model, components, share in _ways(base):
+        effort = Effort(int(share * (budget - sum(e.taken for e in efforts))))
         efforts.append(effort)
-        found = _solve_all(model, components, seed, effort, previous, cache)
+        found = _solve_all(model, components, seed, effort, previous or {}, cache, cheap_proof)
+        if isinstance(found, Proof):
+            return Infeasible(found)
         if found is not None and _agrees(base, model, found):
             placements = {name: found[name].placement for name in sorted(found)}
             return Solved(placements, sum(e.taken for e in efforts))
+    proof = prove(problem)
+    return Infeasible(proof) if proof is not None else _exhausted(base, efforts)
+
+
+def _exhausted(base: Model, efforts: list[Effort]) -> Exhausted:
     failures: Counter[str] = Counter()
     for effort in efforts:
         failures.update(effort.failures)
@@ -51,29 +63,30 @@ def solve(
     return Exhausted(min(placed, len(base.things)), len(base.things), blocking, sum(e.taken for e in efforts))
 
 
-def _apart(base: Model) -> tuple[Model, tuple[tuple[str, ...], ...]] | None:
-    # Stricter rules that let components be solved one by one; None where that is the joint way or has no room.
+def _ways(base: Model) -> Iterator[tuple[Model, tuple[tuple[str, ...], ...], float]]:
+    """(model, components, share of the steps left) of the ways to solve: apart by stricter rules, then jointly."""
     rules = tuple(lifted(base, rule) for rule in base.rules)
     model = replace(base, rules=rules)
     components = components_of(model)
     limits = separated(model, components)
-    if limits is None or (rules == base.rules and not limits):
-        return None
-    return replace(model, limits=limits), components
+    if limits is not None:
+        model = replace(model, limits=limits)
+        joint = rules == base.rules and not limits
+        yield model, components, 1.0 if joint else 0.5
+        if joint:
+            return
+    yield base, _merged(base), 1.0
 
 
-def _joint(base: Model) -> tuple[Model, tuple[tuple[str, ...], ...]]:
-    # The program's own rules; components that a directional rule still ties are merged.
-    parts = components_of(base)
-    home = {name: k for k, members in enumerate(parts) for name in members}
-    groups = {k: {k} for k in range(len(parts))}
+def _merged(base: Model) -> tuple[tuple[str, ...], ...]:
+    # Components by the program's own rules, those that a directional rule ties merged.
+    graph: nx.Graph[str] = nx.Graph()
+    for members in components_of(base):
+        graph.add_nodes_from(members)
+        graph.add_edges_from(pairwise(members))
     for rule in base.rules:
-        if rule.kind == "before" and siblings_in_frame(base, rule):
-            tied = {group for name in depends_on(base, rule) for group in groups[home[name]]}
-            for k in tied:
-                groups[k] = tied
-    merged = {tuple(sorted(group)) for group in groups.values()}
-    return base, tuple(sorted(tuple(sorted(n for k in group for n in parts[k])) for group in merged))
+        graph.add_edges_from(pairwise(sorted(base.depends_on(rule))))
+    return tuple(sorted(tuple(sorted(members)) for members in nx.connected_components(graph)))
 
 
 def _solve_all(
@@ -82,19 +95,24 @@ def _solve_all(
     seed: int,
     effort: Effort,
     previous: Mapping[str, Placement],
-    cache: ComponentCache,
-) -> dict[str, Placed] | None:
+    cache: ComponentCache | None,
+    cheap_proof: Callable[[], Proof | None],
+) -> dict[str, Placed] | Proof | None:
     # Components one after another, owners first; each commits as a whole or the solve is given up.
     rank = {name: k for k, name in enumerate(owner_first(model.things))}
     committed: dict[str, Placed] = {}
     for names in sorted(components, key=lambda members: min(rank[name] for name in members)):
-        digest, _things = component_digest(cache, model, names, seed)
-        known = cache.solved.get(digest)
-        if known is not None and not previous:
+        record = None if cache is None else cache.record(model, names, seed)
+        if cache is not None and record is not None and (known := cache.solved.get(record.digest)) is not None:
             committed |= {name: model.put(name, placement) for name, placement in known.items()}
             continue
+        suspects = None if cache is None or record is None else cache.suspects(record, previous)
         own = Effort(effort.left, effort.taken)
-        found = solve_component(model, names, {}, seed, own, previous)
+        found = solve_readily(model, names, seed, own, previous, suspects)
+        if found is None:
+            if (proof := cheap_proof()) is not None:
+                return proof
+            found = search(model, names, {}, seed, own)
         effort.taken = own.taken
         effort.placed = max(effort.placed, len(committed) + own.placed)
         effort.failures.update(own.failures)
@@ -102,12 +120,13 @@ def _solve_all(
             return None
         committed |= found
         effort.placed = max(effort.placed, len(committed))
-        cache.solved[digest] = {name: placed.placement for name, placed in found.items()}
+        if cache is not None and record is not None:
+            cache.keep(record, {name: placed.placement for name, placed in found.items()})
     return committed
 
 
 def _agrees(base: Model, model: Model, found: Mapping[str, Placed]) -> bool:
     # The stricter rules imply the program's; looked at once more where they differ, for nothing invalid may leave.
-    changed = {name for old, new in zip(base.rules, model.rules, strict=True) if old != new for name in old.things}
+    changed = {name for old, new in zip(base.rules, model.rules, strict=True) if old is not new for name in old.things}
     changed |= set(model.limits)
     return all(blockers(base, found, name) is None for name in changed)
