@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -33,3 +35,15 @@ def bullet_data() -> Path:
     import pybullet_data
 
     return Path(pybullet_data.getDataPath())
+
+
+@pytest.fixture(scope="session")
+def scene_packages(bullet_data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Packages for scenes: a mug, a tray, two toys and a shelf, made from those meshes once for all tests."""
+    out = tmp_path_factory.mktemp("scene_packages")
+    meshes = ("objects/mug.obj", "tray/tray_textured.obj", "duck.obj", "domino/domino.obj")
+    shelf = "kiva_shelf/meshes/pod_lowres.stl"
+    command = [sys.executable, "-m", "cli.main", "assets", "ingest", *(str(bullet_data / m) for m in (*meshes, shelf))]
+    done = subprocess.run([*command, "--root", str(bullet_data), "--out", str(out)], capture_output=True, text=True)
+    assert (out / "mug" / "record.json").is_file(), done.stdout + done.stderr
+    return out
