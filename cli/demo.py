@@ -1,4 +1,4 @@
-"""`mana demo`: real objects that the installed packages bring become packages, and a hidden effect gets its name."""
+"""`mana demo`: real objects that the installed packages bring become packages and a scene; a hidden effect is named."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def demo(
     jobs: Annotated[int, typer.Option("--jobs", min=1, help="Assets at a time.")] = default_jobs(),
     as_json: AsJson = False,
 ) -> None:
-    """Ingest real objects from pybullet_data, validate every package, find a hidden effect, write a page of pictures.
+    """Ingest real objects of pybullet_data, validate every package, compile a scene, find a hidden effect, show it all.
 
     Example: `mana demo --out demo_out`
     """
@@ -46,6 +46,8 @@ def demo(
     from assetkit.validate import main_usd_files
     from cli.demo_gap import gap_demo
     from cli.demo_gate import spoil_package
+    from cli.demo_scene import scene_demo
+    from cli.demo_scene import show as show_scene
 
     data = data_folder()
     found = [data / name for name in OBJECTS if (data / name).is_file()]
@@ -62,13 +64,16 @@ def demo(
     verdicts = {file: judge(file) for file in main_usd_files(batch.out)}
     made = next((p for item in report.items for p in item.packages), None)
     spoiled = spoil_package(batch.out / made) if made else ()
+    with text.console.status("compiling a scene") if not as_json else nullcontext():
+        scene = scene_demo(batch.out, out)
     with text.console.status("naming a hidden effect") if not as_json else nullcontext():
         gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
-    page = write_page(report, verdicts, spoiled, gap, out)
+    page = write_page(report, verdicts, spoiled, scene, gap, out)
     if as_json:
         print(report.model_dump_json(indent=1))
     else:
         text.show_summary(report)
+        show_scene(scene)
         text.console.print(f"sim gap: {escape(gap.report.verdict.statement)}", soft_wrap=True)
         text.console.print(f"page: {escape(str(page))}", soft_wrap=True)
     failed = any(d.severity is Severity.ERROR for found_ in verdicts.values() for d in found_)

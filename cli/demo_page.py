@@ -9,6 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from assetkit.record import RECORD
 from cli.demo_gap import GapDemo
 from cli.demo_gate import Spoiled
+from cli.demo_scene import SceneDemo
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, Severity
@@ -26,6 +27,7 @@ def write_page(
     report: IngestReport,
     verdicts: dict[Path, tuple[Diagnostic, ...]],
     spoiled: tuple[Spoiled, ...],
+    scene: SceneDemo | None,
     gap: GapDemo,
     out: Path,
 ) -> Path:
@@ -37,7 +39,7 @@ def write_page(
     page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("demo.html")
     path = out / "index.html"
     html = page.render(
-        report=report, cards=cards, refused=refused, spoiled=spoiled, gap=gap, pictures=_pictures(out, gap)
+        report=report, cards=cards, refused=refused, spoiled=spoiled, scene=scene, gap=gap, pictures=_pictures(out, gap)
     )
     write_atomically(path, html.encode())
     return path

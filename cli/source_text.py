@@ -8,6 +8,7 @@ from itertools import groupby, pairwise
 from pathlib import Path
 
 from rich.markup import escape
+from rich.text import Text
 
 from cli import text
 from schemas.diagnostics import Diagnostic, Location
@@ -22,6 +23,11 @@ def show(diagnostics: Iterable[Diagnostic], root: Path) -> None:
     for diagnostic in diagnostics:
         text.console.print("\n".join(_lines(diagnostic, root)), soft_wrap=True, highlight=False)
         text.console.print()
+
+
+def plain(diagnostics: Iterable[Diagnostic], root: Path) -> str:
+    """The same as text without colours."""
+    return "\n\n".join(Text.from_markup("\n".join(_lines(d, root))).plain for d in diagnostics)
 
 
 def _lines(diagnostic: Diagnostic, root: Path, indent: str = "") -> list[str]:

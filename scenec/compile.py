@@ -6,9 +6,11 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path as FilePath
 
 from scenec.assets import AssetLibrary
+from scenec.conflicts import minimal_conflict
 from scenec.emit import compiled_scene
 from scenec.graph import Graph, interaction_graph
 from scenec.ir import Exhausted, Infeasible, Path, Placement, Problem, Result, Solved
@@ -16,11 +18,13 @@ from scenec.lower import lower
 from scenec.report import conflict_members, verdict_of, why
 from scenec.solve import ComponentCache, solve
 from scenec.source.read import Read, read_program
+from scenec.suggest import suggestions
 from scenec.validate import violations
 from schemas.compiled_scene import CombinationVerdict, CompiledScene, CompileReport, Suggestion
 from schemas.diagnostics import Diagnostic, Severity
 
 DEFAULT_BUDGET = 20_000  # steps of the search, of each combination
+EXPLAIN_BUDGET = 2_000  # the same for each question asked while explaining why there is no scene
 _WORST_FIRST = ("infeasible", "budget_exhausted", "compiled")
 
 
@@ -162,7 +166,13 @@ def _worst(results: list[Result]) -> int | None:
 
 def _explain(problem: Problem, result: Result, seed: int) -> Explained:
     """The conflict behind a proof, and edits that were tried; for a search that ended without one, neither."""
-    return Explained(result.proof.paths) if isinstance(result, Infeasible) else Explained()
+    if not isinstance(result, Infeasible):
+        return Explained()
+    feasible = partial(solve, seed=seed, budget=EXPLAIN_BUDGET)
+    conflict = minimal_conflict(problem, feasible)
+    if conflict is None:
+        return Explained(result.proof.paths)
+    return Explained(conflict.paths, conflict.minimal, suggestions(problem, conflict, feasible))
 
 
 def _failure(

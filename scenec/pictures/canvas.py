@@ -31,12 +31,12 @@ _LONG_IN = 8.5
 _HALO = (patheffects.withStroke(linewidth=2.2, foreground="#ffffffd0"),)
 
 
-def sheet(low: FloatArray, high: FloatArray, title: str) -> tuple[Figure, Axes]:
-    """An empty sheet that shows x and y from `low` to `high` (2,) with some room around."""
+def sheet(low: FloatArray, high: FloatArray, title: str, lines: int = 0) -> tuple[Figure, Axes]:
+    """An empty sheet that shows x and y from `low` to `high` (2,), with room around and for `lines` of text below."""
     size = np.maximum(high - low, 1e-3)
     low, size = low - 0.06 * size.max(), size + 0.12 * size.max()
     width, height = _LONG_IN * np.minimum(size / size.max(), 1.0)
-    made = figure(float(max(width, 4.5)), float(max(height, 2.4)) + 0.6)
+    made = figure(float(max(width, 4.5)), float(max(height, 2.4)) + 0.7 + 0.17 * lines)
     axes = made.subplots()
     axes.set_aspect("equal")
     axes.set_xlim(low[0], low[0] + size[0])

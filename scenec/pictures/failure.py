@@ -37,7 +37,8 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = ()) -> byt
     place = here[0].place
     outline = place.polygon if isinstance(place, Surface) else place.opening
     bounds = np.array(outline.bounds)
-    made, axes = sheet(bounds[:2], bounds[2:], _title(problem, result))
+    caption = _caption(problem, result, paths)
+    made, axes = sheet(bounds[:2], bounds[2:], _title(problem, result), len(caption))
     area(axes, outline, order=1.0, facecolor=SUPPORT, edgecolor=EDGE, linewidth=1.2)
     for rule in problem.keep_outs:
         if (rule.parent, rule.place) == (parent, anchor):
@@ -53,7 +54,7 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = ()) -> byt
     draw_relations(axes, shown, middles, lambda _: colour, order=5.0, numbered=True)
     axes.set_xlabel(f"x of {anchor} (m)")
     axes.set_ylabel(f"y of {anchor} (m)")
-    made.supxlabel("\n".join(_caption(problem, result, paths)), x=0.02, ha="left", fontsize=8, color=INK)
+    made.supxlabel("\n".join(caption), x=0.02, ha="left", fontsize=8, color=INK)
     return png(made)
 
 

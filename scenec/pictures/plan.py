@@ -21,7 +21,7 @@ _MOST_NAMES = 60
 
 
 def plan(problem: Problem, placements: Mapping[str, Placement], title: str = "") -> bytes:
-    """PNG of the scene from above. Things are drawn from the lowest to the highest, so what stands on top is on top."""
+    """PNG of the scene from above. Owners are drawn before what they carry, low things before high ones."""
     frames = world_frames(problem, placements)
     shapes = {t.name: footprint(t.body.stances[placements[t.name].stance], frames[t.name]) for t in problem.things}
     supports = world_supports(problem, frames)
@@ -29,7 +29,7 @@ def plan(problem: Problem, placements: Mapping[str, Placement], title: str = "")
     bounds = np.array(everything.bounds if not everything.is_empty else (0.0, 0.0, 1.0, 1.0))
     made, axes = sheet(bounds[:2], bounds[2:], title or problem.scene)
     draw_supports(axes, problem, frames)
-    order = sorted(problem.things, key=lambda t: (_top(t, placements, frames), t.name))
+    order = sorted(problem.things, key=lambda t: (_depth(t, problem), _top(t, placements, frames), t.name))
     colours = {thing.name: THINGS[index % len(THINGS)] for index, thing in enumerate(problem.things)}
     for level, thing in enumerate(order):
         _draw_thing(axes, thing, shapes[thing.name], frames[thing.name], placements, colours[thing.name], 2.0 + level)
@@ -124,6 +124,15 @@ def _label_at(thing: Thing, shapes: Mapping[str, BaseGeometry], problem: Problem
     if free.is_empty:
         point = own.centroid
     return np.array(point.coords[0])
+
+
+def _depth(thing: Thing, problem: Problem) -> int:
+    """How many movable things carry it, one on another."""
+    owners = {t.name: t.parent for t in problem.things}
+    depth, name_ = 0, thing.parent
+    while name_ in owners:
+        depth, name_ = depth + 1, owners[name_]
+    return depth
 
 
 def _top(thing: Thing, placements: Mapping[str, Placement], frames: Mapping[str, FloatArray]) -> float:

@@ -1,0 +1,78 @@
+"""The scene of the demo: a program over the packages just made compiles; one that contradicts itself is refused."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.markup import escape
+
+from cli import source_text, text
+from cli.scene_output import draw_perspective, draw_plan, write_output, write_report
+from cli.scene_settle import settle
+from jobs.cache import write_atomically
+from scenec.compile import compile_program
+from schemas.compiled_scene import CompileReport
+
+_TABLE = """\
+scene: breakfast
+background: {asset: {type: box, size_m: [1.2, 0.8, 0.04], color: "#d9c7a8"}}
+anchors:
+  tabletop: {object: background, surface: auto}
+  inside: {object: tray, volume: auto}
+objects:
+  - {id: tray, asset: {type: fixed, id: tray_textured}, scale: 0.85, role: receptacle}
+  - {id: mug, asset: {type: fixed, id: mug}, semantic_tags: [pickable]}
+  - {id: duck, asset: {type: fixed, id: duck}}
+  - {id: plate, asset: {type: cylinder, radius_m: 0.12, height_m: 0.02, mass_kg: 0.5, color: "#f5f5f0"}}
+layout:
+  nodes:
+    tray: {object: tray, placement: {type: surface, surface: tabletop, ranges: {yaw_deg: [-15, 15]}}}
+    mug_a: {object: mug, placement: {type: volume, volume: inside}}
+    mug_b: {object: mug, placement: {type: volume, volume: inside}}
+    duck: {object: duck, placement: {type: surface, surface: tabletop}}
+    plate: {object: plate, placement: {type: surface, surface: tabletop, ranges: {y: [-0.25, -0.1]}}}
+relations:
+  - {left_of: [plate, tray], gap: 0.03}
+  - {behind: [duck, plate], gap: 0.05}
+"""
+_MORE = "  - {left_of: [tray, duck]}\n  - {left_of: [duck, plate], gap: 0.02}\n"
+
+
+@dataclass(frozen=True)
+class SceneDemo:
+    """What became of both programs, the refusal in `words`; pictures lie in `folder`, beside the page."""
+
+    folder: str
+    compiled: CompileReport
+    refused: CompileReport
+    words: str
+
+
+def scene_demo(library: Path, out: Path) -> SceneDemo | None:
+    """Write programs, stages, reports and pictures to `out/scene`; None when packages that they need are not there."""
+    if not all((library / name / "record.json").is_file() for name in ("tray_textured", "mug", "duck")):
+        return None
+    folder = out / "scene"
+    good, bad = folder / "breakfast.yaml", folder / "refused" / "breakfast.yaml"
+    write_atomically(good, _TABLE.encode())
+    write_atomically(bad, (_TABLE + _MORE).encode())
+    compiled = compile_program(good, library)
+    report = write_output(compiled, library, folder)
+    if report.scene is not None:
+        report = report.model_copy(update={"settling": settle(folder / report.scene)})
+        draw_perspective(folder / report.scene)
+    draw_plan(compiled, folder)
+    write_report(report, folder)
+    failed = compile_program(bad, library)
+    draw_plan(failed, bad.parent)
+    write_report(failed.report, bad.parent)
+    return SceneDemo(folder.name, report, failed.report, source_text.plain(failed.report.diagnostics, bad.parent))
+
+
+def show(demo: SceneDemo | None) -> None:
+    """One line for the terminal."""
+    if demo is not None:
+        stay = sum(row.stayed for row in demo.compiled.settling)
+        said = f"scene: {demo.compiled.verdict}, {stay} of {len(demo.compiled.settling)} objects stay when let go"
+        text.console.print(escape(said), soft_wrap=True)
