@@ -59,10 +59,11 @@ def scene_demo(library: Path, out: Path) -> SceneDemo | None:
     write_atomically(bad, (_TABLE + _MORE).encode())
     compiled = compile_program(good, library)
     report = write_output(compiled, library, folder)
-    if report.scene is not None:
-        report = report.model_copy(update={"settling": settle(folder / report.scene)})
-        draw_perspective(folder / report.scene)
     draw_plan(compiled, folder)
+    if report.scene is not None:
+        stage = folder / report.scene
+        report = report.model_copy(update={"settling": settle(stage)})
+        draw_perspective(stage)
     write_report(report, folder)
     failed = compile_program(bad, library)
     draw_plan(failed, bad.parent)
