@@ -82,7 +82,7 @@ class ComponentCache:
     def thing(self, thing: Thing) -> Digest:
         """Content of a thing: its body, place and domain, not what it carries."""
         domain = thing.domain
-        spots = [(s.x_m, s.y_m, s.z_m, s.yaw_rad) for s in domain.spots]
+        spots = [(s.x_m, s.y_m, s.z_m, s.yaw_rad, s.stance) for s in domain.spots]
         text = repr((thing.parent, domain.x_m, domain.y_m, domain.yaw_rad, domain.stances, spots))
         return _hash(self.digest(thing.body), self.digest(thing.place), text.encode())
 

@@ -25,7 +25,8 @@ def fits_alone(model: Model, placed: Placed) -> bool:
     if domain.spots:
         height = placed.turned.shape.origin_height_m
         if not any(
-            abs(spot.x_m - placement.x_m) <= SLACK_M
+            spot.stance == placement.stance
+            and abs(spot.x_m - placement.x_m) <= SLACK_M
             and abs(spot.y_m - placement.y_m) <= SLACK_M
             and abs(spot.z_m - height - placement.base_m) <= SLACK_M
             and abs((spot.yaw_rad - placement.yaw_rad + pi) % (2 * pi) - pi) <= SLACK_M

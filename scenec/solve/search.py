@@ -188,11 +188,12 @@ def _spot_candidates(model: Model, thing: Thing, rng: Generator) -> Iterator[tup
 
 
 def spot_placements(model: Model, thing: Thing, number: int) -> list[Placement]:
-    """The poses of a spot, one for each stance allowed."""
+    """The pose of a spot, in the stance that it asks for; none when that is not allowed."""
     spot, shapes = thing.domain.spots[number], model.shapes[thing.name]
     return [
         Placement(spot.x_m, spot.y_m, spot.yaw_rad, stance, _floor(spot.z_m - shapes[stance].origin_height_m))
         for stance in model.stances(thing)
+        if stance == spot.stance
     ]
 
 

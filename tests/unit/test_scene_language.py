@@ -11,6 +11,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from scenec.assets import AssetLibrary
+from scenec.compile import compile_program
 from scenec.ir import Problem
 from scenec.lower import lower
 from scenec.source.language import editor_schema
@@ -158,3 +159,13 @@ def test_the_programs_of_the_reference_page_are_sound(tmp_path: Path, library: A
         lowered = lower(read.program, library, read.spans)
         assert [thing.name for thing in lowered.problems[0].things] == nodes
         assert [d.code for d in read.diagnostics] == (["scene/unplaced-object"] if name == "overlay" else [])
+
+
+def test_a_written_pose_keeps_its_orientation(tmp_path: Path):
+    poses = "poses: [{x: 5.0, y: 0.0}, {x: 0.2, y: 0.1, quat_wxyz: [0.5, 0.5, 0.5, 0.5]}]"
+    text = (Path(__file__).parents[1] / "scenes" / "discrete.yaml").read_text()
+    (tmp_path / "program.yaml").write_text(text[: text.index("poses:")] + poses + "\n")
+    compiled = compile_program(tmp_path / "program.yaml")
+    (box,) = compiled.scenes[0].objects
+    assert np.allclose(np.abs(box.quat_wxyz), 0.5)
+    assert np.isclose(min(prism.low_m for prism in box.prisms), 0.05)
