@@ -103,4 +103,4 @@ def show_rows(rows: Iterable[dict[str, object]], columns: dict[str, str]) -> Non
 
 def figure(value: object) -> str:
     """A number with four digits, anything else as it is."""
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    return f"{value + 0.0:.4g}" if isinstance(value, float) else str(value)  # + 0.0: no negative zero
