@@ -6,10 +6,11 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
 from scenec.ir import Placement
-from scenec.solve.model import Model, owner_first
+from scenec.solve.loosen import loosened
+from scenec.solve.model import Model
 from scenec.solve.placed import Placed
 from scenec.solve.repair import repaired
-from scenec.solve.search import Effort
+from scenec.solve.search import Effort, is_dense
 from scenec.solve.shelf import pack_shelves
 from scenec.solve.spots import match_spots
 
@@ -34,7 +35,8 @@ def solve_readily(
         if found is not None:
             return found
     proposal = propose(model, names, seed, effort)
-    return repaired(model, names, proposal, seed, effort) if proposal else None
+    found = repaired(model, names, proposal, seed, effort) if proposal else None
+    return found if found is None or is_dense(model, names) else loosened(model, found, seed)
 
 
 def propose(model: Model, names: Sequence[str], seed: int, effort: Effort) -> dict[str, Placement]:
@@ -58,8 +60,7 @@ def propose(model: Model, names: Sequence[str], seed: int, effort: Effort) -> di
 
 def _by_place(model: Model, names: Sequence[str]) -> list[list[str]]:
     groups: dict[tuple[str, str], list[str]] = defaultdict(list)
-    rank = {name: k for k, name in enumerate(owner_first(model.things))}
-    for name in sorted(names, key=lambda n: rank[n]):
+    for name in sorted(names, key=lambda n: model.rank[n]):
         thing = model.things[name]
         groups[thing.parent, thing.place.name].append(name)
     return [sorted(members) for members in groups.values()]

@@ -122,6 +122,11 @@ class Model:
         return chains
 
     @cached_property
+    def rank(self) -> dict[str, int]:
+        """Number of each thing in an order with owners first."""
+        return {name: k for k, name in enumerate(owner_first(self.things))}
+
+    @cached_property
     def carriers(self) -> frozenset[str]:
         """Things that others stand on or in."""
         return frozenset(thing.parent for thing in self.things.values())

@@ -95,7 +95,7 @@ def _descend(
     culprits: list[set[str]] = [set() for _ in order]
     streams: list[Iterator[tuple[Placed | None, set[str]]]] = []
     level, depth_of = 0, {name: k for k, name in enumerate(order)}
-    dense = _is_dense(model, order)
+    dense = is_dense(model, order)
     while level < len(order):
         name = order[level]
         if level == len(streams):
@@ -256,7 +256,8 @@ def _room(thing: Thing) -> float:
     return (xb - xa) * (yb - ya) if inf not in (xb - xa, yb - ya) else inf
 
 
-def _is_dense(model: Model, names: Sequence[str]) -> bool:
+def is_dense(model: Model, names: Sequence[str]) -> bool:
+    """Whether footprints take more than a share DENSE of some place."""
     by_site: Counter[tuple[str, str]] = Counter()
     for name in names:
         thing = model.things[name]

@@ -16,7 +16,7 @@ from scenec.solve.cache import ComponentCache
 from scenec.solve.check import blockers
 from scenec.solve.component import solve_readily
 from scenec.solve.coupling import components_of, lifted, separated
-from scenec.solve.model import Model, has_owner_cycle, model_of, owner_first
+from scenec.solve.model import Model, has_owner_cycle, model_of
 from scenec.solve.placed import Placed
 from scenec.solve.search import Effort, search
 
@@ -99,7 +99,7 @@ def _solve_all(
     cheap_proof: Callable[[], Proof | None],
 ) -> dict[str, Placed] | Proof | None:
     # Components one after another, owners first; each commits as a whole or the solve is given up.
-    rank = {name: k for k, name in enumerate(owner_first(model.things))}
+    rank = model.rank
     committed: dict[str, Placed] = {}
     for names in sorted(components, key=lambda members: min(rank[name] for name in members)):
         record = None if cache is None else cache.record(model, names, seed)
