@@ -95,6 +95,7 @@ def _object(thing: Thing, at: Placement, poses: dict[str, LevelPose]) -> CheckOb
     stance, domain = thing.body.stances[at.stance], thing.domain
     place = _place(thing.parent, thing.place, poses)
     floor = float(place.origin_m[2]) + at.base_m
+    spotted = any(spot.stance == at.stance for spot in domain.spots)
     return CheckObject(
         name=thing.name,
         prisms=tuple(_prism(slab, origin, yaw, floor) for slab in stance.slabs),
@@ -105,9 +106,9 @@ def _object(thing: Thing, at: Placement, poses: dict[str, LevelPose]) -> CheckOb
         x_m=domain.x_m,
         y_m=domain.y_m,
         yaw_range_rad=domain.yaw_rad,
-        spots=tuple(_spot(spot) for spot in domain.spots),
+        spots=tuple(_spot(spot) for spot in domain.spots if spot.stance == at.stance or not spotted),
         stance=at.stance,
-        stances=domain.stances,
+        stances=tuple(spot.stance for spot in domain.spots) or domain.stances,
     )
 
 

@@ -173,16 +173,18 @@ class Case:
         return [Node(poses) for poses in product(*choices)]
 
     def _poses(self, thing: Thing) -> list[Pose]:
+        if thing.domain.spots:
+            found = []
+            for spot in thing.domain.spots:
+                stance = thing.body.stances[spot.stance]
+                base = spot.z_m - stance.origin_height_m
+                at = np.array([spot.x_m, spot.y_m])
+                if spot_usable(self.problem, thing, spot):
+                    yaw = (spot.yaw_rad, spot.yaw_rad)
+                    found.append(Pose(stance, yaw, room(self.problem, thing, stance), (base, base), at))
+            return found
         stances = [thing.body.stances[k] for k in thing.domain.stances if fits_height(thing, thing.body.stances[k])]
         rooms = [(stance, room(self.problem, thing, stance)) for stance in stances]
-        if thing.domain.spots:
-            return [
-                Pose(stance, (spot.yaw_rad, spot.yaw_rad), place, (base, base), np.array([spot.x_m, spot.y_m]))
-                for stance, place in rooms
-                for spot in thing.domain.spots
-                for base in [spot.z_m - stance.origin_height_m]
-                if spot_usable(self.problem, thing, stance, spot)
-            ]
         return [
             Pose(stance, cell, place, (0.0, play(thing, stance)))
             for stance, place in rooms

@@ -87,15 +87,15 @@ def _reach_path(problem: Problem, thing: Thing) -> tuple[Path, ...]:
 
 
 def _no_spot(problem: Problem, thing: Thing) -> Proof | None:
-    stances = [thing.body.stances[k] for k in thing.domain.stances]
-    if any(spot_usable(problem, thing, stance, spot) for spot in thing.domain.spots for stance in stances):
+    if any(spot_usable(problem, thing, spot) for spot in thing.domain.spots):
         return None
     text = f"none of the {len(thing.domain.spots)} written poses of {thing.name} is free of its place's bounds"
     return Proof("empty-domain", text, 0.0, 1.0, "poses", (thing.path, thing.domain.path))
 
 
-def spot_usable(problem: Problem, thing: Thing, stance: Stance, spot: Spot) -> bool:
+def spot_usable(problem: Problem, thing: Thing, spot: Spot) -> bool:
     """Whether the thing may stand at one written pose when all others are away. True when in doubt."""
+    stance = thing.body.stances[spot.stance]
     base = spot.z_m - stance.origin_height_m
     if base + stance.height_m > headroom(thing.place) + SLACK_M:
         return False

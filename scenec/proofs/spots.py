@@ -44,7 +44,7 @@ def more_things_than_spots(problem: Problem) -> Proof | None:
 def _positions(problem: Problem, thing: Thing) -> dict[Position, list[Spot]]:
     found: dict[Position, list[Spot]] = {}
     for spot in thing.domain.spots:
-        if any(spot_usable(problem, thing, thing.body.stances[k], spot) for k in thing.domain.stances):
+        if spot_usable(problem, thing, spot):
             key = (thing.parent, thing.place.name, spot.x_m, spot.y_m, spot.z_m)
             found.setdefault(key, []).append(spot)
     return found
