@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from scenec.ir import Infeasible, Path, Problem, Proof, Result, Solved
-from scenec.proofs import prove, prove_cheaply
+from scenec.proofs import refutation
 from scenec.relaxed import nodes, relaxed, rules
 
 Feasible = Callable[[Problem], Result]
@@ -29,13 +29,13 @@ class Conflict:
 def minimal_conflict(problem: Problem, feasible: Feasible) -> Conflict | None:
     """The conflict behind an infeasible problem; None when no proof of infeasibility is found.
 
-    Subsets are refuted by the same arguments as the whole: the cheap ones, unless only the complete one succeeds.
+    Parts are refuted by the argument that refuted the whole, which keeps this to milliseconds. Where the rest without
+    one member turns out to be infeasible too, for another reason, that smaller conflict is followed instead.
     """
-    proof, refuted = prove_cheaply(problem), prove_cheaply
-    if proof is None:
-        proof, refuted = prove(problem), prove
-    if proof is None:
+    found = refutation(problem)
+    if found is None:
         return None
+    proof, refuted = found
     asked = rules(problem)
     if (alone := refuted(relaxed(problem, asked))) is not None:
         problem, asked, proof = relaxed(problem, asked), nodes(problem), alone
@@ -46,7 +46,14 @@ def minimal_conflict(problem: Problem, feasible: Feasible) -> Conflict | None:
     without = relaxed(problem, rest)
     paths = quick_xplain(suspects, lambda kept: refuted(relaxed(without, set(suspects) - set(kept))) is not None)
     core = relaxed(without, set(suspects) - set(paths))
-    minimal = all(isinstance(_tried(relaxed(core, {path}), feasible), Solved) for path in paths)
+    minimal = True
+    for path in paths:
+        result = feasible(relaxed(core, {path}))
+        if isinstance(result, Infeasible):
+            smaller = minimal_conflict(relaxed(core, {path}), feasible)
+            if smaller is not None:
+                return smaller
+        minimal &= isinstance(result, Solved)
     return Conflict(paths, minimal, refuted(core) or proof)
 
 
@@ -67,11 +74,6 @@ def quick_xplain(paths: tuple[Path, ...], contradict: Callable[[tuple[Path, ...]
         return (*explain((*kept, *from_second), bool(from_second), first), *from_second)
 
     return () if not paths or contradict(()) else explain((), False, paths)
-
-
-def _tried(problem: Problem, feasible: Feasible) -> Result:
-    proof = prove_cheaply(problem)
-    return feasible(problem) if proof is None else Infeasible(proof)
 
 
 def _meant(path: Path, named: tuple[Path, ...]) -> bool:

@@ -3,9 +3,13 @@ false, all are deterministic, and no proof says nothing about whether a scene ex
 
     prove(problem)          cheap arguments first, then the complete one for few things
     prove_cheaply(problem)  milliseconds: what a solver asks before it searches
+    refutation(problem)     the proof with the argument that gave it, to ask again of parts of the problem
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
 
 from scenec.ir import Problem, Proof
 from scenec.proofs.apart import near_and_far
@@ -16,7 +20,8 @@ from scenec.proofs.fits import no_place_of_its_own
 from scenec.proofs.owners import no_first_owner
 from scenec.proofs.spots import more_things_than_spots
 
-CHEAP = (
+Argument = Callable[[Problem], Proof | None]
+CHEAP: tuple[Argument, ...] = (
     no_first_owner,
     too_long_along_an_axis,
     near_and_far,
@@ -24,18 +29,27 @@ CHEAP = (
     more_things_than_spots,
     more_area_than_there_is,
 )
-__all__ = ["prove", "prove_cheaply"]
+MOST_PROGRAMS = 400
+__all__ = ["prove", "prove_cheaply", "refutation"]
 
 
 def prove_cheaply(problem: Problem) -> Proof | None:
     """The first cheap proof that there is no scene, or None."""
-    for argument in CHEAP:
+    found = refutation(problem, most_programs=0)
+    return found and found[0]
+
+
+def prove(problem: Problem, most_programs: int = MOST_PROGRAMS) -> Proof | None:
+    """The first proof that there is no scene, or None; the complete argument solves so many linear programs at most."""
+    found = refutation(problem, most_programs)
+    return found and found[0]
+
+
+def refutation(problem: Problem, most_programs: int = MOST_PROGRAMS) -> tuple[Proof, Argument] | None:
+    """The first proof, and the argument that gave it; without programs the cheap arguments only."""
+    complete = partial(no_arrangement, most_programs=most_programs)
+    for argument in (*CHEAP, complete) if most_programs else CHEAP:
         proof = argument(problem)
         if proof is not None:
-            return proof
+            return proof, argument
     return None
-
-
-def prove(problem: Problem, most_programs: int = 400) -> Proof | None:
-    """The first proof that there is no scene, or None; the complete argument solves so many linear programs at most."""
-    return prove_cheaply(problem) or no_arrangement(problem, most_programs)
