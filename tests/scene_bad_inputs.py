@@ -1,6 +1,6 @@
 """The smallest scene program for every `scene/` code. All start from one sound program with one thing changed.
 
-`SAMPLES` are wrong as texts, `BOUND` once assets are looked at, `VERDICTS` have no scene (or none within the budget).
+`SAMPLES` are wrong as texts, `BOUND` once assets are looked at; of `VERDICTS` no scene is found.
 A sample is the text of `program.yaml`, or several files by name.
 """
 
@@ -97,14 +97,19 @@ BOUND: dict[str, Text] = {
     "scene/union-footprints": pool(*CUBES, of="b", text=pool(*CUBES)),
 }
 
+STRIP = "{x: [0, 0.05], y: [-0.1, 0.1]}"
+
 VERDICTS: dict[str, Text] = {
     "scene/relation-cycle": SOUND + "relations: [{left_of: [a, b]}, {left_of: [b, c]}, {left_of: [c, a]}]\n",
-    "scene/too-wide": SOUND.replace("[1.2, 0.8, 0.05]", "[0.09, 0.8, 0.05]"),
+    "scene/too-wide": placed(a="{x: [0, 0.1]}", b="{x: [0.4, 0.5]}") + "relations: [{near: [a, b], distance: 0.1}]\n",
     "scene/area-bound": SOUND.replace("[1.2, 0.8, 0.05]", "[0.16, 0.16, 0.05]"),
     "scene/empty-region": placed(a="{x: [0.58, 0.59]}"),
     "scene/empty-domain": GROUPED + SLOTS % (THREE.replace("0.2", "2.0").replace("x: 0,", "x: 1.0,"), ""),
-    "scene/infeasible": placed(a="{x: [0, 0.1]}", b="{x: [0.4, 0.5]}") + "relations: [{near: [a, b], distance: 0.1}]\n",
-    "scene/budget-exhausted": SOUND,
+    # b is to turn its front to a, which is behind it, and may not turn.
+    "scene/infeasible": placed(a="{x: [-0.3, -0.2], yaw: [0, 0]}", b="{x: [0.2, 0.3], yaw: [0, 0]}")
+    + "relations: [{facing: [b, a]}]\n",
+    # Three of 10 cm in a row of 30 cm with 1 cm between them: a little too tight, which no argument shows so far.
+    "scene/budget-exhausted": placed(a=STRIP, b=STRIP, c=STRIP),
 }
 
 

@@ -15,6 +15,7 @@ from assetkit.stages.intake import take_in
 from assetkit.stages.semantics import DescribeObject
 from cli.docs import file_name, index, page
 from scenec.assets import AssetLibrary
+from scenec.compile import compile_program
 from scenec.lower import lower
 from scenec.source.read import read_program
 from schemas.codes import CODES
@@ -86,10 +87,11 @@ def test_scene_sample_triggers_its_code_once_assets_are_known(code: str, tmp_pat
 
 
 @pytest.mark.parametrize("code", sorted(scene_bad_inputs.VERDICTS))
-def test_scene_samples_without_a_scene_are_sound_programs(code: str, tmp_path: Path, library: AssetLibrary):
-    read = read_program(scene_bad_inputs.write(scene_bad_inputs.VERDICTS[code], tmp_path))
-    assert read.program is not None, read.diagnostics
-    assert len(lower(read.program, library, read.spans).problems) == 1
+def test_scene_sample_without_a_scene_ends_in_its_verdict(code: str, tmp_path: Path):
+    path = scene_bad_inputs.write(scene_bad_inputs.VERDICTS[code], tmp_path)
+    compiled = compile_program(path, explain=False, budget=200)
+    assert [d.code for d in compiled.report.diagnostics] == [code]
+    assert not compiled.scenes
 
 
 @pytest.mark.parametrize(("code", "test"), sorted({**NOT_FROM_A_FILE, **gap_bad_inputs.NOT_FROM_A_FOLDER}.items()))
