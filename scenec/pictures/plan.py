@@ -17,7 +17,7 @@ from scenec.ir import WORLD_PARENT, FloatArray, Placement, Problem, Slab, Stance
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations
 
-_MOST_NAMES = 60
+_MOST_NAMES = 24
 
 
 def plan(problem: Problem, placements: Mapping[str, Placement], title: str = "") -> bytes:
