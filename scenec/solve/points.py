@@ -24,7 +24,8 @@ def drawn(region: BaseGeometry, rng: Generator) -> tuple[float, float] | None:
             u, v = 1.0 - u, 1.0 - v
         x, y = a + u * (b - a) + v * (c - a)
         return float(x), float(y)
-    lines = [part for part in shapely.get_parts(region) if part.length > 0.0]
+    # A polygon thinner than any area can tell is drawn from as the line that it is.
+    lines = [getattr(part, "exterior", part) for part in shapely.get_parts(region) if part.length > 0.0]
     if lines:
         point = max(lines, key=lambda part: part.length).interpolate(rng.random(), normalized=True)
         return point.x, point.y
