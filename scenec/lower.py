@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from geom.pose import matrix_of, pose
-from scenec.assets import AssetLibrary, swing_and_yaw
+from scenec.assets import AssetLibrary, Geometry, swing_and_yaw
 from scenec.bind import check_assets
 from scenec.ir import (
     WORLD_PARENT,
@@ -47,6 +47,7 @@ from schemas.scene_program import (
 )
 
 FULL_TURN = 2.0 * np.pi
+RESTS_DEG = 3.0  # as far as a thing may turn when it is let go (design: a scene settles)
 Place = Surface | Volume
 
 
@@ -142,15 +143,25 @@ class _Lowering:
 
     def _body(self, name: str, scale: float, orientation: Orientation, placed_by: Path) -> Body:
         candidates = self.choice.objects[name]
-        if orientation == "stable":
-            for asset in candidates:
-                geometry = self.library.geometry(asset, scale)
-                if not geometry.stable_quats_wxyz:
-                    headline = f"no stable pose of `{geometry.asset_id}` is known"
-                    where = self.spans.place((*placed_by, "orientation"))
-                    self.found.append(finding("scene/no-stable-pose", headline, where=where))
+        for asset in candidates:
+            self._rests(self.library.geometry(asset, scale), orientation, placed_by)
         bodies = [self.library.body(asset, scale, orientation) for asset in candidates]
         return bodies[0] if len(bodies) == 1 else _union(bodies)
+
+    def _rests(self, geometry: Geometry, orientation: Orientation, placed_by: Path) -> None:
+        """Says when nothing is known of stable poses that are asked for, or when an upright thing will fall over."""
+        where = self.spans.place((*placed_by, "orientation"))
+        known = geometry.stable_quats_wxyz
+        if orientation == "stable" and not known:
+            headline = f"no stable pose of `{geometry.asset_id}` is known"
+            self._add(finding("scene/no-stable-pose", headline, where=where))
+        elif orientation == "upright" and known:
+            lean_deg = min(float(np.degrees(2.0 * np.arccos(min(abs(w), 1.0)))) for w, *_ in known)
+            if lean_deg > RESTS_DEG:
+                headline = (
+                    f"`{geometry.asset_id}` does not rest upright: its nearest stable pose leans {lean_deg:.0f} deg"
+                )
+                self._add(finding("scene/topples", headline, where=where, value=lean_deg, bound=RESTS_DEG, unit="deg"))
 
     def _domain(
         self,

@@ -192,6 +192,12 @@ SCENE_CODES: dict[str, CodeInfo] = {
         "used.",
         "write `upright`, or the orientations that you want",
     ),
+    "scene/topples": CodeInfo(
+        "warning",
+        "An asset does not rest in the pose in which it is placed",
+        "In drop trials it came to rest in other poses only. Let go in a simulator, it will fall over.",
+        "write `orientation: stable`, or one of the stable poses of its record",
+    ),
     "scene/union-footprints": CodeInfo(
         "info",
         "Combinations of variants were not compiled one by one",

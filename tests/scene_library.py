@@ -1,4 +1,4 @@
-"""A small asset library for scene tests: cubes, an open bin with its anchors, a package that is torn."""
+"""A small asset library for scene tests: cubes, a rod that falls over, an open bin, a package that is torn."""
 
 from __future__ import annotations
 
@@ -35,6 +35,13 @@ def cube(library: Path, asset_id: str = "cube") -> None:
     _package(library, asset_id, [mesh], [shape], ["manipulated"], [])
 
 
+def rod(library: Path) -> None:
+    """A box that was authored on its end, and falls onto its side."""
+    mesh, size_m = samples.box_mesh((0.01, 0.01, 0.2)), (0.01, 0.01, 0.2)
+    lying = {"quat_wxyz": [0.5**0.5, 0.5**0.5, 0.0, 0.0], "support_offset_m": 0.005, "probability": 1.0}
+    _package(library, "rod", [mesh], [CollisionShape("box", size_m, samples.at(0.1))], ["manipulated"], [], [lying])
+
+
 def open_bin(library: Path, asset_id: str = "bin") -> None:
     """The bin, with the surface and the volume that its inside is."""
     meshes = [samples.box_mesh(size, name, (x, y, z - size[2] / 2)) for name, (size, (x, y, z)) in BIN.items()]
@@ -47,8 +54,9 @@ def open_bin(library: Path, asset_id: str = "bin") -> None:
 
 
 def library(folder: Path, cubes: int = 17) -> Path:
-    """All of them: `cube`, `cube_0` and on, `bin`, `torn`."""
+    """All of them: `cube`, `cube_0` and on, `rod`, `bin`, `torn`."""
     cube(folder)
+    rod(folder)
     for i in range(cubes):
         cube(folder, f"cube_{i}")
     open_bin(folder)
@@ -58,7 +66,13 @@ def library(folder: Path, cubes: int = 17) -> Path:
 
 
 def _package(
-    library: Path, asset_id: str, meshes: list, shapes: list[CollisionShape], roles: list[str], anchors: list[dict]
+    library: Path,
+    asset_id: str,
+    meshes: list,
+    shapes: list[CollisionShape],
+    roles: list[str],
+    anchors: list[dict],
+    stable: list[dict] | None = None,
 ) -> None:
     content = samples.content(samples.model(meshes), shapes, asset_id=asset_id)
     write_package(content, library / asset_id)
@@ -66,5 +80,5 @@ def _package(
     measured = {"source": "measured", "method": "test", "confidence": 1.0}
     record["semantics"]["roles"] = [{"value": role, **measured} for role in roles]
     record["anchors"] = [{"value": anchor, **measured} for anchor in anchors]
-    record["acceptance"]["stable_poses"] = []
+    record["acceptance"]["stable_poses"] = [{"value": pose, **measured} for pose in stable or []]
     (library / asset_id / "record.json").write_text(json.dumps(record))
