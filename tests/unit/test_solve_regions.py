@@ -1,4 +1,4 @@
-"""Points of regions, however thin."""
+"""Regions and points of them, however thin."""
 
 from __future__ import annotations
 
