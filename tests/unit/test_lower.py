@@ -7,7 +7,8 @@ import numpy as np
 from scenec.assets import AssetLibrary
 from scenec.lower import Lowered, lower
 from scenec.source.read import read_program
-from tests.scene_bad_inputs import GROUPED, ON_TRAY, SLOTS, SOUND, THREE
+from tests import scene_library
+from tests.scene_bad_inputs import GROUPED, ON_TRAY, SLOTS, SOUND, THREE, pool
 
 
 def lowered(text: str, folder: Path, library: Path | None = None) -> Lowered:
@@ -72,3 +73,36 @@ def test_degrees_and_full_turns(tmp_path: Path):
         text = SOUND.replace(head, f"{head}, ranges: {{{ranges}}}")
         (problem,) = lowered(text, tmp_path).problems
         assert np.allclose(np.degrees(problem.things[0].domain.yaw_rad), expected)
+
+
+def test_the_order_of_sections_and_nodes_does_not_change_what_is_asked(tmp_path: Path):
+    head, anchors, objects, *layout = SOUND.splitlines(keepends=True)
+    turned = "".join([*layout[:2], *reversed(layout[2:]), objects, anchors, head])
+    ways = [{t.name: t for t in lowered(text, tmp_path).problems[0].things} for text in (SOUND, turned)]
+    assert list(ways[0]) == ["a", "b", "c"]
+    assert list(ways[1]) == ["c", "b", "a"]
+    for name, thing in ways[0].items():
+        other = ways[1][name]
+        assert (thing.parent, thing.place.name, thing.domain, thing.path) == (
+            other.parent,
+            other.place.name,
+            other.domain,
+            other.path,
+        )
+        assert np.array_equal(thing.body.stances[0].slabs[0].outline_m, other.body.stances[0].slabs[0].outline_m)
+
+
+def test_beyond_256_combinations_a_pool_is_as_large_as_all_its_candidates(tmp_path: Path):
+    folder = tmp_path / "library"
+    scene_library.cube(folder, "cube_0")
+    scene_library.open_bin(folder, "bin")
+    many = [f"twin_{i}" for i in range(1, 20)]
+    for name in many:
+        scene_library.cube(folder, name)
+    pools = pool("bin", *many, text=pool("cube_0", *many), of="b")
+    result = lowered(pools, tmp_path, folder)
+    assert result.union
+    (problem,) = result.problems
+    a, b, _ = problem.things
+    assert (len(a.body.stances[0].slabs), len(b.body.stances[0].slabs)) == (20, 19 + 5)
+    assert np.isclose(b.body.stances[0].height_m, 0.08)
