@@ -20,7 +20,7 @@ from scenec.solve.model import Model, has_owner_cycle, model_of
 from scenec.solve.placed import Placed
 from scenec.solve.search import Effort, search
 
-DEFAULT_BUDGET = 20_000  # steps: packings and candidate poses tried
+DEFAULT_BUDGET = 6_000  # steps: packings and candidate poses tried; some milliseconds each in a crowded scene
 
 
 def solve(
