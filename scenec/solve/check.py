@@ -82,8 +82,16 @@ def on_site(placed: Placed, site: Site) -> bool:
 
 
 def _overlap(a: shapely.Polygon, b: shapely.Polygon) -> bool:
-    # Whether interiors meet by more than rounding.
-    return bool(a.intersects(b)) and shapely.intersection(a, b).area > SLACK_M * min(a.length, b.length)
+    # Whether they still meet when each has lost half of the slack all round; by area a corner would reach in unseen.
+    if not a.intersects(b):
+        return False
+    less_a, less_b = (part.buffer(-SLACK_M / 2.0, join_style="mitre") for part in (a, b))
+    return bool(less_a.intersects(less_b))
+
+
+def _too_close(a: shapely.Polygon, b: shapely.Polygon, clearance_m: float) -> bool:
+    # Without clearance distance says nothing: it is 0 where they touch and where they overlap.
+    return _overlap(a, b) if clearance_m <= SLACK_M else bool(a.distance(b) < clearance_m - SLACK_M)
 
 
 def clash(a: Placed, b: Placed, clearance_m: float) -> bool:
@@ -93,9 +101,11 @@ def clash(a: Placed, b: Placed, clearance_m: float) -> bool:
     if not (a.base_P_m < b.top_P_m - SLACK_M and b.base_P_m < a.top_P_m - SLACK_M):
         return False
     if a.place == b.place:
-        return footprint_distance(a, b) < clearance_m - SLACK_M
+        if clearance_m > SLACK_M:
+            return footprint_distance(a, b) < clearance_m - SLACK_M
+        return any(_overlap(p, q) for p in a.footprint for q in b.footprint)
     return any(
-        low_a < high_b - SLACK_M and low_b < high_a - SLACK_M and p.distance(q) < clearance_m - SLACK_M
+        low_a < high_b - SLACK_M and low_b < high_a - SLACK_M and _too_close(p, q, clearance_m)
         for p, low_a, high_a in a.slabs
         for q, low_b, high_b in b.slabs
     )
