@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cli.demo_scene import scene_demo
 from cli.scene_output import write_output
 from cli.scene_settle import settled
 from scenec.assets import AssetLibrary
@@ -68,3 +69,14 @@ def test_what_is_infeasible_on_purpose_is_proved_so(library: AssetLibrary):
     assert not compiled.scenes
     assert {member.path for member in compiled.report.conflict} == {"relations[0]", "relations[2]", "relations[3]"}
     assert compiled.report.minimal is True
+
+
+def test_the_demo_compiles_one_scene_and_refuses_the_other(scene_packages: Path, tmp_path: Path):
+    demo = scene_demo(scene_packages, tmp_path)
+    assert demo is not None
+    assert (demo.compiled.verdict, demo.refused.verdict) == ("compiled", "infeasible")
+    assert all(row.stayed for row in demo.compiled.settling)
+    assert demo.words.startswith("error[scene/relation-cycle]")
+    for picture in ("perspective.png", "plan.png", "refused/failure.png"):
+        assert (tmp_path / demo.folder / picture).is_file()
+    assert not list((tmp_path / demo.folder / "refused").glob("scene*"))
