@@ -27,7 +27,7 @@ Root = Annotated[
     Path | None, typer.Option("--root", help="Includes stay in this folder; default: the program's.", exists=True)
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Another seed gives another scene; the same, the same.")]
-Budget = Annotated[int, typer.Option("--budget", min=1, help="Steps of the search for each combination.")]
+Budget = Annotated[int | None, typer.Option("--budget", min=1, help="Steps of the search for each combination.")]
 _STYLE = {"compiled": "green", "infeasible": "red", "budget_exhausted": "yellow", "invalid_program": "red"}
 _WORDS = {
     "compiled": "compiled",
@@ -35,7 +35,6 @@ _WORDS = {
     "budget_exhausted": "not found within the budget, which proves nothing",
     "invalid_program": "invalid program",
 }
-_STEPS = 20_000
 
 
 @app.command("compile")
@@ -44,7 +43,7 @@ def compile_command(
     out: Annotated[Path, typer.Option("--out", help="Where stages, report and pictures go.")],
     assets: Assets = None,
     seed: Seed = 0,
-    budget: Budget = _STEPS,
+    budget: Budget = None,
     root: Root = None,
     emit: Annotated[
         Literal["graph"] | None, typer.Option("--emit", help="Also write the interaction graph (DOT and JSON).")
@@ -67,10 +66,11 @@ def compile_command(
     """
     from cli.scene_output import draw_perspective, draw_plan, write_graphs, write_output, write_report
     from scenec.compile import compile_program
+    from scenec.solve import DEFAULT_BUDGET
 
     with text.progress(quiet=as_json) as progress:
         task = progress.add_task("compiling", total=4)
-        compiled = compile_program(program, assets, seed=seed, budget=budget, root=root)
+        compiled = compile_program(program, assets, seed=seed, budget=budget or DEFAULT_BUDGET, root=root)
         progress.update(task, advance=1, description="writing")
         report = write_output(compiled, assets, out)
         if emit == "graph":
@@ -98,7 +98,7 @@ def diagnose_command(
     program: Program,
     assets: Assets = None,
     seed: Seed = 0,
-    budget: Budget = _STEPS,
+    budget: Budget = None,
     root: Root = None,
     out: Annotated[Path | None, typer.Option("--out", help="Folder for the picture of what stands in the way.")] = None,
     as_json: AsJson = False,
@@ -111,10 +111,11 @@ def diagnose_command(
     Example: `mana scene diagnose examples/scenes/too_full_tray.yaml --out why`
     """
     from scenec.compile import compile_program
+    from scenec.solve import DEFAULT_BUDGET
 
     with text.progress(quiet=as_json) as progress:
         progress.add_task("compiling", total=None)
-        compiled = compile_program(program, assets, seed=seed, budget=budget, root=root)
+        compiled = compile_program(program, assets, seed=seed, budget=budget or DEFAULT_BUDGET, root=root)
     picture = _picture(compiled, out)
     _tell(compiled.report, root or program.parent, as_json)
     if picture is not None and not as_json:

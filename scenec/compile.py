@@ -16,14 +16,13 @@ from scenec.graph import Graph, interaction_graph
 from scenec.ir import Exhausted, Infeasible, Path, Placement, Problem, Result, Solved
 from scenec.lower import lower
 from scenec.report import conflict_members, verdict_of, why
-from scenec.solve import ComponentCache, solve
+from scenec.solve import DEFAULT_BUDGET, ComponentCache, solve
 from scenec.source.read import Read, read_program
 from scenec.suggest import suggestions
 from scenec.validate import violations
 from schemas.compiled_scene import CombinationVerdict, CompiledScene, CompileReport, Suggestion
 from schemas.diagnostics import Diagnostic, Severity
 
-DEFAULT_BUDGET = 20_000  # steps of the search, of each combination
 EXPLAIN_BUDGET = 2_000  # the same for each question asked while explaining why there is no scene
 _WORST_FIRST = ("infeasible", "budget_exhausted", "compiled")
 
@@ -91,8 +90,9 @@ def compile_program(
 
     `scenes` holds a checked scene for each combination of geometry-changing variants, or nothing at all unless all of
     them compiled. `previous` placements are repaired before anything is searched anew, `cache` keeps components solved
-    before. With `explain`, a failure comes with conflict and suggestions. Raises RuntimeError when the independent
-    checker refuses what the solver found: a defect of ours, not of the program.
+    before; `budget` bounds the steps of the search of each combination. With `explain`, a failure comes with conflict
+    and suggestions. Raises RuntimeError when the independent checker refuses what the solver found: a defect of ours,
+    not of the program.
     """
     clock = Clock()
     with clock.phase("read"):
