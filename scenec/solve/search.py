@@ -258,8 +258,8 @@ def _room(thing: Thing) -> float:
 
 def is_dense(model: Model, names: Sequence[str]) -> bool:
     """Whether footprints take more than a share DENSE of some place."""
-    by_site: Counter[tuple[str, str]] = Counter()
+    by_site: dict[tuple[str, str], float] = defaultdict(float)
     for name in names:
         thing = model.things[name]
-        by_site[thing.parent, thing.place.name] += model.shapes[name][0].area_m2  # pyright: ignore[reportArgumentType]
+        by_site[thing.parent, thing.place.name] += model.shapes[name][0].area_m2
     return any(area > DENSE * model.sites[key].layers[0][2].area for key, area in by_site.items())
