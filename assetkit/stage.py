@@ -24,6 +24,7 @@ from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence
 from schemas.model import Axis, Material, Mesh, Model
 from schemas.outcome import Outcome
+from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, Solid, SurfaceMaterial
 from sim.port import Simulator
 
@@ -78,11 +79,11 @@ class Semantics:
 
 @dataclass(frozen=True)
 class Interaction:
-    """Parts of the object, each a JSON object with its evidence; anchors are proposals until acceptance. `cavities` are
-    the openings of the solid, for all stages that ask.
+    """Parts of the object; anchors are proposals until acceptance. `cavities` are the openings of the solid, for all
+    stages that ask.
     """
 
-    parts: tuple[Evidence[dict[str, Any]], ...] = ()
+    parts: tuple[Evidence[Part], ...] = ()
     anchors: tuple[Anchor, ...] = ()
     cavities: tuple[Cavity, ...] = ()
 

@@ -11,6 +11,7 @@ from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, default
 from schemas.model import FloatArray
 from schemas.outcome import ItemOutcome, Repair
+from schemas.parts import Part
 from schemas.physics import Contact, Fidelity
 
 SCHEMA_VERSION = "1.0"
@@ -265,7 +266,7 @@ class AssetRecord(_Section):
     geometry: GeometrySection
     appearance: AppearanceSection
     semantics: SemanticsSection
-    parts: tuple[Evidence[dict[str, Any]], ...] = ()
+    parts: tuple[Evidence[Part], ...] = ()
     affordances: tuple[Evidence[dict[str, Any]], ...] = ()
     anchors: tuple[Evidence[Anchor], ...] = ()
     physics: PhysicsSection

@@ -80,7 +80,7 @@ def facts_of(record: AssetRecord) -> Facts:
         mass_confidence=physics.mass_kg.confidence,
         anchors=tuple(Sure(a.value.kind, a.confidence, a.value.anchor_id) for a in record.anchors),
         tasks=tuple(Sure(_spoken(a.value), a.confidence, a.method) for a in record.affordances),
-        parts=tuple(str(p.value["name"]) for p in record.parts),
+        parts=tuple(p.value.name for p in record.parts),
     )
 
 
@@ -89,7 +89,7 @@ def texts_of(record: AssetRecord) -> Texts:
     semantics = record.semantics
     known = category_called(semantics.category.value)
     others = [record.physics.material.value, semantics.family.value, semantics.category.value]
-    others += [role.value for role in semantics.roles] + [str(part.value["name"]) for part in record.parts]
+    others += [role.value for role in semantics.roles] + [part.value.name for part in record.parts]
     return Texts(
         names=_words([record.asset_id, semantics.name]),
         source_texts=_words([*semantics.source_texts, *record.appearance.materials]),
