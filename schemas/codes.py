@@ -452,6 +452,12 @@ CODES: dict[str, CodeInfo] = {
         "It is damaged, or another version wrote it. The records beside it are the truth; it is only made from them.",
         "run mana assets ingest on the library again, which writes it anew",
     ),
+    "asset/report-unreadable": CodeInfo(
+        "error",
+        "The report of a library cannot be read",
+        "It is damaged, or another version wrote it. The packages and the decisions beside it are untouched.",
+        "run mana assets ingest on the library again, which writes it anew",
+    ),
     # Physics and acceptance.
     "asset/source-inertia-implausible": CodeInfo(
         "warning",

@@ -295,6 +295,7 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/no-stable-pose": "tests/unit/test_acceptance.py",
     "asset/anchor-unverified": "tests/unit/test_anchor_trials.py",
     "asset/catalog-unreadable": "tests/test_search.py",
+    "asset/report-unreadable": "tests/test_review.py",
     "asset/decided-by-person": "tests/test_review.py",
     "asset/decision-overruled": "tests/test_review.py",
     "asset/decision-outdated": "tests/test_review.py",

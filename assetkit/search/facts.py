@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+import unicodedata
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
+from assetkit.annotate.annotator import UNKNOWN
 from assetkit.annotate.name_reading import category_called
 from assetkit.annotate.words import words_of
 from schemas.asset import AssetRecord
@@ -36,7 +39,6 @@ class Facts(BaseModel):
     outcome: str
     category: Sure
     family: Sure
-    group: Sure | None
     possible: tuple[tuple[str, float], ...]
     roles: tuple[Sure, ...]
     materials: tuple[Sure, ...]
@@ -69,7 +71,6 @@ def facts_of(record: AssetRecord) -> Facts:
         outcome=record.outcome.value,
         category=_sure(semantics.category),
         family=_sure(semantics.family),
-        group=_sure(semantics.interaction_group) if semantics.interaction_group else None,
         possible=tuple((h.category, h.score) for h in semantics.hypotheses),
         roles=tuple(map(_sure, semantics.roles)),
         materials=tuple(_sure(m) for m in {m.value: m for m in reversed(materials)}.values()),
@@ -108,6 +109,6 @@ def _spoken(affordance: dict) -> str:
 
 
 def _words(texts: Sequence[str]) -> str:
-    """Each text as it stands and as its words."""
-
-    return " ".join(f"{text.replace('_', ' ')} {' '.join(words_of(text))}" for text in texts)
+    """Each word of the texts once, as it stands and as it is split; texts that say nothing is known are left out."""
+    said = [unicodedata.normalize("NFC", text) for text in texts if text != UNKNOWN]
+    return " ".join(dict.fromkeys(word for text in said for word in (*re.findall(r"[^\W_]+", text), *words_of(text))))
