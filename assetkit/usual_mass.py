@@ -92,6 +92,16 @@ def usual_mass(solid: Solid, category: str, names: Sequence[str], without: str =
     the row written from that object.
     """
     kinds = kinds_of(category, [spoken(name) for name in names], without)
+    mixed = mixture_of(solid, kinds)
+    if mixed is None:
+        return None
+    coverage = mixed.coverage_within(math.log(MAX_SPAN), COVERAGE)
+    low, high = mixed.central(coverage)
+    return Usual(coverage, math.exp(low), math.exp(mixed.quantile(0.5)), math.exp(high), category, kinds)
+
+
+def mixture_of(solid: Solid, kinds: Sequence[UsualMass]) -> Mixture | None:
+    """ln(mass in kg) of things of these kinds with the surface of `solid`; None without kinds or size."""
     bases: set[Basis] = {kind.basis for kind in kinds}
     try:
         sizes = {basis: size(solid, basis) for basis in bases}
@@ -102,10 +112,7 @@ def usual_mass(solid: Solid, category: str, names: Sequence[str], without: str =
     ranges = np.log([kind.range for kind in kinds])
     middles = ranges.mean(axis=1) + np.log([sizes[kind.basis] for kind in kinds])
     spreads = np.array([_sigma(kind, width) for kind, width in zip(kinds, np.ptp(ranges, axis=1), strict=True)])
-    mixed = Mixture(middles, spreads, np.array([kind.weight for kind in kinds]))
-    coverage = mixed.coverage_within(math.log(MAX_SPAN), COVERAGE)
-    low, high = mixed.central(coverage)
-    return Usual(coverage, math.exp(low), math.exp(mixed.quantile(0.5)), math.exp(high), category, kinds)
+    return Mixture(middles, spreads, np.array([kind.weight for kind in kinds]))
 
 
 def spoken(name: str) -> frozenset[str]:
