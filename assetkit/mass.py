@@ -87,18 +87,17 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
         parts = [_rescaled(part, value, total.mass_kg, bounds, usual, clues) for part in parts]
         total = combine([part.body for part in parts if part.body.mass_kg > 0.0])
     wall_trust = WALL_TRUST["default" if clues.wall is None else clues.wall.source]
-    if usual is not None:
-        trust = 1.0  # The size of the outside is enough.
-    elif solid.kind == "shell":
+    if solid.kind == "shell":
         trust = wall_trust
     elif solid.walls is not None:
         share = solid.walls.mass_kg / mass_properties(solid, 1.0)[0].mass_kg
         method, trust = f"{method}, walls grown from sheets", (1.0 - share) * trust + share * wall_trust
+    mass_trust = trust if usual is None else 1.0  # The size of the outside is enough.
     return MassEvidence(
         properties=total,
         material=parts[int(np.argmax(volumes))].substance.material,
         density_kgm3=_density(parts, total, bounds),
-        mass_kg=_mass(parts, total, bounds, method, trust * clues.unit.confidence),
+        mass_kg=_mass(parts, total, bounds, method, mass_trust * clues.unit.confidence),
         centre_of_mass_m=_centre(solid, parts, total, method, trust, clues),
         inertia_kgm2=_inertia(solid, parts, total, bounds, method, trust * clues.unit.confidence),
         parts=tuple(_recorded(part, sum(volumes), total.mass_kg) for part in parts),
