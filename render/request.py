@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from render.drawn_grasp import DrawnGrasp
 from schemas.model import Model
 from schemas.physics import CollisionShape
 
@@ -15,6 +16,7 @@ class RenderRequest:
     model    canonical: metres, z-up, +x is the front, origin at the bottom centre.
     shapes   collision shapes in the frame of the model; none: no `collision.png`.
     out_dir  an existing folder or one to create; files of the same names are replaced.
+    grasps   when there are some, only `grasps.png` is drawn: the model in grey and a gripper at each.
     size_px  edge of the square pictures; the thumbnail is always 256.
     """
 
@@ -22,3 +24,4 @@ class RenderRequest:
     shapes: tuple[CollisionShape, ...]
     out_dir: str
     size_px: int = 512
+    grasps: tuple[DrawnGrasp, ...] = ()

@@ -10,6 +10,7 @@ from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
 from render.camera import HERO_VIEW, STANDARD_VIEWS, AnnotationFrame, annotation_frame, camera
 from render.collision import collision_actors, shape_mesh
+from render.grasps import grasp_actors, reach
 from render.request import RenderRequest
 from render.studio import floor, studio_renderer
 from render.surfaces import Surface, actor, plain_actor, surfaces
@@ -37,7 +38,10 @@ def render_all(request: RenderRequest) -> dict[str, Path]:
     renderer = studio_renderer()
     window.AddRenderer(renderer)
     renderer.AddActor(floor(_surface_samples(parts), bottom=-frame.extent[2] / 2.0))
-    pictures = _draw_views(request, frame, parts, window, renderer)
+    if request.grasps:
+        pictures = {"grasps": _draw_grasps(request, frame, parts, window, renderer)}
+    else:
+        pictures = _draw_views(request, frame, parts, window, renderer)
     if request.shapes:
         pictures["collision"] = _draw_collision(request, frame, parts, window, renderer)
     paths = {name: folder / f"{name}.png" for name in pictures}
@@ -85,6 +89,21 @@ def _draw_collision(
     # Shapes that stick out of the model must be seen, too.
     reach = np.abs(np.concatenate([mesh.points for mesh in meshes])).max(axis=0)
     lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * reach))
+    return take_picture(window, renderer, lens, request.size_px)
+
+
+def _draw_grasps(
+    request: RenderRequest,
+    frame: AnnotationFrame,
+    parts: tuple[Surface, ...],
+    window: vtkRenderWindow,
+    renderer: vtkRenderer,
+) -> Image.Image:
+    if parts:
+        renderer.AddActor(plain_actor(parts, _FAINT))
+    for lines in grasp_actors(request.grasps, frame):
+        renderer.AddActor(lines)
+    lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * reach(request.grasps, frame)))
     return take_picture(window, renderer, lens, request.size_px)
 
 

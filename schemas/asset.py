@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, default
@@ -267,7 +268,7 @@ class AssetRecord(_Section):
     appearance: AppearanceSection
     semantics: SemanticsSection
     parts: tuple[Evidence[Part], ...] = ()
-    affordances: tuple[Evidence[dict[str, Any]], ...] = ()
+    affordances: tuple[AffordanceEvidence, ...] = ()
     anchors: tuple[Evidence[Anchor], ...] = ()
     physics: PhysicsSection
     acceptance: AcceptanceSection

@@ -513,6 +513,18 @@ CODES: dict[str, CodeInfo] = {
         "Geometry offers it, but in simulation probes fall off, through or out of it: collision shapes differ there.",
         "nothing if the anchor is not needed; else compare the collision picture, and clean the mesh there",
     ),
+    "asset/no-grasp": CodeInfo(
+        "info",
+        "A parallel-jaw gripper cannot pick the object up",
+        "It is fixed, too heavy or nowhere narrow enough for fingers 80 mm apart; `affordances` then holds no grasp.",
+        "nothing if that is so; else check the unit and the mass in the record",
+    ),
+    "asset/grasp-not-held": CodeInfo(
+        "info",
+        "A grasp that geometry proposes slips in simulation",
+        "It stays in the record as refuted and is left out of the USD.",
+        "nothing while other grasps hold; else compare the collision picture with the object",
+    ),
     "asset/package-invalid": CodeInfo(
         "error",
         "The written package fails validation",

@@ -294,6 +294,8 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/reference-pose-topples": "tests/unit/test_acceptance.py",
     "asset/no-stable-pose": "tests/unit/test_acceptance.py",
     "asset/anchor-unverified": "tests/unit/test_anchor_trials.py",
+    "asset/no-grasp": "tests/unit/test_find_affordances.py",
+    "asset/grasp-not-held": "tests/unit/test_grasp_trials.py",
     "asset/catalog-unreadable": "tests/test_search.py",
     "asset/report-unreadable": "tests/test_review.py",
     "asset/decided-by-person": "tests/test_review.py",

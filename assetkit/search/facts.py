@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict
 from assetkit.annotate.annotator import UNKNOWN
 from assetkit.annotate.name_reading import category_called
 from assetkit.annotate.words import words_of
+from schemas.affordances import Affordance
 from schemas.asset import AssetRecord
 from schemas.evidence import Evidence
 
@@ -80,7 +81,7 @@ def facts_of(record: AssetRecord) -> Facts:
         mass_kg=physics.mass_kg.value,
         mass_confidence=physics.mass_kg.confidence,
         anchors=tuple(Sure(a.value.kind, a.confidence, a.value.anchor_id) for a in record.anchors),
-        tasks=tuple(Sure(_spoken(a.value), a.confidence, a.method) for a in record.affordances),
+        tasks=tuple(Sure(_spoken(a.value), a.confidence, a.method) for a in record.affordances if a.confidence > 0.0),
         parts=tuple(p.value.name for p in record.parts),
     )
 
@@ -103,9 +104,9 @@ def _sure(evidence: Evidence[str]) -> Sure:
     return Sure(evidence.value, evidence.confidence, f"{evidence.source}: {evidence.method}")
 
 
-def _spoken(affordance: dict) -> str:
-    """All texts of an affordance in one, so that the task is found whatever key it stands under."""
-    return " ".join(value for value in affordance.values() if isinstance(value, str)).replace("_", " ")
+def _spoken(affordance: Affordance) -> str:
+    """What it is, what it serves and how, in words."""
+    return f"{affordance.kind} {affordance.task} {affordance.interaction}".replace("_", " ")
 
 
 def _words(texts: Sequence[str]) -> str:

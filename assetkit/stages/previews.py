@@ -8,6 +8,7 @@ from pathlib import Path
 from assetkit.stage import Draft, Previews, Stage, Tools, need
 from jobs.cell import Limits
 from jobs.warm import run_module
+from render.drawn_grasp import DrawnGrasp
 from render.request import RenderRequest
 from schemas import arrays
 from schemas.model import Model
@@ -29,15 +30,17 @@ class RenderPreviews(Stage):
         return Outcome(Previews(render(draft.model, need(draft.physics, "physics").shapes, tools.work_dir)))
 
 
-def render(model: Model, shapes: tuple[CollisionShape, ...], work_dir: Path) -> dict[str, bytes]:
-    """PNG bytes by name, of a canonical model and its collision shapes.
+def render(
+    model: Model, shapes: tuple[CollisionShape, ...], work_dir: Path, grasps: tuple[DrawnGrasp, ...] = ()
+) -> dict[str, bytes]:
+    """PNG bytes by name, of a canonical model and its collision shapes; with `grasps` only a picture of those.
 
     Raises RuntimeError when the renderer fails: a broken environment, not a bad asset.
     """
     work_dir.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work_dir) as place:
         request = Path(place) / "request.npz"
-        arrays.save(RenderRequest(model=model, shapes=shapes, out_dir=place), RenderRequest, request)
+        arrays.save(RenderRequest(model=model, shapes=shapes, out_dir=place, grasps=grasps), RenderRequest, request)
         result = run_module("render", [str(request)], LIMITS)
         if result.status != "ok":
             raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
