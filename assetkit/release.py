@@ -97,6 +97,7 @@ def _content(draft: Draft) -> PackageContent:
         surfaces=physics.surfaces,
         shape_surfaces=physics.shape_surfaces,
         grasp_lines_m=grasp_lines(draft.acceptance.affordances) if draft.acceptance else (),
+        parts=tuple(p.value for p in draft.interaction.parts) if draft.interaction else (),
     )
 
 

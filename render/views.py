@@ -11,6 +11,7 @@ from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 from render.camera import HERO_VIEW, STANDARD_VIEWS, AnnotationFrame, annotation_frame, camera
 from render.collision import collision_actors, shape_mesh
 from render.grasps import grasp_actors, reach
+from render.parts import draw_parts
 from render.request import RenderRequest
 from render.studio import floor, studio_renderer
 from render.surfaces import Surface, actor, plain_actor, surfaces
@@ -25,7 +26,8 @@ _THIN = 0.01  # Needles thinner than this share of their length are drawn as lin
 
 
 def render_all(request: RenderRequest) -> dict[str, Path]:
-    """Write the pictures of `request`; their paths by name: four views, `thumbnail`, `collision` if there are shapes.
+    """Write the pictures of `request`; their paths by name: four views, `thumbnail`, `collision` if there are shapes,
+    `parts` if there are parts.
 
     Raises NoOpenGL when the system has no software OpenGL. A driver without its back end may kill the process: run it
     in a cell (`python -m render`).
@@ -44,6 +46,10 @@ def render_all(request: RenderRequest) -> dict[str, Path]:
         pictures = _draw_views(request, frame, parts, window, renderer)
     if request.shapes:
         pictures["collision"] = _draw_collision(request, frame, parts, window, renderer)
+    if request.parts and request.part_of is not None and parts:
+        renderer.RemoveAllViewProps()
+        renderer.AddActor(floor(_surface_samples(parts), bottom=-frame.extent[2] / 2.0))
+        pictures["parts"] = draw_parts(request, request.part_of, frame, window, renderer)
     paths = {name: folder / f"{name}.png" for name in pictures}
     for name, picture in pictures.items():
         save_png(picture, paths[name])

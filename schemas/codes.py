@@ -421,6 +421,13 @@ CODES: dict[str, CodeInfo] = {
         "It is kept as stated, but no family, roles, usual size or Wikidata class belong to it.",
         "nothing, or state a category of docs/pipelines/semantics.md",
     ),
+    "asset/part-disputed": CodeInfo(
+        "warning",
+        "Clues about the name of a part contradict each other",
+        "Names and shape, or two names, say different things, or what should lie above lies below; the part stays in "
+        "the record without a label.",
+        "look at previews/parts.png, and name nodes and materials in the source after what they are",
+    ),
     # Decisions of people.
     "asset/decided-by-person": CodeInfo(
         "info",

@@ -8,6 +8,7 @@ from pydantic import ConfigDict
 
 from schemas.anchors import Point3
 from schemas.model import Model
+from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, SurfaceMaterial
 
 
@@ -18,6 +19,7 @@ class PackageContent:
     `surfaces` are the contact materials when parts differ, that of the largest part first; `shape_surfaces` says for
     each shape which of them it has. When empty, every shape has `contact`, `physical_material` and `density_kgm3`.
     `grasp_lines_m` are the two ends of each grasp's line, asset frame, the best grasp first.
+    `parts` become face subsets of the meshes.
     `thumbnail_png` is a 256x256 PNG. Texts are "unknown" where nothing is known; they are never invented.
     """
 
@@ -39,3 +41,4 @@ class PackageContent:
     surfaces: tuple[SurfaceMaterial, ...] = ()
     shape_surfaces: tuple[int, ...] = ()
     grasp_lines_m: tuple[tuple[Point3, Point3], ...] = ()
+    parts: tuple[Part, ...] = ()

@@ -47,7 +47,7 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     files = texture_files(content.model, looks)
 
     meshes, materials, physics = _new_layer(root), _new_layer(root), _new_layer(root)
-    taken = author_meshes(Usd.Stage.Open(meshes), root, content.model, looks)
+    taken = author_meshes(Usd.Stage.Open(meshes), root, content.model, looks, content.parts)
     paths = {name: f"../textures/{file}" for name, file in files.items()}
     author_materials(Usd.Stage.Open(materials), root, looks, paths, label)
     stage = Usd.Stage.Open(physics)

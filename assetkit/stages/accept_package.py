@@ -51,7 +51,7 @@ class AcceptPackage(Stage):
         poses = [pose.value for pose in simulated.section.stable_poses]
         offered = find_affordances(draft, body, poses, anchors.anchors, tools.simulator, sound=simulated.passed)
         drawn = drawn_grasps(offered.affordances)
-        images = render(draft.model, (), tools.work_dir, drawn) if drawn else {}
+        images = render(draft.model, (), tools.work_dir, grasps=drawn) if drawn else {}
         found = Acceptance(simulated.section, anchors.anchors, offered.affordances, images)
         if grasp_lines(offered.affordances):
             main_file = release.author(replace(draft, acceptance=found), tools.work_dir)
