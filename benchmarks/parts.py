@@ -62,7 +62,7 @@ def rows(assets: Path, *, only: str = "", stated: bool = False, stripped: bool =
 
 
 def _row(truth: dict[str, str], file: Path, root: Path, *, stated: bool, stripped: bool) -> Row:
-    options = Options(up_axis=truth["up_axis"])
+    options = Options.model_validate({"up_axis": truth["up_axis"]})
     (candidate,) = discover([file], root=root)
     objects = take_in(candidate, options).objects
     item = max(objects, key=lambda o: sum(len(m.points) for m in o.model.meshes))
