@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from assetkit.record import RECORD, read_record
 from assetkit.search.facts import Facts, facts_of, texts_of
 from assetkit.search.judging import TextHit
@@ -60,16 +62,22 @@ def facts(out: Path) -> list[Facts]:
     """What search knows of every package, by asset id. Raises FileNotFoundError when `out` has no catalog, InvalidInput
     when an older version wrote it.
     """
-    return [Facts.model_validate_json(str(row["facts"])) for row in _query(out, "SELECT facts FROM facts", ())]
+    rows = _query(out, "SELECT facts FROM facts", ())
+    try:
+        return [Facts.model_validate_json(str(row["facts"])) for row in rows]
+    except ValidationError as error:
+        raise _unreadable("its facts are of another version") from error
 
 
 def find_text(out: Path, wish: Wish) -> TextHit:
-    """The assets whose texts hold one of the words of a wish or begin with it, with the place that says most."""
+    """The assets whose texts hold one of the words of a wish, with the place that says most. Words that are wanted may
+    also begin one of theirs; a denied word is only itself.
+    """
     found: dict[str, tuple[str, float, str]] = {}
     for column, confidence in _SAYS.items():
         for word in wish.values:
             sql = f"SELECT asset_id, snippet(words, -1, '', '', '...', 8) AS found FROM words WHERE {column} MATCH ?"
-            for row in _query(out, sql, (f'"{word}"*',)):
+            for row in _query(out, sql, (f'"{word}"' + "*" * (not wish.denied),)):
                 found.setdefault(str(row["asset_id"]), (column, confidence, str(row["found"])))
     return found
 
@@ -78,13 +86,17 @@ def _query(out: Path, sql: str, parameters: tuple[str, ...]) -> list[dict[str, o
     path = out / CATALOG
     if not path.is_file():
         raise FileNotFoundError(path)
-    with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as db:
-        db.row_factory = sqlite3.Row
-        try:
+    try:
+        with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
+            db.row_factory = sqlite3.Row
             return [dict(row) for row in db.execute(sql, parameters)]
-        except sqlite3.DatabaseError as error:
-            headline = f"{CATALOG} cannot be read ({error}); `mana assets ingest` writes it anew"
-            raise InvalidInput(finding("asset/catalog-unreadable", headline)) from error
+    except sqlite3.DatabaseError as error:
+        raise _unreadable(str(error)) from error
+
+
+def _unreadable(why: str) -> InvalidInput:
+    headline = f"{CATALOG} cannot be read ({why}); `mana assets ingest` writes it anew"
+    return InvalidInput(finding("asset/catalog-unreadable", headline))
 
 
 def _row(record: AssetRecord) -> tuple[object, ...]:

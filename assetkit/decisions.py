@@ -10,6 +10,7 @@ from typing import get_args
 
 from pydantic import ValidationError
 
+from assetkit.annotate.annotator import UNKNOWN
 from assetkit.discover import Candidate
 from assetkit.options import Options, UnitName, UpAxisName
 from jobs.cache import file_sha256
@@ -50,16 +51,29 @@ def read_decisions(out: Path) -> tuple[Decision, ...]:
 
 def _checked(decision: Decision) -> Decision:
     for field, value in decision.set.items():
-        if value and value not in ALLOWED.get(field, (value,)):
-            raise ValueError(f"{field} must be one of {', '.join(ALLOWED[field])}")
+        check_value(field, value)
     return decision
 
 
+def check_value(field: str, value: str) -> None:
+    """Raises ValueError when the field cannot have that value. An empty one withdraws what was stated."""
+    if value and value not in ALLOWED.get(field, (value,)):
+        raise ValueError(f"{field} must be one of {', '.join(ALLOWED[field])}")
+    if field == "category" and value == UNKNOWN:
+        raise ValueError("nobody can state that a category is unknown; leave the value empty to withdraw one")
+
+
 def record_decision(decision: Decision, out: Path) -> None:
-    """Append one decision. It is one write at the end of the file, so that two people can decide at the same time."""
-    line = decision.model_dump_json(exclude_defaults=True) + "\n"
-    with (out / DECISIONS).open("ab", buffering=0) as file:
-        file.write(line.encode())
+    """Append one decision. It is one write at the end of the file, so that two people can decide at the same time.
+
+    A file whose last line was left open, as by an editor, gets its line break first.
+    """
+    path = out / DECISIONS
+    line = decision.model_dump_json(exclude_defaults=True).encode() + b"\n"
+    held = path.read_bytes() if path.is_file() else b""
+    torn = bool(held) and not held.endswith(b"\n")
+    with path.open("ab", buffering=0) as file:
+        file.write(b"\n" + line if torn else line)
 
 
 def date_of_decision() -> str | None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from assetkit.extend_record import extended_section
+from assetkit.grasp_trials import untried_again
 from assetkit.record import RECORD, read_record
 from assetkit.release import publish
 from assetkit.stages.accept_package import Judged, judge_package
@@ -108,6 +109,7 @@ def _record(
             "outcome": outcome,
             "physics": section,
             "acceptance": judged.section,
+            "affordances": tuple(untried_again(e) for e in record.affordances),
             "diagnostics": (*kept, *judged.diagnostics),
             "history": (*record.history, StageEntry(name=NAME, version=VERSION, key=key[:16])),
             "hashes": hashes,

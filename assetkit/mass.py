@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assetkit.mass_bounds import Bounds, elementwise, filling_of, mass_bounds, wall_factors
+from assetkit.mass_bounds import Bounds, bounds_around, elementwise, filling_of, mass_bounds, wall_factors
 from assetkit.mass_parts import STATED_CONFIDENCE, Clues, Part, parts_of
+from assetkit.materials import UNKNOWN
 from assetkit.source_inertials import applicable
 from assetkit.substances import STATED_TOLERANCE
-from geom.inertia import combine, mass_properties, of_sheet
+from assetkit.usual_mass import Usual, usual_mass
+from geom.inertia import combine, mass_properties, of_sheet, scaled
 from schemas.asset import MassPart, Matrix3, Vec3, matrix3, vec3
 from schemas.diagnostics import Diagnostic, finding
-from schemas.evidence import Evidence, Source, declared
+from schemas.evidence import Evidence, Source, declared, inferred
 from schemas.model import FloatArray
 from schemas.outcome import Repair
 from schemas.physics import MassProperties, Solid
@@ -22,6 +24,8 @@ from schemas.physics import MassProperties, Solid
 COM_SLACK_SHARE, STATED_COM_SLACK_SHARE = 0.05, 0.01
 CORE_TRUST = 0.5  # Shells inside are filled or empty: nothing tells.
 TOLD_SHARE = 0.02  # Overlaps of materials that change the mass by less are not told.
+USUAL_TRUST = 0.6  # The usual mass is the middle of a wide range, however sure the category.
+USUAL = "as dense as makes it weigh what such things weigh"
 UNIFORMITY = 0.7  # how much to trust that the density is the same everywhere
 # How much to trust area times wall thickness, by how the thickness is known.
 WALL_TRUST: dict[Source, float] = {"declared": 0.9, "measured": 0.9, "inferred": 0.4, "default": 0.2}
@@ -62,6 +66,7 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
     total = combine([part.body for part in parts if part.body.mass_kg > 0.0])
     filling = filling_of(solid, clues.wall, clues.cavities)
     substances, volumes = [part.substance for part in parts], [part.even.mass_kg for part in parts]
+    value = total.mass_kg
     bounds = mass_bounds(substances, volumes, [part.body.mass_kg for part in parts], filling, clues.unit, exact=exact)
     if all(part.rival is not None for part in parts):
         others = [part.rival_body.mass_kg for part in parts]
@@ -71,35 +76,74 @@ def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvide
             "what parts share may be of either",
             total.mass_kg,
         )
-    geometric = bounds
+    usual = _usual_mass(solid, parts, clues)
+    if usual is not None:
+        bounds = _as_usual(bounds, usual, parts, clues)
+        value = min(max(usual.value_kg, bounds.low), bounds.high)
+    possible = bounds
     if clues.usual_kg is not None and _source(parts) != "declared":
-        bounds = bounds.within(clues.usual_kg, _usual(clues), total.mass_kg)
+        bounds = bounds.within(clues.usual_kg, _range_text(clues), value)
+    if usual is not None:
+        parts = [_rescaled(part, value, total.mass_kg, bounds, usual, clues) for part in parts]
+        total = combine([part.body for part in parts if part.body.mass_kg > 0.0])
     wall_trust = WALL_TRUST["default" if clues.wall is None else clues.wall.source]
     if solid.kind == "shell":
         trust = wall_trust
     elif solid.walls is not None:
         share = solid.walls.mass_kg / mass_properties(solid, 1.0)[0].mass_kg
         method, trust = f"{method}, walls grown from sheets", (1.0 - share) * trust + share * wall_trust
+    mass_trust = trust if usual is None else 1.0  # The size of the outside is enough.
     return MassEvidence(
         properties=total,
         material=parts[int(np.argmax(volumes))].substance.material,
         density_kgm3=_density(parts, total, bounds),
-        mass_kg=_mass(parts, total, bounds, method, trust * clues.unit.confidence),
+        mass_kg=_mass(parts, total, bounds, method, mass_trust * clues.unit.confidence),
         centre_of_mass_m=_centre(solid, parts, total, method, trust, clues),
-        inertia_kgm2=_inertia(parts, total, bounds, method, trust * clues.unit.confidence),
+        inertia_kgm2=_inertia(solid, parts, total, bounds, method, trust * clues.unit.confidence),
         parts=tuple(_recorded(part, sum(volumes), total.mass_kg) for part in parts),
         members=tuple(part.substance.meshes for part in parts),
         diagnostics=(
             *notes,
             *(d for j in judged for d in j.diagnostics),
             *_shared(parts, total),
-            *_unusual(geometric, clues),
+            *_unusual(possible, clues),
         ),
         repairs=tuple(r for j in judged for r in j.repairs),
     )
 
 
-def _usual(clues: Clues) -> str:
+def _usual_mass(solid: Solid, parts: Sequence[Part], clues: Clues) -> Usual | None:
+    """What things of the category and size weigh; None where the source states a mass, or none has this size."""
+    stated = any(p.substance.stated is not None or p.substance.density_kgm3.source == "declared" for p in parts)
+    if stated or not clues.category:
+        return None
+    usual = usual_mass(solid, clues.category, clues.names, clues.without_row)
+    least, most = clues.usual_kg or (0.0, np.inf)
+    return usual if usual is not None and usual.low_kg <= most and least <= usual.high_kg else None
+
+
+def _as_usual(geometric: Bounds, usual: Usual, parts: Sequence[Part], clues: Clues) -> Bounds:
+    """Bounds of usual things; where all materials are known, what volume times density allows as well."""
+    around = bounds_around(usual.value_kg, usual.low_kg, usual.high_kg, clues.unit, usual.text)
+    known = all(part.substance.material.value != UNKNOWN for part in parts)
+    return around.narrowed(geometric) if known else around
+
+
+def _rescaled(part: Part, mass_kg: float, from_kg: float, bounds: Bounds, usual: Usual, clues: Clues) -> Part:
+    """`part` as dense as makes the whole weigh `mass_kg` instead of `from_kg`: material, hollows and contents."""
+    density = part.substance.density_kgm3.value * mass_kg / from_kg
+    evidence = inferred(
+        density,
+        f"{USUAL}: {usual.text}",
+        USUAL_TRUST * clues.category_confidence,
+        bounds=(density * bounds.low / mass_kg, density * bounds.high / mass_kg),
+        inputs=(clues.category,),
+    )
+    substance = replace(part.substance, density_kgm3=evidence)
+    return replace(part, substance=substance, body=scaled(part.body, mass_kg / from_kg))
+
+
+def _range_text(clues: Clues) -> str:
     low, high = clues.usual_kg or (0.0, 0.0)
     return f"things of category {clues.category} weigh {low:g} to {high:g} kg"
 
@@ -108,7 +152,7 @@ def _unusual(bounds: Bounds, clues: Clues) -> list[Diagnostic]:
     """What is told when no mass that geometry and statements allow is one of the category; these then stand alone."""
     if clues.usual_kg is None or bounds.meets(clues.usual_kg):
         return []
-    headline = f"{_usual(clues)}, this one {bounds.low:.3g} to {bounds.high:.3g} kg"
+    headline = f"{_range_text(clues)}, this one {bounds.low:.3g} to {bounds.high:.3g} kg"
     return [finding("asset/category-contradicted", headline)]
 
 
@@ -138,10 +182,12 @@ def _mass(parts: Sequence[Part], total: MassProperties, bounds: Bounds, method: 
 
 
 def _inertia(
-    parts: Sequence[Part], total: MassProperties, bounds: Bounds, method: str, trust: float
+    solid: Solid, parts: Sequence[Part], total: MassProperties, bounds: Bounds, method: str, trust: float
 ) -> Evidence[Matrix3]:
     stated = all(p.substance.stated is not None and p.substance.stated.inertia is not None for p in parts)
     ratios = (1.0 - STATED_TOLERANCE, 1.0 + STATED_TOLERANCE) if stated else bounds.ratios(total.mass_kg)
+    if not stated and any(p.substance.density_kgm3.method.startswith(USUAL) for p in parts):
+        ratios = ratios[0], ratios[1] * _hollow_factor(solid)
     low, high = elementwise(total.inertia_kgm2, *ratios)
     spread = "spread evenly"
     if any(p.squeeze is not None for p in parts):  # Anything from half of it to the even filling.
@@ -157,6 +203,12 @@ def _inertia(
         bounds=(matrix3(low), matrix3(high)),
         inputs=_inputs(parts),
     )
+
+
+def _hollow_factor(solid: Solid) -> float:
+    """How much more inertia a body has when its mass is all in its surface, as in hollow things; at least 1."""
+    even, sheet = mass_properties(solid, 1.0)[0], of_sheet(solid.points, solid.triangles, 1.0, 1.0)
+    return max(1.0, float(np.trace(sheet.inertia_kgm2) / sheet.mass_kg * even.mass_kg / np.trace(even.inertia_kgm2)))
 
 
 def _centre(

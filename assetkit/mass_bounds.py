@@ -33,6 +33,8 @@ THIN_SHARE = 0.03
 # The wall of a sheet is a guess by this much; a hull holds at most its own volume and often a third of it.
 SHEET_WALL_FACTORS = (0.4, 2.5)
 HULL_FILL = 0.3
+# Two bounds agree when they share this much (in the logarithm) of the narrower.
+AGREEMENT, MODELLED_WALL_FACTOR = 0.5, 1.5
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,18 @@ class Bounds:
             return self
         span = self.span * (high / low) / (self.high / self.low)
         return Bounds(low, high, (*self.causes, cause), span)
+
+    def narrowed(self, other: Bounds) -> Bounds:
+        """What both allow; these alone when the two share less than half of the narrower.
+
+        The `other` is widened first by how wrong the thickness of walls in a model usually is.
+        """
+        least, most = other.low / MODELLED_WALL_FACTOR, other.high * MODELLED_WALL_FACTOR
+        low, high = max(self.low, least), min(self.high, most)
+        narrower = min(self.high / self.low, most / least)
+        if high <= low or math.log(high / low) < AGREEMENT * math.log(narrower):
+            return replace(self, causes=(*self.causes, "what names say of the material does not agree"))
+        return Bounds(low, high, (*self.causes, *other.causes), min(self.span, other.span))
 
     def meets(self, range_kg: tuple[float, float]) -> bool:
         """Whether some mass is within both."""
@@ -131,6 +145,11 @@ def mass_bounds(
         causes.append("materials shared out by visible area")
     low, high = low + (1.0 - STATED_TOLERANCE) * stated, high + (1.0 + STATED_TOLERANCE) * stated
     return _within_span(sum(masses_kg), low, high, _unit_factors(unit) if free else (1.0, 1.0), causes)
+
+
+def bounds_around(value: float, low: float, high: float, unit: Evidence[float], cause: str) -> Bounds:
+    """Bounds of a mass (kg) known for other reasons than its volume; an uncertain unit scales them by its cube."""
+    return _within_span(value, low, high, _unit_factors(unit), (cause,))
 
 
 def filling_of(solid: Solid, wall: Evidence[float] | None, cavities: Sequence[Cavity]) -> Filling:

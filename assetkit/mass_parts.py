@@ -37,6 +37,8 @@ class Clues:
     cavities          openings of the solid.
     dense             why a body of unknown material is likely solid or of metal (`dense_look`), "" if nothing says so.
     category          what the object is, "" while nobody knows, and what such things weigh: `usual_kg`, least and most.
+    category_confidence, names  how sure that is, and what the object is called, the most telling name first.
+    without_row       measured object whose row of `usual_masses.csv` is left out, as benchmarks do; "" for none.
     """
 
     meshes: tuple[Mesh, ...] = ()
@@ -49,6 +51,9 @@ class Clues:
     dense: str = ""
     category: str = ""
     usual_kg: tuple[float, float] | None = None
+    category_confidence: float = 0.0
+    names: tuple[str, ...] = ()
+    without_row: str = ""
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+from assetkit.grasp_trials import grasp_lines
 from assetkit.journal import Journal
 from assetkit.record import RECORD, read_record
 from assetkit.stage import Draft, need
@@ -49,7 +50,8 @@ def finish(draft: Draft, journal: Journal, work_dir: Path) -> Path:
     author(draft, work_dir)
     previews = folder / "previews"
     previews.mkdir(exist_ok=True)
-    for name, data in sorted(need(draft.previews, "previews").images.items()):
+    images = need(draft.previews, "previews").images | need(draft.acceptance, "acceptance").images
+    for name, data in sorted(images.items()):
         (previews / f"{name}.png").write_bytes(data)
     hashes = {p.relative_to(folder).as_posix(): file_sha256(p) for p in sorted(folder.rglob("*")) if p.is_file()}
     record = _record(draft, journal, hashes)
@@ -94,6 +96,8 @@ def _content(draft: Draft) -> PackageContent:
         thumbnail_png=need(draft.previews, "previews").images["thumbnail"],
         surfaces=physics.surfaces,
         shape_surfaces=physics.shape_surfaces,
+        grasp_lines_m=grasp_lines(draft.acceptance.affordances) if draft.acceptance else (),
+        parts=tuple(p.value for p in draft.interaction.parts) if draft.interaction else (),
     )
 
 
@@ -118,6 +122,7 @@ def _record(draft: Draft, journal: Journal, hashes: dict[str, str]) -> AssetReco
         appearance=need(draft.appearance, "appearance").section,
         semantics=need(draft.semantics, "semantics").section,
         parts=need(draft.interaction, "interaction").parts,
+        affordances=need(draft.acceptance, "acceptance").affordances,
         anchors=need(draft.acceptance, "acceptance").anchors,
         physics=need(draft.physics, "physics").section,
         acceptance=need(draft.acceptance, "acceptance").section,

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import takewhile
 from pathlib import Path, PurePosixPath
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from assetkit.decisions import date_of_decision
 from assetkit.options import METERS_PER_UNIT
@@ -15,10 +15,11 @@ from assetkit.record import RECORD, read_record
 from schemas.asset import AssetRecord
 from schemas.asset import SourceFile as FileRead
 from schemas.decision import DecidedField, Decision
-from schemas.diagnostics import Diagnostic, Severity
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.outcome import ItemOutcome
 from schemas.report import IngestReport, ReportItem
 
+REPORT = "report.json"
 DOUBTFUL = 0.5  # Evidence below this confidence is shown.
 _TURNS = {"x": "x is up", "y": "y is up, as in glTF and most OBJ files", "z": "z is up, as in most CAD and robot files"}
 
@@ -59,8 +60,16 @@ class Question(_Model):
 
 
 def read_report(out: Path) -> IngestReport:
-    """The report of the last run. Raises FileNotFoundError when there is none."""
-    return IngestReport.model_validate_json((out / "report.json").read_bytes())
+    """The report of the last run.
+
+    Raises FileNotFoundError when there is none, InvalidInput (`asset/report-unreadable`) when it is damaged.
+    """
+    data = (out / REPORT).read_bytes()
+    try:
+        return IngestReport.model_validate_json(data)
+    except ValidationError as error:
+        headline = f"{REPORT} cannot be read; `mana assets ingest` writes it anew"
+        raise InvalidInput(finding("asset/report-unreadable", headline, where=Location(file=REPORT))) from error
 
 
 def questions(out: Path, items: Sequence[ReportItem], decisions: Sequence[Decision]) -> Iterator[Question]:
@@ -121,13 +130,13 @@ def decision_about(
     """The decision on an item, bound to the content that it was made from. `name` says which object is meant where a
     file holds several: a package means one, the source all of them.
 
-    Raises LookupError when the item has no package: nothing was made that could be decided about.
+    Raises LookupError when there is no package of what is meant: nothing was made that could be decided about.
     """
-    about = [r for r in _records(out, item) if name == r.asset_id] or _records(out, item)
+    one = name in item.packages
+    about = [r for r in _records(out, item) if not one or r.asset_id == name]
     if not about:
-        raise LookupError(f"'{item.source}' is {item.outcome.value}: there is no package to decide about")
+        raise LookupError(f"'{name}' is {item.outcome.value}: there is no package to decide about")
     main = main_file(about[0].source.files, item.source)
-    one_of_several = len(about) == 1 and len(item.packages) > 1
     return Decision(
         source=item.source,
         source_sha256=main.sha256,
@@ -136,7 +145,7 @@ def decision_about(
             for f in about[0].source.files
             if f != main
         },
-        object=int(about[0].asset_id.rpartition("-")[2]) if one_of_several else 0,
+        object=int(name.rpartition("-")[2]) if one and len(item.packages) > 1 else 0,
         set=set_,
         accept=accept,
         known=tuple(sorted({d.code for r in about for d in r.diagnostics})) if accept else (),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -11,6 +11,7 @@ from pydantic import ConfigDict
 from assetkit.options import Options
 from geom.cavity import Cavity
 from jobs.cache import Cache
+from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
 from schemas.asset import (
     AcceptanceSection,
@@ -24,6 +25,7 @@ from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence
 from schemas.model import Axis, Material, Mesh, Model
 from schemas.outcome import Outcome
+from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, Solid, SurfaceMaterial
 from sim.port import Simulator
 
@@ -78,11 +80,11 @@ class Semantics:
 
 @dataclass(frozen=True)
 class Interaction:
-    """Parts of the object, each a JSON object with its evidence; anchors are proposals until acceptance. `cavities` are
-    the openings of the solid, for all stages that ask.
+    """Parts of the object; anchors are proposals until acceptance. `cavities` are the openings of the solid, for all
+    stages that ask.
     """
 
-    parts: tuple[Evidence[dict[str, Any]], ...] = ()
+    parts: tuple[Evidence[Part], ...] = ()
     anchors: tuple[Anchor, ...] = ()
     cavities: tuple[Cavity, ...] = ()
 
@@ -113,10 +115,16 @@ class Previews:
 
 @dataclass(frozen=True)
 class Acceptance:
-    """What simulator and validators found on the package as re-read from disk, and the anchors that hold."""
+    """What simulator and validators found on the package as re-read from disk.
+
+    With the anchors that hold, and what the object offers: grasps, tried or not, rims, handles. `images` are PNG
+    pictures by name: `grasps`, if there are some.
+    """
 
     section: AcceptanceSection
     anchors: tuple[Evidence[Anchor], ...] = ()
+    affordances: tuple[AffordanceEvidence, ...] = ()
+    images: dict[str, bytes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

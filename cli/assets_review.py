@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Annotated, cast, get_args
 
 import typer
+from pydantic import ValidationError
 from rich.markup import escape
 
 from assetkit.annotate.name_reading import category_called
-from assetkit.decisions import ALLOWED, DECISIONS, read_decisions, record_decision
+from assetkit.decisions import DECISIONS, check_value, read_decisions, record_decision
 from assetkit.review import Question, decision_about, items_called, questions, read_report
 from cli import text
 from schemas.decision import DecidedField, Decision
@@ -21,7 +22,9 @@ _OF_THE_FILE = {"license", "author", "units", "up_axis"}
 
 
 def review_command(
-    library: Annotated[Path, typer.Argument(help="An output folder of `mana assets ingest`.", exists=True)],
+    library: Annotated[
+        Path, typer.Argument(help="An output folder of `mana assets ingest`.", exists=True, file_okay=False)
+    ],
     item: Annotated[str | None, typer.Argument(help="A source, its file name, or a package. None: all.")] = None,
     set_: Annotated[
         list[str] | None,
@@ -91,7 +94,10 @@ def _decision(
 ) -> Decision:
     if not by or not by.strip():
         raise typer.BadParameter("say who decides", param_hint="--by")
-    said = dict(_field_and_value(text_) for text_ in set_)
+    fields = [_field_and_value(text_) for text_ in set_]
+    said = dict(fields)
+    if len(said) < len(fields):
+        raise typer.BadParameter("a field can be set once", param_hint="--set")
     if name in meant.packages and len(meant.packages) > 1 and (whole := _OF_THE_FILE & set(said)):
         shown = " and ".join(sorted(whole))
         raise typer.BadParameter(
@@ -101,6 +107,8 @@ def _decision(
         return decision_about(library, meant, name, set_=said, accept=accept, by=by.strip(), reason=reason)
     except LookupError as nothing:
         raise typer.BadParameter(str(nothing), param_hint="ITEM") from None
+    except ValidationError:
+        raise typer.BadParameter("only text in UTF-8 can be kept", param_hint="--by, --reason, --set") from None
 
 
 def _field_and_value(said: str) -> tuple[DecidedField, str]:
@@ -109,9 +117,10 @@ def _field_and_value(said: str) -> tuple[DecidedField, str]:
     if not equals or field not in get_args(DecidedField):
         known = ", ".join(get_args(DecidedField))
         raise typer.BadParameter(f"'{said}' is not FIELD=VALUE with one of {known}", param_hint="--set")
-    allowed = ALLOWED.get(field)
-    if allowed and value and value not in allowed:
-        raise typer.BadParameter(f"{field} must be one of {', '.join(allowed)}", param_hint="--set")
+    try:
+        check_value(field, value)
+    except ValueError as wrong:
+        raise typer.BadParameter(str(wrong), param_hint="--set") from None
     return cast(DecidedField, field), value
 
 

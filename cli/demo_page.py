@@ -39,10 +39,30 @@ def write_page(
     page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("demo.html")
     path = out / "index.html"
     html = page.render(
-        report=report, cards=cards, refused=refused, spoiled=spoiled, scene=scene, gap=gap, pictures=_pictures(out, gap)
+        report=report,
+        cards=cards,
+        grasped=_grasped(cards),
+        refused=refused,
+        spoiled=spoiled,
+        scene=scene,
+        gap=gap,
+        pictures=_pictures(out, gap),
     )
     write_atomically(path, html.encode())
     return path
+
+
+def _grasped(cards: list[dict[str, object]]) -> dict[str, object] | None:
+    """The object that offers most kinds of affordance, of those with a grasp; None without any."""
+    offers = []
+    for card in cards:
+        record = card["record"]
+        assert isinstance(record, AssetRecord), "cards hold records"
+        standing = [e.value.kind for e in record.affordances if e.confidence > 0.0]
+        regions = sorted({kind.replace("_", " ") for kind in standing} - {"grasp"})
+        if "grasp" in standing:
+            offers.append({"name": card["name"], "regions": regions})
+    return max(offers, key=lambda offer: len(offer["regions"]), default=None)
 
 
 def _pictures(out: Path, gap: GapDemo) -> list[tuple[str, str]]:

@@ -16,7 +16,7 @@ from shapely.geometry.base import BaseGeometry
 
 from geom.cavity import Cavity
 from geom.rays import Rays
-from geom.sections import matter_at
+from geom.sections import Sections
 from schemas.model import FloatArray
 from schemas.physics import Solid
 
@@ -54,21 +54,24 @@ class Containment:
 def find_containments(solid: Solid, cavities: Sequence[Cavity]) -> tuple[Containment, ...]:
     """The insides behind those `cavities` that look up, the largest first."""
     upright = [c for c in cavities if not c.through and c.direction[2] >= UPRIGHT]
-    found = [inside for c in upright if (inside := _inside(solid, c)) is not None]
+    if not upright:
+        return ()
+    cuts, rays = Sections(solid), Rays(solid.points, solid.triangles)
+    found = [inside for c in upright if (inside := _inside(cuts, rays, c)) is not None]
     return tuple(sorted(found, key=lambda c: (-c.volume_m3, *c.cavity.opening_m.tolist())))
 
 
-def _inside(solid: Solid, cavity: Cavity) -> Containment | None:
+def _inside(cuts: Sections, rays: Rays, cavity: Cavity) -> Containment | None:
     """None where no cut near the rim is closed."""
+    solid = cuts.solid
     top, depth_m = float(cavity.opening_m[2]), cavity.depth_m * float(cavity.direction[2])
     least = LEAST_OPENING * np.pi * (0.5 * cavity.diameter_m) ** 2
-    cuts = ((step, _opening_at(solid, top - step * depth_m, cavity)) for step in RIM_STEPS)
-    closed = next(((step, cut) for step, cut in cuts if cut is not None and cut.area >= least), None)
+    rims = ((step, _opening_at(cuts, top - step * depth_m, cavity)) for step in RIM_STEPS)
+    closed = next(((step, cut) for step, cut in rims if cut is not None and cut.area >= least), None)
     if closed is None:
         return None
     step, opening = closed
     rim_m = top if step == RIM_STEPS[0] else top - step * depth_m
-    rays = Rays(solid.points, solid.triangles)
     floor_m = _floor(rays, opening, top - step * depth_m)
     if floor_m is None:
         return None
@@ -77,7 +80,7 @@ def _inside(solid: Solid, cavity: Cavity) -> Containment | None:
     heights = floor_m + thickness * (np.arange(LAYERS) + 0.5)
     layers, before = list[BaseGeometry]([opening]), top - step * depth_m
     for height_m in heights[::-1].tolist():
-        layers.append(_free_below(solid, rays, height_m, layers[-1], max(before - height_m, 0.0)))
+        layers.append(_free_below(cuts, rays, height_m, layers[-1], max(before - height_m, 0.0)))
         before = height_m
     layers = [_simple(layer, cavity) for layer in reversed(layers[1:])]
     volume = float(thickness * sum(layer.area for layer in layers))
@@ -86,18 +89,18 @@ def _inside(solid: Solid, cavity: Cavity) -> Containment | None:
     return Containment(cavity, outline, floor_m, rim_m, heights, tuple(layers), volume)
 
 
-def _opening_at(solid: Solid, height_m: float, cavity: Cavity) -> shapely.Polygon | None:
+def _opening_at(cuts: Sections, height_m: float, cavity: Cavity) -> shapely.Polygon | None:
     """The free region around the middle of the opening; None where it is not closed all around."""
     middle = shapely.Point(cavity.opening_m[:2])
-    closed, _ = _free(solid, height_m)
+    closed, _ = _free(cuts, height_m)
     return next((part for part in closed if part.contains(middle)), None)
 
 
-def _free_below(solid: Solid, rays: Rays, height_m: float, above: BaseGeometry, drop_m: float) -> BaseGeometry:
+def _free_below(cuts: Sections, rays: Rays, height_m: float, above: BaseGeometry, drop_m: float) -> BaseGeometry:
     """What is free at a height below the region `above`, which lies `drop_m` higher: closed regions whole, open ones as
     far as they lie under it; only those that are in sight from there, not behind a wall.
     """
-    closed, opened = _free(solid, height_m)
+    closed, opened = _free(cuts, height_m)
     under = [above.intersection(part) for part in opened]
     regions = [r for r in (*closed, *(p for piece in under for p in shapely.get_parts(piece))) if r.intersects(above)]
     return shapely.union_all([r for r in regions if _in_sight(rays, above.intersection(r), height_m, drop_m)])
@@ -110,11 +113,12 @@ def _in_sight(rays: Rays, region: BaseGeometry, height_m: float, drop_m: float) 
     return bool((rays.reach(starts, DOWN) >= drop_m).any())
 
 
-def _free(solid: Solid, height_m: float) -> tuple[list[shapely.Polygon], list[shapely.Polygon]]:
+def _free(cuts: Sections, height_m: float) -> tuple[list[shapely.Polygon], list[shapely.Polygon]]:
     """The free regions of a horizontal cut: those that matter closes all around, and the others."""
-    low, high = solid.points[:, :2].min(axis=0), solid.points[:, :2].max(axis=0)
+    points = cuts.solid.points
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
     sheet = shapely.box(*(low - 0.1 * (high - low)), *(high + 0.1 * (high - low)))
-    free = shapely.get_parts(sheet.difference(matter_at(solid, height_m)))
+    free = shapely.get_parts(sheet.difference(cuts.matter_at(height_m)))
     closed, opened = list[shapely.Polygon](), list[shapely.Polygon]()
     for part in free:
         (opened if part.intersects(sheet.exterior) else closed).append(part)

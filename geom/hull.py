@@ -80,7 +80,7 @@ def reduced_hull(
     chosen = list(dict.fromkeys((full @ directions.T).argmax(axis=0).tolist()))[:max_points]
     tolerance = REDUCTION_TOLERANCE * float(np.ptp(full, axis=0).max())
     while len(chosen) < max_points:
-        normals, offsets = _planes(*convex_hull(full[chosen]))
+        normals, offsets = face_planes(*convex_hull(full[chosen]))
         outside = full @ normals.T - offsets
         beyond = [int(outside[:, f].argmax()) for f in np.argsort(-outside.max(axis=0), kind="stable")]
         reach = outside.max(axis=1)
@@ -122,7 +122,7 @@ def centroid(points: FloatArray, triangles: IntArray) -> FloatArray:
 
 def thickness(points: FloatArray, triangles: IntArray) -> float:
     """Smallest width of a convex hull across one of its faces; the true width is never larger."""
-    normals, offsets = _planes(points, triangles)
+    normals, offsets = face_planes(points, triangles)
     return float((offsets - (points @ normals.T).min(axis=0)).min())
 
 
@@ -133,11 +133,11 @@ def contains(points: FloatArray, triangles: IntArray, queries: FloatArray, margi
 
 def outside_by(points: FloatArray, triangles: IntArray, queries: FloatArray) -> FloatArray:
     """(k,) how far a query (k, 3) lies beyond the furthest face plane: at most its distance, negative inside."""
-    normals, offsets = _planes(points, triangles)
+    normals, offsets = face_planes(points, triangles)
     return (queries @ normals.T - offsets).max(axis=1)
 
 
-def _planes(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, FloatArray]:
+def face_planes(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, FloatArray]:
     """Outward unit normals (m, 3) and offsets (m,) of the faces; faces without area are left out."""
     corners = points[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pydantic import ConfigDict
+
 from render.camera import STANDARD_VIEWS, View
-from schemas.model import Model
+from render.drawn_grasp import DrawnGrasp
+from schemas.model import IntArray, Model
 from schemas.physics import CollisionShape
 
 
@@ -16,12 +19,20 @@ class RenderRequest:
     model    canonical: metres, z-up, +x is the front, origin at the bottom centre.
     shapes   collision shapes in the frame of the model; none: no `collision.png`.
     out_dir  an existing folder or one to create; files of the same names are replaced.
+    grasps   when there are some, only `grasps.png` is drawn: the model in grey and a gripper at each.
+    parts    legend of the parts; none: no `parts.png`. `part_of` (m,) is the index of that of each triangle, counted
+             through all meshes, or -1.
     size_px  edge of the square pictures; the thumbnail is always 256.
     views    where to look from; each gives the picture of its name.
     """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
 
     model: Model
     shapes: tuple[CollisionShape, ...]
     out_dir: str
     size_px: int = 512
     views: tuple[View, ...] = STANDARD_VIEWS
+    grasps: tuple[DrawnGrasp, ...] = ()
+    parts: tuple[str, ...] = ()
+    part_of: IntArray | None = None

@@ -10,6 +10,8 @@ from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
 from render.camera import HERO_VIEW, AnnotationFrame, annotation_frame, camera
 from render.collision import collision_actors, shape_mesh
+from render.grasps import grasp_actors, reach
+from render.parts import draw_parts
 from render.request import RenderRequest
 from render.studio import floor, studio_renderer
 from render.surfaces import Surface, actor, plain_actor, surfaces
@@ -24,7 +26,8 @@ _THIN = 0.01  # Needles thinner than this share of their length are drawn as lin
 
 
 def render_all(request: RenderRequest) -> dict[str, Path]:
-    """Write the pictures of `request`; their paths by name: four views, `thumbnail`, `collision` if there are shapes.
+    """Write the pictures of `request`; their paths by name: four views, `thumbnail`, `collision` if there are shapes,
+    `parts` if there are parts.
 
     Raises NoOpenGL when the system has no software OpenGL. A driver without its back end may kill the process: run it
     in a cell (`python -m render`).
@@ -37,9 +40,16 @@ def render_all(request: RenderRequest) -> dict[str, Path]:
     renderer = studio_renderer()
     window.AddRenderer(renderer)
     renderer.AddActor(floor(_surface_samples(parts), bottom=-frame.extent[2] / 2.0))
-    pictures = _draw_views(request, frame, parts, window, renderer)
+    if request.grasps:
+        pictures = {"grasps": _draw_grasps(request, frame, parts, window, renderer)}
+    else:
+        pictures = _draw_views(request, frame, parts, window, renderer)
     if request.shapes:
         pictures["collision"] = _draw_collision(request, frame, parts, window, renderer)
+    if request.parts and request.part_of is not None and parts:
+        renderer.RemoveAllViewProps()
+        renderer.AddActor(floor(_surface_samples(parts), bottom=-frame.extent[2] / 2.0))
+        pictures["parts"] = draw_parts(request, request.part_of, frame, window, renderer)
     paths = {name: folder / f"{name}.png" for name in pictures}
     for name, picture in pictures.items():
         save_png(picture, paths[name])
@@ -85,6 +95,21 @@ def _draw_collision(
     # Shapes that stick out of the model must be seen, too.
     reach = np.abs(np.concatenate([mesh.points for mesh in meshes])).max(axis=0)
     lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * reach))
+    return take_picture(window, renderer, lens, request.size_px)
+
+
+def _draw_grasps(
+    request: RenderRequest,
+    frame: AnnotationFrame,
+    parts: tuple[Surface, ...],
+    window: vtkRenderWindow,
+    renderer: vtkRenderer,
+) -> Image.Image:
+    if parts:
+        renderer.AddActor(plain_actor(parts, _FAINT))
+    for lines in grasp_actors(request.grasps, frame):
+        renderer.AddActor(lines)
+    lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * reach(request.grasps, frame)))
     return take_picture(window, renderer, lens, request.size_px)
 
 

@@ -6,11 +6,13 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, default
 from schemas.model import FloatArray
 from schemas.outcome import ItemOutcome, Repair
+from schemas.parts import Part
 from schemas.physics import Contact, Fidelity
 
 SCHEMA_VERSION = "1.0"
@@ -265,8 +267,8 @@ class AssetRecord(_Section):
     geometry: GeometrySection
     appearance: AppearanceSection
     semantics: SemanticsSection
-    parts: tuple[Evidence[dict[str, Any]], ...] = ()
-    affordances: tuple[Evidence[dict[str, Any]], ...] = ()
+    parts: tuple[Evidence[Part], ...] = ()
+    affordances: tuple[AffordanceEvidence, ...] = ()
     anchors: tuple[Evidence[Anchor], ...] = ()
     physics: PhysicsSection
     acceptance: AcceptanceSection

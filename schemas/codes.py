@@ -422,6 +422,13 @@ CODES: dict[str, CodeInfo] = {
         "It is kept as stated, but no family, roles, usual size or Wikidata class belong to it.",
         "nothing, or state a category of docs/pipelines/semantics.md",
     ),
+    "asset/part-disputed": CodeInfo(
+        "warning",
+        "Clues about the name of a part contradict each other",
+        "Names and shape, or two names, say different things, or what should lie above lies below; the part stays in "
+        "the record without a label.",
+        "look at previews/parts.png, and name nodes and materials in the source after what they are",
+    ),
     # Decisions of people.
     "asset/decided-by-person": CodeInfo(
         "info",
@@ -451,6 +458,12 @@ CODES: dict[str, CodeInfo] = {
         "error",
         "The catalog of a library cannot be read",
         "It is damaged, or another version wrote it. The records beside it are the truth; it is only made from them.",
+        "run mana assets ingest on the library again, which writes it anew",
+    ),
+    "asset/report-unreadable": CodeInfo(
+        "error",
+        "The report of a library cannot be read",
+        "It is damaged, or another version wrote it. The packages and the decisions beside it are untouched.",
         "run mana assets ingest on the library again, which writes it anew",
     ),
     # Physics and acceptance.
@@ -507,6 +520,18 @@ CODES: dict[str, CodeInfo] = {
         "A surface or volume does not hold what is put there",
         "Geometry offers it, but in simulation probes fall off, through or out of it: collision shapes differ there.",
         "nothing if the anchor is not needed; else compare the collision picture, and clean the mesh there",
+    ),
+    "asset/no-grasp": CodeInfo(
+        "info",
+        "A parallel-jaw gripper cannot pick the object up",
+        "It is fixed, too heavy or nowhere narrow enough for fingers 80 mm apart; `affordances` then holds no grasp.",
+        "nothing if that is so; else check the unit and the mass in the record",
+    ),
+    "asset/grasp-not-held": CodeInfo(
+        "info",
+        "A grasp that geometry proposes slips in simulation",
+        "It stays in the record as refuted and is left out of the USD.",
+        "nothing while other grasps hold; else compare the collision picture with the object",
     ),
     "asset/package-invalid": CodeInfo(
         "error",

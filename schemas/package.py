@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from pydantic import ConfigDict
 
+from schemas.anchors import Point3
 from schemas.model import Model
+from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, SurfaceMaterial
 
 
@@ -16,6 +18,8 @@ class PackageContent:
 
     `surfaces` are the contact materials when parts differ, that of the largest part first; `shape_surfaces` says for
     each shape which of them it has. When empty, every shape has `contact`, `physical_material` and `density_kgm3`.
+    `grasp_lines_m` are the two ends of each grasp's line, asset frame, the best grasp first.
+    `parts` become face subsets of the meshes.
     `thumbnail_png` is a 256x256 PNG. Texts are "unknown" where nothing is known; they are never invented.
     """
 
@@ -36,3 +40,5 @@ class PackageContent:
     thumbnail_png: bytes
     surfaces: tuple[SurfaceMaterial, ...] = ()
     shape_surfaces: tuple[int, ...] = ()
+    grasp_lines_m: tuple[tuple[Point3, Point3], ...] = ()
+    parts: tuple[Part, ...] = ()

@@ -33,9 +33,21 @@ from geom.principal_axes import principal_axes
 from geom.support import bounds, diagonal, heights
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape, RigidBody
+from sim.bullet_grasp import grasp_and_lift
 from sim.bullet_probes import drop_probes
 from sim.bullet_shapes import clear_margins, compound
-from sim.port import DropResult, DropSettings, ProbesAtEnd, Stillness, World, model_scale, pair_value, rms_speeds
+from sim.port import (
+    DropResult,
+    DropSettings,
+    GraspOutcome,
+    GraspTask,
+    ProbesAtEnd,
+    Stillness,
+    World,
+    model_scale,
+    pair_value,
+    rms_speeds,
+)
 
 _PARKED_M = 1000.0
 _SINGLE = 1e-6  # relative: the OBJ reader is single precision
@@ -114,6 +126,10 @@ class BulletSimulator:
     ) -> ProbesAtEnd:
         """See `sim.port.Simulator`."""
         return drop_probes(fixed, probes, duration_s)
+
+    def grasp_and_lift(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
+        """See `sim.port.Simulator`."""
+        return grasp_and_lift(body, X_WA, task)
 
     def _load(self, body: RigidBody, world: World) -> _Loaded:
         """Build ground and body in an empty world, and prove that the engine holds what was asked for."""

@@ -12,7 +12,7 @@ from geom.rays import Rays
 from geom.support import centre_heights, facet_directions, heights, support, surface
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape, RigidBody
-from sim.port import DropResult, DropSettings, ProbesAtEnd, World
+from sim.port import DropResult, DropSettings, GraspOutcome, GraspTask, ProbesAtEnd, World
 
 _NUDGE_RAD = 1e-4
 
@@ -61,6 +61,11 @@ class FakeSimulator:
     ) -> tuple[DropResult, ...]:
         """See `sim.port.Simulator`."""
         return tuple(self.drop(body, X_WA, settings) for X_WA in poses_WA)
+
+    def grasp_and_lift(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
+        """See `sim.port.Simulator`: friction of both pads against the weight, no torques; what is held is let go."""
+        held = 2.0 * task.friction * task.force_n >= body.mass.mass_kg * -World().gravity_mps2[2]
+        return GraspOutcome(held=held, released=held, slip_m=0.0 if held else math.inf)
 
     def drop_probes(
         self, fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float

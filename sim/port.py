@@ -9,6 +9,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from geom.gripper import Gripper
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape, MassProperties, RigidBody
 
@@ -118,6 +119,31 @@ class Standing:
     moves: bool
 
 
+@dataclass(frozen=True)
+class GraspTask:
+    """A gripper whose pads are to close on a body: its pose X_AG (4, 4) in the frame of the body (`geom.gripper`), how
+    far the pads are apart before, what each presses with, and the friction between pads and body.
+    """
+
+    X_AG: FloatArray
+    opening_m: float
+    force_n: float
+    friction: float
+    gripper: Gripper = field(default_factory=Gripper)
+
+
+@dataclass(frozen=True)
+class GraspOutcome:
+    """What became of it: `held` through lift, rest and shaking and `released` when the pads opened.
+
+    `slip_m` is how far the mass centre moved in the gripper from when the pads had closed; infinite when it fell.
+    """
+
+    held: bool
+    released: bool
+    slip_m: float
+
+
 class Simulator(Protocol):
     """Drops rigid bodies. Equal calls give equal results, whatever was simulated before."""
 
@@ -142,6 +168,12 @@ class Simulator(Protocol):
         """Boxes and spheres released at rest where they are posed, over the `fixed` shapes, without any ground.
 
         They do not feel one another. Fixed and probes share one frame, z up; friction is 0.5, nothing bounces.
+        """
+        ...
+
+    def grasp_and_lift(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
+        """Close on `body` that stands in pose `X_WA` on the ground, lift it by 0.3 m, hold it for a second, shake it
+        for 1.5 s (2 Hz, a circle of 1 cm), and let go: `grasp_and_lift` of NVIDIA's SimReady runtime benchmark.
         """
         ...
 

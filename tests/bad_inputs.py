@@ -39,6 +39,17 @@ def obj(mesh: trimesh.Trimesh, head: str = "") -> Writer:
     return text("part.obj", obj_text(mesh, head))
 
 
+def knob_called_lid(folder: Path) -> Path:
+    """Two cubes; one node is called a lid and its material a knob."""
+    points = "".join(
+        f"v {x:.9g} {y:.9g} {z:.9g}\n" for k in (0.0, 0.1) for x, y, z in np.add(CUBE.vertices, (k, 0.0, 0.0))
+    )
+    faces = ["".join(f"f {a + k} {b + k} {c + k}\n" for a, b, c in CUBE.faces) for k in (1, 9)]
+    (folder / "part.mtl").write_text("newmtl knob\nKd 1 0 0\nnewmtl steel\nKd 0 1 0\n")
+    head = f"mtllib part.mtl\n{points}"
+    return text("part.obj", f"{head}o lid\nusemtl knob\n{faces[0]}o base\nusemtl steel\n{faces[1]}")(folder)
+
+
 def gltf_json(**changes: Any) -> dict[str, Any]:
     """A cube as glTF with an embedded buffer; `changes` replace top-level keys."""
     points = CUBE.vertices.astype("<f4").tobytes()
@@ -271,6 +282,7 @@ SAMPLES: dict[str, Writer] = {
     ),
     "asset/animation-dropped": gltf(animations=[ANIMATION]),
     "asset/category-unknown": obj(CUBE),
+    "asset/part-disputed": knob_called_lid,
     "asset/category-contradicted": text("mug.obj", obj_text(trimesh.creation.box((2.0, 2.0, 3.0)))),
 }
 
@@ -294,7 +306,10 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/reference-pose-topples": "tests/unit/test_acceptance.py",
     "asset/no-stable-pose": "tests/unit/test_acceptance.py",
     "asset/anchor-unverified": "tests/unit/test_anchor_trials.py",
+    "asset/no-grasp": "tests/unit/test_find_affordances.py",
+    "asset/grasp-not-held": "tests/unit/test_grasp_trials.py",
     "asset/catalog-unreadable": "tests/test_search.py",
+    "asset/report-unreadable": "tests/test_review.py",
     "asset/decided-by-person": "tests/test_review.py",
     "asset/decision-overruled": "tests/test_review.py",
     "asset/decision-outdated": "tests/test_review.py",

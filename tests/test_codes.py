@@ -12,6 +12,7 @@ from assetkit.stages.appearance import NormalizeAppearance
 from assetkit.stages.author_physics import AuthorPhysics
 from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.intake import take_in
+from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.semantics import DescribeObject
 from cli.docs import file_name, index, page
 from scenec.assets import AssetLibrary
@@ -41,7 +42,10 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
         found += canonical.diagnostics
         found += NormalizeAppearance().run(draft, tools).diagnostics
         if canonical.value is not None:
-            found += DescribeObject().run(replace(draft, canonicalize=canonical.value), tools).diagnostics
+            draft = replace(draft, canonicalize=canonical.value)
+            described = DescribeObject().run(draft, tools)
+            found += described.diagnostics
+            found += ProposeParts().run(replace(draft, semantics=described.value), tools).diagnostics
         if canonical.value is not None and (item.model.masses or item.model.contacts):
             found += AuthorPhysics().run(replace(draft, canonicalize=canonical.value), tools).diagnostics
     return found

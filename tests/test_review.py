@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import shutil
+from functools import partial
 from pathlib import Path
 
 import pytest
+import trimesh
 from typer.testing import CliRunner
 
 from assetkit.acceptance_by_person import accepted_by_person
@@ -15,7 +17,7 @@ from assetkit.discover import discover
 from assetkit.ingest import ingest
 from assetkit.journal import Entry, Journal
 from assetkit.options import Options
-from assetkit.review import main_file
+from assetkit.review import decision_about, main_file, read_report
 from cli.assets import app
 from jobs.cache import file_sha256
 from schemas.asset import SourceFile
@@ -62,6 +64,42 @@ def test_a_damaged_line_stops_the_batch_and_is_named(line: str, mug: Path, tmp_p
         read_decisions(tmp_path)
     assert refused.value.diagnostic.code == "asset/decision-unreadable"
     assert refused.value.diagnostic.where.line == 2
+
+
+def test_a_last_line_left_open_is_closed_before_the_next_decision(mug: Path, tmp_path: Path):
+    first, second = decision(mug, accept=True), decision(mug, accept=False)
+    record_decision(first, tmp_path)
+    path = tmp_path / DECISIONS
+    path.write_bytes(path.read_bytes().rstrip(b"\n"))
+    record_decision(second, tmp_path)
+    assert read_decisions(tmp_path) == (first, second)
+
+
+def test_a_damaged_report_is_told(tmp_path: Path):
+    (tmp_path / "report.json").write_text("{")
+    with pytest.raises(InvalidInput) as refused:
+        read_report(tmp_path)
+    assert refused.value.diagnostic.code == "asset/report-unreadable"
+
+
+def test_a_decision_is_about_the_object_that_was_named_or_about_none(tmp_path: Path):
+    """A file of two objects, of which one package has gone: the decision must not slip onto the other."""
+    source, out = tmp_path / "in", tmp_path / "out"
+    source.mkdir()
+    apart = trimesh.transformations.translation_matrix((1.0, 0.0, 0.0))
+    two = trimesh.util.concatenate(
+        [trimesh.creation.box((0.2, 0.1, 0.1)), trimesh.creation.box((0.1, 0.1, 0.1), apart)]
+    )
+    two.export(source / "pair.obj")
+    mana("ingest", source, "--out", out, "--json")
+    report = read_report(out)
+    (item,) = report.items
+    assert len(item.packages) == 2
+    shutil.rmtree(out / item.packages[1])
+    about = partial(decision_about, out, item, set_={}, accept=True, by="Ann", reason="")
+    assert (about(item.packages[0]).object, about(item.source).object) == (1, 0)
+    with pytest.raises(LookupError, match=item.packages[1]):
+        about(item.packages[1])
 
 
 def test_what_is_decided_overrules_the_command_line_and_says_by_whom(mug: Path):

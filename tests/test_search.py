@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sqlite3
+import unicodedata
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 
 from assetkit import catalog
 from assetkit.colour_names import BASIC_TERMS, basic_terms, colour_called
+from assetkit.search import facts
 from assetkit.search.facts import Facts, Sure
 from assetkit.search.reading import read_request
 from assetkit.search.search import Found, search
@@ -48,6 +51,12 @@ def read(request: str) -> dict[str, object]:
         ("a container", {"family": ("containers",)}),
         ("mug no more than 10 cm", {"category": ("mug",), "size_m": (0.0, 0.1)}),
         ("mug not taller than 10 cm", {"category": ("mug",), "height_m": (0.0, 0.1)}),
+        ("mug not under 10 cm", {"category": ("mug",), "size_m": (0.1, INF)}),
+        ("box between 5cm and 8 cm", {"category": ("box",), "size_m": (0.05, 0.08)}),
+        ("table 1 m to 80 cm", {"category": ("table",), "size_m": (0.8, 1.0)}),
+        ("mug less than 1,000 g", {"category": ("mug",), "mass_kg": (0.0, 1.0)}),
+        ("mug under .5 kg", {"category": ("mug",), "mass_kg": (0.0, 0.5)}),
+        ("box 10cm - 200g", {"category": ("box",), "size_m": (0.08, 0.12), "mass_kg": (0.16, 0.24)}),
         ("", {}),
     ],
 )
@@ -65,7 +74,7 @@ def test_the_last_noun_is_the_thing_so_a_mug_holder_is_no_mug():
 def asset(asset_id: str, category: str = "unknown", confidence: float = 0.0, **more) -> Facts:
     family = {"mug": "drinkware", "bowl": "kitchenware"}.get(category, "unknown")
     usual = {
-        "outcome": "accepted", "group": None, "possible": (), "roles": (), "materials": (), "colours": None,
+        "outcome": "accepted", "possible": (), "roles": (), "materials": (), "colours": None,
         "extent_m": (0.08, 0.1, 0.12), "extent_confidence": 0.8, "mass_kg": 0.3, "mass_confidence": 0.3,
         "anchors": (), "tasks": (), "parts": (),
     }  # fmt: skip
@@ -138,12 +147,25 @@ def test_a_strange_word_beside_a_known_thing_is_said_and_ranks_only():
         ("mug that is not red", ["not red"]),
         ("container other than a mug", ["not mug"]),
         ("tray without an opening", ["an opening"]),
+        ("mug not for pouring", ["pouring"]),
+        ("bowl without red or blue", ["not red", "not blue"]),
     ],
 )
 def test_what_is_denied_is_not_wished_for(request_: str, denied: list[str]):
     wishes = read_request(request_)
     assert [w.words for w in wishes if w.denied] == denied
     assert [w.field for w in wishes if w.names_thing] in (["category"], ["family"])
+
+
+def test_a_denied_kind_of_thing_is_a_kind_and_not_a_word():
+    (wish,) = read_request("not a coffee mug")
+    assert (wish.field, wish.values, wish.denied) == ("category", ("mug",), True)
+    assert ids(find("not a mug")) == ["red_ball"]  # What nobody knows may well be a mug.
+
+
+def test_what_was_never_recorded_is_no_proof_that_it_is_not_there():
+    assert ids(find("mug without a handle")) == []
+    assert ids(find("mug not to cut with")) == []
 
 
 def test_a_denied_colour_must_be_known_to_be_another():
@@ -170,6 +192,42 @@ def test_a_catalog_of_another_version_is_told(tmp_path: Path):
     with pytest.raises(InvalidInput) as refused:
         catalog.facts(tmp_path)
     assert refused.value.diagnostic.code == "asset/catalog-unreadable"
+
+
+def test_a_catalog_whose_facts_are_of_another_shape_is_told(tmp_path: Path):
+    folder = tmp_path / "lib#1"  # A path is no part of an address.
+    folder.mkdir()
+    with sqlite3.connect(folder / catalog.CATALOG) as db:
+        db.execute("CREATE TABLE facts (facts TEXT)")
+        db.execute("INSERT INTO facts VALUES ('{}')")
+    with pytest.raises(InvalidInput) as refused:
+        catalog.facts(folder)
+    assert refused.value.diagnostic.code == "asset/catalog-unreadable"
+
+
+@pytest.mark.parametrize(
+    ("text", "request_", "denied", "found"),
+    [
+        ("чайник", "чайник", False, True),
+        ("컵", "컵", False, True),
+        (unicodedata.normalize("NFD", "컵"), "컵", False, True),
+        ("candle", "can", False, True),
+        ("candle", "can", True, False),
+        ("can", "can", True, True),
+    ],
+)
+def test_texts_are_found_in_any_script_and_denied_words_whole(
+    text: str, request_: str, denied: bool, found: bool, tmp_path: Path
+):
+    with sqlite3.connect(tmp_path / catalog.CATALOG) as db:
+        db.executescript(catalog._TABLES)
+        db.execute("INSERT INTO words VALUES ('a', ?, '', '', '')", (facts._words([text]),))
+    wish = replace(read_request(request_)[0], values=(request_,), denied=denied)
+    assert bool(catalog.find_text(tmp_path, wish)) is found
+
+
+def test_each_word_is_indexed_once_and_unknown_is_no_word():
+    assert facts._words(["widget_box", "Widget box", "unknown"]) == "widget box Widget"
 
 
 def test_words_of_colours_are_known_and_other_words_are_not():

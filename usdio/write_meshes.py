@@ -13,10 +13,12 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade, Vt
 
 from geom.corner_normals import corner_normals, face_vectors
 from schemas.model import FloatArray, IntArray, Mesh, Model
+from schemas.parts import Part
 from usdio.looks import Look, uv_primvar
 from usdio.names import prim_names
 
 MESH_FALLBACK = "mesh"
+PART_FAMILY = "manaPart"
 _MAX_ROLLS = 1000
 
 
@@ -25,10 +27,13 @@ def mesh_prim_names(model: Model) -> dict[str, str]:
     return prim_names((mesh.name for mesh in model.meshes), MESH_FALLBACK)
 
 
-def author_meshes(stage: Usd.Stage, root: Sdf.Path, model: Model, looks: Sequence[Look]) -> set[bytes]:
+def author_meshes(
+    stage: Usd.Stage, root: Sdf.Path, model: Model, looks: Sequence[Look], parts: Sequence[Part] = ()
+) -> set[bytes]:
     """Define `<root>/Visuals/<mesh>` for every mesh with triangles; `looks` holds one per mesh.
 
-    Points keep their order and sharing. A mesh that repeats an earlier one in place, shape and look is left out:
+    Points keep their order and sharing. Each of `parts` becomes a face subset of the
+    meshes it is seen on. A mesh that repeats an earlier one in place, shape and look is left out:
     it adds nothing visible and fails VG.008. Returns the listings taken, see `distinct_listing`.
     """
     UsdGeom.Xform.Define(stage, root.AppendChild("Visuals"))
@@ -43,7 +48,8 @@ def author_meshes(stage: Usd.Stage, root: Sdf.Path, model: Model, looks: Sequenc
         written.add(identity)
         path = root.AppendChild("Visuals").AppendChild(name)
         corners = distinct_listing(mesh.points, mesh.triangles, taken)
-        _author_mesh(stage, path, _relisted(mesh, corners), look, root)
+        prim = _author_mesh(stage, path, _relisted(mesh, corners), look, root)
+        _author_parts(prim, name, corners[::3] // 3, parts)
     return taken
 
 
@@ -66,7 +72,7 @@ def author_normals(mesh: UsdGeom.Mesh, normals: FloatArray, interpolation: str) 
     primvar.Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(normals, dtype=np.float32).reshape(-1, 3)))
 
 
-def _author_mesh(stage: Usd.Stage, path: Sdf.Path, mesh: Mesh, look: Look, root: Sdf.Path) -> None:
+def _author_mesh(stage: Usd.Stage, path: Sdf.Path, mesh: Mesh, look: Look, root: Sdf.Path) -> UsdGeom.Mesh:
     prim = define_mesh(stage, path, mesh.points, mesh.triangles)
     author_normals(prim, _outward_normals(mesh), UsdGeom.Tokens.faceVarying)
     primvars = UsdGeom.PrimvarsAPI(prim)
@@ -83,6 +89,25 @@ def _author_mesh(stage: Usd.Stage, path: Sdf.Path, mesh: Mesh, look: Look, root:
     # By path: the material lives in another layer, so `Bind` has no prim to take here.
     binding = prim.GetPrim().CreateRelationship(UsdShade.Tokens.materialBinding, custom=False)
     binding.SetTargets([root.AppendChild("Materials").AppendChild(look.prim_name)])
+    return prim
+
+
+def _author_parts(mesh: UsdGeom.Mesh, name: str, listed: IntArray, parts: Sequence[Part]) -> None:
+    """A subset per part with triangles on the mesh `name`; `listed` (m,) says which triangle stands at each place.
+
+    Parts may lie within each other, so their family is unrestricted. A label that nobody knows is not written.
+    """
+    for part in parts:
+        places = np.flatnonzero(part.mask(name, len(listed))[listed])
+        if len(places) == 0:
+            continue
+        indices = Vt.IntArray.FromNumpy(places.astype(np.int32))
+        subset = UsdGeom.Subset.CreateGeomSubset(mesh, part.part_id, UsdGeom.Tokens.face, indices, PART_FAMILY)
+        if part.label.confidence > 0.0:
+            subset.GetPrim().SetCustomDataByKey("mana:partLabel", part.label.value)
+            subset.GetPrim().SetCustomDataByKey("mana:partLabelConfidence", part.label.confidence)
+    if parts:
+        UsdGeom.Subset.SetFamilyType(mesh, PART_FAMILY, UsdGeom.Tokens.unrestricted)
 
 
 def _author_colors(prim: UsdGeom.Mesh, mesh: Mesh, look: Look) -> None:

@@ -16,6 +16,7 @@ from schemas.package import PackageContent
 from schemas.physics import SurfaceMaterial
 from usdio.looks import looks_per_mesh
 from usdio.names import identifier, prim_names
+from usdio.write_grasps import author_grasps
 from usdio.write_materials import author_materials, texture_files
 from usdio.write_meshes import author_meshes
 from usdio.write_physics import author_body, author_colliders, author_contact_material
@@ -46,11 +47,12 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     files = texture_files(content.model, looks)
 
     meshes, materials, physics = _new_layer(root), _new_layer(root), _new_layer(root)
-    taken = author_meshes(Usd.Stage.Open(meshes), root, content.model, looks)
+    taken = author_meshes(Usd.Stage.Open(meshes), root, content.model, looks, content.parts)
     paths = {name: f"../textures/{file}" for name, file in files.items()}
     author_materials(Usd.Stage.Open(materials), root, looks, paths, label)
     stage = Usd.Stage.Open(physics)
     author_colliders(stage, root, content.shapes, _contact_materials(stage, root, content), taken)
+    author_grasps(stage, root, content.grasp_lines_m)
 
     stem = content.asset_id
     _export(meshes, payloads / f"{stem}_meshes.usdc")

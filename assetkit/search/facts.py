@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
+import unicodedata
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
+from assetkit.annotate.annotator import UNKNOWN
 from assetkit.annotate.name_reading import category_called
 from assetkit.annotate.words import words_of
+from schemas.affordances import Affordance
 from schemas.asset import AssetRecord
 from schemas.evidence import Evidence
 
@@ -36,7 +40,6 @@ class Facts(BaseModel):
     outcome: str
     category: Sure
     family: Sure
-    group: Sure | None
     possible: tuple[tuple[str, float], ...]
     roles: tuple[Sure, ...]
     materials: tuple[Sure, ...]
@@ -69,7 +72,6 @@ def facts_of(record: AssetRecord) -> Facts:
         outcome=record.outcome.value,
         category=_sure(semantics.category),
         family=_sure(semantics.family),
-        group=_sure(semantics.interaction_group) if semantics.interaction_group else None,
         possible=tuple((h.category, h.score) for h in semantics.hypotheses),
         roles=tuple(map(_sure, semantics.roles)),
         materials=tuple(_sure(m) for m in {m.value: m for m in reversed(materials)}.values()),
@@ -79,8 +81,8 @@ def facts_of(record: AssetRecord) -> Facts:
         mass_kg=physics.mass_kg.value,
         mass_confidence=physics.mass_kg.confidence,
         anchors=tuple(Sure(a.value.kind, a.confidence, a.value.anchor_id) for a in record.anchors),
-        tasks=tuple(Sure(_spoken(a.value), a.confidence, a.method) for a in record.affordances),
-        parts=tuple(str(p.value["name"]) for p in record.parts),
+        tasks=tuple(Sure(_spoken(a.value), a.confidence, a.method) for a in record.affordances if a.confidence > 0.0),
+        parts=tuple(p.value.name for p in record.parts),
     )
 
 
@@ -89,7 +91,7 @@ def texts_of(record: AssetRecord) -> Texts:
     semantics = record.semantics
     known = category_called(semantics.category.value)
     others = [record.physics.material.value, semantics.family.value, semantics.category.value]
-    others += [role.value for role in semantics.roles] + [str(part.value["name"]) for part in record.parts]
+    others += [role.value for role in semantics.roles] + [part.value.name for part in record.parts]
     return Texts(
         names=_words([record.asset_id, semantics.name]),
         source_texts=_words([*semantics.source_texts, *record.appearance.materials]),
@@ -102,12 +104,12 @@ def _sure(evidence: Evidence[str]) -> Sure:
     return Sure(evidence.value, evidence.confidence, f"{evidence.source}: {evidence.method}")
 
 
-def _spoken(affordance: dict) -> str:
-    """All texts of an affordance in one, so that the task is found whatever key it stands under."""
-    return " ".join(value for value in affordance.values() if isinstance(value, str)).replace("_", " ")
+def _spoken(affordance: Affordance) -> str:
+    """What it is, what it serves and how, in words."""
+    return f"{affordance.kind} {affordance.task} {affordance.interaction}".replace("_", " ")
 
 
 def _words(texts: Sequence[str]) -> str:
-    """Each text as it stands and as its words."""
-
-    return " ".join(f"{text.replace('_', ' ')} {' '.join(words_of(text))}" for text in texts)
+    """Each word of the texts once, as it stands and as it is split; texts that say nothing is known are left out."""
+    said = [unicodedata.normalize("NFC", text) for text in texts if text != UNKNOWN]
+    return " ".join(dict.fromkeys(word for text in said for word in (*re.findall(r"[^\W_]+", text), *words_of(text))))

@@ -128,7 +128,7 @@ def _task(wish: Wish, asset: Facts) -> Answer:
     if best is not None:
         return Answer(wish, "affordances", best.value, best.confidence, best.method)
     if task not in _ANCHOR_OF_TASK:
-        return Answer(wish, "affordances", "none", 0.0, f"nothing recorded about '{task}'")
+        return Answer(wish, "affordances", UNKNOWN, 0.0, f"nothing recorded about '{task}'")
     by_shape = _anchor(wish, asset, _ANCHOR_OF_TASK[task])
     return Answer(
         wish, "anchors", by_shape.value, BY_SHAPE * by_shape.confidence, f"no affordance says so; {by_shape.evidence}"
@@ -144,4 +144,4 @@ def _part(wish: Wish, asset: Facts) -> Answer:
     if known is not None and part in known.parts:
         sure = USUAL_PART * asset.category.confidence
         return Answer(wish, "semantics.category", known.id, sure, f"things of this category often have a {part}")
-    return Answer(wish, "parts", "none", 0.0, f"no {part} recorded")
+    return Answer(wish, "parts", UNKNOWN, 0.0, f"no {part} recorded")

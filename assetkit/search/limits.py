@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from assetkit.search.wishes import Field, Wish
 
@@ -10,18 +11,32 @@ ABOUT = 0.2  # "About 10 cm", or just "10 cm": within 20 %.
 _LENGTH_M = {"mm": 0.001, "cm": 0.01, "m": 1.0, "meter": 1.0, "metre": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 _MASS_KG = {"g": 0.001, "gram": 0.001, "kg": 1.0, "lb": 0.4536, "lbs": 0.4536, "oz": 0.02835}
 _MOST = (
-    "not (?:over|above|(?:more|larger|bigger|longer|taller|higher|heavier) than)|no more than|"
+    "(?:not|no) (?:over|above|(?:more|larger|bigger|longer|taller|higher|heavier) than)|"
     "under|below|less than|smaller than|shorter than|lighter than|lower than|at most|max|maximum|up to|<=?"
 )
 _LEAST = (
+    "(?:not|no) (?:under|below|(?:less|smaller|shorter|lighter|lower) than)|"
     "over|above|more than|larger than|bigger than|longer than|taller than|higher than|heavier than|at least|min|>=?"
 )
-_UNIT = "mm|cm|inches|inch|in|ft|meters|metres|meter|metre|m|kg|grams|gram|g|lbs|lb|oz"
-_NUMBER = r"\d+(?:[.,]\d+)?"
-_LIMIT = re.compile(
-    rf"(?:(?P<most>{_MOST})|(?P<least>{_LEAST})|(?:about|around|roughly)|(?P<span>between|from))?\s*"
-    rf"\b(?P<first>{_NUMBER})(?:\s*(?:and|to|-)\s*(?P<second>{_NUMBER}))?\s*(?P<unit>{_UNIT})\b"
-    r"(?:\s+(?P<upright>tall|high|in height)\b|\s+(?:long|wide|across|in size|in length)\b)?"
+_PLURALS = {"inches": "inch", "meters": "meter", "metres": "metre", "grams": "gram"}
+_THOUSANDS = r"\d{1,3}(?:,\d{3})+(?:\.\d+)?"
+_NUMBER = rf"(?:{_THOUSANDS}|\d*[.,]\d+|\d+)"
+
+
+def _pattern(units: Mapping[str, float]) -> re.Pattern[str]:
+    """Limits in these units; "and" joins two figures only behind "between" or "from"."""
+    unit = "|".join(sorted((*units, *(p for p, one in _PLURALS.items() if one in units)), key=len, reverse=True))
+    return re.compile(
+        rf"(?:(?P<most>{_MOST})|(?P<least>{_LEAST})|(?:about|around|roughly)|(?P<span>between|from))?\s*"
+        rf"(?<![\w.,])(?P<first>{_NUMBER})"
+        rf"(?:\s*(?P<own>{unit})?\s*(?:(?(span)and|to)|to|-)\s*(?P<second>{_NUMBER}))?\s*(?P<unit>{unit})\b"
+        r"(?:\s+(?P<upright>tall|high|in height)\b|\s+(?:long|wide|across|in size|in length)\b)?"
+    )
+
+
+_KINDS: tuple[tuple[Field, Mapping[str, float], re.Pattern[str]], ...] = (
+    ("size_m", _LENGTH_M, _pattern(_LENGTH_M)),
+    ("mass_kg", _MASS_KG, _pattern(_MASS_KG)),
 )
 
 
@@ -30,8 +45,11 @@ def read_limits(request: str) -> tuple[tuple[Wish, ...], str]:
 
     A length limits the longest edge of the box around the asset, or its height where the words say so.
     """
-    wishes = tuple(_wish(match) for match in _LIMIT.finditer(request))
-    return wishes, _LIMIT.sub(" ; ", request)
+    wishes: list[Wish] = []
+    for field, units, pattern in _KINDS:
+        wishes += [_wish(match, field, units) for match in pattern.finditer(request)]
+        request = pattern.sub(" ; ", request)
+    return tuple(wishes), request
 
 
 def limit_of(text: str, field: Field) -> float:
@@ -43,12 +61,11 @@ def limit_of(text: str, field: Field) -> float:
     return _figure(match[1]) * units[_singular(match[2])]
 
 
-def _wish(match: re.Match[str]) -> Wish:
-    unit = _singular(match["unit"])
-    field, scale = ("mass_kg", _MASS_KG[unit]) if unit in _MASS_KG else ("size_m", _LENGTH_M[unit])
+def _wish(match: re.Match[str], field: Field, units: Mapping[str, float]) -> Wish:
+    scale = units[_singular(match["unit"])]
     if field == "size_m" and (match["upright"] or re.search("taller|higher|lower", match[0])):
         field = "height_m"
-    first = _figure(match["first"]) * scale
+    first = _figure(match["first"]) * (units[_singular(match["own"])] if match["own"] else scale)
     if match["second"]:
         low, high = sorted((first, _figure(match["second"]) * scale))
     elif match["most"]:
@@ -61,8 +78,8 @@ def _wish(match: re.Match[str]) -> Wish:
 
 
 def _singular(unit: str) -> str:
-    return {"inches": "inch", "meters": "meter", "metres": "metre", "grams": "gram"}.get(unit, unit)
+    return _PLURALS.get(unit, unit)
 
 
 def _figure(text: str) -> float:
-    return float(text.replace(",", "."))
+    return float(text.replace(",", "" if re.fullmatch(_THOUSANDS, text) else "."))

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib import resources
+from itertools import groupby
 from typing import NamedTuple
 
 from assetkit.annotate.name_reading import category_called
@@ -26,7 +27,8 @@ _LONGEST = 4
 _SIZES_M = {"tiny": (0.0, 0.03), "small": (0.0, 0.10), "large": (0.30, float("inf")), "huge": (1.0, float("inf"))}
 _EDIBLE = "food"  # As a material it is what things hold, not what they are made of: "bowl for fruit".
 _JOINING = frozenset(("or", "and"))
-_ARTICLES = frozenset(("a", "an", "the", "any"))
+_BEFORE_DENIED = frozenset(("a", "an", "the", "any", "for", "to"))
+_ALTERNATIVE = frozenset(("or", "nor"))
 
 
 class _Phrase(NamedTuple):
@@ -45,7 +47,7 @@ def read_request(request: str) -> tuple[Wish, ...]:
     """The wishes of a request, in the order of their kinds; () when it is empty. A request without a word that says
     anything is a wish for itself, so that it finds nothing rather than everything.
     """
-    plain = "".join(c for c in unicodedata.normalize("NFKD", request) if not unicodedata.combining(c)).lower()
+    plain = unicodedata.normalize("NFC", request).lower()
     limits, rest = read_limits(plain)
     words = re.findall(r"[^\W\d_]+|\d+|;", rest)
     taken: dict[int, _Phrase] = dict(_phrases(words))
@@ -58,27 +60,48 @@ def read_request(request: str) -> tuple[Wish, ...]:
         for phrase, text in _spoken(words, taken)
         if phrase.kind not in ("stop", "not")
     ]
-    named = [_denying(wish) if i in denied else wish for i in left for wish in [_property(words, i, things)]]
-    found = (*things, *named, *asked, *limits)
+    refused, said = _refused(words, [i for i in left if i in denied])
+    named = [_property(words, i, things) for i in left if i not in said]
+    found = (*things, *refused, *(_denying(w) if i in denied else w for i, w in named), *asked, *limits)
     if found or not plain.strip():
         return found
     return (Wish(request.strip(), "text", reading="nothing that could be looked for"),)
 
 
 def _denied(words: Sequence[str], taken: dict[int, _Phrase]) -> set[int]:
-    """Positions that "not" (the next word) and "without" (all words up to the next phrase) deny."""
+    """Positions that "not" (the next word or name) and "without" (all words up to the next phrase, over "or") deny."""
     denied: set[int] = set()
     for i, phrase in taken.items():
         if phrase.kind != "not" or taken.get(i + 1) == phrase:
             continue
         j = i + 1
-        while j < len(words) and words[j] in _ARTICLES and taken[j].kind == "stop":
+        while j < len(words) and words[j] in _BEFORE_DENIED and taken[j].kind == "stop":
             j += 1
         end = j + 1
-        while end < len(words) and taken.get(end) == taken.get(j) and words[end] != ";":
+        while end < len(words) and (taken.get(end) == taken.get(j) or words[end] in _ALTERNATIVE) and words[end] != ";":
             end += 1
-        denied |= set(range(j, end if phrase.value == "all" or j in taken else j + 1)) & set(range(len(words)))
+        if phrase.value == "one" and j not in taken:
+            end = max((e for e in range(j + 1, j + _LONGEST) if _noun(words, j, min(e, len(words)))), default=j + 1)
+        denied |= set(range(j, end)) & set(range(len(words)))
     return denied
+
+
+def _refused(words: Sequence[str], positions: Sequence[int]) -> tuple[tuple[Wish, ...], set[int]]:
+    """Denied kinds of things, and the positions that name them: "not a mug", "other than a coffee mug"."""
+    found = [_head(words, list(run)) for run in _neighbours(positions)]
+    nouns = [noun for noun in found if noun is not None and noun.category is not None]
+    wishes = []
+    for noun in nouns:
+        category = noun.category.id if noun.category else ""
+        said = " ".join(words[noun.start : noun.end])
+        wishes.append(_denying(Wish(said, "category", (category,), reading=f"category {category}")))
+    return tuple(wishes), {i for noun in nouns for i in range(noun.start, noun.end)}
+
+
+def _neighbours(positions: Sequence[int]) -> Iterator[list[int]]:
+    """Runs of positions that follow one another."""
+    for _, run in groupby(enumerate(positions), key=lambda entry: entry[1] - entry[0]):
+        yield [position for _, position in run]
 
 
 def _denying(wish: Wish) -> Wish:
@@ -192,22 +215,22 @@ def _noun(words: Sequence[str], start: int, end: int) -> _Noun | None:
     return _Noun(start, end, None) if outside and not _is_adjective(name) else None
 
 
-def _property(words: Sequence[str], i: int, things: Sequence[Wish]) -> Wish:
-    """The wish of one word that names neither phrase nor thing: a colour, a material, a part, or any text."""
+def _property(words: Sequence[str], i: int, things: Sequence[Wish]) -> tuple[int, Wish]:
+    """The position and the wish of a word that names neither phrase nor thing: colour, material, part, or any text."""
     from assetkit.colour_names import colour_called  # Loads matplotlib.
 
     word = words[i]
     colour = colour_called(word) if word in fillers() else None
     if colour is not None:
-        return Wish(word, "colour", (colour,), reading=f"colour {colour}")
+        return i, Wish(word, "colour", (colour,), reading=f"colour {colour}")
     forms = (word, *singulars(word))
     made_of = tuple(m.name for m in materials().values() if m.name != _EDIBLE and (word == m.name or word in m.words))
     if made_of:
-        return Wish(word, "material", made_of, reading=f"material {' or '.join(made_of)}")
+        return i, Wish(word, "material", made_of, reading=f"material {' or '.join(made_of)}")
     part = next((form for form in forms if form in _parts()), None)
     if part is not None and (things or "with" in words[:i]):
-        return Wish(word, "part", (part,), reading=f"a part called {part}")
-    return Wish(word, "text", forms, reading="a word in the texts of the asset", soft=bool(things))
+        return i, Wish(word, "part", (part,), reading=f"a part called {part}")
+    return i, Wish(word, "text", forms, reading="a word in the texts of the asset", soft=bool(things))
 
 
 def _is_adjective(word: str) -> bool:

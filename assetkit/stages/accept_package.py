@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from assetkit import release
 from assetkit.anchor_trials import verify_anchors
+from assetkit.grasp_pictures import drawn_grasps
+from assetkit.grasp_trials import grasp_lines
 from assetkit.stage import Acceptance, Draft, Stage, Tools, need
-from assetkit.stages.acceptance import accept
+from assetkit.stages.acceptance import AcceptanceResult, accept
+from assetkit.stages.affordances import find_affordances
+from assetkit.stages.previews import render
 from schemas.asset import AcceptanceSection, Check, Vec3
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
 from schemas.outcome import Outcome
@@ -28,20 +32,32 @@ class AcceptPackage(Stage):
     """Nothing is released on the strength of what is in memory: the bytes judged are the bytes shipped."""
 
     name = "acceptance"
-    version = 4
+    version = 5
     result = Acceptance
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Acceptance]:
-        """Validator verdicts, gate findings and simulator figures of the package on disk, anchors tried on it."""
+        """Validator verdicts, gate findings, simulator figures of the package on disk; anchors and grasps tried on it.
+
+        What the simulator finds is written into the package before validators and gate judge its bytes.
+        """
         main_file = release.author(draft, tools.work_dir)
         extent_m = need(draft.canonicalize, "canonicalize").section.extent_m.value
         stands_in = need(draft.physics, "physics").section.stands_in
-        judged = judge_package(main_file, tools.simulator, extent_m, stands_in)
         names = renamed(source_names(draft.model))
+        simulated = simulate_package(main_file, tools.simulator, extent_m)
+        body = reread_body(main_file)
         proposed = need(draft.interaction, "interaction").anchors
-        tried = verify_anchors(proposed, reread_body(main_file).shapes, tools.simulator)
-        diagnostics = (*names, *judged.diagnostics, *tried.diagnostics)
-        return Outcome(Acceptance(judged.section, tried.anchors), diagnostics, review=judged.review)
+        anchors = verify_anchors(proposed, body.shapes, tools.simulator)
+        poses = [pose.value for pose in simulated.section.stable_poses]
+        offered = find_affordances(draft, body, poses, anchors.anchors, tools.simulator, sound=simulated.passed)
+        drawn = drawn_grasps(offered.affordances)
+        images = render(draft.model, (), tools.work_dir, grasps=drawn) if drawn else {}
+        found = Acceptance(simulated.section, anchors.anchors, offered.affordances, images)
+        if grasp_lines(offered.affordances):
+            main_file = release.author(replace(draft, acceptance=found), tools.work_dir)
+        judged = judge_bytes(main_file, simulated, stands_in)
+        diagnostics = (*names, *judged.diagnostics, *anchors.diagnostics, *offered.diagnostics)
+        return Outcome(replace(found, section=judged.section), diagnostics, review=judged.review)
 
 
 @dataclass(frozen=True)
@@ -58,6 +74,16 @@ def judge_package(main_file: Path, simulator: Simulator, extent_m: Vec3, stands_
 
     Of a collider that only `stands_in` it is known that it misses its bounds: a person looks at it anyway.
     """
+    return judge_bytes(main_file, simulate_package(main_file, simulator, extent_m), stands_in)
+
+
+def simulate_package(main_file: Path, simulator: Simulator, extent_m: Vec3) -> AcceptanceResult:
+    """What the simulator says about the body of a package, as re-read from disk."""
+    return accept(main_file, simulator, body=reread_body(main_file), visual=reread_visual(main_file), extent_m=extent_m)
+
+
+def judge_bytes(main_file: Path, simulated: AcceptanceResult, stands_in: bool) -> Judged:
+    """Outside validators and gate on the files of a package, beside what the simulator said of its body."""
     verdicts = outside_verdicts(main_file)
     judged_by_gate = gate(main_file)
     review = any(d.code in UNDECIDED and d.severity is Severity.ERROR for d in judged_by_gate)
@@ -66,12 +92,9 @@ def judge_package(main_file: Path, simulator: Simulator, extent_m: Vec3, stands_
     errors = [d for d in gate_findings if d.severity is Severity.ERROR]
     validators = tuple(_check(v.judge, len(v.findings)) for v in verdicts)
     validators += (_check("mana gate", len(errors)),)
-    judged = accept(
-        main_file, simulator, body=reread_body(main_file), visual=reread_visual(main_file), extent_m=extent_m
-    )
-    section = judged.section.model_copy(update={"validators": validators})
+    section = simulated.section.model_copy(update={"validators": validators})
     refused = tuple(_refused(v.judge, v.findings) for v in verdicts if not v.passed)
-    return Judged(section, (*refused, *gate_findings, *judged.diagnostics), review)
+    return Judged(section, (*refused, *gate_findings, *simulated.diagnostics), review)
 
 
 def _for_a_person(diagnostic: Diagnostic, known: frozenset[str]) -> Diagnostic:

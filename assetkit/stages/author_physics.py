@@ -16,7 +16,7 @@ class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 5
+    version = 6
     result = Physics
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Physics]:
@@ -41,7 +41,8 @@ def clues_of(draft: Draft, canonical: Canonical) -> Clues:
     """What is known about the parts of the object and their masses, in its asset frame."""
     R_AM, origin_m = TO_Z_UP[canonical.up_axis.value], canonical.section.origin_offset_m
     scale = canonical.meters_per_unit.value
-    category = category_called(draft.semantics.section.category.value) if draft.semantics else None
+    section = draft.semantics.section if draft.semantics else None
+    category = category_called(section.category.value) if section else None
     return Clues(
         meshes=canonical.meshes,
         as_read=draft.intake.model.meshes,
@@ -52,4 +53,6 @@ def clues_of(draft: Draft, canonical: Canonical) -> Clues:
         dense=dense_look(draft.intake.format, canonical.meshes, draft.model.materials),
         category=category.id if category else "",
         usual_kg=category.mass_kg if category else None,
+        category_confidence=section.category.confidence if section else 0.0,
+        names=(section.name, *draft.intake.folders, *section.source_texts) if section else (),
     )

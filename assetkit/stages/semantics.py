@@ -108,7 +108,8 @@ def _outside(annotation: Annotation) -> Outside | None:
 
 def _category(annotation: Annotation, options: Options) -> Evidence[str]:
     if options.category:
-        return declared(options.category, options.origin("category"))
+        known = category_called(options.category)
+        return declared(known.id if known else options.category, options.origin("category"))
     if annotation.category == UNKNOWN:
         return default(UNKNOWN, annotation.reason)
     return inferred(annotation.category, annotation.method, annotation.score, inputs=annotation.hypotheses[0].clues)

@@ -104,33 +104,34 @@ class Category(_Row):
 @cache
 def categories() -> dict[str, Category]:
     """All categories by id, in the order of the table."""
-    return {row["id"]: Category.model_validate(row) for row in _rows("categories.csv")}
+    return {row["id"]: Category.model_validate(row) for row in rows_of("categories.csv")}
 
 
 @cache
 def families() -> dict[str, Family]:
     """All families by id."""
-    return {row["id"]: Family.model_validate(row) for row in _rows("families.csv")}
+    return {row["id"]: Family.model_validate(row) for row in rows_of("families.csv")}
 
 
 @cache
 def interaction_groups() -> dict[str, InteractionGroup]:
     """All interaction groups by id."""
-    return {row["id"]: InteractionGroup.model_validate(row) for row in _rows("interaction_groups.csv")}
+    return {row["id"]: InteractionGroup.model_validate(row) for row in rows_of("interaction_groups.csv")}
 
 
 @cache
 def other_things() -> tuple[str, ...]:
     """Names of things outside the vocabulary, and of parts and holders of things in it."""
-    return tuple(name for row in _rows("other_things.csv") for name in row["words"].split(";"))
+    return tuple(name for row in rows_of("other_things.csv") for name in row["words"].split(";"))
 
 
 @cache
 def fillers() -> frozenset[str]:
     """Words that say nothing about the kind of thing: file jargon, numbers, units, colours, sizes, sides."""
-    return frozenset(word for row in _rows("fillers.csv") for word in row["words"].split(";"))
+    return frozenset(word for row in rows_of("fillers.csv") for word in row["words"].split(";"))
 
 
-def _rows(file: str) -> Iterator[dict[str, str]]:
+def rows_of(file: str) -> Iterator[dict[str, str]]:
+    """The rows of a table of this folder."""
     with resources.files("assetkit").joinpath("taxonomy", file).open(encoding="utf-8") as text:
         yield from csv.DictReader(text)

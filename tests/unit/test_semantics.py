@@ -72,9 +72,9 @@ def test_a_mug_of_three_metres(tmp_path: Path):
 
 
 @pytest.mark.parametrize(("said", "known"), [("bowl", "bowl"), ("Mugs", "mug")])
-def test_the_user_is_believed(tmp_path: Path, said: str, known: str):
+def test_the_user_is_believed_and_an_alias_is_kept_under_its_name(tmp_path: Path, said: str, known: str):
     found = section(described(tmp_path, "025_mug.obj", category=said, role="tool"))
-    assert (found.category.value, found.category.source) == (said, "declared")
+    assert (found.category.value, found.category.source) == (known, "declared")
     assert found.family.confidence == 1.0
     assert [r.value for r in found.roles] == ["tool"]
 

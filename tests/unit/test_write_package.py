@@ -22,7 +22,7 @@ from pxr import Usd, UsdGeom, UsdShade
 from schemas.model import Material, TextureUse
 from schemas.package import PackageContent
 from usdio.gate import gate
-from usdio.outside import outside_verdicts, simready
+from usdio.outside import outside_verdicts, simready, simready_optional
 from usdio.write_package import write_package
 
 VARIANTS = samples.variants()
@@ -55,6 +55,23 @@ def test_the_judge_is_awake_and_silent(tmp_path: Path, capfd: pytest.CaptureFixt
     (main_file.parent / ".thumbs" / "256x256" / "sample-1.usda.png").unlink()
     assert [remark.rule for remark in simready(main_file).findings] == ["com.nvidia.simready.SR.002"]
     assert capfd.readouterr() == ("", "")
+
+
+def test_grasps_are_written_as_simready_reads_them(tmp_path: Path) -> None:
+    lines = (((-0.02, 0.0, 0.05), (0.02, 0.0, 0.05)), ((0.0, -0.03, 0.02), (0.0, 0.03, 0.02)))
+    main_file = write(replace(VARIANTS["plain"], grasp_lines_m=lines), tmp_path)
+    stage = Usd.Stage.Open(str(main_file))
+    for number, ends in enumerate(lines, start=1):
+        path = stage.GetDefaultPrim().GetPath().AppendChild(f"grasp_identifier_{number:02d}")
+        assert stage.GetPrimAtPath(path).IsA(UsdGeom.Xform)
+        curve = UsdGeom.BasisCurves(stage.GetPrimAtPath(path.AppendChild(f"{path.name}_line")))
+        assert np.allclose(curve.GetPointsAttr().Get(), ends)
+    for verdict in outside_verdicts(main_file):
+        assert verdict.passed, verdict.findings
+    assert not [d for d in gate(main_file) if d.severity == "error"]
+    assert "com.nvidia.simready.GSP.001" not in {remark.rule for remark in simready_optional(main_file)}
+    without = write(VARIANTS["plain"], tmp_path / "without")
+    assert "com.nvidia.simready.GSP.001" in {remark.rule for remark in simready_optional(without)}
 
 
 def test_same_content_same_bytes_in_any_process(tmp_path: Path) -> None:

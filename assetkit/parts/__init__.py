@@ -1,0 +1,1 @@
+"""Parts of an object: proposed, made one, labelled, put in order."""

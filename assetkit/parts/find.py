@@ -1,0 +1,91 @@
+"""The parts of an object, as its record has them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from assetkit.parts.proposals import Segmenter, joined, propose
+from assetkit.parts.reconcile import Piece, reconcile
+from assetkit.taxonomy.tables import categories
+from geom.shape_regions import Faces
+from schemas.asset import vec3
+from schemas.evidence import Evidence, default, inferred, measured
+from schemas.model import Material, Mesh
+from schemas.parts import UNLABELLED, Part, part_faces
+
+# How sure it is that a region is a part at all: the source says so, clues agree, one clue alone.
+_STATED, _AGREED, _ALONE = 0.8, 0.7, 0.5
+
+
+@dataclass(frozen=True)
+class Found:
+    """Parts, the one with most surface first, and what clues contradict each other about, in words."""
+
+    parts: tuple[Evidence[Part], ...]
+    disputes: tuple[str, ...] = ()
+
+
+def find_parts(
+    meshes: Mapping[str, Mesh],
+    materials: Sequence[Material],
+    category: Evidence[str],
+    *,
+    segmenter: Segmenter | None = None,
+) -> Found:
+    """Parts of canonical `meshes` by prim name, none when nothing but the whole was proposed.
+
+    `category` may be unknown. No label is surer than the category
+    whose vocabulary it is from.
+    """
+    shown = {prim: mesh for prim, mesh in meshes.items() if len(mesh.triangles)}
+    known = categories().get(category.value)
+    vocabulary, kind = (known.parts, known.id) if known else ((), "")
+    if not shown:
+        return Found(())
+    surface = joined(list(shown.values()))
+    if surface.area.sum() <= 0.0:
+        return Found(())
+    proposals = propose(surface, list(shown.values()), materials, kind, vocabulary, segmenter)
+    made = reconcile(surface, proposals, kind, vocabulary)
+    most = category.confidence if known else 1.0
+    parts = [
+        _part(surface, shown, piece, f"part_{i}", most, (parent, up, front))
+        for i, (piece, parent, up, front) in enumerate(
+            zip(made.pieces, made.parents, made.height_rank, made.front_rank, strict=True)
+        )
+    ]
+    return Found(tuple(parts), made.disputes)
+
+
+def _part(
+    surface: Faces, meshes: Mapping[str, Mesh], piece: Piece, part_id: str, most: float, place: tuple[int, int, int]
+) -> Evidence[Part]:
+    label: Evidence[str] = default(UNLABELLED, "no clue, or clues that differ")
+    if piece.label != UNLABELLED:
+        clues = tuple(dict.fromkeys(v.clue for v in piece.votes))
+        label = inferred(piece.label, "part names of the category", min(piece.confidence, most), inputs=clues)
+    low, high = surface.box(piece.faces)
+    starts = np.cumsum([0, *(len(m.triangles) for m in meshes.values())])
+    own = [np.flatnonzero(piece.faces[a:b]) for a, b in itertools.pairwise(starts)]
+    parent, up, front = place
+    part = Part(
+        part_id=part_id,
+        label=label,
+        name=label.value if label.confidence else next((n for n in piece.names if n), part_id),
+        sources=piece.sources,
+        source_path=piece.path,
+        faces=tuple(part_faces(prim, k) for prim, k in zip(meshes, own, strict=True) if len(k)),
+        triangles=int(piece.faces.sum()),
+        area_m2=piece.area,
+        low_m=vec3(low),
+        high_m=vec3(high),
+        parent=f"part_{parent}" if parent >= 0 else None,
+        height_rank=up,
+        front_rank=front,
+    )
+    sure = _STATED if "hierarchy" in piece.sources else _AGREED if len(piece.sources) > 1 else _ALONE
+    return measured(part, "regions proposed by " + ", ".join(piece.sources), confidence=sure)

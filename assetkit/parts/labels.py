@@ -1,0 +1,76 @@
+"""What a region is called: by its names in the source, or by its shape in things of its category."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from assetkit.annotate.words import singulars, words_of
+from assetkit.parts.proposals import Proposal
+
+# How much a clue counts (judgements): a node that is called so, a render material, a plain shape, a less plain one.
+BY_NODE, BY_MATERIAL, BY_SHAPE, BY_FAINT_SHAPE = 0.8, 0.6, 0.7, 0.6
+WITHOUT_CATEGORY = 0.7  # of it is left when nobody knows the category
+# Words that name a part of anything; "back", "head" or "top" do so only in the right category.
+ANYWHERE = ("handle", "lid", "knob", "drawer", "door", "leg", "spout", "wheel", "button", "blade", "cap")
+
+# The narrow end of a bottle in one piece has no label: it may be the cap, the neck, or both.
+_ROLES: dict[str, dict[str, str]] = {
+    **{key: {"loop": "handle", "arm": "handle", "cover": "lid"} for key in ("mug", "cup", "pan", "pot")},
+    **{key: {"loop": "handle", "arm": "spout", "cover": "lid"} for key in ("pitcher", "teapot")},
+    **{key: {"slab": "top", "post": "leg"} for key in ("table", "desk")},
+    **{key: {"slab": "seat", "post": "leg"} for key in ("stool", "bench")},
+    "chair": {"slab": "seat", "post": "leg", "upright": "back"},
+    **{key: {"cover": "cap"} for key in ("bottle", "pill_bottle")},
+    "jar": {"cover": "lid"},
+    "block": {"boss": "stud"},
+}
+_FAINT = ("arm", "upright", "cover")
+
+
+@dataclass(frozen=True)
+class Vote:
+    """A label that a clue speaks for, how sure it is, and the clue in words."""
+
+    label: str
+    confidence: float
+    clue: str
+
+
+def votes(proposal: Proposal, category: str, vocabulary: Sequence[str]) -> tuple[Vote, ...]:
+    """What a proposal says its region is called, by name and by shape."""
+    if proposal.label:
+        return (Vote(proposal.label, proposal.confidence, "learned segmenter"),)
+    return (*_by_name(proposal, vocabulary), *_by_shape(proposal, category))
+
+
+def _by_name(proposal: Proposal, vocabulary: Sequence[str]) -> tuple[Vote, ...]:
+    strength = {"hierarchy": BY_NODE, "material": BY_MATERIAL}.get(proposal.source, 0.0)
+    for name in proposal.names:
+        label = named(name, vocabulary or ANYWHERE)
+        if label is not None:
+            sure = strength if vocabulary else WITHOUT_CATEGORY * strength
+            return (Vote(label, sure, f"{proposal.source} '{name}'"),)
+    return ()
+
+
+def _by_shape(proposal: Proposal, category: str) -> tuple[Vote, ...]:
+    label = _ROLES.get(category, {}).get(proposal.role)
+    if label is None:
+        return ()
+    sure = BY_FAINT_SHAPE if proposal.role in _FAINT else BY_SHAPE
+    return (Vote(label, sure, f"shape: {proposal.role}"),)
+
+
+def named(name: str, vocabulary: Sequence[str]) -> str | None:
+    """The part a name ends with or holds last, None when it names none: `Chair_Leg_FL` is a leg."""
+    words = words_of(name)
+    last: tuple[int, str] | None = None
+    for part in vocabulary:
+        wanted = tuple(part.split())
+        for start in range(len(words) - len(wanted) + 1):
+            here = words[start : start + len(wanted)]
+            ends = (here[-1], *singulars(here[-1]))
+            if here[:-1] == wanted[:-1] and wanted[-1] in ends:
+                last = max(last or (-1, ""), (start + len(wanted), part))
+    return None if last is None else last[1]

@@ -1,0 +1,126 @@
+"""Regions that may be parts: by source node, render material, connected surface and shape."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from geom.edges import edges_of, face_components
+from geom.shape_regions import Faces, Region, boss_regions, end_regions, faces_of, plate_regions, side_regions
+from geom.topology import repeats_point
+from schemas.model import IntArray, Material, Mesh
+from schemas.parts import ProposalSource
+
+MOST_COMPONENTS = 24
+# Where handle and spout both stick out, they are told apart by the handle alone coming back to the body.
+_WITH_SPOUT = ("pitcher", "teapot")
+_PIECES = ("hierarchy", "material", "component")
+LEAST_SHARE = 0.002  # of the surface; what is smaller is no part of its own
+
+# What shape is looked for in which category: elsewhere a bulge or a plate means nothing.
+_LOOKED_FOR: dict[str, Callable[[Faces], tuple[Region, ...]]] = {
+    **dict.fromkeys(("mug", "cup", "pan", "pot", "pitcher", "teapot"), side_regions),
+    **dict.fromkeys(("table", "desk", "stool", "bench", "chair"), plate_regions),
+    **dict.fromkeys(("bottle", "pill_bottle"), end_regions),
+    "block": boss_regions,
+}
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """`faces` (m,) True at its triangles, counted through all meshes; `names` what the source calls it; `role` what it
+    is by shape, or a label of its own with its confidence from a learned segmenter.
+    """
+
+    faces: IntArray
+    source: ProposalSource
+    names: tuple[str, ...] = ()
+    path: str = ""
+    role: str = ""
+    label: str = ""
+    confidence: float = 0.0
+
+
+class Segmenter(Protocol):
+    """A learned segmenter: regions of a surface with the part names it was asked for. Deterministic, never raises."""
+
+    def segment(self, surface: Faces, category: str, vocabulary: Sequence[str]) -> tuple[Proposal, ...]:
+        """Proposals with source `learned`; labels outside `vocabulary` are left out by the caller."""
+        ...
+
+
+def joined(meshes: Sequence[Mesh]) -> Faces:
+    """One surface of all meshes, triangles in order."""
+    starts = np.cumsum([0, *(len(m.points) for m in meshes)])
+    triangles = np.concatenate([m.triangles + s for m, s in zip(meshes, starts, strict=False)])
+    return faces_of(np.concatenate([m.points for m in meshes]), triangles)
+
+
+def propose(
+    surface: Faces,
+    meshes: Sequence[Mesh],
+    materials: Sequence[Material],
+    category: str,
+    vocabulary: Sequence[str],
+    segmenter: Segmenter | None = None,
+) -> list[Proposal]:
+    """All proposals, from what the source says to what the shape shows; none of them is the whole object."""
+    owner = np.repeat(np.arange(len(meshes)), [len(m.triangles) for m in meshes])
+    found = [*_by_node(meshes, owner), *_by_material(meshes, materials, owner), *_by_component(surface)]
+    if category in _LOOKED_FOR:
+        shaped = _LOOKED_FOR[category](surface)
+        sure = category not in _WITH_SPOUT or sorted(r.role for r in shaped) in (["loop"], ["arm", "loop"])
+        found += [Proposal(r.faces, "shape", role=r.role if sure else "") for r in shaped]
+    if segmenter is not None:
+        found += [p for p in segmenter.segment(surface, category, vocabulary) if p.label in ("", *vocabulary)]
+    found = [replace(p, role=_role_of_piece(surface, p.faces)) if p.source in _PIECES else p for p in found]
+    total = surface.area.sum()
+    return [p for p in found if LEAST_SHARE * total < surface.area[p.faces].sum() < 0.98 * total]
+
+
+def _by_node(meshes: Sequence[Mesh], owner: IntArray) -> list[Proposal]:
+    groups: dict[str, list[int]] = {}
+    for index, mesh in enumerate(meshes):
+        groups.setdefault(mesh.source_path or mesh.name, []).append(index)
+    if len(groups) < 2:
+        return []
+    return [
+        Proposal(np.isin(owner, own), "hierarchy", (meshes[own[0]].name, path.rpartition("/")[2]), path)
+        for path, own in groups.items()
+    ]
+
+
+def _by_material(meshes: Sequence[Mesh], materials: Sequence[Material], owner: IntArray) -> list[Proposal]:
+    used = sorted({m.material for m in meshes if m.material is not None})
+    if len(used) < 2:
+        return []
+    groups = [(k, [i for i, m in enumerate(meshes) if m.material == k]) for k in used]
+    return [Proposal(np.isin(owner, own), "material", (materials[k].name,)) for k, own in groups]
+
+
+def _by_component(surface: Faces) -> list[Proposal]:
+    """Connected pieces, unless the surface falls into crumbs."""
+    own = np.flatnonzero(~repeats_point(surface.triangles))
+    count, label = face_components(edges_of(surface.triangles[own]))
+    share = np.bincount(label, surface.area[own], count) / max(surface.area.sum(), np.finfo(float).tiny)
+    large = np.flatnonzero(share > LEAST_SHARE)
+    if not 2 <= len(large) <= MOST_COMPONENTS:
+        return []
+    masks = np.zeros((len(large), len(surface.triangles)), dtype=bool)
+    for row, piece in enumerate(large):
+        masks[row, own[label == piece]] = True
+    return [Proposal(mask, "component") for mask in masks]
+
+
+def _role_of_piece(surface: Faces, faces: IntArray) -> str:
+    """`cover` for a piece of its own at the upper end of a thing, in the middle and narrower than the rest; else ""."""
+    if not faces.any():
+        return ""
+    low, high = surface.box(faces)
+    middle, size = 0.5 * (low + high) - surface.low - 0.5 * surface.extent, surface.extent
+    upper = (low - surface.low)[2] > 0.7 * size[2] and (high - surface.low)[2] > 0.97 * size[2]
+    central = (np.abs(middle)[:2] < 0.1 * size[:2]).all()
+    return "cover" if upper and central and ((high - low)[:2] < 0.9 * size[:2]).all() else ""

@@ -1,0 +1,54 @@
+"""The lip of a jug: where a rim sticks out in one direction from the ellipse it otherwise follows."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from schemas.model import FloatArray
+
+RAYS = 72
+LEAST = 0.06  # of the mean radius by which a lip sticks out
+HOLLOW = 0.001  # of the area: a lip has hollow flanks, the corner of a triangle has none
+ALONE = 0.5  # Every other bulge is less than this share of it: a square has four corners.
+
+
+def pouring_lip(loop_m: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """Tip (3,), horizontal outward direction (3,) and the points (k, 3) of the lip of a level rim (n, 3), or None.
+
+    The radius over the angle around the middle is compared with its mean and its first two harmonics; one narrow
+    bulge is left of a lip, four of a rectangle.
+    """
+    outline = shapely.Polygon(loop_m[:, :2])
+    if outline.convex_hull.area < (1.0 + HOLLOW) * outline.area:
+        return None
+    centre = np.array(outline.centroid.coords[0])
+    angles = 2.0 * np.pi * np.arange(RAYS) / RAYS
+    far = 2.0 * float(np.linalg.norm(loop_m[:, :2] - centre, axis=1).max())
+    ends = centre + far * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    cuts = [outline.intersection(shapely.LineString([centre, end])).length for end in ends]
+    radius = np.array(cuts)
+    basis = np.stack([np.ones(RAYS), *(f(k * angles) for k in (1, 2) for f in (np.cos, np.sin))], axis=1)
+    # Fitted to what does not bulge: the lip itself must not bend the ellipse.
+    smooth = basis @ np.linalg.lstsq(basis, radius, rcond=None)[0]
+    for _ in range(4):
+        level = np.minimum(radius, smooth + 0.01 * radius.mean())
+        smooth = basis @ np.linalg.lstsq(basis, level, rcond=None)[0]
+    bulge = radius - smooth
+    top = int(bulge.argmax())
+    if bulge[top] < LEAST * radius.mean():
+        return None
+    within = np.abs((np.arange(RAYS) - top + RAYS // 2) % RAYS - RAYS // 2)
+    raised = bulge > ALONE * bulge[top]
+    if raised[within > RAYS // 8].any():
+        return None
+    own = np.flatnonzero(raised)
+    own = own[np.argsort((own - top + RAYS // 2) % RAYS, kind="stable")]
+    outward = np.array([np.cos(angles[top]), np.sin(angles[top]), 0.0])
+    height = float(loop_m[:, 2].mean())
+
+    def at(index: FloatArray) -> FloatArray:
+        flat = centre + radius[index, None] * np.stack([np.cos(angles[index]), np.sin(angles[index])], axis=1)
+        return np.column_stack([flat, np.full(len(index), height)])
+
+    return at(np.array([top]))[0], outward, at(own)

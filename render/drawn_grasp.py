@@ -1,0 +1,20 @@
+"""A grasp as the renderer takes it; apart from what draws it, so that nobody else loads VTK."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import ConfigDict
+
+from schemas.affordances import Trial
+from schemas.model import FloatArray
+
+
+@dataclass(frozen=True)
+class DrawnGrasp:
+    """Lines (k, 2, 3) of a gripper in the asset frame, metres, and what became of the grasp."""
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    lines_m: FloatArray
+    trial: Trial
