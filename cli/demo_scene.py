@@ -13,6 +13,7 @@ from cli.scene_settle import settle
 from jobs.cache import write_atomically
 from scenec.compile import compile_program
 from schemas.compiled_scene import CompileReport
+from schemas.diagnostics import Severity
 
 _TABLE = """\
 scene: breakfast
@@ -68,7 +69,8 @@ def scene_demo(library: Path, out: Path) -> SceneDemo | None:
     failed = compile_program(bad, library)
     draw_plan(failed, bad.parent)
     write_report(failed.report, bad.parent)
-    return SceneDemo(folder.name, report, failed.report, source_text.plain(failed.report.diagnostics, bad.parent))
+    errors = [d for d in failed.report.diagnostics if d.severity is Severity.ERROR]
+    return SceneDemo(folder.name, report, failed.report, source_text.plain(errors, bad.parent))
 
 
 def show(demo: SceneDemo | None) -> None:
