@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from shapely.geometry.base import BaseGeometry
@@ -144,11 +145,23 @@ def _carrying(corners: FloatArray, *, sheet: bool) -> FloatArray:
 def _closed_union(corners: FloatArray, gap: float) -> BaseGeometry:
     """The union of faces (k, 3, 3) seen from above, gaps up to twice `gap` closed."""
     faces = shapely.polygons(corners[:, :, :2])
-    merged = shapely.coverage_union_all(faces)
-    # That is quick, and right where no two faces overlap: then the areas agree.
-    if not merged.is_valid or abs(merged.area - shapely.area(faces).sum()) > 1e-9 * merged.area:
+    merged = _side_by_side(faces)
+    if merged is None:
         merged = shapely.union_all(faces, grid_size=1e-4 * gap)
     return merged.buffer(gap, join_style="mitre").buffer(-gap, join_style="mitre")
+
+
+def _side_by_side(faces: NDArray[np.object_]) -> BaseGeometry | None:
+    """The union of faces of which no two overlap, which is quick to find; None where some do.
+
+    GEOS refuses most faces that overlap, and what it makes of others is invalid or of another area.
+    """
+    try:
+        merged = shapely.coverage_union_all(faces)
+    except shapely.errors.GEOSException:
+        return None
+    sound = merged.is_valid and abs(merged.area - float(shapely.area(faces).sum())) <= 1e-9 * merged.area
+    return merged if sound else None
 
 
 def _parts(geometry: BaseGeometry, scale: _Scale, *, least_hole: float = 0.0) -> list[shapely.Polygon]:

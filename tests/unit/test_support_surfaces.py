@@ -9,6 +9,7 @@ from manifold3d import Manifold
 from shapely.affinity import rotate, scale
 
 from geom.support_surfaces import Support, find_supports
+from schemas.physics import Solid
 from tests.unit.furniture import block, open_box, shelf, solid_of, table
 
 UP = [0.0, 0.0, 1.0]
@@ -20,6 +21,16 @@ def sides(support: Support) -> set[tuple[float, ...]]:
 
 def same(polygon: shapely.Polygon, other: shapely.Polygon) -> bool:
     return polygon.symmetric_difference(other).area < 1e-5 * polygon.area
+
+
+def test_faces_that_cross_one_another_in_plan_are_joined():
+    """Two slabs that were never united: GEOS refuses to join such faces as neighbours."""
+    one, other = (solid_of(block(0.2, 0.2, 0.02, (x, y, 0.0))) for x, y in ((0.0, 0.0), (0.07, 0.05)))
+    points = np.concatenate([one.points, other.points])
+    triangles = np.concatenate([one.triangles, other.triangles + np.int32(len(one.points))])
+    (top,) = find_supports(Solid(points, triangles, "closed"))
+    both = shapely.box(-0.1, -0.1, 0.1, 0.1).union(shapely.box(-0.03, -0.05, 0.17, 0.15))
+    assert same(top.polygon, both)
 
 
 def test_a_table_has_its_top():
