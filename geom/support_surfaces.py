@@ -144,7 +144,7 @@ def _carrying(corners: FloatArray, *, sheet: bool) -> FloatArray:
 
 def _closed_union(corners: FloatArray, gap: float) -> BaseGeometry:
     """The union of faces (k, 3, 3) seen from above, gaps up to twice `gap` closed."""
-    faces = shapely.polygons(corners[:, :, :2])
+    faces = np.atleast_1d(np.asarray(shapely.polygons(corners[:, :, :2]), dtype=object))
     merged = _side_by_side(faces)
     if merged is None:
         merged = shapely.union_all(faces, grid_size=1e-4 * gap)
