@@ -6,9 +6,9 @@ along the closing axis, so that the fingers close from -x and +x.
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny
 
 from schemas.anchors import Point3
 from schemas.evidence import Evidence
@@ -90,4 +90,5 @@ class Region(_Model):
 
 
 Affordance: TypeAlias = Grasp | Region
-AffordanceEvidence: TypeAlias = Evidence[Grasp] | Evidence[Region]
+# Evidence is made without naming the type of its value; a union of evidences must take it as it is.
+AffordanceEvidence: TypeAlias = Annotated[Evidence[Grasp] | Evidence[Region], SerializeAsAny()]

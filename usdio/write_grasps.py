@@ -1,4 +1,8 @@
-"""Author grasps as SimReady reads them: an Xform `grasp_identifier_NN` with a line of two points (GSP.001)."""
+"""Author grasps as SimReady reads them: an Xform `grasp_identifier_NN` with a line of two points (GSP.001).
+
+SimReady's benchmark wants the Xform and `points` of a child; its static rule wants that child to be BasisCurves. MuJoCo
+refuses a file with any curve in it, so curves are the choice of a variant: `grasp_lines` is `points` unless selected.
+"""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -12,23 +16,40 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from schemas.anchors import Point3
 
 WIDTH_M = 0.001
+VARIANT_SET, POINTS, CURVES = "grasp_lines", "points", "curves"
 
 
 def author_grasps(stage: Usd.Stage, root: Sdf.Path, lines_m: Sequence[tuple[Point3, Point3]]) -> None:
     """Define `<root>/grasp_identifier_NN/grasp_identifier_NN_line` for the two ends of each line, asset frame.
 
-    The static rule wants the curves, the benchmark the Xform around them. Their purpose is guide: they are no look.
+    Their purpose is guide: they are no look. Without a grasp there is no variant set.
     """
-    for index, ends in enumerate(lines_m, start=1):
-        name = f"grasp_identifier_{index:02d}"
-        xform = UsdGeom.Xform.Define(stage, root.AppendChild(name))
+    if not lines_m:
+        return
+    choice = stage.GetPrimAtPath(root).GetVariantSets().AddVariantSet(VARIANT_SET)
+    frames = [root.AppendChild(f"grasp_identifier_{index:02d}") for index in range(1, len(lines_m) + 1)]
+    for frame in frames:
+        xform = UsdGeom.Xform.Define(stage, frame)
         UsdGeom.Imageable(xform).CreatePurposeAttr(UsdGeom.Tokens.guide)
-        curve = UsdGeom.BasisCurves.Define(stage, xform.GetPath().AppendChild(f"{name}_line"))
-        curve.CreateTypeAttr(UsdGeom.Tokens.linear)
-        curve.CreateWrapAttr(UsdGeom.Tokens.nonperiodic)
-        points = [Gf.Vec3f(*end) for end in ends]
-        curve.CreatePointsAttr(points)
-        curve.CreateCurveVertexCountsAttr([2])
-        curve.CreateWidthsAttr([WIDTH_M])
-        curve.SetWidthsInterpolation(UsdGeom.Tokens.constant)
-        curve.CreateExtentAttr(UsdGeom.Curves(curve).ComputeExtent(points, [WIDTH_M]))
+    for variant, author in ((CURVES, _curve), (POINTS, _points)):
+        choice.AddVariant(variant)
+        choice.SetVariantSelection(variant)
+        with choice.GetVariantEditContext():
+            for frame, ends in zip(frames, lines_m, strict=True):
+                author(stage, frame.AppendChild(f"{frame.name}_line"), [Gf.Vec3f(*end) for end in ends])
+
+
+def _points(stage: Usd.Stage, path: Sdf.Path, ends: list[Gf.Vec3f]) -> None:
+    scope = UsdGeom.Scope.Define(stage, path).GetPrim()
+    scope.CreateAttribute("points", Sdf.ValueTypeNames.Point3fArray, custom=True).Set(ends)
+
+
+def _curve(stage: Usd.Stage, path: Sdf.Path, ends: list[Gf.Vec3f]) -> None:
+    curve = UsdGeom.BasisCurves.Define(stage, path)
+    curve.CreateTypeAttr(UsdGeom.Tokens.linear)
+    curve.CreateWrapAttr(UsdGeom.Tokens.nonperiodic)
+    curve.CreatePointsAttr(ends)
+    curve.CreateCurveVertexCountsAttr([2])
+    curve.CreateWidthsAttr([WIDTH_M])
+    curve.SetWidthsInterpolation(UsdGeom.Tokens.constant)
+    curve.CreateExtentAttr(UsdGeom.Curves(curve).ComputeExtent(ends, [WIDTH_M]))

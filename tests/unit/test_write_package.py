@@ -61,17 +61,22 @@ def test_grasps_are_written_as_simready_reads_them(tmp_path: Path) -> None:
     lines = (((-0.02, 0.0, 0.05), (0.02, 0.0, 0.05)), ((0.0, -0.03, 0.02), (0.0, 0.03, 0.02)))
     main_file = write(replace(VARIANTS["plain"], grasp_lines_m=lines), tmp_path)
     stage = Usd.Stage.Open(str(main_file))
-    for number, ends in enumerate(lines, start=1):
-        path = stage.GetDefaultPrim().GetPath().AppendChild(f"grasp_identifier_{number:02d}")
-        assert stage.GetPrimAtPath(path).IsA(UsdGeom.Xform)
-        curve = UsdGeom.BasisCurves(stage.GetPrimAtPath(path.AppendChild(f"{path.name}_line")))
-        assert np.allclose(curve.GetPointsAttr().Get(), ends)
-    for verdict in outside_verdicts(main_file):
-        assert verdict.passed, verdict.findings
-    assert not [d for d in gate(main_file) if d.severity == "error"]
-    assert "com.nvidia.simready.GSP.001" not in {remark.rule for remark in simready_optional(main_file)}
-    without = write(VARIANTS["plain"], tmp_path / "without")
-    assert "com.nvidia.simready.GSP.001" in {remark.rule for remark in simready_optional(without)}
+    root = stage.GetDefaultPrim()
+    for selected, schema in (("points", "Scope"), ("curves", "BasisCurves")):
+        assert root.GetVariantSet("grasp_lines").GetVariantSelection() == selected
+        for number, ends in enumerate(lines, start=1):
+            path = root.GetPath().AppendChild(f"grasp_identifier_{number:02d}")
+            assert stage.GetPrimAtPath(path).IsA(UsdGeom.Xform)
+            line = stage.GetPrimAtPath(path.AppendChild(f"{path.name}_line"))
+            assert line.GetTypeName() == schema
+            assert np.allclose(line.GetAttribute("points").Get(), ends)
+        for verdict in outside_verdicts(main_file):
+            assert verdict.passed, verdict.findings
+        assert not [d for d in gate(main_file) if d.severity == "error"]
+        remarks = {remark.rule for remark in simready_optional(main_file)}
+        assert ("com.nvidia.simready.GSP.001" in remarks) is (selected == "points")
+        root.GetVariantSet("grasp_lines").SetVariantSelection("curves")
+        stage.Save()
 
 
 def test_same_content_same_bytes_in_any_process(tmp_path: Path) -> None:
