@@ -156,6 +156,13 @@ def run_stages(
         draft = replace(draft, **{stage.name: outcome.value})
         if outcome.failed:
             break
+        if draft.frame is None and draft.semantics is not None and draft.semantics.frame is not None:
+            # Meaning gave another scale or pose: the geometry is observed once more, and never again.
+            known = replace(draft, frame=draft.semantics.frame)
+            observed = run_stages(known, tools, journal, cache, key, (Canonicalize(),))
+            if observed is None:
+                return None
+            draft = observed
     return draft
 
 

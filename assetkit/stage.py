@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from pydantic import ConfigDict
 
 from assetkit.options import Options
+from assetkit.units import UnitDecision
 from geom.cavity import Cavity
 from jobs.cache import Cache
 from schemas.affordances import AffordanceEvidence
@@ -23,8 +24,8 @@ from schemas.asset import (
 )
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence
-from schemas.model import Axis, Material, Mesh, Model
-from schemas.outcome import Outcome
+from schemas.model import Axis, FloatArray, Material, Mesh, Model
+from schemas.outcome import Outcome, Repair
 from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, Solid, SurfaceMaterial
 from sim.port import Simulator
@@ -51,8 +52,27 @@ class Intake:
 
 
 @dataclass(frozen=True)
+class Frame:
+    """Scale and turn that meaning gives an object; it replaces what the file alone told, once.
+
+    R_AS   (3, 3) rotation from the axes of the source to those of the asset.
+    unit   metres per source unit; None leaves that of the file, with what was said about it.
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    R_AS: FloatArray
+    unit: UnitDecision | None = None
+    diagnostics: tuple[Diagnostic, ...] = ()
+    repairs: tuple[Repair, ...] = ()
+
+
+@dataclass(frozen=True)
 class Canonical:
-    """Repaired meshes in metres, z-up, bottom-centre origin, and the physical surface built from them."""
+    """Repaired meshes in metres, z-up, bottom-centre origin, and the physical surface built from them.
+
+    R_AS   (3, 3) rotation from the axes of the source to those of the asset.
+    """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
 
@@ -61,6 +81,7 @@ class Canonical:
     meters_per_unit: Evidence[float]
     up_axis: Evidence[Axis]
     section: GeometrySection
+    R_AS: FloatArray
 
 
 @dataclass(frozen=True)
@@ -73,9 +94,10 @@ class Appearance:
 
 @dataclass(frozen=True)
 class Semantics:
-    """What the object is, as far as anyone said or can tell."""
+    """What the object is, as far as anyone said or can tell; `frame` where that changes its scale or its pose."""
 
     section: SemanticsSection
+    frame: Frame | None = None
 
 
 @dataclass(frozen=True)
@@ -142,6 +164,7 @@ class Draft:
     previews: Previews | None = None
     acceptance: Acceptance | None = None
     excluded_colliders: tuple[str, ...] = ()
+    frame: Frame | None = None
 
     @property
     def model(self) -> Model:

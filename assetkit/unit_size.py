@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from assetkit.options import METERS_PER_UNIT
 
-_TYPICAL_SIZE_M, _LOG_SPREAD = 0.15, 1.2  # Largest extent of household objects: median and spread of its logarithm.
+TYPICAL_SIZE_M, LOG_SPREAD = 0.15, 1.2  # Largest extent of household objects: median and spread of its logarithm.
 _STANDARD_SHARE = 0.7  # Prior of the unit that a format's own standard implies where the file leaves it out.
 # A designed length is round in the designer's unit: how much more likely a reading is that makes it so.
 _ROUND_LENGTH, _BINARY_FRACTIONS = 5.0, 3.0
@@ -48,8 +48,8 @@ def posterior(prior: dict[str, float], extent: tuple[float, float, float]) -> di
     """Probability of each unit of `prior`, given the extent in source units: usual sizes and round lengths win."""
     weight = {
         unit: p
-        * math.exp(-0.5 * (math.log(max(extent) * METERS_PER_UNIT[unit] / _TYPICAL_SIZE_M) / _LOG_SPREAD) ** 2)
-        * _roundness(extent, unit)
+        * math.exp(-0.5 * (math.log(max(extent) * METERS_PER_UNIT[unit] / TYPICAL_SIZE_M) / LOG_SPREAD) ** 2)
+        * roundness(extent, unit)
         * (_PRIMITIVE if unit == "m" and prior is not _CAD and _is_primitive(extent) else 1.0)
         for unit, p in prior.items()
     }
@@ -57,7 +57,7 @@ def posterior(prior: dict[str, float], extent: tuple[float, float, float]) -> di
     return {unit: w / total for unit, w in weight.items()}
 
 
-def _roundness(extent: tuple[float, float, float], unit: str) -> float:
+def roundness(extent: tuple[float, float, float], unit: str) -> float:
     """How much the lengths speak for a unit: lengths that become whole half-millimetres without being round as they
     stand (1.33858 in is 34 mm), or sixteenths that nobody writes in metric units (1.375).
     """

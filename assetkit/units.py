@@ -32,6 +32,11 @@ _NAME = {0.001: "mm", 0.01: "cm", 0.0254: "in", 1.0: "m", 0.3048: "ft", 0.1: "dm
 _REPAIR_NAME = {0.001: "unit_mm", 0.01: "unit_cm", 0.0254: "unit_inch", 1.0: "unit_m"}
 
 
+def is_reliable(unit: Evidence[float]) -> bool:
+    """Whether somebody or something says the unit: the user, the file or its texts, not the habits of its format."""
+    return (unit.source == "declared" and unit.confidence > 0.5) or (unit.source == "inferred" and bool(unit.inputs))
+
+
 @dataclass(frozen=True)
 class UnitDecision:
     """Metres per source unit with its evidence, and what the user should know; `review`: a person must say the unit."""
@@ -182,7 +187,7 @@ def _by_size(stated: Evidence[float], format_: str, hints: Sequence[str], extent
         return _ambiguous(evidence, candidates, stated.value, extent)
     note = _provisional(evidence, share[unit], largest)
     if unit != implied:
-        return _with_repair(evidence, stated.value, extent, (note,))
+        return with_repair(evidence, stated.value, extent, (note,))
     if by_standard and usual:
         return UnitDecision(evidence)
     sure = evidence.source == "inferred" and usual
@@ -211,7 +216,7 @@ def _ambiguous(
     )
     if math.isclose(placeholder.value, implied, rel_tol=1e-6):
         return UnitDecision(placeholder, (note,), review=True)
-    return replace(_with_repair(placeholder, implied, extent, (note,)), review=True)
+    return replace(with_repair(placeholder, implied, extent, (note,)), review=True)
 
 
 def _size(size_m: float) -> str:
@@ -240,10 +245,10 @@ def _rescaled(clue: Clue, implied: float, extent: Extent, against: str = "") -> 
         notes += (finding("asset/contradictory-evidence", headline, value=size, bound=bound, unit="m"),)
     if math.isclose(clue.meters_per_unit, implied, rel_tol=1e-6):
         return UnitDecision(evidence, notes)
-    return _with_repair(evidence, implied, extent, notes)
+    return with_repair(evidence, implied, extent, notes)
 
 
-def _with_repair(
+def with_repair(
     evidence: Evidence[float], implied: float, extent: Extent, notes: tuple[Diagnostic, ...]
 ) -> UnitDecision:
     """`evidence` as a repair of what the numbers imply as they stand."""

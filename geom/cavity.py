@@ -16,15 +16,15 @@ from pydantic import ConfigDict
 from scipy import ndimage
 
 from geom.hull import contains, convex_hull, outside_by, volume
+from geom.landscape import landscape, upright_axes, wall_points, water_level
 from geom.leaks import widest_second_way
+from geom.rays import Rays
 from geom.support import surface
-from geom.surface_distance import closest_on_surface, sample_surface
+from geom.surface_distance import closest_on_surface
 from geom.voids import find_rooms
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, Solid
 
-GRID_CELLS = 64
-WALL_SAMPLES = 40_000
 DIRECTIONS = np.array([[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]], dtype=np.float64)
 
 # A cavity matters when its water is at least this share of the hull: upward, and in any other direction, where things
@@ -95,11 +95,11 @@ def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
     except ValueError:
         return ()
     hull_volume = volume(*hull)
-    walls = _wall_points(solid.points, solid.triangles)
+    walls, rays = wall_points(solid.points, solid.triangles), Rays(solid.points, solid.triangles)
     found: list[Cavity] = []
     for direction in (*DIRECTIONS, *_askew(hull[0])):
         share = UPWARD_SHARE if direction[2] > ALIGNED else OTHER_SHARE
-        for cavity in _pour(solid, walls, direction, share * hull_volume):
+        for cavity in _pour(solid, rays, walls, direction, share * hull_volume):
             before = [other for other in found if _is_same(cavity, other)]
             if not before:
                 found.append(cavity)
@@ -179,17 +179,17 @@ def _is_same(cavity: Cavity, other: Cavity) -> bool:
     return cosine > 0.5 and apart < 0.5 * max(cavity.diameter_m, other.diameter_m)
 
 
-def _pour(solid: Solid, walls: FloatArray, direction: FloatArray, least_volume_m3: float) -> list[Cavity]:
+def _pour(solid: Solid, rays: Rays, walls: FloatArray, direction: FloatArray, least_volume_m3: float) -> list[Cavity]:
     """Cavities that open along `direction` and hold at least `least_volume_m3`, and wide through-holes."""
-    frame = _frame(direction)
+    frame = upright_axes(direction)
     local = solid.points @ frame.T
-    ground, floor, step, corner = _landscape(local, solid.triangles, walls @ frame.T)
+    ground, floor, step, corner = landscape(rays, solid.points, walls, frame)
     open_floor = np.isneginf(ground)
     outside, _ = _label(open_floor)
     drain = open_floor & np.isin(outside, np.concatenate([outside[0], outside[-1], outside[:, 0], outside[:, -1]]))
     ground = np.where(open_floor & ~drain, floor, ground)
     depth = np.zeros(ground.shape)
-    depth[~drain] = _water_level(ground)[~drain] - ground[~drain]
+    depth[~drain] = water_level(ground)[~drain] - ground[~drain]
     size = float(np.linalg.norm(np.ptp(local, axis=0)))
 
     def cavity_in(pool: FloatArray) -> Cavity | None:
@@ -234,82 +234,6 @@ def _patches(mask: FloatArray) -> Iterator[FloatArray]:
         yield labels == k
 
 
-def _landscape(
-    local: FloatArray, triangles: IntArray, walls: FloatArray
-) -> tuple[FloatArray, float, float, FloatArray]:
-    """Height of the surface seen from above on a grid (rows x, columns y), -inf where nothing is.
-
-    Also the lowest height, the cell size, and x, y of the first cell's centre. Rays give the height at cell centres;
-    `walls`, points on faces and edges, add walls and rims thinner than a cell, which no ray needs to hit. One empty
-    cell surrounds everything.
-    """
-    import open3d as o3d  # Slow to load; only needed here.
-
-    low, high = local.min(axis=0), local.max(axis=0)
-    step = float((high - low)[:2].max()) / GRID_CELLS or 1.0
-    cells = np.maximum(np.ceil((high - low)[:2] / step).astype(int), 1) + 2
-    corner = 0.5 * (low + high)[:2] - 0.5 * (cells - 1) * step
-    x, y = corner[0] + step * np.arange(cells[0]), corner[1] + step * np.arange(cells[1])
-    # Unit size, centred: Open3D computes in single precision.
-    centre, scale = 0.5 * (low + high), float(np.ptp(local, axis=0).max())
-    scene = o3d.t.geometry.RaycastingScene()
-    scene.add_triangles(
-        o3d.core.Tensor.from_numpy(((local - centre) / scale).astype(np.float32)),
-        o3d.core.Tensor.from_numpy(triangles.astype(np.uint32)),
-    )
-    grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-    start = np.column_stack([(grid - centre[:2]) / scale, np.full(len(grid), 2.0)])
-    rays = np.concatenate([start, np.tile([0.0, 0.0, -1.0], (len(grid), 1))], axis=1).astype(np.float32)
-    hit = scene.cast_rays(o3d.core.Tensor.from_numpy(rays))["t_hit"].numpy().astype(np.float64)
-    ground = (centre[2] + scale * (2.0 - hit)).reshape(cells[0], cells[1])
-    cell = np.clip(np.rint((walls[:, :2] - corner) / step).astype(int), 0, cells - 1)
-    np.maximum.at(ground, (cell[:, 0], cell[:, 1]), walls[:, 2])
-    return ground, float(low[2]), step, corner
-
-
-def _wall_points(points: FloatArray, triangles: IntArray) -> FloatArray:
-    """Points (k, 3) on the faces, and on the edges no further apart than half a cell of the finest grid."""
-    extent = np.sort(np.ptp(points, axis=0))
-    step = 0.5 * float(extent[1]) / GRID_CELLS or 1.0
-    return np.concatenate(
-        [sample_surface(points, triangles, WALL_SAMPLES, 0)[0], _along_edges(points, triangles, step)]
-    )
-
-
-def _along_edges(points: FloatArray, triangles: IntArray, step: float) -> FloatArray:
-    """All corners, and points at most `step` apart on the edges that are longer."""
-    edges = np.unique(np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    pieces = np.ceil(np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1) / step).astype(int)
-    edges, pieces = edges[pieces > 1], pieces[pieces > 1]
-    which = np.repeat(np.arange(len(edges)), pieces - 1)
-    first = np.cumsum(pieces - 1) - (pieces - 1)
-    share = (np.arange(len(which)) - first[which] + 1) / pieces[which]
-    start, along = points[edges[which, 0]], points[edges[which, 1]] - points[edges[which, 0]]
-    return np.concatenate([points[np.unique(triangles)], start + share[:, None] * along])
-
-
-def _water_level(ground: FloatArray) -> FloatArray:
-    """Level to which each cell fills before it drains over the grid's border or into a cell at -inf.
-
-    The least level `max(ground, lowest neighbour's level)` over four neighbours (Planchon and Darboux 2002, "A fast,
-    simple and versatile algorithm to fill the depressions of digital elevation models"), by sweeps over the whole grid
-    until nothing changes: a wall one cell thick holds diagonally too.
-    """
-    border = np.ones(ground.shape, dtype=bool)
-    border[1:-1, 1:-1] = False
-    level = np.where(border | np.isneginf(ground), ground, np.inf)
-    while True:
-        neighbours = np.full(level.shape, np.inf)
-        neighbours[1:] = level[:-1]
-        np.minimum(neighbours[:-1], level[1:], out=neighbours[:-1])
-        np.minimum(neighbours[:, 1:], level[:, :-1], out=neighbours[:, 1:])
-        np.minimum(neighbours[:, :-1], level[:, 1:], out=neighbours[:, :-1])
-        lower = np.minimum(level, np.maximum(ground, neighbours))
-        if np.array_equal(lower, level):
-            return level
-        level = lower
-
-
 def _reach(solid: Solid, opening: FloatArray, direction: FloatArray, radius: float, depth: float) -> float:
     """How far below the rim the bottom of a ball gets before it touches the solid."""
     bottoms = np.linspace(0.0, depth, 4 * PROBE_STEPS)
@@ -328,12 +252,3 @@ def _label(mask: FloatArray) -> tuple[IntArray, int]:
     """Number (rows, columns) of each cell's patch of True cells, from 1, and how many there are."""
     labels = np.zeros(mask.shape, dtype=np.int32)
     return labels, int(ndimage.label(mask, output=labels))  # pyright: ignore[reportArgumentType]  # an int with `output`
-
-
-def _frame(direction: FloatArray) -> FloatArray:
-    """Rotation (3, 3) that takes `direction` to z; coordinate axes go to coordinate axes."""
-    axis = int(np.abs(direction).argmax())
-    x = np.eye(3)[(axis + 1) % 3]
-    x = x - (x @ direction) * direction
-    x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(direction, x), direction])

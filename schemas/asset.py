@@ -139,6 +139,18 @@ class CategoryHypothesis(_Section):
     clues: tuple[str, ...]
 
 
+class UprightHypothesis(_Section):
+    """A direction of the source that may be up in the reference pose, its chance, and the signs in words.
+
+    `alike` are other directions in which the object looks the same; the chance is that of all of them.
+    """
+
+    up: Vec3
+    chance: float
+    signs: tuple[str, ...]
+    alike: tuple[Vec3, ...] = ()
+
+
 class EndpointAnswer(_Section):
     """What a multimodal model said of the pictures, before names and shape were weighed against it.
 
@@ -172,6 +184,13 @@ class SemanticsSection(_Section):
     hypotheses: tuple[CategoryHypothesis, ...] = ()
     source_texts: tuple[str, ...] = ()
     endpoint_answer: EndpointAnswer | None = None
+    scale: Evidence[float] | None = Field(
+        default=None, description="metres per source unit by what the thing is; absent where the unit is reliable"
+    )
+    upright: Evidence[Vec3] = Field(
+        default=default((0.0, 0.0, 1.0)), description="direction of the source that is up in the reference pose"
+    )
+    uprights: tuple[UprightHypothesis, ...] = Field(default=(), description="ways up, the likeliest first")
 
 
 class MassPart(_Section):

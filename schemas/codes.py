@@ -183,6 +183,18 @@ CODES: dict[str, CodeInfo] = {
         "The format declares no unit, or the declared size is unusual; the size is provisional.",
         "say the unit with --units mm|cm|m|in",
     ),
+    "asset/turned-upright": CodeInfo(
+        "warning",
+        "The object did not stand in its reference pose",
+        "Scenes place objects as they stand: a mug on its side would be put down on its side, and its opening missed.",
+        "nothing, or state the axis with --up-axis where the object is meant to lie",
+    ),
+    "asset/upright-uncertain": CodeInfo(
+        "warning",
+        "The object probably does not stand as its file has it",
+        "Form and category speak for another way up, but not clearly enough to turn the object.",
+        "look at the pictures and state the axis with --up-axis",
+    ),
     "asset/up-axis-mismatch": CodeInfo(
         "warning",
         "The object stands along another axis than the format implies",

@@ -23,11 +23,13 @@ class Shape:
     extents_m  edges of the smallest bounding box, shortest first.
     fill       share of that box that the convex hull takes: box 1, cylinder 0.79, ball 0.52; None without volume.
     hollow     share of the convex hull that is no material; None where nobody knows (a hull stands in).
+    metric     whether the edges are known in metres; else only their proportions are.
     """
 
     extents_m: tuple[float, float, float]
     fill: float | None
     hollow: float | None
+    metric: bool = True
 
 
 @dataclass(frozen=True)

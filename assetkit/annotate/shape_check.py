@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -30,8 +31,10 @@ class Finding(NamedTuple):
     leaves: float = 1.0
 
 
-def shape_of(points: FloatArray, solid: Solid) -> Shape:
-    """The shape of an object from its visible points (n, 3) and its physical surface, both in metres."""
+def shape_of(points: FloatArray, solid: Solid, *, metric: bool = True) -> Shape:
+    """The shape of an object from its visible points (n, 3) and its physical surface, both in metres; in unknown units
+    when not `metric`.
+    """
     low, high = points.min(axis=0), points.max(axis=0)
     box = fit_box(points)
     edges = sorted(box.size_m if box is not None else (float(e) for e in high - low))
@@ -40,13 +43,14 @@ def shape_of(points: FloatArray, solid: Solid) -> Shape:
         hull_m3 = volume(*convex_hull(points))
         own_m3 = volume(*convex_hull(solid.points))
     except ValueError:  # Flat.
-        return Shape(extents_m, None, None)
+        return Shape(extents_m, None, None, metric)
     hollow = None
     if solid.kind == "closed":
         hollow = 1.0 - volume(solid.points, solid.triangles) / own_m3
     elif solid.kind == "shell":
         hollow = 1.0
-    return Shape(extents_m, hull_m3 / (edges[0] * edges[1] * edges[2]) if edges[0] > 0.0 else None, hollow)
+    fill = hull_m3 / (edges[0] * edges[1] * edges[2]) if edges[0] > 0.0 else None
+    return Shape(extents_m, fill, hollow, metric)
 
 
 def compare(category: Category, shape: Shape) -> tuple[Finding, ...]:
@@ -59,7 +63,22 @@ def misfit(category: Category, extents_m: Sequence[float]) -> float:
     return max(_outside(edge, bounds) for edge, bounds in zip(extents_m, category.extents_m, strict=True))
 
 
+def misproportion(category: Category, extents_m: Sequence[float]) -> float:
+    """As `misfit`, at the scale where it is least."""
+    pairs = [(max(edge, 1e-9), bounds) for edge, bounds in zip(extents_m, category.extents_m, strict=True)]
+    least, most = max(low / edge for edge, (low, _) in pairs), max(edge / high for edge, (_, high) in pairs)
+    return max(math.sqrt(least * most), 1.0)
+
+
 def _size(category: Category, shape: Shape) -> Iterator[Finding]:
+    if not shape.metric:
+        factor = misproportion(category, shape.extents_m)
+        if factor > UNUSUAL:
+            form = " : ".join(f"{edge / shape.extents_m[2]:.2g}" for edge in shape.extents_m)
+            yield Finding(
+                f"edges of {form} are no usual proportions", leaves=ANOTHER if factor > IMPOSSIBLE else STRANGE
+            )
+        return
     factor = misfit(category, shape.extents_m)
     size = " x ".join(f"{edge:.3g}" for edge in shape.extents_m) + " m"
     if factor <= 1.0:

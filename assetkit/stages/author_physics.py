@@ -8,7 +8,6 @@ from assetkit.source_inertials import in_asset_frame
 from assetkit.stage import Canonical, Draft, Physics, Stage, Tools, need
 from assetkit.stages.physics import build_physics
 from assetkit.unknown_density import dense_look
-from assetkit.up_axis import TO_Z_UP
 from schemas.outcome import Outcome
 
 
@@ -39,7 +38,7 @@ class AuthorPhysics(Stage):
 
 def clues_of(draft: Draft, canonical: Canonical) -> Clues:
     """What is known about the parts of the object and their masses, in its asset frame."""
-    R_AM, origin_m = TO_Z_UP[canonical.up_axis.value], canonical.section.origin_offset_m
+    R_AM, origin_m = canonical.R_AS, canonical.section.origin_offset_m
     scale = canonical.meters_per_unit.value
     section = draft.semantics.section if draft.semantics else None
     category = category_called(section.category.value) if section else None

@@ -10,7 +10,7 @@ import numpy as np
 
 from assetkit.options import Options
 from assetkit.self_union import self_union
-from assetkit.stage import Canonical, Draft, Intake, Stage, Tools
+from assetkit.stage import Canonical, Draft, Frame, Intake, Stage, Tools
 from assetkit.stages.distortion import Distortion, distortion_finding
 from assetkit.stages.geometry_section import geometry_section
 from assetkit.stages.physical_surface import at_origin, physical_surface
@@ -31,16 +31,18 @@ class Canonicalize(Stage):
     """Brings an object into its metric frame and mends what is broken; every edit has figures before and after."""
 
     name = "canonicalize"
-    version = 5
+    version = 6
     result = Canonical
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Canonical]:
         """Canonical meshes, the physical surface and the geometry section."""
-        return canonicalize(draft.intake, draft.source_name, tools.options)
+        return canonicalize(draft.intake, draft.source_name, tools.options, draft.frame)
 
 
-def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Canonical]:
-    """The object of `item` in its metric frame; no value when its size is impossible."""
+def canonicalize(item: Intake, source_name: str, options: Options, frame: Frame | None = None) -> Outcome[Canonical]:
+    """The object of `item` in its metric frame, or in `frame` that meaning gives it; no value when its size is
+    impossible.
+    """
     model = item.model
     points = np.concatenate([m.points for m in model.meshes])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -58,7 +60,9 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
     except InvalidInput as refused:
         return Outcome(None, (refused.diagnostic,))
     up = decide_up_axis(model.up_axis, model.hints, options.up_axis, options.origin("up_axis"))
-    R_AS = TO_Z_UP[up.axis.value]
+    R_AS = TO_Z_UP[up.axis.value] if frame is None else frame.R_AS
+    unit = frame.unit if frame is not None and frame.unit is not None else unit
+    given = frame or Frame(R_AS)
     far = _recentred(low, high)
     centred = [replace(m, points=m.points - far.shift) for m in model.meshes]
     posed = [_posed(m, R_AS, unit.meters_per_unit.value) for m in centred]
@@ -79,9 +83,9 @@ def canonicalize(item: Intake, source_name: str, options: Options) -> Outcome[Ca
     edits = (*mended.diagnostics, *light.diagnostics, *physical.diagnostics)
     doubts = _doubts((*mended.distortions, *light.distortions, *physical.distortions), mended.unresolved, p_origin)
     return Outcome(
-        Canonical(homed, physical.solid, unit.meters_per_unit, up.axis, section),
-        (*unit.diagnostics, *up.diagnostics, *far.diagnostics, *edits, *doubts),
-        (*unit.repairs, *up.repairs, *far.repairs, *physical.repairs, *light.repairs),
+        Canonical(homed, physical.solid, unit.meters_per_unit, up.axis, section, R_AS),
+        (*unit.diagnostics, *up.diagnostics, *given.diagnostics, *far.diagnostics, *edits, *doubts),
+        (*unit.repairs, *up.repairs, *given.repairs, *far.repairs, *physical.repairs, *light.repairs),
         review=unit.review or up.review or bool(doubts),
     )
 

@@ -16,9 +16,11 @@ from assetkit.annotate.name_reading import category_called
 from assetkit.annotate.shape_check import compare, shape_of
 from assetkit.annotate.weigh import SEEN
 from assetkit.options import Options
+from assetkit.reference_frame import reference_frame
 from assetkit.stage import Draft, Semantics, Stage, Tools, need
 from assetkit.stages.previews import render
 from assetkit.taxonomy.tables import OBJECT_QCODE, Category
+from assetkit.units import is_reliable
 from jobs.cache import content_key
 from render.camera import STANDARD_VIEWS
 from schemas.asset import CategoryHypothesis, EndpointAnswer, SemanticsSection
@@ -31,10 +33,10 @@ _TITLES = ("title", "name")
 
 
 class DescribeObject(Stage):
-    """Category, family, roles and Wikidata class of the object, each with its evidence."""
+    """Category, family, roles and Wikidata class of the object, scale and way up, each with its evidence."""
 
     name = "semantics"
-    version = 3
+    version = 4
     result = Semantics
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Semantics]:
@@ -46,6 +48,7 @@ class DescribeObject(Stage):
         answer = annotation.asked.answer if annotation.asked else None
         category = _category(annotation, options)
         known = category_called(category.value)
+        grounded = reference_frame(draft, known, seen.shape.extents_m, options)
         section = SemanticsSection(
             name=Path(draft.source_name).stem,
             category=category,
@@ -58,11 +61,16 @@ class DescribeObject(Stage):
             ),
             source_texts=tuple(dict.fromkeys((seen.file, *seen.titles, *seen.nodes, *seen.materials)))[:_MAX_TEXTS],
             endpoint_answer=answer,
+            scale=grounded.scale,
+            upright=grounded.upright,
+            uprights=grounded.hypotheses,
         )
         doubtful = options.require_category and category.value == UNKNOWN
         disputed = annotation.disputed and not options.category
-        findings = _findings(annotation, seen, known, options)
-        return Outcome(Semantics(section), findings, review=doubtful or disputed, outside=_outside(annotation))
+        findings = (*_findings(annotation, seen, known, options), *grounded.doubts)
+        return Outcome(
+            Semantics(section, grounded.frame), findings, review=doubtful or disputed, outside=_outside(annotation)
+        )
 
 
 def observe(draft: Draft) -> Observation:
@@ -76,7 +84,11 @@ def observe(draft: Draft) -> Observation:
         nodes=tuple(dict.fromkeys(name for name in nodes if name.strip("/"))),
         materials=tuple(dict.fromkeys(m.name for m in model.materials if m.name)),
         titles=tuple(model.metadata[key] for key in _TITLES if model.metadata.get(key)),
-        shape=shape_of(np.concatenate([mesh.points for mesh in canonical.meshes]), canonical.solid),
+        shape=shape_of(
+            np.concatenate([mesh.points for mesh in canonical.meshes]),
+            canonical.solid,
+            metric=is_reliable(canonical.meters_per_unit),
+        ),
         shared=draft.intake.siblings > 0,
     )
 

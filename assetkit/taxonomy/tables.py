@@ -3,7 +3,8 @@
 `categories.csv` holds 44 kinds of rigid tabletop things in 10 families and, with scope `surrounding`, the furniture,
 appliances and fixtures around them; `interaction_groups.csv` the 9 ways in which articulated things move. Sizes and
 masses carry their source and how sure it is. `other_things.csv` names what is outside the vocabulary, so that a word
-in it is not taken for a category; `fillers.csv` words that say nothing about the kind of thing.
+in it is not taken for a category; `fillers.csv` words that say nothing about the kind of thing. `size_anchors.csv` are
+things of known size.
 """
 
 from __future__ import annotations
@@ -105,6 +106,22 @@ class Category(_Row):
 def categories() -> dict[str, Category]:
     """All categories by id, in the order of the table."""
     return {row["id"]: Category.model_validate(row) for row in rows_of("categories.csv")}
+
+
+class SizeAnchor(_Row):
+    """One thing of known size: sorted edges of its box in millimetres, and how sure they are, as for a category."""
+
+    category: str
+    name: str
+    edges_mm: Annotated[tuple[float, float, float], BeforeValidator(str.split)]
+    sureness: Literal["published", "catalogue", "estimate"]
+    source: str
+
+
+@cache
+def size_anchors() -> tuple[SizeAnchor, ...]:
+    """Things of known size, in the order of the table."""
+    return tuple(SizeAnchor.model_validate(row) for row in _rows("size_anchors.csv"))
 
 
 @cache
