@@ -22,7 +22,7 @@ from schemas.evidence import Evidence
 DECLARED, TOLD, HABIT = 0.95, 0.9, 0.5
 HABIT_Y = 0.3
 TURN = 0.8  # From this chance on an object is turned ...
-TURN_UNNAMED = 0.97  # ... and from this one on when nobody knows what it is.
+TURN_UNNAMED = 0.97  # ... and from this one on when nobody knows what it is and something tells that it stands.
 NEAR = 0.999  # cosine from which a direction is that axis
 CLEARLY = 3.0  # times as likely: a sign tells two ways up apart
 FIRM_RAD = np.radians(20.0)  # What must lean so far to fall stands firmly.
@@ -69,6 +69,14 @@ def uprights(stands: Sequence[Stand], category: Category | None, up_axis: Eviden
     return tuple(sorted(found, key=lambda u: -u.chance))
 
 
+def is_sure(best: Upright, category: Category | None, up_axis: Evidence[str] | None) -> bool:
+    """Whether the likeliest way up is likely enough to turn the object; less is needed to say that y is up where only
+    the habit of the format speaks for z.
+    """
+    against_habit = up_axis is not None and up_axis.source == "default" and best.up[1] > NEAR
+    return best.chance >= (TURN_UNNAMED if category is None and not against_habit else TURN)
+
+
 def _confused(best: Stand, other: Stand, best_chance: float, chance: float) -> bool:
     """Whether nothing tells two ways up apart: the same look, and no sign that prefers one clearly."""
     return chance * CLEARLY > best_chance and alike(best, other)
@@ -106,6 +114,8 @@ def _signs(stand: Stand, category: Category | None) -> list[tuple[float, str]]:
             (2.0 * float(np.clip(stand.flat, -1.5, 1.5)), f"is {np.exp(stand.flat):.2g} times as wide as high")
         )
         signs.append((12.0 * min(stand.water, 0.35), f"holds water of {stand.water:.0%} of its hull"))
+    if category.stands == "base" and category.opening == "maybe":  # A bottle that is a shell may be open below.
+        signs.append((4.0 * min(stand.water, 0.5), f"holds water of {stand.water:.0%} of its hull"))
     if parts & _LEGS:
         signs.append((8.0 * min(stand.under, 0.5), f"has {stand.under:.0%} of its hull free below"))
     elif category.stands == "base" and parts & _NARROW_TOP:

@@ -11,7 +11,7 @@ import numpy as np
 
 from assetkit.grounding import Scale, is_normalised, scale_of
 from assetkit.options import METERS_PER_UNIT, Options
-from assetkit.orientation import TURN, TURN_UNNAMED, Upright, uprights
+from assetkit.orientation import TURN, Upright, is_sure, uprights
 from assetkit.size_belief import CATEGORY_HOLDS
 from assetkit.stage import Canonical, Draft, Frame, need
 from assetkit.taxonomy.tables import Category
@@ -49,7 +49,7 @@ def reference_frame(
     unit = _decision(scale, draft, known=category is not None) if scale is not None else None
     found = uprights(stands(canonical.solid), category, canonical.up_axis)
     best = found[0] if found else None
-    turns = best is not None and _is_turned(best, category, options)
+    turns = best is not None and _is_turned(best, category, canonical, options)
     R = _turn(best) if best is not None and turns else np.eye(3)
     notes, repairs = _told(best, canonical) if best is not None and turns else ((), ())
     frame = Frame(R @ canonical.R_AS, unit, notes, repairs) if turns or unit is not None else None
@@ -72,7 +72,7 @@ def _scale(
 ) -> Scale | None:
     """None where the unit is reliable, where several objects share it, and where nothing but habit is known."""
     unit, item = canonical.meters_per_unit, draft.intake
-    if is_reliable(unit) or item.siblings:
+    if is_reliable(unit, item.model.meters_per_unit) or item.siblings:
         return None
     if category is None and not is_normalised(item.file_extent):
         return None
@@ -110,9 +110,9 @@ def _decision(scale: Scale, draft: Draft, *, known: bool) -> UnitDecision:
     return UnitDecision(evidence, changed.diagnostics, changed.repairs, review=scale.review)
 
 
-def _is_turned(best: Upright, category: Category | None, options: Options) -> bool:
+def _is_turned(best: Upright, category: Category | None, canonical: Canonical, options: Options) -> bool:
     stands_already = any(up[2] > 0.999 for up in (best.up, *best.alike))
-    sure = best.chance >= (TURN_UNNAMED if category is None else TURN)
+    sure = is_sure(best, category, canonical.up_axis)
     return sure and not stands_already and options.up_axis == "auto"
 
 

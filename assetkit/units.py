@@ -32,9 +32,14 @@ _NAME = {0.001: "mm", 0.01: "cm", 0.0254: "in", 1.0: "m", 0.3048: "ft", 0.1: "dm
 _REPAIR_NAME = {0.001: "unit_mm", 0.01: "unit_cm", 0.0254: "unit_inch", 1.0: "unit_m"}
 
 
-def is_reliable(unit: Evidence[float]) -> bool:
-    """Whether somebody or something says the unit: the user, the file or its texts, not the habits of its format."""
-    return (unit.source == "declared" and unit.confidence > 0.5) or (unit.source == "inferred" and bool(unit.inputs))
+def is_reliable(unit: Evidence[float], stated: Evidence[float]) -> bool:
+    """Whether the user, the file or its texts say the unit, not its format alone; however unusual the size is.
+
+    `stated` is what the file and its format say by themselves.
+    """
+    if unit.source == "declared":
+        return stated.source != "declared" or stated.confidence > 0.5 or unit.method != stated.method
+    return unit.source == "inferred" and bool(unit.inputs)
 
 
 @dataclass(frozen=True)

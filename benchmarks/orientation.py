@@ -28,7 +28,7 @@ from assetkit.annotate.embedded import EmbeddedAnnotator
 from assetkit.annotate.name_reading import category_called
 from assetkit.discover import discover
 from assetkit.options import Options
-from assetkit.orientation import TURN, TURN_UNNAMED, uprights
+from assetkit.orientation import is_sure, uprights
 from assetkit.stage import Canonical, Draft
 from assetkit.stages.canonicalize import canonicalize
 from assetkit.stages.intake import take_in
@@ -93,10 +93,11 @@ def _asked(
         standing = stands(solid)
         seconds = time.perf_counter() - started
         for known in dict.fromkeys((category, None)):
-            found = uprights(standing, known, canonical.up_axis if kind == "as it is" else None)
             name = f"{kind}, {'named' if known else 'nameless'}"
+            given = canonical.up_axis if kind == "as it is" else None
+            found = uprights(standing, known, given)
             best = np.array(found[0].up) if found else np.array([0.0, 0.0, 1.0])
-            sure = bool(found) and found[0].chance >= (TURN if known else TURN_UNNAMED)
+            sure = bool(found) and is_sure(found[0], known, given)
             kept = kind == "as it is" and not sure
             right = _is_up(np.array([0.0, 0.0, 1.0]) if kept else best, R, ups)
             same = sure and any(_is_up(np.array(up), R, ups) for up in found[0].alike)
@@ -123,11 +124,16 @@ def main() -> None:
     parser.add_argument("--turns", type=int, default=3)
     arguments = parser.parse_args()
     ends: dict[str, Counter[str]] = defaultdict(Counter)
+    known: Counter[str] = Counter()
+    last = ""
     for case in cases(arguments.assets, arguments.only, arguments.turns):
         what = f"{case.path[-60:]:60} {case.kind:20} {case.end:15} {case.chance:.2f}"
         print(f"{what} {case.best}  {case.seconds:.2f} s", flush=True)
         ends[case.kind][case.end] += 1
-    for kind, counts in ends.items():
+        if case.kind.startswith("as it is") and case.path != last:  # Named first, where a name tells.
+            known[case.end] += 1
+        last = case.path
+    for kind, counts in {"as it is, with what is known": known, **ends}.items():
         print(f"{kind}: {', '.join(f'{n} {end}' for end, n in sorted(counts.items()))}")
 
 

@@ -26,6 +26,16 @@ def obj_text(mesh: trimesh.Trimesh, head: str = "") -> str:
     return head + points + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in mesh.faces)
 
 
+def lying_cup(floor_m: float) -> trimesh.Trimesh:
+    """A cup of 80 by 95 mm that lies with its opening along -y."""
+    profile = [[0, 0], [0.04, 0], [0.04, 0.095], [0.036, 0.095], [0.036, floor_m], [0, floor_m]]
+    turn = trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0))
+    return trimesh.creation.revolve(np.array(profile), sections=32, transform=turn)
+
+
+LYING_CUP = lying_cup(0.004)
+
+
 def text(name: str, content: str | bytes) -> Writer:
     def write(folder: Path) -> Path:
         path = folder / name
@@ -283,6 +293,8 @@ SAMPLES: dict[str, Writer] = {
     "asset/animation-dropped": gltf(animations=[ANIMATION]),
     "asset/category-unknown": obj(CUBE),
     "asset/part-disputed": knob_called_lid,
+    "asset/turned-upright": text("mug.obj", obj_text(LYING_CUP)),
+    "asset/upright-uncertain": text("mug.obj", obj_text(lying_cup(0.06))),
     "asset/category-contradicted": text("mug.obj", obj_text(trimesh.creation.box((2.0, 2.0, 3.0)))),
 }
 

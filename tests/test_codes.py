@@ -46,6 +46,8 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
             described = DescribeObject().run(draft, tools)
             found += described.diagnostics
             found += ProposeParts().run(replace(draft, semantics=described.value), tools).diagnostics
+            if described.value is not None and described.value.frame is not None:
+                found += Canonicalize().run(replace(draft, frame=described.value.frame), tools).diagnostics
         if canonical.value is not None and (item.model.masses or item.model.contacts):
             found += AuthorPhysics().run(replace(draft, canonicalize=canonical.value), tools).diagnostics
     return found

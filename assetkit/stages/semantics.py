@@ -87,7 +87,7 @@ def observe(draft: Draft) -> Observation:
         shape=shape_of(
             np.concatenate([mesh.points for mesh in canonical.meshes]),
             canonical.solid,
-            metric=is_reliable(canonical.meters_per_unit),
+            metric=is_reliable(canonical.meters_per_unit, model.meters_per_unit),
         ),
         shared=draft.intake.siblings > 0,
     )

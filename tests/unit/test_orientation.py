@@ -17,7 +17,7 @@ Z_BY_HABIT = default("z", "OBJ declares no up axis")
 
 def solid_of(mesh: trimesh.Trimesh, R: FloatArray | None = None) -> Solid:
     points = np.asarray(mesh.vertices) @ (np.eye(3) if R is None else R).T
-    return Solid("closed", points, np.asarray(mesh.faces, dtype=np.int32))
+    return Solid(points, np.asarray(mesh.faces, dtype=np.int32), "closed")
 
 
 def cup() -> trimesh.Trimesh:
@@ -52,7 +52,7 @@ def test_an_object_turned_in_any_way_is_found_upright(mesh: trimesh.Trimesh, cat
 def test_signs_do_not_depend_on_place_size_or_a_quarter_turn() -> None:
     R = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     before, moved = stands(solid_of(cup())), solid_of(cup(), R)
-    after = stands(Solid("closed", 30.0 * moved.points + 7.0, moved.triangles))
+    after = stands(Solid(30.0 * moved.points + 7.0, moved.triangles, "closed"))
     for stand in before[:2]:
         other = max(after, key=lambda s: float(s.up @ R @ stand.up))
         assert _figures(stand) == pytest.approx(_figures(other), abs=0.02)
@@ -84,4 +84,4 @@ def test_a_block_has_no_way_up() -> None:
 
 def test_what_is_flat_has_no_stand() -> None:
     square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    assert stands(Solid("shell", square, np.array([[0, 1, 2], [0, 2, 3]]))) == ()
+    assert stands(Solid(square, np.array([[0, 1, 2], [0, 2, 3]]), "shell")) == ()
