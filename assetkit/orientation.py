@@ -16,6 +16,7 @@ from assetkit.taxonomy.tables import Category
 from geom.upright import Stand, alike
 from schemas.asset import Vec3, vec3
 from schemas.evidence import Evidence
+from schemas.model import Axis
 
 # The chance that the source's up is that of the reference pose: said by the user, declared by the file or its format,
 # told by its texts, only the format's habit. A habit is mostly wrong in one way: y is up in many files.
@@ -44,7 +45,7 @@ class Upright:
     alike: tuple[Vec3, ...] = ()
 
 
-def uprights(stands: Sequence[Stand], category: Category | None, up_axis: Evidence[str] | None) -> tuple[Upright, ...]:
+def uprights(stands: Sequence[Stand], category: Category | None, up_axis: Evidence[Axis] | None) -> tuple[Upright, ...]:
     """All candidates of `stands`, the most likely first; () when no way up is meant or the object spans no volume.
 
     `category` is None when unknown. `up_axis` is the evidence for the source's up, which is +z of the frame; None when
@@ -69,7 +70,7 @@ def uprights(stands: Sequence[Stand], category: Category | None, up_axis: Eviden
     return tuple(sorted(found, key=lambda u: -u.chance))
 
 
-def is_sure(best: Upright, category: Category | None, up_axis: Evidence[str] | None) -> bool:
+def is_sure(best: Upright, category: Category | None, up_axis: Evidence[Axis] | None) -> bool:
     """Whether the likeliest way up is likely enough to turn the object; less is needed to say that y is up where only
     the habit of the format speaks for z.
     """
@@ -82,7 +83,7 @@ def _confused(best: Stand, other: Stand, best_chance: float, chance: float) -> b
     return chance * CLEARLY > best_chance and alike(best, other)
 
 
-def _prior(ups: np.ndarray, up_axis: Evidence[str] | None) -> np.ndarray:
+def _prior(ups: np.ndarray, up_axis: Evidence[Axis] | None) -> np.ndarray:
     """Chance (k,) of each direction before the form is looked at; sums to 1."""
     if up_axis is None:
         return np.full(len(ups), 1.0 / len(ups))

@@ -59,13 +59,18 @@ def size_belief(edges: Sequence[float], category: Category | None, holds: float,
     logs = np.log(np.maximum(np.asarray(edges, dtype=np.float64), 1e-12 * max(edges)))
     anywhere = (1.0, math.log(TYPICAL_SIZE_M) - float(logs.max()), LOG_SPREAD)
     if category is None:
-        return Belief(*np.array([anywhere]).T)
+        return _mixture([anywhere])
     near = sorted(_near(logs, category.id, without), reverse=True)
     total = sum(closeness for closeness, *_ in near)
     anchored = MOST_ANCHORED * total / (total + 1.0)
     rows = [(holds * anchored * closeness / total, mean, SAME_FORM_SPREAD) for closeness, _, mean in near if total]
     rows += [(holds * (1.0 - anchored), *_usual(logs, category)), (1.0 - holds, *anywhere[1:])]
-    return Belief(*np.array(rows).T, tuple(name for closeness, name, _ in near[:3] if closeness > 0.1))
+    return _mixture(rows, tuple(name for closeness, name, _ in near[:3] if closeness > 0.1))
+
+
+def _mixture(rows: Sequence[tuple[float, float, float]], anchors: tuple[str, ...] = ()) -> Belief:
+    weights, means, deviations = np.array(rows).T
+    return Belief(weights, means, deviations, anchors)
 
 
 def _near(logs: FloatArray, category: str, without: str) -> Iterator[tuple[float, str, float]]:
