@@ -63,14 +63,14 @@ def cases(assets: Path, only: str, turns: int) -> Iterator[Case]:
         for row in csv.DictReader(file):
             draws = [("cube", Rotation.create_group("O").as_matrix()[i]) for i in rng.integers(24, size=turns)]
             draws += [("any", R) for R in Rotation.random(turns, random_state=rng).as_matrix()]
-            made = canonical_of(roots[row["root"]] / row["path"]) if only in row["path"] else None
+            made = canonical_of(roots[row["root"]] / row["path"], roots[row["root"]]) if only in row["path"] else None
             if made is not None:
                 yield from _asked(row["path"], row["up"], made, draws)
 
 
-def canonical_of(path: Path) -> tuple[Canonical, Category | None] | None:
+def canonical_of(path: Path, root: Path) -> tuple[Canonical, Category | None] | None:
     """The largest object of a file in its metric frame, and the category that names tell; None when it is refused."""
-    taken = take_in(discover([path])[0], Options()).objects
+    taken = take_in(discover([path], root=root)[0], Options()).objects
     if not taken:
         return None
     item = max(taken, key=lambda o: sum(len(m.points) for m in o.model.meshes))
