@@ -121,7 +121,7 @@ class SizeAnchor(_Row):
 @cache
 def size_anchors() -> tuple[SizeAnchor, ...]:
     """Things of known size, in the order of the table."""
-    return tuple(SizeAnchor.model_validate(row) for row in _rows("size_anchors.csv"))
+    return tuple(SizeAnchor.model_validate(row) for row in rows_of("size_anchors.csv"))
 
 
 @cache
