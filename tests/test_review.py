@@ -213,7 +213,7 @@ def test_review_and_search_of_a_real_file_from_end_to_end(bullet_data: Path, tmp
     said = ("--set", "category=toy_figure", "--set", "units=in", "--by", "Ann", "--reason", "a bath toy")
     mana("review", out, "duck.obj", *said)
     item = json.loads(mana(*again))["items"][0]
-    assert item["outcome"] == "accepted"
+    assert (item["outcome"], [r["name"] for r in item["repairs"]]) == ("repaired", ["turn_upright"])  # It lay.
     assert "asset/decided-by-person" in item["codes"]
     record = json.loads((out / "duck" / "record.json").read_text())
     assert record["semantics"]["category"] | {"inputs": []} == {
