@@ -6,7 +6,7 @@ along the closing axis, so that the fingers close from -x and +x.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny
 
@@ -91,4 +91,4 @@ class Region(_Model):
 
 Affordance: TypeAlias = Grasp | Region
 # Evidence is made without naming the type of its value; a union of evidences must take it as it is.
-AffordanceEvidence: TypeAlias = Annotated[Evidence[Grasp] | Evidence[Region], SerializeAsAny()]
+AffordanceEvidence: TypeAlias = SerializeAsAny[Evidence[Grasp] | Evidence[Region]]
