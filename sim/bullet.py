@@ -17,11 +17,9 @@ Traps of PyBullet 3.2.7 that this file answers, each covered by a test:
 from __future__ import annotations
 
 import math
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,8 +32,9 @@ from geom.support import bounds, diagonal, heights
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape, RigidBody
 from sim.bullet_grasp import grasp_and_lift
+from sim.bullet_loose import loose_body, scaled
 from sim.bullet_probes import drop_probes
-from sim.bullet_shapes import clear_margins, compound
+from sim.bullet_shapes import PARKED_M
 from sim.port import (
     DropResult,
     DropSettings,
@@ -49,7 +48,6 @@ from sim.port import (
     rms_speeds,
 )
 
-_PARKED_M = 1000.0
 _SINGLE = 1e-6  # relative: the OBJ reader is single precision
 
 
@@ -150,33 +148,10 @@ class BulletSimulator:
         ground = pybullet.createMultiBody(0, plane, useMaximalCoordinates=1, physicsClientId=client)
         pybullet.changeDynamics(ground, -1, lateralFriction=1.0, restitution=1.0, physicsClientId=client)
 
-        moments, quat_wxyz = principal_axes(body.mass.inertia_kgm2)
-        X_AI = pose.pose_from_quat(quat_wxyz, scale * np.asarray(body.mass.centre_of_mass_m))
-        mass_kg, moments = body.mass.mass_kg * scale**3, moments * scale**5
-        with tempfile.TemporaryDirectory() as folder:
-            collision = compound(body.shapes, scale, Path(folder), client)
-            clear_margins(collision, len(body.shapes), client)
-            handle = pybullet.createMultiBody(
-                baseMass=mass_kg,
-                baseCollisionShapeIndex=collision,
-                basePosition=[0.0, 0.0, _PARKED_M],
-                baseInertialFramePosition=X_AI[:3, 3].tolist(),
-                baseInertialFrameOrientation=pose.to_xyzw(quat_wxyz).tolist(),
-                useMaximalCoordinates=1,
-                physicsClientId=client,
-            )
-        pybullet.changeDynamics(
-            handle,
-            -1,
-            mass=mass_kg,
-            localInertiaDiagonal=moments.tolist(),
-            linearDamping=0.0,
-            angularDamping=0.0,
-            activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
-            physicsClientId=client,
-        )
-        loaded = _Loaded(body, world, handle, ground, scale, size * scale, X_AI)
-        self._prove(loaded, mass_kg, moments)
+        loose = loose_body(body.shapes, body.mass, scale, client)
+        handle = loose.handle
+        loaded = _Loaded(body, world, handle, ground, scale, size * scale, loose.X_AI)
+        self._prove(loaded, loose.mass_kg, loose.moments_kgm2)
         contact = body.contact
         pybullet.changeDynamics(
             handle,
@@ -200,21 +175,21 @@ class BulletSimulator:
         """
         client, handle, name = self._client, loaded.handle, loaded.body.name
         position, quat_xyzw = pybullet.getBasePositionAndOrientation(handle, physicsClientId=client)
-        moved = np.abs(position - loaded.X_AI[:3, 3] - [0.0, 0.0, _PARKED_M]).max()
+        moved = np.abs(position - loaded.X_AI[:3, 3] - [0.0, 0.0, PARKED_M]).max()
         turned = pose.angle_between(pose.quat_of(loaded.X_AI[:3, :3]), pose.to_wxyz(np.asarray(quat_xyzw)))
         if moved > 1e-9 or turned > 1e-6:
             raise RuntimeError(f"{name}: the engine's mass frame is {position}, {quat_xyzw}, not {loaded.X_AI}")
         low, high = (np.asarray(c) for c in pybullet.getAABB(handle, -1, physicsClientId=client))
-        exact = bounds(loaded.body.shapes) * loaded.scale + [0.0, 0.0, _PARKED_M]
+        exact = bounds(loaded.body.shapes) * loaded.scale + [0.0, 0.0, PARKED_M]
         slack = _SINGLE * loaded.diagonal_m + 1e-9
         if np.any(low > exact[0] + slack) or np.any(high < exact[1] - slack):
             raise RuntimeError(f"{name}: the engine's box {low}, {high} misses part of {exact}")
 
-        self._place(handle, pose.pose(None, (0.0, 0.0, _PARKED_M)))
+        self._place(handle, pose.pose(None, (0.0, 0.0, PARKED_M)))
         pybullet.stepSimulation(physicsClientId=client)  # Only a step makes the engine use the inertia it was given.
-        self._place(handle, pose.pose(None, (0.0, 0.0, _PARKED_M)))
+        self._place(handle, pose.pose(None, (0.0, 0.0, PARKED_M)))
         frame = {"flags": pybullet.WORLD_FRAME, "physicsClientId": client}
-        pybullet.applyExternalForce(handle, -1, [1e-3 * mass_kg, 0.0, 0.0], [0.0, 0.0, _PARKED_M], **frame)
+        pybullet.applyExternalForce(handle, -1, [1e-3 * mass_kg, 0.0, 0.0], [0.0, 0.0, PARKED_M], **frame)
         pybullet.applyExternalTorque(handle, -1, (1e-3 * moments).tolist(), **frame)
         pybullet.stepSimulation(physicsClientId=client)
         linear, angular = pybullet.getBaseVelocity(handle, physicsClientId=client)
@@ -229,10 +204,8 @@ class BulletSimulator:
         """
         client, handle = self._client, loaded.handle
         root = math.sqrt(loaded.scale)
-        X_WA = np.array(X_WA, dtype=np.float64)
-        X_WA[:3, 3] *= loaded.scale
-        X_WI = X_WA @ loaded.X_AI
-        self._place(handle, pose.pose(X_WI[:3, :3], (0.0, 0.0, _PARKED_M)))
+        X_WI = scaled(X_WA, loaded.scale) @ loaded.X_AI
+        self._place(handle, pose.pose(X_WI[:3, :3], (0.0, 0.0, PARKED_M)))
         pybullet.stepSimulation(physicsClientId=client)
         self._place(handle, X_WI)
 
@@ -240,7 +213,7 @@ class BulletSimulator:
         steps = math.ceil(settings.duration_s * root / settings.world.timestep_s - 1e-9)
         hold = max(1, math.ceil(still.hold_s * root / settings.world.timestep_s)) if settings.still else steps + 1
         speed, gyration = (still.speed_mps * root) ** 2, _largest_gyration_m2(loaded)
-        far_m = _PARKED_M * max(1.0, loaded.diagonal_m)
+        far_m = PARKED_M * max(1.0, loaded.diagonal_m)
         rows, quiet, finite = [self._state(handle)], 0, True
         for _ in range(steps):
             pybullet.stepSimulation(physicsClientId=client)

@@ -6,21 +6,18 @@ which empties the contact caches, so that no window knows the one before.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pybullet
 
-from geom import pose
-from geom.principal_axes import principal_axes
 from schemas.model import FloatArray
+from schemas.physics import MassProperties
 from sim.body_replay import BodyModel, BodyMotion, BodyWindows
-from sim.bullet_shapes import clear_margins, compound
+from sim.bullet_loose import loose_body
+from sim.bullet_shapes import PARKED_M
 from sim.bullet_windows import (
     HOLD_S,
-    PARKED_M,
     WindowsClient,
     contact_numbers,
     empty_world,
@@ -70,31 +67,10 @@ class BulletBodyReplay(WindowsClient):
         """An empty world with the body and the support, with the model's numbers."""
         client = self._client
         empty_world(model, self._largest_step_s, client)
-        moments, quat_wxyz = principal_axes(model.inertia_B)
-        self._X_BI = pose.pose_from_quat(quat_wxyz, model.com_B)
-        with tempfile.TemporaryDirectory() as folder:
-            shape = compound(model.shapes, 1.0, Path(folder), client)
-            clear_margins(shape, len(model.shapes), client)
-            self._handle = pybullet.createMultiBody(
-                baseMass=model.mass_kg,
-                baseCollisionShapeIndex=shape,
-                basePosition=[0.0, 0.0, PARKED_M],
-                baseInertialFramePosition=self._X_BI[:3, 3].tolist(),
-                baseInertialFrameOrientation=pose.to_xyzw(quat_wxyz).tolist(),
-                useMaximalCoordinates=1,
-                physicsClientId=client,
-            )
-        pybullet.changeDynamics(
-            self._handle,
-            -1,
-            mass=model.mass_kg,
-            localInertiaDiagonal=moments.tolist(),
-            linearDamping=0.0,
-            angularDamping=0.0,
-            activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
-            **contact_numbers(model),
-            physicsClientId=client,
-        )
+        mass = MassProperties(model.mass_kg, model.com_B, model.inertia_B)
+        loose = loose_body(model.shapes, mass, 1.0, client)
+        self._handle, self._X_BI = loose.handle, loose.X_AI
+        pybullet.changeDynamics(self._handle, -1, **contact_numbers(model), physicsClientId=client)
 
     def _start(self, row: FloatArray) -> None:
         """Park for one step, then place the body and give it its speed."""

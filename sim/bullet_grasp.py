@@ -7,19 +7,16 @@ not; two fingers slide in it, coupled by a gear, for without it both drift to on
 from __future__ import annotations
 
 import math
-import tempfile
-from pathlib import Path
 
 import numpy as np
 import pybullet
 
 from geom import pose
 from geom.gripper import boxes
-from geom.principal_axes import principal_axes
 from geom.support import diagonal
 from schemas.model import FloatArray
 from schemas.physics import RigidBody
-from sim.bullet_shapes import clear_margins, compound
+from sim.bullet_loose import loose_body, private_client, scaled
 from sim.port import GRAVITY_MPS2, GraspOutcome, GraspTask, model_scale
 
 STEP_S = 1.0 / 240.0
@@ -31,25 +28,19 @@ CLOSING_MPS = 0.05
 STRONG = 100.0  # times the weight of hand and body: what moves the hand
 LINK_KG = 0.5
 _X, _Y, _Z, _HAND, _LEFT, _RIGHT = range(6)
-_PARKED_M = 1000.0
 
 
 def grasp_and_lift(body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
-    """See `sim.port.Simulator`. Raises RuntimeError when the engine did not build what was asked for."""
-    client = pybullet.connect(pybullet.DIRECT)
-    if client < 0:
-        raise RuntimeError("PyBullet has no free client; at most 1024 exist per process")
-    try:
+    """See `sim.port.Simulator`. Raises RuntimeError when PyBullet has no client left."""
+    with private_client() as client:
         return _Trial(client, body, X_WA, task).run()
-    finally:
-        pybullet.disconnect(physicsClientId=client)
 
 
 class _Trial:
     """One body and one gripper in a world of their own, `scale` times as large (Froude similarity, `model_scale`)."""
 
     def __init__(self, client: int, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> None:
-        self._client, self._task = client, task
+        self._client, self._task, self._steps = client, task, 0
         self._scale = model_scale(diagonal(body.shapes))
         self._pace = math.sqrt(self._scale)
         pybullet.setPhysicsEngineParameter(
@@ -125,8 +116,6 @@ class _Trial:
             )
             pybullet.stepSimulation(physicsClientId=client)
 
-    _steps = 0
-
     def _height(self) -> float:
         """Of the mass centre, model metres; NaN compares as fallen."""
         return pybullet.getBasePositionAndOrientation(self._body, physicsClientId=self._client)[0][2]
@@ -139,37 +128,12 @@ class _Trial:
 
     def _stand(self, body: RigidBody, X_WA: FloatArray) -> int:
         client, scale = self._client, self._scale
-        moments, quat_wxyz = principal_axes(body.mass.inertia_kgm2)
-        X_AI = pose.pose_from_quat(quat_wxyz, scale * np.asarray(body.mass.centre_of_mass_m))
-        with tempfile.TemporaryDirectory() as folder:
-            collision = compound(body.shapes, scale, Path(folder), client)
-            clear_margins(collision, len(body.shapes), client)
-            handle = pybullet.createMultiBody(
-                baseMass=body.mass.mass_kg * scale**3,
-                baseCollisionShapeIndex=collision,
-                basePosition=[0.0, 0.0, _PARKED_M],
-                baseInertialFramePosition=X_AI[:3, 3].tolist(),
-                baseInertialFrameOrientation=pose.to_xyzw(quat_wxyz).tolist(),
-                useMaximalCoordinates=1,
-                physicsClientId=client,
-            )
-        pybullet.changeDynamics(
-            handle,
-            -1,
-            mass=body.mass.mass_kg * scale**3,
-            localInertiaDiagonal=(moments * scale**5).tolist(),
-            linearDamping=0.0,
-            angularDamping=0.0,
-            lateralFriction=self._task.friction,
-            activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
-            physicsClientId=client,
-        )
-        X_WI = X_WA.copy()
-        X_WI[:3, 3] *= scale
-        X_WI = X_WI @ X_AI
+        loose = loose_body(body.shapes, body.mass, scale, client)
+        pybullet.changeDynamics(loose.handle, -1, lateralFriction=self._task.friction, physicsClientId=client)
+        X_WI = scaled(X_WA, scale) @ loose.X_AI
         quat_xyzw = pose.to_xyzw(pose.quat_of(X_WI[:3, :3])).tolist()
-        pybullet.resetBasePositionAndOrientation(handle, X_WI[:3, 3].tolist(), quat_xyzw, physicsClientId=client)
-        return handle
+        pybullet.resetBasePositionAndOrientation(loose.handle, X_WI[:3, 3].tolist(), quat_xyzw, physicsClientId=client)
+        return loose.handle
 
     def _build_gripper(self, X_WG: FloatArray) -> int:
         """Base at the grip centre; links: three slides along the world axes, hand, left and right finger."""

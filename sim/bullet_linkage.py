@@ -19,10 +19,9 @@ from geom.principal_axes import principal_axes
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 from sim.body_replay import BodyMotion
-from sim.bullet_shapes import clear_margins, compound
+from sim.bullet_shapes import PARKED_M, clear_margins, compound
 from sim.bullet_windows import (
     HOLD_S,
-    PARKED_M,
     WindowsClient,
     contact_numbers,
     empty_world,

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from geom.support import diagonal
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
+from sim.bullet_loose import private_client
 from sim.bullet_shapes import clear_margins, compound
 from sim.port import GRAVITY_MPS2, ProbesAtEnd
 
@@ -30,10 +31,7 @@ def drop_probes(fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape
     if not probes:
         return ProbesAtEnd(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
     scale = MODEL_M / diagonal(fixed)
-    client = pybullet.connect(pybullet.DIRECT)
-    if client < 0:
-        raise RuntimeError("PyBullet has no free client; at most 1024 exist per process")
-    try:
+    with private_client() as client:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=STEP_S, enableFileCaching=0, deterministicOverlappingPairs=1, physicsClientId=client
         )
@@ -44,8 +42,6 @@ def drop_probes(fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape
             pybullet.stepSimulation(physicsClientId=client)
         places = [pybullet.getBasePositionAndOrientation(handle, physicsClientId=client) for handle in handles]
         moving = [pybullet.getBaseVelocity(handle, physicsClientId=client)[0] for handle in handles]
-    finally:
-        pybullet.disconnect(physicsClientId=client)
     centres = np.array([place for place, _ in places]) / scale
     R_WP = Rotation.from_quat([quat_xyzw for _, quat_xyzw in places]).as_matrix()
     below = np.array([_below(probe, R) for probe, R in zip(probes, R_WP, strict=True)])

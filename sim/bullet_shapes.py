@@ -15,7 +15,7 @@ from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 _SLOTS = 16  # of createCollisionShapeArray
-_PARKED_M = 1000.0
+PARKED_M = 1000.0  # Height at which a body waits out of reach of all others.
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def compound(shapes: Sequence[CollisionShape], scale: float, folder: Path, clien
 
 def clear_margins(collision: int, count: int, client: int) -> None:
     """Set the margins of a compound to 0; RuntimeError unless it has `count` members."""
-    passing = pybullet.createMultiBody(0, collision, basePosition=[0.0, 0.0, _PARKED_M], physicsClientId=client)
+    passing = pybullet.createMultiBody(0, collision, basePosition=[0.0, 0.0, PARKED_M], physicsClientId=client)
     pybullet.changeDynamics(passing, -1, collisionMargin=0.0, physicsClientId=client)
     held = len(pybullet.getCollisionShapeData(passing, -1, physicsClientId=client))
     pybullet.removeBody(passing, physicsClientId=client)

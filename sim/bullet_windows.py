@@ -16,7 +16,6 @@ from schemas.model import FloatArray
 from sim.body_replay import BodyModel, BodyMotion, BodyWindows
 
 LARGEST_STEP_S = 1.0 / 480.0
-PARKED_M = 1000.0
 HOLD_S = 1.0 / 120.0  # forces of effects are held at most so long: they follow speed and position, not contacts
 # Share of a penetration that is undone per second. The engine takes it per step (0.2 at 240 steps a second): finer
 # steps would throw out harder what starts a little inside the support.
