@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -108,7 +109,7 @@ def diagnose_command(
     Everything wrong is reported in one run. Of what cannot be satisfied it names constraints of which dropping any one
     gives a scene (where that was proved, it says so); suggestions marked `tried` were compiled again.
 
-    Example: `mana scene diagnose examples/scenes/too_full_tray.yaml --out why`
+    Example: `mana scene diagnose examples/scenes/three_cycle.yaml --out why`
     """
     from scenec.compile import compile_program
     from scenec.solve import DEFAULT_BUDGET
@@ -145,7 +146,8 @@ def render_command(
     else:
         if picture is None:
             _tell(compiled.report, root or program.parent, as_json)
-        text.console.print(f"picture: {escape(str(picture))}", soft_wrap=True)
+        else:
+            text.console.print(f"picture: {escape(str(picture))}", soft_wrap=True)
     raise typer.Exit(_exit_code(compiled.report))
 
 
@@ -224,7 +226,7 @@ def _tell(report: CompileReport, root: Path, as_json: bool) -> None:
         text.show_rows(rows, {"combination": "combination", "verdict": "verdict", "proof": "proof"})
     fallen = [row for row in report.settling if not row.stayed]
     for row in fallen:
-        turned_deg = row.turned_rad * 57.29577951308232
+        turned_deg = math.degrees(row.turned_rad)
         text.console.print(
             f"[yellow]does not stay[/]: {escape(row.id)} moved {1000 * row.moved_m:.1f} mm, turned {turned_deg:.1f} deg"
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from pathlib import Path
 
@@ -22,6 +23,9 @@ from usdio.write_scene import write_scene
 
 REPORT, SCENE, GRAPH = "report.json", "scene", "graph"
 PLAN, PERSPECTIVE, FAILURE = "plan.png", "perspective.png", "failure.png"
+_OURS = re.compile(
+    rf"({SCENE}(-\d+)?\.(usda|json))|({GRAPH}(-\d+)?\.(dot|json))|{PLAN}|{PERSPECTIVE}|{FAILURE}|{REPORT}"
+)
 _VIEW = View("perspective", -70.0, 34.0)  # Beside the default viewer, who stands at -y.
 _LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
@@ -44,10 +48,14 @@ def write_output(compiled: Compiled, assets: Path | None, out: Path) -> CompileR
 
 
 def clear(out: Path) -> None:
-    """Remove the scenes, graphs and pictures of an earlier run: a stale scene beside a failure would be a lie."""
-    for pattern in (f"{SCENE}.*", f"{SCENE}-*.*", f"{GRAPH}.*", f"{GRAPH}-*.*", PLAN, PERSPECTIVE, FAILURE, REPORT):
-        for file in out.glob(pattern):
-            file.unlink()
+    """Remove what an earlier run wrote: a stale scene beside a failure would be a lie.
+
+    By exact names alone, and only beside a report, for the folder may hold files of the user.
+    """
+    if (out / REPORT).is_file():
+        for file in sorted(out.iterdir()):
+            if _OURS.fullmatch(file.name):
+                file.unlink()
 
 
 def write_report(report: CompileReport, out: Path) -> None:
@@ -80,6 +88,8 @@ def draw_plan(compiled: Compiled, out: Path) -> Path | None:
     else:
         return None
     out.mkdir(parents=True, exist_ok=True)
+    for stale in (PLAN, FAILURE):
+        (out / stale).unlink(missing_ok=True)
     write_atomically(out / name, picture)
     return out / name
 

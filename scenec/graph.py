@@ -56,16 +56,6 @@ class Graph:
     components: tuple[tuple[str, ...], ...]
     schedule: tuple[int, ...]
 
-    def as_networkx(self) -> nx.MultiDiGraph[str]:
-        """The same for networkx, attributes kept."""
-        graph: nx.MultiDiGraph[str] = nx.MultiDiGraph()
-        for node in self.nodes:
-            graph.add_node(_key(node.kind, node.name), kind=node.kind)
-        for edge in self.edges:
-            source = _key("group" if edge.kind == "group" else "thing", edge.source)
-            graph.add_edge(source, _key("thing", edge.target), kind=edge.kind, label=edge.label)
-        return graph
-
     def dot(self) -> str:
         """The graph in Graphviz' language: a box around each component that has several members."""
         lines = ["digraph scene {", "  rankdir=TB; node [shape=box, fontname=Helvetica];"]

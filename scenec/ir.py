@@ -155,10 +155,10 @@ class RelationIR:
 
 @dataclass(frozen=True)
 class KeepOutIR:
-    """Part of a place where nothing may be, up to `height_m` above it: polygon in A."""
+    """Part of a place where nothing may be, up to `height_m` above it: polygon in A. Nothing else need stand there."""
 
     parent: str
-    place: str
+    place: Surface
     polygon: Polygon
     height_m: float
     path: Path

@@ -251,7 +251,7 @@ class _Lowering:
             ranges = keep_out.ranges or Ranges()
             (x0, x1), (y0, y1) = ranges.x or (x0, x1), ranges.y or (y0, y1)
             polygon = shapely.box(x0, y0, x1, y1)
-        return KeepOutIR(parent, place.name, polygon, keep_out.height or np.inf, ("keep_outs", index))
+        return KeepOutIR(parent, place, polygon, keep_out.height or np.inf, ("keep_outs", index))
 
     def _reach(self, things: tuple[str, ...]) -> ReachIR | None:
         reach = self.program.reach

@@ -166,7 +166,7 @@ def _least_change(start: float, end: float, step: float, works: Callable[[float]
     sign = 1.0 if end > start else -1.0
     good, last = None, 0.0
     reach = step
-    while reach < abs(end - start) * 2.0:
+    while last < abs(end - start):
         offset = min(reach, abs(end - start))
         value = _rounded(start + sign * offset, step, sign)
         value = min(value, end) if sign > 0.0 else max(value, end)

@@ -15,7 +15,8 @@ from geom.scene_check import (
     Violation,
     check,
 )
-from scenec.ir import WORLD_PARENT, FloatArray, Placement, Problem, Slab, Spot, Surface, Thing, Volume
+from scenec.emit import world_frames
+from scenec.ir import FloatArray, Placement, Problem, Slab, Spot, Surface, Thing, Volume
 
 LevelPose = tuple[FloatArray, float]  # origin (3,) in W and yaw: supports are level
 
@@ -29,11 +30,8 @@ def check_scene(problem: Problem, placements: dict[str, Placement]) -> CheckScen
     """The scene in the world. Raises KeyError when a thing has no placement: a partial scene is no scene."""
     poses = world_poses(problem, placements)
     objects = tuple(_object(thing, placements[thing.name], poses) for thing in problem.things)
-    places = {(thing.parent, thing.place.name): thing.place for thing in problem.things}
     keep_outs = tuple(
-        CheckKeepOut(_place(rule.parent, places[rule.parent, rule.place], poses), rule.polygon, rule.height_m)
-        for rule in problem.keep_outs
-        if (rule.parent, rule.place) in places
+        CheckKeepOut(_place(rule.parent, rule.place, poses), rule.polygon, rule.height_m) for rule in problem.keep_outs
     )
     reach = problem.reach
     relations = tuple(
@@ -52,22 +50,12 @@ def check_scene(problem: Problem, placements: dict[str, Placement]) -> CheckScen
 
 
 def world_poses(problem: Problem, placements: dict[str, Placement]) -> dict[str, LevelPose]:
-    """Origin and yaw in W of the asset frame P of every thing and of the background, as owners of places."""
-    X_WB = problem.X_WB
-    poses: dict[str, LevelPose] = {WORLD_PARENT: (X_WB[:3, 3], float(np.arctan2(X_WB[1, 0], X_WB[0, 0])))}
-    waiting = list(problem.things)
-    while waiting:
-        ready = [thing for thing in waiting if thing.parent in poses]
-        if not ready:
-            raise ValueError(f"no owner stands for {waiting[0].name}")
-        for thing in ready:
-            at = placements[thing.name]
-            anchor, yaw = _anchor(thing.parent, thing.place, poses)
-            offset = turned(np.array([[at.x_m, at.y_m]]), yaw)[0]
-            height = at.base_m + thing.body.stances[at.stance].origin_height_m
-            poses[thing.name] = (anchor + np.array([*offset, height]), yaw + at.yaw_rad)
-        waiting = [thing for thing in waiting if thing.name not in poses]
-    return poses
+    """Origin and yaw in W of the background and every thing, as owners of places: of the very frames that are emitted.
+
+    Raises KeyError when a thing has no placement.
+    """
+    frames = world_frames(problem, placements)
+    return {name: (X_WU[:3, 3], float(np.arctan2(X_WU[1, 0], X_WU[0, 0]))) for name, X_WU in frames.items()}
 
 
 def turned(points: FloatArray, yaw_rad: float) -> FloatArray:

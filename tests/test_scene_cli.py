@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -84,6 +85,34 @@ def test_a_failure_leaves_no_scene_of_an_earlier_run(tmp_path: Path):
     assert result.exit_code == 1
     assert json.loads(result.stdout)["verdict"] == "invalid_program"
     assert not list(out.glob("scene*"))
+
+
+def test_files_of_the_user_stay_in_the_folder(tmp_path: Path):
+    program = small(tmp_path, name="scene.yaml")
+    for name in ("scene-kitchen.yaml", "graph.yaml", "scene.json", "scene.usd"):
+        (tmp_path / name).write_text("mine")
+    assert run("diagnose", program).exit_code == 0
+    assert run("compile", small(tmp_path, "clearance: much\n", "scene-2.yaml"), "--out", tmp_path).exit_code == 1
+    assert {file.name for file in tmp_path.iterdir()} == {
+        "scene.yaml", "scene-2.yaml", "scene-kitchen.yaml", "graph.yaml", "scene.json", "scene.usd", "report.json",
+    }  # fmt: skip
+
+
+def test_a_picture_of_an_earlier_run_does_not_stay(tmp_path: Path):
+    assert run("render", small(tmp_path), "--out", tmp_path / "out").exit_code == 0
+    assert run("render", EXAMPLES / "three_cycle.yaml", "--out", tmp_path / "out").exit_code == 1
+    assert [file.name for file in (tmp_path / "out").iterdir()] == ["failure.png"]
+    result = run("render", small(tmp_path, "clearance: much\n", "wrong.yaml"), "--out", tmp_path / "none")
+    assert result.exit_code == 1
+    assert "picture:" not in result.output
+
+
+def test_examples_in_the_help_exist():
+    for command in ("compile", "diagnose", "render"):
+        words = " ".join(run(command, "--help").output.split())
+        found = re.search(r"examples/scenes/\w+\.yaml", words)
+        assert found is not None
+        assert (EXAMPLES / Path(found[0]).name).is_file()
 
 
 def test_missing_files_end_with_2(tmp_path: Path):

@@ -41,7 +41,7 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = ()) -> byt
     made, axes = sheet(bounds[:2], bounds[2:], _title(problem, result), len(caption))
     area(axes, outline, order=1.0, facecolor=SUPPORT, edgecolor=EDGE, linewidth=1.2)
     for rule in problem.keep_outs:
-        if (rule.parent, rule.place) == (parent, anchor):
+        if (rule.parent, rule.place.name) == (parent, anchor):
             area(axes, rule.polygon, order=1.5, facecolor="none", edgecolor=WRONG, hatch="///", alpha=0.5)
     model = model_of(problem)
     ghosts = _ghosts(model, here, outline)

@@ -74,10 +74,9 @@ def draw_supports(axes: Axes, problem: Problem, frames: Mapping[str, FloatArray]
         outline = place_outline(place, frames[WORLD_PARENT])
         area(axes, outline, order=1.0, facecolor=SUPPORT, edgecolor=EDGE, linewidth=1.2)
     for rule in problem.keep_outs:
-        place = next((t.place for t in problem.things if (t.parent, t.place.name) == (rule.parent, rule.place)), None)
-        if place is not None and rule.parent in frames:
+        if rule.parent in frames:
             moved = np.array(frames[rule.parent])
-            moved[:3, 3] = (moved @ np.append(np.asarray(place.origin_P_m, dtype=np.float64), 1.0))[:3]
+            moved[:3, 3] = (moved @ np.append(np.asarray(rule.place.origin_P_m, dtype=np.float64), 1.0))[:3]
             area(
                 axes, _turned(rule.polygon, moved), order=1.5, facecolor="none", edgecolor=WRONG, hatch="///", alpha=0.5
             )

@@ -44,7 +44,7 @@ def _no_region(problem: Problem, thing: Thing) -> Proof | None:
     narrow = min(float(np.ptp(hull(stance.slabs), axis=0).min()) for stance in tried)
     size = shapely.get_coordinates(shapely.minimum_rotated_rectangle(area(thing.place)))
     wide = float(np.hypot(*(size[1:3] - size[:2]).T).min())
-    rules = tuple(r.path for r in problem.keep_outs if (r.parent, r.place) == (thing.parent, thing.place.name))
+    rules = tuple(r.path for r in problem.keep_outs if (r.parent, r.place.name) == (thing.parent, thing.place.name))
     text = f"{thing.name} fits nowhere on {thing.place.name} of {thing.parent} within its ranges, at any heading"
     paths = (thing.path, *_range_paths(thing), *rules, *_reach_path(problem, thing))
     return Proof("empty-region", text, narrow, wide, "m", paths)
@@ -53,7 +53,7 @@ def _no_region(problem: Problem, thing: Thing) -> Proof | None:
 def _plainly(problem: Problem, thing: Thing, stance: Stance) -> bool:
     """Whether it simply stands in the middle of its ranges, or of its place: the usual case, told in microseconds."""
     place, reach = thing.place, problem.reach
-    bounded = any((rule.parent, rule.place) == (thing.parent, place.name) for rule in problem.keep_outs)
+    bounded = any((rule.parent, rule.place.name) == (thing.parent, place.name) for rule in problem.keep_outs)
     if bounded or not isinstance(place, Surface) or place.above or (reach and thing.name in reach.members):
         return False
     ranges, middle = np.array([thing.domain.x_m, thing.domain.y_m]), shapely.get_coordinates(place.polygon.centroid)[0]
@@ -106,7 +106,7 @@ def spot_usable(problem: Problem, thing: Thing, spot: Spot) -> bool:
         if not all(allowed.covers(outline) for outline in outlines):
             return False
     for rule in problem.keep_outs:
-        if (rule.parent, rule.place) == (thing.parent, thing.place.name):
+        if (rule.parent, rule.place.name) == (thing.parent, thing.place.name):
             inner = rule.polygon.buffer(-SLACK_M, join_style="mitre")
             for slab, outline in zip(stance.slabs, outlines, strict=True):
                 entered = min(base + slab.high_m, rule.height_m) - max(base + slab.low_m, 0.0) > SLACK_M

@@ -137,10 +137,3 @@ def period(outline: FloatArray) -> float:
             if np.abs(np.roll(outline, -(len(outline) // parts), axis=0) - moved).max() < SLACK_M / 4.0:
                 return TURN / parts
     return TURN
-
-
-def yaw_cells(yaw: YawCell, widest_rad: float) -> tuple[YawCell, ...]:
-    """The interval in equal parts, none wider than said."""
-    parts = max(1, int(np.ceil((yaw[1] - yaw[0]) / widest_rad - 1e-9)))
-    ends = np.linspace(yaw[0], yaw[1], parts + 1)
-    return tuple(zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True))

@@ -92,7 +92,7 @@ def room(problem: Problem, thing: Thing, stance: Stance) -> Room:
             walls.append((slab.outline_m, ring_of(around)))
             obstacles += [(slab.outline_m, part) for part in _parts(shapely.difference(around, container))]
     for rule in problem.keep_outs:
-        if (rule.parent, rule.place) == (thing.parent, thing.place.name):
+        if (rule.parent, rule.place.name) == (thing.parent, thing.place.name):
             entered = [slab for slab in pieces if slab.low_m + lift < rule.height_m - SLACK_M]
             obstacles += [(slab.outline_m, part) for slab in entered for part in _parts(rule.polygon)]
     (x0, x1), (y0, y1) = thing.domain.x_m, thing.domain.y_m

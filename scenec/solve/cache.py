@@ -126,7 +126,10 @@ def _polygon(polygon: Polygon) -> bytes:
 def _surroundings(model: Model) -> Digest:
     """What concerns every thing: clearance, keep-outs, reach, where the background stands."""
     problem = model.problem
-    keep_outs = [repr((k.parent, k.place, k.height_m)).encode() + _polygon(k.polygon) for k in problem.keep_outs]
+    keep_outs = [
+        repr((k.parent, k.place.name, tuple(k.place.origin_P_m), k.height_m)).encode() + _polygon(k.polygon)
+        for k in problem.keep_outs
+    ]
     reach = problem.reach
     ring = b"" if reach is None else _array(reach.base_m) + repr((reach.least_m, reach.most_m, reach.members)).encode()
     return _hash(repr(problem.clearance_m).encode(), _array(problem.X_WB), ring, *keep_outs)

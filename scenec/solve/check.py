@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import pi
 
 import numpy as np
 import shapely
@@ -11,7 +10,7 @@ import shapely
 from scenec.solve.frames import pose_of
 from scenec.solve.model import SLACK_M, Model, Site, yaw_allowed
 from scenec.solve.placed import Placed, bounds_gap, footprint_distance
-from scenec.solve.relations import SLACK, excess
+from scenec.solve.relations import SLACK, excess, wrapped
 
 Assignment = Mapping[str, Placed]
 
@@ -29,7 +28,7 @@ def fits_alone(model: Model, placed: Placed) -> bool:
             and abs(spot.x_m - placement.x_m) <= SLACK_M
             and abs(spot.y_m - placement.y_m) <= SLACK_M
             and abs(spot.z_m - height - placement.base_m) <= SLACK_M
-            and abs((spot.yaw_rad - placement.yaw_rad + pi) % (2 * pi) - pi) <= SLACK_M
+            and abs(wrapped(spot.yaw_rad - placement.yaw_rad)) <= SLACK_M
             for spot in domain.spots
         ):
             return False

@@ -6,7 +6,6 @@ Things are kept in the order of their names, so that the order in the program ne
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -28,9 +27,7 @@ SLACK_M = 1e-9  # rounding allowed where geometry touches; the independent check
 class Site:
     """One place of one owner in the owner's frame P: polygons to stay on (by height), what stands above, keep-outs."""
 
-    def __init__(
-        self, parent: str, place: Surface | Volume, problem: Problem, origins: Mapping[str, tuple[float, ...]]
-    ):
+    def __init__(self, parent: str, place: Surface | Volume, problem: Problem):
         self.parent, self.place = parent, place
         ox, oy, oz = (float(v) for v in place.origin_P_m)
         if isinstance(place, Surface):
@@ -43,13 +40,10 @@ class Site:
         self.above = tuple((polygon(s.outline_m + shift), s.low_m + oz, s.high_m + oz) for s in above)
         # Keep-outs count for all that the owner carries: (polygon, low, high).
         self.keep_outs = tuple(
-            (
-                translate(keep.polygon, *origins[keep.place][:2]),
-                origins[keep.place][2],
-                origins[keep.place][2] + keep.height_m,
-            )
+            (translate(keep.polygon, x, y), z, z + keep.height_m)
             for keep in problem.keep_outs
-            if keep.parent == parent and keep.place in origins
+            if keep.parent == parent
+            for x, y, z in [tuple(float(v) for v in keep.place.origin_P_m)]
         )
         self.origin_P_m, self.base_P_m = place.origin_P_m, oz
         self.top_m = place.clearance_m if isinstance(place, Surface) else place.height_m
@@ -164,25 +158,8 @@ def model_of(problem: Problem) -> Model:
             for stance in things[name].body.stances
         )
     places = {(thing.parent, thing.place.name): thing.place for thing in things.values()}
-    if problem.background is not None:
-        for place in (*problem.background.surfaces, *problem.background.volumes):
-            places.setdefault((WORLD_PARENT, place.name), place)
-    origins: dict[str, dict[str, tuple[float, ...]]] = defaultdict(dict)
-    for (parent, name), place in places.items():
-        origins[parent][name] = tuple(float(v) for v in place.origin_P_m)
-    sites = {key: Site(key[0], place, problem, origins[key[0]]) for key, place in places.items()}
+    sites = {key: Site(key[0], place, problem) for key, place in places.items()}
     return Model(problem, things, shapes, sites, problem.relations, {})
-
-
-def has_owner_cycle(things: Mapping[str, Thing]) -> bool:
-    """Whether some thing carries itself, by way of others."""
-    for start in things:
-        at, left = start, len(things)
-        while at in things and left:
-            at, left = things[at].parent, left - 1
-        if at in things:
-            return True
-    return False
 
 
 def owner_first(things: dict[str, Thing]) -> list[str]:

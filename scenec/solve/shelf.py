@@ -19,7 +19,7 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from scenec.ir import Placement, RelationIR, Thing
-from scenec.solve.model import Model, Site, yaw_allowed
+from scenec.solve.model import Model, Site, is_box, yaw_allowed
 from scenec.solve.placed import Placed
 from scenec.solve.streams import stream
 
@@ -135,7 +135,7 @@ class Packing:
                 first, second = (rule.a, rule.b) if rule.dy > 0 else (rule.b, rule.a)
                 self.y_preds.setdefault(second, []).append(first)
         self.y_rank = _ranks(items, rules, "y")
-        self.is_box = isinstance(area, Polygon) and len(area.exterior.coords) == 5 and _is_box(area)
+        self.is_box = isinstance(area, Polygon) and len(area.exterior.coords) == 5 and is_box(area)
         self.bins: list[Bin] = []
         self.bin_of: list[int] = []
         self.left_over: list[int] = []
@@ -271,11 +271,6 @@ class Packing:
         p.items[p.items.index(i)], q.items[q.items.index(j)] = j, i
         p.used, q.used = p.used + change, q.used - change
         self.bin_of[i], self.bin_of[j] = self.bin_of[j], self.bin_of[i]
-
-
-def _is_box(area: Polygon) -> bool:
-    x0, y0, x1, y1 = area.bounds
-    return abs((x1 - x0) * (y1 - y0) - area.area) <= 1e-12
 
 
 def _ranks(items: Sequence[Item], rules: Sequence[Rule], axis: str) -> list[float]:

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache as cache_call
 from itertools import pairwise
 
 import networkx as nx
 
 from scenec.ir import Exhausted, Infeasible, Placement, Problem, Proof, Result, Solved
 from scenec.proofs import prove, prove_cheaply
+from scenec.proofs.owners import no_first_owner
 from scenec.solve.cache import ComponentCache
 from scenec.solve.check import blockers
 from scenec.solve.component import solve_readily
 from scenec.solve.coupling import components_of, lifted, separated
-from scenec.solve.model import Model, has_owner_cycle, model_of
+from scenec.solve.model import Model, model_of
 from scenec.solve.placed import Placed
 from scenec.solve.search import Effort, search
 
@@ -36,10 +37,10 @@ def solve(
     owners, separating coordinates); where that finds nothing, what they tie is merged and solved jointly. Cheap proofs
     are looked for before any long search, the complete one for few things after it.
     """
-    cheap_proof = lru_cache(None)(lambda: prove_cheaply(problem))
-    base = model_of(problem)
-    if has_owner_cycle(base.things) and (proof := cheap_proof()) is not None:
+    if (proof := no_first_owner(problem)) is not None:
         return Infeasible(proof)
+    cheap_proof = cache_call(lambda: prove_cheaply(problem))
+    base = model_of(problem)
     efforts: list[Effort] = []
     for model, components, share in _ways(base):
         effort = Effort(int(share * (budget - sum(e.taken for e in efforts))))

@@ -14,7 +14,7 @@ from scenec.ir import KeepOutIR, Problem, Result, Solved
 from scenec.proofs import prove
 from scenec.relaxed import nodes, relaxed, rules
 from scenec.solve import solve
-from scenec.suggest import suggestions
+from scenec.suggest import _least_change, suggestions
 from scenec.validate import violations
 from tests.unit.proof_problems import box_body, left_of, problem, table, thing
 
@@ -82,7 +82,7 @@ def test_a_range_against_a_relation():
 
 
 def test_a_keep_out_against_a_range():
-    keep = KeepOutIR("background", "tabletop", box(0.2, -0.4, 0.6, 0.4), 0.1, ("keep_outs", 0))
+    keep = KeepOutIR("background", TABLE, box(0.2, -0.4, 0.6, 0.4), 0.1, ("keep_outs", 0))
     conflict = conflict_of(problem([thing("a", (0.1, 0.1), TABLE, x=(0.2, 0.3))], keep_outs=(keep,)))
     assert set(conflict.paths) == {("keep_outs", 0), (*RANGE, "x")}
     assert conflict.minimal
@@ -149,3 +149,9 @@ def test_a_thing_is_moved_to_another_place_or_dropped():
     found = edits(problem(things))
     assert "move a to tray" in found
     assert "drop layout.nodes.a" in found
+
+
+def test_a_change_is_tried_to_its_very_end():
+    assert _least_change(0.01, 0.0, 0.0001, lambda value: value <= 0.0) == 0.0
+    assert _least_change(0.0, 1.28, 0.001, lambda value: value >= 1.28) == 1.28
+    assert _least_change(0.0, 1.28, 0.001, lambda value: False) is None

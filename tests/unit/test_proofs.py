@@ -76,7 +76,7 @@ def test_a_range_off_the_polygon_a_hole_a_keep_out_and_reach_leave_no_region():
     holed = replace(TABLE, polygon=Polygon(TABLE.polygon.exterior, [box(-0.5, -0.3, 0.5, 0.3).exterior]))
     assert kind(problem([thing("a", (0.1, 0.1), holed, yaw=(-np.pi, np.pi))])) is None
     assert kind(problem([thing("a", (0.11, 0.11), holed, yaw=(-np.pi, np.pi))])) == "empty-region"
-    keep = KeepOutIR("background", "tabletop", box(-0.5, -0.4, 0.5, 0.4), 0.1, ("keep_outs", 0))
+    keep = KeepOutIR("background", TABLE, box(-0.5, -0.4, 0.5, 0.4), 0.1, ("keep_outs", 0))
     assert kind(problem([thing("a", (0.11, 0.11), TABLE)], keep_outs=(keep,))) == "empty-region"
     assert kind(problem([thing("a", (0.1, 0.1), TABLE)], keep_outs=(keep,))) is None
     reach = ReachIR(np.array([0.0, -1.0, 0.0]), 0.0, 0.66, ("a",), ("reach",))
@@ -123,7 +123,7 @@ def test_more_mugs_than_hooks():
     mugs = [thing(name, (0.08, 0.08), TABLE, spots=spots) for name in "abc"]
     assert kind(problem(mugs)) == "empty-domain"
     assert kind(problem(mugs[:2])) is None
-    blocked = KeepOutIR("background", "tabletop", box(0.1, -0.1, 0.3, 0.1), 0.1, ("keep_outs", 0))
+    blocked = KeepOutIR("background", TABLE, box(0.1, -0.1, 0.3, 0.1), 0.1, ("keep_outs", 0))
     assert kind(problem(mugs[:2], keep_outs=(blocked,))) == "empty-domain"
 
 

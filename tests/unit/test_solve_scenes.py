@@ -125,10 +125,19 @@ def test_keep_outs_and_reach_hold_in_a_turned_world():
     X_WB[:3, 3] = (1.0, -2.0, 0.5)
     base_W = (X_WB @ (0.0, -0.7, 0.0, 1.0))[:3]
     things = [thing(f"box{k}", box_body("box", 0.08, 0.06)) for k in range(8)]
-    keep_out = KeepOutIR(WORLD_PARENT, "top", box(-0.3, -0.4, 0.3, -0.2), 0.2, ("keep_outs", 0))
+    keep_out = KeepOutIR(WORLD_PARENT, table(), box(-0.3, -0.4, 0.3, -0.2), 0.2, ("keep_outs", 0))
     reach = ReachIR(base_W, 0.3, 0.75, tuple(t.name for t in things), ("reach",))
     given = problem(*things, keep_outs=(keep_out,), reach=reach)
     solved(replace(given, X_WB=X_WB))
+
+
+def test_a_keep_out_counts_on_a_place_where_nothing_else_stands():
+    zone = Surface("zone", table().polygon, np.zeros(3))
+    only = thing("a", box_body("a", 0.08, 0.06), x_m=(0.0, 0.1), y_m=(0.0, 0.0))
+    rule = KeepOutIR(WORLD_PARENT, zone, box(-0.3, -0.3, 0.3, 0.3), 0.2, ("keep_outs", 0))
+    assert not isinstance(solve(problem(only, keep_outs=(rule,))), Solved)
+    free = solved(problem(only))
+    assert [v.kind for v in violations(problem(only, keep_outs=(rule,)), free.placements)] == ["keep_out"]
 
 
 def test_every_kind_of_relation():
