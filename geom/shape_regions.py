@@ -22,13 +22,14 @@ from geom.weld import weld_points
 from schemas.model import FloatArray, IntArray
 
 # loop, arm: stick out of a round upright body and come back to it, or do not. slab: a level plate, post: what stands
-# under it, upright: what rises above it. boss: small body on top of a level face. end: one end of a long thing.
-Role = Literal["loop", "arm", "slab", "post", "upright", "boss", "end"]
+# under it, upright: what rises above it. boss: small body on top of a level face. `geom.long_regions` has the others:
+# wider and narrower, thicker and thinner end of a tool; narrow end of a bottle; stem of a glass, with its two ends.
+Standing = Literal["loop", "arm", "slab", "post", "upright", "boss"]
+Role = Literal[Standing, "broad", "slim", "stout", "thin", "neck", "stopper", "stem", "over", "foot"]
 _OUTLINE_FACES, _SAMPLES = 1000, 4000
 _ROUND = 0.6  # of all directions, in which the outline of a round body is a circle
 _PROUD = 1.06  # times the radius of the body: what reaches further sticks out
-_LAYERS, _SLICES = 24, 48
-_LONGEST_END = 0.3  # of the length; a neck may be longer and as even
+_LAYERS = 24
 _LEVEL = 0.9  # vertical component of the normal of a level face
 _PLATE_SHARE = 0.35  # of the footprint's box that the face of a plate covers
 
@@ -156,38 +157,6 @@ def boss_regions(surface: Faces) -> tuple[Region, ...]:
     pieces = [p for p in surface.pieces(raised) if surface.area[p].sum() > least]
     small = all((np.subtract(*surface.box(p)[::-1])[:2] < 0.6 * surface.extent[:2]).all() for p in pieces)
     return tuple(Region("boss", p) for p in pieces) if small else ()
-
-
-def end_regions(surface: Faces) -> tuple[Region, ...]:
-    """The end of a long thing that is narrower than the rest, equally wide all along, and ends in a step."""
-    axis = int(np.argmax(surface.extent))
-    others = [k for k in range(3) if k != axis]
-    points = sample_surface(surface.points, surface.triangles, _SAMPLES, 0)[0]
-    place = (points[:, axis] - surface.low[axis]) / surface.extent[axis]
-    slices = np.minimum((place * _SLICES).astype(np.int64), _SLICES - 1)
-    low, high = np.full((_SLICES, 2), np.inf), np.full((_SLICES, 2), -np.inf)
-    np.minimum.at(low, slices, points[:, others])
-    np.maximum.at(high, slices, points[:, others])
-    width = np.sqrt(np.maximum(high - low, 0.0).prod(axis=1))
-    along = (surface.middle[:, axis] - surface.low[axis]) / surface.extent[axis]
-    found: list[Region] = []
-    for profile, place_of in ((width, along), (width[::-1], 1.0 - along)):
-        length = _even_end(profile)
-        if length:
-            found.append(Region("end", place_of < length / _SLICES))
-    return tuple(found) if len(found) == 1 else ()
-
-
-def _even_end(width: FloatArray) -> int:
-    """Number of slices at the beginning that are equally wide and end in a step; 0 if there is no such end."""
-    first = float(np.median(width[1:4]))
-    if not 0.0 < first < 0.8 * width.max():
-        return 0
-    even = np.abs(width / first - 1.0) < 0.12
-    even[0] = True  # Rounded off.
-    length = int(np.argmin(even)) if not even.all() else len(width)
-    stepped = abs(float(width[min(length + 2, len(width) - 1)]) / first - 1.0) > 0.15
-    return length if 3 <= length <= _LONGEST_END * len(width) and stepped else 0
 
 
 def _levels(surface: Faces, *, up: bool) -> Iterator[float]:

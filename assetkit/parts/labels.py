@@ -14,18 +14,26 @@ WITHOUT_CATEGORY = 0.7  # of it is left when nobody knows the category
 # Words that name a part of anything; "back", "head" or "top" do so only in the right category.
 ANYWHERE = ("handle", "lid", "knob", "drawer", "door", "leg", "spout", "wheel", "button", "blade", "cap")
 
-# The narrow end of a bottle in one piece has no label: it may be the cap, the neck, or both.
 _ROLES: dict[str, dict[str, str]] = {
     **{key: {"loop": "handle", "arm": "handle", "cover": "lid"} for key in ("mug", "cup", "pan", "pot")},
     **{key: {"loop": "handle", "arm": "spout", "cover": "lid"} for key in ("pitcher", "teapot")},
     **{key: {"slab": "top", "post": "leg"} for key in ("table", "desk")},
     **{key: {"slab": "seat", "post": "leg"} for key in ("stool", "bench")},
     "chair": {"slab": "seat", "post": "leg", "upright": "back"},
-    **{key: {"cover": "cap"} for key in ("bottle", "pill_bottle")},
+    **{key: {"cover": "cap", "stopper": "cap", "neck": "neck"} for key in ("bottle", "pill_bottle")},
     "jar": {"cover": "lid"},
+    "vase": {"neck": "neck"},
+    "drinking_glass": {"stem": "stem", "over": "bowl", "foot": "foot"},
+    # A bowl, tines, a head are wider than what the hand holds, a blade is thinner, a shaft slimmer.
+    "spoon": {"broad": "bowl", "slim": "handle"},
+    "fork": {"broad": "tines", "slim": "handle"},
+    "knife": {"thin": "blade", "stout": "handle"},
+    **{key: {"broad": "head", "slim": "handle"} for key in ("cooking_utensil", "hammer")},
+    "screwdriver": {"slim": "shaft", "broad": "handle"},
+    "scissors": {"slim": "blade", "broad": "handle"},
     "block": {"boss": "stud"},
 }
-_FAINT = ("arm", "upright", "cover")
+_FAINT = ("arm", "upright", "cover", "stopper")
 
 
 @dataclass(frozen=True)

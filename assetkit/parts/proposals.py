@@ -9,7 +9,8 @@ from typing import Protocol
 import numpy as np
 
 from geom.edges import edges_of, face_components
-from geom.shape_regions import Faces, Region, boss_regions, end_regions, faces_of, plate_regions, side_regions
+from geom.long_regions import broad_regions, end_regions, stem_regions, stout_regions
+from geom.shape_regions import Faces, Region, boss_regions, faces_of, plate_regions, side_regions
 from geom.topology import repeats_point
 from schemas.model import IntArray, Material, Mesh
 from schemas.parts import ProposalSource
@@ -24,7 +25,10 @@ LEAST_SHARE = 0.002  # of the surface; what is smaller is no part of its own
 _LOOKED_FOR: dict[str, Callable[[Faces], tuple[Region, ...]]] = {
     **dict.fromkeys(("mug", "cup", "pan", "pot", "pitcher", "teapot"), side_regions),
     **dict.fromkeys(("table", "desk", "stool", "bench", "chair"), plate_regions),
-    **dict.fromkeys(("bottle", "pill_bottle"), end_regions),
+    **dict.fromkeys(("bottle", "pill_bottle", "vase"), end_regions),
+    **dict.fromkeys(("spoon", "fork", "cooking_utensil", "hammer", "screwdriver", "scissors"), broad_regions),
+    "knife": stout_regions,
+    "drinking_glass": stem_regions,
     "block": boss_regions,
 }
 

@@ -15,7 +15,7 @@ class ProposeParts(Stage):
     """Parts with their labels. Anchors wait for acceptance."""
 
     name = "interaction"
-    version = 5
+    version = 6
     result = Interaction
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:

@@ -13,14 +13,30 @@ import pytest
 import trimesh
 from hypothesis import given
 from pxr import Sdf, Usd, UsdGeom
+from scipy.spatial.transform import Rotation
 
 from assetkit.parts.find import find_parts
 from assetkit.parts.labels import named
+from benchmarks.made_things import Thing, things
 from schemas.evidence import declared, default
 from schemas.model import Material, Mesh, Model
 from schemas.parts import part_faces
 from usdio.looks import looks_per_mesh
 from usdio.write_meshes import author_meshes
+
+LONG = {
+    "spoon",
+    "fork",
+    "knife",
+    "spatula",
+    "ladle",
+    "hammer",
+    "screwdriver",
+    "bottle with cap",
+    "wine bottle",
+    "wine glass",
+}
+MADE = [thing for thing in things(seed=7, draws=1) if thing.name in LONG]
 
 
 @given(st.sets(st.integers(0, 200)))
@@ -138,3 +154,41 @@ def test_subsets_of_a_package_hold_the_triangles_of_the_part(tmp_path: Path) -> 
     assert {s.GetPrim().GetCustomDataByKey("mana:partLabel") for s in subsets} == {"body", "handle"}
     for subset, part in zip(subsets, parts, strict=True):
         assert list(subset.GetIndicesAttr().Get()) == part.faces[0].indices.tolist()
+
+
+@pytest.mark.parametrize("thing", MADE, ids=lambda t: t.name)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_parts_of_one_shell_are_found_however_it_lies(thing: Thing, seed: int) -> None:
+    """Turned, mirrored and scaled, the same surface has the same parts, each mostly on its true triangles."""
+    R = Rotation.random(random_state=seed).as_matrix() * [1.0, 1.0, (-1.0) ** seed]
+    points = (thing.points @ R.T) * 10.0 ** (seed - 2) + 0.3
+    triangles = thing.triangles if np.linalg.det(R) > 0.0 else thing.triangles[:, ::-1]
+    straight, turned = (
+        {
+            p.value.label.value: p.value.mask("m", len(t))
+            for p in find_parts({"m": Mesh("m", x, t)}, (), declared(thing.category, "test")).parts
+        }
+        for x, t in ((thing.points, thing.triangles), (points, triangles))
+    )
+    assert set(straight) == set(turned) == set(thing.parts)
+    middles = thing.points[thing.triangles]
+    area = np.linalg.norm(np.cross(middles[:, 1] - middles[:, 0], middles[:, 2] - middles[:, 0]), axis=1)
+    for index, label in enumerate(thing.parts):
+        for found in (straight[label], turned[label]):
+            true = thing.owner == index
+            assert area[found & true].sum() > 0.5 * area[found | true].sum()
+
+
+@pytest.mark.parametrize("category", ["cooking_utensil", "knife", "spoon", "screwdriver", "drinking_glass"])
+def test_a_stick_or_a_wedge_has_no_ends_of_its_own(category: str) -> None:
+    """What tapers without a step is all handle, or all head: nobody knows."""
+    wedge = trimesh.creation.cone(0.02, 0.3, sections=32)
+    assert labels(wedge, category) == labels(trimesh.creation.cylinder(0.01, 0.3), category) == []
+
+
+def test_a_flat_closure_is_a_cap_and_a_long_one_a_neck() -> None:
+    """A hand turns a cap, and wine is poured through a neck."""
+    body = trimesh.creation.cylinder(0.035, 0.2).apply_translation((0.0, 0.0, 0.1))
+    for length, name in ((0.02, "cap"), (0.09, "neck")):
+        end = trimesh.creation.cylinder(0.014, length).apply_translation((0.0, 0.0, 0.2 + length / 2))
+        assert labels(trimesh.boolean.union([body, end], engine="manifold"), "bottle") == sorted(["body", name])
