@@ -15,7 +15,7 @@ demo: $(STAMP)
 	$(BIN)/mana demo --out $(DEMO_OUT)
 
 test: check $(MUJOCO_USD_STAMP)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 
 check: lint types layers
 

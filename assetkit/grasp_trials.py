@@ -8,7 +8,7 @@ import numpy as np
 
 from assetkit.grasps import pad_friction
 from assetkit.stable_poses import resting_pose
-from geom.pose import matrix_of, pose_from_quat
+from geom.pose import pose_from_quat
 from geom.support import diagonal
 from schemas.affordances import AffordanceEvidence, Grasp
 from schemas.anchors import Point3
@@ -72,10 +72,7 @@ def _standing(grasp: Grasp, body: RigidBody, poses: Sequence[StablePose]) -> Flo
     if not poses:
         return resting_pose(body, np.array([0.0, 0.0, -1.0]), gap_m=0.0)
     chosen = max((poses[i] for i in grasp.poses), key=lambda p: p.probability)
-    quat = np.array(chosen.quat_wxyz)
-    X_WA = np.eye(4)
-    X_WA[:3, :3], X_WA[2, 3] = matrix_of(quat), chosen.support_offset_m
-    return X_WA
+    return pose_from_quat(np.array(chosen.quat_wxyz), (0.0, 0.0, chosen.support_offset_m))
 
 
 def grasp_lines(affordances: Sequence[AffordanceEvidence]) -> tuple[tuple[Point3, Point3], ...]:

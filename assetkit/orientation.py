@@ -44,6 +44,11 @@ class Upright:
     signs: tuple[str, ...]
     alike: tuple[Vec3, ...] = ()
 
+    @property
+    def keeps_z(self) -> bool:
+        """Whether +z is this way up, or one that looks the same."""
+        return any(up[2] > NEAR for up in (self.up, *self.alike))
+
 
 def uprights(stands: Sequence[Stand], category: Category | None, up_axis: Evidence[Axis] | None) -> tuple[Upright, ...]:
     """All candidates of `stands`, the most likely first; () when no way up is meant or the object spans no volume.
@@ -70,12 +75,12 @@ def uprights(stands: Sequence[Stand], category: Category | None, up_axis: Eviden
     return tuple(sorted(found, key=lambda u: -u.chance))
 
 
-def is_sure(best: Upright, category: Category | None, up_axis: Evidence[Axis] | None) -> bool:
-    """Whether the likeliest way up is likely enough to turn the object; less is needed to say that y is up where only
-    the habit of the format speaks for z.
+def least_chance(best: Upright, category: Category | None, up_axis: Evidence[Axis] | None) -> float:
+    """How likely the likeliest way up must be to turn the object; less is needed to say that y is up where only the
+    habit of the format speaks for z.
     """
     against_habit = up_axis is not None and up_axis.source == "default" and best.up[1] > NEAR
-    return best.chance >= (TURN_UNNAMED if category is None and not against_habit else TURN)
+    return TURN_UNNAMED if category is None and not against_habit else TURN
 
 
 def _confused(best: Stand, other: Stand, best_chance: float, chance: float) -> bool:

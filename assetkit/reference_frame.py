@@ -11,7 +11,7 @@ import numpy as np
 
 from assetkit.grounding import Scale, is_normalised, scale_of
 from assetkit.options import METERS_PER_UNIT, Options
-from assetkit.orientation import TURN, Upright, is_sure, uprights
+from assetkit.orientation import Upright, least_chance, uprights
 from assetkit.size_belief import CATEGORY_HOLDS
 from assetkit.stage import Canonical, Draft, Frame, need
 from assetkit.taxonomy.tables import Category
@@ -50,9 +50,11 @@ def reference_frame(
     found = uprights(stands(canonical.solid), category, canonical.up_axis)
     best = found[0] if found else None
     turns = best is not None and _is_turned(best, category, canonical, options)
-    R = _turn(best) if best is not None and turns else np.eye(3)
-    notes, repairs = _told(best, canonical) if best is not None and turns else ((), ())
-    frame = Frame(R @ canonical.R_AS, unit, notes, repairs) if turns or unit is not None else None
+    R, told = np.eye(3), ((), ())
+    if best is not None and turns:
+        R = _turn(best)
+        told = _told(best, least_chance(best, category, canonical.up_axis), canonical)
+    frame = Frame(R @ canonical.R_AS, unit, *told) if turns or unit is not None else None
     upright = _evidence(found, canonical, options, turned=turns)
     listed = tuple(
         UprightHypothesis(
@@ -111,9 +113,8 @@ def _decision(scale: Scale, draft: Draft, *, known: bool) -> UnitDecision:
 
 
 def _is_turned(best: Upright, category: Category | None, canonical: Canonical, options: Options) -> bool:
-    stands_already = any(up[2] > 0.999 for up in (best.up, *best.alike))
-    sure = is_sure(best, category, canonical.up_axis)
-    return sure and not stands_already and options.up_axis == "auto"
+    sure = best.chance >= least_chance(best, category, canonical.up_axis)
+    return sure and not best.keeps_z and options.up_axis == "auto"
 
 
 def _turn(best: Upright) -> FloatArray:
@@ -123,14 +124,14 @@ def _turn(best: Upright) -> FloatArray:
     return whole if np.allclose(R, whole, atol=1e-9) else R
 
 
-def _told(best: Upright, canonical: Canonical) -> tuple[tuple[Diagnostic, ...], tuple[Repair, ...]]:
+def _told(best: Upright, least: float, canonical: Canonical) -> tuple[tuple[Diagnostic, ...], tuple[Repair, ...]]:
     degrees = float(np.degrees(np.arccos(np.clip(best.up[2], -1.0, 1.0))))
     said = "; ".join(best.signs[:3])
     note = finding(
         "asset/turned-upright",
         f"the object lay by {degrees:.0f} degrees from its upright pose: standing, it {said}",
         value=best.chance,
-        bound=TURN,
+        bound=least,
         unit="probability of this way up",
     )
     size = canonical.section.extent_m.value
@@ -157,7 +158,7 @@ def _evidence(
         return Evidence(value=given, source="declared", method=options.origin("up_axis"), confidence=1.0)
     if not found:
         return default(given, "no way up is meant, or the form tells none")
-    own = next((h for h in found if any(up[2] > 0.999 for up in (h.up, *h.alike))), None)
+    own = next((h for h in found if h.keeps_z), None)
     chosen = found[0] if turned or own is None else own
     value = _in_source(chosen.up, canonical) if turned else given
     return inferred(value, "up axis of the source, form and reference pose", chosen.chance, inputs=chosen.signs)
@@ -165,7 +166,7 @@ def _evidence(
 
 def _doubts(found: tuple[Upright, ...], options: Options) -> tuple[Diagnostic, ...]:
     """A warning where the way up of the source is improbable, but no other one is sure enough to turn the object."""
-    own = sum(h.chance for h in found if any(up[2] > 0.999 for up in (h.up, *h.alike)))
+    own = sum(h.chance for h in found if h.keeps_z)
     if own >= DOUBTED or found[0].chance <= 2.0 * own:
         return ()
     where = "stated" if options.up_axis != "auto" else "of the file"

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import norm
 
+from assetkit.normal_mixture import Mixture
 from assetkit.taxonomy.tables import Category, size_anchors
 from assetkit.unit_size import LOG_SPREAD, TYPICAL_SIZE_M
 from schemas.model import FloatArray
@@ -26,30 +26,21 @@ MOST_ANCHORED = 0.75
 RANGE_DEVIATIONS = 4.0
 # Of all categories that names made stand in `benchmarks.semantics`, 95 in 100 were right.
 CATEGORY_HOLDS = 0.95
-_STEPS = 4001
 
 
 class Belief(NamedTuple):
-    """Weights (k,), means (k,) and standard deviations (k,) of the logarithm of metres per unit, and where from.
+    """The logarithm of metres per unit; `anchors` names the things of known size that weigh most."""
 
-    `anchors` names the things of known size that weigh most.
-    """
-
-    weights: FloatArray
-    means: FloatArray
-    deviations: FloatArray
+    logs: Mixture
     anchors: tuple[str, ...] = ()
 
     def density(self, scale: float) -> float:
         """Of the logarithm of `scale`, metres per unit."""
-        return float(self.weights @ norm.pdf(math.log(scale), self.means, self.deviations))
+        return self.logs.density(math.log(scale))
 
     def quantiles(self, shares: Sequence[float]) -> tuple[float, ...]:
         """Metres per unit below which the scale lies with each of the chances `shares`."""
-        low, high = (self.means - 6.0 * self.deviations).min(), (self.means + 6.0 * self.deviations).max()
-        grid = np.linspace(low, high, _STEPS)
-        below = norm.cdf(grid[:, None], self.means, self.deviations) @ self.weights
-        return tuple(float(np.exp(np.interp(share, below, grid))) for share in shares)
+        return tuple(math.exp(self.logs.quantile(share)) for share in shares)
 
 
 def size_belief(edges: Sequence[float], category: Category | None, holds: float, without: str = "") -> Belief:
@@ -59,18 +50,19 @@ def size_belief(edges: Sequence[float], category: Category | None, holds: float,
     logs = np.log(np.maximum(np.asarray(edges, dtype=np.float64), 1e-12 * max(edges)))
     anywhere = (1.0, math.log(TYPICAL_SIZE_M) - float(logs.max()), LOG_SPREAD)
     if category is None:
-        return _mixture([anywhere])
+        return _belief([anywhere])
     near = sorted(_near(logs, category.id, without), reverse=True)
     total = sum(closeness for closeness, *_ in near)
     anchored = MOST_ANCHORED * total / (total + 1.0)
     rows = [(holds * anchored * closeness / total, mean, SAME_FORM_SPREAD) for closeness, _, mean in near if total]
     rows += [(holds * (1.0 - anchored), *_usual(logs, category)), (1.0 - holds, *anywhere[1:])]
-    return _mixture(rows, tuple(name for closeness, name, _ in near[:3] if closeness > 0.1))
+    return _belief(rows, tuple(name for closeness, name, _ in near[:3] if closeness > 0.1))
 
 
-def _mixture(rows: Sequence[tuple[float, float, float]], anchors: tuple[str, ...] = ()) -> Belief:
+def _belief(rows: Sequence[tuple[float, float, float]], anchors: tuple[str, ...] = ()) -> Belief:
+    """Of rows of weight, mean and standard deviation."""
     weights, means, deviations = np.array(rows).T
-    return Belief(weights, means, deviations, anchors)
+    return Belief(Mixture(means, deviations, weights), anchors)
 
 
 def _near(logs: FloatArray, category: str, without: str) -> Iterator[tuple[float, str, float]]:

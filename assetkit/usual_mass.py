@@ -7,17 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import root_scalar
-from scipy.special import ndtr
 
 from assetkit.annotate.words import singulars, words_of
 from assetkit.mass_bounds import mean_thickness
+from assetkit.normal_mixture import Mixture
 from assetkit.taxonomy.usual_masses import Basis, UsualMass, kinds_of
 from geom.fits import fit_box
 from geom.hull import convex_hull, volume
 from geom.surface_distance import triangle_areas
 from geom.weld import diagonal
-from schemas.model import FloatArray
 from schemas.physics import Solid
 
 # The bounds hold this share of the mixture at most; what is left is as likely below as above.
@@ -54,34 +52,6 @@ class Usual:
         told = dict.fromkeys(kind.source for kind in self.kinds)
         share = f"{100.0 * self.coverage:.0f} % of things of category {self.category} and this size{state}"
         return f"{share} weigh {self.low_kg:.3g} to {self.high_kg:.3g} kg: {'; '.join(told)}"
-
-
-@dataclass(frozen=True)
-class Mixture:
-    """Normal distributions (n,) mixed by weight."""
-
-    middles: FloatArray
-    spreads: FloatArray
-    weights: FloatArray
-
-    def quantile(self, share: float) -> float:
-        """Below which value this share lies."""
-        reach = 9.0 * float(self.spreads.max())
-        ends = (float(self.middles.min()) - reach, float(self.middles.max()) + reach)
-        return root_scalar(self._excess, (share,), bracket=ends, xtol=1e-9).root
-
-    def central(self, coverage: float) -> tuple[float, float]:
-        """The interval that holds this share, and as much below as above."""
-        return self.quantile(0.5 - coverage / 2.0), self.quantile(0.5 + coverage / 2.0)
-
-    def coverage_within(self, width: float, most: float) -> float:
-        """The greatest coverage up to `most` whose central interval is no wider than `width`."""
-        if np.ptp(self.central(most)) <= width:
-            return most
-        return root_scalar(lambda coverage: np.ptp(self.central(coverage)) - width, bracket=(0.0, most), xtol=1e-6).root
-
-    def _excess(self, value: float, share: float) -> float:
-        return float(self.weights @ ndtr((value - self.middles) / self.spreads) / self.weights.sum()) - share
 
 
 def usual_mass(solid: Solid, category: str, names: Sequence[str], without: str = "") -> Usual | None:

@@ -21,10 +21,11 @@ import numpy as np
 
 from assetkit.annotate.shape_check import compare, misfit, shape_of
 from assetkit.mass_bounds import mean_thickness
+from assetkit.normal_mixture import Mixture
 from assetkit.taxonomy.tables import categories
 from assetkit.taxonomy.usual_masses import kinds_of
 from assetkit.unknown_density import unknown_density
-from assetkit.usual_mass import Mixture, mixture_of
+from assetkit.usual_mass import mixture_of
 from benchmarks import everyday, named_masses
 from geom.hull import convex_hull, volume
 from schemas.model import FloatArray

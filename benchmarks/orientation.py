@@ -28,7 +28,7 @@ from assetkit.annotate.embedded import EmbeddedAnnotator
 from assetkit.annotate.name_reading import category_called
 from assetkit.discover import discover
 from assetkit.options import Options
-from assetkit.orientation import is_sure, uprights
+from assetkit.orientation import least_chance, uprights
 from assetkit.stage import Canonical, Draft
 from assetkit.stages.canonicalize import canonicalize
 from assetkit.stages.intake import take_in
@@ -97,7 +97,7 @@ def _asked(
             given = canonical.up_axis if kind == "as it is" else None
             found = uprights(standing, known, given)
             best = np.array(found[0].up) if found else np.array([0.0, 0.0, 1.0])
-            sure = bool(found) and is_sure(found[0], known, given)
+            sure = bool(found) and found[0].chance >= least_chance(found[0], known, given)
             kept = kind == "as it is" and not sure
             right = _is_up(np.array([0.0, 0.0, 1.0]) if kept else best, R, ups)
             same = sure and any(_is_up(np.array(up), R, ups) for up in found[0].alike)

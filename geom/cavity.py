@@ -16,8 +16,9 @@ from pydantic import ConfigDict
 from scipy import ndimage
 
 from geom.hull import contains, convex_hull, outside_by, volume
-from geom.landscape import landscape, upright_axes, wall_points, water_level
+from geom.landscape import landscape, wall_points, water_level
 from geom.leaks import widest_second_way
+from geom.pose import rotation_to_z
 from geom.rays import Rays
 from geom.support import surface
 from geom.surface_distance import closest_on_surface
@@ -181,7 +182,7 @@ def _is_same(cavity: Cavity, other: Cavity) -> bool:
 
 def _pour(solid: Solid, rays: Rays, walls: FloatArray, direction: FloatArray, least_volume_m3: float) -> list[Cavity]:
     """Cavities that open along `direction` and hold at least `least_volume_m3`, and wide through-holes."""
-    frame = upright_axes(direction)
+    frame = rotation_to_z(direction)
     local = solid.points @ frame.T
     ground, floor, step, corner = landscape(rays, solid.points, walls, frame)
     open_floor = np.isneginf(ground)

@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from geom.hull import centroid, convex_hull
 from geom.inertia import of_closed_surface
-from geom.pose import matrix_of, pose
+from geom.pose import matrix_of, pose, rotation_to_z
 from geom.principal_axes import principal_axes
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
@@ -96,7 +96,7 @@ def _tubes(points: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, float, 
     _, quat_wxyz = principal_axes(of_closed_surface(corners, triangles, 1.0).inertia_kgm2)
     middle = centroid(corners, triangles)
     for axis in (*np.eye(3), *matrix_of(quat_wxyz).T):
-        R_AC = _frame_along(axis)
+        R_AC = rotation_to_z(axis).T
         local = (corners - middle) @ R_AC
         try:
             outline = _resampled(local[ConvexHull(local[:, :2]).vertices, :2])
@@ -125,14 +125,6 @@ def _resampled(ring: FloatArray) -> FloatArray:
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
     steps = np.linspace(0.0, along[-1], OUTLINE_SAMPLES, endpoint=False)
     return np.stack([np.interp(steps, along, closed[:, k]) for k in range(2)], axis=1)
-
-
-def _frame_along(axis: FloatArray) -> FloatArray:
-    """A rotation (3, 3) whose third column is `axis`; the identity for z."""
-    x = np.eye(3)[(int(np.abs(axis).argmax()) + 1) % 3]
-    x = x - (x @ axis) * axis
-    x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(axis, x), axis], axis=1)
 
 
 def _floats(values: FloatArray) -> tuple[float, ...]:

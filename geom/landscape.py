@@ -90,12 +90,3 @@ def water_level(ground: FloatArray) -> FloatArray:
         if np.array_equal(lower, level):
             return level
         level = lower
-
-
-def upright_axes(direction: FloatArray) -> FloatArray:
-    """Rotation (3, 3) that takes `direction` to z; coordinate axes go to coordinate axes."""
-    axis = int(np.abs(direction).argmax())
-    x = np.eye(3)[(axis + 1) % 3]
-    x = x - (x @ direction) * direction
-    x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(direction, x), direction])

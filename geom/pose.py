@@ -90,3 +90,12 @@ def shortest_rotation(u: FloatArray, v: FloatArray) -> FloatArray:
         axis = np.array([1.0, 0.0, 0.0]) if abs(u[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     axis = axis - np.dot(axis, u) * u
     return Rotation.from_rotvec(np.arctan2(sine, cosine) * axis / np.linalg.norm(axis)).as_matrix()
+
+
+def rotation_to_z(direction: FloatArray) -> FloatArray:
+    """Rotation (3, 3) that takes `direction` to z; coordinate axes go to coordinate axes, z stays as it is."""
+    axis = int(np.abs(direction).argmax())
+    x = np.eye(3)[(axis + 1) % 3]
+    x = x - (x @ direction) * direction
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(direction, x), direction])

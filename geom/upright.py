@@ -14,7 +14,8 @@ from scipy.spatial import ConvexHull, QhullError
 
 from geom.fits import fit_box
 from geom.hull import centroid, convex_hull, volume
-from geom.landscape import landscape, upright_axes, water_level
+from geom.landscape import landscape, water_level
+from geom.pose import rotation_to_z
 from geom.rays import Rays
 from geom.resting import resting_planes
 from geom.surface_distance import sample_surface
@@ -72,7 +73,7 @@ def stands(solid: Solid) -> tuple[Stand, ...]:
     @cache
     def hollow(up: tuple[float, ...]) -> tuple[float, float]:
         """Water, and room under the hull that is seen from above, as shares of the hull's volume."""
-        frame = upright_axes(np.array(up))
+        frame = rotation_to_z(np.array(up))
         ground, _, step, _ = landscape(seen, hull[0], samples, frame)
         lid = landscape(whole, hull[0], hull[0][:1], frame).ground
         met = ~np.isneginf(ground) & ~np.isneginf(lid)
@@ -81,7 +82,7 @@ def stands(solid: Solid) -> tuple[Stand, ...]:
         return float((level - ground[met]).sum()) * cell, room
 
     def stand(up: FloatArray) -> Stand | None:
-        height, reach, across = samples @ up, hull[0] @ up, upright_axes(up)[:2].T
+        height, reach, across = samples @ up, hull[0] @ up, rotation_to_z(up)[:2].T
         low, tall = float(reach.min()), float(np.ptp(reach))
         lever = _inside_by(hull[0][reach < low + FOOT_SHARE * tall] @ across, middle @ across)
         tip_rad = float(np.arctan2(lever, float(middle @ up) - low))

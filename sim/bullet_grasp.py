@@ -65,15 +65,10 @@ class _Trial:
         self._until(CLOSED_S, 1.0)
         closed = self._in_gripper()
         height_m = self._height()
-        self._until(LIFTED_S, 1.0)
-        if not self._is_up(height_m):
-            return GraspOutcome(held=False, released=False, slip_m=math.inf)
-        self._until(HELD_S, 1.0)
-        if not self._is_up(height_m):
-            return GraspOutcome(held=False, released=False, slip_m=math.inf)
-        self._until(SHAKEN_S, 1.0)
-        if not self._is_up(height_m):
-            return GraspOutcome(held=False, released=False, slip_m=math.inf)
+        for end_s in (LIFTED_S, HELD_S, SHAKEN_S):
+            self._until(end_s, 1.0)
+            if not self._is_up(height_m):
+                return GraspOutcome(held=False, released=False, slip_m=math.inf)
         slip_m = float(np.linalg.norm(self._in_gripper() - closed)) / self._scale
         before_m = self._height()
         self._until(RELEASED_S, -1.0)

@@ -10,9 +10,10 @@ from scipy.stats import norm
 from assetkit.mass import mass_evidence
 from assetkit.mass_bounds import bounds_around
 from assetkit.mass_parts import METRES, Clues
+from assetkit.normal_mixture import Mixture
 from assetkit.taxonomy.tables import categories
 from assetkit.taxonomy.usual_masses import kinds_of, usual_masses
-from assetkit.usual_mass import MAX_SPAN, Mixture, size, usual_mass
+from assetkit.usual_mass import MAX_SPAN, size, usual_mass
 from benchmarks.named_masses import things, weighed
 from schemas.physics import Solid
 

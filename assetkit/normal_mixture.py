@@ -1,0 +1,44 @@
+"""Normal distributions mixed by weight: what is believed of a logarithm when several things tell of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import root_scalar
+from scipy.special import ndtr
+from scipy.stats import norm
+
+from schemas.model import FloatArray
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """Means, standard deviations and weights (n,); the weights need not sum to 1."""
+
+    middles: FloatArray
+    spreads: FloatArray
+    weights: FloatArray
+
+    def density(self, value: float) -> float:
+        """Probability density at a value."""
+        return float(self.weights @ norm.pdf(value, self.middles, self.spreads) / self.weights.sum())
+
+    def quantile(self, share: float) -> float:
+        """Below which value this share lies."""
+        reach = 9.0 * float(self.spreads.max())
+        ends = (float(self.middles.min()) - reach, float(self.middles.max()) + reach)
+        return root_scalar(self._excess, (share,), bracket=ends, xtol=1e-9).root
+
+    def central(self, coverage: float) -> tuple[float, float]:
+        """The interval that holds this share, and as much below as above."""
+        return self.quantile(0.5 - coverage / 2.0), self.quantile(0.5 + coverage / 2.0)
+
+    def coverage_within(self, width: float, most: float) -> float:
+        """The greatest coverage up to `most` whose central interval is no wider than `width`."""
+        if np.ptp(self.central(most)) <= width:
+            return most
+        return root_scalar(lambda coverage: np.ptp(self.central(coverage)) - width, bracket=(0.0, most), xtol=1e-6).root
+
+    def _excess(self, value: float, share: float) -> float:
+        return float(self.weights @ ndtr((value - self.middles) / self.spreads) / self.weights.sum()) - share
