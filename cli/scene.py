@@ -52,12 +52,15 @@ def compile_command(
     let_go: Annotated[
         bool, typer.Option("--settle/--no-settle", help="Let the scene go in PyBullet: does everything stay?")
     ] = True,
+    diversity: Annotated[
+        float, typer.Option("--diversity", min=0.0, help="Cases of plan.json: 1 usual, more cover more, 0 for no plan.")
+    ] = 1.0,
     pictures: Annotated[
         bool, typer.Option("--pictures/--no-pictures", help="Draw the scene from above and in perspective.")
     ] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Compile a program to a USD stage with all it refers to, or say why there is no scene.
+    """Compile a program to a USD stage with all it refers to and a plan of many scenes, or say why there is none.
 
     The scene is complete and was checked by a judge that shares no code with the solver; when any combination of
     variants fails nothing is written but the report. Exit code 1 when there is no scene, or when an object does not
@@ -71,7 +74,9 @@ def compile_command(
 
     with text.progress(quiet=as_json) as progress:
         task = progress.add_task("compiling", total=4)
-        compiled = compile_program(program, assets, seed=seed, budget=budget or DEFAULT_BUDGET, root=root)
+        compiled = compile_program(
+            program, assets, seed=seed, budget=budget or DEFAULT_BUDGET, root=root, diversity=diversity or None
+        )
         progress.update(task, advance=1, description="writing")
         report = write_output(compiled, assets, out)
         if emit == "graph":

@@ -16,22 +16,23 @@ from scenec.compile import Compiled
 from scenec.ir import Solved
 from scenec.pictures.failure import failure
 from scenec.pictures.plan import plan
+from scenec.plan import plan_text
 from schemas import arrays
 from schemas.compiled_scene import CompileReport
 from usdio.read import read_stage
 from usdio.write_scene import write_scene
 
-REPORT, SCENE, GRAPH = "report.json", "scene", "graph"
+REPORT, SCENE, GRAPH, RUNTIME_PLAN = "report.json", "scene", "graph", "plan.json"
 PLAN, PERSPECTIVE, FAILURE = "plan.png", "perspective.png", "failure.png"
 _OURS = re.compile(
-    rf"({SCENE}(-\d+)?\.(usda|json))|({GRAPH}(-\d+)?\.(dot|json))|{PLAN}|{PERSPECTIVE}|{FAILURE}|{REPORT}"
+    rf"({SCENE}(-\d+)?\.(usda|json))|({GRAPH}(-\d+)?\.(dot|json))|{RUNTIME_PLAN}|{PLAN}|{PERSPECTIVE}|{FAILURE}|{REPORT}"
 )
 _VIEW = View("perspective", -70.0, 34.0)  # Beside the default viewer, who stands at -y.
 _LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
 
 def write_output(compiled: Compiled, assets: Path | None, out: Path) -> CompileReport:
-    """Write stages and JSON of every combination, or none; returns the report that names them.
+    """Write stages and JSON of every combination and the plan, or nothing; returns the report that names them.
 
     The first combination is `scene.usda` and `scene.json`, the others `scene-2` and so on.
     """
@@ -44,7 +45,11 @@ def write_output(compiled: Compiled, assets: Path | None, out: Path) -> CompileR
         write_atomically(out / f"{stem}.json", scene.model_dump_json(indent=1).encode())
         rows[index] = rows[index].model_copy(update={"scene": f"{stem}.usda"})
     first = f"{SCENE}.usda" if compiled.scenes else None
-    return compiled.report.model_copy(update={"matrix": tuple(rows), "scene": first})
+    named = None
+    if compiled.plan is not None:
+        named = RUNTIME_PLAN
+        write_atomically(out / named, plan_text(compiled.plan).encode())
+    return compiled.report.model_copy(update={"matrix": tuple(rows), "scene": first, "plan": named})
 
 
 def clear(out: Path) -> None:

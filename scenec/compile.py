@@ -15,6 +15,7 @@ from scenec.emit import compiled_scene
 from scenec.graph import Graph, interaction_graph
 from scenec.ir import Exhausted, Infeasible, Path, Placement, Problem, Result, Solved
 from scenec.lower import lower
+from scenec.plan import runtime_plan
 from scenec.report import conflict_members, verdict_of, why
 from scenec.solve import DEFAULT_BUDGET, ComponentCache, solve
 from scenec.source.read import Read, read_program
@@ -22,6 +23,7 @@ from scenec.suggest import suggestions
 from scenec.validate import violations
 from schemas.compiled_scene import CombinationVerdict, CompiledScene, CompileReport, Suggestion
 from schemas.diagnostics import Diagnostic, Severity
+from schemas.runtime_plan import RuntimePlan
 
 EXPLAIN_BUDGET = 2_000  # the same for each question asked while explaining why there is no scene
 _WORST_FIRST = ("infeasible", "budget_exhausted", "compiled")
@@ -41,6 +43,7 @@ class Compiled:
     graphs: tuple[Graph, ...] = ()
     failed: int | None = None
     conflict: tuple[Path, ...] = ()
+    plan: RuntimePlan | None = None
 
 
 @dataclass(frozen=True)
@@ -85,22 +88,24 @@ def compile_program(
     cache: ComponentCache | None = None,
     library: AssetLibrary | None = None,
     explain: bool = True,
+    diversity: float | None = None,
 ) -> Compiled:
     """Compile the program in `path` with the packages in `assets`; deterministic in program, assets and seed.
 
     `scenes` holds a checked scene for each combination of geometry-changing variants, or nothing at all unless all of
     them compiled. `previous` placements are repaired before anything is searched anew, `cache` keeps components solved
     before; `budget` bounds the steps of the search of each combination. With `explain`, a failure comes with conflict
-    and suggestions. Raises RuntimeError when the independent checker refuses what the solver found: a defect of ours,
-    not of the program.
+    and suggestions; with `diversity`, success comes with a plan of many scenes (see scenec.plan). Raises RuntimeError
+    when the independent checker refuses what was made: a defect of ours, not of the program.
     """
     clock = Clock()
     with clock.phase("read"):
         read = read_program(path, root)
     if read.program is None:
         return Compiled(_invalid(read.diagnostics, clock))
+    library = library or AssetLibrary(assets)
     with clock.phase("bind"):
-        lowered = lower(read.program, library or AssetLibrary(assets), read.spans)
+        lowered = lower(read.program, library, read.spans)
     found = (*read.diagnostics, *lowered.diagnostics)
     if not lowered.problems or any(d.severity is Severity.ERROR for d in lowered.diagnostics):
         return Compiled(_invalid(found, clock))
@@ -121,6 +126,19 @@ def compile_program(
     if failed is None:
         with clock.phase("emit"):
             scenes = tuple(_emit(p, r, seed) for p, r in zip(lowered.problems, results, strict=True))
+        plan = None
+        if diversity is not None:
+            solved = [result for result in results if isinstance(result, Solved)]
+            with clock.phase("plan"):
+                plan = runtime_plan(
+                    read.program,
+                    lowered.problems,
+                    solved,
+                    library.folder,
+                    file=path.name,
+                    seed=seed,
+                    diversity=diversity,
+                )
         report = CompileReport(
             verdict="compiled",
             seconds=clock.total_s,
@@ -128,7 +146,7 @@ def compile_program(
             diagnostics=found,
             phases=clock.seconds,
         )
-        return Compiled(report, scenes, tuple(results), lowered.problems, graphs)
+        return Compiled(report, scenes, tuple(results), lowered.problems, graphs, plan=plan)
     with clock.phase("explain"):
         told = _explain(lowered.problems[failed], results[failed], seed) if explain else Explained()
     report = _failure(read, lowered.problems[failed], results[failed], told, found, tuple(rows), clock)

@@ -76,7 +76,10 @@ class Volume:
 
 @dataclass(frozen=True)
 class Body:
-    """An asset as scenes need it, scale applied. `surfaces` and `volumes` in its upright frame P, main one first."""
+    """An asset as scenes need it, scale applied. `surfaces` and `volumes` in its upright frame P, main one first.
+
+    `candidates` are the bodies that this one stands for at once, where the footprint is their union.
+    """
 
     asset_id: str
     stances: tuple[Stance, ...]
@@ -86,6 +89,7 @@ class Body:
     package: str | None = None
     scale: float = 1.0
     inline: object | None = None  # the primitive as written, for the emitter
+    candidates: tuple[Body, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -315,4 +315,4 @@ def _union(bodies: Sequence[Body]) -> Body:
         replace(bodies[0].stances[k], slabs=tuple(slab for body in bodies for slab in body.stances[k].slabs))
         for k in range(count)
     )
-    return replace(bodies[0], stances=stances, surfaces=(), volumes=())
+    return replace(bodies[0], stances=stances, surfaces=(), volumes=(), candidates=tuple(bodies))

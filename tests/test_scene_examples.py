@@ -14,6 +14,8 @@ from scenec.assets import AssetLibrary
 from scenec.compile import compile_program
 from scenec.ir import Solved
 from scenec.validate import violations
+from schemas.runtime_plan import RuntimePlan
+from tests.unit.plan_draws import draws
 from usdio.outside import usd_validation
 from usdio.reread import reread_body
 from usdio.reread_scene import reread_scene
@@ -35,12 +37,18 @@ def test_there_are_a_dozen():
 
 @pytest.mark.parametrize("name", sorted(set(NAMES) - INFEASIBLE))
 def test_examples_compile_and_stay(name: str, library: AssetLibrary, tmp_path: Path):
-    compiled = compile_program(EXAMPLES / f"{name}.yaml", library=library)
+    compiled = compile_program(EXAMPLES / f"{name}.yaml", library=library, diversity=0.1)
     assert compiled.report.verdict == "compiled", compiled.report.diagnostics
+    assert compiled.plan is not None
+    for problem, combination in zip(compiled.problems, compiled.plan.combinations, strict=True):
+        for placements in draws(compiled.plan, combination, np.random.default_rng(0), 5):
+            assert not violations(problem, placements)
     for problem, result in zip(compiled.problems, compiled.results, strict=True):
         assert isinstance(result, Solved)
         assert not violations(problem, result.placements)
     report = write_output(compiled, library.folder, tmp_path)
+    assert report.plan is not None
+    assert RuntimePlan.model_validate_json((tmp_path / report.plan).read_text()) == compiled.plan
     assert len(report.matrix) == len(compiled.scenes)
     for row, scene in zip(report.matrix, compiled.scenes, strict=True):
         stage = tmp_path / str(row.scene)

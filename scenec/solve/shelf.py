@@ -109,8 +109,8 @@ def free_area(model: Model, site: Site, standing: Sequence[Placed], height_m: fl
     return area.difference(shapely.union_all(blocked)) if blocked else area
 
 
-def _stretches(area: BaseGeometry, y0: float, y1: float) -> list[tuple[float, float]]:
-    # Intervals of x over which the whole band [y0, y1] is free.
+def stretches(area: BaseGeometry, y0: float, y1: float) -> list[tuple[float, float]]:
+    """Intervals (low, high) of x over which the whole band [y0, y1] is free."""
     x0, _, x1, _ = area.bounds
     inside = 1e-9  # stay clear of slivers along the border
     taken = shapely.difference(shapely.box(x0, y0 + inside, x1, y1 - inside), area)
@@ -161,7 +161,7 @@ class Packing:
                 if y1 <= area_y1 + 1e-12 and y0 - item.y0 <= item.y_range[1]:
                     x0, _, x1, _ = self.area.bounds
                     row += 1
-                    for low, high in [(x0, x1)] if self.is_box else _stretches(self.area, y0, y1):
+                    for low, high in [(x0, x1)] if self.is_box else stretches(self.area, y0, y1):
                         self.bins.append(Bin(low, high, y0, item.depth, row))
                         if home is None and self._takes(self.bins[-1], item):
                             home = len(self.bins) - 1

@@ -1,0 +1,193 @@
+"""Relations that rectangles alone do not keep: by how much must poses stay near those of the layout?
+
+Each thing may move from its seed pose by a share of its freedom; how far footprints and origins then get is bounded,
+and with it what the relation measures (a distance of two sets changes by no more than they move). Frame P, metres,
+radians.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scenec.cases.feasible import BoolArray
+from scenec.cases.rules import wrapped_all
+from scenec.cases.scope import Layouts, Scope
+from scenec.cases.seeded import front_of
+from scenec.ir import FloatArray, ReachIR, RelationIR
+from scenec.solve.planar import polygon
+
+SHARES = (1.0, 0.75, 0.55, 0.4, 0.3, 0.22, 0.16, 0.11, 0.07, 0.04, 0.02, 0.0)
+ROUNDING = 2e-6  # of what is written, metres and radians
+AXIS = 1.0 - 1e-9
+
+
+@dataclass
+class Freedom:
+    """How far things may move: `origin_m` (l, n, 4) boxes, `turn_rad` (l, n, 2) down and up from the yaw, and the
+    `share` (l, n) of both that is allowed."""
+
+    origin_m: FloatArray
+    turn_rad: FloatArray
+    share: FloatArray
+
+    def moved(self, layouts: Layouts) -> FloatArray:
+        """(l, n, 4) the boxes that are left: shrunk towards the seed by the share."""
+        at = layouts.origin_m[..., [0, 0, 1, 1]]
+        return at + self.share[..., None] * (self.origin_m - at)
+
+
+def freedom_of(scope: Scope, layouts: Layouts, rect_m: FloatArray, free: BoolArray) -> Freedom:
+    """All that cells allow, for free things; nothing for the others."""
+    count, n = layouts.option.shape
+    at = layouts.origin_m[..., [0, 0, 1, 1]]
+    origin, turn = at.copy(), np.zeros((count, n, 2))
+    for i, member in enumerate(scope.members):
+        if member.pinned:
+            continue
+        yaw = member.yaw_rad[layouts.option[:, i]]
+        low, high = member.thing.domain.yaw_rad
+        whole = high - low > 2.0 * np.pi - 1e-9
+        spans = np.stack([np.full(count, np.pi), np.full(count, np.pi)] if whole else [yaw - low, high - yaw], axis=1)
+        stance = member.stance[layouts.option[:, i]]
+        least = np.stack([t.reach_m.min(axis=0) for t in (member.turns[s] for s in sorted(member.turns))])
+        least = least[np.searchsorted(sorted(member.turns), stance)]
+        sign = np.array([1.0, -1.0, 1.0, -1.0])
+        box = rect_m[:, i] + sign * least
+        box[:, [0, 2]] = np.maximum(box[:, [0, 2]], member.origin_m[[0, 2]])
+        box[:, [1, 3]] = np.minimum(box[:, [1, 3]], member.origin_m[[1, 3]])
+        origin[:, i] = np.where(free[:, i, None], box, at[:, i])
+        turn[:, i] = np.where(free[:, i, None], spans, 0.0)
+    return Freedom(origin, turn, np.ones((count, n)))
+
+
+def clip(scope: Scope, layouts: Layouts, freedom: Freedom, reach: ReachIR | None, base_P_m: FloatArray) -> BoolArray:
+    """Lowers shares until every relation and the reach (base (2,) in P) hold for all that is left.
+
+    Returns which layouts (l,) can be kept: in the others something fails even at the seed pose.
+    """
+    kept = np.ones(len(layouts), dtype=bool)
+    for rule in scope.rules:
+        numbers = [scope.index[name] for name in rule.things]
+        if rule.kind == "far_from" or (rule.kind == "before" and max(map(abs, rule.direction)) > AXIS):
+            continue  # kept by the rectangles
+        seed = _measure(scope, rule, layouts, numbers)
+        kept &= _lower(freedom, numbers, lambda r=rule, k=numbers, s=seed: _holds(scope, r, layouts, freedom, k, s))
+    if reach is not None:
+        for name in reach.members:
+            if name in scope.index:
+                i = scope.index[name]
+                kept &= _lower(freedom, [i], lambda i=i: _reached(layouts, freedom, i, reach, base_P_m))
+    return kept
+
+
+def _lower(freedom: Freedom, numbers: list[int], holds) -> BoolArray:
+    # The largest share of SHARES at which a test holds, row by row; whether there is any.
+    before = freedom.share[:, numbers].copy()
+    best = np.full(len(before), -1.0)
+    for share in SHARES:
+        freedom.share[:, numbers] = np.minimum(before, share)
+        best = np.where((best < 0.0) & holds(), share, best)
+        if (best >= 0.0).all():
+            break
+    freedom.share[:, numbers] = np.minimum(before, np.maximum(best, 0.0)[:, None])
+    return best >= 0.0
+
+
+def _shift(scope: Scope, layouts: Layouts, freedom: Freedom, i: int) -> tuple[FloatArray, FloatArray]:
+    # (l,) how far the origin, and any point of the footprint, may get from where the layout has it.
+    box, at = freedom.moved(layouts)[:, i], layouts.origin_m[:, i]
+    dx = np.maximum(at[:, 0] - box[:, 0], box[:, 1] - at[:, 0])
+    dy = np.maximum(at[:, 1] - box[:, 2], box[:, 3] - at[:, 1])
+    origin = np.hypot(dx, dy)
+    member = scope.members[i]
+    stance = member.stance[layouts.option[:, i]]
+    radius = np.array([shape.radius_m for shape in member.shapes])[stance]
+    uneven = np.array([_unevenness(shape) for shape in member.shapes])[stance]
+    turn = np.minimum(freedom.share[:, i] * freedom.turn_rad[:, i].max(axis=1), np.pi)
+    return origin, origin + np.minimum(2.0 * radius * np.sin(turn / 2.0), uneven)
+
+
+def _unevenness(shape) -> float:
+    # How far a footprint may miss itself when turned about its origin: width of the ring its border lies in.
+    if len(shape.pieces) > 1:
+        return np.inf
+    outline = shape.hull
+    step = np.roll(outline, -1, axis=0) - outline
+    normal = np.stack([step[:, 1], -step[:, 0]], axis=1) / np.maximum(np.hypot(*step.T), 1e-12)[:, None]
+    inner = float((normal * outline).sum(axis=1).min())
+    return shape.radius_m - inner if inner > 0.0 else np.inf
+
+
+def _measure(scope: Scope, rule: RelationIR, layouts: Layouts, numbers: list[int]) -> FloatArray:
+    # What a relation measures at the seed poses, (l,): distance of footprints, or the room before the second begins.
+    if rule.kind == "near":
+        return np.array([_apart(scope, layouts, k, *numbers) for k in range(len(layouts))])
+    if rule.kind == "before":
+        d = np.asarray(rule.direction)
+        ends = [[(_hull(scope, layouts, k, i) @ d) for i in numbers] for k in range(len(layouts))]
+        return np.array([float(two.min() - one.max()) for one, two in ends])
+    return np.zeros(len(layouts))
+
+
+def _hull(scope: Scope, layouts: Layouts, k: int, i: int) -> FloatArray:
+    member, option = scope.members[i], int(layouts.option[k, i])
+    turned = member.shapes[int(member.stance[option])].turned(float(member.yaw_rad[option]))
+    return turned.hull + layouts.origin_m[k, i]
+
+
+def _apart(scope: Scope, layouts: Layouts, k: int, i: int, j: int) -> float:
+    pieces = []
+    for number in (i, j):
+        member, option = scope.members[number], int(layouts.option[k, number])
+        turned = member.shapes[int(member.stance[option])].turned(float(member.yaw_rad[option]))
+        pieces.append([polygon(piece + layouts.origin_m[k, number]) for piece in turned.pieces])
+    return min(one.distance(two) for one in pieces[0] for two in pieces[1])
+
+
+def _holds(
+    scope: Scope, rule: RelationIR, layouts: Layouts, freedom: Freedom, numbers: list[int], seed: FloatArray
+) -> BoolArray:
+    shifts = [_shift(scope, layouts, freedom, i) for i in numbers]
+    if rule.kind in ("near", "before"):
+        moved = shifts[0][1] + shifts[1][1] + ROUNDING
+        return seed + moved <= rule.gap_m if rule.kind == "near" else seed - moved >= rule.gap_m
+    boxes = freedom.moved(layouts)[:, numbers]
+    if rule.kind == "aligned":
+        dx, dy = rule.direction
+        low = np.minimum(-dy * boxes[..., 0], -dy * boxes[..., 1]) + np.minimum(dx * boxes[..., 2], dx * boxes[..., 3])
+        high = np.maximum(-dy * boxes[..., 0], -dy * boxes[..., 1]) + np.maximum(dx * boxes[..., 2], dx * boxes[..., 3])
+        return high.max(axis=1) - low.min(axis=1) <= rule.tolerance
+    at = layouts.origin_m[:, numbers]
+    if rule.kind == "facing":
+        toward = at[:, 1] - at[:, 0]
+        length = np.hypot(*toward.T)
+        moved = shifts[0][0] + shifts[1][0] + ROUNDING
+        heading = np.arctan2(toward[:, 1], toward[:, 0])
+        away = np.abs(wrapped_all(heading - front_of(scope.members[numbers[0]], layouts.option[:, numbers[0]])))
+        sway = np.arcsin(np.clip(moved / np.maximum(length, 1e-9), 0.0, 1.0))
+        turn = freedom.share[:, numbers[0]] * freedom.turn_rad[:, numbers[0]].max(axis=1)
+        return (away + sway + turn + ROUNDING <= rule.tolerance) & (moved < length)
+    # between: the foot of the perpendicular keeps its share of the line; all is bounded by how far the ends move.
+    line, step = at[:, 2] - at[:, 1], at[:, 0] - at[:, 1]
+    length = np.maximum(np.hypot(*line.T), 1e-9)
+    along, beside = (
+        (step * line).sum(axis=1) / length,
+        np.abs(step[:, 0] * line[:, 1] - step[:, 1] * line[:, 0]) / length,
+    )
+    ends = np.maximum(shifts[1][0], shifts[2][0])
+    moved = shifts[0][0] + ends + ROUNDING
+    spread = shifts[1][0] + shifts[2][0]
+    lean = np.clip(spread / np.maximum(length - spread, 1e-9), 0.0, 1.0)
+    rest = np.minimum(along, length - along) * np.maximum(1.0 - spread / length, 0.0)
+    return (beside + moved <= rule.tolerance) & (rest >= moved + beside * lean)
+
+
+def _reached(layouts: Layouts, freedom: Freedom, i: int, reach: ReachIR, base_P_m: FloatArray) -> BoolArray:
+    box = freedom.moved(layouts)[:, i]
+    far_x = np.maximum(np.abs(box[:, 0] - base_P_m[0]), np.abs(box[:, 1] - base_P_m[0]))
+    far_y = np.maximum(np.abs(box[:, 2] - base_P_m[1]), np.abs(box[:, 3] - base_P_m[1]))
+    near_x = np.maximum(np.maximum(box[:, 0] - base_P_m[0], base_P_m[0] - box[:, 1]), 0.0)
+    near_y = np.maximum(np.maximum(box[:, 2] - base_P_m[1], base_P_m[1] - box[:, 3]), 0.0)
+    return (np.hypot(far_x, far_y) <= reach.most_m - ROUNDING) & (np.hypot(near_x, near_y) >= reach.least_m + ROUNDING)

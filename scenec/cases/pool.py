@@ -1,0 +1,101 @@
+"""The cases of one pool: random layouts first, structured families where these run dry, solved layouts in any case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from scenec.cases.cells import cases_of
+from scenec.cases.quality import quality
+from scenec.cases.scope import Layouts, Scope, around, joined, scope_of
+from scenec.cases.seeded import TRIES, seeded
+from scenec.cases.select import selected
+from scenec.cases.signature import distinct
+from scenec.cases.strip import strips
+from scenec.ir import Placement, ReachIR
+from scenec.solve.model import Model
+from scenec.solve.streams import stream
+from schemas.runtime_plan import PlanCase
+
+SURPLUS = 1.3  # layouts made for each case wanted
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a pool is made from: its things, poses that are frozen, solved assignments, how many cases, the seed."""
+
+    names: tuple[str, ...]
+    frozen: Mapping[str, Placement]
+    solved: Sequence[Mapping[str, Placement]]
+    want: int
+    seed: int
+
+
+def pool_cases(model: Model, asked: Asked) -> list[PlanCase]:
+    """Cases for the things of a pool in the order of their names; at least the solved layout as it is."""
+    scope = scope_of(model, asked.names, asked.frozen, asked.solved)
+    reach, base = _reach_P(model, scope)
+    rng = stream(asked.seed, "cases", *asked.names)
+    if len(scope.members) == 1 and not scope.members[0].pinned:
+        alone = _alone(scope, asked, reach, base)
+        if alone:
+            return [case.model_copy(update={"quality": quality(scope, case)}) for case in alone]
+    surplus = int(SURPLUS * asked.want)
+    parts = [_solved(scope, asked.solved)]
+    for tries in (1, TRIES):
+        missing = surplus - sum(map(len, parts))
+        if missing > 0:
+            parts.append(seeded(scope, missing, rng, tries))
+    cases = cases_of(scope, joined(parts), rng, reach, base)
+    judged = [case.model_copy(update={"quality": quality(scope, case)}) for case in distinct(asked.names, cases)]
+    return selected(scope, judged, asked.want)
+
+
+def _alone(scope: Scope, asked: Asked, reach: ReachIR | None, base_P_m: np.ndarray) -> list[PlanCase]:
+    # A cell that is the whole of a plain rectangle, or strips.
+    (member,) = scope.members
+    plain = not any(len(room.ends_m) or room.blocks for room in member.room.values())
+    if not plain or (reach is not None and member.name in reach.members):
+        return strips(scope, reach, base_P_m)
+    rng = stream(asked.seed, "alone", member.name)
+    found = seeded(scope, 64, rng, TRIES)
+    stances = member.stance[found.option[:, 0]]
+    first = [int(np.flatnonzero(stances == s)[0]) for s in sorted(set(stances.tolist()))]
+    return cases_of(scope, found.take(first), rng) if first else []
+
+
+def _solved(scope: Scope, solved: Sequence[Mapping[str, Placement]]) -> Layouts:
+    # The solver's assignments as layouts; options of free members follow their grid.
+    n = len(scope.members)
+    option, origin, rect = (
+        np.zeros((len(solved), n), dtype=np.int64),
+        np.zeros((len(solved), n, 2)),
+        np.zeros((len(solved), n, 4)),
+    )
+    for i, member in enumerate(scope.members):
+        shift = np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
+        origin[:, i] = [(s[member.name].x_m + shift[0], s[member.name].y_m + shift[1]) for s in solved]
+        option[:, i] = member.grid + np.arange(len(solved))
+        if member.pinned:
+            option[:, i] = [_nearest(member, s[member.name]) for s in solved]
+        rect[:, i] = around(member, option[:, i], origin[:, i])
+    return Layouts(option, origin, rect, ["seeded"] * len(solved))
+
+
+def _nearest(member, placement: Placement) -> int:
+    shift = np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
+    off = np.hypot(*(member.at_m - shift - (placement.x_m, placement.y_m)).T) + np.abs(member.base_m - placement.base_m)
+    off += np.abs((member.yaw_rad - placement.yaw_rad + np.pi) % (2 * np.pi) - np.pi) + (
+        member.stance != placement.stance
+    )
+    return int(off.argmin())
+
+
+def _reach_P(model: Model, scope: Scope) -> tuple[ReachIR | None, np.ndarray]:
+    # The reach and its base in the background's frame; members on movable owners are frozen and need no clip.
+    reach = model.problem.reach
+    if reach is None:
+        return None, np.zeros(2)
+    return reach, (np.linalg.inv(model.problem.X_WB) @ (*reach.base_m, 1.0))[:2]

@@ -1,0 +1,330 @@
+"""Problems and their solved scenes made into a RuntimeSamplingPlan: pools of checked cases for each combination."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError, version
+from math import inf, isfinite
+from pathlib import Path
+
+import numpy as np
+import shapely
+from shapely import Polygon
+
+from scenec.cases.coupling import pools_of
+from scenec.cases.pool import Asked, pool_cases
+from scenec.ir import Body, Placement, Problem, Slab, Solved, Stance, Surface, Thing, Volume
+from scenec.names import Names
+from scenec.solve.model import Model, model_of, owner_first
+from scenec.validate import violations
+from schemas.compiled_scene import Prism
+from schemas.runtime_plan import (
+    PlanBody,
+    PlanCase,
+    PlanCombination,
+    PlanKeepOut,
+    PlanLayer,
+    PlanPlace,
+    PlanPolygon,
+    PlanPool,
+    PlanProvenance,
+    PlanReach,
+    PlanRelation,
+    PlanSpot,
+    PlanStance,
+    PlanThing,
+    RuntimePlan,
+)
+from schemas.scene_program import PairedMaterial, SceneProgram
+
+_DIGITS = 9  # nanometres
+_MARK = "\x01"  # no name holds it
+
+
+def runtime_plan(
+    program: SceneProgram,
+    problems: Sequence[Problem],
+    results: Sequence[Solved],
+    packages: Path | None = None,
+    *,
+    file: str = "",
+    seed: int = 0,
+    diversity: float = 1.0,
+) -> RuntimePlan:
+    """The plan of a compiled program; `diversity` trades its size for coverage (1: some hundred cases a pool).
+
+    Every case is judged by the independent checker at extreme poses; RuntimeError when one is refused, a defect of
+    ours. Deterministic in program, packages, seed and diversity.
+    """
+    bodies = _Bodies(packages)
+    combinations = tuple(
+        _combination(program, problem, result, bodies, seed, diversity / max(1.0, len(problems) ** 0.5))
+        for problem, result in zip(problems, results, strict=True)
+    )
+    return RuntimePlan(
+        scene=program.scene,
+        clearance_m=program.clearance,
+        bodies=tuple(bodies.found),
+        combinations=combinations,
+        materials=_materials(program),
+        lighting=program.variants.lighting,
+        split={"train": program.split.train, "eval": program.split.eval}
+        if program.split.train or program.split.eval
+        else {},
+        provenance=PlanProvenance(
+            program=file,
+            program_hash=hashlib.sha256(program.model_dump_json().encode()).hexdigest(),
+            compiler=_version(),
+            seed=seed,
+            diversity=diversity,
+        ),
+    )
+
+
+def plan_text(plan: RuntimePlan) -> str:
+    """The plan as JSON with one line for each case, so that two plans can be compared line by line."""
+    tree = plan.model_dump(mode="json")
+    lines: list[str] = []
+    for combination in tree["combinations"]:
+        for pool in combination["pools"]:
+            for k, case in enumerate(pool["cases"]):
+                pool["cases"][k] = f"{_MARK}{len(lines)}{_MARK}"
+                lines.append(json.dumps(case, separators=(",", ":")))
+    quoted = json.dumps(_MARK)[1:-1]
+    parts = json.dumps(tree, indent=1).split(f'"{quoted}')
+    whole = [parts[0]]
+    for part in parts[1:]:
+        number, rest = part.split(f'{quoted}"', 1)
+        whole += [lines[int(number)], rest]
+    return "".join(whole) + "\n"
+
+
+def _combination(
+    program: SceneProgram, problem: Problem, result: Solved, bodies: _Bodies, seed: int, diversity: float
+) -> PlanCombination:
+    base = model_of(problem)
+    pools = pools_of(base)
+    frozen = {name: result.placements[name] for name in pools.frozen}
+    made: list[PlanPool] = []
+    for names in pools.names:
+        asked = Asked(names, frozen, [result.placements], _cases_wanted(len(names), diversity), seed)
+        cases = pool_cases(pools.model, asked)
+        made.append(PlanPool(things=names, cases=tuple(cases), coupled=len(names) > 1))
+    _judge(problem, made)
+    places = _places(problem, base)
+    number = {key: k for k, key in enumerate(places)}
+    things = [base.things[name] for name in owner_first(base.things)]
+    reach = problem.reach
+    return PlanCombination(
+        combination=problem.combination,
+        background=None if problem.background is None else bodies.number(problem.background),
+        X_WB=tuple(tuple(float(v) for v in row) for row in problem.X_WB),  # pyright: ignore[reportArgumentType]
+        places=tuple((owner, _place(place)) for (owner, _), place in places.items()),
+        things=tuple(_thing(thing, number[thing.parent, thing.place.name], bodies) for thing in things),
+        pools=tuple(made),
+        relations=tuple(
+            PlanRelation(
+                kind=rule.kind,
+                things=rule.things,
+                direction=rule.direction,
+                gap_m=rule.gap_m,
+                tolerance=rule.tolerance,
+                frame=rule.frame,
+                word=rule.word,
+            )
+            for rule in problem.relations
+        ),
+        keep_outs=tuple(
+            PlanKeepOut(
+                place=number[k.parent, k.place.name], polygon=_polygon(k.polygon), height_m=_finite(k.height_m) or 1e3
+            )
+            for k in problem.keep_outs
+        ),
+        reach=None
+        if reach is None
+        else PlanReach(base_m=_three(reach.base_m), least_m=reach.least_m, most_m=reach.most_m, members=reach.members),
+        materials=tuple(material.id for material in program.variants.materials),
+        lighting=tuple(lighting.id for lighting in program.variants.lighting),
+    )
+
+
+def _materials(program: SceneProgram) -> tuple[PairedMaterial, ...]:
+    # With the things of the plan in place of the program's objects.
+    names = Names(program)
+    nodes = program.layout.nodes.items()
+    things = {
+        thing.id: tuple(copy for node, written in nodes if written.object == thing.id for copy in names.copies[node])
+        for thing in program.objects
+    }
+    return tuple(
+        material.model_copy(update={"objects": tuple(t for o in material.objects for t in things.get(o, (o,)))})
+        for material in program.variants.materials
+    )
+
+
+def _cases_wanted(things: int, diversity: float) -> int:
+    return max(8, round(diversity * min(80 + 12 * things, 440)))
+
+
+def _judge(problem: Problem, pools: Sequence[PlanPool]) -> None:
+    # Raises RuntimeError when the independent checker refuses an extreme pose of any case.
+    for placements, of in extremes(problem, pools):
+        wrong = violations(problem, placements)
+        if wrong:
+            raise RuntimeError(f"{problem.scene}: the checker refuses a case: {wrong[0]} ({of})")
+
+
+def extremes(problem: Problem, pools: Sequence[PlanPool]):
+    """Placements of all things at extreme poses: every case of every pool appears, corners and yaw ends by turns."""
+    model = model_of(problem)
+    rounds = max((len(pool.cases) for pool in pools), default=0)
+    for k in range(rounds):
+        for corner in range(2):
+            placements, of = {}, []
+            for pool in pools:
+                case = pool.cases[k % len(pool.cases)]
+                of.append(f"{case.family} {k % len(pool.cases)}")
+                for i, name in enumerate(pool.things):
+                    placements[name] = extreme(model, name, case, i, corner + 3 * k + i)
+            yield placements, ", ".join(of)
+
+
+def extreme(model: Model, name: str, case: PlanCase, i: int, number: int) -> Placement:
+    """An extreme pose of a thing in a case: an end of a yaw interval, a corner of what is left for it there."""
+    thing, shape = model.things[name], model.shapes[name][case.stances[i]]
+    ends = [end * 1e-6 for run in case.yaws_urad[i] for end in run]
+    yaw = ends[(number // 4) % len(ends)]
+    hull = np.concatenate([slab.outline_m for slab in shape.slabs[: shape.own]]) @ np.array(
+        [[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]]
+    )
+    (left, front), (right, back) = hull.min(axis=0), hull.max(axis=0)
+    x0, x1, y0, y1 = (v * 1e-6 for v in case.cells_um[i])
+    low, high = np.array([x0 - left, y0 - front]), np.array([x1 - right, y1 - back])
+    if (origins := case.origins_um[i]) is not None:
+        low = np.maximum(low, np.array(origins[::2]) * 1e-6)
+        high = np.minimum(high, np.array(origins[1::2]) * 1e-6)
+    if (low > high + 2e-6).any():
+        raise RuntimeError(f"{name}: its cell is empty at yaw {yaw}: {low - high}")
+    x = (low[0], high[0])[number % 2] if high[0] > low[0] else (low[0] + high[0]) / 2
+    y = (low[1], high[1])[(number // 2) % 2] if high[1] > low[1] else (low[1] + high[1]) / 2
+    assert thing.name == name
+    return Placement(float(x), float(y), yaw, case.stances[i], case.base_um[i] * 1e-6)
+
+
+class _Bodies:
+    """Bodies by number, each once."""
+
+    def __init__(self, packages: Path | None) -> None:
+        self.packages = packages
+        self.found: list[PlanBody] = []
+        self._number: dict[PlanBody, int] = {}
+
+    def number(self, body: Body) -> int:
+        """The number of a body."""
+        made = PlanBody(
+            asset_id=body.asset_id,
+            package=body.package,
+            package_hash=self._hash(body.package),
+            scale=body.scale,
+            mass_kg=body.mass_kg,
+            primitive=body.inline,  # pyright: ignore[reportArgumentType]
+            stances=tuple(_stance(stance) for stance in body.stances),
+        )
+        if made not in self._number:
+            self._number[made] = len(self.found)
+            self.found.append(made)
+        return self._number[made]
+
+    def _hash(self, package: str | None) -> str | None:
+        if package is None or self.packages is None:
+            return None
+        return hashlib.sha256((self.packages / package / "record.json").read_bytes()).hexdigest()
+
+
+def _stance(stance: Stance) -> PlanStance:
+    return PlanStance(
+        name=stance.name,
+        quat_wxyz=stance.quat_wxyz,
+        origin_height_m=round(stance.origin_height_m, _DIGITS),
+        prisms=tuple(_prism(slab) for slab in stance.slabs),
+    )
+
+
+def _prism(slab: Slab) -> Prism:
+    return Prism(
+        outline_m=_points(slab.outline_m), low_m=round(slab.low_m, _DIGITS), high_m=round(slab.high_m, _DIGITS)
+    )
+
+
+def _points(points: np.ndarray) -> tuple[tuple[float, float], ...]:
+    return tuple((round(float(x), _DIGITS) + 0.0, round(float(y), _DIGITS) + 0.0) for x, y in points)
+
+
+def _three(point: np.ndarray) -> tuple[float, float, float]:
+    x, y, z = (float(v) for v in point)
+    return x, y, z
+
+
+def _polygon(area: Polygon) -> PlanPolygon:
+    area = shapely.orient_polygons(area)
+    rings = [_points(np.asarray(ring.coords)[:-1]) for ring in (area.exterior, *area.interiors)]
+    return PlanPolygon(outline_m=rings[0], holes_m=tuple(rings[1:]))
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if isfinite(value) else None
+
+
+def _place(place: Surface | Volume) -> PlanPlace:
+    if isinstance(place, Volume):
+        layers = tuple(PlanLayer(low_m=low, high_m=high, polygon=_polygon(area)) for low, high, area in place.layers)
+        return PlanPlace(
+            name=place.name, kind="volume", origin_m=_three(place.origin_P_m), layers=layers, height_m=place.height_m
+        )
+    return PlanPlace(
+        name=place.name,
+        kind="surface",
+        origin_m=_three(place.origin_P_m),
+        polygon=_polygon(place.polygon),
+        height_m=_finite(place.clearance_m),
+        above=tuple(_prism(slab) for slab in place.above),
+    )
+
+
+def _places(problem: Problem, model: Model) -> dict[tuple[str, str], Surface | Volume]:
+    things = (model.things[name] for name in owner_first(model.things))
+    used = {(thing.parent, thing.place.name): thing.place for thing in things}
+    return used | {(k.parent, k.place.name): k.place for k in problem.keep_outs}
+
+
+def _thing(thing: Thing, place: int, bodies: _Bodies) -> PlanThing:
+    domain = thing.domain
+    return PlanThing(
+        id=thing.name,
+        bodies=tuple(bodies.number(body) for body in thing.body.candidates or (thing.body,)),
+        parent=thing.parent,
+        place=place,
+        x_m=_range(domain.x_m),
+        y_m=_range(domain.y_m),
+        yaw_rad=_range(domain.yaw_rad),
+        stances=domain.stances,
+        spots=tuple(
+            PlanSpot(position_m=(spot.x_m, spot.y_m, spot.z_m), yaw_rad=spot.yaw_rad, stance=spot.stance)
+            for spot in domain.spots
+        ),
+        semantic_tags=thing.tags,
+    )
+
+
+def _range(span: tuple[float, float]) -> tuple[float, float] | None:
+    low, high = span
+    return None if low == -inf and high == inf else (max(low, -1e3), min(high, 1e3))
+
+
+def _version() -> str:
+    try:
+        return version("mana-sim")
+    except PackageNotFoundError:
+        return "unknown"

@@ -1,0 +1,86 @@
+"""Whatever is drawn from the cells of a case is a valid scene: laws over random problems, judged by the checker."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.scene_workload import workload
+from scenec.ir import Solved
+from scenec.plan import plan_text
+from scenec.solve import solve
+from scenec.validate import violations
+from schemas.runtime_plan import RuntimePlan
+from tests.unit.plan_draws import draws, plan_of
+from tests.unit.random_problems import mixed_problem, random_problem
+
+
+def solved(problem) -> Solved:
+    result = solve(problem, 0)
+    assert isinstance(result, Solved)
+    return result
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_draws_from_tight_problems_are_valid(seed: int):
+    """Boxes of whole centimetres that touch each other, ranges of no width, keep-outs, reach, every relation."""
+    problem = random_problem(seed)
+    result = solve(problem, 0)
+    if isinstance(result, Solved):
+        plan = plan_of(problem, result)
+        for placements in draws(plan, plan.combinations[0], np.random.default_rng(seed), 10):
+            assert not violations(problem, placements)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_draws_from_scenes_with_trays_are_valid(seed: int):
+    problem = mixed_problem(seed)
+    plan = plan_of(problem, solved(problem))
+    for placements in draws(plan, plan.combinations[0], np.random.default_rng(seed), 20):
+        assert not violations(problem, placements)
+
+
+def test_the_workload_has_many_cases_with_room_to_turn():
+    problem = workload(20, 0)
+    plan = plan_of(problem, solved(problem))
+    (pool,) = plan.combinations[0].pools
+    assert len(pool.cases) >= 60
+    turns = [sum(b - a for a, b in yaws) * 1e-6 for case in pool.cases for yaws in case.yaws_urad]
+    assert np.median(turns) > 0.3
+    for placements in draws(plan, plan.combinations[0], np.random.default_rng(1), 40):
+        assert not violations(problem, placements)
+
+
+def test_the_same_seed_gives_the_same_bytes_whatever_the_order_of_objects():
+    problem = workload(6, 1)
+    result = solved(problem)
+    text = plan_text(plan_of(problem, result))
+    assert text == plan_text(plan_of(replace(problem, things=problem.things[::-1]), result))
+    assert text != plan_text(plan_of(problem, result, seed=1))
+
+
+def test_one_line_for_each_case():
+    problem = workload(5, 0)
+    plan = plan_of(problem, solved(problem))
+    text = plan_text(plan)
+    assert sum('"cells_um"' in line for line in text.splitlines()) == len(plan.combinations[0].pools[0].cases)
+    assert RuntimePlan.model_validate_json(text) == plan
+
+
+def test_a_mirrored_program_is_served_as_well():
+    problem = workload(8, 2)
+    mirrored = replace(
+        problem, relations=tuple(replace(r, direction=(-r.direction[0], r.direction[1])) for r in problem.relations)
+    )
+    plan = plan_of(mirrored, solved(mirrored))
+    for placements in draws(plan, plan.combinations[0], np.random.default_rng(2), 40):
+        assert not violations(mirrored, placements)
+
+
+def test_more_diversity_makes_more_cases():
+    problem = workload(5, 0)
+    result = solved(problem)
+    few, many = (len(plan_of(problem, result, diversity=d).combinations[0].pools[0].cases) for d in (0.1, 0.5))
+    assert many > 2 * few
