@@ -12,12 +12,16 @@ from scenec.source.language import editor_schema
 from schemas.asset import AssetRecord
 from schemas.measurement import MeasurementSpec
 from schemas.report import IngestReport
+from schemas.runtime_plan import RuntimePlan
+from schemas.scene_samples import SceneSamples
 
 app = typer.Typer(help="Print the JSON Schema of a file Mana reads or writes.", no_args_is_help=True)
 _MODELS: dict[str, type[BaseModel]] = {
     "asset": AssetRecord,
     "measurement": MeasurementSpec,
+    "plan": RuntimePlan,
     "report": IngestReport,
+    "samples": SceneSamples,
 }
 
 
@@ -43,6 +47,24 @@ def measurement(
     Example: `mana schema measurement > measurement.schema.json`
     """
     _print("measurement")
+
+
+@app.command("plan")
+def plan(as_json: Annotated[bool, typer.Option("--json", help="The output is JSON in any case.")] = True) -> None:
+    """The schema of `plan.json`.
+
+    Example: `mana schema plan > plan.schema.json`
+    """
+    _print("plan")
+
+
+@app.command("samples")
+def samples(as_json: Annotated[bool, typer.Option("--json", help="The output is JSON in any case.")] = True) -> None:
+    """The schema of what `mana plan sample` writes.
+
+    Example: `mana schema samples > samples.schema.json`
+    """
+    _print("samples")
 
 
 @app.command("report")

@@ -9,6 +9,7 @@ from __future__ import annotations
 from schemas.code_info import CodeInfo
 from schemas.gap_codes import GAP_CODES
 from schemas.gate_codes import GATE_CODES
+from schemas.plan_codes import PLAN_CODES
 from schemas.scene_codes import SCENE_CODES
 
 CODES: dict[str, CodeInfo] = {
@@ -566,4 +567,5 @@ CODES: dict[str, CodeInfo] = {
     **GATE_CODES,
     **GAP_CODES,
     **SCENE_CODES,
+    **PLAN_CODES,
 }

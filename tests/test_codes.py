@@ -15,19 +15,20 @@ from assetkit.stages.intake import take_in
 from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.semantics import DescribeObject
 from cli.docs import file_name, index, page
+from runtime_plan import load
 from scenec.assets import AssetLibrary
 from scenec.compile import compile_program
 from scenec.lower import lower
 from scenec.source.read import read_program
 from schemas.codes import CODES
-from schemas.diagnostics import Diagnostic, finding
+from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from sim.fake import FakeSimulator
 from simgap.measurement import read
-from tests import gap_bad_inputs, scene_bad_inputs, scene_library
+from tests import gap_bad_inputs, plan_bad_inputs, scene_bad_inputs, scene_library
 from tests.bad_inputs import NOT_FROM_A_FILE, SAMPLES
 
 PAGES = Path(__file__).parents[1] / "docs" / "diagnostics"
-GAP, SCENE = "gap/", "scene/"
+GAP, SCENE, PLAN = "gap/", "scene/", "plan/"
 GATE = "asset/gate-"  # Rules over released USD files; tests/unit/test_gate.py seeds one defect for each.
 
 
@@ -55,7 +56,7 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
 
 def test_every_code_has_a_sample():
     covered = {*SAMPLES, *NOT_FROM_A_FILE} | {c for c in CODES if c.startswith(GATE)}
-    assert covered == {c for c in CODES if not c.startswith((GAP, SCENE))}
+    assert covered == {c for c in CODES if not c.startswith((GAP, SCENE, PLAN))}
     assert not set(SAMPLES) & set(NOT_FROM_A_FILE)
 
 
@@ -68,6 +69,22 @@ def test_every_gap_code_has_a_sample():
 def test_every_scene_code_has_a_sample():
     groups = (scene_bad_inputs.SAMPLES, scene_bad_inputs.BOUND, scene_bad_inputs.VERDICTS)
     assert sorted(code for group in groups for code in group) == sorted(c for c in CODES if c.startswith(SCENE))
+
+
+def test_every_plan_code_has_a_sample():
+    samples, others = set(plan_bad_inputs.SAMPLES), set(plan_bad_inputs.NOT_FROM_A_PLAN)
+    assert samples | others == {c for c in CODES if c.startswith(PLAN)}
+    assert not samples & others
+
+
+@pytest.mark.parametrize("code", sorted(plan_bad_inputs.SAMPLES))
+def test_plan_sample_is_refused_with_its_code_place_and_help(code: str, tmp_path: Path):
+    plan, packages = plan_bad_inputs.write(code, tmp_path)
+    with pytest.raises(InvalidInput) as refused:
+        load(plan, packages)
+    assert refused.value.diagnostic.code == code
+    assert refused.value.diagnostic.headline
+    assert refused.value.diagnostic.help == CODES[code].help
 
 
 @pytest.mark.parametrize("code", sorted(scene_bad_inputs.SAMPLES))
@@ -100,7 +117,10 @@ def test_scene_sample_without_a_scene_ends_in_its_verdict(code: str, tmp_path: P
     assert not compiled.scenes
 
 
-@pytest.mark.parametrize(("code", "test"), sorted({**NOT_FROM_A_FILE, **gap_bad_inputs.NOT_FROM_A_FOLDER}.items()))
+ELSEWHERE = NOT_FROM_A_FILE | gap_bad_inputs.NOT_FROM_A_FOLDER | plan_bad_inputs.NOT_FROM_A_PLAN
+
+
+@pytest.mark.parametrize(("code", "test"), sorted(ELSEWHERE.items()))
 def test_codes_without_a_file_are_named_in_their_test(code: str, test: str):
     assert code in (Path(__file__).parents[1] / test).read_text()
 

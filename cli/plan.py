@@ -1,0 +1,105 @@
+"""`mana plan`: draw scenes from a compiled plan, look at it, judge its samples."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from cli import text
+from jobs.cache import write_atomically
+from runtime_plan import as_document, load, sample
+from schemas.runtime_plan import RuntimePlan
+
+app = typer.Typer(help="Draw scenes from a compiled plan: thousands in a moment, each valid.", no_args_is_help=True)
+AsJson = Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")]
+PlanFile = Annotated[Path, typer.Argument(help="`plan.json`, of `mana scene compile`.", dir_okay=False)]
+Assets = Annotated[
+    Path | None, typer.Option("--assets", help="Folder of packages: refuse them if they changed.", exists=True)
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, max=2**64 - 1, help="The same seed gives the same samples.")]
+
+
+@app.command("sample")
+def sample_command(
+    plan: PlanFile,
+    out: Annotated[Path, typer.Option("--out", help="Where the samples go (JSON).")],
+    n: Annotated[int, typer.Option("--n", min=1, help="How many.")] = 16,
+    seed: Seed = 0,
+    start: Annotated[int, typer.Option("--start", min=0, help="Index of the first: go on where you stopped.")] = 0,
+    assets: Assets = None,
+    as_json: AsJson = False,
+) -> None:
+    """Draw scenes: poses, assets, materials and lighting under the names of the program.
+
+    Sample i depends on the seed and on i alone, so any split into files gives the same scenes.
+
+    Example: `mana plan sample out/plan.json --n 1000 --seed 7 --out samples.json`
+    """
+    ready = load(plan, assets)
+    drawn = sample(ready, n, seed, start)
+    write_atomically(out, as_document(ready, drawn).model_dump_json().encode())
+    if as_json:
+        print(json.dumps({"plan": ready.sha256, "seed": seed, "start": start, "samples": n, "file": str(out)}))
+        return
+    layouts = len({(int(k), *row) for k, row in zip(drawn.combination, drawn.case.tolist(), strict=True)})
+    text.console.print(f"{n} scenes of {len(drawn.names)} things from {layouts} layouts, written to {escape(str(out))}")
+
+
+@app.command("inspect")
+def inspect_command(plan: PlanFile, assets: Assets = None, as_json: AsJson = False) -> None:
+    """Say what is in a plan: combinations, pools with their cases, and how freely each thing moves.
+
+    Example: `mana plan inspect out/plan.json`
+    """
+    ready = load(plan, assets)
+    pools, things = _pools(ready.document), _things(ready.document)
+    if as_json:
+        made = ready.document.provenance.model_dump()
+        print(json.dumps({"plan": ready.sha256, "provenance": made, "pools": pools, "things": things}, indent=1))
+        return
+    text.show_rows(pools, {"combination": "combination", "things": "things", "cases": "cases", "families": "families"})
+    text.show_rows(
+        things, {"thing": "thing", "cell_cm": "cell (cm, median)", "yaw_rad": "yaw (rad, median)", "stances": "stances"}
+    )
+
+
+def _pools(plan: RuntimePlan) -> list[dict[str, object]]:
+    """One row a pool."""
+    rows: list[dict[str, object]] = []
+    for index, one in enumerate(plan.combinations):
+        for pool in one.pools:
+            families = Counter(case.family for case in pool.cases)
+            rows.append(
+                {
+                    "combination": index,
+                    "things": ", ".join(pool.things),
+                    "cases": len(pool.cases),
+                    "families": ", ".join(f"{name} {count}" for name, count in families.most_common()),
+                }
+            )
+    return rows
+
+
+def _things(plan: RuntimePlan) -> list[dict[str, object]]:
+    """One row a thing of the first combination: its median cell and freedom of yaw."""
+    rows: list[dict[str, object]] = []
+    for pool in plan.combinations[0].pools:
+        for k, name in enumerate(pool.things):
+            cells = [case.cells_um[k] for case in pool.cases]
+            turns = sorted(sum(high - low for low, high in case.yaws_urad[k]) for case in pool.cases)
+            wide = sorted(cell[1] - cell[0] for cell in cells)[len(cells) // 2]
+            deep = sorted(cell[3] - cell[2] for cell in cells)[len(cells) // 2]
+            rows.append(
+                {
+                    "thing": name,
+                    "cell_cm": f"{wide / 1e4:.1f} x {deep / 1e4:.1f}",
+                    "yaw_rad": turns[len(turns) // 2] * 1e-6,
+                    "stances": len({case.stances[k] for case in pool.cases}),
+                }
+            )
+    return rows

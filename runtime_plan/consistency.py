@@ -1,0 +1,100 @@
+"""What a plan promises beyond its schema: every name and number in it leads somewhere."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+
+from schemas.diagnostics import Diagnostic, finding
+from schemas.runtime_plan import PlanCase, PlanCombination, PlanPool, PlanThing, RuntimePlan
+
+WORLD = "background"
+
+
+def faults(plan: RuntimePlan) -> tuple[Diagnostic, ...]:
+    """`plan/inconsistent` for everything that does not fit together; none for what the compiler writes."""
+    return tuple(finding("plan/inconsistent", text) for text in _faults(plan))
+
+
+def _faults(plan: RuntimePlan) -> Iterator[str]:
+    if not plan.combinations:
+        yield "the plan has no combination"
+    if any(not body.stances for body in plan.bodies):
+        yield "a body has no stance"
+    if any(not stance.prisms for body in plan.bodies for stance in body.stances):
+        yield "a stance has no outline"
+    materials, lighting = {item.id for item in plan.materials}, {item.id for item in plan.lighting}
+    for index, one in enumerate(plan.combinations):
+        where = f"combinations[{index}]"
+        yield from (f"{where}: {text}" for text in _combination(plan, one))
+        yield from (f"{where}: there is no material `{name}`" for name in one.materials if name not in materials)
+        yield from (f"{where}: there is no lighting `{name}`" for name in one.lighting if name not in lighting)
+    if not all(0.0 < one.weight < np.inf for one in plan.combinations):
+        yield "a combination has no share of the draws"
+
+
+def _combination(plan: RuntimePlan, one: PlanCombination) -> Iterator[str]:
+    X_WB = np.array(one.X_WB)
+    level = X_WB.shape == (4, 4) and np.allclose(X_WB[[0, 1, 2, 2, 2], [2, 2, 2, 0, 1]], [0, 0, 1, 0, 0], atol=1e-9)
+    if not level or not np.isclose(np.hypot(X_WB[0, 0], X_WB[1, 0]), 1.0, atol=1e-9):
+        yield "the pose of the background is not level"
+    if one.background is not None and not 0 <= one.background < len(plan.bodies):
+        yield f"there is no body {one.background} for the background"
+    things: dict[str, PlanThing] = {}
+    for thing in one.things:
+        yield from (f"{thing.id}: {text}" for text in _thing(plan, one, thing, things))
+        things[thing.id] = thing
+    if len(things) < len(one.things):
+        yield "two things have one id"
+    shared = Counter(name for pool in one.pools for name in pool.things)
+    for name in sorted(set(shared) | set(things)):
+        if shared[name] != 1 or name not in things:
+            yield f"{name}: in {shared[name]} pools, {'a thing' if name in things else 'no thing'}"
+    for number, pool in enumerate(one.pools):
+        if all(name in things for name in pool.things):
+            yield from (f"pools[{number}]: {text}" for text in _pool(plan, pool, things))
+    named = {name for relation in one.relations for name in (*relation.things, relation.frame)}
+    named |= set(one.reach.members if one.reach else ())
+    yield from (f"there is no thing `{name}`" for name in sorted(named - set(things) - {WORLD}))
+    if any(not 0 <= rule.place < len(one.places) for rule in one.keep_outs):
+        yield "a keep-out has no place"
+
+
+def _thing(plan: RuntimePlan, one: PlanCombination, thing: PlanThing, known: dict[str, PlanThing]) -> Iterator[str]:
+    if not thing.bodies or not all(0 <= body < len(plan.bodies) for body in thing.bodies):
+        yield "its bodies are not in the plan"
+    if thing.parent != WORLD and thing.parent not in known:
+        yield f"its owner `{thing.parent}` does not stand before it"
+    if not 0 <= thing.place < len(one.places):
+        yield f"there is no place {thing.place}"
+    elif one.places[thing.place][0] != thing.parent:
+        yield f"its place belongs to `{one.places[thing.place][0]}`, not to its owner `{thing.parent}`"
+
+
+def _pool(plan: RuntimePlan, pool: PlanPool, things: dict[str, PlanThing]) -> Iterator[str]:
+    if not pool.cases:
+        yield "no case"
+    for index, case in enumerate(pool.cases):
+        lists = (case.cells_um, case.origins_um, case.yaws_urad, case.stances, case.base_um)
+        if any(len(row) != len(pool.things) for row in lists):
+            yield f"cases[{index}] does not have one entry a thing"
+        else:
+            bodies = [tuple(b for b in things[name].bodies if 0 <= b < len(plan.bodies)) for name in pool.things]
+            yield from (f"cases[{index}]: {text}" for text in _case(plan, case, bodies))
+
+
+def _case(plan: RuntimePlan, case: PlanCase, bodies: list[tuple[int, ...]]) -> Iterator[str]:
+    if not 0.0 < case.weight < np.inf:
+        yield "no share of the draws"
+    for box in (*case.cells_um, *(box for box in case.origins_um if box is not None)):
+        if box[0] > box[1] or box[2] > box[3]:
+            yield f"{box} ends before it begins"
+    for turns in case.yaws_urad:
+        ends = [end for interval in turns for end in interval]
+        if not ends or ends != sorted(ends):
+            yield f"the yaws {turns} are not in order"
+    for stance, possible in zip(case.stances, bodies, strict=True):
+        if any(not 0 <= stance < len(plan.bodies[body].stances) for body in possible):
+            yield f"a body has no stance {stance}"

@@ -1,0 +1,144 @@
+"""Samples as a file, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from runtime_plan.plan import Plan
+from runtime_plan.samples import Samples
+from runtime_plan.tables import ABSENT, AUTHORED, BACKGROUND, WORLD
+from schemas.diagnostics import InvalidInput, Location, finding
+from schemas.runtime_plan import PlanCombination
+from schemas.scene_samples import SampledLighting, SampledObject, SceneSample, SceneSamples
+
+_CHANNELS = ("intensity", "exposure", "temperature_K", "rotation")
+
+
+def as_document(plan: Plan, samples: Samples) -> SceneSamples:
+    """Samples under the names of the plan."""
+    return SceneSamples(plan=plan.sha256, seed=samples.seed, samples=tuple(_documents(plan, samples)))
+
+
+def _documents(plan: Plan, samples: Samples) -> Iterator[SceneSample]:
+    bodies, materials, names = plan.document.bodies, plan.document.materials, samples.names
+
+    def material(index: int) -> str | None:
+        return None if index == AUTHORED else materials[index].id
+
+    for k in range(len(samples)):
+        combination = int(samples.combination[k])
+        rows = zip(
+            samples.asset_index[k].tolist(), samples.position_m[k].tolist(), samples.quat_wxyz[k].tolist(),
+            samples.support[k].tolist(), samples.material[k].tolist(), strict=True,
+        )  # fmt: skip
+        objects = {
+            name: SampledObject(
+                asset=bodies[body].asset_id,
+                position_m=tuple(position),
+                quat_wxyz=tuple(quat),
+                support=WORLD if owner == BACKGROUND else names[owner],
+                material=material(worn),
+            )
+            for name, (body, position, quat, owner, worn) in zip(names, rows, strict=True)
+            if body >= 0
+        }
+        light, background = int(samples.lighting[k]), int(samples.background[k])
+        pools = len(plan.document.combinations[combination].pools)
+        yield SceneSample(
+            index=samples.start + k,
+            combination=combination,
+            case=tuple(samples.case[k, :pools].tolist()),
+            objects=objects,
+            lighting=None if light < 0 else _lighting(plan, light, samples.channels[k].tolist()),
+            background=None if background < 0 else bodies[background].asset_id,
+            background_material=material(int(samples.background_material[k])),
+        )
+
+
+def _lighting(plan: Plan, index: int, channels: list[float]) -> SampledLighting:
+    drawn = {name: value for name, value in zip(_CHANNELS, channels, strict=True) if value == value}
+    return SampledLighting(id=plan.document.lighting[index].id, **drawn)
+
+
+def read_samples(path: Path | str, plan: Plan) -> tuple[tuple[int, ...], Samples]:
+    """Indices and arrays of a file of samples of this plan; `stance` is -1 and `yaw_rad` NaN: poses alone are kept.
+
+    Raises InvalidInput: `plan/missing-file`, `plan/unreadable-samples`, `plan/other-plan`.
+    """
+    path = Path(path)
+    here = Location(file=path.name)
+    if not path.is_file():
+        raise InvalidInput(finding("plan/missing-file", f"there is no file {path}", where=here))
+    try:
+        document = SceneSamples.model_validate_json(path.read_bytes())
+    except ValidationError as refused:
+        first = refused.errors(include_url=False, include_input=False)[0]
+        text = f"{path.name}: {'.'.join(str(part) for part in first['loc'])}: {first['msg']}"
+        raise InvalidInput(finding("plan/unreadable-samples", text, where=here)) from None
+    if document.plan != plan.sha256:
+        text = f"{path.name} holds samples of another plan"
+        raise InvalidInput(
+            finding("plan/other-plan", text, where=here, value=document.plan[:12], bound=plan.sha256[:12])
+        )
+    try:
+        return tuple(one.index for one in document.samples), _arrays(plan, document)
+    except (KeyError, IndexError, ValueError) as wrong:
+        text = f"{path.name} names what the plan does not have: {wrong}"
+        raise InvalidInput(finding("plan/unreadable-samples", text, where=here)) from None
+
+
+def _arrays(plan: Plan, document: SceneSamples) -> Samples:
+    n, names, found = len(document.samples), plan.tables.names, plan.document
+    column = {name: index for index, name in enumerate(names)} | {WORLD: BACKGROUND}
+    material = {one.id: index for index, one in enumerate(found.materials)} | {None: AUTHORED}
+    light = {one.id: index for index, one in enumerate(found.lighting)}
+    most = max(len(one.pools) for one in found.combinations)
+    shape = (n, len(names))
+    made = Samples(
+        seed=document.seed,
+        start=document.samples[0].index if n else 0,
+        names=names,
+        combination=np.array([one.combination for one in document.samples], dtype=np.int64),
+        case=np.full((n, most), -1),
+        present=np.zeros(shape, dtype=bool),
+        asset_index=np.full(shape, -1),
+        stance=np.full(shape, -1),
+        support=np.full(shape, ABSENT),
+        position_m=np.full((*shape, 3), np.nan),
+        quat_wxyz=np.full((*shape, 4), np.nan),
+        yaw_rad=np.full(shape, np.nan),
+        material=np.full(shape, AUTHORED),
+        background_material=np.array([material[one.background_material] for one in document.samples], dtype=np.int64),
+        background=np.full(n, -1),
+        lighting=np.full(n, -1),
+        channels=np.full((n, 4), np.nan),
+    )
+    for k, one in enumerate(document.samples):
+        combination = found.combinations[one.combination]
+        made.case[k, : len(combination.pools)] = one.case
+        made.background[k] = -1 if combination.background is None else combination.background
+        for name, item in one.objects.items():
+            at = column[name]
+            made.present[k, at] = True
+            made.asset_index[k, at] = _body(plan, combination, name, item.asset)
+            made.support[k, at] = column[item.support]
+            made.position_m[k, at], made.quat_wxyz[k, at] = item.position_m, item.quat_wxyz
+            made.material[k, at] = material[item.material]
+        if one.lighting is not None:
+            made.lighting[k] = light[one.lighting.id]
+            drawn = [getattr(one.lighting, name) for name in _CHANNELS]
+            made.channels[k] = [np.nan if value is None else value for value in drawn]
+    return made
+
+
+def _body(plan: Plan, combination: PlanCombination, name: str, asset: str) -> int:
+    """The body of that asset which the thing may be."""
+    thing = next((thing for thing in combination.things if thing.id == name), None)
+    found = [body for body in (thing.bodies if thing else ()) if plan.document.bodies[body].asset_id == asset]
+    if not found:
+        raise ValueError(f"`{name}` as `{asset}`")
+    return found[0]
