@@ -34,6 +34,24 @@ def sizes_and_pairs(n: int, seed: int) -> tuple[np.ndarray, list[tuple[int, int]
     return sizes, [(int(order[2 * i]), int(order[2 * i + 1])) for i in range(n // 5)]
 
 
+def program_text(sizes: np.ndarray, pairs: list[tuple[int, int]]) -> str:
+    """The same as a scene program, as people write it."""
+    objects = [
+        f"  - {{id: box{i}, asset: {{type: box, size_m: [{w:.4f}, {d:.4f}, 0.05]}}}}" for i, (w, d) in enumerate(sizes)
+    ]
+    nodes = [f"    box{i}: {{object: box{i}, placement: {{type: surface, surface: top}}}}" for i in range(len(sizes))]
+    width, depth = TABLE_M
+    return "\n".join(
+        [
+            f"background: {{asset: {{type: box, size_m: [{width}, {depth}, 0.04]}}}}",
+            "anchors: {top: {object: background, surface: auto}}",
+            *("objects:", *objects, "layout:", "  nodes:", *nodes, "relations:"),
+            *(f"  - {{left_of: [box{a}, box{b}]}}" for a, b in pairs),
+            f"clearance: {CLEARANCE_M}\n",
+        ]
+    )
+
+
 def workload(n: int, seed: int, *, cycle: bool = False) -> Problem:
     """The problem of n boxes with free yaw; with `cycle` three `left_of` that contradict one another instead."""
     sizes, pairs = sizes_and_pairs(n, seed)

@@ -9,17 +9,22 @@ seed; `solved` counts seeds. Every scene is judged by geom.scene_check. Exit cod
 from __future__ import annotations
 
 import argparse
+import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from statistics import median
 
 import numpy as np
 from shapely import box
 
 from benchmarks.scene_baselines import circles, oriented_boxes, shelves
-from benchmarks.scene_workload import box_body, sizes_and_pairs, workload
+from benchmarks.scene_workload import box_body, program_text, sizes_and_pairs, workload
+from scenec.compile import Compiled, compile_program
 from scenec.ir import WORLD_PARENT, Domain, Infeasible, Placement, Problem, Solved, Surface, Thing
+from scenec.session import Session
 from scenec.solve import ComponentCache, solve
 from scenec.solve.model import model_of
 from scenec.solve.search import Effort, search
@@ -113,6 +118,30 @@ def edit(n: int, edits: int) -> int:
     return wrong
 
 
+def edit_text(n: int, edits: int) -> None:
+    """The same through the text: a warm session, each edit one object of the last text, beside compiling all of it."""
+    sizes, pairs = sizes_and_pairs(n, 0)
+    cold, warm, phases = [], [], Counter[str]()
+    with tempfile.TemporaryDirectory() as folder:
+        file, session = Path(folder) / "program.yaml", Session()
+        file.write_text(program_text(sizes, pairs))
+        session.compile(file)
+        for k in range(edits):
+            sizes[(7 * k) % n] = 0.06 + 0.002 * k, 0.05
+            file.write_text(program_text(sizes, pairs))
+            cold.append(timed(lambda: compile_program(file))[0])
+            cpu, _, compiled = timed(lambda: session.compile(file))
+            warm.append(cpu)
+            assert isinstance(compiled, Compiled)
+            assert compiled.scenes
+            phases.update({name: 1e3 * seconds / edits for name, seconds in compiled.report.phases.items()})
+    print(f"\none object changed in the text, n = {n}: ms cpu, median and least of {edits} edits")
+    print(f"  compiled anew                {1e3 * median(cold):8.1f} {1e3 * min(cold):8.1f}")
+    print(f"  in a session                 {1e3 * median(warm):8.1f} {1e3 * min(warm):8.1f}", end="")
+    print(f"   {median(warm) / median(cold):.1%} and {min(warm) / min(cold):.1%} of it")
+    print("  wall of its phases, mean:    ", ", ".join(f"{name} {ms:.1f}" for name, ms in phases.items()))
+
+
 def many_supports(n: int) -> Problem:
     """n boxes in fives, each five on a table of its own beside the others."""
     rng = np.random.default_rng([3, n])
@@ -148,6 +177,7 @@ def main() -> None:
     wrong = first_scene([int(n) for n in given.sizes.split(",")], given.seeds, given.limit)
     three_cycle(given.seeds)
     wrong += edit(30, 15)
+    edit_text(30, 30)
     wrong += growth()
     raise SystemExit(wrong > 0)
 

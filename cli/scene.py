@@ -156,6 +156,43 @@ def render_command(
     raise typer.Exit(_exit_code(compiled.report))
 
 
+@app.command("edit")
+def edit_command(
+    program: Program,
+    assets: Assets = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder for the picture, drawn anew each time.")] = None,
+    seed: Seed = 0,
+    budget: Budget = None,
+    root: Root = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compile a program again each time it is saved: what the edit does not concern is kept, until Ctrl-C.
+
+    Things stay where they stood as far as they can; each line says how many moved. `--json` prints one line an edit.
+
+    Example: `mana scene edit examples/scenes/table_setting.yaml --assets library --out pictures`
+    """
+    from cli.scene_edit import moved, saved
+    from scenec.session import Session
+    from scenec.solve import DEFAULT_BUDGET
+
+    session = Session(assets, seed=seed, budget=budget or DEFAULT_BUDGET, root=root)
+    before = None
+    try:
+        for compiled in saved(session, program, root or program.parent):
+            changed, before = moved(before, compiled), session.last
+            picture = _picture(compiled, out)
+            if as_json:
+                print(json.dumps({"moved": changed, "report": compiled.report.model_dump(mode="json")}), flush=True)
+                continue
+            _tell(compiled.report, root or program.parent, False)
+            said = "" if changed is None else f"{changed} of {len(compiled.scenes[0].objects)} things moved; "
+            shown = "" if picture is None else f"picture: {escape(str(picture))}; "
+            text.console.print(f"{said}{shown}waiting for the next edit", highlight=False, soft_wrap=True)
+    except KeyboardInterrupt:
+        return
+
+
 @app.command("explain")
 def explain_command(
     code: Annotated[str, typer.Argument(help="A diagnostic code, e.g. scene/relation-cycle.")], as_json: AsJson = False

@@ -48,6 +48,7 @@ class AssetLibrary:
         self.folder = folder
         self._geometries: dict[tuple[str, float], Geometry] = {}
         self._bodies: dict[tuple[str, float, Orientation], Body] = {}
+        self._records: dict[str, bytes] = {}
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -55,6 +56,11 @@ class AssetLibrary:
         if self.folder is None:
             return ()
         return tuple(sorted(record.parent.name for record in self.folder.glob("*/record.json")))
+
+    def refresh(self) -> None:
+        """Forget everything read when a package that was used is another by now, or is gone (its record has hashes)."""
+        if any(self._record(asset_id) != record for asset_id, record in self._records.items()):
+            self.__init__(self.folder)
 
     def body(self, asset: Single, scale: float = 1.0, orientation: Orientation = "upright") -> Body:
         """The asset in each way it may stand. Raises InvalidInput (`scene/unknown-asset`, `scene/unusable-asset`)."""
@@ -96,6 +102,14 @@ class AssetLibrary:
             return drawn_volume(name, wanted, geometry.shapes)
         return next((v for v in geometry.volumes if wanted in ("auto", v.name)), None)
 
+    def _record(self, asset_id: str) -> bytes:
+        """The bytes of a record, none where it cannot be read."""
+        assert self.folder is not None, "only packages have records"
+        try:
+            return (self.folder / asset_id / "record.json").read_bytes()
+        except OSError:
+            return b""
+
     def _package(self, asset_id: str, scale: float) -> Geometry:
         if asset_id not in self.names:
             said = "there is no asset library" if self.folder is None else "the library has none of that name"
@@ -103,9 +117,10 @@ class AssetLibrary:
             raise InvalidInput(finding("scene/unknown-asset", headline))
         assert self.folder is not None, "it holds the package"
         folder = self.folder / asset_id
+        self._records[asset_id] = self._record(asset_id)
         try:
-            record = AssetRecord.model_validate_json((folder / "record.json").read_bytes())
-        except (OSError, ValueError):
+            record = AssetRecord.model_validate_json(self._records[asset_id])
+        except ValueError:
             raise _unusable(asset_id, "its record.json is not the record of an asset") from None
         try:
             rigid = reread_body(folder / "usd" / f"{asset_id}.usda")

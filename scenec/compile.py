@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path as FilePath
 
 from scenec.assets import AssetLibrary
@@ -18,6 +18,7 @@ from scenec.lower import lower
 from scenec.plan import runtime_plan
 from scenec.report import conflict_members, verdict_of, why
 from scenec.solve import DEFAULT_BUDGET, ComponentCache, solve
+from scenec.source.pieces import Pieces
 from scenec.source.read import Read, read_program
 from scenec.suggest import suggestions
 from scenec.validate import violations
@@ -31,7 +32,7 @@ _WORST_FIRST = ("infeasible", "budget_exhausted", "compiled")
 
 @dataclass(frozen=True)
 class Compiled:
-    """What came of a program. `problems`, `graphs`, `results` have one entry a combination, `scenes` as many or none.
+    """What came of a program. `problems` and `results` have one entry a combination, `scenes` as many or none.
 
     `failed` is the index of the combination that the report explains, None when every one gave a scene.
     """
@@ -40,10 +41,21 @@ class Compiled:
     scenes: tuple[CompiledScene, ...] = ()
     results: tuple[Result, ...] = ()
     problems: tuple[Problem, ...] = ()
-    graphs: tuple[Graph, ...] = ()
     failed: int | None = None
     conflict: tuple[Path, ...] = ()
     plan: RuntimePlan | None = None
+
+    @cached_property
+    def graphs(self) -> tuple[Graph, ...]:
+        """The typed interaction graph of each combination."""
+        return tuple(interaction_graph(problem) for problem in self.problems)
+
+    def placements(self, combination: dict[str, str]) -> dict[str, Placement]:
+        """Where things stand in the combination of that name, empty where it has no scene."""
+        for problem, result in zip(self.problems, self.results, strict=True):
+            if problem.combination == combination and isinstance(result, Solved):
+                return result.placements
+        return {}
 
 
 @dataclass(frozen=True)
@@ -84,23 +96,25 @@ def compile_program(
     seed: int = 0,
     budget: int = DEFAULT_BUDGET,
     root: FilePath | None = None,
-    previous: dict[str, Placement] | None = None,
+    previous: Compiled | None = None,
     cache: ComponentCache | None = None,
     library: AssetLibrary | None = None,
+    pieces: Pieces | None = None,
     explain: bool = True,
     diversity: float | None = None,
 ) -> Compiled:
     """Compile the program in `path` with the packages in `assets`; deterministic in program, assets and seed.
 
     `scenes` holds a checked scene for each combination of geometry-changing variants, or nothing at all unless all of
-    them compiled. `previous` placements are repaired before anything is searched anew, `cache` keeps components solved
-    before; `budget` bounds the steps of the search of each combination. With `explain`, a failure comes with conflict
-    and suggestions; with `diversity`, success comes with a plan of many scenes (see scenec.plan). Raises RuntimeError
-    when the independent checker refuses what was made: a defect of ours, not of the program.
+    them compiled. `budget` bounds the steps of the search of each combination. Placements of `previous` are repaired
+    before anything is searched anew; `cache`, `library` and `pieces` keep components, assets and text of earlier
+    compiles (`scenec.session` holds all four). With `explain`, a failure comes with conflict and suggestions; with
+    `diversity`, success comes with a plan of many scenes (see scenec.plan). Raises RuntimeError when the independent
+    checker refuses what was made: a defect of ours, not of the program.
     """
     clock = Clock()
     with clock.phase("read"):
-        read = read_program(path, root)
+        read = read_program(path, root, pieces)
     if read.program is None:
         return Compiled(_invalid(read.diagnostics, clock))
     library = library or AssetLibrary(assets)
@@ -109,14 +123,13 @@ def compile_program(
     found = (*read.diagnostics, *lowered.diagnostics)
     if not lowered.problems or any(d.severity is Severity.ERROR for d in lowered.diagnostics):
         return Compiled(_invalid(found, clock))
-    with clock.phase("graph"):
-        graphs = tuple(interaction_graph(problem) for problem in lowered.problems)
     cache = cache or ComponentCache()
     results, rows = [], []
     for problem in lowered.problems:
         since = clock.total_s
         with clock.phase("solve"):
-            result = solve(problem, seed, budget, previous=previous, cache=cache)
+            known = previous.placements(problem.combination) if previous is not None else None
+            result = solve(problem, seed, budget, previous=known, cache=cache)
         if isinstance(result, Solved):
             with clock.phase("check"):
                 _check(problem, result)
@@ -146,11 +159,11 @@ def compile_program(
             diagnostics=found,
             phases=clock.seconds,
         )
-        return Compiled(report, scenes, tuple(results), lowered.problems, graphs, plan=plan)
+        return Compiled(report, scenes, tuple(results), lowered.problems, plan=plan)
     with clock.phase("explain"):
         told = _explain(lowered.problems[failed], results[failed], seed) if explain else Explained()
     report = _failure(read, lowered.problems[failed], results[failed], told, found, tuple(rows), clock)
-    return Compiled(report, (), tuple(results), lowered.problems, graphs, failed, told.conflict)
+    return Compiled(report, (), tuple(results), lowered.problems, failed, told.conflict)
 
 
 def _invalid(diagnostics: tuple[Diagnostic, ...], clock: Clock) -> CompileReport:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from geom.pose import apply, matrix_of, pose, quat_of
+from geom.pose import matrix_of, pose, quat_of
 from scenec.ir import WORLD_PARENT, Body, FloatArray, Placement, Problem, Stance, Thing
 from schemas.compiled_scene import CompiledScene, PlacedObject, Prism
 from schemas.scene_program import BoxAsset, CylinderAsset, Inline, SphereAsset
@@ -17,26 +17,25 @@ _DIGITS = 9  # Nanometres: what is left of two ways to add the same lengths.
 def compiled_scene(problem: Problem, placements: Mapping[str, Placement], seed: int) -> CompiledScene:
     """The whole scene of `problem` in the world frame. Raises KeyError when a thing has no placement: never partial."""
     frames = world_frames(problem, placements)
-    background = problem.background
+    things = {thing.name: thing for thing in problem.things}
+    stances = {name: thing.body.stances[placements[name].stance] for name, thing in things.items()}
+    if problem.background is not None:
+        stances = {WORLD_PARENT: problem.background.stances[0], **stances}
+    quats = _quats_wxyz(stances, frames)
+    placed = {
+        name: _placed(name, thing.body, stances[name], frames[name], quats[name], thing)
+        for name, thing in things.items()
+    }
+    behind = None
+    if problem.background is not None:
+        at = WORLD_PARENT
+        behind = _placed(at, problem.background, stances[at], frames[at], quats[at])
     return CompiledScene(
         scene=problem.scene,
         seed=seed,
         combination=problem.combination,
-        background=None
-        if background is None
-        else _placed(WORLD_PARENT, background, background.stances[0], frames[WORLD_PARENT], "", ""),
-        objects=tuple(
-            _placed(
-                thing.name,
-                thing.body,
-                thing.body.stances[placements[thing.name].stance],
-                frames[thing.name],
-                thing.parent,
-                thing.place.name,
-                thing.tags,
-            )
-            for thing in problem.things
-        ),
+        background=behind,
+        objects=tuple(placed.values()),
         clearance_m=problem.clearance_m,
     )
 
@@ -69,22 +68,31 @@ def _in_parent(thing: Thing, placement: Placement) -> FloatArray:
     return pose(turn, np.asarray(thing.place.origin_P_m, dtype=np.float64) + p_A)
 
 
+def _quats_wxyz(stances: Mapping[str, Stance], frames: Mapping[str, FloatArray]) -> dict[str, list[float]]:
+    """Orientation of each asset frame in the world, all in one call: it is the call that costs."""
+    if not stances:
+        return {}
+    R_WU = np.stack([frames[name][:3, :3] for name in stances])
+    R_UP = matrix_of(np.array([stance.quat_wxyz for stance in stances.values()]))
+    return dict(zip(stances, quat_of(R_WU @ R_UP).tolist(), strict=True))
+
+
 def _placed(
-    name: str, body: Body, stance: Stance, X_WU: FloatArray, parent: str, anchor: str, tags: tuple[str, ...] = ()
+    name: str, body: Body, stance: Stance, X_WU: FloatArray, quat_wxyz: list[float], thing: Thing | None = None
 ) -> PlacedObject:
-    quat = quat_of(X_WU[:3, :3] @ matrix_of(np.array(stance.quat_wxyz)))
     inline: Inline | None = body.inline if isinstance(body.inline, BoxAsset | CylinderAsset | SphereAsset) else None
+    w, x, y, z = (_rounded(q) for q in quat_wxyz)
     return PlacedObject(
         id=name,
         asset_id=body.asset_id,
         package=body.package,
         position_m=(_rounded(X_WU[0, 3]), _rounded(X_WU[1, 3]), _rounded(X_WU[2, 3])),
-        quat_wxyz=(_rounded(quat[0]), _rounded(quat[1]), _rounded(quat[2]), _rounded(quat[3])),
+        quat_wxyz=(w, x, y, z),
         scale=body.scale,
-        parent=parent,
-        anchor=anchor,
+        parent="" if thing is None else thing.parent,
+        anchor="" if thing is None else thing.place.name,
         prisms=prisms(stance, X_WU),
-        semantic_tags=tags,
+        semantic_tags=() if thing is None else thing.tags,
         primitive=inline,
         mass_kg=body.mass_kg,
     )
@@ -95,10 +103,10 @@ def prisms(stance: Stance, X_WU: FloatArray) -> tuple[Prism, ...]:
     floor_m = float(X_WU[2, 3]) - stance.origin_height_m
     made = []
     for slab in stance.slabs:
-        outline = apply(X_WU, np.column_stack([slab.outline_m, np.zeros(len(slab.outline_m))]))[:, :2]
+        outline = slab.outline_m @ X_WU[:2, :2].T + X_WU[:2, 3]
         made.append(
             Prism(
-                outline_m=tuple((_rounded(x), _rounded(y)) for x, y in outline),
+                outline_m=tuple((_rounded(x), _rounded(y)) for x, y in outline.tolist()),
                 low_m=_rounded(floor_m + slab.low_m),
                 high_m=_rounded(floor_m + slab.high_m),
             )

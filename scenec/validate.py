@@ -29,7 +29,12 @@ def violations(problem: Problem, placements: dict[str, Placement]) -> tuple[Viol
 def check_scene(problem: Problem, placements: dict[str, Placement]) -> CheckScene:
     """The scene in the world. Raises KeyError when a thing has no placement: a partial scene is no scene."""
     poses = world_poses(problem, placements)
-    objects = tuple(_object(thing, placements[thing.name], poses) for thing in problem.things)
+    stood_on = {(thing.parent, id(thing.place)): thing.place for thing in problem.things}
+    places = {key: _place(key[0], place, poses) for key, place in stood_on.items()}
+    objects = tuple(
+        _object(thing, placements[thing.name], poses[thing.name], places[thing.parent, id(thing.place)])
+        for thing in problem.things
+    )
     keep_outs = tuple(
         CheckKeepOut(_place(rule.parent, rule.place, poses), rule.polygon, rule.height_m) for rule in problem.keep_outs
     )
@@ -78,10 +83,9 @@ def _place(owner: str, place: Surface | Volume, poses: dict[str, LevelPose]) -> 
     return CheckPlace(owner, place.name, origin, yaw, place.polygon, height_m=place.clearance_m, above=above)
 
 
-def _object(thing: Thing, at: Placement, poses: dict[str, LevelPose]) -> CheckObject:
-    origin, yaw = poses[thing.name]
+def _object(thing: Thing, at: Placement, pose: LevelPose, place: CheckPlace) -> CheckObject:
+    origin, yaw = pose
     stance, domain = thing.body.stances[at.stance], thing.domain
-    place = _place(thing.parent, thing.place, poses)
     floor = float(place.origin_m[2]) + at.base_m
     spotted = any(spot.stance == at.stance for spot in domain.spots)
     return CheckObject(

@@ -6,6 +6,7 @@ files each lies over those before it. Paths are relative to the including file a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path as FilePath
 
 from scenec.source.merge import merge, settled
@@ -16,15 +17,16 @@ from schemas.scene_program import SceneProgram
 
 MAX_FILES = 1000  # each time that one is included counts
 INCLUDE, DEFINITION = "include", "definition"
+Parse = Callable[[bytes, str], Parsed]
 SECTIONS = frozenset(SceneProgram.model_fields) - {DEFINITION}
 
 
-def load(file: FilePath, root: FilePath) -> tuple[Tree | None, tuple[Diagnostic, ...]]:
+def load(file: FilePath, root: FilePath, parse: Parse = parse) -> tuple[Tree | None, tuple[Diagnostic, ...]]:
     """The whole program that begins in `file`, None when nothing of it can be read; all findings of one run.
 
     Findings name files relative to `root`, which must be resolved.
     """
-    loader = _Loader(root)
+    loader = _Loader(root, parse)
     try:
         tree: Tree | None = loader.program(file, Location(file=file.name), ())
     except InvalidInput as error:
@@ -34,11 +36,12 @@ def load(file: FilePath, root: FilePath) -> tuple[Tree | None, tuple[Diagnostic,
 
 
 class _Loader:
-    def __init__(self, root: FilePath) -> None:
-        self.root = root
+    def __init__(self, root: FilePath, parse: Parse) -> None:
+        self.root, self.parse = root, parse
         self.found: list[Diagnostic] = []
         self.values = self.files = 0
         self.parsed: dict[FilePath, Parsed] = {}
+        self.alone: set[FilePath] = set()  # files whose text names no other
 
     def program(self, file: FilePath, asked: Location, within: tuple[FilePath, ...]) -> Tree:
         """A file at the root of the program: its sections may stand under `definition`."""
@@ -53,10 +56,10 @@ class _Loader:
 
     def expand(self, tree: Tree, file: FilePath, within: tuple[FilePath, ...]) -> Tree:
         """`tree` of `file` with all includes below it put in; rules for lists stay where they may meet a base."""
+        if isinstance(tree, Scalar) or file in self.alone:
+            return tree
         if isinstance(tree, Row):
             return Row(tuple(self.expand(item, file, within) for item in tree.items), tree.at)
-        if isinstance(tree, Scalar):
-            return tree
         items = {k: Item(i.at, self.expand(i.value, file, within)) for k, i in tree.items.items() if k != INCLUDE}
         own = Block(items, tree.at)
         if INCLUDE not in tree.items:
@@ -116,8 +119,10 @@ class _Loader:
         if self.files > MAX_FILES:
             raise too_large("the program includes too many files", asked, None, MAX_FILES, "files")
         if target not in self.parsed:
-            self.parsed[target] = parse(data, name)
+            self.parsed[target] = self.parse(data, name)
             self.found += self.parsed[target].diagnostics
+            if INCLUDE.encode() not in data and b"\\" not in data:  # A key may be written with escapes.
+                self.alone.add(target)
         self.values += self.parsed[target].values
         if self.values > MAX_VALUES:
             raise too_large("the program holds too many values", asked, None, MAX_VALUES, "values")

@@ -29,8 +29,8 @@ class Parsed(NamedTuple):
     values: int
 
 
-def parse(data: bytes, file: str) -> Parsed:
-    """The tree of a text; `file` is how findings call it.
+def parse(data: bytes, file: str, depth: int = 0) -> Parsed:
+    """The tree of a text that stands `depth` levels deep in another; `file` is how findings call it.
 
     Raises InvalidInput (`scene/yaml-syntax`, `scene/file-too-large`) when there is no tree.
     """
@@ -43,7 +43,7 @@ def parse(data: bytes, file: str) -> Parsed:
         root = yaml.compose(data.decode("utf-8-sig"))
         reader = _Reader(file, yaml)
         empty = Block({}, Location(file=file, line=1, column=1))
-        return Parsed(reader.tree(root, 0) if root is not None else empty, tuple(reader.found), reader.values)
+        return Parsed(reader.tree(root, depth) if root is not None else empty, tuple(reader.found), reader.values)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = Location(file=file, line=mark.line + 1, column=mark.column + 1) if mark else Location(file=file)

@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 from scenec.source.checks import check_program
 from scenec.source.include import load
 from scenec.source.merge import settled
+from scenec.source.pieces import Pieces
 from scenec.source.tree import Spans
 from scenec.source.validate import validate
 from schemas.diagnostics import Diagnostic, Severity
@@ -23,13 +24,14 @@ class Read:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def read_program(path: FilePath, root: FilePath | None = None) -> Read:
+def read_program(path: FilePath, root: FilePath | None = None, pieces: Pieces | None = None) -> Read:
     """The program that begins in the file `path`; includes stay inside `root`, by default its folder.
 
-    Diagnostics name files relative to `root`, and are all of one phase: the text, then keys and values, then names.
+    `pieces` keep what is parsed for the next time. Diagnostics name files relative to `root`, and are all of one phase:
+    the text, then keys and values, then names.
     """
     inside = (root or path.parent).resolve()
-    tree, found = load(path, inside)
+    tree, found = load(path, inside) if pieces is None else load(path, inside, pieces.parse)
     name = path.resolve().relative_to(inside).as_posix() if path.resolve().is_relative_to(inside) else path.name
     if tree is None:
         return Read(None, Spans(None, name), found)

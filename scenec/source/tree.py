@@ -90,6 +90,22 @@ def child(tree: Tree | None, path: Path) -> Tree | None:
     return tree
 
 
+def moved(tree: Tree, lines: int) -> Tree:
+    """The tree of a text that now begins so many lines farther down."""
+    if lines == 0:
+        return tree
+    at = tree.at.model_copy(update={"line": (tree.at.line or 0) + lines})
+    if isinstance(tree, Scalar):
+        return Scalar(tree.value, tree.text, at)
+    if isinstance(tree, Row):
+        return Row(tuple(moved(item, lines) for item in tree.items), at)
+    items = {}
+    for key, item in tree.items.items():
+        here = item.at.model_copy(update={"line": (item.at.line or 0) + lines})
+        items[key] = Item(here, moved(item.value, lines))
+    return Block(items, at)
+
+
 def plain(tree: Tree) -> Any:
     """The tree as dicts, lists and values."""
     if isinstance(tree, Block):

@@ -1,0 +1,38 @@
+"""The independent judge of a finished scene: plain arrays in, violations out; it knows no compiler and no solver.
+
+An object is a set of convex prisms in the world W (metres, z up). Places are level, so frame A of a place is an origin
+and a yaw in W. What is judged, and against which bound (`TOLERANCE_M` for lengths, the same number in rad for angles):
+
+support     on a surface it stands on the polygon with every outline, its top under the free height; in a volume each
+            prism lies within every layer that it spans and below the rim, on the floor or on what lies there
+clearance   least distance of footprints between objects that overlap in height: whole footprints and whole heights for
+            objects of one place, prism by prism otherwise. Objects are not held apart from their owners, nor the
+            owners' owners: there only the owner's geometry over the place (`above`) must not be entered
+ranges, stances, spots, relations, keep-outs, reach (a ring in x and y). A spot written off the floor (a hook, a peg
+            hole) needs no support beneath it: its author has said that it holds.
+"""
+
+from __future__ import annotations
+
+from geom.scene_check.asked import broken_relation, entered_keep_out, out_of_reach
+from geom.scene_check.model import CheckScene, Violation
+from geom.scene_check.pairs import too_close
+from geom.scene_check.places import owners_entered, unsupported, wrong_pose
+
+
+def check(scene: CheckScene) -> tuple[Violation, ...]:
+    """Every violation of the scene, in the order of its objects; none means that the scene is valid."""
+    by_name = {item.name: item for item in scene.objects}
+    found: list[Violation] = []
+    for item in scene.objects:
+        found += wrong_pose(item)
+        found += unsupported(item, scene)
+        found += owners_entered(item, by_name)
+    found += too_close(scene, by_name)
+    for relation in scene.relations:
+        found += broken_relation(relation, [by_name[name] for name in relation.objects])
+    for keep_out in scene.keep_outs:
+        found += entered_keep_out(keep_out, scene, by_name)
+    if scene.reach is not None:
+        found += out_of_reach(scene.reach, by_name)
+    return tuple(found)

@@ -1,0 +1,147 @@
+"""What the judge of scenes is told, and what it says: plain arrays, all in the world W unless said otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import Polygon
+
+FloatArray = NDArray[np.float64]
+TOLERANCE_M = 1e-6
+TURN = 2.0 * np.pi
+ViolationKind = Literal[
+    "off_support", "unsupported", "headroom", "outside_volume", "owner_entered", "clearance", "penetration",
+    "relation", "keep_out", "reach", "range", "spot", "stance",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class CheckPrism:
+    """A convex outline (n, 2) counter-clockwise and the heights between which it stands, in W (or A where said)."""
+
+    outline_m: FloatArray
+    low_m: float
+    high_m: float
+
+
+@dataclass(frozen=True)
+class CheckPlace:
+    """Where objects stand: `origin_m` (3,) and `yaw_rad` of A in W; `polygon` (with holes), `layers` (low, high,
+    polygon) and `above` in A. A surface has a polygon, a volume has layers; `height_m` is free height or rim."""
+
+    owner: str
+    name: str
+    origin_m: FloatArray
+    yaw_rad: float
+    polygon: Polygon | None = None
+    layers: tuple[tuple[float, float, Polygon], ...] = ()
+    height_m: float = np.inf
+    above: tuple[CheckPrism, ...] = ()
+
+    @cached_property
+    def turn_WA(self) -> FloatArray:
+        """(2, 2): horizontal directions as rows in W times this are those in A."""
+        cos, sin = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
+        return np.array([[cos, -sin], [sin, cos]])
+
+
+@dataclass(frozen=True)
+class CheckObject:
+    """One object as it stands: origin of its asset frame (3,) and direction of its front (2,) in W, its prisms in W,
+    what its program allows: ranges of x, y, yaw in A, or `spots` (x, y, z, yaw) in A, and stances by number."""
+
+    name: str
+    prisms: tuple[CheckPrism, ...]
+    origin_m: FloatArray
+    yaw_rad: float
+    front: FloatArray
+    place: CheckPlace
+    x_m: tuple[float, float] = (-np.inf, np.inf)
+    y_m: tuple[float, float] = (-np.inf, np.inf)
+    yaw_range_rad: tuple[float, float] = (-np.pi, np.pi)
+    spots: tuple[tuple[float, float, float, float], ...] = ()
+    stance: int = 0
+    stances: tuple[int, ...] = (0,)
+
+    @cached_property
+    def low_m(self) -> float:
+        """Height of the lowest point in W."""
+        return min(prism.low_m for prism in self.prisms)
+
+    @cached_property
+    def high_m(self) -> float:
+        """Height of the highest point in W."""
+        return max(prism.high_m for prism in self.prisms)
+
+
+@dataclass(frozen=True)
+class CheckRelation:
+    """`before`, `near`, `far_from`, `aligned`, `facing` or `between` over names; `direction` (2,) is unit and in W."""
+
+    kind: str
+    objects: tuple[str, ...]
+    direction: FloatArray
+    gap_m: float = 0.0
+    tolerance: float = 0.0
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class CheckKeepOut:
+    """Nothing may be over `polygon` (in A of `place`) from the place to `height_m` above it, its owners excepted."""
+
+    place: CheckPlace
+    polygon: Polygon
+    height_m: float
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class CheckReach:
+    """Origins of `objects` lie between `least_m` and `most_m` from `base_m`, seen from above."""
+
+    base_m: FloatArray
+    least_m: float
+    most_m: float
+    objects: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class CheckScene:
+    """All that stands; what does not move is known by the places on it."""
+
+    objects: tuple[CheckObject, ...]
+    clearance_m: float
+    relations: tuple[CheckRelation, ...] = ()
+    keep_outs: tuple[CheckKeepOut, ...] = ()
+    reach: CheckReach | None = None
+
+
+@dataclass(frozen=True)
+class Violation:
+    """What is broken, by which objects, the value found against its bound in `unit`."""
+
+    kind: ViolationKind
+    names: tuple[str, ...]
+    value: float
+    bound: float
+    unit: str = "m"
+    label: str = ""
+
+
+def owners_of(item: CheckObject, by_name: dict[str, CheckObject]) -> frozenset[str]:
+    """Names of what an object stands on or in, its owners' owners included."""
+    names: list[str] = []
+    while item.place.owner in by_name and item.place.owner not in names:
+        names.append(item.place.owner)
+        item = by_name[item.place.owner]
+    return frozenset(names)
+
+
+def same_place(one: CheckPlace, two: CheckPlace) -> bool:
+    """Whether two places are one."""
+    return (one.owner, one.name) == (two.owner, two.name)
