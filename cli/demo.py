@@ -15,7 +15,6 @@ from assetkit.ingest import Batch, default_jobs
 from assetkit.options import Options
 from cli import text
 from cli.assets import PRELOAD, WORKER, AsJson, run_batch
-from cli.demo_page import write_page
 from schemas.diagnostics import Severity
 
 # Real meshes of two formats; the mug and the tray must keep their cavity, the torus its hole.
@@ -46,6 +45,7 @@ def demo(
     from assetkit.validate import main_usd_files
     from cli.demo_gap import gap_demo
     from cli.demo_gate import spoil_package
+    from cli.demo_page import write_page
     from cli.demo_scene import scene_demo
     from cli.demo_scene import show as show_scene
 
