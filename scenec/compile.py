@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path as FilePath
 
+from scenec import verify
 from scenec.assets import AssetLibrary
 from scenec.conflicts import minimal_conflict
 from scenec.emit import compiled_scene
@@ -21,7 +22,6 @@ from scenec.solve import DEFAULT_BUDGET, ComponentCache, solve
 from scenec.source.pieces import Pieces
 from scenec.source.read import Read, read_program
 from scenec.suggest import suggestions
-from scenec.validate import violations
 from schemas.compiled_scene import CombinationVerdict, CompiledScene, CompileReport, Suggestion
 from schemas.diagnostics import Diagnostic, Severity
 from schemas.runtime_plan import RuntimePlan
@@ -123,6 +123,8 @@ def compile_program(
     found = (*read.diagnostics, *lowered.diagnostics)
     if not lowered.problems or any(d.severity is Severity.ERROR for d in lowered.diagnostics):
         return Compiled(_invalid(found, clock))
+    for problem in lowered.problems:
+        verify.after_binding(problem)
     cache = cache or ComponentCache()
     results, rows = [], []
     for problem in lowered.problems:
@@ -132,7 +134,7 @@ def compile_program(
             result = solve(problem, seed, budget, previous=known, cache=cache)
         if isinstance(result, Solved):
             with clock.phase("check"):
-                _check(problem, result)
+                verify.after_solving(problem, result.placements)
         results.append(result)
         rows.append(_row(problem, result, clock.total_s - since))
     failed = _worst(results)
@@ -172,16 +174,11 @@ def _invalid(diagnostics: tuple[Diagnostic, ...], clock: Clock) -> CompileReport
     )
 
 
-def _check(problem: Problem, result: Solved) -> None:
-    """Raise RuntimeError unless the independent checker agrees; a refused scene never leaves the compiler."""
-    wrong = violations(problem, result.placements)
-    if wrong:
-        raise RuntimeError(f"{problem.scene}: the checker refuses the solved scene: {wrong[0]}")
-
-
 def _emit(problem: Problem, result: Result, seed: int) -> CompiledScene:
     assert isinstance(result, Solved), "no combination failed"
-    return compiled_scene(problem, result.placements, seed)
+    scene = compiled_scene(problem, result.placements, seed)
+    verify.after_emission(problem, scene)
+    return scene
 
 
 def _row(problem: Problem, result: Result, seconds: float) -> CombinationVerdict:

@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import networkx as nx
 
+from scenec import verify
 from scenec.ir import Exhausted, Infeasible, Placement, Problem, Proof, Result, Solved
 from scenec.proofs import prove, prove_cheaply
 from scenec.proofs.owners import no_first_owner
@@ -43,6 +44,7 @@ def solve(
     base = model_of(problem)
     efforts: list[Effort] = []
     for model, components, share in _ways(base):
+        verify.after_analysis(problem, components)
         effort = Effort(int(share * (budget - sum(e.taken for e in efforts))))
         efforts.append(effort)
         found = _solve_all(model, components, seed, effort, previous or {}, cache, cheap_proof)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from geom.pose import matrix_of, pose
-from scenec.compile import _check, compile_program
-from scenec.ir import Solved
+from scenec import verify
+from scenec.compile import compile_program
 from tests.unit.scene_problems import table_setting
 
 OBJECTS = (
@@ -60,10 +60,10 @@ def test_the_order_of_objects_does_not_matter(more: str, tmp_path: Path):
 
 def test_a_scene_that_the_judge_refuses_does_not_leave_the_compiler():
     problem, placements = table_setting()
-    _check(problem, Solved(placements))
+    verify.after_solving(problem, placements)
     onto_the_tray = {**placements, "book": replace(placements["tray"], yaw_rad=0.0)}
     with pytest.raises(RuntimeError, match="refuses"):
-        _check(problem, Solved(onto_the_tray))
+        verify.after_solving(problem, onto_the_tray)
 
 
 def test_phases_are_counted_and_add_up(tmp_path: Path):
