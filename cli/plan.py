@@ -103,3 +103,38 @@ def _things(plan: RuntimePlan) -> list[dict[str, object]]:
                 }
             )
     return rows
+
+
+@app.command("verify")
+def verify_command(
+    plan: PlanFile,
+    samples: Annotated[Path | None, typer.Option("--samples", help="A file of samples; else they are drawn.")] = None,
+    n: Annotated[int, typer.Option("--n", min=1, help="How many to draw.")] = 10_000,
+    seed: Seed = 0,
+    jobs: Annotated[int, typer.Option("--jobs", min=1, help="Processes; the verdict is the same for any number.")] = 1,
+    out: Annotated[Path | None, typer.Option("--out", help="Write the report there as well.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Judge samples by their poses alone, with geometry code that shares nothing with the draw.
+
+    Checks support, clearance, penetration, ranges, relations, keep-outs and reach of every scene. Exit code 1 when
+    any is violated.
+
+    Example: `mana plan verify out/plan.json --n 1000000 --jobs 4`
+    """
+    from cli.plan_verify import judge_drawn, judge_file
+
+    with text.progress(quiet=as_json) as progress:
+        report = judge_file(plan, samples) if samples else judge_drawn(plan, n, seed, jobs, progress)
+    if out is not None:
+        write_atomically(out, report.model_dump_json(indent=1).encode())
+    if as_json:
+        print(report.model_dump_json(indent=1))
+    else:
+        for row in report.violations[:20]:
+            words = f"{row.kind} {row.label}".strip()
+            text.console.print(f"[red]sample {row.index}[/]: {escape(words)}: {escape(', '.join(row.things))}, "
+                               f"{row.value:.6g} against {row.bound:.6g} {row.unit}", highlight=False)  # fmt: skip
+        style = "red" if report.invalid else "green"
+        text.console.print(f"[bold {style}]{report.invalid} invalid[/] of {report.checked} samples")
+    raise typer.Exit(1 if report.invalid else 0)

@@ -1,0 +1,114 @@
+"""Judge samples by their poses alone: another path than the one that drew them, and another geometry code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from geom.many_scenes import SceneRules, Stands
+from geom.scene_check.model import TOLERANCE_M
+from geom.scene_check_many import check_many
+from runtime_plan.plan import Plan
+from runtime_plan.rules import rules_of
+from runtime_plan.samples import Samples
+from schemas.runtime_plan import PlanCombination, RuntimePlan
+
+Row = dict[str, Any]  # index, kind, things, value, bound, unit, label
+
+
+class Judge:
+    """Verdicts on samples of one plan; what combinations have in common is worked out once."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan.document
+        self._names = plan.tables.names
+        self._rules = cache(lambda index: rules_of(plan.document, plan.document.combinations[index]))
+
+    def violations(self, samples: Samples, indices: tuple[int, ...] | None = None) -> Iterator[Row]:
+        """Every violation of every sample, in order; `indices` of samples that do not follow one another."""
+        found: list[tuple[int, Row]] = []
+        for index in np.unique(samples.combination).tolist():
+            rows = np.flatnonzero(samples.combination == index)
+            found += self._of_combination(index, samples, rows)
+        for k, row in sorted(found, key=lambda item: item[0]):
+            yield {"index": indices[k] if indices else samples.start + k, **row}
+
+    def _of_combination(self, index: int, samples: Samples, rows: np.ndarray) -> Iterator[tuple[int, Row]]:
+        one, rules = self._plan.combinations[index], self._rules(index)
+        columns = [self._names.index(thing.id) for thing in one.things]
+        whole = np.ones(len(rows), dtype=bool)
+        for k, text, names in _incomplete(one, self._names, samples, rows, columns):
+            whole[np.searchsorted(rows, k)] = False
+            yield k, {"kind": text, "things": names, "value": 0.0, "bound": 0.0, "unit": "", "label": ""}
+        kept = rows[whole]
+        stands = stands_of(self._plan, one, rules, samples, kept, columns)
+        for number, violations in check_many(rules, stands):
+            for found in violations:
+                yield (
+                    int(kept[number]),
+                    {
+                        "kind": found.kind,
+                        "things": list(found.names),
+                        "value": float(found.value),
+                        "bound": float(found.bound),
+                        "unit": found.unit,
+                        "label": found.label,
+                    },
+                )
+
+
+def _incomplete(
+    one: PlanCombination, names: tuple[str, ...], samples: Samples, rows: np.ndarray, columns: list[int]
+) -> Iterator[tuple[int, str, list[str]]]:
+    """Samples without a thing of their combination, with another one, or with another owner than the plan's."""
+    wanted = np.isin(np.arange(len(names)), columns)
+    present = samples.present[rows]
+    for k, column in np.argwhere(present != wanted).tolist():
+        yield int(rows[k]), "extra" if present[k, column] else "missing", [names[column]]
+    for thing, column in zip(one.things, columns, strict=True):
+        owner = names.index(thing.parent) if thing.parent in names else -1
+        wrong = present[:, column] & (samples.support[rows, column] != owner)
+        for k in np.flatnonzero(wrong).tolist():
+            yield int(rows[k]), "support", [thing.id]
+
+
+def stands_of(
+    plan: RuntimePlan, one: PlanCombination, rules: SceneRules, samples: Samples, rows: np.ndarray, columns: list[int]
+) -> Stands:
+    """Forms and yaws by orientation: the stance of the asset that the quaternion is, up to a turn about z."""
+    shape = (len(rows), len(columns))
+    form, known = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=bool)
+    yaw = np.zeros(shape)
+    for i, (thing, column) in enumerate(zip(one.things, columns, strict=True)):
+        body = np.repeat(thing.bodies, [len(plan.bodies[b].stances) for b in thing.bodies])
+        stances = np.concatenate([np.arange(len(plan.bodies[b].stances)) for b in thing.bodies])
+        quats = np.array([plan.bodies[b].stances[s].quat_wxyz for b, s in zip(body, stances, strict=True)])
+        w, x, y, z = np.moveaxis(_times_conjugate(samples.quat_wxyz[rows, column], quats), -1, 0)
+        tilt = 2.0 * np.hypot(x, y) / np.sqrt(w * w + x * x + y * y + z * z)
+        allowed = [spot.stance for spot in thing.spots] or thing.stances
+        cost = np.where(tilt <= TOLERANCE_M, ~np.isin(stances, allowed), 2.0 + tilt)
+        cost = np.where(samples.asset_index[rows, column, None] == body, cost, np.inf)
+        pick = cost.argmin(axis=1)
+        row = np.arange(len(rows))
+        form[:, i], known[:, i] = pick, cost[row, pick] < 2.0
+        yaw[:, i] = 2.0 * np.arctan2(z[row, pick], w[row, pick])
+    origins = samples.position_m[rows][:, columns]
+    return Stands(origins, yaw, form, known & np.isfinite(origins).all(axis=-1))
+
+
+def _times_conjugate(quats: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(n, m, 4) products of quaternions (n, 4) with the conjugates of (m, 4), wxyz."""
+    a, b, c, d = (part[:, None] for part in quats.T)
+    w, x, y, z = (part[None, :] for part in (others * np.array([1.0, -1.0, -1.0, -1.0])).T)
+    return np.stack(
+        [
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y - b * z + c * w + d * x,
+            a * z + b * y - c * x + d * w,
+        ],
+        axis=-1,
+    )
