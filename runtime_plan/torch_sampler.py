@@ -1,0 +1,76 @@
+"""The same draw in PyTorch, on any device with 64-bit floats: thousands of environments reset without a copy from the host.
+
+PyTorch is not among Mana's dependencies; install it beside (`pip install torch`). Choices are the same as numpy's, since
+the words are; poses agree to 1e-6 or better, since devices may contract a product and a sum into one rounding.
+"""
+
+# Torch is optional: where it is missing its types are unknown.
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass, replace
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import torch
+
+from runtime_plan.philox import philox
+from runtime_plan.plan import Plan
+from runtime_plan.sample import sample_with
+from runtime_plan.samples import Samples
+from runtime_plan.words import UNIT
+
+
+class Torch:
+    """`runtime_plan.backend.Backend` on one device."""
+
+    xp: ModuleType = torch
+
+    def __init__(self, device: str) -> None:
+        self.device = device
+
+    def uniforms(self, seed: int, start: int, n: int, blocks: int) -> Any:
+        """The words of numpy's Philox, made on the device."""
+        if (start + n) * blocks >= 2**63:
+            raise ValueError(f"samples beyond 2**63 words are not drawn here: {start}")
+        counter = torch.arange(n * blocks, device=self.device, dtype=torch.int64) + (start * blocks + 1)
+        words = torch.stack(philox(counter, seed), -1).reshape(n, 4 * blocks)
+        return ((words >> 11) & (2**53 - 1)).to(torch.float64) * UNIT
+
+    def constant(self, values: np.ndarray) -> Any:
+        """A table on the device."""
+        return torch.as_tensor(np.ascontiguousarray(values), device=self.device)
+
+    def full(self, shape: tuple[int, ...], value: float | int | bool) -> Any:
+        """A filled tensor."""
+        kind = {bool: torch.bool, int: torch.int64}.get(type(value), torch.float64)
+        return torch.full(shape, value, dtype=kind, device=self.device)
+
+    def whole(self, values: Any) -> Any:
+        """Cut down."""
+        return values.to(torch.int64)
+
+
+class TorchSampler:
+    """A plan on a device. `sample` returns the `Samples` of `runtime_plan.sample` as tensors there."""
+
+    def __init__(self, plan: Plan, device: str = "cpu") -> None:
+        self._backend = Torch(device)
+        self._tables = _moved(plan.tables, self._backend)
+
+    def sample(self, n: int, seed: int, start: int = 0) -> Samples:
+        """Samples `start` to `start + n - 1` of the stream `seed`."""
+        return sample_with(self._backend, self._tables, n, seed, start, max(n, 1))
+
+
+def _moved(value: Any, backend: Torch) -> Any:
+    """The same tables with tensors for arrays."""
+    if isinstance(value, np.ndarray):
+        return backend.constant(value)
+    if isinstance(value, tuple):
+        return tuple(_moved(item, backend) for item in value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return replace(value, **{f.name: _moved(getattr(value, f.name), backend) for f in fields(value)})
+    return value
