@@ -1,7 +1,7 @@
-"""The same draw in PyTorch, on any device with 64-bit floats: thousands of environments reset without a copy from the host.
+"""The same draw in PyTorch, on any device with 64-bit floats: environments are reset without a copy from the host.
 
-PyTorch is not among Mana's dependencies; install it beside (`pip install torch`). Choices are the same as numpy's, since
-the words are; poses agree to 1e-6 or better, since devices may contract a product and a sum into one rounding.
+PyTorch is not among what Mana installs (`pip install torch`). Choices are the same as numpy's, as the words are; poses
+agree to 1e-6 or better, since a device may round a product and a sum once instead of twice.
 """
 
 # Torch is optional: where it is missing its types are unknown.
