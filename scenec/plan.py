@@ -40,6 +40,7 @@ from schemas.runtime_plan import (
 from schemas.scene_program import PairedMaterial, SceneProgram
 
 _DIGITS = 9  # nanometres
+MOST_CELLS = 13_000  # in the cases of a pool: about a megabyte
 _MARK = "\x01"  # no name holds it
 
 
@@ -165,7 +166,7 @@ def _materials(program: SceneProgram) -> tuple[PairedMaterial, ...]:
 
 
 def _cases_wanted(things: int, diversity: float) -> int:
-    return max(8, round(diversity * min(80 + 12 * things, 440)))
+    return max(8, round(diversity * min(240 + 7 * things, MOST_CELLS // things)))
 
 
 def _judge(problem: Problem, pools: Sequence[PlanPool]) -> None:

@@ -6,19 +6,28 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.random import Generator
 
 from scenec.cases.cells import cases_of
+from scenec.cases.free_rectangle import free_rectangle
+from scenec.cases.grid import grid
+from scenec.cases.guillotine import guillotine
 from scenec.cases.quality import quality
-from scenec.cases.scope import Layouts, Scope, around, joined, scope_of
+from scenec.cases.scope import GRAIN_M, Layouts, Scope, around, joined, scope_of
 from scenec.cases.seeded import TRIES, seeded
 from scenec.cases.select import selected
+from scenec.cases.shelf import shelf
 from scenec.cases.signature import distinct
+from scenec.cases.slots import seated, ways_of
 from scenec.cases.strip import strips
-from scenec.ir import Placement, ReachIR
+from scenec.ir import FloatArray, Placement, ReachIR
 from scenec.solve.model import Model
 from scenec.solve.streams import stream
 from schemas.runtime_plan import PlanCase
 
+FAMILIES = (("grid", grid), ("guillotine", guillotine), ("free_rectangle", free_rectangle), ("shelf", shelf))
+MISSES = 24  # partitions that may fail before a family is given up
+STRUCTURED = 0.2  # of the cases that plain rejection does not find
 SURPLUS = 1.3  # layouts made for each case wanted
 
 
@@ -44,13 +53,41 @@ def pool_cases(model: Model, asked: Asked) -> list[PlanCase]:
             return [case.model_copy(update={"quality": quality(scope, case)}) for case in alone]
     surplus = int(SURPLUS * asked.want)
     parts = [_solved(scope, asked.solved)]
-    for tries in (1, TRIES):
-        missing = surplus - sum(map(len, parts))
-        if missing > 0:
-            parts.append(seeded(scope, missing, rng, tries))
+    parts.append(seeded(scope, surplus - len(parts[0]), rng, 1))
+    if (missing := surplus - len(joined(parts))) > 0:
+        # Crowded, or tied by relations: no exact shares to keep, and more variety by structure.
+        orderly = structured(scope, round(STRUCTURED * missing), rng) if len(scope.members) > 2 else []
+        parts.append(seeded(scope, missing - sum(map(len, orderly)), rng, TRIES))
+        missing = surplus - len(joined([*parts, *orderly]))
+        parts += orderly if missing <= 0 else [*orderly, *structured(scope, missing, rng)]
     cases = cases_of(scope, joined(parts), rng, reach, base)
     judged = [case.model_copy(update={"quality": quality(scope, case)}) for case in distinct(asked.names, cases)]
     return selected(scope, judged, asked.want)
+
+
+def structured(scope: Scope, want: int, rng: Generator) -> list[Layouts]:
+    """Layouts of the four structured families on the place that all members share, `want` or fewer in all."""
+    box, ways = _shared_box(scope), ways_of(scope)
+    if box is None:
+        return []
+    found: list[Layouts] = []
+    for number, (name, family) in enumerate(FAMILIES):
+        share = -(-(want - sum(map(len, found))) // (len(FAMILIES) - number))
+        slots, misses = [], 0
+        while len(slots) < share and misses < MISSES + 4 * len(slots):
+            cut = family(box, ways, scope.clearance_m + 2 * GRAIN_M, rng)
+            misses += cut is None
+            slots += [] if cut is None else [cut]
+        if slots:
+            found.append(seated(scope, ways, np.array(slots), name, rng))
+    return found
+
+
+def _shared_box(scope: Scope) -> FloatArray | None:
+    # The box of the one place on which all free members are; None where they are on several.
+    boxes = [room.box_m for m in scope.members if not m.pinned for room in m.room.values()]
+    same = boxes and all(np.array_equal(box, boxes[0]) for box in boxes)
+    return boxes[0] + GRAIN_M * np.array([1.0, -1.0, 1.0, -1.0]) if same else None
 
 
 def _alone(scope: Scope, asked: Asked, reach: ReachIR | None, base_P_m: np.ndarray) -> list[PlanCase]:

@@ -89,8 +89,9 @@ def _frugal(member: Member, thrift: float) -> IntArray:
         return np.arange(member.grid)
     area = area[: member.grid]
     stance = member.stance[: member.grid]
-    least = np.array([area[stance == s].min() for s in stance])
-    most = np.array([area[stance == s].max() for s in stance])
+    least, most = np.empty(len(area)), np.empty(len(area))
+    for s in set(stance.tolist()):
+        least[stance == s], most[stance == s] = area[stance == s].min(), area[stance == s].max()
     return np.flatnonzero(area <= least + thrift * (most - least) + 1e-12)
 
 

@@ -1,0 +1,219 @@
+"""What plans cover, beside rejection on the same workload: cases, freedom to turn, cells reached, honest shares.
+
+    python -m benchmarks.plans [--sizes 5,10,20,30,60,80] [--seeds 2] [--diversity 1] [--samples 20000]
+
+Rejection draws a yaw, then a position on the table, for each box: all at once (N up to 10, the exact distribution), or
+box by box with up to 60 tries (beyond), with exact oriented boxes and relations. CPU seconds of one process.
+Exit code 1 when a drawn scene is invalid.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections import Counter
+from statistics import median
+
+import numpy as np
+from numpy.random import Generator
+from scipy.stats import ks_2samp
+
+from benchmarks.scene_workload import CLEARANCE_M, TABLE_M, sizes_and_pairs, workload
+from scenec.cases.signature import signature
+from scenec.ir import Placement, Solved
+from scenec.plan import plan_text, runtime_plan
+from scenec.solve import solve
+from scenec.validate import violations
+from schemas.runtime_plan import PlanPool
+from schemas.scene_program import SceneProgram
+
+CELL_M = 0.05  # of the table, for coverage
+COARSE_M = 0.10  # of the table, for occupancy
+JOINT = 10  # up to here rejection is joint, and exact
+CHECKED = 60
+TRIES = 60
+
+
+def planned(n: int, seed: int, diversity: float):
+    """(problem, the only pool, text, CPU seconds without solving); None where there is no scene."""
+    problem = workload(n, seed)
+    result = solve(problem, 0)
+    if not isinstance(result, Solved):
+        return None
+    since = time.process_time()
+    program = SceneProgram(scene=problem.scene, clearance=problem.clearance_m)
+    plan = runtime_plan(program, [problem], [result], diversity=diversity)
+    return problem, plan.combinations[0].pools, plan_text(plan), time.process_time() - since
+
+
+def drawn(pools: tuple[PlanPool, ...], sizes: np.ndarray, rng: Generator, count: int) -> np.ndarray:
+    """(count, n, 3) x, y, yaw of boxes drawn from plans as `schemas.runtime_plan` says."""
+    poses = np.zeros((count, len(sizes), 3))
+    for pool in pools:
+        weight = np.array([case.weight for case in pool.cases])
+        chosen = rng.choice(len(weight), size=count, p=weight / weight.sum())
+        for k, case in enumerate(pool.cases):
+            rows = np.flatnonzero(chosen == k)
+            for i, name in enumerate(pool.things):
+                b = int(name.removeprefix("box"))
+                runs = np.array(case.yaws_urad[i]) * 1e-6
+                length = np.maximum(runs[:, 1] - runs[:, 0], 1e-12)
+                run = rng.choice(len(runs), size=len(rows), p=length / length.sum())
+                yaw = runs[run, 0] + rng.random(len(rows)) * (runs[run, 1] - runs[run, 0])
+                half = half_extents(sizes[b], yaw)
+                x0, x1, y0, y1 = np.array(case.cells_um[i]) * 1e-6
+                low = np.stack([x0 + half[0], y0 + half[1]], axis=1)
+                high = np.maximum(np.stack([x1 - half[0], y1 - half[1]], axis=1), low)
+                if (bounds := case.origins_um[i]) is not None:
+                    low, high = (
+                        np.maximum(low, np.array(bounds[::2]) * 1e-6),
+                        np.minimum(high, np.array(bounds[1::2]) * 1e-6),
+                    )
+                poses[rows, b, :2] = low + rng.random((len(rows), 2)) * (high - low)
+                poses[rows, b, 2] = yaw
+    return poses
+
+
+def half_extents(size: np.ndarray, yaw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    c, s = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
+    return (c * size[0] + s * size[1]) / 2, (s * size[0] + c * size[1]) / 2
+
+
+def rejected(n: int, seed: int, rng: Generator, count: int, tries: int) -> np.ndarray:
+    """(count, n, 3) poses by rejection: `tries` 1 draws whole scenes, more seat box by box, the largest first."""
+    sizes, pairs = sizes_and_pairs(n, seed)
+    order = np.argsort(-sizes.prod(axis=1)).tolist()
+    found: list[np.ndarray] = []
+    while sum(map(len, found)) < count:
+        poses = np.zeros((100_000 if tries == 1 else 1500, n, 3))
+        for k, i in enumerate(order):
+            open_rows = np.arange(len(poses))
+            seated = np.zeros(len(poses), dtype=bool)
+            for _ in range(tries):
+                yaw = rng.uniform(-np.pi, np.pi, len(open_rows))
+                half = np.stack(half_extents(sizes[i], yaw), axis=1)
+                at = (2 * rng.random((len(open_rows), 2)) - 1) * (np.array(TABLE_M) / 2 - half)
+                pose = np.column_stack([at, yaw])
+                good = np.ones(len(open_rows), dtype=bool)
+                for j in order[:k]:
+                    good &= ~_meet(pose, sizes[i], poses[open_rows, j], sizes[j])
+                for a, b in pairs:
+                    if i in (a, b) and ({a, b} - {i}) <= set(order[:k]):
+                        left, right = (pose if q == i else poses[open_rows, q] for q in (a, b))
+                        end = left[:, 0] + half_extents(sizes[a], left[:, 2])[0]
+                        good &= end <= right[:, 0] - half_extents(sizes[b], right[:, 2])[0]
+                poses[open_rows[good], i] = pose[good]
+                seated[open_rows[good]] = True
+                open_rows = open_rows[~good]
+                if not len(open_rows):
+                    break
+            poses = poses[seated]
+        found.append(poses)
+    return np.concatenate(found)[:count]
+
+
+def _meet(one: np.ndarray, size_one: np.ndarray, two: np.ndarray, size_two: np.ndarray) -> np.ndarray:
+    # Separating axes of boxes grown by half the clearance each (corners square: a little stricter than round ones).
+    g, h = (size_one + CLEARANCE_M) / 2, (size_two + CLEARANCE_M) / 2
+    dx, dy = two[:, 0] - one[:, 0], two[:, 1] - one[:, 1]
+    ca, sa, cb, sb = np.cos(one[:, 2]), np.sin(one[:, 2]), np.cos(two[:, 2]), np.sin(two[:, 2])
+    c, s = np.abs(ca * cb + sa * sb), np.abs(ca * sb - sa * cb)
+    meets = np.abs(dx * ca + dy * sa) < g[0] + h[0] * c + h[1] * s
+    meets &= np.abs(-dx * sa + dy * ca) < g[1] + h[0] * s + h[1] * c
+    meets &= np.abs(dx * cb + dy * sb) < h[0] + g[0] * c + g[1] * s
+    return meets & (np.abs(-dx * sb + dy * cb) < h[1] + g[0] * s + g[1] * c)
+
+
+def cells(poses: np.ndarray, side_m: float) -> np.ndarray:
+    """(count, n) number of the square of the table in which each box has its middle."""
+    at = np.floor((poses[..., :2] + np.array(TABLE_M) / 2) / side_m).astype(int)
+    return at[..., 0] * 1000 + at[..., 1]
+
+
+def coverage(plan: np.ndarray, reference: np.ndarray) -> list[float]:
+    """For each box the share of the 5 cm squares reached by rejection that the plan reaches too."""
+    mine, theirs = cells(plan, CELL_M), cells(reference, CELL_M)
+    return [len(set(mine[:, i]) & set(theirs[:, i])) / len(set(theirs[:, i])) for i in range(plan.shape[1])]
+
+
+def invalid(problem, poses: np.ndarray) -> int:
+    things = range(poses.shape[1])
+    return sum(
+        bool(violations(problem, {f"box{i}": Placement(*map(float, pose[i]), 0) for i in things}))
+        for pose in poses[:: max(1, len(poses) // CHECKED)]
+    )
+
+
+def occupancy(one: np.ndarray, two: np.ndarray) -> float:
+    """Mean over boxes of half the summed difference of shares of 10 cm squares (total variation)."""
+    found = []
+    for i in range(one.shape[1]):
+        a, b = (Counter(cells(poses, COARSE_M)[:, i].tolist()) for poses in (one, two))
+        found.append(sum(abs(a[k] / len(one) - b[k] / len(two)) for k in a.keys() | b.keys()) / 2)
+    return float(np.mean(found))
+
+
+def distances(poses: np.ndarray) -> np.ndarray:
+    """Distances of the middles of all pairs of boxes in all scenes."""
+    i, j = np.triu_indices(poses.shape[1], 1)
+    return np.hypot(*np.moveaxis(poses[:, i, :2] - poses[:, j, :2], -1, 0)).ravel()
+
+
+def bias(name: str, poses: np.ndarray, reference: np.ndarray) -> None:
+    ks = [
+        [ks_2samp(poses[:, i, axis], reference[:, i, axis]).statistic for axis in (0, 1)] for i in range(poses.shape[1])
+    ]
+    apart = ks_2samp(distances(poses[:4000]), distances(reference[:4000])).statistic
+    print(
+        f"    {name:22} KS of x {np.mean(ks, axis=0)[0]:.3f} (worst {np.max(ks, axis=0)[0]:.3f}), "
+        f"of y {np.mean(ks, axis=0)[1]:.3f} ({np.max(ks, axis=0)[1]:.3f}), of pair distances {apart:.3f}, "
+        f"occupancy of 10 cm squares differs by {occupancy(poses, reference):.3f}",
+        flush=True,
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sizes", default="5,10,20,30,60,80")
+    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--diversity", type=float, default=1.0)
+    parser.add_argument("--samples", type=int, default=20_000)
+    given = parser.parse_args()
+    wrong = 0
+    print("  n seed  cases distinct  plan s     bytes  turn rad  5 cm squares of rejection (least, median)  invalid")
+    for n in map(int, given.sizes.split(",")):
+        for seed in range(given.seeds):
+            made = planned(n, seed, given.diversity)
+            if made is None:
+                print(f"{n:3} {seed:4}  no scene")
+                continue
+            problem, pools, text, seconds = made
+            cases = [case for pool in pools for case in pool.cases]
+            distinct = {signature(pool.things, case) for pool in pools for case in pool.cases}
+            turn = median(sum(b - a for a, b in yaws) * 1e-6 for case in cases for yaws in case.yaws_urad)
+            rng = np.random.default_rng([n, seed])
+            poses = drawn(pools, sizes_and_pairs(n, seed)[0], rng, given.samples)
+            bad = invalid(problem, poses)
+            wrong += bad
+            words = "(rejection finds none)"
+            if n <= 30:
+                reference = rejected(
+                    n, seed, rng, given.samples if n <= JOINT else given.samples // 10, 1 if n <= JOINT else TRIES
+                )
+                share = coverage(poses, reference)
+                words = f"{min(share):.3f} {median(share):.3f}"
+            families = dict(Counter(case.family for case in cases))
+            print(
+                f"{n:3} {seed:4} {len(cases):6} {len(distinct):8} {seconds:7.2f} {len(text):9} {turn:10.2f}  "
+                f"{words:>30}  {bad}/{CHECKED}  {families}",
+                flush=True,
+            )
+            if n <= JOINT:
+                half = given.samples // 2
+                bias("rejection, again", reference[:half], reference[half:])
+                bias("plan", poses, reference)
+    raise SystemExit(1 if wrong else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,163 @@
+"""Structured layouts: a family cuts the place into slots, one for each thing; here things are seated in them.
+
+Things of a slot lie at quarter turns (or whatever of their yaws takes least room). Slots are exchanged while
+directional relations are broken, and then some more, so that one partition serves many arrangements. P frame, metres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.random import Generator
+
+from scenec.cases.apart import clashes
+from scenec.cases.feasible import BoolArray
+from scenec.cases.rules import may_hold
+from scenec.cases.scope import GRAIN_M, IntArray, Layouts, Scope, around
+from scenec.cases.seeded import front_of, inside
+from scenec.ir import FloatArray
+
+WAYS = 4
+SWAY = 0.4  # how much chance disturbs the order that relations want
+REPAIRS = 2000  # exchanges tried while relations are broken
+MIXING = 3  # exchanges tried for each thing once they hold
+AXIS = 1.0 - 1e-9
+
+
+@dataclass(frozen=True)
+class Ways:
+    """`option` (n, w) ways in which each thing takes little room, and `size_m` (n, w, 2) of the rectangles around it.
+
+    `lean` (n, 2) says where directional relations want it: -1 at low x or y, 1 at high, 0 anywhere.
+    """
+
+    option: IntArray
+    size_m: FloatArray
+    lean: FloatArray
+
+    @property
+    def least_m(self) -> FloatArray:
+        """(n, 2) the first way of each thing: the least deep one."""
+        return self.size_m[:, 0]
+
+
+def ways_of(scope: Scope) -> Ways:
+    """For each member the options of least area in each quarter of a turn, the least deep first."""
+    options, sizes = [], []
+    for member in scope.members:
+        area = member.footprint_m2[: member.grid]
+        found: list[int] = []
+        for stance in sorted(set(member.stance[: member.grid].tolist())):
+            for quarter in (0, 1):
+                of = np.floor((member.yaw_rad[: member.grid] + np.pi / 4) / (np.pi / 2)).astype(int) % 2 == quarter
+                rows = np.flatnonzero(of & (member.stance[: member.grid] == stance))
+                if len(rows):
+                    found.append(int(rows[area[rows].argmin()]))
+        found = (found * WAYS)[: max(WAYS, 1)]
+        reach = member.reach_m[found] + GRAIN_M
+        size = np.stack([reach[:, 0] + reach[:, 1], reach[:, 2] + reach[:, 3]], axis=1)
+        order = np.argsort(size[:, 1], kind="stable")
+        options.append(np.array(found)[order])
+        sizes.append(size[order])
+    lean = np.zeros((len(options), 2))
+    for first, second, along in _axial(scope)[:, :3].astype(np.int64).tolist():
+        lean[first, along] -= 1.0
+        lean[second, along] += 1.0
+    return Ways(np.array(options), np.array(sizes), lean)
+
+
+def leaning(ways: Ways, members: IntArray, along: int, rng: Generator) -> IntArray:
+    """Members in a random order in which those that lean to low values tend to come first."""
+    return members[np.argsort(ways.lean[members, along] + SWAY * rng.standard_normal(len(members)), kind="stable")]
+
+
+def seated(scope: Scope, ways: Ways, slots_m: FloatArray, family: str, rng: Generator) -> Layouts:
+    """Layouts that hold, from slots (l, n, 4): slot i belongs to member i at first and must fit it."""
+    slots = slots_m.copy()
+    _exchange(scope, ways, slots, rng)
+    count, n = slots.shape[:2]
+    option, origin, rect = np.zeros((count, n), dtype=np.int64), np.zeros((count, n, 2)), np.zeros((count, n, 4))
+    good = np.ones(count, dtype=bool)
+    for i, member in enumerate(scope.members):
+        if member.pinned:
+            option[:, i], origin[:, i] = 0, member.at_m[0]
+            rect[:, i] = around(member, option[:, i], origin[:, i])
+            continue
+        fits = _fits(ways.size_m[i][None], _size(slots[:, i])[:, None])
+        option[:, i] = ways.option[i][(fits * (1.0 + rng.random(fits.shape))).argmax(axis=1)]
+        reach = member.reach_m[option[:, i]]
+        low = np.maximum(slots[:, i][:, [0, 2]] + reach[:, [0, 2]], member.origin_m[[0, 2]])
+        high = np.minimum(slots[:, i][:, [1, 3]] - reach[:, [1, 3]], member.origin_m[[1, 3]])
+        good &= fits.any(axis=1) & (low <= high + 1e-9).all(axis=1)
+        origin[:, i] = low + rng.random((count, 2)) * np.maximum(high - low, 0.0)
+        rect[:, i] = around(member, option[:, i], origin[:, i])
+        good &= inside(member, option[:, i], origin[:, i], rect[:, i])
+    layouts = Layouts(option, origin, rect, [family] * count)
+    good &= np.logical_not(np.asarray(clashes(scope, layouts)).any(axis=(1, 2)))
+    for rule in scope.rules:
+        numbers = [scope.index[name] for name in rule.things]
+        fronts = [front_of(scope.members[k], option[:, k]) for k in numbers]
+        good &= may_hold(rule, [rect[:, k] for k in numbers], [origin[:, k] for k in numbers], fronts)
+    return layouts.take(good)
+
+
+def _exchange(scope: Scope, ways: Ways, slots: FloatArray, rng: Generator) -> None:
+    # Exchanges slots in place: first those of broken directional relations, then any that keep all of them.
+    count = len(slots)
+    rules = _axial(scope)
+    free = np.array([i for i, member in enumerate(scope.members) if not member.pinned])
+    if len(free) < 2 or not count:
+        return
+    rows = np.arange(count)
+    cost = _cost(slots, rules)
+    for step in range((REPAIRS if len(rules) else 0) + MIXING * len(free)):
+        i, j = free[rng.integers(len(free), size=(2, count))]
+        if len(rules) and step < REPAIRS:
+            if not cost.any():
+                continue
+            broken = _broken(slots, rules)
+            pick = (broken + 1e-12 * rng.random(broken.shape) > 0.0) * rng.random(broken.shape) * (broken > 0.0)
+            ends = rules[pick.argmax(axis=1)][rows, rng.integers(2, size=count)].astype(np.int64)
+            i = np.where((cost > 0.0) & np.isin(ends, free), ends, i)
+        one, two = slots[rows, i], slots[rows, j]
+        may = (i != j) & _fits(ways.size_m[i], _size(two)[:, None]).any(axis=1)
+        may &= _fits(ways.size_m[j], _size(one)[:, None]).any(axis=1)
+        if not may.any():
+            continue
+        trial = slots.copy()
+        trial[rows, i], trial[rows, j] = two, one
+        now = _cost(trial, rules)
+        may &= now <= cost + 1e-12
+        slots[may], cost[may] = trial[may], now[may]
+
+
+def _axial(scope: Scope) -> FloatArray:
+    # (r, 4) rows (first, second, axis, gap): the first ends before the second begins along an axis.
+    found = []
+    for rule in scope.rules:
+        if rule.kind == "before" and max(map(abs, rule.direction)) > AXIS:
+            along = 0 if abs(rule.direction[0]) > AXIS else 1
+            first, second = (scope.index[name] for name in rule.things)
+            if rule.direction[along] < 0.0:
+                first, second = second, first
+            found.append((first, second, along, rule.gap_m))
+    return np.array(found).reshape(-1, 4)
+
+
+def _broken(slots: FloatArray, rules: FloatArray) -> FloatArray:
+    # (l, r) by how much each relation is broken.
+    first, second, along = rules[:, :3].astype(np.int64).T
+    return np.maximum(slots[:, first, 2 * along + 1] + rules[:, 3] - slots[:, second, 2 * along], 0.0)
+
+
+def _cost(slots: FloatArray, rules: FloatArray) -> FloatArray:
+    return _broken(slots, rules).sum(axis=1) if len(rules) else np.zeros(len(slots))
+
+
+def _fits(size_m: FloatArray, room_m: FloatArray) -> BoolArray:
+    return np.asarray((size_m <= room_m + 1e-9).all(axis=-1))
+
+
+def _size(rect_m: FloatArray) -> FloatArray:
+    return np.stack([rect_m[..., 1] - rect_m[..., 0], rect_m[..., 3] - rect_m[..., 2]], axis=-1)
