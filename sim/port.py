@@ -11,7 +11,7 @@ import numpy as np
 
 from geom.gripper import Gripper
 from schemas.model import FloatArray
-from schemas.physics import CollisionShape, MassProperties, RigidBody
+from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 
 GRAVITY_MPS2 = 9.81
 ROLLING_RESISTANCE = 0.003  # of the size, see `world_for`
@@ -175,6 +175,22 @@ class Simulator(Protocol):
         """Close on `body` that stands in pose `X_WA` on the ground, lift it by 0.3 m, hold it for a second, shake it
         for 1.5 s (2 Hz, a circle of 1 cm), and let go: `grasp_and_lift` of NVIDIA's SimReady runtime benchmark.
         """
+        ...
+
+
+class ResetWorld(Protocol):
+    """A world whose bodies stay while their poses and materials change."""
+
+    def add(self, body: RigidBody, moves: bool) -> int:
+        """Build a body, out of reach of all others; returns its number."""
+        ...
+
+    def stand(self, number: int, X_WA: FloatArray | None) -> None:
+        """Put a body at rest at X_WA (4, 4); None takes it out of the scene."""
+        ...
+
+    def wear(self, number: int, mass: MassProperties, contact: Contact) -> None:
+        """Give a body other mass properties about the same mass centre, and another contact."""
         ...
 
 

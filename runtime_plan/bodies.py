@@ -1,0 +1,53 @@
+"""The bodies of a plan as a simulator takes them: released packages as read back from disk, primitives as written."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from geom.pose import pose
+from geom.scaling import scaled_body
+from schemas.physics import CollisionShape, MassProperties, RigidBody
+from schemas.runtime_plan import PlanBody
+from schemas.scene_program import BoxAsset, CylinderAsset, Inline
+from usdio.reread import reread_body
+from usdio.write_package import USD_FOLDER
+from usdio.write_primitive import CONTACT, DENSITY_KGM3, primitive_mass
+
+
+@dataclass(frozen=True)
+class PhysicalBody:
+    """A body at its scale, and its mean density, None where nobody knows it."""
+
+    body: RigidBody
+    density_kgm3: float | None
+
+
+def physical_body(body: PlanBody, packages: Path | None) -> PhysicalBody:
+    """Raises FileNotFoundError for a body of a package without a folder of packages, and as `reread_body` does."""
+    if body.primitive is not None:
+        return _primitive(body.asset_id, body.primitive, body.scale, body.mass_kg)
+    if packages is None or body.package is None:
+        raise FileNotFoundError(body.package or body.asset_id)
+    folder = packages / body.package
+    whole = scaled_body(reread_body(min((folder / USD_FOLDER).glob("*.usda"))), body.scale)
+    mass, scale = whole.mass, body.scale  # a scaled body keeps its density
+    mass = MassProperties(mass.mass_kg * scale**3, mass.centre_of_mass_m, mass.inertia_kgm2 * scale**5)
+    density = json.loads((folder / "record.json").read_bytes())["physics"]["density_kgm3"]
+    return PhysicalBody(replace(whole, mass=mass), density and density["value"])
+
+
+def _primitive(name: str, primitive: Inline, scale: float, mass_kg: float | None) -> PhysicalBody:
+    mass = primitive_mass(primitive, scale, mass_kg)
+    density = DENSITY_KGM3 * mass.mass_kg / primitive_mass(primitive, scale, None).mass_kg
+    if isinstance(primitive, BoxAsset):
+        kind, size_m, middle_m = "box", primitive.size_m, primitive.size_m[2] / 2.0
+    elif isinstance(primitive, CylinderAsset):
+        kind, size_m, middle_m = "cylinder", (primitive.radius_m, primitive.height_m), primitive.height_m / 2.0
+    else:
+        kind, size_m, middle_m = "sphere", (primitive.radius_m,), primitive.radius_m
+    shape = CollisionShape(kind, tuple(scale * s for s in size_m), pose(None, np.array([0.0, 0.0, scale * middle_m])))
+    return PhysicalBody(RigidBody(name, (shape,), mass, CONTACT), density)
