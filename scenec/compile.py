@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path as FilePath
 
 from scenec import verify
 from scenec.assets import AssetLibrary
 from scenec.conflicts import minimal_conflict
+from scenec.drop_choices import dropped_choices
 from scenec.emit import compiled_scene
 from scenec.graph import Graph, interaction_graph
 from scenec.ir import Exhausted, Infeasible, Path, Placement, Problem, Result, Solved
@@ -21,7 +22,7 @@ from scenec.report import conflict_members, verdict_of, why
 from scenec.solve import DEFAULT_BUDGET, ComponentCache, solve
 from scenec.source.pieces import Pieces
 from scenec.source.read import Read, read_program
-from scenec.suggest import suggestions
+from scenec.suggest import MOST_SUGGESTIONS, suggestions
 from schemas.compiled_scene import CombinationVerdict, CompiledScene, CompileReport, Suggestion
 from schemas.diagnostics import Diagnostic, Severity
 from schemas.runtime_plan import RuntimePlan
@@ -164,6 +165,7 @@ def compile_program(
         return Compiled(report, scenes, tuple(results), lowered.problems, plan=plan)
     with clock.phase("explain"):
         told = _explain(lowered.problems[failed], results[failed], seed) if explain else Explained()
+        told = replace(told, edits=(*dropped_choices(rows), *told.edits)[:MOST_SUGGESTIONS])
     report = _failure(read, lowered.problems[failed], results[failed], told, found, tuple(rows), clock)
     return Compiled(report, (), tuple(results), lowered.problems, failed, told.conflict)
 

@@ -8,6 +8,7 @@ import shapely
 
 from scenec.ir import Path
 from scenec.names import MAX_THINGS, Names
+from scenec.source.check_colours import check_colours
 from scenec.source.check_ownership import check_ownership
 from scenec.source.check_relations import check_relations
 from scenec.source.hint import did_you_mean
@@ -39,6 +40,7 @@ def check_program(program: SceneProgram, spans: Spans) -> tuple[Diagnostic, ...]
         *_numbers(program, spans),
         *_polygons(program, spans),
         *_splits(program, spans),
+        *check_colours(program, spans),
         *check_ownership(names, spans),
         *check_relations(names, spans),
     )

@@ -270,3 +270,11 @@ def test_an_overlay_of_nothing_changes_nothing_and_one_of_everything_wins(base: 
         assert plain(merge(below, above, found)) == {"k": over}
     assert plain(merge(below, below, [])) == {"k": base} or isinstance(base, list)
     assert str(Spans(same, "b.yaml").key(("k",))) == "b.yaml:1:2"
+
+
+def test_a_colour_that_is_none_is_told_where_it_stands(tmp_path: Path):
+    found = read(tmp_path, program=SOUND.replace("0.05]", "0.05], color: gren"))
+    assert [(d.code, d.value, d.where.line) for d in found.diagnostics] == [("scene/invalid-value", "gren", 1)]
+    assert "`green`" in found.diagnostics[0].headline
+    for colour in ("green", '"#2a9d8f"', '"rgb(10, 20, 30)"'):
+        assert read(tmp_path, program=SOUND.replace("0.05]", f"0.05], color: {colour}")).program is not None
