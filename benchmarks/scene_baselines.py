@@ -8,7 +8,7 @@ same with oriented boxes (robocasa), and shelf packing with random swaps. Relati
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import hypot, pi
 
 import numpy as np
@@ -24,38 +24,39 @@ TRIES = 5000
 
 def circles(sizes: FloatArray, pairs: Pairs, rng: Generator, limit_s: float) -> FloatArray | None:
     """robosuite's rule: bounding circles must not meet."""
-    end = time.process_time() + limit_s
     radius = np.hypot(*(sizes + CLEARANCE_M).T) / 2
-    while time.process_time() < end:
-        poses = np.zeros((len(sizes), 3))
-        for i in range(len(sizes)):
-            for _ in range(TRIES):
-                x, y, yaw = _draw(sizes[i], rng)
-                far = all(hypot(x - poses[j, 0], y - poses[j, 1]) > radius[i] + radius[j] for j in range(i))
-                if far and _related(i, (x, y, yaw), poses, sizes, pairs):
-                    poses[i] = x, y, yaw
-                    break
-                if time.process_time() > end:
-                    return None
-            else:
-                break
-        else:
-            return poses
-    return None
+
+    def free(i: int, x: float, y: float, yaw: float, poses: FloatArray) -> bool:
+        return all(hypot(x - poses[j, 0], y - poses[j, 1]) > radius[i] + radius[j] for j in range(i))
+
+    return _rejection(free, sizes, pairs, rng, limit_s)
 
 
 def oriented_boxes(sizes: FloatArray, pairs: Pairs, rng: Generator, limit_s: float) -> FloatArray | None:
     """The same loop with an exact test of oriented boxes grown by half the clearance, all tests at once in numpy."""
-    end = time.process_time() + limit_s
     half = (sizes + CLEARANCE_M) / 2
+
+    def free(i: int, x: float, y: float, yaw: float, poses: FloatArray) -> bool:
+        return not _boxes_meet(x, y, yaw, half[i], poses[:i], half[:i])
+
+    return _rejection(free, sizes, pairs, rng, limit_s)
+
+
+def _rejection(
+    free: Callable[[int, float, float, float, FloatArray], bool],
+    sizes: FloatArray,
+    pairs: Pairs,
+    rng: Generator,
+    limit_s: float,
+) -> FloatArray | None:
+    # Boxes one after another at random poses, TRIES each, all anew when one finds no place; `free` judges (i, pose).
+    end = time.process_time() + limit_s
     while time.process_time() < end:
         poses = np.zeros((len(sizes), 3))
         for i in range(len(sizes)):
             for _ in range(TRIES):
                 x, y, yaw = _draw(sizes[i], rng)
-                if not _boxes_meet(x, y, yaw, half[i], poses[:i], half[:i]) and _related(
-                    i, (x, y, yaw), poses, sizes, pairs
-                ):
+                if free(i, x, y, yaw, poses) and _related(i, (x, y, yaw), poses, sizes, pairs):
                     poses[i] = x, y, yaw
                     break
                 if time.process_time() > end:
