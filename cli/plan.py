@@ -138,3 +138,33 @@ def verify_command(
         style = "red" if report.invalid else "green"
         text.console.print(f"[bold {style}]{report.invalid} invalid[/] of {report.checked} samples")
     raise typer.Exit(1 if report.invalid else 0)
+
+
+@app.command("realise")
+def realise_command(
+    plan: PlanFile,
+    index: Annotated[int, typer.Option("--index", min=0, help="Which sample of the stream.")] = 0,
+    n: Annotated[int, typer.Option("--n", min=1, help="How many, from that one on.")] = 1,
+    seed: Seed = 0,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder; default: the plan's, beside its scenes.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write samples as USD layers over the compiled scene: poses, materials with their physics, lighting.
+
+    `sample-<index>.usda` opens alone and serves as session layer of the scene beside the plan. For PyBullet see
+    `runtime_plan.realise`.
+
+    Example: `mana plan realise out/plan.json --seed 7 --index 3`
+    """
+    from cli.plan_realise import Layers
+
+    ready = load(plan, plan.parent / "packages")
+    drawn = sample(ready, n, seed, index)
+    layers, folder = Layers(ready, plan.parent), out or plan.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [layers.write(drawn, k, folder / f"sample-{index + k}.usda") for k in range(n)]
+    if as_json:
+        print(json.dumps({"plan": ready.sha256, "seed": seed, "files": [str(file) for file in files]}))
+    else:
+        for file in files:
+            text.console.print(f"written to {escape(str(file))}", soft_wrap=True)
