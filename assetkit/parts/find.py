@@ -11,6 +11,7 @@ import numpy as np
 from assetkit.parts.proposals import Segmenter, joined, propose
 from assetkit.parts.reconcile import Piece, reconcile
 from assetkit.taxonomy.tables import categories
+from geom.cavity import Cavity
 from geom.shape_regions import Faces
 from schemas.asset import vec3
 from schemas.evidence import Evidence, default, inferred, measured
@@ -35,11 +36,12 @@ def find_parts(
     category: Evidence[str],
     *,
     segmenter: Segmenter | None = None,
+    cavities: Sequence[Cavity] = (),
 ) -> Found:
     """Parts of canonical `meshes` by prim name, none when nothing but the whole was proposed.
 
     `category` may be unknown. No label is surer than the category
-    whose vocabulary it is from.
+    whose vocabulary it is from. `cavities` are those of the solid.
     """
     shown = {prim: mesh for prim, mesh in meshes.items() if len(mesh.triangles)}
     known = categories().get(category.value)
@@ -49,7 +51,8 @@ def find_parts(
     surface = joined(list(shown.values()))
     if surface.area.sum() <= 0.0:
         return Found(())
-    proposals = propose(surface, list(shown.values()), materials, kind, vocabulary, segmenter)
+    openings = [c.direction for c in cavities if not c.through]
+    proposals = propose(surface, list(shown.values()), materials, kind, vocabulary, segmenter, openings)
     made = reconcile(surface, proposals, kind, vocabulary)
     most = category.confidence if known else 1.0
     parts = [

@@ -17,6 +17,7 @@ ANYWHERE = ("handle", "lid", "knob", "drawer", "door", "leg", "spout", "wheel", 
 _ROLES: dict[str, dict[str, str]] = {
     **{key: {"loop": "handle", "arm": "handle", "cover": "lid"} for key in ("mug", "cup", "pan", "pot")},
     **{key: {"loop": "handle", "arm": "spout", "cover": "lid"} for key in ("pitcher", "teapot")},
+    **{key: {"loop": "handle"} for key in ("basket", "box", "bin", "tray")},
     **{key: {"slab": "top", "post": "leg"} for key in ("table", "desk")},
     **{key: {"slab": "seat", "post": "leg"} for key in ("stool", "bench")},
     "chair": {"slab": "seat", "post": "leg", "upright": "back"},

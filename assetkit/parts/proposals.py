@@ -9,10 +9,11 @@ from typing import Protocol
 import numpy as np
 
 from geom.edges import edges_of, face_components
+from geom.limb_regions import limb_regions
 from geom.long_regions import broad_regions, end_regions, stem_regions, stout_regions
 from geom.shape_regions import Faces, Region, boss_regions, faces_of, plate_regions, side_regions
 from geom.topology import repeats_point
-from schemas.model import IntArray, Material, Mesh
+from schemas.model import FloatArray, IntArray, Material, Mesh
 from schemas.parts import ProposalSource
 
 MOST_COMPONENTS = 24
@@ -23,7 +24,6 @@ LEAST_SHARE = 0.002  # of the surface; what is smaller is no part of its own
 
 # What shape is looked for in which category: elsewhere a bulge or a plate means nothing.
 _LOOKED_FOR: dict[str, Callable[[Faces], tuple[Region, ...]]] = {
-    **dict.fromkeys(("mug", "cup", "pan", "pot", "pitcher", "teapot"), side_regions),
     **dict.fromkeys(("table", "desk", "stool", "bench", "chair"), plate_regions),
     **dict.fromkeys(("bottle", "pill_bottle", "vase"), end_regions),
     **dict.fromkeys(("spoon", "fork", "cooking_utensil", "hammer", "screwdriver", "scissors"), broad_regions),
@@ -31,6 +31,9 @@ _LOOKED_FOR: dict[str, Callable[[Faces], tuple[Region, ...]]] = {
     "drinking_glass": stem_regions,
     "block": boss_regions,
 }
+# What sticks out of a vessel: a round one by its outline, any other by its thickness.
+_ROUND = ("mug", "cup", "pan", "pot", "pitcher", "teapot")
+_WITH_LIMBS = (*_ROUND, "basket", "box", "bin", "tray")
 
 
 @dataclass(frozen=True)
@@ -70,12 +73,13 @@ def propose(
     category: str,
     vocabulary: Sequence[str],
     segmenter: Segmenter | None = None,
+    openings: Sequence[FloatArray] = (),
 ) -> list[Proposal]:
     """All proposals, from what the source says to what the shape shows; none of them is the whole object."""
     owner = np.repeat(np.arange(len(meshes)), [len(m.triangles) for m in meshes])
     found = [*_by_node(meshes, owner), *_by_material(meshes, materials, owner), *_by_component(surface)]
-    if category in _LOOKED_FOR:
-        shaped = _LOOKED_FOR[category](surface)
+    shaped = _shaped(surface, category, openings)
+    if shaped:
         sure = category not in _WITH_SPOUT or sorted(r.role for r in shaped) in (["loop"], ["arm", "loop"])
         found += [Proposal(r.faces, "shape", role=r.role if sure else "") for r in shaped]
     if segmenter is not None:
@@ -83,6 +87,17 @@ def propose(
     found = [replace(p, role=_role_of_piece(surface, p.faces)) if p.source in _PIECES else p for p in found]
     total = surface.area.sum()
     return [p for p in found if LEAST_SHARE * total < surface.area[p.faces].sum() < 0.98 * total]
+
+
+def _shaped(surface: Faces, category: str, openings: Sequence[FloatArray]) -> tuple[Region, ...]:
+    """Regions by shape, of the kinds that things of the category have."""
+    if category in _LOOKED_FOR:
+        return _LOOKED_FOR[category](surface)
+    found = side_regions(surface) if category in _ROUND else ()
+    if found or category not in _WITH_LIMBS:
+        return found
+    # A flap of a box or the lip of a tray is no limb that anything is known of; a bow is held.
+    return tuple(r for r in limb_regions(surface, openings) if category in _ROUND or r.role == "loop")
 
 
 def _by_node(meshes: Sequence[Mesh], owner: IntArray) -> list[Proposal]:

@@ -21,7 +21,20 @@ _STRENGTH = {"learned": 0.5, "hierarchy": 0.4, "shape": 0.35, "material": 0.3, "
 # What stands lower in the things that have both.
 _OVER = {("lid", "body"), ("knob", "body"), ("seat", "leg"), ("top", "leg"), ("back", "leg"), ("cap", "base")}
 # Categories in which the rest of the object is its body once something was taken off it.
-_HAVE_BODY = ("mug", "cup", "pan", "pot", "pitcher", "teapot", "bottle", "pill_bottle", "block")
+_HAVE_BODY = (
+    "mug",
+    "cup",
+    "pan",
+    "pot",
+    "pitcher",
+    "teapot",
+    "bottle",
+    "pill_bottle",
+    "vase",
+    "basket",
+    "bin",
+    "block",
+)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ class ProposeParts(Stage):
     """Parts with their labels. Anchors wait for acceptance."""
 
     name = "interaction"
-    version = 6
+    version = 7
     result = Interaction
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:
@@ -24,7 +24,7 @@ class ProposeParts(Stage):
         category = need(draft.semantics, "semantics").section.category
         cavities = find_cavities(canonical.solid)
         meshes = dict(zip(mesh_prim_names(draft.model), canonical.meshes, strict=True))
-        found = find_parts(meshes, draft.model.materials, category)
+        found = find_parts(meshes, draft.model.materials, category, cavities=cavities)
         told = [finding("asset/part-disputed", text) for text in found.disputes]
         anchors = propose_anchors(canonical.solid, cavities)
         return Outcome(Interaction(found.parts, anchors, cavities), tuple(told))

@@ -18,9 +18,11 @@ from scipy.spatial.transform import Rotation
 from assetkit.parts.find import find_parts
 from assetkit.parts.labels import named
 from benchmarks.made_things import Thing, things
+from geom.cavity import find_cavities
 from schemas.evidence import declared, default
 from schemas.model import Material, Mesh, Model
 from schemas.parts import part_faces
+from schemas.physics import Solid
 from usdio.looks import looks_per_mesh
 from usdio.write_meshes import author_meshes
 
@@ -36,6 +38,7 @@ LONG = {
     "wine bottle",
     "wine glass",
 }
+LIMBED = [thing for thing in things(seed=7, draws=1) if thing.name in {"square mug", "oblong jug", "basket"}]
 MADE = [thing for thing in things(seed=7, draws=1) if thing.name in LONG]
 
 
@@ -177,6 +180,29 @@ def test_parts_of_one_shell_are_found_however_it_lies(thing: Thing, seed: int) -
         for found in (straight[label], turned[label]):
             true = thing.owner == index
             assert area[found & true].sum() > 0.5 * area[found | true].sum()
+
+
+@pytest.mark.parametrize("thing", LIMBED, ids=lambda t: t.name)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_handles_of_vessels_that_are_not_round_are_thinner_than_the_body(thing: Thing, seed: int) -> None:
+    """Walls are thinner still, but the inside of a vessel counts as full."""
+    yaw = Rotation.from_euler("z", seed * 0.7).as_matrix()
+    points = 10.0**seed * thing.points @ yaw.T
+    cavities = find_cavities(Solid(points, thing.triangles, "closed"))
+    mesh = Mesh("m", points, thing.triangles)
+    parts = [p.value for p in find_parts({"m": mesh}, (), declared(thing.category, "test"), cavities=cavities).parts]
+    assert sorted(p.label.value for p in parts) == ["body", "handle"]
+    handle = next(p for p in parts if p.label.value == "handle").mask("m", len(thing.triangles))
+    true = thing.owner == thing.parts.index("handle")
+    assert (handle & true).sum() > 0.8 * (handle | true).sum()
+
+
+@pytest.mark.parametrize("category", ["mug", "box", "basket", "bin", "tray"])
+def test_a_plain_vessel_has_no_limbs(category: str) -> None:
+    """Walls and rims are no handles."""
+    outer = trimesh.creation.box((0.3, 0.2, 0.15))
+    inner = trimesh.creation.box((0.28, 0.18, 0.15)).apply_translation((0.0, 0.0, 0.01))
+    assert labels(trimesh.boolean.difference([outer, inner], engine="manifold"), category) == []
 
 
 @pytest.mark.parametrize("category", ["cooking_utensil", "knife", "spoon", "screwdriver", "drinking_glass"])
