@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -164,7 +164,7 @@ def compile_program(
         )
         return Compiled(report, scenes, tuple(results), lowered.problems, plan=plan)
     with clock.phase("explain"):
-        told = _explain(lowered.problems[failed], results[failed], seed) if explain else Explained()
+        told = _explain(lowered.problems, failed, results[failed], seed) if explain else Explained()
         told = replace(told, edits=(*dropped_choices(rows), *told.edits)[:MOST_SUGGESTIONS])
     report = _failure(read, lowered.problems[failed], results[failed], told, found, tuple(rows), clock)
     return Compiled(report, (), tuple(results), lowered.problems, failed, told.conflict)
@@ -194,15 +194,16 @@ def _worst(results: list[Result]) -> int | None:
     return None if min(ranks) == _WORST_FIRST.index("compiled") else ranks.index(min(ranks))
 
 
-def _explain(problem: Problem, result: Result, seed: int) -> Explained:
+def _explain(problems: Sequence[Problem], failed: int, result: Result, seed: int) -> Explained:
     """The conflict behind a proof, and edits that were tried; for a search that ended without one, neither."""
+    problem, others = problems[failed], (*problems[:failed], *problems[failed + 1 :])
     if not isinstance(result, Infeasible):
         return Explained()
     feasible = partial(solve, seed=seed, budget=EXPLAIN_BUDGET)
     conflict = minimal_conflict(problem, feasible)
     if conflict is None:
         return Explained(result.proof.paths)
-    return Explained(conflict.paths, conflict.minimal, suggestions(problem, conflict, feasible))
+    return Explained(conflict.paths, conflict.minimal, suggestions(problem, conflict, feasible, others))
 
 
 def _failure(

@@ -6,13 +6,15 @@ millimetre or a tenth of it on the side that works, and the rounded value is wha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import islice
 
 import numpy as np
 
 from scenec.conflicts import Conflict, Feasible
-from scenec.ir import WORLD_PARENT, Domain, Path, Problem, RelationIR, Solved, Thing
+from scenec.ir import WORLD_PARENT, Domain, Path, Problem, RelationIR, Solved, Surface, Thing, Volume
 from scenec.proofs import prove_cheaply
 from scenec.relaxed import CLEARANCE, relaxed
 from scenec.source.tree import written
@@ -24,12 +26,15 @@ STEP_M = 0.001
 WIDEST_M = 1.28
 
 
+Change = Callable[[Problem], Problem]
+
+
 @dataclass(frozen=True)
 class Edit:
-    """One change: what to write, the problem it gives, and how much it takes away (from 1 on something goes)."""
+    """One change: what to write, what it makes of a combination, and how much it takes away (from 1 something goes)."""
 
     text: str
-    problem: Problem
+    change: Change
     cost: float
 
 
@@ -47,19 +52,27 @@ class Judge:
         return isinstance(self.feasible(problem), Solved)
 
 
-def suggestions(problem: Problem, conflict: Conflict, feasible: Feasible) -> tuple[Suggestion, ...]:
-    """At most five edits that were solved again and gave a scene, the smallest first; none when no single edit does."""
+def suggestions(
+    problem: Problem, conflict: Conflict, feasible: Feasible, others: Sequence[Problem] = ()
+) -> tuple[Suggestion, ...]:
+    """At most five edits that were solved again and gave a scene, the smallest first; none when no single edit does.
+    They are looked for in one combination and solved again in the `others`, too: an edit changes the whole program."""
     judge = Judge(feasible)
     found = [edit for path in conflict.paths for edit in _edits(problem, path, judge)]
     found += [edit for thing in _involved(problem, conflict) for edit in _moves(problem, thing, judge)]
     kept = sorted({edit.text: edit for edit in reversed(found)}.values(), key=lambda edit: (edit.cost, edit.text))
-    return tuple(Suggestion(edit=edit.text, verified=True) for edit in kept[:MOST_SUGGESTIONS])
+    whole = Judge(feasible)
+    right = (edit for edit in kept if all(whole.works(edit.change(other)) for other in others))
+    return tuple(Suggestion(edit=edit.text, verified=True) for edit in islice(right, MOST_SUGGESTIONS))
 
 
 def _edits(problem: Problem, path: Path, judge: Judge) -> Iterator[Edit]:
     """Edits of one member of the conflict: its number moved, or the member dropped."""
-    without = relaxed(problem, {path})
-    if not judge.works(without):
+
+    def without(of: Problem) -> Problem:
+        return relaxed(of, {path})
+
+    if not judge.works(without(problem)):
         return
     relation = next((r for r in problem.relations if r.path == path), None)
     if path == CLEARANCE:
@@ -85,53 +98,55 @@ def _owner(path: Path) -> Path:
 
 
 def _lower_clearance(problem: Problem, judge: Judge) -> Iterator[Edit]:
-    def at(value: float) -> Problem:
-        return replace(problem, clearance_m=value)
+    def at(value: float, of: Problem) -> Problem:
+        return replace(of, clearance_m=value)
 
-    value = _least_change(problem.clearance_m, 0.0, STEP_M / 10.0, lambda v: judge.works(at(v)))
+    value = _least_change(problem.clearance_m, 0.0, STEP_M / 10.0, lambda v: judge.works(at(v, problem)))
     if value is not None:
-        yield Edit(f"lower clearance to {value:.4g}", at(value), 1.0 - value / problem.clearance_m)
+        yield Edit(f"lower clearance to {value:.4g}", partial(at, value), 1.0 - value / problem.clearance_m)
 
 
 def _loosen(problem: Problem, relation: RelationIR, judge: Judge) -> Iterator[Edit]:
     """Another gap, distance or tolerance of a relation."""
     name = "distance" if relation.kind in ("near", "far_from") else "gap"
 
-    def at(value: float) -> Problem:
-        changed = [replace(r, gap_m=value) if r.path == relation.path else r for r in problem.relations]
-        return replace(problem, relations=tuple(changed))
+    def at(value: float, of: Problem) -> Problem:
+        changed = [replace(r, gap_m=value) if r.path == relation.path else r for r in of.relations]
+        return replace(of, relations=tuple(changed))
 
     if relation.kind in ("before", "far_from") and relation.gap_m > 0.0:
         end = 0.0 if relation.kind == "before" else STEP_M
-        value = _least_change(relation.gap_m, end, STEP_M, lambda v: judge.works(at(v)))
+        value = _least_change(relation.gap_m, end, STEP_M, lambda v: judge.works(at(v, problem)))
     elif relation.kind == "near":
-        value = _least_change(relation.gap_m, relation.gap_m + WIDEST_M, STEP_M, lambda v: judge.works(at(v)))
+        value = _least_change(relation.gap_m, relation.gap_m + WIDEST_M, STEP_M, lambda v: judge.works(at(v, problem)))
     elif relation.kind in ("aligned", "between"):
         name = "tolerance"
 
-        def at(value: float) -> Problem:
-            changed = [replace(r, tolerance=value) if r.path == relation.path else r for r in problem.relations]
-            return replace(problem, relations=tuple(changed))
+        def at(value: float, of: Problem) -> Problem:
+            changed = [replace(r, tolerance=value) if r.path == relation.path else r for r in of.relations]
+            return replace(of, relations=tuple(changed))
 
         start = relation.tolerance
-        value = _least_change(start, start + WIDEST_M, STEP_M, lambda v: judge.works(at(v)))
+        value = _least_change(start, start + WIDEST_M, STEP_M, lambda v: judge.works(at(v, problem)))
     else:
         return
     if value is not None:
         old = relation.tolerance if name == "tolerance" else relation.gap_m
-        yield Edit(f"set {name} of {written(relation.path)} to {value:.4g}", at(value), min(0.9, abs(value - old)))
+        yield Edit(
+            f"set {name} of {written(relation.path)} to {value:.4g}", partial(at, value), min(0.9, abs(value - old))
+        )
 
 
 def _farther_reach(problem: Problem, judge: Judge) -> Iterator[Edit]:
     reach = problem.reach
     assert reach is not None, "asked of a reach only"
 
-    def at(value: float) -> Problem:
-        return replace(problem, reach=replace(reach, most_m=value))
+    def at(value: float, of: Problem) -> Problem:
+        return replace(of, reach=None if of.reach is None else replace(of.reach, most_m=value))
 
-    value = _least_change(reach.most_m, reach.most_m + WIDEST_M, STEP_M, lambda v: judge.works(at(v)))
+    value = _least_change(reach.most_m, reach.most_m + WIDEST_M, STEP_M, lambda v: judge.works(at(v, problem)))
     if value is not None:
-        yield Edit(f"set radius of {written(reach.path)} to {value:.4g}", at(value), value - reach.most_m)
+        yield Edit(f"set radius of {written(reach.path)} to {value:.4g}", partial(at, value), value - reach.most_m)
 
 
 def _widen(problem: Problem, path: Path, judge: Judge) -> Iterator[Edit]:
@@ -144,7 +159,7 @@ def _widen(problem: Problem, path: Path, judge: Judge) -> Iterator[Edit]:
         if by is not None:
             found += 1
             text = f"widen {path[-1]} of {written(_owner(path))} by {by:.4g} m {words}"
-            yield Edit(text, _widened(problem, path, by, sides), by)
+            yield Edit(text, partial(_widened, path=path, by_m=by, sides=sides), by)
 
 
 def _widened(problem: Problem, path: Path, by_m: float, sides: tuple[int, int]) -> Problem:
@@ -207,13 +222,32 @@ def _moves(problem: Problem, thing: Thing, judge: Judge) -> Iterator[Edit]:
     """The thing on another place that the program uses already, free to stand anywhere there."""
     if thing.group is not None or sum(other.path == thing.path for other in problem.things) > 1:
         return
-    places = {(owner.name, top.name): top for owner in problem.things for top in owner.body.surfaces[:1]}
-    places |= {(other.parent, other.place.name): other.place for other in problem.things}
-    for (owner, name), place in places.items():
+    for owner, name in _places(problem):
         if (owner, name) == (thing.parent, thing.place.name) or owner == thing.name:
             continue
-        domain = Domain(stances=thing.domain.stances, path=thing.domain.path)
-        moved = replace(thing, parent=owner, place=place, domain=domain)
-        edited = replace(problem, things=tuple(moved if t is thing else t for t in problem.things))
-        if judge.works(edited):
-            yield Edit(f"move {thing.name} to {name if owner == WORLD_PARENT else owner}", edited, 0.95)
+        change = partial(_moved, thing=thing.name, owner=owner, name=name)
+        if judge.works(change(problem)):
+            yield Edit(f"move {thing.name} to {name if owner == WORLD_PARENT else owner}", change, 0.95)
+
+
+def _places(problem: Problem) -> dict[tuple[str, str], Surface | Volume]:
+    """Places that the program uses, and the main surface of everything that is placed; by owner and name."""
+    tops = {(owner.name, top.name): top for owner in problem.things for top in owner.body.surfaces[:1]}
+    return tops | {(other.parent, other.place.name): other.place for other in problem.things}
+
+
+def _moved(problem: Problem, thing: str, owner: str, name: str) -> Problem:
+    """The thing free on another place; where its owner is another asset, on the first place of that."""
+    places = _places(problem)
+    place = places.get((owner, name)) or next((p for (of, _), p in places.items() if of == owner), None)
+    if place is None:
+        return problem
+    return replace(
+        problem,
+        things=tuple(
+            replace(t, parent=owner, place=place, domain=Domain(stances=t.domain.stances, path=t.domain.path))
+            if t.name == thing
+            else t
+            for t in problem.things
+        ),
+    )

@@ -58,3 +58,16 @@ def test_nothing_is_offered_where_no_single_choice_is_to_blame():
         )
         == ()
     )
+
+
+def test_an_edit_is_offered_only_where_it_works_in_every_combination(tmp_path: Path):
+    """A gap that leaves room beside the tray as written is too much beside the wide one."""
+    text = PROGRAM.replace("[0.2, 0.2, 0.02]", "[0.39, 0.39, 0.02]").replace("[0.7, 0.3, 0.02]", "[0.35, 0.35, 0.02]")
+    file = tmp_path / "p.yaml"
+    file.write_text(text + "relations: [{left_of: [tray, cup], gap: 0.3}]\n")
+    report = compile_program(file).report
+    assert report.verdict == "infeasible"
+    assert [edit.edit for edit in report.suggestions] == ["drop relations[0]"]
+    for gap, verdict in ((0.219, "infeasible"), (0.119, "compiled")):
+        file.write_text(text + f"relations: [{{left_of: [tray, cup], gap: {gap}}}]\n")
+        assert compile_program(file).report.verdict == verdict
