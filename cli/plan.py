@@ -168,3 +168,26 @@ def realise_command(
     else:
         for file in files:
             text.console.print(f"written to {escape(str(file))}", soft_wrap=True)
+
+
+@app.command("render")
+def render_command(
+    plan: PlanFile,
+    out: Annotated[Path, typer.Option("--out", help="The picture (PNG).")],
+    n: Annotated[int, typer.Option("--n", min=1, max=100, help="How many scenes.")] = 16,
+    seed: Seed = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Draw a contact sheet of sampled scenes with their packages, from the USD layers that realise them.
+
+    Example: `mana plan render out/plan.json --n 16 --out sheet.png`
+    """
+    from cli.plan_sheet import draw_sheet
+
+    ready = load(plan, plan.parent / "packages")
+    with text.progress(quiet=as_json) as progress:
+        draw_sheet(ready, plan.parent, n, seed, out, progress)
+    if as_json:
+        print(json.dumps({"plan": ready.sha256, "seed": seed, "picture": str(out)}))
+    else:
+        text.console.print(f"picture: {escape(str(out))}", soft_wrap=True)

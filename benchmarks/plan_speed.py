@@ -1,0 +1,151 @@
+"""How fast scenes are drawn from plans, and from what plans are drawn elsewhere by rejection, in the same run.
+
+    python -m benchmarks.plan_speed [--sizes 5,10,30,60,80] [--batch 4096] [--check 20000] [--limit 10]
+
+The workload of the anchors: boxes of 4 to 14 cm, free yaw, 1 cm clearance, N/5 `left_of` pairs. CPU seconds of one
+thread. `rejection` draws the same boxes by oriented-box rejection, 200 tries a box, many scenes at once in numpy;
+scene_synthesizer and numba take part where they are installed. Samples are judged by the independent judge; exit code
+1 when one is invalid.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from importlib.util import find_spec
+
+import numpy as np
+
+from benchmarks.scene_workload import CLEARANCE_M, TABLE_M, sizes_and_pairs, workload
+from runtime_plan import Plan, prepare, sample
+from runtime_plan.verify import Judge
+from scenec.ir import Solved
+from scenec.plan import plan_text
+from scenec.plan import runtime_plan as plan_of
+from scenec.solve import solve
+from schemas.scene_program import SceneProgram
+
+TRIES = 200
+Pairs = list[tuple[int, int]]
+
+
+def plan_for(n: int) -> tuple[Plan, float, int]:
+    """The plan of n boxes, CPU seconds to make it, bytes of its file."""
+    since = time.process_time()
+    problem = workload(n, 0)
+    solved = solve(problem, 0)
+    assert isinstance(solved, Solved), "the workload has a scene"
+    document = plan_of(SceneProgram(scene=f"workload{n}"), [problem], [solved])
+    return prepare(document), time.process_time() - since, len(plan_text(document))
+
+
+def rate(plan: Plan, batch: int) -> float:
+    """Scenes per CPU second in batches, the best of five runs of about a quarter of a second each."""
+    sample(plan, batch, 0)
+    best = 0.0
+    for run in range(5):
+        since, count = time.process_time(), 0
+        while time.process_time() - since < 0.25:
+            sample(plan, batch, run, start=count)
+            count += batch
+        best = max(best, count / (time.process_time() - since))
+    return best
+
+
+def latency_ms(plan: Plan) -> tuple[float, float]:
+    """Median and 99th percentile of CPU milliseconds for one scene."""
+    times = []
+    for k in range(500):
+        since = time.process_time_ns()
+        sample(plan, 1, 0, start=k)
+        times.append((time.process_time_ns() - since) / 1e6)
+    return float(np.median(times)), float(np.percentile(times, 99))
+
+
+def rejection(sizes: np.ndarray, pairs: Pairs, limit_s: float, n: int = 512) -> tuple[float, float]:
+    """Scenes per CPU second and the share of attempts that succeed, boxes in the order of the program."""
+    rng, since, done, begun = np.random.default_rng(0), time.process_time(), 0, 0
+    while time.process_time() - since < limit_s:
+        done += _attempt(sizes, pairs, rng, n, since + limit_s)
+        begun += n
+    return done / (time.process_time() - since), done / begun
+
+
+def _attempt(sizes: np.ndarray, pairs: Pairs, rng: np.random.Generator, n: int, end: float) -> int:
+    """How many of n scenes could be filled."""
+    at, turn = np.zeros((n, len(sizes), 2)), np.zeros((n, len(sizes)))
+    alive = np.arange(n)
+    for i in range(len(sizes)):
+        waiting = alive
+        placed = []
+        for _ in range(TRIES):
+            if not len(waiting) or time.process_time() > end:
+                break
+            m = len(waiting)
+            yaw = rng.uniform(-np.pi, np.pi, m)
+            reach = 0.5 * np.abs(np.stack([np.cos(yaw), np.sin(yaw)])).T @ np.array([sizes[i], sizes[i][::-1]]).T
+            middle = rng.uniform(-1.0, 1.0, (m, 2)) * (np.array(TABLE_M) / 2 - reach)
+            good = _apart(middle, yaw, sizes[i], at[waiting, :i], turn[waiting, :i], sizes[:i])
+            for a, b in pairs:
+                if i in (a, b) and (b if i == a else a) < i:
+                    other = b if i == a else a
+                    c, s = np.cos(turn[waiting, other]), np.sin(turn[waiting, other])
+                    room = reach[:, 0] + 0.5 * (np.abs(c) * sizes[other, 0] + np.abs(s) * sizes[other, 1])
+                    step = at[waiting, other, 0] - middle[:, 0]
+                    good &= (step if i == a else -step) >= room
+            at[waiting[good], i], turn[waiting[good], i] = middle[good], yaw[good]
+            placed.append(waiting[good])
+            waiting = waiting[~good]
+        alive = np.sort(np.concatenate(placed)) if placed else alive[:0]
+    return len(alive)
+
+
+def _apart(
+    middle: np.ndarray, yaw: np.ndarray, size: np.ndarray, at: np.ndarray, turn: np.ndarray, sizes: np.ndarray
+) -> np.ndarray:
+    """(m,) whether a box is the clearance away from all placed ones along an axis of either (separating axes)."""
+    if not len(sizes):
+        return np.ones(len(middle), dtype=bool)
+    step, half = at - middle[:, None], 0.5 * sizes
+    between = turn - yaw[:, None]
+    c, s = np.abs(np.cos(between)), np.abs(np.sin(between))
+    free = np.zeros(between.shape, dtype=bool)
+    for axis in range(2):
+        along = np.stack([np.cos(yaw + axis * np.pi / 2), np.sin(yaw + axis * np.pi / 2)], axis=-1)[:, None]
+        others = c * half[:, axis] + s * half[:, 1 - axis]
+        free |= np.abs((step * along).sum(axis=-1)) - others - 0.5 * size[axis] >= CLEARANCE_M
+        theirs = np.stack([np.cos(turn + axis * np.pi / 2), np.sin(turn + axis * np.pi / 2)], axis=-1)
+        own = 0.5 * (c * size[axis] + s * size[1 - axis])
+        free |= np.abs((step * theirs).sum(axis=-1)) - own - half[:, axis] >= CLEARANCE_M
+    return free.all(axis=1)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sizes", default="5,10,30,60,80")
+    parser.add_argument("--batch", type=int, default=4096)
+    parser.add_argument("--check", type=int, default=20_000)
+    parser.add_argument("--limit", type=float, default=10.0)
+    asked = parser.parse_args()
+    missing = [name for name in ("numba", "scene_synthesizer") if find_spec(name) is None]
+    print(f"not installed here: {', '.join(missing) or 'nothing'}")
+    print("  N  cases  plan s      bytes   scenes/s  one ms  p99 ms  invalid  rejection/s  succeeds", flush=True)
+    wrong = 0
+    for n in map(int, asked.sizes.split(",")):
+        plan, seconds, size = plan_for(n)
+        cases = sum(len(pool.cases) for pool in plan.document.combinations[0].pools)
+        fast, (one, late) = rate(plan, asked.batch), latency_ms(plan)
+        judge = Judge(plan)
+        invalid = len({row["index"] for row in judge.violations(sample(plan, asked.check, 1))})
+        slow, share = rejection(*sizes_and_pairs(n, 0), asked.limit)
+        print(
+            f"{n:3} {cases:6} {seconds:7.1f} {size:10} {fast:10.0f} {one:7.3f} {late:7.3f} {invalid:8} "
+            f"{slow:12.1f} {share:9.1%}",
+            flush=True,
+        )
+        wrong += invalid
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
