@@ -51,12 +51,21 @@ def sample_command(
 
 
 @app.command("inspect")
-def inspect_command(plan: PlanFile, assets: Assets = None, as_json: AsJson = False) -> None:
+def inspect_command(
+    plan: PlanFile,
+    out: Annotated[Path | None, typer.Option("--out", help="A picture of cells and of samples (PNG).")] = None,
+    assets: Assets = None,
+    as_json: AsJson = False,
+) -> None:
     """Say what is in a plan: combinations, pools with their cases, and how freely each thing moves.
 
-    Example: `mana plan inspect out/plan.json`
+    Example: `mana plan inspect out/plan.json --out cells.png`
     """
     ready = load(plan, assets)
+    if out is not None:
+        from cli.plan_picture import picture
+
+        write_atomically(out, picture(ready))
     pools, things = _pools(ready.document), _things(ready.document)
     if as_json:
         made = ready.document.provenance.model_dump()

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 from cli.main import app
@@ -75,3 +76,18 @@ def test_a_layer_of_a_combination_without_scene_is_refused(folder: Path, tmp_pat
     assert run.exit_code == 1
     assert run.exception is not None
     assert "scene.usda" in str(run.exception)
+
+
+def test_pictures_are_drawn(folder: Path, tmp_path: Path):
+    sheet, cells = tmp_path / "sheet.png", tmp_path / "cells.png"
+    drawn = CliRunner().invoke(app, ["plan", "render", str(folder / "plan.json"), "--n", "2", "--out", str(sheet)])
+    assert drawn.exit_code == 0, drawn.output
+    asked = ["plan", "inspect", str(folder / "plan.json"), "--out", str(cells), "--json"]
+    looked = CliRunner().invoke(app, asked)
+    assert {row["thing"] for row in json.loads(looked.stdout)["things"]} == {"tray", "block"}
+    with Image.open(sheet) as picture:
+        assert picture.size == (658, 332)
+        assert picture.convert("L").getextrema()[0] < 128
+    with Image.open(cells) as picture:
+        assert picture.width > 1000
+    assert not list(folder.glob(".sheet*"))
