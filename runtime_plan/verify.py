@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from geom.many_scenes import SceneRules, Stands
+from geom.plan_rules import rules_of
 from geom.scene_check.model import TOLERANCE_M
 from geom.scene_check_many import check_many
 from runtime_plan.plan import Plan
-from runtime_plan.rules import rules_of
 from runtime_plan.samples import Samples
 from schemas.runtime_plan import PlanCombination, RuntimePlan
 

@@ -15,14 +15,13 @@ from shapely import Polygon
 
 from scenec.cases.coupling import pools_of
 from scenec.cases.pool import Asked, pool_cases
-from scenec.ir import Body, Placement, Problem, Slab, Solved, Stance, Surface, Thing, Volume
+from scenec.ir import Body, Problem, Slab, Solved, Stance, Surface, Thing, Volume
+from scenec.judge import judge
 from scenec.names import Names
 from scenec.solve.model import Model, model_of, owner_first
-from scenec.validate import violations
 from schemas.compiled_scene import Prism
 from schemas.runtime_plan import (
     PlanBody,
-    PlanCase,
     PlanCombination,
     PlanKeepOut,
     PlanLayer,
@@ -64,7 +63,7 @@ def runtime_plan(
         _combination(program, problem, result, bodies, seed, diversity / max(1.0, len(problems) ** 0.5))
         for problem, result in zip(problems, results, strict=True)
     )
-    return RuntimePlan(
+    plan = RuntimePlan(
         scene=program.scene,
         clearance_m=program.clearance,
         bodies=tuple(bodies.found),
@@ -82,6 +81,8 @@ def runtime_plan(
             diversity=diversity,
         ),
     )
+    judge(plan)
+    return plan
 
 
 def plan_text(plan: RuntimePlan) -> str:
@@ -113,7 +114,6 @@ def _combination(
         asked = Asked(names, frozen, [result.placements], _cases_wanted(len(names), diversity), seed)
         cases = pool_cases(pools.model, asked)
         made.append(PlanPool(things=names, cases=tuple(cases), coupled=len(names) > 1))
-    _judge(problem, made)
     places = _places(problem, base)
     number = {key: k for k, key in enumerate(places)}
     things = [base.things[name] for name in owner_first(base.things)]
@@ -167,51 +167,6 @@ def _materials(program: SceneProgram) -> tuple[PairedMaterial, ...]:
 
 def _cases_wanted(things: int, diversity: float) -> int:
     return max(8, round(diversity * min(240 + 7 * things, MOST_CELLS // things)))
-
-
-def _judge(problem: Problem, pools: Sequence[PlanPool]) -> None:
-    # Raises RuntimeError when the independent checker refuses an extreme pose of any case.
-    for placements, of in extremes(problem, pools):
-        wrong = violations(problem, placements)
-        if wrong:
-            raise RuntimeError(f"{problem.scene}: the checker refuses a case: {wrong[0]} ({of})")
-
-
-def extremes(problem: Problem, pools: Sequence[PlanPool]):
-    """Placements of all things at extreme poses: every case of every pool appears, corners and yaw ends by turns."""
-    model = model_of(problem)
-    rounds = max((len(pool.cases) for pool in pools), default=0)
-    for k in range(rounds):
-        for corner in range(2):
-            placements, of = {}, []
-            for pool in pools:
-                case = pool.cases[k % len(pool.cases)]
-                of.append(f"{case.family} {k % len(pool.cases)}")
-                for i, name in enumerate(pool.things):
-                    placements[name] = extreme(model, name, case, i, corner + 3 * k + i)
-            yield placements, ", ".join(of)
-
-
-def extreme(model: Model, name: str, case: PlanCase, i: int, number: int) -> Placement:
-    """An extreme pose of a thing in a case: an end of a yaw interval, a corner of what is left for it there."""
-    thing, shape = model.things[name], model.shapes[name][case.stances[i]]
-    ends = [end * 1e-6 for run in case.yaws_urad[i] for end in run]
-    yaw = ends[(number // 4) % len(ends)]
-    hull = np.concatenate([slab.outline_m for slab in shape.slabs[: shape.own]]) @ np.array(
-        [[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]]
-    )
-    (left, front), (right, back) = hull.min(axis=0), hull.max(axis=0)
-    x0, x1, y0, y1 = (v * 1e-6 for v in case.cells_um[i])
-    low, high = np.array([x0 - left, y0 - front]), np.array([x1 - right, y1 - back])
-    if (origins := case.origins_um[i]) is not None:
-        low = np.maximum(low, np.array(origins[::2]) * 1e-6)
-        high = np.minimum(high, np.array(origins[1::2]) * 1e-6)
-    if (low > high + 2e-6).any():
-        raise RuntimeError(f"{name}: its cell is empty at yaw {yaw}: {low - high}")
-    x = (low[0], high[0])[number % 2] if high[0] > low[0] else (low[0] + high[0]) / 2
-    y = (low[1], high[1])[(number // 2) % 2] if high[1] > low[1] else (low[1] + high[1]) / 2
-    assert thing.name == name
-    return Placement(float(x), float(y), yaw, case.stances[i], case.base_um[i] * 1e-6)
 
 
 class _Bodies:
@@ -297,7 +252,7 @@ def _place(place: Surface | Volume) -> PlanPlace:
 def _places(problem: Problem, model: Model) -> dict[tuple[str, str], Surface | Volume]:
     things = (model.things[name] for name in owner_first(model.things))
     used = {(thing.parent, thing.place.name): thing.place for thing in things}
-    return used | {(k.parent, k.place.name): k.place for k in problem.keep_outs}
+    return used | {(k.parent, k.place.name): k.place for k in problem.keep_outs if (k.parent, k.place.name) not in used}
 
 
 def _thing(thing: Thing, place: int, bodies: _Bodies) -> PlanThing:

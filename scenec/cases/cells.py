@@ -61,14 +61,16 @@ def _cells(
     # (cell, origins, yaws) of one member in each layout, in A.
     option, shift = layouts.option[:, i], np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
     stance, yaw = member.stance[option], member.yaw_rad[option]
-    share, down_up = freedom.share[:, i], freedom.turn_rad[:, i]
+    turns_left = freedom.turned()[:, i]
+    clipped = np.any(turns_left < freedom.turn_rad[:, i], axis=1)
     cell = _inward(rect_m[:, i] - shift[[0, 0, 1, 1]])
     box = _inward(freedom.moved(layouts)[:, i] - shift[[0, 0, 1, 1]])
     at = np.round((layouts.origin_m[:, i] - shift) / GRAIN_M).astype(np.int64)
     for low, high, axis in ((0, 1, 0), (2, 3, 1)):
         crossed = box[:, low] > box[:, high]
         box[crossed, low] = box[crossed, high] = at[crossed, axis]
-    bounded = np.isfinite(member.origin_m).any() | (share < 1.0)
+    limited = np.any(np.isfinite(freedom.step_m[:, i]), axis=1)
+    ranged = bool(np.isfinite(member.origin_m).any())
     fits = {
         s: fitting(turns, cell * GRAIN_M + shift[[0, 0, 1, 1]], box * GRAIN_M + shift[[0, 0, 1, 1]])
         for s, turns in member.turns.items()
@@ -78,26 +80,18 @@ def _cells(
     for k in range(len(layouts)):
         s, turned = int(stance[k]), round(float(yaw[k]) / GRAIN_M)
         if not free[k, i]:
-            low, high = np.floor(layouts.rect_m[k, i] - shift[[0, 0, 1, 1]] - SPARE_M), 0
-            low = np.floor((layouts.rect_m[k, i] - shift[[0, 0, 1, 1]] - SPARE_M) / GRAIN_M).astype(np.int64)
-            high = np.ceil((layouts.rect_m[k, i] - shift[[0, 0, 1, 1]] + SPARE_M) / GRAIN_M).astype(np.int64)
-            pin = (int(at[k, 0]), int(at[k, 0]), int(at[k, 1]), int(at[k, 1]))
-            found.append(((int(low[0]), int(high[1]), int(low[2]), int(high[3])), pin, ((turned, turned),)))
+            found.append((_outward(layouts.rect_m[k, i] - shift[[0, 0, 1, 1]]), _point(at[k]), ((turned, turned),)))
             continue
         low, high = member.thing.domain.yaw_rad
-        if share[k] < 1.0:
-            low, high = float(yaw[k] - share[k] * down_up[k, 0]), float(yaw[k] + share[k] * down_up[k, 1])
+        if clipped[k]:
+            low, high = float(yaw[k] - turns_left[k, 0]), float(yaw[k] + turns_left[k, 1])
         runs = intervals(member.turns[s], fits[s][k], (low, high))
         yaws = tuple((round(a / GRAIN_M), round(b / GRAIN_M)) for a, b in runs) or ((turned, turned),)
         x0, x1, y0, y1 = (int(v) for v in cell[k] + np.array([1, -1, 1, -1]) * out[s])
-        origins = tuple(int(v) for v in box[k]) if bounded[k] else None
+        origins = tuple(int(v) for v in box[k]) if ranged or limited[k] else None
         if yaws == ((turned, turned),) and origins is not None:
-            origins = (
-                min(origins[0], int(at[k, 0])),
-                max(origins[1], int(at[k, 0])),
-                min(origins[2], int(at[k, 1])),
-                max(origins[3], int(at[k, 1])),
-            )
+            px, _, py, _ = _point(at[k])
+            origins = (min(origins[0], px), max(origins[1], px), min(origins[2], py), max(origins[3], py))
         found.append(((x0, x1, y0, y1), origins, yaws))
     return found
 
@@ -107,6 +101,18 @@ def _inward(rect_m: FloatArray) -> IntArray:
     low = np.ceil(rect_m[:, [0, 2]] / GRAIN_M - 1e-3)
     high = np.floor(rect_m[:, [1, 3]] / GRAIN_M + 1e-3)
     return np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], axis=1).astype(np.int64)
+
+
+def _outward(rect_m: FloatArray) -> Bounds_um:
+    # A rectangle (4,) with something to spare.
+    low = np.floor((rect_m[[0, 2]] - SPARE_M) / GRAIN_M)
+    high = np.ceil((rect_m[[1, 3]] + SPARE_M) / GRAIN_M)
+    return int(low[0]), int(high[0]), int(low[1]), int(high[1])
+
+
+def _point(at_um: IntArray) -> Bounds_um:
+    x, y = (int(v) for v in at_um)
+    return x, x, y, y
 
 
 def _um(length_m: float) -> int:

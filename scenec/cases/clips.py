@@ -1,13 +1,15 @@
 """Relations that rectangles alone do not keep: by how much must poses stay near those of the layout?
 
-Each thing may move from its seed pose by a share of its freedom; how far footprints and origins then get is bounded,
-and with it what the relation measures (a distance of two sets changes by no more than they move). Frame P, metres,
-radians.
+Each thing may move from its seed pose so far that neither its origin nor, by turning, its footprint gets farther than a
+step; that bounds what the relation measures (a distance of two sets changes by no more than they move). Frame P,
+metres, radians.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -17,33 +19,63 @@ from scenec.cases.scope import Layouts, Scope
 from scenec.cases.seeded import front_of
 from scenec.ir import FloatArray, ReachIR, RelationIR
 from scenec.solve.planar import polygon
+from scenec.solve.shapes import Shape
 
-SHARES = (1.0, 0.75, 0.55, 0.4, 0.3, 0.22, 0.16, 0.11, 0.07, 0.04, 0.02, 0.0)
+STEPS_M = (
+    np.inf,
+    0.4,
+    0.25,
+    0.16,
+    0.11,
+    0.08,
+    0.06,
+    0.045,
+    0.033,
+    0.024,
+    0.017,
+    0.012,
+    0.008,
+    0.005,
+    0.003,
+    0.002,
+    0.001,
+    0.0,
+)
+ROUND_M = 1e-3  # a footprint whose border lies in so narrow a ring may turn freely
 ROUNDING = 2e-6  # of what is written, metres and radians
 AXIS = 1.0 - 1e-9
 
 
 @dataclass
 class Freedom:
-    """How far things may move: `origin_m` (l, n, 4) boxes, `turn_rad` (l, n, 2) down and up from the yaw, and the
-    `share` (l, n) of both that is allowed."""
+    """How far things may move: `origin_m` (l, n, 4) boxes and `turn_rad` (l, n, 2) down and up from the yaw as far as
+    cells allow, `radius_m` (l, n) of footprints about their origins, and what relations leave of it: at most `step_m`
+    (l, n, 2) along x and y, and turns that move no point of the footprint farther than `spin_m` (l, n)."""
 
     origin_m: FloatArray
     turn_rad: FloatArray
-    share: FloatArray
+    radius_m: FloatArray
+    step_m: FloatArray
+    spin_m: FloatArray
 
     def moved(self, layouts: Layouts) -> FloatArray:
-        """(l, n, 4) the boxes that are left: shrunk towards the seed by the share."""
+        """(l, n, 4) the boxes that are left."""
         at = layouts.origin_m[..., [0, 0, 1, 1]]
-        return at + self.share[..., None] * (self.origin_m - at)
+        step = self.step_m[..., [0, 0, 1, 1]]
+        return at + np.clip(self.origin_m - at, -step, step)
+
+    def turned(self) -> FloatArray:
+        """(l, n, 2) turns down and up that are left."""
+        return np.minimum(self.turn_rad, (self.spin_m / np.maximum(self.radius_m, 1e-9))[..., None])
 
 
 def freedom_of(scope: Scope, layouts: Layouts, rect_m: FloatArray, free: BoolArray) -> Freedom:
     """All that cells allow, for free things; nothing for the others."""
     count, n = layouts.option.shape
     at = layouts.origin_m[..., [0, 0, 1, 1]]
-    origin, turn = at.copy(), np.zeros((count, n, 2))
+    origin, turn, radius = at.copy(), np.zeros((count, n, 2)), np.zeros((count, n))
     for i, member in enumerate(scope.members):
+        radius[:, i] = np.array([shape.radius_m for shape in member.shapes])[member.stance[layouts.option[:, i]]]
         if member.pinned:
             continue
         yaw = member.yaw_rad[layouts.option[:, i]]
@@ -59,11 +91,11 @@ def freedom_of(scope: Scope, layouts: Layouts, rect_m: FloatArray, free: BoolArr
         box[:, [1, 3]] = np.minimum(box[:, [1, 3]], member.origin_m[[1, 3]])
         origin[:, i] = np.where(free[:, i, None], box, at[:, i])
         turn[:, i] = np.where(free[:, i, None], spans, 0.0)
-    return Freedom(origin, turn, np.ones((count, n)))
+    return Freedom(origin, turn, radius, np.full((count, n, 2), np.inf), np.full((count, n), np.inf))
 
 
 def clip(scope: Scope, layouts: Layouts, freedom: Freedom, reach: ReachIR | None, base_P_m: FloatArray) -> BoolArray:
-    """Lowers shares until every relation and the reach (base (2,) in P) hold for all that is left.
+    """Shortens steps until every relation and the reach (base (2,) in P) hold for all that is left.
 
     Returns which layouts (l,) can be kept: in the others something fails even at the seed pose.
     """
@@ -73,25 +105,48 @@ def clip(scope: Scope, layouts: Layouts, freedom: Freedom, reach: ReachIR | None
         if rule.kind == "far_from" or (rule.kind == "before" and max(map(abs, rule.direction)) > AXIS):
             continue  # kept by the rectangles
         seed = _measure(scope, rule, layouts, numbers)
-        kept &= _lower(freedom, numbers, lambda r=rule, k=numbers, s=seed: _holds(scope, r, layouts, freedom, k, s))
+        spins = [i for i in numbers if _turns_matter(scope, rule, i)]
+        test = partial(_holds, scope, rule, layouts, freedom, numbers, seed)
+        kept &= _lower(freedom, numbers, _axes(rule), spins, test)
     if reach is not None:
         for name in reach.members:
             if name in scope.index:
                 i = scope.index[name]
-                kept &= _lower(freedom, [i], lambda i=i: _reached(layouts, freedom, i, reach, base_P_m))
+                kept &= _lower(freedom, [i], slice(None), [], partial(_reached, layouts, freedom, i, reach, base_P_m))
     return kept
 
 
-def _lower(freedom: Freedom, numbers: list[int], holds) -> BoolArray:
-    # The largest share of SHARES at which a test holds, row by row; whether there is any.
-    before = freedom.share[:, numbers].copy()
-    best = np.full(len(before), -1.0)
-    for share in SHARES:
-        freedom.share[:, numbers] = np.minimum(before, share)
-        best = np.where((best < 0.0) & holds(), share, best)
+def _turns_matter(scope: Scope, rule: RelationIR, i: int) -> bool:
+    # Whether a relation may cease to hold when a thing turns on the spot.
+    if rule.kind == "facing":
+        return scope.index[rule.things[0]] == i
+    return rule.kind in ("near", "before") and max(map(_unevenness, scope.members[i].shapes)) > ROUND_M
+
+
+def _axes(rule: RelationIR) -> slice:
+    # The axes along which steps matter: across its own for what is aligned along one.
+    if rule.kind != "aligned" or max(map(abs, rule.direction)) < AXIS:
+        return slice(None)
+    return slice(1, 2) if abs(rule.direction[0]) > AXIS else slice(0, 1)
+
+
+def _lower(
+    freedom: Freedom, numbers: list[int], axes: slice, spins: list[int], holds: Callable[[], BoolArray]
+) -> BoolArray:
+    # The largest of STEPS_M with which a test holds, row by row; whether there is any.
+    steps, turns = freedom.step_m[:, numbers].copy(), freedom.spin_m[:, spins].copy()
+    best = np.full(len(steps), -1.0)
+    for step in STEPS_M:
+        limited = steps.copy()
+        limited[:, :, axes] = np.minimum(steps[:, :, axes], step)
+        freedom.step_m[:, numbers] = limited
+        freedom.spin_m[:, spins] = np.minimum(turns, step)
+        best = np.where((best < 0.0) & holds(), step, best)
         if (best >= 0.0).all():
             break
-    freedom.share[:, numbers] = np.minimum(before, np.maximum(best, 0.0)[:, None])
+    steps[:, :, axes] = np.minimum(steps[:, :, axes], np.maximum(best, 0.0)[:, None, None])
+    freedom.step_m[:, numbers] = steps
+    freedom.spin_m[:, spins] = np.minimum(turns, np.maximum(best, 0.0)[:, None])
     return best >= 0.0
 
 
@@ -103,13 +158,12 @@ def _shift(scope: Scope, layouts: Layouts, freedom: Freedom, i: int) -> tuple[Fl
     origin = np.hypot(dx, dy)
     member = scope.members[i]
     stance = member.stance[layouts.option[:, i]]
-    radius = np.array([shape.radius_m for shape in member.shapes])[stance]
     uneven = np.array([_unevenness(shape) for shape in member.shapes])[stance]
-    turn = np.minimum(freedom.share[:, i] * freedom.turn_rad[:, i].max(axis=1), np.pi)
-    return origin, origin + np.minimum(2.0 * radius * np.sin(turn / 2.0), uneven)
+    turn = np.minimum(freedom.turned()[:, i].max(axis=1), np.pi)
+    return origin, origin + np.minimum(2.0 * freedom.radius_m[:, i] * np.sin(turn / 2.0), uneven)
 
 
-def _unevenness(shape) -> float:
+def _unevenness(shape: Shape) -> float:
     # How far a footprint may miss itself when turned about its origin: width of the ring its border lies in.
     if len(shape.pieces) > 1:
         return np.inf
@@ -167,7 +221,7 @@ def _holds(
         heading = np.arctan2(toward[:, 1], toward[:, 0])
         away = np.abs(wrapped_all(heading - front_of(scope.members[numbers[0]], layouts.option[:, numbers[0]])))
         sway = np.arcsin(np.clip(moved / np.maximum(length, 1e-9), 0.0, 1.0))
-        turn = freedom.share[:, numbers[0]] * freedom.turn_rad[:, numbers[0]].max(axis=1)
+        turn = freedom.turned()[:, numbers[0]].max(axis=1)
         return (away + sway + turn + ROUNDING <= rule.tolerance) & (moved < length)
     # between: the foot of the perpendicular keeps its share of the line; all is bounded by how far the ends move.
     line, step = at[:, 2] - at[:, 1], at[:, 0] - at[:, 1]
