@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.markup import escape
 
 from cli import source_text, text
+from cli.demo_plan import PlanDemo, plan_demo
 from cli.scene_output import draw_perspective, draw_plan, write_output, write_report
 from cli.scene_settle import settle
 from jobs.cache import write_atomically
@@ -36,6 +37,14 @@ layout:
 relations:
   - {left_of: [plate, tray], gap: 0.03}
   - {behind: [duck, plate], gap: 0.05}
+variants:
+  materials:
+    - {id: oak, objects: [background], base_color: [0.55, 0.4, 0.25], roughness: 0.7,
+       static_friction: 0.5, dynamic_friction: 0.45}
+    - {id: steel, objects: [plate], base_color: [0.6, 0.6, 0.62], roughness: 0.3, metallic: 1.0,
+       density_kgm3: 7850, static_friction: 0.4, dynamic_friction: 0.35}
+    - {id: clay, objects: [plate], base_color: [0.6, 0.3, 0.2], roughness: 0.8,
+       density_kgm3: 1900, static_friction: 0.6, dynamic_friction: 0.5}
 """
 _MORE = "  - {left_of: [tray, duck]}\n  - {left_of: [duck, plate], gap: 0.02}\n"
 
@@ -48,6 +57,7 @@ class SceneDemo:
     compiled: CompileReport
     refused: CompileReport
     words: str
+    drawn: PlanDemo | None
 
 
 def scene_demo(library: Path, out: Path) -> SceneDemo | None:
@@ -57,8 +67,8 @@ def scene_demo(library: Path, out: Path) -> SceneDemo | None:
     folder = out / "scene"
     good, bad = folder / "breakfast.yaml", folder / "refused" / "breakfast.yaml"
     write_atomically(good, _TABLE.encode())
-    write_atomically(bad, (_TABLE + _MORE).encode())
-    compiled = compile_program(good, library)
+    write_atomically(bad, _TABLE.replace("variants:", _MORE + "variants:").encode())
+    compiled = compile_program(good, library, diversity=0.5)
     report = write_output(compiled, library, folder)
     draw_plan(compiled, folder)
     if report.scene is not None:
@@ -66,11 +76,12 @@ def scene_demo(library: Path, out: Path) -> SceneDemo | None:
         report = report.model_copy(update={"settling": settle(stage)})
         draw_perspective(stage)
     write_report(report, folder)
+    drawn = None if report.plan is None else plan_demo(folder / report.plan)
     failed = compile_program(bad, library)
     draw_plan(failed, bad.parent)
     write_report(failed.report, bad.parent)
     errors = [d for d in failed.report.diagnostics if d.severity is Severity.ERROR]
-    return SceneDemo(folder.name, report, failed.report, source_text.plain(errors, bad.parent))
+    return SceneDemo(folder.name, report, failed.report, source_text.plain(errors, bad.parent), drawn)
 
 
 def show(demo: SceneDemo | None) -> None:
@@ -78,4 +89,6 @@ def show(demo: SceneDemo | None) -> None:
     if demo is not None:
         stay = sum(row.stayed for row in demo.compiled.settling)
         said = f"scene: {demo.compiled.verdict}, {stay} of {len(demo.compiled.settling)} objects stay when let go"
+        if demo.drawn is not None:
+            said += f"; {demo.drawn.judged} scenes drawn from its plan, {demo.drawn.invalid} invalid"
         text.console.print(escape(said), soft_wrap=True)
