@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
 from scenec.ir import Placement
+from scenec.solve.grid import spread_grid
 from scenec.solve.loosen import loosened
 from scenec.solve.model import Model
 from scenec.solve.placed import Placed
@@ -40,7 +41,8 @@ def solve_readily(
 
 
 def propose(model: Model, names: Sequence[str], seed: int, effort: Effort) -> dict[str, Placement]:
-    """What structured families seat: things with spots by matching, several on one place by shelves, owners first."""
+    """What structured families seat: things with spots by matching, several on one place evenly on a grid where
+    nothing ties them and there is room, else by shelves; owners first."""
     proposal: dict[str, Placement] = {}
     placed: dict[str, Placed] = {}
     for members in _by_place(model, names):
@@ -49,7 +51,12 @@ def propose(model: Model, names: Sequence[str], seed: int, effort: Effort) -> di
             proposal |= match_spots(model, with_spots, placed)
         free = [name for name in members if not model.things[name].domain.spots]
         placed |= {name: model.put(name, proposal[name]) for name in with_spots if name in proposal}
-        if len(free) > 1:
+        spread = spread_grid(model, free, placed, seed) if len(free) > 1 else None
+        if spread is not None:
+            effort.taken += 1
+            proposal |= spread
+            placed |= {name: model.put(name, placement) for name, placement in spread.items()}
+        elif len(free) > 1:
             steps = int(FAMILY_SHARE * (effort.left - effort.taken))
             seated, taken = pack_shelves(model, free, placed, model.rules, seed, steps)
             effort.taken += taken
