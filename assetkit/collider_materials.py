@@ -17,7 +17,7 @@ from geom.surface_distance import NearestOnSurface, sample_surface, triangle_are
 from schemas.asset import ColliderMaterial, MassPart
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence
-from schemas.model import FloatArray, Mesh
+from schemas.model import FloatArray, IntArray, Mesh
 from schemas.outcome import Repair
 from schemas.physics import CollisionShape, Contact, Solid, SurfaceMaterial
 from schemas.stated_physics import StatedContact
@@ -25,22 +25,34 @@ from schemas.stated_physics import StatedContact
 SAMPLES = 4000
 # A shape of which less than this share of the surface is of another material stands for one part.
 MIXED_SHARE = 0.1
+LEAST_SKIN = 0.05  # of a part's surface; what is smaller does not touch as itself
 
 
 @dataclass(frozen=True)
 class Touches:
-    """How a body touches: its contact records, its parts with theirs, and the material of each collision shape.
+    """How a body touches: contact records and material of most of it, its parts with theirs, those of shapes.
 
     `surfaces`, `shape_surfaces` (see `schemas.package.PackageContent`) and `colliders` are empty where all is one part.
     """
 
     contacts: tuple[Evidence[Contact], ...]
+    material: Evidence[str]
     parts: tuple[MassPart, ...]
     surfaces: tuple[SurfaceMaterial, ...] = ()
     shape_surfaces: tuple[int, ...] = ()
     colliders: tuple[ColliderMaterial, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
+
+
+@dataclass(frozen=True)
+class Skin:
+    """Visible surface of one material: of which part of the mass, its triangles, and the meshes as they were read."""
+
+    part: int
+    material: Evidence[str]
+    meshes: tuple[Mesh, ...]
+    as_read: tuple[Mesh, ...]
 
 
 def touches(
@@ -52,25 +64,26 @@ def touches(
 ) -> Touches:
     """Contact of a body whose parts have masses as in `mass`; `stated` is what the source says about friction.
 
-    Each shape has the material of the part that most of its surface belongs to (`surface_shares`), one hidden inside
+    Each shape has the material of the skin that most of its surface belongs to (`surface_shares`), one hidden inside
     others that of the largest part, which is also the one that an engine with one material per body should take.
     """
-    if len(mass.parts) < 2:
-        one = contact_evidence(mass.material, stated, clues.as_read)
-        return Touches(one.contacts, mass.parts, diagnostics=one.diagnostics, repairs=one.repairs)
-    order = sorted(range(len(mass.parts)), key=lambda i: -mass.parts[i].volume_share)
-    meshes = [[(clues.as_read or clues.meshes)[m] for m in mass.members[i]] for i in order]
-    found = [contact_evidence(mass.parts[i].material, stated, own) for i, own in zip(order, meshes, strict=True)]
-    parts = [mass.parts[i].model_copy(update={"contacts": f.contacts}) for i, f in zip(order, found, strict=True)]
-    names = [part.material.value for part in parts]
-    shares = surface_shares(shapes, solid, [[clues.meshes[m] for m in mass.members[i]] for i in order])
+    skins = skins_of(mass, clues)
+    found = [contact_evidence(skin.material, stated, skin.as_read) for skin in skins]
+    own = [next(f.contacts for f, s in zip(found, skins, strict=True) if s.part == i) for i in range(len(mass.parts))]
+    if len(skins) < 2:
+        return Touches(
+            found[0].contacts, skins[0].material, mass.parts, diagnostics=found[0].diagnostics, repairs=found[0].repairs
+        )
+    names = [skin.material.value for skin in skins]
+    shares = surface_shares(shapes, solid, [skin.meshes for skin in skins])
     chosen = tuple(int(k) for k in shares.argmax(axis=1))  # The first of equals: the largest part where there is none.
-    surfaces = zip(names, parts, found, strict=True)
     return Touches(
         found[0].contacts,
-        tuple(parts[order.index(i)] for i in range(len(parts))),
+        skins[0].material,
+        tuple(p.model_copy(update={"contacts": c}) for p, c in zip(mass.parts, own, strict=True)),
         tuple(
-            SurfaceMaterial(name, part.density_kgm3.value, touch.contacts[0].value) for name, part, touch in surfaces
+            SurfaceMaterial(name, mass.parts[skin.part].density_kgm3.value, touch.contacts[0].value)
+            for name, skin, touch in zip(names, skins, found, strict=True)
         ),
         chosen,
         tuple(
@@ -80,6 +93,43 @@ def touches(
         (*(d for f in found for d in f.diagnostics), *mixed_note(shares, chosen, names)),
         tuple(r for f in found for r in f.repairs),
     )
+
+
+def skins_of(mass: MassEvidence, clues: Clues) -> tuple[Skin, ...]:
+    """The visible surface by part of the mass and by material, the part with most volume first.
+
+    A part whose names tell its material is of that throughout. Others are as they look (`clues.touch`), the skin with
+    most area first; what takes less than 5 % of the part's surface goes to its largest.
+    """
+    found: list[Skin] = []
+    for part in sorted(range(len(mass.parts)), key=lambda i: -mass.parts[i].volume_share):
+        members = mass.members[part] if mass.members else ()
+        named, as_read = mass.parts[part].material, clues.as_read or clues.meshes
+        every = tuple(clues.meshes[m] for m in members)
+        whole = Skin(part, named, every, tuple(as_read[m] for m in members))
+        if named.source != "default" or not clues.touch or not members:
+            found.append(whole)
+            continue
+        area = np.zeros(len(clues.touch))
+        for m in members:
+            mesh = clues.meshes[m]
+            np.add.at(area, clues.of_face[m], triangle_areas(mesh.points[mesh.triangles]))
+        first, *others = np.argsort(-area, kind="stable")
+        kept = [int(k) for k in others if area[k] >= LEAST_SKIN * area.sum() > 0.0]
+        for k in (int(first), *kept):
+            own = [m for m in members if (_chosen(clues.of_face[m], k, kept)).any()]
+            cut = tuple(_of_faces(clues.meshes[m], _chosen(clues.of_face[m], k, kept)) for m in own)
+            found.append(Skin(part, clues.touch[k], cut or every, tuple(as_read[m] for m in own) or whole.as_read))
+    return tuple(found)
+
+
+def _chosen(of_face: IntArray, material: int, kept: Sequence[int]) -> IntArray:
+    """(m,) True at the triangles of a material; the largest, which is not among `kept`, takes the rest."""
+    return of_face == material if material in kept else ~np.isin(of_face, kept)
+
+
+def _of_faces(mesh: Mesh, faces: IntArray) -> Mesh:
+    return Mesh(mesh.name, mesh.points, mesh.triangles[faces], source_path=mesh.source_path)
 
 
 def surface_shares(shapes: Sequence[CollisionShape], solid: Solid, groups: Sequence[Sequence[Mesh]]) -> FloatArray:

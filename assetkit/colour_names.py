@@ -25,7 +25,7 @@ _XYZ_OF_RGB = np.array(
 def basic_terms(linear_rgb: FloatArray) -> list[str]:
     """The basic term of each linear sRGB colour of (n, 3)."""
     terms, known = _survey()
-    near = np.linalg.norm(_lab(linear_rgb)[:, None] - known[None], axis=2).argmin(axis=1)
+    near = np.linalg.norm(lab_of(linear_rgb)[:, None] - known[None], axis=2).argmin(axis=1)
     return [terms[i] for i in near]
 
 
@@ -38,7 +38,7 @@ def colour_called(word: str) -> str | None:
     return None if code is None else basic_terms(srgb_to_linear(np.array([to_rgb(code)])))[0]
 
 
-def _lab(linear_rgb: FloatArray) -> FloatArray:
+def lab_of(linear_rgb: FloatArray) -> FloatArray:
     """(n, 3) CIE 1976 L*a*b* under D65 of linear sRGB."""
     t = np.clip(linear_rgb, 0.0, 1.0) @ _XYZ_OF_RGB.T / _WHITE_D65
     f = np.where(t > (6 / 29) ** 3, np.cbrt(t), t / (3 * (6 / 29) ** 2) + 4 / 29)
@@ -51,4 +51,4 @@ def _survey() -> tuple[tuple[str, ...], FloatArray]:
     last = {name: name.removeprefix("xkcd:").split()[-1] for name in XKCD_COLORS}
     named = {name: _SPELLINGS.get(word, word) for name, word in last.items()}
     kept = [(term, XKCD_COLORS[name]) for name, term in named.items() if term in BASIC_TERMS]
-    return tuple(term for term, _ in kept), _lab(srgb_to_linear(np.array([to_rgb(code) for _, code in kept])))
+    return tuple(term for term, _ in kept), lab_of(srgb_to_linear(np.array([to_rgb(code) for _, code in kept])))

@@ -17,7 +17,7 @@ from geom.composition import Division, divide
 from geom.inertia import mass_properties, scaled
 from geom.shifted_centre import squeezed
 from schemas.evidence import Evidence, declared
-from schemas.model import FloatArray, Mesh
+from schemas.model import FloatArray, IntArray, Mesh
 from schemas.physics import MassProperties, Solid
 from schemas.stated_physics import StatedMass
 
@@ -39,6 +39,8 @@ class Clues:
     category          what the object is, "" while nobody knows, and what such things weigh: `usual_kg`, least and most.
     category_confidence, names  how sure that is, and what the object is called, the most telling name first.
     without_row       measured object whose row of `usual_masses.csv` is left out, as benchmarks do; "" for none.
+    touch        materials of the visible surface by looks, names and use, that of the whole first; `of_face` says per
+                 mesh which of them each triangle has (`face_materials`).
     """
 
     meshes: tuple[Mesh, ...] = ()
@@ -54,6 +56,8 @@ class Clues:
     category_confidence: float = 0.0
     names: tuple[str, ...] = ()
     without_row: str = ""
+    touch: tuple[Evidence[str], ...] = ()
+    of_face: tuple[IntArray, ...] = ()
 
 
 @dataclass(frozen=True)

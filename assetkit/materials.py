@@ -58,7 +58,7 @@ def material_for(names: Sequence[str]) -> Evidence[str]:
     """
     votes: dict[str, list[str]] = {}
     for name in dict.fromkeys(names):
-        material = _mentioned(name)
+        material = mentioned(name)
         if material is not None:
             votes.setdefault(material, []).append(name)
     if not votes:
@@ -102,7 +102,7 @@ def _contact_evidence(
     )
 
 
-def _mentioned(name: str) -> str | None:
+def mentioned(name: str) -> str | None:
     """The class of the first material word in `name`."""
     by_word = {word: m.name for m in materials().values() for word in m.words}
     for word in _WORD.findall(name):

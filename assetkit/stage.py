@@ -23,7 +23,7 @@ from schemas.asset import (
     SourceFile,
 )
 from schemas.diagnostics import Diagnostic
-from schemas.evidence import Evidence
+from schemas.evidence import Evidence, default
 from schemas.model import Axis, FloatArray, Material, Mesh, Model
 from schemas.outcome import Outcome, Repair
 from schemas.parts import Part
@@ -103,10 +103,11 @@ class Semantics:
 @dataclass(frozen=True)
 class Interaction:
     """Parts of the object; anchors are proposals until acceptance. `cavities` are the openings of the solid, for all
-    stages that ask.
+    stages that ask. `material` is what the object as a whole is made of, by names, use and looks.
     """
 
     parts: tuple[Evidence[Part], ...] = ()
+    material: Evidence[str] = field(default_factory=lambda: default("unknown"))
     anchors: tuple[Anchor, ...] = ()
     cavities: tuple[Cavity, ...] = ()
 

@@ -71,8 +71,8 @@ def _row(truth: dict[str, str], file: Path, root: Path, *, stated: bool, strippe
     assert made is not None, f"{file} is not refused"
     draft = Draft("it", file.name, item, canonicalize=made)
     if stripped:
-        draft = _stripped(draft)
-    category = declared(truth["category"], "table") if stated else _category(draft)
+        draft = stripped_of(draft)
+    category = declared(truth["category"], "table") if stated else category_of(draft)
     meshes = dict(zip(mesh_prim_names(draft.model), draft.model.meshes, strict=True))
     cavities = find_cavities(made.solid)
     started = time.process_time()
@@ -114,12 +114,13 @@ def _boxes(text: str) -> list[tuple[str, FloatArray]]:
     return [(words[0], np.array(words[1:], dtype=float).reshape(3, 2).T) for words in entries]
 
 
-def _category(draft: Draft) -> Evidence[str]:
+def category_of(draft: Draft) -> Evidence[str]:
+    """What names tell, as the semantics stage has it."""
     said = EmbeddedAnnotator().annotate(observe(draft))
     return inferred(said.category, said.method, said.score) if said.score else default(said.category)
 
 
-def _stripped(draft: Draft) -> Draft:
+def stripped_of(draft: Draft) -> Draft:
     """The draft without a name in it."""
     model, made = draft.intake.model, draft.canonicalize
     assert made is not None

@@ -215,8 +215,9 @@ class ColliderMaterial(_Section):
 class PhysicsSection(_Section):
     """Mass properties about the mass centre in the asset frame, contact records, collider choice.
 
-    With several `mass_parts`, `material` is that of the largest share of volume and `density_kgm3` total mass over
-    total volume.
+    `material` is that which most of the body touches as, by names, use and looks: of the largest share of volume with
+    several `mass_parts`, whose own materials are those of their density. `density_kgm3` is then total mass over total
+    volume.
     """
 
     material: Evidence[str]

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from schemas.evidence import Evidence
+from schemas.evidence import Evidence, default
 from schemas.model import IntArray
 
 UNLABELLED = "unlabelled"
@@ -58,6 +58,7 @@ class Part(_Model):
 
     part_id: str
     label: Evidence[str]
+    material: Evidence[str] = Field(default=default("unknown"), description="class in the material table")
     name: str = Field(description="the label, else what the source calls it, else the id")
     sources: tuple[ProposalSource, ...] = Field(description="all that proposed about this region")
     source_path: str = Field(default="", description="of its node, where a node is the part")

@@ -95,7 +95,7 @@ def _author_mesh(stage: Usd.Stage, path: Sdf.Path, mesh: Mesh, look: Look, root:
 def _author_parts(mesh: UsdGeom.Mesh, name: str, listed: IntArray, parts: Sequence[Part]) -> None:
     """A subset per part with triangles on the mesh `name`; `listed` (m,) says which triangle stands at each place.
 
-    Parts may lie within each other, so their family is unrestricted. A label that nobody knows is not written.
+    Parts may lie within each other, so their family is unrestricted. What nobody knows is not written.
     """
     for part in parts:
         places = np.flatnonzero(part.mask(name, len(listed))[listed])
@@ -106,6 +106,9 @@ def _author_parts(mesh: UsdGeom.Mesh, name: str, listed: IntArray, parts: Sequen
         if part.label.confidence > 0.0:
             subset.GetPrim().SetCustomDataByKey("mana:partLabel", part.label.value)
             subset.GetPrim().SetCustomDataByKey("mana:partLabelConfidence", part.label.confidence)
+        if part.material.confidence > 0.0:
+            subset.GetPrim().SetCustomDataByKey("mana:partMaterial", part.material.value)
+            subset.GetPrim().SetCustomDataByKey("mana:partMaterialConfidence", part.material.confidence)
     if parts:
         UsdGeom.Subset.SetFamilyType(mesh, PART_FAMILY, UsdGeom.Tokens.unrestricted)
 

@@ -20,7 +20,7 @@ class NormalizeAppearance(Stage):
     """Checks every material value against its range and every texture use against the textures that exist."""
 
     name = "appearance"
-    version = 2
+    version = 3
     result = Appearance
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Appearance]:

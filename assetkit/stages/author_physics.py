@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from assetkit.annotate.name_reading import category_called
 from assetkit.mass_parts import Clues
+from assetkit.part_materials import face_materials
 from assetkit.source_inertials import in_asset_frame
 from assetkit.stage import Canonical, Draft, Physics, Stage, Tools, need
 from assetkit.stages.physics import build_physics
 from assetkit.unknown_density import dense_look
+from schemas.evidence import Evidence
+from schemas.model import IntArray
 from schemas.outcome import Outcome
+from usdio.write_meshes import mesh_prim_names
 
 
 class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 6
+    version = 7
     result = Physics
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Physics]:
@@ -42,6 +46,7 @@ def clues_of(draft: Draft, canonical: Canonical) -> Clues:
     scale = canonical.meters_per_unit.value
     section = draft.semantics.section if draft.semantics else None
     category = category_called(section.category.value) if section else None
+    touch, of_face = _touch(draft, canonical)
     return Clues(
         meshes=canonical.meshes,
         as_read=draft.intake.model.meshes,
@@ -54,4 +59,14 @@ def clues_of(draft: Draft, canonical: Canonical) -> Clues:
         usual_kg=category.mass_kg if category else None,
         category_confidence=section.category.confidence if section else 0.0,
         names=(section.name, *draft.intake.folders, *section.source_texts) if section else (),
+        touch=touch,
+        of_face=of_face,
     )
+
+
+def _touch(draft: Draft, canonical: Canonical) -> tuple[tuple[Evidence[str], ...], tuple[IntArray, ...]]:
+    """Materials of the visible surface and per mesh those of its triangles; none before the interaction stage."""
+    if draft.interaction is None:
+        return (), ()
+    meshes = dict(zip(mesh_prim_names(draft.model), canonical.meshes, strict=True))
+    return face_materials(meshes, draft.interaction.parts, draft.interaction.material)

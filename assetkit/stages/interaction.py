@@ -1,8 +1,9 @@
-"""Stage 5, interaction: the parts of the object, and anchors as geometry proposes them; asset frame."""
+"""Stage 5, interaction: parts and what they are made of, anchors as geometry proposes them; asset frame."""
 
 from __future__ import annotations
 
 from assetkit.anchors import propose_anchors
+from assetkit.part_materials import part_materials
 from assetkit.parts.find import find_parts
 from assetkit.stage import Canonical, Draft, Interaction, Stage, Tools, need
 from geom.cavity import find_cavities
@@ -21,10 +22,14 @@ class ProposeParts(Stage):
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:
         """Parts by source, material, connection and shape, labels where the category has a word; proposed anchors."""
         canonical: Canonical = need(draft.canonicalize, "canonicalize")
-        category = need(draft.semantics, "semantics").section.category
+        section = need(draft.semantics, "semantics").section
+        category = section.category
         cavities = find_cavities(canonical.solid)
         meshes = dict(zip(mesh_prim_names(draft.model), canonical.meshes, strict=True))
         found = find_parts(meshes, draft.model.materials, category, cavities=cavities)
         told = [finding("asset/part-disputed", text) for text in found.disputes]
+        parts, material = part_materials(
+            meshes, draft.model, found.parts, category, draft.source_name, draft.intake.folders
+        )
         anchors = propose_anchors(canonical.solid, cavities)
-        return Outcome(Interaction(found.parts, anchors, cavities), tuple(told))
+        return Outcome(Interaction(parts, material, anchors, cavities), tuple(told))

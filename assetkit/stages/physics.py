@@ -58,7 +58,7 @@ def build_physics(
     mass = mass_evidence(solid, names, replace(clues, cavities=colliders.cavities))
     touched = touches(colliders.shapes, solid, mass, clues, contacts)
     section = PhysicsSection(
-        material=mass.material,
+        material=touched.material,
         density_kgm3=mass.density_kgm3,
         mass_kg=mass.mass_kg,
         centre_of_mass_m=mass.centre_of_mass_m,

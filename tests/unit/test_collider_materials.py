@@ -22,6 +22,7 @@ from assetkit.stages.physics import PhysicsResult, build_physics
 from assetkit.urdf import DRAKE, rewrite_urdf, write_urdf
 from geom.solid import solidify
 from geom.support import surface as surface_of
+from schemas.evidence import inferred
 from schemas.model import Mesh
 from schemas.physics import Contact, SurfaceMaterial
 from usdio.reread import bound_contact_material, collider_prims, reread_body, reread_shape_contacts
@@ -139,3 +140,30 @@ def frictions(twin: Path) -> list[float]:
     """The dynamic friction of each collision of a URDF."""
     found = ElementTree.parse(twin).iter(f"{{{DRAKE}}}mu_dynamic")
     return [float(element.attrib["value"]) for element in found]
+
+
+def test_parts_touch_as_they_look_where_no_name_tells(tmp_path: Path) -> None:
+    """One mesh, its far end like rubber, the rest like steel: mass and density stay those of an unknown thing."""
+    bar, grip = part((0.2, 0.02, 0.02), (0.0, 0.0, 0.0), "bar"), part((0.1, 0.04, 0.04), (0.16, 0.0, 0.0), "bar")
+    mesh = mesh_from(trimesh.Trimesh(np.concatenate([bar.points, grip.points]), _both(bar, grip), process=False), "bar")
+    looks = inferred("steel", "looks", 0.7), inferred("rubber", "looks", 0.6)
+    of_face = np.repeat([0, 1], [len(bar.triangles), len(grip.triangles)])
+    solid = solidify([mesh])[0]
+    seen = build_physics(solid, [], work_dir=tmp_path, clues=Clues((mesh,), touch=looks, of_face=(of_face,)))
+    blind = build_physics(solid, [], work_dir=tmp_path, clues=Clues((mesh,)))
+    assert {s.label for s in seen.surfaces} == {"steel", "rubber"}
+    assert {r.material for r in seen.section.collider_materials} == {"steel", "rubber"}
+    assert seen.section.material == looks[1]  # It has most of the surface.
+    assert seen.section.contacts[0].value.static_friction == RUBBER.static_friction
+    assert seen.section.mass_kg == blind.section.mass_kg
+    assert seen.section.mass_parts[0].material.value == "unknown"
+
+
+def test_a_name_decides_against_looks(tmp_path: Path) -> None:
+    mesh = part((0.1,) * 3, (0.0, 0.0, 0.0), "oak")
+    clues = Clues((mesh,), touch=(inferred("steel", "looks", 0.9),), of_face=(np.zeros(12, dtype=np.int64),))
+    assert build_physics(solidify([mesh])[0], [], work_dir=tmp_path, clues=clues).section.material.value == "wood"
+
+
+def _both(one: Mesh, other: Mesh) -> np.ndarray:
+    return np.concatenate([one.triangles, other.triangles + len(one.points)])

@@ -1,0 +1,84 @@
+"""What things and their parts are usually made of, and how materials look, read from the tables beside this file.
+
+`usual_materials.csv`: of 100 things of a category, or parts called so, how many are of each class of `materials.csv`
+(parts of `any` category by name). `looks.csv`: how usual each class is among household things, and how its surfaces
+look: shares of tones, of smooth, satin and rough ones, of metallic values in authored maps, of see-through ones. Both
+were written down from general knowledge; nothing was fitted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Annotated
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict
+
+from assetkit.annotate.words import singulars
+from assetkit.taxonomy.tables import Words, rows_of
+from schemas.model import FloatArray
+
+ANY = "any"
+_weighted = BeforeValidator(
+    lambda cell: {name: float(weight) for name, weight in (entry.split() for entry in cell.split(";"))}
+)
+
+
+class UsualMaterials(BaseModel):
+    """One row: a category, its part names (() for the thing as a whole), and classes with their weights."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    category: str
+    parts: Words
+    materials: Annotated[dict[str, float], _weighted]
+
+
+@cache
+def looks_table() -> dict[str, dict[str, float]]:
+    """Class -> column -> share; `usual` is the weight among household things."""
+    return {r["material"]: {k: float(v) for k, v in r.items() if k != "material"} for r in rows_of("looks.csv")}
+
+
+@cache
+def classes() -> tuple[str, ...]:
+    """The classes that can be told apart, in the order of all arrays."""
+    return tuple(looks_table())
+
+
+@cache
+def usual_materials() -> tuple[UsualMaterials, ...]:
+    """All rows, in the order of the table."""
+    return tuple(UsualMaterials.model_validate(row) for row in rows_of("usual_materials.csv"))
+
+
+def household() -> FloatArray:
+    """(k,) chances of the classes of a thing of which nothing is known."""
+    return _normalised({name: row["usual"] for name, row in looks_table().items()})
+
+
+def usual_of(category: str, label: str, words: Sequence[str]) -> tuple[FloatArray | None, str]:
+    """(k,) chances for the part `label` ("" for the whole) of a `category`, and what told them in words.
+
+    `words` are those of the part's name in the source, in order; the last telling one counts, where the category has
+    no row for the part: motor mounts are mounts.
+    """
+    rows = {row.category: [r for r in usual_materials() if r.category == row.category] for row in usual_materials()}
+    own = rows.get(category, []) if category != ANY else []
+    for row in own:
+        if label and label in row.parts:
+            return _normalised(row.materials), f"{label} of a {category}"
+    called = {part: row for row in rows[ANY] for part in row.parts}
+    heard = (form for word in (label, *reversed(words)) for form in (word, *singulars(word)) if form in called)
+    if (said := next(heard, "")) != "":
+        return _normalised(called[said].materials), f"a {said}"
+    for row in own:
+        if not row.parts:
+            return _normalised(row.materials), category
+    return None, ""
+
+
+def _normalised(weights: dict[str, float]) -> FloatArray:
+    values = np.array([weights.get(name, 0.0) for name in classes()])
+    return values / values.sum()
