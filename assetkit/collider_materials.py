@@ -68,18 +68,17 @@ def touches(
     others that of the largest part, which is also the one that an engine with one material per body should take.
     """
     skins = skins_of(mass, clues)
+    most = skins[0].material
     found = [contact_evidence(skin.material, stated, skin.as_read) for skin in skins]
     own = [next(f.contacts for f, s in zip(found, skins, strict=True) if s.part == i) for i in range(len(mass.parts))]
     if len(skins) < 2:
-        return Touches(
-            found[0].contacts, skins[0].material, mass.parts, diagnostics=found[0].diagnostics, repairs=found[0].repairs
-        )
+        return Touches(found[0].contacts, most, mass.parts, diagnostics=found[0].diagnostics, repairs=found[0].repairs)
     names = [skin.material.value for skin in skins]
     shares = surface_shares(shapes, solid, [skin.meshes for skin in skins])
     chosen = tuple(int(k) for k in shares.argmax(axis=1))  # The first of equals: the largest part where there is none.
     return Touches(
         found[0].contacts,
-        skins[0].material,
+        most,
         tuple(p.model_copy(update={"contacts": c}) for p, c in zip(mass.parts, own, strict=True)),
         tuple(
             SurfaceMaterial(name, mass.parts[skin.part].density_kgm3.value, touch.contacts[0].value)

@@ -14,6 +14,7 @@ from schemas.evidence import Evidence, default, inferred
 from schemas.model import FloatArray, IntArray, Material, Mesh, Model
 from schemas.parts import Part
 
+CONTENTS = "food"  # A word for it in the name of a thing that is never made of it tells what is in it.
 METALS, METAL = ("steel", "aluminium", "copper"), "metal"
 # How sure a material word is where nothing else is known: in the name of the render material or node, of the file, of a
 # folder, which may hold other things.
@@ -94,10 +95,12 @@ def material_of(
     usual, told = usual_of(category.value if category.confidence > 0.0 else "", label, words)
     prior = household()
     if usual is not None:
-        sure = max(category.confidence, 0.6 if told.startswith("a ") else 0.0)
-        prior = sure * usual + (1.0 - sure) * prior
+        known = max(category.confidence, 0.6 if told.startswith("a ") else 0.0)
+        prior = known * usual + (1.0 - known) * prior
     clues = {f"usual for {told}": prior / household()} if usual is not None else {}
-    named = _said(own_names, _OWN_NAME) or _said(of_whole[:1], _FILE_NAME) or _said(of_whole[1:], _FOLDER_NAME)
+    filled = usual is not None and usual[classes().index(CONTENTS)] == 0.0
+    places = ((own_names, _OWN_NAME), (of_whole[:1], _FILE_NAME), (of_whole[1:], _FOLDER_NAME))
+    named = next(filter(None, (_said(names, sure, filled=filled) for names, sure in places)), {})
     clues |= named | _seen(look)
     chances = household() * np.prod(list(clues.values()), axis=0) if clues else household()
     chances = chances / chances.sum()
@@ -131,9 +134,13 @@ def _best(chances: FloatArray) -> tuple[str, float, float]:
     return ranked[0][1], ranked[0][0], ranked[1][0]
 
 
-def _said(names: Sequence[str], sure: float) -> dict[str, FloatArray]:
-    """A factor (k,) for the material words in `names`: alone it makes the class as likely as `sure`."""
+def _said(names: Sequence[str], sure: float, *, filled: bool) -> dict[str, FloatArray]:
+    """A factor (k,) for the material words in `names`: alone it makes the class as likely as `sure`; none for what
+    something is `filled` with.
+    """
     heard = dict.fromkeys(found for name in names if (found := mentioned(name)) is not None)
+    if filled:
+        heard.pop(CONTENTS, None)
     factors = np.ones(len(classes()))
     for name in heard:
         members = [classes().index(member) for member in (METALS if name == METAL else (name,))]

@@ -48,6 +48,7 @@ def demo(
     from cli.demo_page import write_page
     from cli.demo_scene import scene_demo
     from cli.demo_scene import show as show_scene
+    from cli.demo_search import search_demo
 
     data = data_folder()
     found = [data / name for name in OBJECTS if (data / name).is_file()]
@@ -68,7 +69,7 @@ def demo(
         scene = scene_demo(batch.out, out)
     with text.console.status("naming a hidden effect") if not as_json else nullcontext():
         gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
-    page = write_page(report, verdicts, spoiled, scene, gap, out)
+    page = write_page(report, verdicts, spoiled, search_demo(batch.out), scene, gap, out)
     if as_json:
         print(report.model_dump_json(indent=1))
     else:

@@ -10,6 +10,7 @@ from assetkit.record import RECORD
 from cli.demo_gap import GapDemo
 from cli.demo_gate import Spoiled
 from cli.demo_scene import SceneDemo
+from cli.demo_search import SearchDemo
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, Severity
@@ -27,6 +28,7 @@ def write_page(
     report: IngestReport,
     verdicts: dict[Path, tuple[Diagnostic, ...]],
     spoiled: tuple[Spoiled, ...],
+    searches: tuple[SearchDemo, ...],
     scene: SceneDemo | None,
     gap: GapDemo,
     out: Path,
@@ -44,6 +46,7 @@ def write_page(
         grasped=_grasped(cards),
         refused=refused,
         spoiled=spoiled,
+        searches=searches,
         scene=scene,
         gap=gap,
         pictures=_pictures(out, gap),
@@ -79,5 +82,6 @@ def _card(library: Path, name: str, verdicts: dict[Path, tuple[Diagnostic, ...]]
         "record": record,
         "extent_cm": [round(100 * e, 1) for e in record.geometry.extent_m.value],
         "chosen": next((c for c in record.physics.candidates if c.method == record.physics.collision_method), None),
+        "places": [a.value for a in record.anchors],
         "valid": not any(d.severity is Severity.ERROR for d in findings),
     }

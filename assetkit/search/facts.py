@@ -66,6 +66,7 @@ def facts_of(record: AssetRecord) -> Facts:
     """The searchable facts of a record."""
     semantics, physics = record.semantics, record.physics
     materials = [physics.material, *(part.material for part in physics.mass_parts)]
+    materials += [p.value.material for p in record.parts if p.value.material.confidence > 0.0]
     lost = any(d.code in _LOST_PICTURE for d in record.diagnostics)
     return Facts(
         asset_id=record.asset_id,

@@ -77,6 +77,12 @@ def test_a_name_weighs_more_than_what_is_usual() -> None:
     assert material_of(Look(), declared("bowl", "user"), of_whole=["wooden_bowl.obj"]).value == "wood"
 
 
+def test_what_is_in_a_can_is_not_what_it_is_made_of() -> None:
+    """A can of meat is of steel, an apple of food."""
+    assert material_of(Look(), declared("can", "user"), of_whole=["potted_meat_can.obj"]).value == "steel"
+    assert material_of(Look(), declared("fruit", "user"), of_whole=["apple.obj"]).value == "food"
+
+
 def test_several_metals_together_are_metal() -> None:
     """Metal is sure where no single metal is."""
     assert material_of(Look(), declared("pan", "user"), own_names=["metal"]).value == "metal"
