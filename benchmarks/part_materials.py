@@ -101,7 +101,7 @@ def _region(text: str, meshes: tuple[Mesh, ...], materials: list[str]) -> IntArr
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     share: FloatArray = (corners.mean(axis=1) - low) / (high - low)
     box = np.array(rest.split() or [0, 1] * 3, dtype=float).reshape(3, 2)
-    return np.logical_and(share >= box[:, 0], share <= box[:, 1]).all(axis=1, keepdims=True)[:, 0]
+    return np.all((share >= box[:, 0]) & (share <= box[:, 1]), axis=1)
 
 
 def main() -> None:
