@@ -16,7 +16,7 @@ class ProposeParts(Stage):
     """Parts with their labels. Anchors wait for acceptance."""
 
     name = "interaction"
-    version = 7
+    version = 8
     result = Interaction
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:
