@@ -39,6 +39,7 @@ from schemas.runtime_plan import (
 from schemas.scene_program import PairedMaterial, SceneProgram
 
 _DIGITS = 9  # nanometres
+MOST_CASES = 440  # of a pool
 MOST_CELLS = 13_000  # in the cases of a pool: about a megabyte
 _MARK = "\x01"  # no name holds it
 
@@ -166,7 +167,7 @@ def _materials(program: SceneProgram) -> tuple[PairedMaterial, ...]:
 
 
 def _cases_wanted(things: int, diversity: float) -> int:
-    return max(8, round(diversity * min(240 + 7 * things, MOST_CELLS // things)))
+    return max(8, round(diversity * min(MOST_CASES, MOST_CELLS // things)))
 
 
 class _Bodies:
