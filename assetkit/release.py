@@ -11,7 +11,7 @@ from assetkit.record import RECORD, read_record
 from assetkit.stage import Draft, need
 from assetkit.urdf import write_urdf
 from jobs.cache import file_sha256
-from schemas.asset import AssetRecord, SourceSection
+from schemas.asset import AssetRecord, SemanticsSection, SourceSection
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, declared, default
 from schemas.package import PackageContent
@@ -120,7 +120,7 @@ def _record(draft: Draft, journal: Journal, hashes: dict[str, str]) -> AssetReco
         ),
         geometry=canonical.section,
         appearance=need(draft.appearance, "appearance").section,
-        semantics=need(draft.semantics, "semantics").section,
+        semantics=_with_front(draft),
         parts=need(draft.interaction, "interaction").parts,
         affordances=need(draft.acceptance, "acceptance").affordances,
         anchors=need(draft.acceptance, "acceptance").anchors,
@@ -131,6 +131,14 @@ def _record(draft: Draft, journal: Journal, hashes: dict[str, str]) -> AssetReco
         history=journal.history,
         hashes=hashes,
     )
+
+
+def _with_front(draft: Draft) -> SemanticsSection:
+    """What the object is, with the side that its parts tell to be the front."""
+    section, front = need(draft.semantics, "semantics").section, need(draft.interaction, "interaction").front
+    if front is None:
+        return section
+    return section.model_copy(update={"front": front.direction, "heading_symmetry": front.symmetry})
 
 
 def _stated(metadata: dict[str, str], key: str) -> Evidence[str]:

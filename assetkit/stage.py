@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from pydantic import ConfigDict
 
+from assetkit.front import Front
 from assetkit.options import Options
 from assetkit.units import UnitDecision
 from geom.cavity import Cavity
@@ -102,14 +103,15 @@ class Semantics:
 
 @dataclass(frozen=True)
 class Interaction:
-    """Parts of the object; anchors are proposals until acceptance. `cavities` are the openings of the solid, for all
-    stages that ask. `material` is what the object as a whole is made of, by names, use and looks.
+    """Parts of the object and its front; anchors are proposals until acceptance. `cavities` are the openings of the
+    solid, for all stages that ask. `material` is what the object as a whole is made of, by names, use and looks.
     """
 
     parts: tuple[Evidence[Part], ...] = ()
     material: Evidence[str] = field(default_factory=lambda: default("unknown"))
     anchors: tuple[Anchor, ...] = ()
     cavities: tuple[Cavity, ...] = ()
+    front: Front | None = None
 
 
 @dataclass(frozen=True)

@@ -191,6 +191,12 @@ class SemanticsSection(_Section):
         default=default((0.0, 0.0, 1.0)), description="direction of the source that is up in the reference pose"
     )
     uprights: tuple[UprightHypothesis, ...] = Field(default=(), description="ways up, the likeliest first")
+    front: Evidence[Vec3] = Field(
+        default=default((1.0, 0.0, 0.0)), description="level direction of the asset frame that is its front"
+    )
+    heading_symmetry: Evidence[int] = Field(
+        default=default(1), description="in how many headings it looks the same; 1 none, 0 all"
+    )
 
 
 class MassPart(_Section):

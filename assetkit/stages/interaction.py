@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from assetkit.anchors import propose_anchors
+from assetkit.front import front_of
 from assetkit.part_materials import part_materials
 from assetkit.parts.find import find_parts
 from assetkit.stage import Canonical, Draft, Interaction, Stage, Tools, need
@@ -16,7 +17,7 @@ class ProposeParts(Stage):
     """Parts with their labels. Anchors wait for acceptance."""
 
     name = "interaction"
-    version = 8
+    version = 9
     result = Interaction
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:
@@ -32,4 +33,5 @@ class ProposeParts(Stage):
             meshes, draft.model, found.parts, category, draft.source_name, draft.intake.folders
         )
         anchors = propose_anchors(canonical.solid, cavities)
-        return Outcome(Interaction(parts, material, anchors, cavities), tuple(told))
+        front = front_of(meshes, category, found.parts, cavities)
+        return Outcome(Interaction(parts, material, anchors, cavities, front), tuple(told))
