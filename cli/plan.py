@@ -11,13 +11,14 @@ import typer
 from rich.markup import escape
 
 from cli import text
+from cli.plan_restrict import restrict_command
 from jobs.cache import write_atomically
 from runtime_plan import as_document, load, sample
 from schemas.runtime_plan import RuntimePlan
 
 app = typer.Typer(help="Draw scenes from a compiled plan: thousands in a moment, each valid.", no_args_is_help=True)
 AsJson = Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")]
-PlanFile = Annotated[Path, typer.Argument(help="`plan.json`, of `mana scene compile`.", dir_okay=False)]
+PlanFile = Annotated[Path, typer.Argument(help="`plan.json`, of `mana scene compile`.", exists=True, dir_okay=False)]
 Assets = Annotated[
     Path | None, typer.Option("--assets", help="Folder of packages: refuse them if they changed.", exists=True)
 ]
@@ -50,6 +51,9 @@ def sample_command(
     text.console.print(f"{n} scenes of {len(drawn.names)} things from {layouts} layouts, written to {escape(str(out))}")
 
 
+app.command("restrict")(restrict_command)
+
+
 @app.command("inspect")
 def inspect_command(
     plan: PlanFile,
@@ -69,12 +73,30 @@ def inspect_command(
     pools, things = _pools(ready.document), _things(ready.document)
     if as_json:
         made = ready.document.provenance.model_dump()
-        print(json.dumps({"plan": ready.sha256, "provenance": made, "pools": pools, "things": things}, indent=1))
+        facts = {"plan": ready.sha256, "provenance": made, "choices": _choices(ready.document)}
+        print(json.dumps({**facts, "pools": pools, "things": things}, indent=1))
         return
     text.show_rows(pools, {"combination": "combination", "things": "things", "cases": "cases", "families": "families"})
     text.show_rows(
         things, {"thing": "thing", "cell_cm": "cell (cm, median)", "yaw_rad": "yaw (rad, median)", "stances": "stances"}
     )
+
+
+def _choices(plan: RuntimePlan) -> dict[str, object]:
+    """What `mana plan restrict` can choose from."""
+    keys = dict.fromkeys(key for one in plan.combinations for key in one.combination)
+    assets: dict[str, list[str]] = {}
+    for one in plan.combinations:
+        for thing in one.things:
+            ids = (plan.bodies[body].asset_id for body in thing.bodies)
+            assets[thing.id] = list(dict.fromkeys((*assets.get(thing.id, ()), *ids)))
+    return {
+        "choice": {key: list(dict.fromkeys(one.combination[key] for one in plan.combinations)) for key in keys},
+        "asset": assets,
+        "material": [material.id for material in plan.materials],
+        "lighting": [light.id for light in plan.lighting],
+        "split": {side: list(ids) for side, ids in plan.split.items()},
+    }
 
 
 def _pools(plan: RuntimePlan) -> list[dict[str, object]]:
@@ -142,8 +164,9 @@ def verify_command(
     else:
         for row in report.violations[:20]:
             words = f"{row.kind} {row.label}".strip()
-            text.console.print(f"[red]sample {row.index}[/]: {escape(words)}: {escape(', '.join(row.things))}, "
-                               f"{row.value:.6g} against {row.bound:.6g} {row.unit}", highlight=False)  # fmt: skip
+            sizes = f", {row.value:.6g} against {row.bound:.6g} {row.unit}" if row.unit else ""
+            told = f"[red]sample {row.index}[/]: {escape(words)}: {escape(', '.join(row.things))}{sizes}"
+            text.console.print(told, highlight=False)
         style = "red" if report.invalid else "green"
         text.console.print(f"[bold {style}]{report.invalid} invalid[/] of {report.checked} samples")
     raise typer.Exit(1 if report.invalid else 0)

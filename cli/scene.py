@@ -95,6 +95,10 @@ def compile_command(
         progress.update(task, advance=1)
     _tell(report, root or program.parent, as_json)
     if not as_json:
+        if compiled.plan is not None:
+            cases = sum(len(pool.cases) for one in compiled.plan.combinations for pool in one.pools)
+            spent = f"{cases} cases in {report.phases['plan']:.1f} s; --diversity 0 leaves it out"
+            text.console.print(f"plan.json for `mana plan sample`: {spent}", highlight=False)
         text.console.print(f"written to {escape(str(out))}", soft_wrap=True)
     raise typer.Exit(_exit_code(report))
 
@@ -280,5 +284,5 @@ def _tell(report: CompileReport, root: Path, as_json: bool) -> None:
             highlight=False,
         )
     text.console.print(
-        f"[bold {_STYLE[report.verdict]}]{_WORDS[report.verdict]}[/] in {report.seconds:.2f} s", highlight=False
+        f"[bold {_STYLE[report.verdict]}]{_WORDS[report.verdict]}[/] ({report.seconds:.2f} s)", highlight=False
     )

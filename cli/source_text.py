@@ -20,6 +20,7 @@ Mark = tuple[Location, str, bool]  # place, words, whether it is the main one
 
 def show(diagnostics: Iterable[Diagnostic], root: Path) -> None:
     """Print findings whose files are named relative to `root`."""
+    _text_of.cache_clear()
     for diagnostic in diagnostics:
         text.console.print("\n".join(_lines(diagnostic, root)), soft_wrap=True, highlight=False)
         text.console.print()
@@ -105,7 +106,7 @@ def _end(line: str, start: int) -> int:
     return len(line.rstrip())
 
 
-@cache
+@cache  # Emptied by `show`: a file may have been saved since.
 def _text_of(root: Path, file: str | None) -> tuple[str, ...]:
     """The lines of a source file; none when it cannot be read (the place still says where)."""
     try:

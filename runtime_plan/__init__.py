@@ -2,8 +2,9 @@
 
 from runtime_plan.load import load
 from runtime_plan.plan import Plan, prepare
+from runtime_plan.restrict import Restriction, restrict
 from runtime_plan.sample import sample
 from runtime_plan.samples import Samples
 from runtime_plan.samples_file import as_document, read_samples
 
-__all__ = ["Plan", "Samples", "as_document", "load", "prepare", "read_samples", "sample"]
+__all__ = ["Plan", "Restriction", "Samples", "as_document", "load", "prepare", "read_samples", "restrict", "sample"]

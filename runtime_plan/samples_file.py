@@ -15,6 +15,7 @@ from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.runtime_plan import PlanCombination
 from schemas.scene_samples import SampledLighting, SampledObject, SceneSample, SceneSamples
 
+UNIT = 1e-6  # how far the norm of a quaternion may be from 1
 _CHANNELS = ("intensity", "exposure", "temperature_K", "rotation")
 
 
@@ -84,11 +85,30 @@ def read_samples(path: Path | str, plan: Plan) -> tuple[tuple[int, ...], Samples
         raise InvalidInput(
             finding("plan/other-plan", text, where=here, value=document.plan[:12], bound=plan.sha256[:12])
         )
+    said = _unfit(document)
+    if said:
+        raise InvalidInput(finding("plan/unreadable-samples", f"{path.name}: {said}", where=here))
     try:
         return tuple(one.index for one in document.samples), _arrays(plan, document)
     except (KeyError, IndexError, ValueError) as wrong:
         text = f"{path.name} names what the plan does not have: {wrong}"
         raise InvalidInput(finding("plan/unreadable-samples", text, where=here)) from None
+
+
+def _unfit(document: SceneSamples) -> str:
+    """What keeps samples from being judged at all; empty when nothing does."""
+    if not document.samples:
+        return "it holds no sample"
+    indices = [one.index for one in document.samples]
+    if len(set(indices)) < len(indices):
+        return "two samples have one index"
+    for one in document.samples:
+        for name, item in one.objects.items():
+            if not np.isfinite(item.position_m).all():
+                return f"sample {one.index}: the position of `{name}` is not finite"
+            if not abs(float(np.linalg.norm(item.quat_wxyz)) - 1.0) <= UNIT:
+                return f"sample {one.index}: the quaternion of `{name}` has no unit length"
+    return ""
 
 
 def _arrays(plan: Plan, document: SceneSamples) -> Samples:

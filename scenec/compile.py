@@ -15,7 +15,7 @@ from scenec.conflicts import minimal_conflict
 from scenec.drop_choices import dropped_choices
 from scenec.emit import compiled_scene
 from scenec.graph import Graph, interaction_graph
-from scenec.ir import Exhausted, Infeasible, Path, Placement, Problem, Result, Solved
+from scenec.ir import Exhausted, Infeasible, Path, Placement, Problem, Proof, Result, Solved
 from scenec.lower import lower
 from scenec.plan import runtime_plan
 from scenec.report import conflict_members, verdict_of, why
@@ -66,6 +66,7 @@ class Explained:
     conflict: tuple[Path, ...] = ()
     minimal: bool | None = None
     edits: tuple[Suggestion, ...] = ()
+    proof: Proof | None = None
 
 
 class Clock:
@@ -203,7 +204,7 @@ def _explain(problems: Sequence[Problem], failed: int, result: Result, seed: int
     conflict = minimal_conflict(problem, feasible)
     if conflict is None:
         return Explained(result.proof.paths)
-    return Explained(conflict.paths, conflict.minimal, suggestions(problem, conflict, feasible, others))
+    return Explained(conflict.paths, conflict.minimal, suggestions(problem, conflict, feasible, others), conflict.proof)
 
 
 def _failure(
@@ -215,6 +216,7 @@ def _failure(
     rows: tuple[CombinationVerdict, ...],
     clock: Clock,
 ) -> CompileReport:
+    result = Infeasible(told.proof) if told.proof is not None else result  # Of the conflict, not of the whole.
     return CompileReport(
         verdict=verdict_of(result),
         seconds=clock.total_s,

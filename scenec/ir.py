@@ -156,6 +156,11 @@ class RelationIR:
     path: Path = ()
     word: str = ""
 
+    @property
+    def as_written(self) -> tuple[str, ...]:
+        """The things in the order in which they were written."""
+        return self.things[::-1] if self.word in ("right_of", "behind") else self.things
+
 
 @dataclass(frozen=True)
 class KeepOutIR:

@@ -47,6 +47,18 @@ PLAN_CODES: dict[str, CodeInfo] = {
         "Cells were proven for the geometry it had; with another one, samples may collide.",
         "compile the scene again with the packages as they are now",
     ),
+    "plan/unknown-choice": CodeInfo(
+        "error",
+        "A restriction names what the plan does not have",
+        "A misspelt name would silently leave everything, or nothing.",
+        "take a name that `mana plan inspect PLAN --json` lists",
+    ),
+    "plan/nothing-left": CodeInfo(
+        "error",
+        "A restriction leaves nothing of the plan",
+        "No combination of variants has an asset left for each of its things.",
+        "allow more, or add variants to the program and compile it again",
+    ),
     "plan/unreadable-samples": CodeInfo(
         "error",
         "The file holds no samples",

@@ -184,6 +184,7 @@ class PlanProvenance(_Model):
     compiler: str
     seed: int
     diversity: float = 1.0
+    restricted_from: str | None = Field(default=None, description="SHA-256 of the plan of which this is a part")
 
 
 class RuntimePlan(_Model):

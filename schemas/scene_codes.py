@@ -47,7 +47,7 @@ SCENE_CODES: dict[str, CodeInfo] = {
         "error",
         "A key has no meaning here",
         "A misspelt key would silently leave its default in force.",
-        "use the key suggested, or remove it; `mana scene schema` prints the language",
+        "take the nearest key where one is suggested, or remove it; `mana scene schema` prints the language",
     ),
     "scene/missing-key": CodeInfo(
         "error",

@@ -38,6 +38,8 @@ SAMPLES: dict[str, str | None] = {
 NOT_FROM_A_PLAN: dict[str, str] = {
     "plan/unreadable-samples": "tests/unit/test_plan_samples_file.py",
     "plan/other-plan": "tests/unit/test_plan_samples_file.py",
+    "plan/unknown-choice": "tests/unit/test_plan_restrict.py",
+    "plan/nothing-left": "tests/unit/test_plan_restrict.py",
 }
 
 

@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from render.figure import png
 from scenec.ir import Exhausted, FloatArray, Infeasible, Path, Problem, RelationIR, Result, Surface, Thing
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
-from scenec.pictures.relations import draw_relations, spoken
+from scenec.pictures.relations import draw_relations
 from scenec.solve.model import Model, model_of
 from scenec.solve.regions import alone
 from scenec.source.tree import written
@@ -90,7 +90,7 @@ def _caption(problem: Problem, result: Result, paths: Sequence[Path]) -> list[st
     words = {relation.path: relation for relation in problem.relations}
     for path in paths:
         relation = words.get(path)
-        what = f": {' '.join([relation.word or relation.kind, *spoken(relation)])}" if relation else ""
+        what = f": {' '.join([relation.word or relation.kind, *relation.as_written])}" if relation else ""
         said.append(f"- {written(path)}{what}")
     return said if len(said) <= _MOST_LINES else [*said[:_MOST_LINES], f"... and {len(said) - _MOST_LINES} more"]
 

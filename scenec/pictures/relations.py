@@ -10,13 +10,6 @@ from matplotlib.axes import Axes
 from scenec.ir import FloatArray, RelationIR
 from scenec.pictures.canvas import arrow
 
-_SWAPPED = ("right_of", "behind")  # The problem keeps both as `before` with the things the other way round.
-
-
-def spoken(relation: RelationIR) -> tuple[str, ...]:
-    """The things of a relation in the order in which it was written."""
-    return relation.things[::-1] if relation.word in _SWAPPED else relation.things
-
 
 def draw_relations(
     axes: Axes,
@@ -33,7 +26,7 @@ def draw_relations(
         said = relation.word or relation.kind
         if numbered and relation.path:
             said += f" [{relation.path[-1]}]"
-        for first, second in pairwise(spoken(relation)):
+        for first, second in pairwise(relation.as_written):
             if first in at and second in at:
                 words.setdefault((first, second, colour_of(relation)), []).append(said)
     for (first, second, colour), said in words.items():

@@ -185,7 +185,8 @@ def _place_differences(
 def _relation_differences(
     system: Differences, relation: RelationIR, node: dict[str, int], known: dict[str, YawCell], d: FloatArray
 ) -> None:
-    reason = Reason("relation", f"{(relation.word or relation.kind)}: [{', '.join(relation.things)}]", relation.path)
+    said = f"{relation.word or relation.kind}: [{', '.join(relation.as_written)}]"
+    reason = Reason("relation", said, relation.path)
     at = [node[name] for name in relation.things]
     if relation.kind == "near":
         system.least(at[0] + BEGIN, at[1] + END, -relation.gap_m, reason)

@@ -1,6 +1,7 @@
 """Samples written are the samples read; files of other plans and broken files are refused."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -60,3 +61,23 @@ def test_broken_samples_are_refused(tmp_path: Path, text: str):
     with pytest.raises(InvalidInput) as refused:
         read_samples(path, PLAN)
     assert refused.value.diagnostic.code == "plan/unreadable-samples"
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda d: d["samples"].clear(), "no sample"),
+        (lambda d: d["samples"][1].update(index=d["samples"][0]["index"]), "one index"),
+        (lambda d: d["samples"][0]["objects"]["cup"].update(quat_wxyz=[2.0, 0.0, 0.0, 0.0]), "no unit length"),
+        (lambda d: d["samples"][0]["objects"]["cup"].update(position_m=[float("nan"), 0.0, 0.0]), "not finite"),
+    ],
+)
+def test_samples_that_cannot_be_judged_are_refused(tmp_path: Path, change: Callable[[dict], None], said: str):
+    plan = prepare(tray_plan())
+    document = json.loads(as_document(plan, sample(plan, 3, 0)).model_dump_json())
+    change(document)
+    (tmp_path / "s.json").write_text(json.dumps(document))
+    with pytest.raises(InvalidInput) as refused:
+        read_samples(tmp_path / "s.json", plan)
+    assert refused.value.diagnostic.code == "plan/unreadable-samples"
+    assert said in refused.value.diagnostic.headline
