@@ -3,20 +3,25 @@
     python -m benchmarks.plan_speed [--sizes 5,10,30,60,80] [--batch 4096] [--check 20000] [--limit 10]
 
 The workload of the anchors: boxes of 4 to 14 cm, free yaw, 1 cm clearance, N/5 `left_of` pairs. CPU seconds of one
-thread. `rejection` draws the same boxes by oriented-box rejection, 200 tries a box, many scenes at once in numpy;
-scene_synthesizer and numba take part where they are installed. Samples are judged by the independent judge; exit code
-1 when one is invalid.
+thread (set OMP_NUM_THREADS=1). Below each plan stand those that reject: the same boxes in the same order, 200 tries a
+box, by oriented boxes in numpy (many scenes at once), compiled by numba, and by scene_synthesizer. The last two are no
+dependencies of Mana and take part where they are installed: pip install -c constraints.txt numba scene-synthesizer.
+The independent judge looks at up to --check scenes of each but numpy's; exit code 1 when one of a plan is invalid.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+from importlib import import_module
 from importlib.util import find_spec
 
 import numpy as np
 
 from benchmarks.scene_workload import CLEARANCE_M, TABLE_M, sizes_and_pairs, workload
+from geom.many_scenes import Stands
+from geom.plan_rules import rules_of
+from geom.scene_check_many import check_many
 from runtime_plan import Plan, prepare, sample
 from runtime_plan.verify import Judge
 from scenec.ir import Solved
@@ -26,6 +31,7 @@ from scenec.solve import solve
 from schemas.scene_program import SceneProgram
 
 TRIES = 200
+ELSEWHERE = {"numba": "benchmarks.numba_rejection", "scene_synthesizer": "benchmarks.synthesizer_rejection"}
 Pairs = list[tuple[int, int]]
 
 
@@ -62,16 +68,25 @@ def latency_ms(plan: Plan) -> tuple[float, float]:
     return float(np.median(times)), float(np.percentile(times, 99))
 
 
+def refused(plan: Plan, poses: np.ndarray) -> int:
+    """How many scenes of x, y, yaw (m, n, 3) the independent judge refuses."""
+    rules = rules_of(plan.document, plan.document.combinations[0])
+    at = poses[:, [int(thing.name.removeprefix("box")) for thing in rules.things]]
+    origin = np.concatenate([at[..., :2], np.zeros((*at.shape[:2], 1))], axis=-1)
+    shape = at.shape[:2]
+    return sum(1 for _ in check_many(rules, Stands(origin, at[..., 2], np.zeros(shape, int), np.ones(shape, bool))))
+
+
 def rejection(sizes: np.ndarray, pairs: Pairs, limit_s: float, n: int = 512) -> tuple[float, float]:
     """Scenes per CPU second and the share of attempts that succeed, boxes in the order of the program."""
     rng, since, done, begun = np.random.default_rng(0), time.process_time(), 0, 0
     while time.process_time() - since < limit_s:
-        done += _attempt(sizes, pairs, rng, n, since + limit_s)
+        done += _attempt(sizes, pairs, rng, n)
         begun += n
     return done / (time.process_time() - since), done / begun
 
 
-def _attempt(sizes: np.ndarray, pairs: Pairs, rng: np.random.Generator, n: int, end: float) -> int:
+def _attempt(sizes: np.ndarray, pairs: Pairs, rng: np.random.Generator, n: int) -> int:
     """How many of n scenes could be filled."""
     at, turn = np.zeros((n, len(sizes), 2)), np.zeros((n, len(sizes)))
     alive = np.arange(n)
@@ -79,7 +94,7 @@ def _attempt(sizes: np.ndarray, pairs: Pairs, rng: np.random.Generator, n: int, 
         waiting = alive
         placed = []
         for _ in range(TRIES):
-            if not len(waiting) or time.process_time() > end:
+            if not len(waiting):
                 break
             m = len(waiting)
             yaw = rng.uniform(-np.pi, np.pi, m)
@@ -127,23 +142,28 @@ def main() -> int:
     parser.add_argument("--check", type=int, default=20_000)
     parser.add_argument("--limit", type=float, default=10.0)
     asked = parser.parse_args()
-    missing = [name for name in ("numba", "scene_synthesizer") if find_spec(name) is None]
-    print(f"not installed here: {', '.join(missing) or 'nothing'}")
-    print("  N  cases  plan s      bytes   scenes/s  one ms  p99 ms  invalid  rejection/s  succeeds", flush=True)
+    present = {name: module for name, module in ELSEWHERE.items() if find_spec(name) is not None}
+    print(f"not installed here: {', '.join(sorted(ELSEWHERE.keys() - present.keys())) or 'nothing'}")
+    print("  N  cases  plan s      bytes  one ms  p99 ms  by                   scenes/s  succeeds  judged  invalid")
     wrong = 0
     for n in map(int, asked.sizes.split(",")):
         plan, seconds, size = plan_for(n)
         cases = sum(len(pool.cases) for pool in plan.document.combinations[0].pools)
         fast, (one, late) = rate(plan, asked.batch), latency_ms(plan)
-        judge = Judge(plan)
-        invalid = len({row["index"] for row in judge.violations(sample(plan, asked.check, 1))})
-        slow, share = rejection(*sizes_and_pairs(n, 0), asked.limit)
+        invalid = len({row["index"] for row in Judge(plan).violations(sample(plan, asked.check, 1))})
+        wrong += invalid
         print(
-            f"{n:3} {cases:6} {seconds:7.1f} {size:10} {fast:10.0f} {one:7.3f} {late:7.3f} {invalid:8} "
-            f"{slow:12.1f} {share:9.1%}",
+            f"{n:3} {cases:6} {seconds:7.1f} {size:10} {one:7.3f} {late:7.3f}  "
+            f"{'plan':17} {fast:11.1f} {1:9.1%} {asked.check:7} {invalid:8}",
             flush=True,
         )
-        wrong += invalid
+        boxes, pairs = sizes_and_pairs(n, 0)
+        slow, share = rejection(boxes, pairs, asked.limit)
+        print(f"{n:3} {'':41}{'numpy':17} {slow:11.1f} {share:9.1%}", flush=True)
+        for name, module in present.items():
+            slow, share, poses = import_module(module).rejection(boxes, pairs, TRIES, asked.limit, asked.check)
+            bad = refused(plan, poses)
+            print(f"{n:3} {'':41}{name:17} {slow:11.1f} {share:9.1%} {len(poses):7} {bad:8}", flush=True)
     return 1 if wrong else 0
 
 
