@@ -39,7 +39,7 @@ from schemas.runtime_plan import (
 from schemas.scene_program import PairedMaterial, SceneProgram
 
 _DIGITS = 9  # nanometres
-MOST_CASES = 440  # of a pool
+MOST_CASES = 800  # of a pool
 MOST_CELLS = 13_000  # in the cases of a pool: about a megabyte
 _MARK = "\x01"  # no name holds it
 
