@@ -76,7 +76,16 @@ def inspect_command(
         facts = {"plan": ready.sha256, "provenance": made, "choices": _choices(ready.document)}
         print(json.dumps({**facts, "pools": pools, "things": things}, indent=1))
         return
-    text.show_rows(pools, {"combination": "combination", "things": "things", "cases": "cases", "families": "families"})
+    text.show_rows(
+        pools,
+        {
+            "combination": "combination",
+            "things": "things",
+            "cases": "cases",
+            "quality": "quality",
+            "families": "families",
+        },
+    )
     text.show_rows(
         things, {"thing": "thing", "cell_cm": "cell (cm, median)", "yaw_rad": "yaw (rad, median)", "stances": "stances"}
     )
@@ -105,11 +114,13 @@ def _pools(plan: RuntimePlan) -> list[dict[str, object]]:
     for index, one in enumerate(plan.combinations):
         for pool in one.pools:
             families = Counter(case.family for case in pool.cases)
+            quality = sorted(case.quality for case in pool.cases)
             rows.append(
                 {
                     "combination": index,
                     "things": ", ".join(pool.things),
                     "cases": len(pool.cases),
+                    "quality": f"{quality[0]:.2f} to {quality[-1]:.2f}",
                     "families": ", ".join(f"{name} {count}" for name, count in families.most_common()),
                 }
             )

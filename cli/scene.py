@@ -98,7 +98,7 @@ def compile_command(
         if compiled.plan is not None:
             cases = sum(len(pool.cases) for one in compiled.plan.combinations for pool in one.pools)
             spent = f"{cases} cases in {report.phases['plan']:.1f} s; --diversity 0 leaves it out"
-            text.console.print(f"plan.json for `mana plan sample`: {spent}", highlight=False)
+            text.console.print(f"plan.json for `mana plan sample`: {spent}", highlight=False, soft_wrap=True)
         text.console.print(f"written to {escape(str(out))}", soft_wrap=True)
     raise typer.Exit(_exit_code(report))
 
