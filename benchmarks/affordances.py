@@ -19,10 +19,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-import pybullet_data
-
 from assetkit.anchor_trials import verify_anchors
-from assetkit.discover import discover
 from assetkit.grasp_trials import TRIED
 from assetkit.options import Options
 from assetkit.stable_poses import find_stable_poses
@@ -31,9 +28,9 @@ from assetkit.stages.affordances import find_affordances
 from assetkit.stages.appearance import NormalizeAppearance
 from assetkit.stages.author_physics import AuthorPhysics
 from assetkit.stages.canonicalize import Canonicalize
-from assetkit.stages.intake import take_in
 from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.semantics import DescribeObject
+from benchmarks.truth_files import located, object_of
 from schemas.affordances import AffordanceEvidence, Grasp
 from schemas.physics import RigidBody
 from sim.bullet import BulletSimulator
@@ -64,9 +61,7 @@ class Row(NamedTuple):
 def draft_of(file: Path, root: Path, up_axis: str, simulator: BulletSimulator, work_dir: Path) -> Draft:
     """The largest object of a file, through all stages up to physics."""
     options = Options.model_validate({"up_axis": up_axis})
-    (candidate,) = discover([file], root=root)
-    objects = take_in(candidate, options).objects
-    draft = Draft("thing", file.name, max(objects, key=lambda o: sum(len(m.points) for m in o.model.meshes)))
+    draft = Draft("thing", file.name, object_of(file, options, root))
     tools = Tools(simulator, work_dir, options)
     for stage in (Canonicalize(), NormalizeAppearance(), DescribeObject(), ProposeParts(), AuthorPhysics()):
         value = stage.run(draft, tools).value
@@ -99,14 +94,13 @@ def affordances_of(
 
 def rows(assets: Path, *, only: str = "", tried: int = TRIED, names: bool = True) -> Iterator[Row]:
     """The rows of the table whose path holds `only`."""
-    roots = {"dev": assets, "pybullet": Path(pybullet_data.getDataPath())}
     with TABLE.open(encoding="utf-8") as file, BulletSimulator() as simulator:
         for truth in csv.DictReader(file):
             if only not in truth["path"]:
                 continue
-            root, _, path = truth["path"].partition("/")
+            file_at, root = located(assets, truth["path"])
             with tempfile.TemporaryDirectory() as folder:
-                draft = draft_of(roots[root] / path, roots[root], truth["up_axis"], simulator, Path(folder))
+                draft = draft_of(file_at, root, truth["up_axis"], simulator, Path(folder))
             draft = draft if names else nameless(draft)
             offered, why, seconds = affordances_of(draft, simulator, tried)
             grasps = [e.value for e in offered if isinstance(e.value, Grasp)]

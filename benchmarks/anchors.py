@@ -19,15 +19,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-import pybullet_data
-
 from assetkit.anchor_trials import verify_anchors
 from assetkit.anchors import propose_anchors
 from assetkit.colliders import choose_colliders
-from assetkit.discover import discover
 from assetkit.options import Options
 from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
+from benchmarks.truth_files import located, object_of
 from geom.cavity import find_cavities
 from schemas.anchors import Anchor
 from sim.bullet import BulletSimulator
@@ -50,21 +47,15 @@ class Row(NamedTuple):
 
 def rows(assets: Path, *, only: str = "", proposed: bool = False) -> Iterator[Row]:
     """The rows of the table whose path holds `only`, the largest object of each file."""
-    roots = {"dev": assets, "pybullet": Path(pybullet_data.getDataPath())}
     with TABLE.open(encoding="utf-8") as file, BulletSimulator() as simulator:
         for truth in csv.DictReader(file):
-            root, _, path = truth["path"].partition("/")
             if only in truth["path"]:
-                yield _row(truth, roots[root] / path, roots[root], None if proposed else simulator)
+                yield _row(truth, *located(assets, truth["path"]), None if proposed else simulator)
 
 
 def _row(truth: dict[str, str], file: Path, root: Path, simulator: BulletSimulator | None) -> Row:
     options = Options(up_axis=truth["up_axis"])
-    (candidate,) = discover([file], root=root)
-    objects = take_in(candidate, options).objects
-    made = canonicalize(
-        max(objects, key=lambda o: sum(len(m.points) for m in o.model.meshes)), file.name, options
-    ).value
+    made = canonicalize(object_of(file, options, root), file.name, options).value
     assert made is not None, f"{file} is not refused"
     started = time.perf_counter()
     anchors: Sequence[Anchor] = propose_anchors(made.solid, find_cavities(made.solid))

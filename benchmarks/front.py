@@ -15,14 +15,12 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
-import pybullet_data
 
-from assetkit.discover import discover
 from assetkit.front import front_of
 from assetkit.options import Options
 from assetkit.parts.find import find_parts
 from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
+from benchmarks.truth_files import located, object_of
 from geom.cavity import find_cavities
 from schemas.evidence import declared, default
 from usdio.write_meshes import mesh_prim_names
@@ -34,21 +32,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("assets", type=Path)
     given = parser.parse_args()
-    roots = {"dev": given.assets, "pybullet": Path(pybullet_data.getDataPath())}
     ends: Counter[str] = Counter()
     with TABLE.open(encoding="utf-8") as file:
         for truth in csv.DictReader(file):
-            root, _, path = truth["path"].partition("/")
-            ends[_asked(truth, roots[root] / path, roots[root])] += 1
+            ends[_asked(truth, *located(given.assets, truth["path"]))] += 1
     print(", ".join(f"{n} {end}" for end, n in sorted(ends.items())))
 
 
 def _asked(truth: dict[str, str], file: Path, root: Path) -> str:
     options = Options.model_validate({"up_axis": truth["up_axis"]})
-    item = max(
-        take_in(discover([file], root=root)[0], options).objects,
-        key=lambda o: sum(len(m.points) for m in o.model.meshes),
-    )
+    item = object_of(file, options, root)
     made = canonicalize(item, file.name, options).value
     assert made is not None, f"{file} is not refused"
     category = declared(truth["category"], "table") if truth["category"] else default("unknown")

@@ -19,19 +19,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pybullet_data
 
 from assetkit.annotate.annotator import Observation, Shape
 from assetkit.annotate.embedded import EmbeddedAnnotator
 from assetkit.annotate.name_reading import category_called
-from assetkit.discover import discover
 from assetkit.grounding import is_normalised, scale_of
 from assetkit.options import METERS_PER_UNIT, Options
 from assetkit.size_belief import CATEGORY_HOLDS
 from assetkit.stage import Intake
-from assetkit.stages.intake import take_in
 from assetkit.taxonomy.tables import Category
 from assetkit.units import decide_unit
+from benchmarks.truth_files import object_of, roots
 from geom.fits import fit_box
 from schemas.evidence import Evidence, default
 
@@ -53,16 +51,15 @@ class Answer(NamedTuple):
 
 
 def answers(assets: Path, only: str = "") -> Iterator[Answer]:
-    roots = {"dev": assets, "pybullet": Path(pybullet_data.getDataPath())}
     rng = np.random.default_rng(SEED)
     with TABLE.open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
             odd = math.exp(rng.normal(0.0, SPREAD))
             if only not in row["path"]:
                 continue
-            path = roots[row["root"]] / row["path"]
-            items = take_in(discover([path], root=roots[row["root"]])[0], Options()).objects
-            item = max(items, key=lambda o: sum(len(m.points) for m in o.model.meshes))
+            root = roots(assets)[row["root"]]
+            path = root / row["path"]
+            item = object_of(path, Options(), root)
             points = np.concatenate([m.points for m in item.model.meshes]) * float(row["meters_per_unit"])
             extent_m = np.ptp(points, axis=0)
             box = fit_box(points)

@@ -21,20 +21,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pybullet_data
 from scipy.spatial.transform import Rotation
 
 from assetkit.annotate.embedded import EmbeddedAnnotator
 from assetkit.annotate.name_reading import category_called
-from assetkit.discover import discover
 from assetkit.options import Options
 from assetkit.orientation import least_chance, uprights
 from assetkit.stage import Canonical, Draft
 from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
 from assetkit.stages.semantics import observe
 from assetkit.taxonomy.tables import Category
 from assetkit.up_axis import TO_Z_UP
+from benchmarks.truth_files import largest, roots
 from geom.upright import stands
 from schemas.model import FloatArray
 from schemas.physics import Solid
@@ -57,23 +55,22 @@ class Case(NamedTuple):
 
 
 def cases(assets: Path, only: str, turns: int) -> Iterator[Case]:
-    roots = {"dev": assets, "pybullet": Path(pybullet_data.getDataPath())}
     rng = np.random.default_rng(SEED)
     with TABLE.open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
             draws = [("cube", Rotation.create_group("O").as_matrix()[i]) for i in rng.integers(24, size=turns)]
             draws += [("any", R) for R in Rotation.random(turns, random_state=rng).as_matrix()]
-            made = canonical_of(roots[row["root"]] / row["path"], roots[row["root"]]) if only in row["path"] else None
+            root = roots(assets)[row["root"]]
+            made = canonical_of(root / row["path"], root) if only in row["path"] else None
             if made is not None:
                 yield from _asked(row["path"], row["up"], made, draws)
 
 
 def canonical_of(path: Path, root: Path) -> tuple[Canonical, Category | None] | None:
     """The largest object of a file in its metric frame, and the category that names tell; None when it is refused."""
-    taken = take_in(discover([path], root=root)[0], Options()).objects
-    if not taken:
+    item = largest(path, Options(), root)
+    if item is None:
         return None
-    item = max(taken, key=lambda o: sum(len(m.points) for m in o.model.meshes))
     canonical = canonicalize(item, path.name, Options()).value
     if canonical is None:
         return None

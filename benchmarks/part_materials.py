@@ -22,17 +22,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pybullet_data
 
-from assetkit.discover import discover
 from assetkit.options import Options
 from assetkit.part_materials import face_materials, part_materials
 from assetkit.parts.find import find_parts
 from assetkit.stage import Draft
 from assetkit.stages.appearance import normalize
 from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
 from benchmarks.parts import category_of, stripped_of
+from benchmarks.truth_files import located, object_of
 from geom.surface_distance import triangle_areas
 from schemas.evidence import Evidence, declared
 from schemas.model import FloatArray, IntArray, Mesh
@@ -53,14 +51,12 @@ class Row(NamedTuple):
 
 def rows(assets: Path, *, only: str = "", stated: bool = False, stripped: bool = False) -> Iterator[tuple[Row, float]]:
     """Each region of the table whose path holds `only`, and CPU seconds spent on its object (0 after the first)."""
-    roots = {"dev": assets, "pybullet": Path(pybullet_data.getDataPath())}
     with TABLE.open(encoding="utf-8") as file:
         table = [row for row in csv.DictReader(file) if only in row["path"]]
     for (path, up_axis, category), group in itertools.groupby(
         table, lambda r: (r["path"], r["up_axis"], r["category"])
     ):
-        root, _, place = path.partition("/")
-        draft = _draft(roots[root] / place, roots[root], up_axis)
+        draft = _draft(*located(assets, path), up_axis)
         truth_meshes, truth_materials = draft.model.meshes, [m.name for m in draft.model.materials]
         if stripped:
             bare = stripped_of(draft)
@@ -84,8 +80,7 @@ def rows(assets: Path, *, only: str = "", stated: bool = False, stripped: bool =
 
 def _draft(file: Path, root: Path, up_axis: str) -> Draft:
     options = Options.model_validate({"up_axis": up_axis})
-    (candidate,) = discover([file], root=root)
-    item = max(take_in(candidate, options).objects, key=lambda o: sum(len(m.points) for m in o.model.meshes))
+    item = object_of(file, options, root)
     made = canonicalize(item, file.name, options).value
     assert made is not None, f"{file} is not refused"
     return Draft("it", file.name, item, canonicalize=made, appearance=normalize(item.model).value)

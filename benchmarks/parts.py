@@ -20,16 +20,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pybullet_data
 
 from assetkit.annotate.embedded import EmbeddedAnnotator
-from assetkit.discover import discover
 from assetkit.options import Options
 from assetkit.parts.find import find_parts
 from assetkit.stage import Draft, Intake
 from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
 from assetkit.stages.semantics import observe
+from benchmarks.truth_files import located, object_of
 from geom.cavity import find_cavities
 from schemas.evidence import Evidence, declared, default, inferred
 from schemas.model import FloatArray
@@ -54,19 +52,15 @@ class Row(NamedTuple):
 
 def rows(assets: Path, *, only: str = "", stated: bool = False, stripped: bool = False) -> Iterator[Row]:
     """The rows of the table whose path holds `only`, the largest object of each file."""
-    roots = {"dev": assets, "pybullet": Path(pybullet_data.getDataPath())}
     with TABLE.open(encoding="utf-8") as file:
         for truth in csv.DictReader(file):
-            root, _, path = truth["path"].partition("/")
             if only in truth["path"]:
-                yield _row(truth, roots[root] / path, roots[root], stated=stated, stripped=stripped)
+                yield _row(truth, *located(assets, truth["path"]), stated=stated, stripped=stripped)
 
 
 def _row(truth: dict[str, str], file: Path, root: Path, *, stated: bool, stripped: bool) -> Row:
     options = Options.model_validate({"up_axis": truth["up_axis"]})
-    (candidate,) = discover([file], root=root)
-    objects = take_in(candidate, options).objects
-    item = max(objects, key=lambda o: sum(len(m.points) for m in o.model.meshes))
+    item = object_of(file, options, root)
     made = canonicalize(item, file.name, options).value
     assert made is not None, f"{file} is not refused"
     draft = Draft("it", file.name, item, canonicalize=made)

@@ -24,18 +24,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-import pybullet_data
-
 from assetkit.annotate.annotator import UNKNOWN, Annotation, Observation, Shape
 from assetkit.annotate.embedded import EmbeddedAnnotator
 from assetkit.annotate.name_reading import read_name
-from assetkit.discover import discover
 from assetkit.options import Options
 from assetkit.stage import Draft
 from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
 from assetkit.stages.semantics import observe
 from assetkit.taxonomy.tables import categories
+from benchmarks.truth_files import largest, roots
 
 TABLE = Path(__file__).with_name("semantics_truth.csv")
 NAMES = Path(__file__).with_name("semantics_names.csv")
@@ -54,11 +51,10 @@ class Row(NamedTuple):
 
 def rows(assets: Path, only: str = "") -> Iterator[Row]:
     """The rows of the table, the largest object of each file; files that intake refuses are left out."""
-    roots = {"dev": assets, "pybullet": Path(pybullet_data.getDataPath())}
     annotator = EmbeddedAnnotator()
     with TABLE.open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            seen = observed(roots[row["root"]] / row["path"]) if only in row["path"] else None
+            seen = observed(roots(assets)[row["root"]] / row["path"]) if only in row["path"] else None
             if seen is not None:
                 blind = replace(seen, file="part", folders=(), nodes=(), materials=(), titles=())
                 said, nameless = annotator.annotate(seen), annotator.annotate(blind).category
@@ -67,9 +63,9 @@ def rows(assets: Path, only: str = "") -> Iterator[Row]:
 
 def observed(path: Path) -> Observation | None:
     """What the annotator is shown of the largest object of a file."""
-    taken = take_in(discover([path])[0], Options()).objects
-    canonical = canonicalize(taken[0], path.name, Options()).value if taken else None
-    return observe(Draft("part", path.name, taken[0], canonicalize=canonical)) if canonical else None
+    item = largest(path, Options())
+    canonical = canonicalize(item, path.name, Options()).value if item else None
+    return observe(Draft("part", path.name, item, canonicalize=canonical)) if item and canonical else None
 
 
 def ends_of_names() -> dict[str, Counter[str]]:
