@@ -58,9 +58,11 @@ class AssetLibrary:
         return tuple(sorted(record.parent.name for record in self.folder.glob("*/record.json")))
 
     def refresh(self) -> None:
-        """Forget everything read when a package that was used is another by now, or is gone (its record has hashes)."""
+        """Forget which packages there are, and everything read when one that was used is another by now, or is gone."""
         if any(self._record(asset_id) != record for asset_id, record in self._records.items()):
-            self.__init__(self.folder)
+            for known in (self._geometries, self._bodies, self._records):
+                known.clear()
+        self.__dict__.pop("names", None)
 
     def body(self, asset: Single, scale: float = 1.0, orientation: Orientation = "upright") -> Body:
         """The asset in each way it may stand. Raises InvalidInput (`scene/unknown-asset`, `scene/unusable-asset`)."""

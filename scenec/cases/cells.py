@@ -18,9 +18,15 @@ SPARE_M = 3 * GRAIN_M  # around the footprint of what is pinned, so that roundin
 
 
 def cases_of(
-    scope: Scope, layouts: Layouts, rng: Generator, reach: ReachIR | None = None, base_P_m: FloatArray | None = None
+    scope: Scope,
+    layouts: Layouts,
+    rng: Generator,
+    reach: ReachIR | None = None,
+    base_P_m: FloatArray | None = None,
+    sure: int = 0,
 ) -> list[PlanCase]:
-    """A case for each layout that keeps its relations, in their order.
+    """A case for each layout that keeps its relations, in their order; the first `sure` are known to be valid and stay
+    where no other does.
 
     What cannot have a cell of its own (it meets another's rectangle, or fills a round place) is pinned where the layout
     has it; such a layout must be known to be valid.
@@ -29,6 +35,8 @@ def cases_of(
     rect = grow(scope, layouts, free, rng)
     freedom = freedom_of(scope, layouts, rect, free)
     kept = clip(scope, layouts, freedom, reach, np.zeros(2) if base_P_m is None else base_P_m)
+    if not kept.any():  # A relation that a layout just meets leaves no slack, and none is needed where all is pinned.
+        kept[:sure] = True
     columns = [_cells(member, i, layouts, rect, freedom, free) for i, member in enumerate(scope.members)]
     return [
         PlanCase(

@@ -20,7 +20,7 @@ from scenec.cases.shelf import shelf
 from scenec.cases.signature import distinct
 from scenec.cases.slots import seated, ways_of
 from scenec.cases.strip import strips
-from scenec.ir import FloatArray, Placement, ReachIR
+from scenec.ir import WORLD_PARENT, FloatArray, Placement, ReachIR
 from scenec.solve.model import Model
 from scenec.solve.streams import stream
 from schemas.runtime_plan import PlanCase
@@ -54,13 +54,13 @@ def pool_cases(model: Model, asked: Asked) -> list[PlanCase]:
     surplus = int(SURPLUS * asked.want)
     parts = [_solved(scope, asked.solved)]
     parts.append(seeded(scope, surplus - len(parts[0]), rng, 1))
-    if (missing := surplus - len(joined(parts))) > 0:
+    if (missing := surplus - sum(map(len, parts))) > 0:
         # Crowded, or tied by relations: no exact shares to keep, and more variety by structure.
         orderly = structured(scope, round(STRUCTURED * missing), rng) if len(scope.members) > 2 else []
         parts.append(seeded(scope, missing - sum(map(len, orderly)), rng, TRIES))
-        missing = surplus - len(joined([*parts, *orderly]))
+        missing = surplus - sum(map(len, [*parts, *orderly]))
         parts += orderly if missing <= 0 else [*orderly, *structured(scope, missing, rng)]
-    cases = cases_of(scope, joined(parts), rng, reach, base)
+    cases = cases_of(scope, joined(parts), rng, reach, base, sure=len(parts[0]))
     judged = [case.model_copy(update={"quality": quality(scope, case)}) for case in distinct(asked.names, cases)]
     return selected(scope, judged, asked.want)
 
@@ -131,8 +131,9 @@ def _nearest(member, placement: Placement) -> int:
 
 
 def _reach_P(model: Model, scope: Scope) -> tuple[ReachIR | None, np.ndarray]:
-    # The reach and its base in the background's frame; members on movable owners are frozen and need no clip.
+    # The reach and its base in the background's frame; members on movable owners are frozen and need no clip. All
+    # members of a pool have one owner.
     reach = model.problem.reach
-    if reach is None:
+    if reach is None or scope.members[0].thing.parent != WORLD_PARENT:
         return None, np.zeros(2)
     return reach, (np.linalg.inv(model.problem.X_WB) @ (*reach.base_m, 1.0))[:2]

@@ -88,8 +88,7 @@ def _region(
     ]
     region = region.difference(shapely.union_all(blocked)) if blocked else region
     x0, x1, y0, y1 = np.clip(member.origin_m, -1e3, 1e3)
-    if x1 - x0 > GRAIN_M and y1 - y0 > GRAIN_M:
-        region = region.intersection(shapely.box(x0, y0, x1, y1))
+    region = region.intersection(shapely.box(x0, y0, x1, y1))  # Without width it has no area: another family serves.
     if reach is not None and member.name in reach.members:
         centre = shapely.Point(base_P_m)
         region = region.intersection(centre.buffer(reach.most_m, quad_segs=8 * SEGMENTS))

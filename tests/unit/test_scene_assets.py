@@ -161,3 +161,17 @@ def test_what_is_no_package_is_told(library: AssetLibrary, tmp_path: Path):
         assert caught.value.diagnostic.code == f"scene/{code}-asset"
     with pytest.raises(InvalidInput, match="did you mean `bin`"):
         library.body(FixedAsset(type="fixed", id="bim"))
+
+
+def test_packages_that_come_and_go_are_known_after_a_refresh(tmp_path: Path):
+    library = AssetLibrary(tmp_path)
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "a" / "record.json").write_text("{}")
+    assert library.names == ("a",)
+    (tmp_path / "b" / "record.json").write_text("{}")
+    library.refresh()
+    assert library.names == ("a", "b")
+    (tmp_path / "a" / "record.json").unlink()
+    library.refresh()
+    assert library.names == ("b",)

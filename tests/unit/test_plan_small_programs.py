@@ -1,0 +1,58 @@
+"""The smallest programs whose plans were wrong once: every compiled program gives a plan that draws valid scenes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from runtime_plan import prepare, sample
+from runtime_plan.verify import Judge
+from scenec.compile import compile_program
+
+BOX = "{type: box, size_m: [0.1, 0.1, 0.05]}"
+TABLE = "background: {asset: {type: box, size_m: [1.6, 1.6, 0.04]}}"
+DISC = "background: {asset: {type: cylinder, radius_m: 0.4, height_m: 0.04}}"
+TWO = """\
+objects: [{id: a, asset: BOX}, {id: b, asset: BOX}]
+layout:
+  nodes:
+    a: {object: a, placement: {type: surface, surface: top, ranges: {x: [0, 0], y: [0, 0], yaw: [0, 0]}}}
+    b: {object: b, placement: {type: surface, surface: top, ranges: {x: [0.3, 0.3], y: [0, 0], yaw: [0, 0]}}}
+"""
+ONE = """\
+objects: [{id: a, asset: BOX}]
+layout:
+  nodes:
+    a: {object: a, placement: {type: surface, surface: top, ranges: RANGES}}
+"""
+REACHED = """\
+objects:
+  - {id: tray, asset: {type: box, size_m: [0.4, 0.3, 0.02]}}
+  - {id: mug, asset: {type: cylinder, radius_m: 0.03, height_m: 0.08}}
+layout:
+  nodes:
+    tray: {object: tray, placement: {type: surface, surface: top, ranges: {x: [0.3, 0.5], y: [-0.1, 0.1], yaw: [0, 0]}}}
+    mug: {object: mug, placement: {type: surface, surface: onto}}
+reach: {base: [-0.6, 0, 0], min_radius: 0.7, radius: 1.4}
+"""
+PROGRAMS = {
+    "near, exactly met": TABLE + "\n" + TWO + "relations: [{near: [a, b], distance: 0.2}]\n",
+    "facing without tolerance": TABLE + "\n" + TWO + "relations: [{facing: [a, b], tolerance: 0}]\n",
+    "a range without width on a disc": DISC + "\n" + ONE.replace("RANGES", "{x: [0.1, 0.1], y: [-0.1, 0.1]}"),
+    "a point on a disc": DISC + "\n" + ONE.replace("RANGES", "{x: [0.1, 0.1], y: [0.1, 0.1]}"),
+    "reach of what a movable thing carries": TABLE + "\n" + REACHED,
+}
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_the_plan_draws_valid_scenes(name: str, tmp_path: Path):
+    onto = ", onto: {object: tray, surface: auto}" if "tray" in PROGRAMS[name] else ""
+    anchors = f"anchors: {{top: {{object: background, surface: auto}}{onto}}}\n"
+    file = tmp_path / "program.yaml"
+    file.write_text("scene: small\n" + anchors + PROGRAMS[name].replace("BOX", BOX))
+    compiled = compile_program(file, diversity=0.1)
+    assert compiled.report.verdict == "compiled", compiled.report.diagnostics
+    assert compiled.plan is not None
+    plan = prepare(compiled.plan)
+    assert list(Judge(plan).violations(sample(plan, 500, 0))) == []
