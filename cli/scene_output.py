@@ -20,7 +20,7 @@ from scenec.plan import plan_text
 from schemas import arrays
 from schemas.compiled_scene import CompileReport
 from usdio.read import read_stage
-from usdio.write_scene import write_scene
+from usdio.write_scene import PACKAGES, copy_package, write_scene
 
 REPORT, SCENE, GRAPH, RUNTIME_PLAN = "report.json", "scene", "graph", "plan.json"
 PLAN, PERSPECTIVE, FAILURE = "plan.png", "perspective.png", "failure.png"
@@ -48,6 +48,9 @@ def write_output(compiled: Compiled, assets: Path | None, out: Path) -> CompileR
     named = None
     if compiled.plan is not None:
         named = RUNTIME_PLAN
+        for package in sorted({body.package for body in compiled.plan.bodies if body.package is not None}):
+            assert assets is not None, "packages come from a library"
+            copy_package(assets / package, out / PACKAGES / package)
         write_atomically(out / named, plan_text(compiled.plan).encode())
     return compiled.report.model_copy(update={"matrix": tuple(rows), "scene": first, "plan": named})
 

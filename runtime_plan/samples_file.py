@@ -47,22 +47,28 @@ def _documents(plan: Plan, samples: Samples) -> Iterator[SceneSample]:
             for name, (body, position, quat, owner, worn) in zip(names, rows, strict=True)
             if body >= 0
         }
-        light, background = int(samples.lighting[k]), int(samples.background[k])
+        background = int(samples.background[k])
         pools = len(plan.document.combinations[combination].pools)
         yield SceneSample(
             index=samples.start + k,
             combination=combination,
             case=tuple(samples.case[k, :pools].tolist()),
             objects=objects,
-            lighting=None if light < 0 else _lighting(plan, light, samples.channels[k].tolist()),
+            lighting=sampled_lighting(plan, samples, k),
             background=None if background < 0 else bodies[background].asset_id,
             background_material=material(int(samples.background_material[k])),
         )
 
 
-def _lighting(plan: Plan, index: int, channels: list[float]) -> SampledLighting:
-    drawn = {name: value for name, value in zip(_CHANNELS, channels, strict=True) if value == value}
-    return SampledLighting(id=plan.document.lighting[index].id, **drawn)
+def sampled_lighting(plan: Plan, samples: Samples, k: int) -> SampledLighting | None:
+    """The lighting of sample k with its channels as drawn; None for none."""
+    index = int(samples.lighting[k])
+    if index < 0:
+        return None
+    channels = zip(_CHANNELS, samples.channels[k].tolist(), strict=True)
+    return SampledLighting(
+        id=plan.document.lighting[index].id, **{name: value for name, value in channels if value == value}
+    )
 
 
 def read_samples(path: Path | str, plan: Plan) -> tuple[tuple[int, ...], Samples]:

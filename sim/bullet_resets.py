@@ -24,7 +24,7 @@ from sim.port import GRAVITY_MPS2, ROLLING_RESISTANCE
 class BulletResets:
     """`sim.port.ResetWorld` in the PyBullet client `client`, at true size; the client is the caller's.
 
-    The engine multiplies the friction of both sides, so each has the root of its dynamic coefficient.
+    The engine multiplies friction and restitution of both sides, so each has the root of its own.
     """
 
     def __init__(self, client: int) -> None:
@@ -77,13 +77,16 @@ class BulletResets:
             lateralFriction=math.sqrt(contact.dynamic_friction),
             rollingFriction=ROLLING_RESISTANCE * size if loose else 1.0,
             spinningFriction=TURNING_RESISTANCE * size if loose else 1.0,
-            restitution=0.0,
+            restitution=math.sqrt(contact.restitution),
             physicsClientId=self.client,
             **physics,
         )
 
     def dynamics(self, number: int) -> tuple[float, FloatArray, float]:
-        """Mass (kg), principal moments (3,) and friction of a body, as the engine has them."""
+        """Mass (kg), principal moments (3,) and friction of a body, as the engine has them.
+
+        Of such bodies the engine keeps the restitution to itself: it answers 0 whatever was set.
+        """
         found = pybullet.getDynamicsInfo(self._bodies[number][0], -1, physicsClientId=self.client)
         return float(found[0]), np.array(found[2]), float(found[1])
 

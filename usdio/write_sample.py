@@ -21,6 +21,7 @@ from usdio.names import identifier
 from usdio.write_materials import label_material
 from usdio.write_package import USD_FOLDER
 from usdio.write_physics import author_contact_values
+from usdio.write_scene import author_scaled_mass
 
 _ROOT = Sdf.Path("/World")
 
@@ -74,6 +75,9 @@ def _edit(stage: Usd.Stage, prim: Usd.Prim, edit: SampleEdit, packages: Path, fo
         wanted = Path(os.path.relpath(main, folder)).as_posix()
         if not any(ref.assetPath.endswith(f"{edit.package}/{USD_FOLDER}/{main.name}") for ref in _references(prim)):
             prim.GetReferences().SetReferences([Sdf.Reference(f"./{wanted}")])
+            scale = prim.GetAttribute("xformOp:scale")
+            if scale:  # The scene below states mass and inertia of the asset it was compiled with.
+                author_scaled_mass(prim, main, float(scale.Get()[0]))
     if edit.position_m is not None and edit.quat_wxyz is not None:
         prim.GetAttribute("xformOp:translate").Set(Gf.Vec3d(*edit.position_m))
         prim.GetAttribute("xformOp:orient").Set(Gf.Quatd(*edit.quat_wxyz))

@@ -38,7 +38,7 @@ def write_scene(scene: CompiledScene, library: Path | None, file: Path) -> Path:
     for package in sorted({item.package for item in placed if item.package is not None}):
         if library is None:
             raise FileNotFoundError(package)
-        _copy(library / package, file.parent / PACKAGES / package)
+        copy_package(library / package, file.parent / PACKAGES / package)
     layer = Sdf.Layer.CreateAnonymous(".usda")
     stage = Usd.Stage.Open(layer)
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
@@ -131,14 +131,19 @@ def _adapt_body(prim: Usd.Prim, item: PlacedObject, main: Path, *, moves: bool) 
     if not moves:
         UsdPhysics.RigidBodyAPI.Apply(prim).CreateRigidBodyEnabledAttr(False)
     elif item.scale != 1.0:
-        source = Usd.Stage.Open(str(main))
-        stated = UsdPhysics.MassAPI(source.GetDefaultPrim())
-        mass = UsdPhysics.MassAPI.Apply(prim)
-        mass.CreateMassAttr(stated.GetMassAttr().Get() * item.scale**3)
-        mass.CreateDiagonalInertiaAttr(stated.GetDiagonalInertiaAttr().Get() * item.scale**5)
+        author_scaled_mass(prim, main, item.scale)
 
 
-def _copy(source: Path, target: Path) -> None:
+def author_scaled_mass(prim: Usd.Prim, main: Path, scale: float) -> None:
+    """Mass and moments of inertia of the package with the stage `main` at another scale."""
+    source = Usd.Stage.Open(str(main))
+    stated = UsdPhysics.MassAPI(source.GetDefaultPrim())
+    mass = UsdPhysics.MassAPI.Apply(prim)
+    mass.CreateMassAttr(stated.GetMassAttr().Get() * scale**3)
+    mass.CreateDiagonalInertiaAttr(stated.GetDiagonalInertiaAttr().Get() * scale**5)
+
+
+def copy_package(source: Path, target: Path) -> None:
     """The package without its previews; files that are there with the same bytes stay untouched."""
     if not source.is_dir():
         raise FileNotFoundError(source)

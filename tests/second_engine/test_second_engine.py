@@ -21,6 +21,7 @@ from schemas.model import FloatArray
 from tests.second_engine import comparison, mujoco_drops
 from tests.second_engine.comparison import Package, Pair, Rest
 from tests.second_engine.objects import INSTALLED, SHARED, release, write_generated
+from usdio.reread import reread_shape_contacts
 
 MASS_TOLERANCE, HEIGHT_M = 1e-6, 0.002
 POLYHEDRAL_RAD, CURVED_RAD = math.radians(1.0), math.radians(5.0)
@@ -106,9 +107,10 @@ def test_colliders_arrive_in_kind_and_number_and_nothing_else_collides(group: Gr
 
 def test_friction_is_read_from_the_usd_and_by_pybullet_but_not_by_mujoco_from_the_urdf(group: Group) -> None:
     for package, answer in zip(group.packages, group.answers, strict=True):
-        friction = package.body.contact.dynamic_friction
+        of_shapes = [contact.dynamic_friction for contact in reread_shape_contacts(package.usd)]
         from_usd = [g["friction"] for g in answer["facts"]["geoms"] if g["collides"]]
-        assert from_usd == pytest.approx([friction] * len(from_usd), rel=1e-6)
+        assert from_usd == pytest.approx(of_shapes, rel=1e-6)
+        friction = package.body.contact.dynamic_friction  # A URDF knows one contact per link.
         assert comparison.bullet_facts(package.urdf)["friction"] == pytest.approx(friction, rel=1e-6)
         assert {g["friction"] for g in mujoco_drops.facts(package.urdf)["geoms"]} == {1.0}  # MuJoCo's default
 

@@ -91,3 +91,17 @@ def test_pictures_are_drawn(folder: Path, tmp_path: Path):
     with Image.open(cells) as picture:
         assert picture.width > 1000
     assert not list(folder.glob(".sheet*"))
+
+
+def test_a_restricted_plan_lies_over_the_scene_of_its_own_combination(tmp_path: Path):
+    small = "variants:\n  backgrounds: [{id: small, background: {asset: {type: box, size_m: [0.6, 0.6, 0.3]}}}]\n"
+    (tmp_path / "desk.yaml").write_text(PROGRAM.replace("variants:\n", small))
+    out, kept = tmp_path / "out", tmp_path / "out" / "small.json"
+    run = CliRunner().invoke
+    words = ["scene", "compile", str(tmp_path / "desk.yaml"), "--out", str(out), "--no-settle", "--no-pictures"]
+    assert run(app, words).exit_code == 0
+    words = ["plan", "restrict", str(out / "plan.json"), "--choice", "variants.backgrounds=small", "--out", str(kept)]
+    assert run(app, words).exit_code == 0
+    made = run(app, ["plan", "realise", str(kept), "--json"])
+    assert made.exit_code == 0, made.output
+    assert "scene-2.usda" in Path(json.loads(made.stdout)["files"][0]).read_text()

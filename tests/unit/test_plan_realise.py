@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geom.pose import pose_from_quat
+from geom.pose import pose, pose_from_quat
 from runtime_plan import prepare, sample
 from runtime_plan.bodies import physical_body
 from runtime_plan.materials import is_paired, wearing
@@ -88,6 +88,30 @@ def test_friction_of_a_support_follows_its_material():
             realiser.reset(drawn, k)
             felt = drawn.background_material[k] == 2
             assert world.dynamics(0)[2] == pytest.approx(0.9**0.5 if felt else 0.5**0.5)
+
+
+def test_a_paired_material_brings_its_restitution():
+    """A cube falls 30 cm on a slab; both wear the material, and the rebound tells."""
+
+    def rebound_m(restitution: float) -> float:
+        rubber = PairedMaterial(id="rubber", objects=("cube", "slab"), restitution=restitution)
+        with private_client() as client:
+            world = BulletResets(client)
+            for name, side_m, centre_m in (("slab", 1.0, -0.1), ("cube", 0.1, 0.3)):
+                own = physical_body(box_body(name, side_m, 0.1, mass_kg=0.4), None)
+                worn = wearing(own.body, None, rubber)
+                number = world.add(own.body, moves=name == "cube")
+                world.wear(number, worn.mass, worn.contact)
+                world.stand(number, pose(None, np.array([0.0, 0.0, centre_m])))
+            heights = []
+            for _ in range(120):
+                world.run(1.0 / 240.0)
+                heights.append(float(world.poses()[1, 2, 3]))
+        low = int(np.argmin(heights[:90]))
+        return max(heights[low:]) - heights[low]
+
+    assert rebound_m(0.0) < 0.005
+    assert rebound_m(0.8) > 0.1
 
 
 def test_a_recipe_of_appearance_leaves_physics_untouched():
