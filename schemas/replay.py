@@ -1,0 +1,65 @@
+"""What replay augmentation writes beside a recording: one file `variant.json` for every variant.
+
+Frames: W world of the recording, z up; A asset frame of an inserted object. Metres, quaternions wxyz.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from schemas.compiled_scene import Point3, Quat_wxyz
+from schemas.scene_program import Inline
+
+SCHEMA_VERSION = "1.0"
+VARIANT_FILE = "variant.json"
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+
+class Inserted(_Model):
+    """One object that was put in and never moves: a released package, or a `primitive` as written before `scale`.
+
+    `package` is its folder below the folder of packages, `package_hash` the SHA-256 of its record. `stance` names the
+    way it stands, `support` the shape of a fixture that it stands on. `material` is the one that the plan drew, by
+    name; empty where the asset keeps its own.
+    """
+
+    name: str
+    asset_id: str
+    position_m: Point3
+    quat_wxyz: Quat_wxyz
+    support: str
+    stance: str = ""
+    package: str | None = None
+    package_hash: str | None = None
+    scale: float = 1.0
+    primitive: Annotated[Inline, Field(discriminator="type")] | None = None
+    mass_kg: float | None = None
+    material: str = ""
+
+
+class Variant(_Model):
+    """One recording with new static objects, and everything that is needed to make it again.
+
+    `source` is the recording as the user named it, `source_sha256` the digests of its files by name. `camera_hidden` is
+    the share of task-object pixels that the inserted objects newly hide, by camera; empty where nothing was rendered.
+    `feasible_area_m2` is where an object of the smallest footprint may have its origin, by support.
+    """
+
+    schema_version: str = SCHEMA_VERSION
+    episode: str
+    source: str
+    source_sha256: dict[str, str] = {}
+    seed: int
+    number: int
+    clearance_m: float
+    objects_requested: int
+    inserted: tuple[Inserted, ...]
+    lights: dict[str, float | str] = {}
+    feasible_area_m2: dict[str, float] = {}
+    camera_hidden: dict[str, float] = {}
+    provenance: dict[str, str] = {}
