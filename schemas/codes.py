@@ -10,6 +10,7 @@ from schemas.code_info import CodeInfo
 from schemas.gap_codes import GAP_CODES
 from schemas.gate_codes import GATE_CODES
 from schemas.plan_codes import PLAN_CODES
+from schemas.replay_codes import REPLAY_CODES
 from schemas.scene_codes import SCENE_CODES
 
 CODES: dict[str, CodeInfo] = {
@@ -568,4 +569,5 @@ CODES: dict[str, CodeInfo] = {
     **GAP_CODES,
     **SCENE_CODES,
     **PLAN_CODES,
+    **REPLAY_CODES,
 }

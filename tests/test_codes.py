@@ -15,6 +15,7 @@ from assetkit.stages.intake import take_in
 from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.semantics import DescribeObject
 from cli.docs import file_name, index, page
+from replay.reading import read_episodes
 from runtime_plan import load
 from scenec.assets import AssetLibrary
 from scenec.compile import compile_program
@@ -24,11 +25,11 @@ from schemas.codes import CODES
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from sim.fake import FakeSimulator
 from simgap.measurement import read
-from tests import gap_bad_inputs, plan_bad_inputs, scene_bad_inputs, scene_library
+from tests import gap_bad_inputs, plan_bad_inputs, replay_bad_inputs, scene_bad_inputs, scene_library
 from tests.bad_inputs import NOT_FROM_A_FILE, SAMPLES
 
 PAGES = Path(__file__).parents[1] / "docs" / "diagnostics"
-GAP, SCENE, PLAN = "gap/", "scene/", "plan/"
+GAP, SCENE, PLAN, REPLAY = "gap/", "scene/", "plan/", "replay/"
 GATE = "asset/gate-"  # Rules over released USD files; tests/unit/test_gate.py seeds one defect for each.
 
 
@@ -56,7 +57,7 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
 
 def test_every_code_has_a_sample():
     covered = {*SAMPLES, *NOT_FROM_A_FILE} | {c for c in CODES if c.startswith(GATE)}
-    assert covered == {c for c in CODES if not c.startswith((GAP, SCENE, PLAN))}
+    assert covered == {c for c in CODES if not c.startswith((GAP, SCENE, PLAN, REPLAY))}
     assert not set(SAMPLES) & set(NOT_FROM_A_FILE)
 
 
@@ -75,6 +76,22 @@ def test_every_plan_code_has_a_sample():
     samples, others = set(plan_bad_inputs.SAMPLES), set(plan_bad_inputs.NOT_FROM_A_PLAN)
     assert samples | others == {c for c in CODES if c.startswith(PLAN)}
     assert not samples & others
+
+
+def test_every_replay_code_has_a_sample():
+    samples, others = set(replay_bad_inputs.SAMPLES), set(replay_bad_inputs.NOT_FROM_A_RECORDING)
+    assert samples | others == {c for c in CODES if c.startswith(REPLAY)}
+    assert not samples & others
+
+
+@pytest.mark.parametrize("code", sorted(replay_bad_inputs.SAMPLES))
+def test_replay_sample_is_refused_with_its_code_place_and_help(code: str, tmp_path: Path):
+    with pytest.raises(InvalidInput) as refused:
+        read_episodes(replay_bad_inputs.SAMPLES[code](tmp_path))
+    assert refused.value.diagnostic.code == code
+    assert refused.value.diagnostic.headline
+    assert refused.value.diagnostic.where.file
+    assert refused.value.diagnostic.help == CODES[code].help
 
 
 @pytest.mark.parametrize("code", sorted(plan_bad_inputs.SAMPLES))
@@ -117,7 +134,12 @@ def test_scene_sample_without_a_scene_ends_in_its_verdict(code: str, tmp_path: P
     assert not compiled.scenes
 
 
-ELSEWHERE = NOT_FROM_A_FILE | gap_bad_inputs.NOT_FROM_A_FOLDER | plan_bad_inputs.NOT_FROM_A_PLAN
+ELSEWHERE = (
+    NOT_FROM_A_FILE
+    | gap_bad_inputs.NOT_FROM_A_FOLDER
+    | plan_bad_inputs.NOT_FROM_A_PLAN
+    | replay_bad_inputs.NOT_FROM_A_RECORDING
+)
 
 
 @pytest.mark.parametrize(("code", "test"), sorted(ELSEWHERE.items()))

@@ -1,0 +1,1 @@
+"""Formats of recordings: one file each to read, one each to write."""

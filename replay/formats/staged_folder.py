@@ -1,0 +1,91 @@
+"""Folders with `episode.parquet`, `scene.json` and `meshes_body_frame.npz` beside a MuJoCo model in `raw/`.
+
+Columns: `t` [s]; `q.<joint>`, `qd.<joint>`; `obj.<body>.px ... qw` (quaternion xyzw). Cameras: `scene.json`, and
+`camera_moving.parquet` where they move. Meshes: `<body>|<geom>|v` in the frame of the body.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from replay.episode import Camera, Episode
+from replay.formats.tables import column_poses, read_columns
+from replay.mjcf import MjBody, MjGeom, read_mjcf
+from replay.mjcf_episode import episode_parts
+from replay.recorded import Recorded, checked_numbers, checked_stamps, poses, stop
+from schemas.model import FloatArray
+
+TABLE, SCENE, MESHES, CAMERAS = "episode.parquet", "scene.json", "meshes_body_frame.npz", "camera_moving.parquet"
+
+
+def is_staged_folder(path: Path) -> bool:
+    """Whether a path is such a folder."""
+    return (path / TABLE).is_file() and (path / SCENE).is_file() and (path / "raw").is_dir()
+
+
+def read_staged_folder(path: Path) -> Episode:
+    """The episode of a folder. Raises InvalidInput."""
+    columns = read_columns(path / TABLE)
+    t_s = checked_stamps(columns["t"], TABLE) if "t" in columns else np.zeros(0)
+    if "t" not in columns:
+        raise stop("replay/missing-column", "no column 't'", TABLE)
+    names = dict.fromkeys(c.split(".")[1] for c in columns if c.startswith("obj."))
+    recorded = Recorded(
+        t_s,
+        {c[2:]: checked_numbers(v, c, TABLE) for c, v in columns.items() if c.startswith("q.")},
+        {c[3:]: checked_numbers(v, c, TABLE) for c, v in columns.items() if c.startswith("qd.")},
+        {name: column_poses(columns, f"obj.{name}", TABLE) for name in names},
+    )
+    files = sorted((path / "raw").glob("*.xml"))
+    if len(files) != 1:
+        raise stop("replay/missing-file", f"{len(files)} model files in raw/, not one", "raw")
+    model = read_mjcf(files[0], path)
+    robots, objects, fixtures = episode_parts(model, recorded, _Meshes(path / MESHES).points)
+    return Episode(path.name, path, t_s, robots, objects, fixtures, _cameras(path, len(t_s)))
+
+
+class _Meshes:
+    """Vertices by body and geom. A geom without a name is called by number there; then the only mesh of its body."""
+
+    def __init__(self, path: Path) -> None:
+        try:
+            with np.load(path, allow_pickle=False) as archive:
+                self.by_key = {key[:-2]: archive[key] for key in archive.files if key.endswith("|v")}
+        except FileNotFoundError:
+            self.by_key = {}
+        except (OSError, ValueError) as error:
+            raise stop("replay/unreadable", f"{path.name}: {error}", path.name) from None
+
+    def points(self, body: MjBody, geom: MjGeom) -> FloatArray:
+        found = self.by_key.get(f"{body.name}|{geom.name}")
+        if found is None:
+            of_body = [v for key, v in self.by_key.items() if key.split("|")[0] == body.name]
+            found = of_body[0] if len(of_body) == 1 and not geom.name else None
+        if found is None:
+            raise stop("replay/missing-mesh", f"no mesh of geom '{geom.name}' of body '{body.name}'", MESHES)
+        return checked_numbers(found, f"{body.name}|{geom.name}", MESHES)
+
+
+def _cameras(path: Path, n: int) -> tuple[Camera, ...]:
+    try:
+        given: dict[str, Any] = json.loads((path / SCENE).read_bytes()).get("cameras", {})
+    except (ValueError, OSError) as error:
+        raise stop("replay/unreadable", f"{SCENE}: {error}", SCENE) from None
+    moving = read_columns(path / CAMERAS) if (path / CAMERAS).is_file() else {}
+    cameras = []
+    for name, camera in given.items():
+        if f"{name}.px" in moving:
+            X_WC = column_poses(moving, name, CAMERAS)
+        elif "pose_xyz_qxyzw" in camera:
+            row = np.array([camera["pose_xyz_qxyzw"]], dtype=np.float64)
+            X_WC = np.broadcast_to(poses(row[:, :3], row[:, 3:], name, SCENE), (n, 4, 4))
+        else:
+            raise stop("replay/missing-column", f"camera '{name}' has no pose", SCENE)
+        if len(X_WC) != n:
+            raise stop("replay/state-size", f"{len(X_WC)} poses of camera '{name}' for {n} samples", CAMERAS)
+        cameras.append(Camera(name, X_WC, float(np.radians(camera["fovy_deg"]))))
+    return tuple(cameras)

@@ -1,0 +1,101 @@
+"""Staged recordings: what is read, and forward kinematics against MuJoCo and recorded link poses."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from replay.kinematics import link_poses
+from replay.link_check import check_links
+from replay.mjcf import read_mjcf
+from replay.mjcf_episode import episode_parts
+from replay.reading import read_episode
+from replay.recorded import Recorded
+from schemas.diagnostics import InvalidInput
+from tests import replay_samples
+
+STAGED = Path(__file__).parents[3] / "shared" / "data" / "episodes"
+
+# Every way to write a rotation, classes, frames, chains of joints in one body, anchors and references.
+ODD = """<mujoco>
+  <compiler angle="%s" eulerseq="%s"/>
+  <default><joint axis="0 1 0"/><geom size="0.01"/>
+    <default class="slide"><joint type="slide" axis="1 1 0"/></default></default>
+  <worldbody>
+    <body name="base" pos="0.1 0.2 0.3" euler="10 20 30" childclass="slide">
+      <geom/>
+      <body name="a" axisangle="1 2 3 0.5" pos="0 0 1">
+        <joint name="j0" class="main" pos="0.1 0 0.2"/>
+        <joint name="j1" ref="0.1"/><joint name="j2" type="hinge" ref="5"/>
+        <geom/>
+        <frame pos="0 1 0" zaxis="1 1 1">
+          <body name="b" xyaxes="0 1 0 -1 0.2 0">
+            <joint name="j3" type="hinge" pos="0 0 0.3" axis="1 0 0"/><geom/></body>
+        </frame>
+        <body name="c" quat="1 1 0 0"><geom/></body>
+      </body>
+    </body>
+    <body name="cart"><freejoint name="free"/><geom/>
+      <body name="wheel" pos="0 0.3 0"><joint name="j4" type="hinge"/><geom/></body></body>
+  </worldbody>
+</mujoco>"""
+
+
+@pytest.mark.parametrize(("angle", "order"), [("degree", "xyz"), ("radian", "ZYX"), ("radian", "zXy")])
+def test_kinematics_of_a_model_are_those_of_mujoco(tmp_path: Path, angle: str, order: str):
+    text = ODD % (angle, order)
+    (tmp_path / "odd.xml").write_text(text)
+    theirs = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(theirs)
+    rng = np.random.default_rng(1)
+    data.qpos[:] = rng.normal(size=theirs.nq)
+    data.qpos[theirs.jnt_qposadr[theirs.joint("free").id] + 3 :][:4] /= np.linalg.norm(data.qpos[-5:-1])
+    mujoco.mj_kinematics(theirs, data)
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = data.body("cart").xmat.reshape(3, 3), data.body("cart").xpos
+    q = {f"j{k}": data.joint(f"j{k}").qpos.copy() for k in range(5)}
+    recorded = Recorded(np.zeros(1), q, {}, {"cart": X[None]})
+    robots, objects, _ = episode_parts(read_mjcf(tmp_path / "odd.xml", tmp_path), recorded, lambda *_: np.zeros((0, 3)))
+    assert [r.name for r in robots] == ["base", "cart"]
+    assert not objects
+    for robot in robots:
+        poses = link_poses(robot, robot.q, robot.X_WR)[0]
+        found = {link.name: X for link, X in zip(robot.links, poses, strict=True)}
+        for name in {"base": "abc", "cart": ("cart", "wheel")}[robot.name]:
+            body = data.body(name)
+            np.testing.assert_allclose(found[name][:3, 3], body.xpos, atol=1e-12)
+            np.testing.assert_allclose(found[name][:3, :3], body.xmat.reshape(3, 3), atol=1e-12)
+
+
+def test_a_staged_folder_is_read_as_it_moved(tmp_path: Path):
+    episode = read_episode(replay_samples.staged(tmp_path))
+    np.testing.assert_array_equal(episode.t_s, replay_samples.stamps())
+    (robot,) = episode.robots
+    assert [link.name for link in robot.links] == ["arm", "upper", "lower"]
+    assert [link.kind for link in robot.links] == ["fixed", "revolute", "prismatic"]
+    assert [shape.kind for link in robot.links for shape in link.shapes] == ["cylinder", "capsule", "hull"]
+    assert [fixture.shape_names for fixture in episode.fixtures] == [("floor",), ("top",)]
+    assert [body.name for body in episode.objects] == ["cube"]
+    assert [camera.name for camera in episode.cameras] == ["front"]
+    tip = link_poses(robot, robot.q, robot.X_WR)[-1, 2]
+    expected = np.array([0.5 * np.cos(0.6), 0.5 * np.sin(0.6), 0.3])
+    np.testing.assert_allclose(tip[:3, 3], expected, atol=1e-12)
+
+
+def test_cameras_that_moved_need_a_pose_for_every_sample(tmp_path: Path):
+    folder = replay_samples.staged(tmp_path)
+    short = replay_samples.columns(8)
+    renamed = {k.replace("obj.cube", "front"): v for k, v in short.items() if k.startswith("obj.")}
+    replay_samples.write(folder / "camera_moving.parquet", renamed)
+    with pytest.raises(InvalidInput) as refused:
+        read_episode(folder)
+    assert refused.value.diagnostic.code == "replay/state-size"
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("name", ["panda_lift", "panda_pick_place", "panda_stack"])
+def test_recorded_link_poses_are_those_of_the_model(name: str):
+    errors = check_links(read_episode(STAGED / name))
+    assert {f"robot0_link{k}" for k in range(1, 8)} <= {e.link for e in errors}
+    assert all(e.agrees for e in errors)
