@@ -87,7 +87,10 @@ class Camera:
 
 @dataclass(frozen=True)
 class Episode:
-    """One recording. `t_s` (n,) are its stamps as recorded: never decreasing, repeats allowed."""
+    """One recording. `t_s` (n,) are its stamps as recorded: never decreasing, repeats allowed.
+
+    `part` is what holds it in a source of several recordings (a group of an HDF5 file, the number of an episode).
+    """
 
     name: str
     source: Path
@@ -96,3 +99,4 @@ class Episode:
     objects: tuple[FreeBody, ...]
     fixtures: tuple[Fixture, ...]
     cameras: tuple[Camera, ...]
+    part: str = ""

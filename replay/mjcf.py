@@ -86,8 +86,12 @@ class MjModel:
 
 def read_mjcf(path: Path, root: Path) -> MjModel:
     """The model in a file. Nothing outside `root` is opened. Raises InvalidInput."""
-    top = parse_mjcf(path, root)
-    return _Reading(top, path.name).model()
+    return model_of(parse_mjcf(path, root), path.name)
+
+
+def model_of(top: Any, file: str) -> MjModel:
+    """The model of a `<mujoco>` element; `file` is what findings name. Raises InvalidInput."""
+    return _Reading(top, file).model()
 
 
 class _Reading:

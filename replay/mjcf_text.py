@@ -19,24 +19,37 @@ Attributes = dict[str, str]
 
 
 def parse_xml(path: Path, root: Path) -> Any:
-    """The root element of a file inside the folder `root`; entities are not resolved. Raises InvalidInput."""
-    file = path.name
+    """The root element of a file inside the folder `root`. Raises InvalidInput."""
     if not path.resolve().is_relative_to(root.resolve()):
-        raise stop("replay/path-escape", f"'{file}' lies outside the folder of the recording", file)
+        raise stop("replay/path-escape", f"'{path.name}' lies outside the folder of the recording", path.name)
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise stop("replay/unreadable", f"more than {MAX_BYTES} bytes", file)
-        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
-        return etree.fromstring(path.read_bytes(), parser)
+        return _element(path.read_bytes(), path.name)
+    except OSError as error:
+        raise stop("replay/missing-file", f"'{path.name}': {error.strerror}", path.name) from None
+
+
+def _element(data: bytes, file: str) -> Any:
+    """The root element; entities are not resolved."""
+    if len(data) > MAX_BYTES:
+        raise stop("replay/unreadable", f"more than {MAX_BYTES} bytes", file)
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
+    try:
+        return etree.fromstring(data, parser)
     except etree.XMLSyntaxError as error:
         raise stop("replay/unreadable", str(error), file) from None
-    except OSError as error:
-        raise stop("replay/missing-file", f"'{file}': {error.strerror}", file) from None
 
 
 def parse_mjcf(path: Path, root: Path) -> Any:
     """The `<mujoco>` element with what included files hold in the place of their includes. Raises InvalidInput."""
-    top = parse_xml(path, root)
+    return _with_includes(parse_xml(path, root), path, root)
+
+
+def mjcf_of_text(data: bytes, path: Path) -> Any:
+    """The same of text that a recording at `path` holds; it may include files beside. Raises InvalidInput."""
+    return _with_includes(_element(data, path.name), path, path.parent)
+
+
+def _with_includes(top: Any, path: Path, root: Path) -> Any:
     if top.tag != "mujoco":
         raise stop("replay/invalid-value", f"the root element is <{top.tag}>, not <mujoco>", path.name)
     for _ in range(MAX_INCLUDES):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from replay.episode import Episode
+from replay.formats.robomimic import is_robomimic, read_robomimic
 from replay.formats.staged_folder import is_staged_folder, read_staged_folder
 from replay.recorded import stop
 
@@ -18,6 +19,8 @@ def read_episodes(path: Path, meshes: Path | None = None) -> tuple[Episode, ...]
         raise stop("replay/missing-file", f"'{path.name}' is absent", path.name)
     if is_staged_folder(path):
         return (read_staged_folder(path),)
+    if is_robomimic(path):
+        return read_robomimic(path, meshes)
     raise stop("replay/unknown-format", f"'{path.name}' is no recording in a format that Mana reads", path.name)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -72,3 +73,23 @@ def staged(folder: Path, rows: Columns | None = None, model: str = MODEL, meshes
         arrays = {"lower|geom4|v": TIP.vertices, "lower|geom4|f": TIP.faces}
         np.savez(folder / "meshes_body_frame.npz", **arrays)  # pyright: ignore[reportArgumentType]
     return folder
+
+
+def states(rows: Columns) -> np.ndarray:
+    """Rows [time, qpos, qvel] of MODEL."""
+    cube = [rows[f"obj.cube.{c}"] for c in ("px", "py", "pz", "qw", "qx", "qy", "qz")]
+    rates = [rows["qd.turn"], rows["qd.reach"], *np.zeros((6, len(rows["t"])))]
+    return np.stack([rows["t"], rows["q.turn"], rows["q.reach"], *cube, *rates], axis=1)
+
+
+def robomimic(path: Path, model: str = MODEL, demos: int = 2) -> Path:
+    """An HDF5 file as robomimic has them, and its mesh beside."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    TIP.export(path.parent / "tip.stl")
+    with h5py.File(path, "w") as file:
+        for k in range(demos):
+            group = file.create_group(f"data/demo_{9 + k}")
+            group.attrs["model_file"] = model
+            group["states"] = states(columns(12 + k))
+            group["actions"] = np.random.default_rng(k).normal(size=(11 + k, 7))
+    return path

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from replay.episode import Camera, Episode
+from replay.formats.mesh_archive import MESHES, MeshArchive
 from replay.formats.tables import column_poses, read_columns
-from replay.mjcf import MjBody, MjGeom, read_mjcf
+from replay.mjcf import read_mjcf
 from replay.mjcf_episode import episode_parts
 from replay.recorded import Recorded, checked_numbers, checked_stamps, poses, stop
-from schemas.model import FloatArray
 
-TABLE, SCENE, MESHES, CAMERAS = "episode.parquet", "scene.json", "meshes_body_frame.npz", "camera_moving.parquet"
+TABLE, SCENE, CAMERAS = "episode.parquet", "scene.json", "camera_moving.parquet"
 
 
 def is_staged_folder(path: Path) -> bool:
@@ -44,30 +44,8 @@ def read_staged_folder(path: Path) -> Episode:
     if len(files) != 1:
         raise stop("replay/missing-file", f"{len(files)} model files in raw/, not one", "raw")
     model = read_mjcf(files[0], path)
-    robots, objects, fixtures = episode_parts(model, recorded, _Meshes(path / MESHES).points)
+    robots, objects, fixtures = episode_parts(model, recorded, MeshArchive(path / MESHES).points)
     return Episode(path.name, path, t_s, robots, objects, fixtures, _cameras(path, len(t_s)))
-
-
-class _Meshes:
-    """Vertices by body and geom. A geom without a name is called by number there; then the only mesh of its body."""
-
-    def __init__(self, path: Path) -> None:
-        try:
-            with np.load(path, allow_pickle=False) as archive:
-                self.by_key = {key[:-2]: archive[key] for key in archive.files if key.endswith("|v")}
-        except FileNotFoundError:
-            self.by_key = {}
-        except (OSError, ValueError) as error:
-            raise stop("replay/unreadable", f"{path.name}: {error}", path.name) from None
-
-    def points(self, body: MjBody, geom: MjGeom) -> FloatArray:
-        found = self.by_key.get(f"{body.name}|{geom.name}")
-        if found is None:
-            of_body = [v for key, v in self.by_key.items() if key.split("|")[0] == body.name]
-            found = of_body[0] if len(of_body) == 1 and not geom.name else None
-        if found is None:
-            raise stop("replay/missing-mesh", f"no mesh of geom '{geom.name}' of body '{body.name}'", MESHES)
-        return checked_numbers(found, f"{body.name}|{geom.name}", MESHES)
 
 
 def _cameras(path: Path, n: int) -> tuple[Camera, ...]:

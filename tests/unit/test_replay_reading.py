@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import h5py
 import mujoco
 import numpy as np
 import pytest
@@ -10,11 +11,12 @@ from replay.kinematics import link_poses
 from replay.link_check import check_links
 from replay.mjcf import read_mjcf
 from replay.mjcf_episode import episode_parts
-from replay.reading import read_episode
+from replay.reading import read_episode, read_episodes
 from replay.recorded import Recorded
 from schemas.diagnostics import InvalidInput
 from tests import replay_samples
 
+TIP_SIZE_M = (0.1, 0.04, 0.04)
 STAGED = Path(__file__).parents[3] / "shared" / "data" / "episodes"
 
 # Every way to write a rotation, classes, frames, chains of joints in one body, anchors and references.
@@ -91,6 +93,67 @@ def test_cameras_that_moved_need_a_pose_for_every_sample(tmp_path: Path):
     with pytest.raises(InvalidInput) as refused:
         read_episode(folder)
     assert refused.value.diagnostic.code == "replay/state-size"
+
+
+def test_every_demonstration_of_a_file_is_an_episode(tmp_path: Path):
+    nine, ten = read_episodes(replay_samples.robomimic(tmp_path / "demo.hdf5"))
+    assert (nine.part, ten.part) == ("data/demo_9", "data/demo_10")
+    assert (len(nine.t_s), len(ten.t_s)) == (12, 13)
+    folder = read_episode(replay_samples.staged(tmp_path / "staged"))
+    np.testing.assert_array_equal(nine.t_s, folder.t_s)
+    np.testing.assert_array_equal(nine.robots[0].q, folder.robots[0].q)
+    np.testing.assert_array_equal(nine.objects[0].X_WB, folder.objects[0].X_WB)
+    assert [camera.name for camera in nine.cameras] == ["wrist"]
+    wrist = link_poses(nine.robots[0], nine.robots[0].q, nine.robots[0].X_WR)[:, 2, :3, 3] + [0.0, 0.0, 0.1]
+    np.testing.assert_allclose(nine.cameras[0].X_WC[:, :3, 3], wrist, atol=1e-12)
+
+
+def refusal(path: Path, meshes: Path | None = None) -> str:
+    with pytest.raises(InvalidInput) as refused:
+        read_episodes(path, meshes)
+    return refused.value.diagnostic.code
+
+
+def test_states_of_another_model_are_refused(tmp_path: Path):
+    model = replay_samples.MODEL.replace('<joint name="reach" type="slide" axis="1 0 0"/>', "")
+    assert refusal(replay_samples.robomimic(tmp_path / "demo.hdf5", model)) == "replay/state-size"
+
+
+def test_links_to_other_files_are_not_followed(tmp_path: Path):
+    path = replay_samples.robomimic(tmp_path / "demo.hdf5")
+    with h5py.File(path, "a") as file:
+        del file["data/demo_9/states"]
+        file["data/demo_9/states"] = h5py.ExternalLink(str(tmp_path / "other.hdf5"), "states")
+    assert refusal(path) == "replay/path-escape"
+
+
+def test_meshes_that_a_model_names_elsewhere_are_found_by_the_end_of_their_path(tmp_path: Path):
+    model = replay_samples.MODEL.replace("tip.stl", "/home/someone/assets/arm/tip.stl")
+    path = replay_samples.robomimic(tmp_path / "demo" / "demo.hdf5", model)
+    assert refusal(path) == "replay/missing-mesh"
+    for folder in ("arm", "hand"):
+        (tmp_path / "assets" / folder).mkdir(parents=True)
+        replay_samples.TIP.export(tmp_path / "assets" / folder / "tip.stl")
+    shape = read_episodes(path, tmp_path / "assets")[0].robots[0].links[2].shapes[0]
+    assert shape.points is not None
+    np.testing.assert_allclose(np.ptp(shape.points, axis=0), TIP_SIZE_M, atol=1e-6)
+    (tmp_path / "assets" / "arm" / "tip.stl").unlink()
+    (tmp_path / "assets" / "more").mkdir()
+    replay_samples.TIP.export(tmp_path / "assets" / "more" / "tip.stl")
+    assert refusal(path, tmp_path / "assets") == "replay/missing-mesh"
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("name", ["panda_lift", "panda_pick_place", "panda_stack"])
+def test_the_raw_file_holds_the_same_motion_as_the_folder(name: str):
+    folder, raw = read_episode(STAGED / name), read_episode(STAGED / name / "raw" / "demo.hdf5")
+    np.testing.assert_array_equal(folder.t_s, raw.t_s)
+    np.testing.assert_array_equal(folder.robots[0].q, raw.robots[0].q)
+    for a, b in zip(folder.objects, raw.objects, strict=True):
+        np.testing.assert_array_equal(a.X_WB, b.X_WB)
+    recorded = {camera.name: camera for camera in folder.cameras}
+    for camera in raw.cameras:
+        np.testing.assert_allclose(camera.X_WC, recorded[camera.name].X_WC, atol=1e-12)
 
 
 @pytest.mark.shared

@@ -1,0 +1,43 @@
+"""Archives `meshes_body_frame.npz`: `<body>|<geom>|v` vertices (n, 3) in the frame of the body, in metres."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from replay.mjcf import MjBody, MjGeom
+from replay.recorded import checked_numbers, stop
+from schemas.model import FloatArray
+
+MESHES = "meshes_body_frame.npz"
+
+
+class MeshArchive:
+    """Vertices by body and geom. A geom without a name has a number there: then the only mesh of its body."""
+
+    def __init__(self, path: Path) -> None:
+        try:
+            with np.load(path, allow_pickle=False) as archive:
+                self.by_key = {key[:-2]: archive[key] for key in archive.files if key.endswith("|v")}
+        except FileNotFoundError:
+            self.by_key = {}
+        except (OSError, ValueError, zipfile.BadZipFile) as error:
+            raise stop("replay/unreadable", f"{path.name}: {error}", path.name) from None
+
+    @classmethod
+    def beside(cls, file: Path) -> MeshArchive | None:
+        """The archive in the folder of a file or one folder up; None where there is none."""
+        found = [folder / MESHES for folder in (file.parent, file.parent.parent) if (folder / MESHES).is_file()]
+        return cls(found[0]) if found else None
+
+    def points(self, body: MjBody, geom: MjGeom) -> FloatArray:
+        """Vertices (n, 3) in the frame of the body. Raises InvalidInput where there are none."""
+        found = self.by_key.get(f"{body.name}|{geom.name}")
+        if found is None:
+            of_body = [v for key, v in self.by_key.items() if key.split("|")[0] == body.name]
+            found = of_body[0] if len(of_body) == 1 and not geom.name else None
+        if found is None:
+            raise stop("replay/missing-mesh", f"no mesh of geom '{geom.name}' of body '{body.name}'", MESHES)
+        return checked_numbers(found, f"{body.name}|{geom.name}", MESHES)
