@@ -49,11 +49,11 @@ def reference_frame(
     unit = _decision(scale, draft, known=category is not None) if scale is not None else None
     found = uprights(stands(canonical.solid), category, canonical.up_axis)
     best = found[0] if found else None
-    turns = best is not None and _is_turned(best, category, canonical, options)
+    least = 1.0 if best is None else least_chance(best, category, canonical.up_axis)
+    turns = best is not None and best.chance >= least and not best.keeps_z and options.up_axis == "auto"
     R, told = np.eye(3), ((), ())
     if best is not None and turns:
-        R = _turn(best)
-        told = _told(best, least_chance(best, category, canonical.up_axis), canonical)
+        R, told = _turn(best), _told(best, least, canonical)
     frame = Frame(R @ canonical.R_AS, unit, *told) if turns or unit is not None else None
     upright = _evidence(found, canonical, options, turned=turns)
     listed = tuple(
@@ -112,11 +112,6 @@ def _decision(scale: Scale, draft: Draft, *, known: bool) -> UnitDecision:
     return UnitDecision(evidence, changed.diagnostics, changed.repairs, review=scale.review)
 
 
-def _is_turned(best: Upright, category: Category | None, canonical: Canonical, options: Options) -> bool:
-    sure = best.chance >= least_chance(best, category, canonical.up_axis)
-    return sure and not best.keeps_z and options.up_axis == "auto"
-
-
 def _turn(best: Upright) -> FloatArray:
     """The least rotation (3, 3) that brings the way up to +z, exact for quarter turns."""
     R = shortest_rotation(np.array(best.up), Z)
@@ -158,8 +153,7 @@ def _evidence(
         return Evidence(value=given, source="declared", method=options.origin("up_axis"), confidence=1.0)
     if not found:
         return default(given, "no way up is meant, or the form tells none")
-    own = next((h for h in found if h.keeps_z), None)
-    chosen = found[0] if turned or own is None else own
+    chosen = found[0] if turned else next(h for h in found if h.keeps_z)
     value = _in_source(chosen.up, canonical) if turned else given
     return inferred(value, "up axis of the source, form and reference pose", chosen.chance, inputs=chosen.signs)
 

@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 from assetkit.parts.find import find_parts
 from benchmarks.made_things import Thing, things
 from geom.cavity import find_cavities
+from geom.surface_distance import triangle_areas
 from schemas.evidence import declared
 from schemas.model import FloatArray, Mesh
 from schemas.physics import Solid
@@ -51,8 +52,7 @@ def _row(thing: Thing, points: FloatArray) -> Row:
     started = time.process_time()
     found = find_parts({"thing": mesh}, (), declared(thing.category, "table"), cavities=cavities).parts
     seconds = time.process_time() - started
-    corners = points[thing.triangles]
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    area = triangle_areas(points[thing.triangles])
     asked = [(label, thing.owner == i) for i, label in enumerate(thing.parts)] if len(thing.parts) > 1 else []
     asked = [(label, piece) for label, mask in asked for piece in _apart(thing, mask, label)]
     left, wrong = list(asked), []

@@ -26,11 +26,12 @@ import numpy as np
 from assetkit.options import Options
 from assetkit.part_materials import face_materials, part_materials
 from assetkit.parts.find import find_parts
-from assetkit.stage import Draft
+from assetkit.stage import Draft, need
 from assetkit.stages.appearance import normalize
 from assetkit.stages.canonicalize import canonicalize
 from benchmarks.parts import category_of, stripped_of
 from benchmarks.truth_files import located, object_of
+from geom.cavity import find_cavities
 from geom.surface_distance import triangle_areas
 from schemas.evidence import Evidence, declared
 from schemas.model import FloatArray, IntArray, Mesh
@@ -63,7 +64,8 @@ def rows(assets: Path, *, only: str = "", stated: bool = False, stripped: bool =
             draft = replace(bare, appearance=normalize(bare.intake.model).value)
         named = declared(category, "table") if stated and category else category_of(draft)
         meshes = dict(zip(mesh_prim_names(draft.model), draft.model.meshes, strict=True))
-        found = find_parts(meshes, draft.model.materials, named).parts
+        cavities = find_cavities(need(draft.canonicalize, "canonicalize").solid)
+        found = find_parts(meshes, draft.model.materials, named, cavities=cavities).parts
         started = time.process_time()
         parts, whole = part_materials(meshes, draft.model, found, named, draft.source_name, draft.intake.folders)
         seconds = time.process_time() - started

@@ -9,9 +9,11 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
 from geom.decimate import decimate
+from geom.edges import Edges, edges_of
 from geom.shape_diameter import shape_diameter, wet
 from geom.shape_regions import Faces, Region, faces_of
 from geom.surface_distance import NearestOnSurface
+from geom.topology import repeats_point
 from schemas.model import FloatArray, IntArray
 
 _FACES = 3000  # Thickness needs no more; the regions are carried back to all triangles.
@@ -27,24 +29,24 @@ def limb_regions(surface: Faces, openings: Sequence[FloatArray] = ()) -> tuple[R
 
     `openings` (3,) are directions out of cavities, whose inside counts as full.
     """
-    light = faces_of(*decimate(surface.points, surface.triangles, _FACES))
+    welded = faces_of(*decimate(surface.points, surface.triangles, _FACES))
+    light = faces_of(welded.points, welded.triangles[~repeats_point(welded.triangles)])
     if len(light.triangles) == 0 or light.area.sum() <= 0.0:
         return ()
-    inner = wet(light, openings)
-    pairs = _neighbours(light)
+    inner, edges = wet(light, openings), edges_of(light.triangles)
     thick = np.log(np.maximum(shape_diameter(light, inner), 1e-6 * float(np.linalg.norm(light.extent))))
-    thick = _smoothed(thick, pairs, len(light.triangles))
+    thick = _smoothed(thick, edges)
     bound = _threshold(thick, light.area * ~inner)
     if bound is None:
         return ()
     thin = (thick < bound) & ~inner
     found: list[tuple[float, Region, IntArray]] = []
-    for limb in _pieces(thin, pairs):
+    for limb in light.pieces(thin):
         share = light.area[limb].sum() / light.area.sum()
         long = float(np.linalg.norm(np.ptp(light.middle[limb], axis=0)))
         if not _LEAST < share < _MOST or long < _LONGER * float(np.exp(np.median(thick[limb]))):
             continue
-        joints = _joints(light, limb)
+        joints = _joints(light, limb, edges)
         if joints:
             found.append((float(share), Region("loop" if joints > 1 else "arm", limb), limb))
     if not 1 <= len(found) <= _MOST_LIMBS:
@@ -54,22 +56,15 @@ def limb_regions(surface: Faces, openings: Sequence[FloatArray] = ()) -> tuple[R
     return tuple(Region(region.role, limb[nearest]) for _, region, limb in found)
 
 
-def _neighbours(surface: Faces) -> IntArray:
-    """(k, 2) triangles that share an edge."""
-    sides = np.sort(surface.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    order = np.lexsort((sides[:, 1], sides[:, 0]))
-    same = (sides[order[1:]] == sides[order[:-1]]).all(axis=1)
-    return np.column_stack([order[:-1][same] // 3, order[1:][same] // 3])
-
-
-def _smoothed(values: FloatArray, pairs: IntArray, count: int) -> FloatArray:
+def _smoothed(values: FloatArray, edges: Edges) -> FloatArray:
     """Means over a triangle and its neighbours, a few times: single rays meet notches and seams."""
-    ones = np.ones(len(pairs))
-    links = csr_array(coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count)))
-    links = links + links.T
-    number = 1.0 + np.asarray(links.sum(axis=1)).ravel()
+    faces = np.arange(len(values))
+    sides = csr_array((np.ones(3 * len(faces)), (np.repeat(faces, 3), edges.of_face.ravel())))
+    links = sides @ sides.T
+    links.setdiag(1.0)
+    number = np.asarray(links.sum(axis=1)).ravel()
     for _ in range(_SMOOTHED):
-        values = (values + links @ values) / number
+        values = (links @ values) / number
     return values
 
 
@@ -86,25 +81,10 @@ def _threshold(thick: FloatArray, weight: FloatArray) -> float | None:
     return float(0.5 * (low[best] + high[best])) if high[best] - low[best] >= _THINNER else None
 
 
-def _pieces(chosen: IntArray, pairs: IntArray) -> list[IntArray]:
-    """Masks (m,) of the pieces of the triangles `chosen` (m,) that hang together."""
-    own = pairs[chosen[pairs].all(axis=1)]
-    links = coo_array((np.ones(len(own)), (own[:, 0], own[:, 1])), shape=(len(chosen), len(chosen)))
-    _, label = connected_components(links, directed=False)
-    numbers, sizes = np.unique(label[chosen], return_counts=True)
-    return [(label == n) & chosen for n in numbers[sizes > 1]]
-
-
-def _joints(surface: Faces, limb: IntArray) -> int:
+def _joints(surface: Faces, limb: IntArray, edges: Edges) -> int:
     """In how many separate places a limb meets the rest, by the rings of edges between them."""
-    sides = np.sort(surface.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    unique, which = np.unique(sides, axis=0, return_inverse=True)
-    owner = np.repeat(limb, 3)
-    inside, outside = (
-        np.bincount(which[owner], minlength=len(unique)),
-        np.bincount(which[~owner], minlength=len(unique)),
-    )
-    ring = unique[(inside > 0) & (outside > 0)]
+    inside = np.bincount(edges.of_face[limb].ravel(), minlength=len(edges.uses))
+    ring = edges.points[(inside > 0) & (inside < edges.uses)]
     if len(ring) == 0:
         return 0
     count = len(surface.points)

@@ -24,8 +24,23 @@ from schemas.model import FloatArray, IntArray
 # loop, arm: stick out of a round upright body and come back to it, or do not. slab: a level plate, post: what stands
 # under it, upright: what rises above it. boss: small body on top of a level face. `geom.long_regions` has the others:
 # wider and narrower, thicker and thinner end of a tool; narrow end of a bottle; stem of a glass, with its two ends.
-Standing = Literal["loop", "arm", "slab", "post", "upright", "boss"]
-Role = Literal[Standing, "broad", "slim", "stout", "thin", "neck", "stopper", "stem", "over", "foot"]
+Role = Literal[
+    "loop",
+    "arm",
+    "slab",
+    "post",
+    "upright",
+    "boss",
+    "broad",
+    "slim",
+    "stout",
+    "thin",
+    "neck",
+    "stopper",
+    "stem",
+    "over",
+    "foot",
+]
 _OUTLINE_FACES, _SAMPLES = 1000, 4000
 _ROUND = 0.6  # of all directions, in which the outline of a round body is a circle
 _PROUD = 1.06  # times the radius of the body: what reaches further sticks out

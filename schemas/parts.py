@@ -52,8 +52,7 @@ class Part(_Model):
 
     `part_id` numbers the parts of an asset, the one with most surface first, whatever they are called. `label` is a
     part name of the asset's category, or `unlabelled` with confidence 0; equal parts share it (four times `leg`).
-    `parent` is the part whose region or box holds this one. Ranks count the parts from the lowest, or the hindmost
-    (-x), up, by the centre of their surface; parts level with each other share a rank.
+    `parent` is the part whose region or box holds this one.
     """
 
     part_id: str
@@ -68,8 +67,6 @@ class Part(_Model):
     low_m: Point3
     high_m: Point3
     parent: str | None = None
-    height_rank: int = 0
-    front_rank: int = 0
 
     def mask(self, mesh: str, count: int) -> IntArray:
         """(count,) True at the triangles of `mesh` that belong to it."""

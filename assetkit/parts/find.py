@@ -56,16 +56,14 @@ def find_parts(
     made = reconcile(surface, proposals, kind, vocabulary)
     most = category.confidence if known else 1.0
     parts = [
-        _part(surface, shown, piece, f"part_{i}", most, (parent, up, front))
-        for i, (piece, parent, up, front) in enumerate(
-            zip(made.pieces, made.parents, made.height_rank, made.front_rank, strict=True)
-        )
+        _part(surface, shown, piece, f"part_{i}", most, parent)
+        for i, (piece, parent) in enumerate(zip(made.pieces, made.parents, strict=True))
     ]
     return Found(tuple(parts), made.disputes)
 
 
 def _part(
-    surface: Faces, meshes: Mapping[str, Mesh], piece: Piece, part_id: str, most: float, place: tuple[int, int, int]
+    surface: Faces, meshes: Mapping[str, Mesh], piece: Piece, part_id: str, most: float, parent: int
 ) -> Evidence[Part]:
     label: Evidence[str] = default(UNLABELLED, "no clue, or clues that differ")
     if piece.label != UNLABELLED:
@@ -74,7 +72,6 @@ def _part(
     low, high = surface.box(piece.faces)
     starts = np.cumsum([0, *(len(m.triangles) for m in meshes.values())])
     own = [np.flatnonzero(piece.faces[a:b]) for a, b in itertools.pairwise(starts)]
-    parent, up, front = place
     part = Part(
         part_id=part_id,
         label=label,
@@ -87,8 +84,6 @@ def _part(
         low_m=vec3(low),
         high_m=vec3(high),
         parent=f"part_{parent}" if parent >= 0 else None,
-        height_rank=up,
-        front_rank=front,
     )
     sure = _STATED if "hierarchy" in piece.sources else _AGREED if len(piece.sources) > 1 else _ALONE
     return measured(part, "regions proposed by " + ", ".join(piece.sources), confidence=sure)

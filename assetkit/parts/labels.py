@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from assetkit.annotate.words import singulars, words_of
 from assetkit.parts.proposals import Proposal
+from schemas.parts import ProposalSource
 
 # How much a clue counts (judgements): a node that is called so, a render material, a plain shape, a less plain one.
 BY_NODE, BY_MATERIAL, BY_SHAPE, BY_FAINT_SHAPE = 0.8, 0.6, 0.7, 0.6
@@ -39,27 +40,28 @@ _FAINT = ("arm", "upright", "cover", "stopper")
 
 @dataclass(frozen=True)
 class Vote:
-    """A label that a clue speaks for, how sure it is, and the clue in words."""
+    """A label that a clue speaks for, how sure it is, of which kind the clue is, and the clue in words."""
 
     label: str
     confidence: float
+    kind: ProposalSource
     clue: str
 
 
 def votes(proposal: Proposal, category: str, vocabulary: Sequence[str]) -> tuple[Vote, ...]:
     """What a proposal says its region is called, by name and by shape."""
     if proposal.label:
-        return (Vote(proposal.label, proposal.confidence, "learned segmenter"),)
+        return (Vote(proposal.label, proposal.confidence, "learned", "learned segmenter"),)
     return (*_by_name(proposal, vocabulary), *_by_shape(proposal, category))
 
 
 def _by_name(proposal: Proposal, vocabulary: Sequence[str]) -> tuple[Vote, ...]:
-    strength = {"hierarchy": BY_NODE, "material": BY_MATERIAL}.get(proposal.source, 0.0)
+    strength = {"hierarchy": BY_NODE, "material": BY_MATERIAL}.get(proposal.source, proposal.confidence)
     for name in proposal.names:
         label = named(name, vocabulary or ANYWHERE)
-        if label is not None:
+        if label is not None and strength > 0.0:
             sure = strength if vocabulary else WITHOUT_CATEGORY * strength
-            return (Vote(label, sure, f"{proposal.source} '{name}'"),)
+            return (Vote(label, sure, proposal.source, f"{proposal.source} '{name}'"),)
     return ()
 
 
@@ -68,7 +70,7 @@ def _by_shape(proposal: Proposal, category: str) -> tuple[Vote, ...]:
     if label is None:
         return ()
     sure = BY_FAINT_SHAPE if proposal.role in _FAINT else BY_SHAPE
-    return (Vote(label, sure, f"shape: {proposal.role}"),)
+    return (Vote(label, sure, "shape", f"shape: {proposal.role}"),)
 
 
 def named(name: str, vocabulary: Sequence[str]) -> str | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -66,19 +65,16 @@ class Piece:
             return 0.0
         kinds: dict[str, float] = {}
         for v in self.votes:
-            kind = v.clue.split(" ")[0]
-            kinds[kind] = max(kinds.get(kind, 0.0), v.confidence)
+            kinds[v.kind] = max(kinds.get(v.kind, 0.0), v.confidence)
         return 1.0 - float(np.prod([1.0 - c for c in kinds.values()]))
 
 
 @dataclass(frozen=True)
 class Reconciled:
-    """Pieces by falling area, the index of the one that holds each (-1: none), ranks, and what was refused and why."""
+    """Pieces by falling area, the index of the one that holds each (-1: none), and what was refused and why."""
 
     pieces: tuple[Piece, ...]
     parents: tuple[int, ...]
-    height_rank: tuple[int, ...]
-    front_rank: tuple[int, ...]
     disputes: tuple[str, ...]
 
 
@@ -92,14 +88,7 @@ def reconcile(surface: Faces, proposals: Sequence[Proposal], category: str, voca
     kept = _with_body(surface, _merged(surface, kept[:MOST_PARTS]), category)
     kept, disputes = _in_order(surface, kept)
     kept.sort(key=lambda p: (-round(p.area / surface.area.sum(), 6), int(np.argmax(p.faces))))
-    middles = np.array([_middle(surface, p) for p in kept]).reshape(-1, 3)
-    return Reconciled(
-        tuple(kept),
-        tuple(_parent(surface, kept, p) for p in kept),
-        _ranks(middles[:, 2], surface.extent[2]),
-        _ranks(middles[:, 0], surface.extent[0]),
-        disputes,
-    )
+    return Reconciled(tuple(kept), tuple(_parent(surface, kept, p) for p in kept), disputes)
 
 
 def _piece(surface: Faces, proposal: Proposal, said: tuple[Vote, ...]) -> Piece:
@@ -167,9 +156,7 @@ def _alike(surface: Faces, one: Piece, two: Piece) -> bool:
 
 def _with_body(surface: Faces, pieces: list[Piece], category: str) -> list[Piece]:
     """What is left of a vessel or block without the parts that were told by shape is its body."""
-    off = [
-        p for p in pieces if p.label not in (UNLABELLED, "body") and any(v.clue.startswith("shape") for v in p.votes)
-    ]
+    off = [p for p in pieces if p.label not in (UNLABELLED, "body") and any(v.kind == "shape" for v in p.votes)]
     if category not in _HAVE_BODY or not off or any(p.label == "body" for p in pieces):
         return pieces
     rest = ~np.any([p.faces for p in pieces if p.label != UNLABELLED], axis=0)
@@ -177,7 +164,7 @@ def _with_body(surface: Faces, pieces: list[Piece], category: str) -> list[Piece
     if area <= LEAST_SHARE * surface.area.sum():
         return pieces
     sure = min(p.confidence for p in off)
-    body = Piece(rest, area, ("shape",), (), "", (Vote("body", sure, "shape: rest of the object"),))
+    body = Piece(rest, area, ("shape",), (), "", (Vote("body", sure, "shape", "shape: rest of the object"),))
     return _suppressed(surface, [p for p in pieces if p.label != UNLABELLED], body) + [
         p for p in pieces if p.label == UNLABELLED and not _crosses(surface, p, body)
     ]
@@ -218,14 +205,3 @@ def _parent(surface: Faces, pieces: Sequence[Piece], piece: Piece) -> int:
 
 def _middle(surface: Faces, piece: Piece) -> FloatArray:
     return np.average(surface.middle[piece.faces], axis=0, weights=surface.area[piece.faces])
-
-
-def _ranks(values: FloatArray, extent: float) -> tuple[int, ...]:
-    """0 for the lowest; values within 2 % of the extent of the one before share its rank."""
-    result = np.zeros(len(values), dtype=np.int64)
-    order = np.argsort(values, kind="stable")
-    rank = 0
-    for before, here in itertools.pairwise(order):
-        rank += int(values[here] - values[before] > 0.02 * extent)
-        result[here] = rank
-    return tuple(int(r) for r in result)

@@ -17,7 +17,7 @@ class ProposeParts(Stage):
     """Parts with their labels. Anchors wait for acceptance."""
 
     name = "interaction"
-    version = 9
+    version = 10
     result = Interaction
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:

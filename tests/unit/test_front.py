@@ -59,3 +59,12 @@ def test_prisms_look_the_same_in_as_many_headings_as_they_have_sides(sections: i
     prism = trimesh.creation.cylinder(0.05, 0.1, sections=sections)
     mesh = Mesh("m", np.asarray(prism.vertices), np.asarray(prism.faces, dtype=np.int32))
     assert heading_symmetry(joined([mesh])) == symmetry
+
+
+def test_a_thin_spout_tells_the_headings_apart() -> None:
+    """It is so little surface that the mean distance of the turned pot from itself stays below the slack."""
+    pot = trimesh.creation.cylinder(0.06, 0.1, sections=96)
+    spout = trimesh.creation.cylinder(0.014, segment=[[0.05, 0.0, 0.0], [0.1, 0.0, 0.03]], sections=12)
+    shape = trimesh.boolean.union([pot, spout], engine="manifold")
+    mesh = Mesh("m", np.asarray(shape.vertices), np.asarray(shape.faces, dtype=np.int32))
+    assert heading_symmetry(joined([mesh])) == 1

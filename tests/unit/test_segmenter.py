@@ -12,6 +12,8 @@ import pytest
 import trimesh
 
 from assetkit.parts.find import find_parts
+from assetkit.parts.labels import votes
+from assetkit.parts.proposals import Proposal
 from assetkit.parts.segmenter import SEEN, CommandSegmenter
 from jobs.cell import Limits
 from schemas.evidence import declared
@@ -62,6 +64,16 @@ def answering(tmp_path: Path, source: str, seconds: float = 60.0) -> CommandSegm
 def test_a_good_answer_becomes_a_part(tmp_path: Path) -> None:
     """The head of a figure, which no rule of ours tells, with the model's confidence marked down."""
     assert labels(answering(tmp_path, GOOD)) == {"head": pytest.approx(SEEN * 0.9)}
+
+
+def test_a_region_with_a_name_alone_counts_as_much_as_the_model_is_sure() -> None:
+    """A model in Python may name regions in its own words; without confidence the words say nothing."""
+    mesh = figure()["figure"]
+    upper = mesh.points[mesh.triangles].mean(axis=1)[:, 2] > 0.1
+    for sure in (0.6, 0.0):
+        called = Proposal(upper, "learned", names=("head_01",), confidence=sure)
+        said = votes(called, "toy_figure", ("head", "body"))
+        assert [(v.label, v.confidence, v.kind) for v in said] == ([("head", sure, "learned")] if sure else [])
 
 
 @pytest.mark.parametrize("kind", ANSWERS)
