@@ -7,7 +7,7 @@ import traceback
 
 import typer
 
-from cli import assets, demo, gap, plan, scene, schema
+from cli import assets, demo, gap, plan, replay, scene, schema
 from schemas.diagnostics import InvalidInput
 
 app = typer.Typer(
@@ -20,6 +20,7 @@ app = typer.Typer(
 app.add_typer(assets.app, name="assets")
 app.add_typer(scene.app, name="scene")
 app.add_typer(plan.app, name="plan")
+app.add_typer(replay.app, name="replay")
 app.add_typer(gap.app, name="gap")
 app.add_typer(schema.app, name="schema")
 app.command("demo")(demo.demo)

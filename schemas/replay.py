@@ -45,14 +45,17 @@ class Inserted(_Model):
 class Variant(_Model):
     """One recording with new static objects, and everything that is needed to make it again.
 
-    `source` is the recording as the user named it, `source_sha256` the digests of its files by name. `camera_hidden` is
-    the share of task-object pixels that the inserted objects newly hide, by camera; empty where nothing was rendered.
-    `feasible_area_m2` is where an object of the smallest footprint may have its origin, by support.
+    `source` is the recording as the user named it, `part` what holds it in there, `recording` its copy beside this
+    file, `source_sha256` the digests of its streams by name. `camera_hidden` is the share of task-object pixels that
+    the inserted objects newly hide, by camera; empty where nothing was rendered. `feasible_area_m2` is where an object
+    of the smallest footprint may have its origin, by support.
     """
 
     schema_version: str = SCHEMA_VERSION
     episode: str
     source: str
+    part: str = ""
+    recording: str = ""
     source_sha256: dict[str, str] = {}
     seed: int
     number: int
@@ -63,3 +66,47 @@ class Variant(_Model):
     feasible_area_m2: dict[str, float] = {}
     camera_hidden: dict[str, float] = {}
     provenance: dict[str, str] = {}
+
+
+class Near(_Model):
+    """Two bodies and the least distance between them; `t_s` where one of them moves in the recording."""
+
+    inserted: str
+    other: str
+    distance_m: float
+    t_s: float | None = None
+
+
+class Moved(_Model):
+    """How far an inserted object went when everything was let go."""
+
+    name: str
+    moved_m: float
+    turned_deg: float
+    stayed: bool
+
+
+class VariantCheck(_Model):
+    """What verification found of one variant. `near` are all pairs under the clearance; `nearest` the nearest of all.
+
+    `contacts` counts pairs that touch. `nearest` is None without a pair. `moved` is empty where nothing was
+    let go. `states_identical`: every stream of the copy has the digest of the source.
+    """
+
+    variant: str
+    objects_requested: int
+    objects_inserted: int
+    contacts: int
+    clearance_m: float
+    clearance_violations: int
+    nearest: Near | None
+    near: tuple[Near, ...] = ()
+    moved: tuple[Moved, ...] = ()
+    states_identical: bool
+    feasible_area_m2: float | None = None
+    newly_hidden_fraction: float | None = None
+
+    @property
+    def sound(self) -> bool:
+        """No contact, no violation, nothing moved, states identical."""
+        return not self.near and self.states_identical and all(m.stayed for m in self.moved)

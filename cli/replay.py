@@ -1,0 +1,10 @@
+"""`mana replay`: recorded episodes with new static objects, each proved clear of all that moves."""
+
+from __future__ import annotations
+
+import typer
+
+from cli.replay_verify import verify_command
+
+app = typer.Typer(help="Put new static objects into recorded episodes, clear of all that moves.", no_args_is_help=True)
+app.command("verify")(verify_command)

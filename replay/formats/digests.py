@@ -1,0 +1,46 @@
+"""SHA-256 digests of the recorded streams of a source: what must be the same in its copy."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from replay.formats.hdf5 import child, opened
+
+
+def stream_digests(source: Path, part: str = "") -> dict[str, str]:
+    """Digests by stream: of each data set below the group `part` of an HDF5 file, else of the bytes of each file."""
+    if source.is_dir():
+        return {p.relative_to(source).as_posix(): _of_bytes(p.read_bytes()) for p in recording_files(source)}
+    if not h5py.is_hdf5(source):
+        return {source.name: _of_bytes(source.read_bytes())}
+    found: dict[str, str] = {}
+    with opened(source) as file:
+        _collect(child(file, part, source.name) if part else file, part, source.name, found)
+    return found
+
+
+def recording_files(folder: Path) -> list[Path]:
+    """The regular files below a folder; no links, nothing hidden."""
+    files = (p for p in sorted(folder.rglob("*")) if p.is_file() and not p.is_symlink())
+    return [p for p in files if not any(part.startswith(".") for part in p.relative_to(folder).parts)]
+
+
+def _collect(group: Any, at: str, file: str, found: dict[str, str]) -> None:
+    for name in sorted(group):
+        item = child(group, name, file)
+        if isinstance(item, h5py.Group):
+            _collect(item, f"{at}/{name}", file, found)
+        elif isinstance(item, h5py.Dataset):
+            data = item[()]
+            head = f"{item.dtype.str}{item.shape}"
+            body = np.ascontiguousarray(data).tobytes() if item.dtype.kind != "O" else repr(data).encode()
+            found[f"{at}/{name}"] = _of_bytes(head.encode() + body)
+
+
+def _of_bytes(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
