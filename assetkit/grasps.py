@@ -11,6 +11,7 @@ import numpy as np
 from geom.antipodal import Pairs, antipodal_pairs
 from geom.convex_union import ConvexUnion
 from geom.gripper import Gripper, boxes, lowest
+from geom.pad_patches import holding_force, pad_patches
 from geom.pose import matrix_of, quat_of
 from geom.spread import spread
 from schemas.affordances import Grasp
@@ -24,7 +25,8 @@ PAIRS = 96  # that are tried with every approach
 APPROACHES = 12
 # Where the pads touch, as a share of half their height: the middle, or near the tip for what lies flat.
 DEPTHS = (0.0, 0.7)
-SAFETY = 3.0  # of the friction force over the weight
+# Of the force over what just holds; lifting and shaking add 30 % to the weight.
+SAFETY, LEAST_SAFETY = 3.0, 1.5
 LEAST_FORCE_N = 0.5
 GROUND_M = 0.001
 LEAST_QUALITY = 0.1
@@ -52,22 +54,22 @@ def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Grippe
 
     Each lies in the friction cones, keeps fingers and hand clear of the body and, in at least one of the stable `poses`
     (the reference pose when there are none), of the ground. Quality is the product of the share of the friction cone
-    that is left, of how near the mass centre is, and of the share of the force that is left, to the third root; it
-    loses up to half for the chance of poses in which the grasp is not free.
+    that is left, of how near the mass centre is, of the share of the pads that touches, and of the share of the force
+    that is left, to the fourth root; it loses up to half for the chance of poses in which the grasp is not free.
     """
     friction = pad_friction(body.contact)
     cone_rad = math.atan(friction)
     weight_n = body.mass.mass_kg * GRAVITY_MPS2
-    force_n = SAFETY * weight_n / (2.0 * friction)
-    if force_n > gripper.force_n:
-        return Proposed((), f"it weighs {body.mass.mass_kg:.3g} kg: {force_n:.3g} N a finger, more than a gripper has")
+    least_n = SAFETY * weight_n / (2.0 * friction)
+    if least_n > gripper.force_n:
+        return Proposed((), f"it weighs {body.mass.mass_kg:.3g} kg: {least_n:.3g} N a finger, more than a gripper has")
     union = ConvexUnion(body.shapes)
     pairs = antipodal_pairs(union, cone_rad, gripper.widest_m())
     if not len(pairs.angle_rad):
         return Proposed((), f"nothing of it is at most {1000 * gripper.widest_m():.0f} mm wide between parallel sides")
     near = 1.0 - np.linalg.norm(pairs.middle_m - body.mass.centre_of_mass_m, axis=1) / (0.5 * union.size)
-    left = (1.0 - pairs.angle_rad / cone_rad) * np.clip(near, 0.05, 1.0) * (1.0 - force_n / gripper.force_n)
-    pairs, quality = _spread_pairs(pairs, np.cbrt(left), union.size)
+    left = (1.0 - pairs.angle_rad / cone_rad) * np.clip(near, 0.05, 1.0)
+    pairs, left = _spread_pairs(pairs, left, union.size)
     X_AG, of_pair = _approaches(pairs, gripper)
     X_GB, half = boxes(gripper, gripper.open_for(pairs.width_m[of_pair]))
     X_AB = X_AG[:, None] @ X_GB
@@ -75,22 +77,42 @@ def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Grippe
     for b in range(3):
         free[free] = union.box_clear(X_AB[free, b], half[free, b])
     over = _over_ground(X_AB, half, poses)
-    chance = np.array([p.probability for p in poses]) if poses else np.ones(1)
-    often = np.minimum((over * (chance / max(chance.sum(), 1e-9))).sum(axis=1), 1.0)
-    worth = quality[of_pair] * (1.0 + often) / 2.0
     free &= over.any(axis=1)
     if not free.any():
         return Proposed((), "fingers or hand would touch it, or the ground, in every grasp tried")
-    best = np.flatnonzero(free & (worth >= LEAST_QUALITY))
+    X_AG, of_pair, over = X_AG[free], of_pair[free], over[free]
+    patches = pad_patches(union, X_AG, pairs.width_m[of_pair], gripper)
+    lever_m = np.linalg.norm(np.cross(body.mass.centre_of_mass_m - patches.middle_m, X_AG[:, :3, 0]), axis=1)
+    needed_n = holding_force(weight_n, lever_m, patches.arm_m, pairs.angle_rad[of_pair], friction)
+    strong = LEAST_SAFETY * needed_n <= gripper.force_n
+    if not strong.any():
+        needs = f"{LEAST_SAFETY * needed_n.min():.3g} N a finger, more than a gripper has"
+        return Proposed((), f"it would turn between the pads without {needs}")
+    force_n = np.minimum(SAFETY * needed_n, gripper.force_n)
+    chance = np.array([p.probability for p in poses]) if poses else np.ones(1)
+    often = np.minimum((over * (chance / max(chance.sum(), 1e-9))).sum(axis=1), 1.0)
+    shares = left[of_pair] * patches.share * np.clip(1.0 - force_n / gripper.force_n, 0.05, 1.0)
+    worth = shares**0.25 * (1.0 + often) / 2.0
+    best = np.flatnonzero(strong & (worth >= LEAST_QUALITY))
     if not len(best):
-        return Proposed((), f"no grasp is better than {worth[free].max():.2g} of {LEAST_QUALITY}")
+        return Proposed((), f"no grasp is better than {worth[strong].max():.2g} of {LEAST_QUALITY}")
     best = best[np.argsort(-np.round(worth[best], DIGITS), kind="stable")]
     chosen = best[_spread_grasps(X_AG[best], union.size)]
     chosen = chosen[np.argsort(-np.round(worth[chosen], DIGITS), kind="stable")]
-    press_n = max(force_n, LEAST_FORCE_N)
+    press_n = np.maximum(force_n, LEAST_FORCE_N)
     return Proposed(
         tuple(
-            _grasp(f"grasp_{i + 1:02d}", X_AG[g], pairs, int(of_pair[g]), worth[g], over[g], cone_rad, press_n, gripper)
+            _grasp(
+                f"grasp_{i + 1:02d}",
+                X_AG[g],
+                pairs,
+                int(of_pair[g]),
+                worth[g],
+                over[g],
+                cone_rad,
+                float(press_n[g]),
+                gripper,
+            )
             for i, g in enumerate(chosen)
         )
     )

@@ -77,6 +77,19 @@ class ConvexUnion:
                 break
         return reach, normal
 
+    def first_entry(self, starts: FloatArray, directions: FloatArray) -> FloatArray:
+        """How far (k,) rays from outside along unit `directions` go until they meet the first shape; inf: none."""
+        reach = np.full(len(starts), np.inf)
+        for part in self._parts:
+            middle = 0.5 * (part.points.min(axis=0) + part.points.max(axis=0))
+            radius = np.linalg.norm(part.points - middle, axis=1).max()
+            beside = np.linalg.norm(np.cross(middle - starts, directions), axis=1)
+            near = np.flatnonzero(beside <= radius)  # The others pass by.
+            enter, leave, _ = _span(part, starts[near], directions[near])
+            met = (leave > 0.0) & (enter < reach[near])
+            reach[near] = np.where(met, np.maximum(enter, 0.0), reach[near])
+        return reach
+
     def last_exit(self, starts: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Where (k,) rays leave the furthest shape that they meet ahead, and the outward normals (k, 3) there."""
         reach, normal = np.zeros(len(starts)), np.zeros_like(starts)

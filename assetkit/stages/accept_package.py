@@ -32,7 +32,7 @@ class AcceptPackage(Stage):
     """Nothing is released on the strength of what is in memory: the bytes judged are the bytes shipped."""
 
     name = "acceptance"
-    version = 5
+    version = 6
     result = Acceptance
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Acceptance]:

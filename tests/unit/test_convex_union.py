@@ -29,6 +29,12 @@ def test_a_ray_goes_on_through_shapes_that_touch_and_ends_at_the_first_gap():
     assert normal[0] == pytest.approx([1.0, 0.0, 0.0])
 
 
+def test_a_ray_from_outside_enters_the_first_shape_that_it_meets():
+    starts = np.array([[-0.5, 0.0, 0.0], [0.25, 0.04, 0.0], [0.6, 0.0, 0.0], [-0.5, 0.06, 0.0]])
+    reach = ConvexUnion(BAR).first_entry(starts, np.repeat(ALONG, 4, axis=0))
+    assert reach == pytest.approx([0.4, 0.05, np.inf, np.inf])
+
+
 def test_the_last_exit_is_behind_the_gap():
     assert ConvexUnion(BAR).last_exit(START, ALONG)[0][0] == pytest.approx(0.5)
 
