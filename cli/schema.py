@@ -10,6 +10,7 @@ from pydantic import BaseModel
 
 from scenec.source.language import editor_schema
 from schemas.asset import AssetRecord
+from schemas.episode import EpisodeDescription
 from schemas.measurement import MeasurementSpec
 from schemas.report import IngestReport
 from schemas.runtime_plan import RuntimePlan
@@ -18,6 +19,7 @@ from schemas.scene_samples import SceneSamples
 app = typer.Typer(help="Print the JSON Schema of a file Mana reads or writes.", no_args_is_help=True)
 _MODELS: dict[str, type[BaseModel]] = {
     "asset": AssetRecord,
+    "episode": EpisodeDescription,
     "measurement": MeasurementSpec,
     "plan": RuntimePlan,
     "report": IngestReport,
@@ -36,6 +38,15 @@ def asset(as_json: Annotated[bool, typer.Option("--json", help="The output is JS
     Example: `mana schema asset > record.schema.json`
     """
     _print("asset")
+
+
+@app.command("episode")
+def episode(as_json: Annotated[bool, typer.Option("--json", help="The output is JSON in any case.")] = True) -> None:
+    """The schema of `episode.json`, the description of a recorded episode.
+
+    Example: `mana schema episode > episode.schema.json`
+    """
+    _print("episode")
 
 
 @app.command("measurement")

@@ -68,12 +68,13 @@ def recording(folder: Path, variant: Variant) -> Path:
 
 
 def read_variant_episode(folder: Path, variant: Variant, meshes: Path | None = None) -> Episode:
-    """The recording as the variant's folder holds it; `meshes` as for `read_episodes`, else beside the source.
+    """The recording as the variant's folder holds it, read with the scene and the meshes that it was read with before.
 
-    Raises InvalidInput.
+    Where these are gone, `meshes` are the ones to take. Raises InvalidInput.
     """
-    beside = Path(variant.source).parent
-    episodes = read_episodes(recording(folder, variant), meshes or (beside if beside.is_dir() else None))
+    named = [Path(p) for p in (variant.meshes, str(Path(variant.source).parent)) if p and Path(p).is_dir()]
+    scene = Path(variant.scene) if variant.scene and Path(variant.scene).is_file() else None
+    episodes = read_episodes(recording(folder, variant), meshes or next(iter(named), None), scene)
     return next((e for e in episodes if e.part == variant.part), episodes[0])
 
 

@@ -39,9 +39,11 @@ def check_links(episode: Episode) -> tuple[LinkError, ...]:
     for robot in episode.robots:
         X_WL = link_poses(robot, robot.q, robot.X_WR)
         for number, link in enumerate(robot.links):
-            if f"{link.name}.px" in columns:
-                recorded = column_poses(columns, link.name, file.name)
-                rows.append(LinkError(link=link.name, **_apart(recorded, X_WL[:, number])))
+            for name in (f"{robot.name}.{link.name}", link.name):
+                if f"{name}.px" in columns:
+                    recorded = column_poses(columns, name, file.name)
+                    rows.append(LinkError(link=name, **_apart(recorded, X_WL[:, number])))
+                    break
     return tuple(rows)
 
 

@@ -5,25 +5,35 @@ from __future__ import annotations
 from pathlib import Path
 
 from replay.episode import Episode
+from replay.formats.episode_folder import is_episode_folder, read_episode_folder
+from replay.formats.lerobot import is_lerobot, read_lerobot
+from replay.formats.maniskill import is_maniskill, read_maniskill
 from replay.formats.robomimic import is_robomimic, read_robomimic
 from replay.formats.staged_folder import is_staged_folder, read_staged_folder
 from replay.recorded import stop
 
 
-def read_episodes(path: Path, meshes: Path | None = None) -> tuple[Episode, ...]:
-    """All episodes of a file or folder, in its order. `meshes`: where mesh files named by a model are looked for.
+def read_episodes(path: Path, meshes: Path | None = None, scene: Path | None = None) -> tuple[Episode, ...]:
+    """All episodes of a file or folder, in its order.
 
-    Raises InvalidInput.
+    `meshes` is where mesh files that a model names are looked for, `scene` the `episode.json` of a recording that does
+    not say itself what moved (LeRobot, ManiSkill). Raises InvalidInput.
     """
     if not path.exists():
         raise stop("replay/missing-file", f"'{path.name}' is absent", path.name)
+    if is_lerobot(path):
+        return read_lerobot(path, scene, meshes)
+    if is_episode_folder(path):
+        return (read_episode_folder(path, meshes),)
     if is_staged_folder(path):
         return (read_staged_folder(path),)
     if is_robomimic(path):
         return read_robomimic(path, meshes)
+    if is_maniskill(path):
+        return read_maniskill(path, scene, meshes)
     raise stop("replay/unknown-format", f"'{path.name}' is no recording in a format that Mana reads", path.name)
 
 
-def read_episode(path: Path, meshes: Path | None = None) -> Episode:
+def read_episode(path: Path, meshes: Path | None = None, scene: Path | None = None) -> Episode:
     """The first episode of a file or folder. Raises InvalidInput."""
-    return read_episodes(path, meshes)[0]
+    return read_episodes(path, meshes, scene)[0]

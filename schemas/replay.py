@@ -46,9 +46,9 @@ class Variant(_Model):
     """One recording with new static objects, and everything that is needed to make it again.
 
     `source` is the recording as the user named it, `part` what holds it in there, `recording` its copy beside this
-    file, `source_sha256` the digests of its streams by name. `camera_hidden` is the share of task-object pixels that
-    the inserted objects newly hide, by camera; empty where nothing was rendered. `feasible_area_m2` is where an object
-    of the smallest footprint may have its origin, by support.
+    file, `scene` and `meshes` what was named to read it with, `source_sha256` the digests of its streams by name.
+    `camera_hidden` is the share of task-object pixels that the inserted objects newly hide, by camera; empty where
+    nothing was rendered. `feasible_area_m2` is where an object of the smallest footprint may stand, by support.
     """
 
     schema_version: str = SCHEMA_VERSION
@@ -56,6 +56,8 @@ class Variant(_Model):
     source: str
     part: str = ""
     recording: str = ""
+    scene: str = ""
+    meshes: str = ""
     source_sha256: dict[str, str] = {}
     seed: int
     number: int

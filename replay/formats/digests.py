@@ -8,14 +8,17 @@ from typing import Any
 
 import h5py
 import numpy as np
+import pyarrow.parquet as pq
 
 from replay.formats.hdf5 import child, opened
+from replay.formats.lerobot import is_lerobot
 
 
 def stream_digests(source: Path, part: str = "") -> dict[str, str]:
     """Digests by stream: of each data set below the group `part` of an HDF5 file, else of the bytes of each file."""
     if source.is_dir():
-        return {p.relative_to(source).as_posix(): _of_bytes(p.read_bytes()) for p in recording_files(source)}
+        files = recording_files(source, part)
+        return {p.relative_to(source).as_posix(): _of_bytes(p.read_bytes()) for p in files}
     if not h5py.is_hdf5(source):
         return {source.name: _of_bytes(source.read_bytes())}
     found: dict[str, str] = {}
@@ -24,10 +27,23 @@ def stream_digests(source: Path, part: str = "") -> dict[str, str]:
     return found
 
 
-def recording_files(folder: Path) -> list[Path]:
-    """The regular files below a folder; no links, nothing hidden."""
+def recording_files(folder: Path, part: str = "") -> list[Path]:
+    """The regular files below a folder that belong to a recording; no links, nothing hidden.
+
+    Of a LeRobot data set those of `meta/`, the tables that hold episode `part` and the description; no videos, which
+    show the scene as it was.
+    """
     files = (p for p in sorted(folder.rglob("*")) if p.is_file() and not p.is_symlink())
-    return [p for p in files if not any(part.startswith(".") for part in p.relative_to(folder).parts)]
+    found = [p for p in files if not any(name.startswith(".") for name in p.relative_to(folder).parts)]
+    if not is_lerobot(folder):
+        return found
+    return [p for p in found if _belongs(p, p.relative_to(folder), part)]
+
+
+def _belongs(path: Path, relative: Path, part: str) -> bool:
+    if relative.parts[0] == "data" and path.suffix == ".parquet":
+        return int(part) in pq.read_table(path, columns=["episode_index"])["episode_index"].to_pylist()
+    return relative.parts[0] not in ("data", "videos", "images")
 
 
 def _collect(group: Any, at: str, file: str, found: dict[str, str]) -> None:

@@ -11,8 +11,10 @@ import pyarrow.parquet as pq
 from replay.recorded import poses, stop
 from schemas.model import FloatArray
 
+Columns = dict[str, FloatArray]
 
-def read_columns(path: Path) -> dict[str, FloatArray]:
+
+def read_columns(path: Path) -> Columns:
     """Every numeric column by name: (n,) float64, or (n, k) for lists of equal length. Raises InvalidInput."""
     try:
         table = pq.read_table(path)
@@ -32,7 +34,7 @@ def read_columns(path: Path) -> dict[str, FloatArray]:
     return columns
 
 
-def column_poses(columns: dict[str, FloatArray], name: str, file: str) -> FloatArray:
+def column_poses(columns: Columns, name: str, file: str) -> FloatArray:
     """X (n, 4, 4) of the columns `<name>.px ... pz, qw, qx, qy, qz`. Raises InvalidInput."""
     wanted = [f"{name}.{c}" for c in ("px", "py", "pz", "qx", "qy", "qz", "qw")]
     missing = [c for c in wanted if c not in columns]

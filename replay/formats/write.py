@@ -15,6 +15,7 @@ from replay.episode import Episode
 from replay.formats.digests import recording_files, stream_digests
 from replay.formats.hdf5 import child, opened, text
 from replay.formats.mesh_archive import MESHES
+from schemas.episode import EPISODE_FILE
 from schemas.replay import VARIANT_FILE, Variant
 
 RECORDING = "recording"
@@ -27,7 +28,7 @@ def write_variant(episode: Episode, variant: Variant, folder: Path) -> Variant:
     target.mkdir(parents=True)
     source, recording = episode.source, RECORDING
     if source.is_dir():
-        for file in recording_files(source):
+        for file in recording_files(source, episode.part):
             copy = target / file.relative_to(source)
             copy.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(file, copy)
@@ -62,7 +63,7 @@ def write_hdf5_part(source: Path, part: str, target: Path) -> None:
         if "total" in getattr(holder, "attrs", {}) and "num_samples" in group.attrs:
             holder.attrs["total"] = group.attrs["num_samples"]  # robomimic: samples of all demonstrations in the file
     beside = [model] if model and not model.lstrip().startswith("<") else []
-    files = [source.parent / name for name in beside]
+    files = [source.parent / name for name in (*beside, EPISODE_FILE)] + [source.with_suffix(".json")]
     files += [f for f in (source.parent / MESHES, source.parent.parent / MESHES) if f.is_file()][:1]
     for file in files:
         if file.is_file() and not file.is_symlink() and file.resolve().is_relative_to(source.parent.parent.resolve()):
