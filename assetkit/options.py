@@ -36,6 +36,16 @@ class Endpoint(BaseModel):
         return url.rstrip("/")
 
 
+class SegmenterCommand(BaseModel):
+    """A program of the user that proposes parts. With `digest` of the files it names a changed one is asked anew."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    command: tuple[str, ...] = Field(min_length=1)
+    seconds: float = Field(default=60.0, gt=0.0, le=3600.0, description="time that one object may take")
+    digest: str = ""
+
+
 class Options(BaseModel):
     """Statements about the assets (they become `declared` evidence) and the budgets of their processing."""
 
@@ -47,6 +57,7 @@ class Options(BaseModel):
     category: str | None = None
     require_category: bool = Field(default=False, description="an object of unknown category goes to a person")
     endpoint: Endpoint | None = Field(default=None, description="a model to ask what pictures show; None: nobody")
+    segmenter: SegmenterCommand | None = Field(default=None, description="a program that proposes parts")
     license: str | None = None
     author: str | None = None
     shell_thickness_m: float | None = Field(default=None, gt=0.0, description="wall thickness of open surfaces")

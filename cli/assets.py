@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shlex
+import shutil
 import time
 from pathlib import Path
 from typing import Annotated, cast, get_args
@@ -16,13 +18,14 @@ from assetkit import catalog
 from assetkit.annotate.exchange import worst_seconds
 from assetkit.discover import Candidate, discover
 from assetkit.ingest import Batch, default_jobs, ingest
-from assetkit.options import Endpoint, Options, UnitName, UpAxisName
+from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
 from assetkit.record import RECORD
 from assetkit.report import build_report, write_report
 from cli import text
 from cli.assets_review import review_command
 from cli.assets_search import search_command
 from cli.findings import show_findings
+from jobs.cache import content_key, file_sha256
 from jobs.cell import Limits
 from schemas.asset import Role
 from schemas.diagnostics import Severity
@@ -65,6 +68,11 @@ def ingest_command(
     annotator_price: Annotated[
         tuple[float, float] | None, typer.Option(help="USD per million input and output tokens.")
     ] = None,
+    segmenter: Annotated[
+        str | None,
+        typer.Option(help="A program of yours that proposes parts, as one would type it; docs/pipelines/parts.md."),
+    ] = None,
+    segmenter_timeout: Annotated[float, typer.Option(help="Seconds it may take for one object.")] = 60.0,
     timeout: Annotated[float, typer.Option(help="Seconds one asset may take.")] = 300.0,
     memory: Annotated[int, typer.Option(help="Address space of one worker in MiB.")] = 8192,
     resume: Annotated[
@@ -101,6 +109,7 @@ def ingest_command(
         category=category,
         require_category=require_category,
         endpoint=endpoint,
+        segmenter=None if segmenter is None else segmenter_stated(segmenter, segmenter_timeout, timeout),
         license=license_,
         author=author,
         shell_thickness_m=None if shell_thickness is None else shell_thickness / 1000.0,
@@ -139,6 +148,22 @@ def endpoint_stated(
         first = error.errors()[0]
         flag = {"seconds": "timeout", "usd_per_million": "price"}.get(str(first["loc"][0]), first["loc"][0])
         raise typer.BadParameter(first["msg"], param_hint=f"--annotator-{flag}") from None
+
+
+def segmenter_stated(command: str, seconds: float, timeout: float) -> SegmenterCommand:
+    """The program that `--segmenter` names. Raises typer.BadParameter for what cannot run or may outlive its asset."""
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--segmenter") from None
+    if not words or shutil.which(words[0]) is None:
+        raise typer.BadParameter("names no program that can be run", param_hint="--segmenter")
+    if not 0.0 < seconds < timeout:
+        raise typer.BadParameter("must be above zero and below --timeout", param_hint="--segmenter-timeout")
+    # The worker may stand in another folder than the user.
+    whole = tuple(str(Path(word).absolute()) if Path(word).is_file() else word for word in words)
+    digest = content_key([file_sha256(Path(word)) for word in whole if Path(word).is_file()])
+    return SegmenterCommand(command=whole, seconds=seconds, digest=digest)
 
 
 def run_batch(candidates: tuple[Candidate, ...], batch: Batch, *, quiet: bool) -> IngestReport:

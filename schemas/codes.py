@@ -443,6 +443,13 @@ CODES: dict[str, CodeInfo] = {
         "the record without a label.",
         "look at previews/parts.png, and name nodes and materials in the source after what they are",
     ),
+    "asset/segmenter-failed": CodeInfo(
+        "warning",
+        "The segmenter gave no usable answer, or only a part of one",
+        "Its regions, or some of them, are missing; parts are found from names, materials, pieces and shape alone.",
+        "run the command by hand on a surface, see docs/pipelines/parts.md, or give it more time with "
+        "--segmenter-timeout; it is asked anew when a file of the command changed, or with --fresh",
+    ),
     # Decisions of people.
     "asset/decided-by-person": CodeInfo(
         "info",

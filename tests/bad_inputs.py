@@ -314,6 +314,7 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/annotator-unreachable": "tests/unit/test_multimodal.py",
     "asset/annotator-failed": "tests/unit/test_multimodal.py",
     "asset/annotator-refused": "tests/unit/test_multimodal.py",
+    "asset/segmenter-failed": "tests/test_segmented.py",
     "asset/unstable-settling": "tests/unit/test_acceptance.py",
     "asset/reference-pose-topples": "tests/unit/test_acceptance.py",
     "asset/no-stable-pose": "tests/unit/test_acceptance.py",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assetkit.parts.proposals import Segmenter, joined, propose
+from assetkit.parts.proposals import Segmented, Segmenter, joined, propose
 from assetkit.parts.reconcile import Piece, reconcile
 from assetkit.taxonomy.tables import categories
 from geom.cavity import Cavity
@@ -24,10 +24,13 @@ _STATED, _AGREED, _ALONE = 0.8, 0.7, 0.5
 
 @dataclass(frozen=True)
 class Found:
-    """Parts, the one with most surface first, and what clues contradict each other about, in words."""
+    """Parts, the one with most surface first; in words, what clues contradict each other about and what was wrong with
+    the answer of a segmenter.
+    """
 
     parts: tuple[Evidence[Part], ...]
     disputes: tuple[str, ...] = ()
+    segmenter_problem: str = ""
 
 
 def find_parts(
@@ -52,14 +55,15 @@ def find_parts(
     if surface.area.sum() <= 0.0:
         return Found(())
     openings = [c.direction for c in cavities if not c.through]
-    proposals = propose(surface, list(shown.values()), materials, kind, vocabulary, segmenter, openings)
+    said = segmenter.segment(surface, kind, vocabulary) if segmenter is not None else Segmented()
+    proposals = propose(surface, list(shown.values()), materials, kind, vocabulary, said.proposals, openings)
     made = reconcile(surface, proposals, kind, vocabulary)
     most = category.confidence if known else 1.0
     parts = [
         _part(surface, shown, piece, f"part_{i}", most, parent)
         for i, (piece, parent) in enumerate(zip(made.pieces, made.parents, strict=True))
     ]
-    return Found(tuple(parts), made.disputes)
+    return Found(tuple(parts), made.disputes, said.problem)
 
 
 def _part(

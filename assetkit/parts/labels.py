@@ -51,7 +51,7 @@ class Vote:
 def votes(proposal: Proposal, category: str, vocabulary: Sequence[str]) -> tuple[Vote, ...]:
     """What a proposal says its region is called, by name and by shape."""
     if proposal.label:
-        return (Vote(proposal.label, proposal.confidence, "learned", "learned segmenter"),)
+        return (Vote(proposal.label, proposal.confidence, "learned", f"segmenter {proposal.by}".strip()),)
     return (*_by_name(proposal, vocabulary), *_by_shape(proposal, category))
 
 

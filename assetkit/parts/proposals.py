@@ -39,7 +39,7 @@ _WITH_LIMBS = (*_ROUND, "basket", "box", "bin", "tray")
 @dataclass(frozen=True)
 class Proposal:
     """`faces` (m,) True at its triangles, counted through all meshes; `names` what the source calls it; `role` what it
-    is by shape, or a label of its own with its confidence from a learned segmenter.
+    is by shape, or a label of its own with its confidence from a learned segmenter, and `by` which one.
     """
 
     faces: IntArray
@@ -49,13 +49,22 @@ class Proposal:
     role: str = ""
     label: str = ""
     confidence: float = 0.0
+    by: str = ""
+
+
+@dataclass(frozen=True)
+class Segmented:
+    """What a segmenter proposes, with source `learned`; in words why there is nothing, or less than it said."""
+
+    proposals: tuple[Proposal, ...] = ()
+    problem: str = ""
 
 
 class Segmenter(Protocol):
     """A learned segmenter: regions of a surface with the part names it was asked for. Deterministic, never raises."""
 
-    def segment(self, surface: Faces, category: str, vocabulary: Sequence[str]) -> tuple[Proposal, ...]:
-        """Proposals with source `learned`; labels outside `vocabulary` are left out by the caller."""
+    def segment(self, surface: Faces, category: str, vocabulary: Sequence[str]) -> Segmented:
+        """Regions of the surface; labels outside `vocabulary` are left out by the caller."""
         ...
 
 
@@ -72,18 +81,17 @@ def propose(
     materials: Sequence[Material],
     category: str,
     vocabulary: Sequence[str],
-    segmenter: Segmenter | None = None,
+    learned: Sequence[Proposal] = (),
     openings: Sequence[FloatArray] = (),
 ) -> list[Proposal]:
-    """All proposals, from what the source says to what the shape shows; none of them is the whole object."""
+    """All proposals, by what the source says, what the shape shows and what was `learned`; none is the whole object."""
     owner = np.repeat(np.arange(len(meshes)), [len(m.triangles) for m in meshes])
     found = [*_by_node(meshes, owner), *_by_material(meshes, materials, owner), *_by_component(surface)]
     shaped = _shaped(surface, category, openings)
     if shaped:
         sure = category not in _WITH_SPOUT or sorted(r.role for r in shaped) in (["loop"], ["arm", "loop"])
         found += [Proposal(r.faces, "shape", role=r.role if sure else "") for r in shaped]
-    if segmenter is not None:
-        found += [p for p in segmenter.segment(surface, category, vocabulary) if p.label in ("", *vocabulary)]
+    found += [p for p in learned if p.label in ("", *vocabulary)]
     found = [replace(p, role=_role_of_piece(surface, p.faces)) if p.source in _PIECES else p for p in found]
     total = surface.area.sum()
     return [p for p in found if LEAST_SHARE * total < surface.area[p.faces].sum() < 0.98 * total]

@@ -17,13 +17,15 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from assetkit.parts.proposals import Proposal
+from assetkit.parts.proposals import Proposal, Segmented
 from geom.shape_regions import Faces
 from jobs.cell import Limits, run_cell
 
 MOST_BYTES = 16 * 2**20
 MOST_PARTS = 64
-LIMITS = Limits(seconds=60.0, memory_mb=8192)
+MOST_SAID = 200
+MEMORY_MB = 8192
+LIMITS = Limits(seconds=60.0, memory_mb=MEMORY_MB)
 SEEN = 0.8  # of the confidence of a model counts, as for categories
 
 
@@ -52,8 +54,8 @@ class CommandSegmenter:
     command: tuple[str, ...]
     limits: Limits = LIMITS
 
-    def segment(self, surface: Faces, category: str, vocabulary: Sequence[str]) -> tuple[Proposal, ...]:
-        """Proposals in the order of the answer; () without a usable one."""
+    def segment(self, surface: Faces, category: str, vocabulary: Sequence[str]) -> Segmented:
+        """Proposals in the order of the answer; none without a usable one."""
         with tempfile.TemporaryDirectory() as place:
             surface_file, answer_file = Path(place, "surface.npz"), Path(place, "answer.json")
             np.savez(surface_file, points=surface.points, triangles=surface.triangles)
@@ -61,12 +63,24 @@ class CommandSegmenter:
             Path(place, "question.json").write_text(json.dumps(asked), encoding="utf-8")
             result = run_cell([*self.command, str(surface_file), str(answer_file)], self.limits)
             if result.status != "ok":
-                return ()
+                said = (result.output.strip().splitlines() or ["no output"])[-1][:MOST_SAID]
+                return Segmented(problem=f"{result.status.replace('_', ' ')}: {said}")
             answer = _read(answer_file)
         if answer is None:
-            return ()
-        found = (_proposal(region, len(surface.triangles)) for region in answer.parts if region.label in vocabulary)
-        return tuple(p for p in found if p is not None)
+            return Segmented(problem="its answer is missing, too large or of another form")
+        known = [region for region in answer.parts if region.label in vocabulary]
+        found = [_proposal(region, len(surface.triangles), self.name) for region in known]
+        proposals = tuple(p for p in found if p is not None)
+        if len(proposals) == len(answer.parts):
+            return Segmented(proposals)
+        names, places = len(answer.parts) - len(known), len(known) - len(proposals)
+        return Segmented(proposals, f"left out: {names} with a name not asked for, {places} with no such triangles")
+
+    @property
+    def name(self) -> str:
+        """The program as evidence names it: the last word of the command that is a file, else the first, no folders."""
+        files = [word for word in self.command if Path(word).is_file()]
+        return Path(files[-1] if files else self.command[0]).name
 
 
 def _read(file: Path) -> _Answer | None:
@@ -80,10 +94,10 @@ def _read(file: Path) -> _Answer | None:
         return None
 
 
-def _proposal(region: _Region, count: int) -> Proposal | None:
+def _proposal(region: _Region, count: int, by: str) -> Proposal | None:
     own = region.triangles
     if not own or min(own) < 0 or max(own) >= count:
         return None
     faces = np.zeros(count, dtype=bool)
     faces[own] = True
-    return Proposal(faces, "learned", label=region.label, confidence=SEEN * region.confidence)
+    return Proposal(faces, "learned", label=region.label, confidence=SEEN * region.confidence, by=by)
