@@ -74,13 +74,19 @@ def author_colliders(
     colliders = UsdGeom.Xform.Define(stage, root.AppendChild("Colliders")).GetPath()
     for index, (shape, material) in enumerate(zip(shapes, materials, strict=True)):
         path = colliders.AppendChild(f"collider_{index:02d}")
-        prim = _hull(stage, path, shape, taken) if shape.kind == "hull" else _primitive(stage, path, shape)
+        prim = author_shape(stage, path, shape, taken)
         UsdGeom.Imageable(prim).CreatePurposeAttr(UsdGeom.Tokens.guide)
-        UsdPhysics.CollisionAPI.Apply(prim).CreateCollisionEnabledAttr(True)
         binding = UsdShade.MaterialBindingAPI.Apply(prim)
         binding.Bind(UsdShade.Material.Get(stage, material), materialPurpose="physics")
         # MuJoCo's USD reader looks at the all-purpose binding only.
         binding.Bind(UsdShade.Material.Get(stage, material))
+
+
+def author_shape(stage: Usd.Stage, path: Sdf.Path, shape: CollisionShape, taken: set[bytes]) -> Usd.Prim:
+    """The prim of one shape, posed in the frame of its parent, with collision API; no material, default purpose."""
+    prim = _hull(stage, path, shape, taken) if shape.kind == "hull" else _primitive(stage, path, shape)
+    UsdPhysics.CollisionAPI.Apply(prim).CreateCollisionEnabledAttr(True)
+    return prim
 
 
 def _hull(stage: Usd.Stage, path: Sdf.Path, shape: CollisionShape, taken: set[bytes]) -> Usd.Prim:

@@ -63,7 +63,7 @@ def write_sample(
     for edit in edits:
         _edit(stage, found[edit.name], edit, packages, file.parent)
     if lighting is not None:
-        _light(stage, lighting)
+        light(stage, lighting)
     if not layer.Save():
         raise OSError(f"USD could not write {file.name}")
     return file
@@ -82,14 +82,14 @@ def _edit(stage: Usd.Stage, prim: Usd.Prim, edit: SampleEdit, packages: Path, fo
         prim.GetAttribute("xformOp:translate").Set(Gf.Vec3d(*edit.position_m))
         prim.GetAttribute("xformOp:orient").Set(Gf.Quatd(*edit.quat_wxyz))
     if edit.material is not None:
-        _wear(stage, prim, edit.material, edit)
+        wear(stage, prim, edit.material, edit)
 
 
 def _references(prim: Usd.Prim) -> list[Sdf.Reference]:
     return [ref for spec in prim.GetPrimStack() for ref in spec.referenceList.GetAddedOrExplicitItems()]
 
 
-def _wear(stage: Usd.Stage, prim: Usd.Prim, source: PairedMaterial, edit: SampleEdit) -> None:
+def wear(stage: Usd.Stage, prim: Usd.Prim, source: PairedMaterial, edit: SampleEdit) -> None:
     """Bind the material over all that the prim has below it; mass and inertia change with it."""
     scope = UsdGeom.Scope.Define(stage, _ROOT.AppendChild("SampledMaterials")).GetPath()
     name = identifier(f"{source.id}_{edit.name}", "material")
@@ -123,7 +123,7 @@ def _surface(stage: Usd.Stage, material: UsdShade.Material, source: PairedMateri
     material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
 
 
-def _light(stage: Usd.Stage, drawn: SampledLighting) -> None:
+def light(stage: Usd.Stage, drawn: SampledLighting) -> None:
     """The channels on both lights of the scene; `intensity` is the lamp's, the dome keeps its share of it."""
     lights = _ROOT.AppendChild("Lights")
     lamp, dome = (stage.GetPrimAtPath(lights.AppendChild(name)) for name in ("Lamp", "Dome"))

@@ -47,17 +47,17 @@ def write_scene(scene: CompiledScene, library: Path | None, file: Path) -> Path:
     world = UsdGeom.Xform.Define(stage, _ROOT).GetPrim()
     stage.SetDefaultPrim(world)
     Usd.ModelAPI(world).SetKind(Kind.Tokens.assembly)
-    _author_physics_scene(stage)
-    _author_lights(stage)
+    author_physics_scene(stage)
+    author_lights(stage)
     contact = author_contact_material(stage, _ROOT, CONTACT, DENSITY_KGM3, "inline")
     background = _ROOT.AppendChild("Background")
     if scene.background is not None:
-        _author_object(stage, background, scene.background, contact, file.parent, moves=False)
+        author_object(stage, background, scene.background, contact, file.parent, moves=False)
     group = UsdGeom.Xform.Define(stage, _ROOT.AppendChild("Objects")).GetPrim()
     Usd.ModelAPI(group).SetKind(Kind.Tokens.group)
     objects = [group.GetPath().AppendChild(name) for name in object_prims(scene)]
     for path, item in zip(objects, scene.objects, strict=True):
-        _author_object(stage, path, item, contact, file.parent, moves=True)
+        author_object(stage, path, item, contact, file.parent, moves=True)
     del stage, world, group  # A living stage would look for the packages at once, and not beside `file`.
     for path, item in zip([background, *objects] if scene.background is not None else objects, placed, strict=True):
         if item.package is not None:
@@ -78,13 +78,14 @@ def object_prims(scene: CompiledScene) -> Sequence[str]:
     return tuple(prim_names([item.id for item in scene.objects], "object"))
 
 
-def _author_physics_scene(stage: Usd.Stage) -> None:
+def author_physics_scene(stage: Usd.Stage) -> None:
+    """`/World/PhysicsScene`: gravity along -z."""
     physics = UsdPhysics.Scene.Define(stage, _ROOT.AppendChild("PhysicsScene"))
     physics.CreateGravityDirectionAttr(Gf.Vec3f(0.0, 0.0, -1.0))
     physics.CreateGravityMagnitudeAttr(GRAVITY_MPS2)
 
 
-def _author_lights(stage: Usd.Stage) -> None:
+def author_lights(stage: Usd.Stage) -> None:
     """A soft dome and one lamp, so that the stage is not dark where it is opened."""
     scope = UsdGeom.Scope.Define(stage, _ROOT.AppendChild("Lights")).GetPath()
     UsdLux.DomeLight.Define(stage, scope.AppendChild("Dome")).CreateIntensityAttr(700.0)
@@ -94,7 +95,7 @@ def _author_lights(stage: Usd.Stage) -> None:
     lamp.AddRotateXYZOp().Set(Gf.Vec3f(35.0, -25.0, 0.0))
 
 
-def _author_object(
+def author_object(
     stage: Usd.Stage, path: Sdf.Path, item: PlacedObject, contact: Sdf.Path, folder: Path, *, moves: bool
 ) -> None:
     """One object at its pose: a reference to its package, or the primitive with collider and mass."""
