@@ -22,6 +22,7 @@ from schemas.physics import CollisionShape
 from schemas.scene_program import AuthoredPolygon, FixedAsset, Inline, Orientation
 from usdio.reread import reread_body
 
+MOST_SEEN = 5_000
 Quat_wxyz = tuple[float, float, float, float]
 Single = Inline | FixedAsset  # an asset that is no pool
 
@@ -40,6 +41,13 @@ class Geometry:
     package: str | None
     inline: Inline | None = None
 
+    @cached_property
+    def lean_deg(self) -> float:
+        """How far the stable pose nearest to upright leans (degrees), 0 where no stable pose is known."""
+        return min(
+            (float(np.degrees(2.0 * np.arccos(min(abs(w), 1.0)))) for w, *_ in self.stable_quats_wxyz), default=0.0
+        )
+
 
 class AssetLibrary:
     """A folder of packages (`mana assets ingest --out`); with None only inline primitives are known."""
@@ -49,6 +57,7 @@ class AssetLibrary:
         self._geometries: dict[tuple[str, float], Geometry] = {}
         self._bodies: dict[tuple[str, float, Orientation], Body] = {}
         self._records: dict[str, bytes] = {}
+        self._seen: dict[tuple[int, float], tuple[Single, Geometry]] = {}  # by object, for one that is asked for again
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -60,7 +69,7 @@ class AssetLibrary:
     def refresh(self) -> None:
         """Forget which packages there are, and everything read when one that was used is another by now, or is gone."""
         if any(self._record(asset_id) != record for asset_id, record in self._records.items()):
-            for known in (self._geometries, self._bodies, self._records):
+            for known in (self._geometries, self._bodies, self._records, self._seen):
                 known.clear()
         self.__dict__.pop("names", None)
 
@@ -84,10 +93,16 @@ class AssetLibrary:
 
     def geometry(self, asset: Single, scale: float = 1.0) -> Geometry:
         """All that the asset offers. Raises InvalidInput as `body` does."""
+        seen = self._seen.get((id(asset), scale))
+        if seen is not None and seen[0] is asset:
+            return seen[1]
         key = (asset.model_dump_json(), scale)
         if key not in self._geometries:
             package = isinstance(asset, FixedAsset)
             self._geometries[key] = self._package(asset.id, scale) if package else _primitive(asset, scale)
+        if len(self._seen) >= MOST_SEEN:
+            self._seen.clear()
+        self._seen[id(asset), scale] = asset, self._geometries[key]
         return self._geometries[key]
 
     def surface(self, asset: Single, scale: float, wanted: str | AuthoredPolygon, name: str) -> Surface | None:
@@ -180,6 +195,8 @@ def _stance(geometry: Geometry, index: int, quat_wxyz: Quat_wxyz) -> Stance:
 
 
 def _enlarged(surface: Surface, scale: float) -> Surface:
+    if scale == 1.0:
+        return surface
     polygon = stretch(surface.polygon, scale, scale, origin=(0.0, 0.0))
     return Surface(surface.name, polygon, surface.origin_P_m * scale)
 

@@ -17,6 +17,7 @@ from scenec.emit import compiled_scene
 from scenec.graph import Graph, interaction_graph
 from scenec.ir import Exhausted, Infeasible, Path, Placement, Problem, Proof, Result, Solved
 from scenec.lower import lower
+from scenec.memo import Memo
 from scenec.plan import runtime_plan
 from scenec.report import conflict_members, verdict_of, why
 from scenec.solve import DEFAULT_BUDGET, ComponentCache, solve
@@ -102,6 +103,7 @@ def compile_program(
     cache: ComponentCache | None = None,
     library: AssetLibrary | None = None,
     pieces: Pieces | None = None,
+    memo: Memo | None = None,
     explain: bool = True,
     diversity: float | None = None,
 ) -> Compiled:
@@ -109,24 +111,25 @@ def compile_program(
 
     `scenes` holds a checked scene for each combination of geometry-changing variants, or nothing at all unless all of
     them compiled. `budget` bounds the steps of the search of each combination. Placements of `previous` are repaired
-    before anything is searched anew; `cache`, `library` and `pieces` keep components, assets and text of earlier
-    compiles (`scenec.session` holds all four). With `explain`, a failure comes with conflict and suggestions; with
-    `diversity`, success comes with a plan of many scenes (see scenec.plan). Raises RuntimeError when the independent
-    checker refuses what was made: a defect of ours, not of the program.
+    before anything is searched anew; `cache`, `library`, `pieces` and `memo` keep components, assets, text and what was
+    derived for single things in earlier compiles (`scenec.session` holds all five). With `explain`, a failure comes
+    with conflict and suggestions; with `diversity`, success comes with a plan of many scenes (see scenec.plan). Raises
+    RuntimeError when the independent checker refuses what was made: a defect of ours, not of the program.
     """
     clock = Clock()
     with clock.phase("read"):
-        read = read_program(path, root, pieces)
+        read = read_program(path, root, pieces, memo)
     if read.program is None:
         return Compiled(_invalid(read.diagnostics, clock))
-    library = library or AssetLibrary(assets)
+    library, memo = library or AssetLibrary(assets), memo or Memo()
     with clock.phase("bind"):
-        lowered = lower(read.program, library, read.spans)
+        lowered = lower(read.program, library, read.spans, memo)
     found = (*read.diagnostics, *lowered.diagnostics)
     if not lowered.problems or any(d.severity is Severity.ERROR for d in lowered.diagnostics):
         return Compiled(_invalid(found, clock))
-    for problem in lowered.problems:
-        verify.after_binding(problem)
+    with clock.phase("bind"):
+        for problem in lowered.problems:
+            verify.after_binding(problem, memo)
     cache = cache or ComponentCache()
     results, rows = [], []
     for problem in lowered.problems:
@@ -136,13 +139,13 @@ def compile_program(
             result = solve(problem, seed, budget, previous=known, cache=cache)
         if isinstance(result, Solved):
             with clock.phase("check"):
-                verify.after_solving(problem, result.placements)
+                verify.after_solving(problem, result.placements, memo)
         results.append(result)
         rows.append(_row(problem, result, clock.total_s - since))
     failed = _worst(results)
     if failed is None:
         with clock.phase("emit"):
-            scenes = tuple(_emit(p, r, seed) for p, r in zip(lowered.problems, results, strict=True))
+            scenes = tuple(_emit(p, r, seed, memo) for p, r in zip(lowered.problems, results, strict=True))
         plan = None
         if diversity is not None:
             solved = [result for result in results if isinstance(result, Solved)]
@@ -177,9 +180,9 @@ def _invalid(diagnostics: tuple[Diagnostic, ...], clock: Clock) -> CompileReport
     )
 
 
-def _emit(problem: Problem, result: Result, seed: int) -> CompiledScene:
+def _emit(problem: Problem, result: Result, seed: int, memo: Memo) -> CompiledScene:
     assert isinstance(result, Solved), "no combination failed"
-    scene = compiled_scene(problem, result.placements, seed)
+    scene = compiled_scene(problem, result.placements, seed, memo)
     verify.after_emission(problem, scene)
     return scene
 

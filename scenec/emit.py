@@ -2,34 +2,45 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
-from geom.pose import matrix_of, pose, quat_of
+from geom.pose import pose
 from scenec.ir import WORLD_PARENT, Body, FloatArray, Placement, Problem, Stance, Thing
+from scenec.memo import Memo
 from schemas.compiled_scene import CompiledScene, PlacedObject, Prism
 from schemas.scene_program import BoxAsset, CylinderAsset, Inline, SphereAsset
 
 _DIGITS = 9  # Nanometres: what is left of two ways to add the same lengths.
+_NO_PART = 1e-12  # of a unit quaternion: rounding
 
 
-def compiled_scene(problem: Problem, placements: Mapping[str, Placement], seed: int) -> CompiledScene:
-    """The whole scene of `problem` in the world frame. Raises KeyError when a thing has no placement: never partial."""
-    frames = world_frames(problem, placements)
-    things = {thing.name: thing for thing in problem.things}
-    stances = {name: thing.body.stances[placements[name].stance] for name, thing in things.items()}
-    if problem.background is not None:
-        stances = {WORLD_PARENT: problem.background.stances[0], **stances}
-    quats = _quats_wxyz(stances, frames)
-    placed = {
-        name: _placed(name, thing.body, stances[name], frames[name], quats[name], thing)
-        for name, thing in things.items()
+def compiled_scene(
+    problem: Problem, placements: Mapping[str, Placement], seed: int, memo: Memo | None = None
+) -> CompiledScene:
+    """The whole scene of `problem` in the world frame. Raises KeyError when a thing has no placement: never partial.
+
+    What stands as it did when `memo` saw it is taken from there.
+    """
+    memo = memo or Memo()
+    frames = world_frames(problem, placements, memo)
+    bodies: dict[str, tuple[Thing | None, Body, Stance]] = {
+        thing.name: (thing, thing.body, thing.body.stances[placements[thing.name].stance]) for thing in problem.things
     }
-    behind = None
     if problem.background is not None:
-        at = WORLD_PARENT
-        behind = _placed(at, problem.background, stances[at], frames[at], quats[at])
+        bodies[WORLD_PARENT] = None, problem.background, problem.background.stances[0]
+    placed = {
+        name: memo.get(
+            ("placed", problem.key, name),
+            partial(_placed, name, body, stance, frames[name], thing),
+            *(thing or body, stance, frames[name]),
+        )
+        for name, (thing, body, stance) in bodies.items()
+    }
+    behind = placed.pop(WORLD_PARENT, None)
     return CompiledScene(
         scene=problem.scene,
         seed=seed,
@@ -40,18 +51,22 @@ def compiled_scene(problem: Problem, placements: Mapping[str, Placement], seed: 
     )
 
 
-def world_frames(problem: Problem, placements: Mapping[str, Placement]) -> dict[str, FloatArray]:
+def world_frames(
+    problem: Problem, placements: Mapping[str, Placement], memo: Memo | None = None
+) -> dict[str, FloatArray]:
     """X_WU (4, 4) of the background and every thing: origin of its asset frame, turned by its yaw alone.
 
     U are the axes that things on it are placed in; those of the asset frame itself lie `stance.quat_wxyz` further.
     """
     things = {thing.name: thing for thing in problem.things}
-    frames = {WORLD_PARENT: np.asarray(problem.X_WB, dtype=np.float64)}
+    memo = memo or Memo()
+    X_WB = np.asarray(problem.X_WB, dtype=np.float64)
+    frames = {WORLD_PARENT: memo.get(("frame", X_WB.tobytes()), lambda: X_WB)}
 
     def frame(name: str) -> FloatArray:
         if name not in frames:
-            thing = things[name]
-            frames[name] = frame(thing.parent) @ _in_parent(thing, placements[name])
+            thing, at, X_WP = things[name], placements[name], frame(things[name].parent)
+            frames[name] = memo.get(("frame", problem.key, name), lambda: X_WP @ _in_parent(thing, at), thing, at, X_WP)
         return frames[name]
 
     for name in things:
@@ -68,20 +83,9 @@ def _in_parent(thing: Thing, placement: Placement) -> FloatArray:
     return pose(turn, np.asarray(thing.place.origin_P_m, dtype=np.float64) + p_A)
 
 
-def _quats_wxyz(stances: Mapping[str, Stance], frames: Mapping[str, FloatArray]) -> dict[str, list[float]]:
-    """Orientation of each asset frame in the world, all in one call: it is the call that costs."""
-    if not stances:
-        return {}
-    R_WU = np.stack([frames[name][:3, :3] for name in stances])
-    R_UP = matrix_of(np.array([stance.quat_wxyz for stance in stances.values()]))
-    return dict(zip(stances, quat_of(R_WU @ R_UP).tolist(), strict=True))
-
-
-def _placed(
-    name: str, body: Body, stance: Stance, X_WU: FloatArray, quat_wxyz: list[float], thing: Thing | None = None
-) -> PlacedObject:
+def _placed(name: str, body: Body, stance: Stance, X_WU: FloatArray, thing: Thing | None) -> PlacedObject:
     inline: Inline | None = body.inline if isinstance(body.inline, BoxAsset | CylinderAsset | SphereAsset) else None
-    w, x, y, z = (_rounded(q) for q in quat_wxyz)
+    w, x, y, z = (_rounded(q) for q in _quat_wxyz(stance, X_WU))
     return PlacedObject(
         id=name,
         asset_id=body.asset_id,
@@ -96,6 +100,17 @@ def _placed(
         primitive=inline,
         mass_kg=body.mass_kg,
     )
+
+
+def _quat_wxyz(stance: Stance, X_WU: FloatArray) -> tuple[float, float, float, float]:
+    """Orientation of the asset frame in the world: a turn about z after the stance, with its first part positive."""
+    half = 0.5 * math.atan2(X_WU[1, 0], X_WU[0, 0])
+    c, s = math.cos(half), math.sin(half)
+    w, x, y, z = stance.quat_wxyz
+    quat = (c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w)
+    sign = math.copysign(1.0, next(part for part in quat if abs(part) > _NO_PART))
+    a, b, d, e = (sign * part for part in quat)
+    return a, b, d, e
 
 
 def prisms(stance: Stance, X_WU: FloatArray) -> tuple[Prism, ...]:

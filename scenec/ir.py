@@ -8,6 +8,7 @@ Every item keeps the `path` it has in the program, by which the text finds file,
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -197,6 +198,11 @@ class Problem:
     keep_outs: tuple[KeepOutIR, ...] = ()
     reach: ReachIR | None = None
     combination: dict[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def key(self) -> tuple[tuple[str, str], ...]:
+        """Tells it from the other combinations of its program."""
+        return tuple(sorted(self.combination.items()))
 
 
 @dataclass(frozen=True)

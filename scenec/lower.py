@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
 import shapely
 
-from geom.pose import matrix_of, pose
+from geom.pose import pose
 from scenec.assets import AssetLibrary, Geometry, swing_and_yaw
 from scenec.bind import check_assets
 from scenec.ir import (
@@ -28,6 +29,7 @@ from scenec.ir import (
     Volume,
 )
 from scenec.lower_relations import lower_relations
+from scenec.memo import Memo
 from scenec.names import Names, anchor_named, kind_of
 from scenec.source.tree import Spans
 from scenec.variants import Choice, choices
@@ -41,6 +43,7 @@ from schemas.scene_program import (
     Placement,
     Pose,
     Ranges,
+    SceneObject,
     SceneProgram,
     Slot,
     SlotGroup,
@@ -61,8 +64,12 @@ class Lowered:
     union: bool
 
 
-def lower(program: SceneProgram, library: AssetLibrary, spans: Spans) -> Lowered:
-    """The problems that a program poses with the assets of a library (at most `variants.MAX_COMBINATIONS`)."""
+def lower(program: SceneProgram, library: AssetLibrary, spans: Spans, memo: Memo | None = None) -> Lowered:
+    """The problems that a program poses with the assets of a library (at most `variants.MAX_COMBINATIONS`).
+
+    Things and relations that `memo` knows are the same objects as before.
+    """
+    memo = memo or Memo()
     names = Names(program)
     found = list(check_assets(program, library, spans))
     if _wrong(found):
@@ -75,7 +82,7 @@ def lower(program: SceneProgram, library: AssetLibrary, spans: Spans) -> Lowered
     found += [note.model_copy(update={"where": spans.place(("objects",))}) for note in chosen.diagnostics]
     problems = []
     for choice in chosen.choices:
-        lowering = _Lowering(names, choice, library, spans)
+        lowering = _Lowering(names, choice, library, spans, memo)
         problems.append(lowering.problem())
         found += [diagnostic for diagnostic in lowering.found if diagnostic not in found]
     return Lowered(() if _wrong(found) else tuple(problems), tuple(found), chosen.union)
@@ -88,10 +95,11 @@ def _wrong(diagnostics: Sequence[Diagnostic]) -> bool:
 class _Lowering:
     """One combination. Findings gather in `found`; what they concern is left out of the problem."""
 
-    def __init__(self, names: Names, choice: Choice, library: AssetLibrary, spans: Spans) -> None:
-        self.names, self.choice, self.library, self.spans = names, choice, library, spans
+    def __init__(self, names: Names, choice: Choice, library: AssetLibrary, spans: Spans, memo: Memo) -> None:
+        self.names, self.choice, self.library, self.spans, self.memo = names, choice, library, spans, memo
         self.program = names.program
         self.found: list[Diagnostic] = []
+        self.places: dict[tuple[str, str], tuple[str, Place] | None] = {}
         self.objects = {thing.id: thing for thing in self.program.objects}
         self.object_of = {t: node.object for n, node in self.program.layout.nodes.items() for t in names.copies[n]}
 
@@ -103,6 +111,7 @@ class _Lowering:
         if not _wrong(self.found):
             relations, wrong = lower_relations(self.names, things, background_yaw, self.spans)
             self.found += wrong
+            relations = tuple(self.memo.get(rule, partial(_itself, rule)) for rule in relations)
         return Problem(
             program.scene,
             self._background(),
@@ -121,25 +130,43 @@ class _Lowering:
 
     # Things.
 
-    def _things(self, node: str) -> list[Thing]:
-        layout = self.program.layout
-        groups, placing = self.names.groups_of.get(node, ()), self.names.placing(node)
-        group = groups[0] if groups else None
+    def _things(self, node: str) -> Sequence[Thing]:
+        """The things of a node; those of a node by itself are the same objects while nothing of it changes."""
+        layout, placing = self.program.layout, self.names.placing(node)
         assert placing is not None, "the checks of the text ask for one owner"
-        path: Path = ("layout", "nodes", node)
-        placed_by: Path = (*path, "placement") if group is None else ("layout", "groups", group)
         found = self._place(anchor_named(placing), kind_of(placing))
         if found is None:
-            return []
+            return ()
         parent, place = found
         written = self.objects[layout.nodes[node].object]
+        if layout.nodes[node].placement is None:
+            return self._made(node, placing, written, parent, place)[0]
+        geometries = [self.library.geometry(asset, written.scale) for asset in self.choice.objects[written.id]]
+        things, said = self.memo.get(
+            ("things", node, parent, *map(id, geometries)),
+            lambda: self._made(node, placing, written, parent, place),
+            *(layout.nodes[node], written, place, *geometries),
+        )
+        for diagnostic in said:
+            self._add(diagnostic)
+        return things
+
+    def _made(
+        self, node: str, placing: Placement | Group, written: SceneObject, parent: str, place: Place
+    ) -> tuple[tuple[Thing, ...], tuple[Diagnostic, ...]]:
+        """The things of a node, and what was found about them."""
+        groups, before = self.names.groups_of.get(node, ()), len(self.found)
+        group = groups[0] if groups else None
+        path: Path = ("layout", "nodes", node)
+        placed_by: Path = (*path, "placement") if group is None else ("layout", "groups", group)
         orientation, turns = _orientation(placing)
         body = self._body(written.id, written.scale, orientation, placed_by)
         domain = self._domain(placing, node, group, body, turns, placed_by)
-        return [
+        things = tuple(
             Thing(name, body, parent, place, domain, path, group, written.semantic_tags)
             for name in self.names.copies[node]
-        ]
+        )
+        return things, tuple(self.found[before:])
 
     def _body(self, name: str, scale: float, orientation: Orientation, placed_by: Path) -> Body:
         candidates = self.choice.objects[name]
@@ -150,18 +177,14 @@ class _Lowering:
 
     def _rests(self, geometry: Geometry, orientation: Orientation, placed_by: Path) -> None:
         """Says when nothing is known of stable poses that are asked for, or when an upright thing will fall over."""
-        where = self.spans.place((*placed_by, "orientation"))
-        known = geometry.stable_quats_wxyz
-        if orientation == "stable" and not known:
+        at, lean_deg = (*placed_by, "orientation"), geometry.lean_deg
+        if orientation == "stable" and not geometry.stable_quats_wxyz:
             headline = f"no stable pose of `{geometry.asset_id}` is known"
-            self._add(finding("scene/no-stable-pose", headline, where=where))
-        elif orientation == "upright" and known:
-            lean_deg = min(float(np.degrees(2.0 * np.arccos(min(abs(w), 1.0)))) for w, *_ in known)
-            if lean_deg > RESTS_DEG:
-                headline = (
-                    f"`{geometry.asset_id}` does not rest upright: its nearest stable pose leans {lean_deg:.0f} deg"
-                )
-                self._add(finding("scene/topples", headline, where=where, value=lean_deg, bound=RESTS_DEG, unit="deg"))
+            self._add(finding("scene/no-stable-pose", headline, where=self.spans.place(at)))
+        elif orientation == "upright" and lean_deg > RESTS_DEG:
+            headline = f"`{geometry.asset_id}` does not rest upright: its nearest stable pose leans {lean_deg:.0f} deg"
+            where = self.spans.place(at)
+            self._add(finding("scene/topples", headline, where=where, value=lean_deg, bound=RESTS_DEG, unit="deg"))
 
     def _domain(
         self,
@@ -199,7 +222,12 @@ class _Lowering:
     # Places.
 
     def _place(self, anchor: str, kind: Literal["surface", "volume"]) -> tuple[str, Place] | None:
-        """The owner of an anchor and the place itself, None where it has no such place."""
+        """The owner of an anchor and the place itself, None where it has no such place; looked up once."""
+        if (anchor, kind) not in self.places:
+            self.places[anchor, kind] = self._place_of(anchor, kind)
+        return self.places[anchor, kind]
+
+    def _place_of(self, anchor: str, kind: Literal["surface", "volume"]) -> tuple[str, Place] | None:
         reference, owner = self.program.anchors[anchor], self.names.owner(anchor)
         if owner is None:
             headline = f"`{reference.object}`, on which `{anchor}` is, is never placed"
@@ -262,6 +290,10 @@ class _Lowering:
         return ReachIR(np.array(reach.base), reach.min_radius, reach.radius, members, ("reach",))
 
 
+def _itself(rule: RelationIR) -> RelationIR:
+    return rule
+
+
 def _orientation(placing: Placement | Group) -> tuple[Orientation, tuple[tuple[int, float], ...]]:
     """The orientations to prepare; of discrete poses also which of them each has, and its heading."""
     if isinstance(placing, SlotGroup):
@@ -304,8 +336,8 @@ def _headings(ranges: Ranges) -> tuple[float, float]:
 def _world_pose(background: Background | None) -> FloatArray:
     if background is None:
         return np.eye(4)
-    half = 0.5 * _yaw(background)
-    return pose(matrix_of(np.array([np.cos(half), 0.0, 0.0, np.sin(half)])), background.position)
+    c, s = np.cos(_yaw(background)), np.sin(_yaw(background))
+    return pose(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), background.position)
 
 
 def _union(bodies: Sequence[Body]) -> Body:

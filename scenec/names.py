@@ -75,9 +75,12 @@ class Names:
 
     def owner(self, anchor: str) -> str | None:
         """The one thing, or `background`, that an anchor belongs to; None when there is not exactly one."""
-        reference = self.program.anchors.get(anchor)
-        placed = self.placed(reference.object) if reference else ()
-        return placed[0] if len(placed) == 1 else None
+        return self._owners.get(anchor)
+
+    @cached_property
+    def _owners(self) -> dict[str, str]:
+        placed = {anchor: self.placed(reference.object) for anchor, reference in self.program.anchors.items()}
+        return {anchor: things[0] for anchor, things in placed.items() if len(things) == 1}
 
     def placing(self, node: str) -> Placement | Group | None:
         """What places a node: its own placement, or the group that owns it."""
@@ -90,7 +93,9 @@ class Names:
         return anchor_named(placing) if placing is not None else None
 
     def _count(self, node: str) -> int:
-        groups = (self.program.layout.groups[name] for name in self.groups_of.get(node, ()))
+        if node not in self.groups_of:
+            return 1
+        groups = (self.program.layout.groups[name] for name in self.groups_of[node])
         return max((group.count for group in groups if isinstance(group, ScatterGroup)), default=1)
 
     def _copies(self, node: str) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from scenec.assets import AssetLibrary
 from scenec.compile import Compiled, compile_program
+from scenec.memo import Memo
 from scenec.solve import DEFAULT_BUDGET, ComponentCache
 from scenec.source.pieces import Pieces
 
@@ -13,8 +14,9 @@ from scenec.source.pieces import Pieces
 class Session:
     """Compiles programs one after another and keeps texts, assets, components and the last scenes between them.
 
-    Each scene is whole and judged as by `compile_program`; where things stand may depend on the edits before, because
-    what can stay where it was stays there. Packages that changed on disk are read anew.
+    Each scene is whole, and what an edit may have changed is judged as by `compile_program`; where things stand may
+    depend on the edits before, because what can stay where it was stays there. Packages that changed on disk are read
+    anew.
     """
 
     def __init__(
@@ -22,6 +24,7 @@ class Session:
     ) -> None:
         self.seed, self.budget, self.root = seed, budget, root
         self.library, self.cache, self.pieces = AssetLibrary(assets), ComponentCache(), Pieces()
+        self.memo = Memo()
         self.last: Compiled | None = None
 
     def compile(self, path: Path, *, explain: bool = True) -> Compiled:
@@ -36,8 +39,10 @@ class Session:
             cache=self.cache,
             library=self.library,
             pieces=self.pieces,
+            memo=self.memo,
             explain=explain,
         )
         if compiled.scenes:
             self.last = compiled
+            self.memo.turn()
         return compiled

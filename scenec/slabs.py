@@ -24,7 +24,7 @@ _AROUND = CIRCLE / np.cos(np.pi / CORNERS)
 
 def stance_of(shapes: Sequence[CollisionShape], quat_wxyz: tuple[float, float, float, float], name: str) -> Stance:
     """How shapes (asset frame) stand when the asset frame is turned by `quat_wxyz`, the lowest point on the support."""
-    R_SP = matrix_of(np.asarray(quat_wxyz))
+    R_SP = np.eye(3) if quat_wxyz == (1.0, 0.0, 0.0, 0.0) else matrix_of(np.asarray(quat_wxyz))
     spans = [_heights(shape, R_SP) for shape in shapes]
     ground = min(low for low, _ in spans)
     slabs = tuple(

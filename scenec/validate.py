@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from functools import partial
+
 import numpy as np
 
 from geom.scene_check import (
@@ -16,39 +19,53 @@ from geom.scene_check import (
     check,
 )
 from scenec.emit import world_frames
-from scenec.ir import FloatArray, Placement, Problem, Slab, Spot, Surface, Thing, Volume
+from scenec.ir import FloatArray, Placement, Problem, RelationIR, Slab, Spot, Surface, Thing, Volume
+from scenec.memo import Memo
 
 LevelPose = tuple[FloatArray, float]  # origin (3,) in W and yaw: supports are level
 
 
-def violations(problem: Problem, placements: dict[str, Placement]) -> tuple[Violation, ...]:
-    """What the independent judge finds wrong with a whole assignment; empty when the scene is valid."""
-    return check(check_scene(problem, placements))
+def violations(problem: Problem, placements: dict[str, Placement], memo: Memo | None = None) -> tuple[Violation, ...]:
+    """What the independent judge finds wrong with a whole assignment; empty when the scene is valid.
+
+    Where `memo` holds the last valid scene of this combination, only what is not as it was there is judged anew.
+    """
+    scene = check_scene(problem, placements, memo)
+    if memo is None:
+        return check(scene)
+    last = memo.get(("judged", problem.key), list[CheckScene])  # none, or the last valid scene
+    found = check(scene, last[0] if last else None)
+    last[:] = [] if found else [scene]
+    return found
 
 
-def check_scene(problem: Problem, placements: dict[str, Placement]) -> CheckScene:
-    """The scene in the world. Raises KeyError when a thing has no placement: a partial scene is no scene."""
-    poses = world_poses(problem, placements)
+def check_scene(problem: Problem, placements: dict[str, Placement], memo: Memo | None = None) -> CheckScene:
+    """The scene in the world. Raises KeyError when a thing has no placement: a partial scene is no scene.
+
+    Parts that `memo` knows are the same objects as in the scene before.
+    """
+    memo = memo or Memo()
+    frames = world_frames(problem, placements, memo)
+    poses = {name: _level(X_WU) for name, X_WU in frames.items()}
     stood_on = {(thing.parent, id(thing.place)): thing.place for thing in problem.things}
-    places = {key: _place(key[0], place, poses) for key, place in stood_on.items()}
-    objects = tuple(
-        _object(thing, placements[thing.name], poses[thing.name], places[thing.parent, id(thing.place)])
-        for thing in problem.things
-    )
+    places = {
+        key: memo.get(("place", problem.key, key), partial(_place, key[0], place, poses), place, frames[key[0]])
+        for key, place in stood_on.items()
+    }
+
+    def standing(thing: Thing) -> CheckObject:
+        name, at, place = thing.name, placements[thing.name], places[thing.parent, id(thing.place)]
+        make = partial(_object, thing, at, poses[name], place)
+        return memo.get(("object", problem.key, name), make, thing, at, frames[name], place)
+
+    objects = tuple(standing(thing) for thing in problem.things)
     keep_outs = tuple(
         CheckKeepOut(_place(rule.parent, rule.place, poses), rule.polygon, rule.height_m) for rule in problem.keep_outs
     )
     reach = problem.reach
     relations = tuple(
-        CheckRelation(
-            kind=relation.kind,
-            objects=relation.things,
-            direction=turned(np.array([relation.direction]), poses[relation.frame][1])[0],
-            gap_m=relation.gap_m,
-            tolerance=relation.tolerance,
-            label=relation.word or relation.kind,
-        )
-        for relation in problem.relations
+        memo.get(("relation", problem.key, k), partial(_relation, relation, poses), relation, frames[relation.frame])
+        for k, relation in enumerate(problem.relations)
     )
     ring = None if reach is None else CheckReach(reach.base_m, reach.least_m, reach.most_m, reach.members)
     return CheckScene(objects, problem.clearance_m, relations, keep_outs, ring)
@@ -59,8 +76,11 @@ def world_poses(problem: Problem, placements: dict[str, Placement]) -> dict[str,
 
     Raises KeyError when a thing has no placement.
     """
-    frames = world_frames(problem, placements)
-    return {name: (X_WU[:3, 3], float(np.arctan2(X_WU[1, 0], X_WU[0, 0]))) for name, X_WU in frames.items()}
+    return {name: _level(X_WU) for name, X_WU in world_frames(problem, placements).items()}
+
+
+def _level(X_WU: FloatArray) -> LevelPose:
+    return X_WU[:3, 3], math.atan2(X_WU[1, 0], X_WU[0, 0])
 
 
 def turned(points: FloatArray, yaw_rad: float) -> FloatArray:
@@ -81,6 +101,17 @@ def _place(owner: str, place: Surface | Volume, poses: dict[str, LevelPose]) -> 
         return CheckPlace(owner, place.name, origin, yaw, layers=place.layers, height_m=place.height_m)
     above = tuple(CheckPrism(slab.outline_m, slab.low_m, slab.high_m) for slab in place.above)
     return CheckPlace(owner, place.name, origin, yaw, place.polygon, height_m=place.clearance_m, above=above)
+
+
+def _relation(relation: RelationIR, poses: dict[str, LevelPose]) -> CheckRelation:
+    return CheckRelation(
+        kind=relation.kind,
+        objects=relation.things,
+        direction=turned(np.array([relation.direction]), poses[relation.frame][1])[0],
+        gap_m=relation.gap_m,
+        tolerance=relation.tolerance,
+        label=relation.word or relation.kind,
+    )
 
 
 def _object(thing: Thing, at: Placement, pose: LevelPose, place: CheckPlace) -> CheckObject:

@@ -15,22 +15,31 @@ ranges, stances, spots, relations, keep-outs, reach (a ring in x and y). A spot 
 from __future__ import annotations
 
 from geom.scene_check.asked import broken_relation, entered_keep_out, out_of_reach
-from geom.scene_check.model import CheckScene, Violation
+from geom.scene_check.model import CheckScene, Violation, changed_since
 from geom.scene_check.pairs import too_close
-from geom.scene_check.places import owners_entered, unsupported, wrong_pose
+from geom.scene_check.places import owners_entered, stands_on_contents, unsupported, wrong_pose
 
 
-def check(scene: CheckScene) -> tuple[Violation, ...]:
-    """Every violation of the scene, in the order of its objects; none means that the scene is valid."""
+def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation, ...]:
+    """Every violation of the scene, in the order of its objects; none means that the scene is valid.
+
+    `known` is a scene in which none was found. What is the very same object there is judged only against what is not.
+    """
     by_name = {item.name: item for item in scene.objects}
+    changed = changed_since(known, scene, by_name)
+    asked = {id(relation) for relation in known.relations} if known is not None else set[int]()
     found: list[Violation] = []
     for item in scene.objects:
-        found += wrong_pose(item)
-        found += unsupported(item, scene)
-        found += owners_entered(item, by_name)
-    found += too_close(scene, by_name)
+        if item.name in changed:
+            found += wrong_pose(item)
+        if item.name in changed or stands_on_contents(item):
+            found += unsupported(item, scene)
+        if item.name in changed:
+            found += owners_entered(item, by_name)
+    found += too_close(scene, by_name, changed)
     for relation in scene.relations:
-        found += broken_relation(relation, [by_name[name] for name in relation.objects])
+        if id(relation) not in asked or not changed.isdisjoint(relation.objects):
+            found += broken_relation(relation, [by_name[name] for name in relation.objects])
     for keep_out in scene.keep_outs:
         found += entered_keep_out(keep_out, scene, by_name)
     if scene.reach is not None:

@@ -68,6 +68,13 @@ class CheckObject:
     stances: tuple[int, ...] = (0,)
 
     @cached_property
+    def box_m(self) -> tuple[float, float, float, float]:
+        """Bounding box (x0, y0, x1, y1) of the footprint in W."""
+        corners = np.concatenate([prism.outline_m for prism in self.prisms])
+        (x0, y0), (x1, y1) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+        return x0, y0, x1, y1
+
+    @cached_property
     def low_m(self) -> float:
         """Height of the lowest point in W."""
         return min(prism.low_m for prism in self.prisms)
@@ -145,3 +152,18 @@ def owners_of(item: CheckObject, by_name: dict[str, CheckObject]) -> frozenset[s
 def same_place(one: CheckPlace, two: CheckPlace) -> bool:
     """Whether two places are one."""
     return (one.owner, one.name) == (two.owner, two.name)
+
+
+def changed_since(known: CheckScene | None, scene: CheckScene, by_name: dict[str, CheckObject]) -> frozenset[str]:
+    """Names of objects that are other objects than in `known`, or whose owners are: all where nothing is known."""
+    if known is None or known.clearance_m != scene.clearance_m:
+        return frozenset(by_name)
+    before = {item.name: item for item in known.objects}
+    fresh = {name for name, item in by_name.items() if before.get(name) is not item}
+    return frozenset(
+        name
+        for name, item in by_name.items()
+        if name in fresh
+        or not (owners := owners_of(item, by_name)).isdisjoint(fresh)
+        or owners != owners_of(item, before)
+    )

@@ -47,11 +47,16 @@ def unsupported(item: CheckObject, scene: CheckScene) -> Iterator[Violation]:
         out = max(outside(to_place(prism.outline_m, place), place.polygon) for prism in item.prisms)
         if out > 0.0:
             yield Violation("off_support", (item.name, place.owner), out, 0.0)
-    if low > TOLERANCE_M and not item.spots and not (place.layers and _stands_on_contents(item, scene)):
+    if low > TOLERANCE_M and not item.spots and not (place.layers and _held_by_contents(item, scene)):
         yield Violation("unsupported", (item.name, place.owner), float(low), 0.0)
 
 
-def _stands_on_contents(item: CheckObject, scene: CheckScene) -> bool:
+def stands_on_contents(item: CheckObject) -> bool:
+    """Whether something else in its volume has to hold an object."""
+    return bool(item.place.layers) and not item.spots and item.low_m - item.place.origin_m[2] > TOLERANCE_M
+
+
+def _held_by_contents(item: CheckObject, scene: CheckScene) -> bool:
     """Whether the middle of the footprint lies over the hull of what it touches from above in the same place."""
     footprint = shapely.union_all([Polygon(prism.outline_m) for prism in item.prisms])
     touched = [

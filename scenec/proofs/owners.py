@@ -14,9 +14,11 @@ def no_first_owner(problem: Problem) -> Proof | None:
         if thing.parent != WORLD_PARENT and thing.parent not in by_name:
             text = f"{thing.name} stands on {thing.parent}, which is not in the scene"
             return Proof("missing-anchor", text, 0.0, 1.0, "owners", (thing.path,))
-    graph = nx.DiGraph([(thing.name, thing.parent) for thing in problem.things])
+    carried = [(thing.name, thing.parent) for thing in problem.things if thing.parent != WORLD_PARENT]
+    if not carried:
+        return None
     try:
-        circle = [one for one, _ in nx.find_cycle(graph)]
+        circle = [one for one, _ in nx.find_cycle(nx.DiGraph(carried))]
     except nx.NetworkXNoCycle:
         return None
     text = f"{' stands on '.join([*circle, circle[0]])}"

@@ -38,11 +38,11 @@ class ComponentCache:
     right: dict[Digest, list[dict[str, tuple[Digest, Placement]]]] = field(default_factory=dict)
     _known: dict[int, tuple[object, Digest]] = field(default_factory=dict)
 
-    def digest(self, item: Body | Surface | Volume) -> Digest:
-        """Content of a body or place; the same object is read once."""
+    def digest(self, item: Body | Surface | Volume | Thing) -> Digest:
+        """Content of a body, place or thing (without what it carries); the same object is read once."""
         known = self._known.get(id(item))
         if known is None or known[0] is not item:
-            known = self._known[id(item)] = (item, _digest(item))
+            known = self._known[id(item)] = (item, self._thing(item) if isinstance(item, Thing) else _digest(item))
         return known[1]
 
     def record(self, model: Model, names: Sequence[str], seed: int) -> Record:
@@ -69,8 +69,9 @@ class ComponentCache:
         return set(now) - best if best else None
 
     def _loaded(self, model: Model, name: str) -> Digest:
-        rules = [_rule(rule) for rule in model.rules_of.get(name, ())]
-        own = _hash(self.thing(model.things[name]), repr(model.limits.get(name, ())).encode(), *rules)
+        own, rules = self.digest(model.things[name]), [_rule(rule) for rule in model.rules_of.get(name, ())]
+        if rules or name in model.limits:
+            own = _hash(own, repr(model.limits.get(name, ())).encode(), *rules)
         if name not in model.carriers:
             return own
         pieces = [
@@ -79,8 +80,7 @@ class ComponentCache:
         heights = repr([[(s.low_m, s.high_m) for s in shape.slabs] for shape in model.shapes[name]]).encode()
         return _hash(own, heights, *pieces)
 
-    def thing(self, thing: Thing) -> Digest:
-        """Content of a thing: its body, place and domain, not what it carries."""
+    def _thing(self, thing: Thing) -> Digest:
         domain = thing.domain
         spots = [(s.x_m, s.y_m, s.z_m, s.yaw_rad, s.stance) for s in domain.spots]
         text = repr((thing.parent, domain.x_m, domain.y_m, domain.yaw_rad, domain.stances, spots))

@@ -53,21 +53,19 @@ def on_site(placed: Placed, site: Site) -> bool:
     if base < -SLACK_M or base + height_m > site.top_m + SLACK_M:
         return False
     in_air = base > SLACK_M and site.is_surface  # a spot off the floor: its author has said that it holds
-    for (low, high, layer), grown in zip(site.layers, site.grown_layers, strict=True):
-        if in_air:
-            continue
+    for k, (low, high, layer) in enumerate(() if in_air else site.layers):
         if len(site.layers) == 1 and site.is_box:
             x0, y0, x1, y1 = placed.bounds
             a0, b0, a1, b1 = layer.bounds
             if min(x0 - a0, y0 - b0, a1 - x1, b1 - y1) < -SLACK_M:
                 return False
         elif len(site.layers) == 1:
-            if not all(grown.covers(piece) for piece in placed.footprint):
+            if not all(site.grown_layers[k].covers(piece) for piece in placed.footprint):
                 return False
         else:
             for outline, slab_low, slab_high in placed.slabs:
                 spans = slab_low - site.base_P_m < high - SLACK_M and slab_high - site.base_P_m > low + SLACK_M
-                if spans and not grown.covers(outline):
+                if spans and not site.grown_layers[k].covers(outline):
                     return False
     for outline, low, high in site.above:
         for slab, slab_low, slab_high in placed.slabs:

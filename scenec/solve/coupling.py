@@ -23,32 +23,28 @@ def footprint_bounds(model: Model, name: str) -> tuple[float, float, float, floa
     """A box (x0, y0, x1, y1) in P in which the footprint of a thing lies wherever its domain lets it be."""
     thing = model.things[name]
     site = model.site(thing)
-    a0, b0, a1, b1 = site.layers[0][2].bounds
-    if len(site.layers) > 1:
-        every = np.array([polygon.bounds for _, _, polygon in site.layers])
-        (a0, b0), (a1, b1) = every[:, :2].min(axis=0), every[:, 2:].max(axis=0)
+    a0, b0, a1, b1 = site.bounds
     ox, oy = float(thing.place.origin_P_m[0]), float(thing.place.origin_P_m[1])
-    boxes = []
-    for stance in thing.domain.stances:
-        if stance >= len(model.shapes[name]):
-            continue
-        shape = model.shapes[name][stance]
-        if thing.domain.spots:
-            for spot in thing.domain.spots:
-                x0, y0, x1, y1 = shape.turned(spot.yaw_rad).bounds
-                boxes.append((spot.x_m + ox + x0, spot.y_m + oy + y0, spot.x_m + ox + x1, spot.y_m + oy + y1))
-            continue
-        (xa, xb), (ya, yb) = thing.domain.x_m, thing.domain.y_m
-        if thing.domain.yaw_rad[0] == thing.domain.yaw_rad[1]:
-            x0, y0, x1, y1 = shape.turned(thing.domain.yaw_rad[0]).bounds
-        else:
-            radius = shape.radius_m
-            x0, y0, x1, y1 = -radius, -radius, radius, radius
-        boxes.append((max(xa + ox + x0, a0), max(ya + oy + y0, b0), min(xb + ox + x1, a1), min(yb + oy + y1, b1)))
-    if not boxes:
+    low, high = thing.domain.yaw_rad
+    shapes = [model.shapes[name][stance] for stance in thing.domain.stances if stance < len(model.shapes[name])]
+    if not shapes:
         return a0, b0, a1, b1
-    x0s, y0s, x1s, y1s = zip(*boxes, strict=True)
-    return min(x0s), min(y0s), max(x1s), max(y1s)
+    if thing.domain.spots:
+        seen = [(spot, shape.turned(spot.yaw_rad).bounds) for shape in shapes for spot in thing.domain.spots]
+        boxes = [
+            (spot.x_m + ox + x0, spot.y_m + oy + y0, spot.x_m + ox + x1, spot.y_m + oy + y1)
+            for spot, (x0, y0, x1, y1) in seen
+        ]
+        x0s, y0s, x1s, y1s = zip(*boxes, strict=True)
+        return min(x0s), min(y0s), max(x1s), max(y1s)
+    (xa, xb), (ya, yb) = thing.domain.x_m, thing.domain.y_m
+    if low == high:
+        x0s, y0s, x1s, y1s = zip(*(shape.turned(low).bounds for shape in shapes), strict=True)
+        x0, y0, x1, y1 = min(x0s), min(y0s), max(x1s), max(y1s)
+    else:
+        x1 = y1 = max(shape.radius_m for shape in shapes)
+        x0 = y0 = -x1
+    return max(xa + ox + x0, a0), max(ya + oy + y0, b0), min(xb + ox + x1, a1), min(yb + oy + y1, b1)
 
 
 def _heights(model: Model, name: str) -> tuple[float, float]:

@@ -9,12 +9,11 @@ from collections import defaultdict
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 import shapely
 from shapely import Polygon
-from shapely.affinity import translate
 
 from scenec.ir import WORLD_PARENT, Placement, Problem, RelationIR, Surface, Thing, Volume
 from scenec.solve.placed import Placed
@@ -35,12 +34,12 @@ class Site:
             above = place.above
         else:
             layers, above = place.layers, ()
-        self.layers = tuple((low, high, translate(area, ox, oy)) for low, high, area in layers)
+        self.layers = tuple((low, high, _shifted(area, ox, oy)) for low, high, area in layers)
         shift = np.array([ox, oy])
         self.above = tuple((polygon(s.outline_m + shift), s.low_m + oz, s.high_m + oz) for s in above)
         # Keep-outs count for all that the owner carries: (polygon, low, high).
         self.keep_outs = tuple(
-            (translate(keep.polygon, x, y), z, z + keep.height_m)
+            (_shifted(keep.polygon, x, y), z, z + keep.height_m)
             for keep in problem.keep_outs
             if keep.parent == parent
             for x, y, z in [tuple(float(v) for v in keep.place.origin_P_m)]
@@ -48,6 +47,7 @@ class Site:
         self.origin_P_m, self.base_P_m = place.origin_P_m, oz
         self.top_m = place.clearance_m if isinstance(place, Surface) else place.height_m
         self.is_surface = isinstance(place, Surface)
+        self.bounds: tuple[float, ...] = tuple(shapely.total_bounds([a for _, _, a in self.layers]).tolist())  # of all
         self.is_box = all(is_box(area) for _, _, area in self.layers)
 
     @cached_property
@@ -57,6 +57,12 @@ class Site:
         for area in grown:
             shapely.prepare(area)
         return grown
+
+
+def _shifted(area: Polygon, x_m: float, y_m: float) -> Polygon:
+    if x_m == y_m == 0.0:
+        return area
+    return cast(Polygon, shapely.transform(area, lambda points: np.add(points, (x_m, y_m))))
 
 
 def is_box(area: Polygon) -> bool:
@@ -111,7 +117,7 @@ class Model:
     def chains(self) -> dict[str, tuple[str, ...]]:
         """Each thing's movable owners, outermost first, and itself."""
         chains: dict[str, tuple[str, ...]] = {}
-        for name in owner_first(self.things):
+        for name in self.rank:
             chains[name] = (*chains.get(self.things[name].parent, ()), name)
         return chains
 

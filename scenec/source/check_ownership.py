@@ -96,6 +96,8 @@ def _place(names: Names, path: Path, placing: Placement | Group, spans: Spans) -
 
 def _anchor(names: Names, name: str, kind: str, spans: Spans, path: Path) -> Iterator[Diagnostic]:
     anchors = names.program.anchors
+    if name in anchors and getattr(anchors[name], kind) is not None:
+        return
     if name not in anchors:
         headline = f"no anchor is called `{name}`{did_you_mean(name, anchors)}"
         yield finding("scene/missing-anchor", headline, where=spans.place(path))
@@ -112,8 +114,9 @@ def _circles(names: Names, spans: Spans) -> Iterator[Diagnostic]:
     for node in names.program.layout.nodes:
         anchor = names.anchor_of(node)
         owner = names.owner(anchor) if anchor is not None else None
-        graph.add_edges_from((thing, owner) for thing in names.copies[node] if owner not in (None, BACKGROUND))
-    for circle in nx.simple_cycles(graph):  # Each thing has one owner, so that circles share nothing.
+        if owner not in (None, BACKGROUND):
+            graph.add_edges_from((thing, owner) for thing in names.copies[node])
+    for circle in nx.simple_cycles(graph) if graph else ():  # Each thing has one owner, so that circles share nothing.
         start = circle.index(min(circle))
         chain = [*circle[start:], *circle[:start], circle[start]]
         headline = f"{' stands on '.join(f'`{thing}`' for thing in chain)}"

@@ -152,6 +152,8 @@ def _numbers(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
         if keep_out.ranges is not None:
             headings.append((("keep_outs", i, "ranges"), keep_out.ranges))
     for path, heading in headings:
+        if not heading.model_fields_set:
+            continue
         turned = isinstance(heading, Pose) and heading.quat_wxyz is not None
         if sum((heading.yaw is not None, heading.yaw_deg is not None, turned)) > 1:
             headline = f"`{written(path)}` gives its heading twice"

@@ -7,8 +7,6 @@ an item that the value is merged into. `$delete: true` removes the key or item t
 
 from __future__ import annotations
 
-from operator import is_
-
 from scenec.source.hint import did_you_mean
 from scenec.source.tree import Block, Item, Row, Scalar, Tree, child
 from schemas.diagnostics import Diagnostic, Location, finding
@@ -37,11 +35,10 @@ def merge(base: Tree, over: Tree, found: list[Diagnostic]) -> Tree:
 def settled(tree: Tree, found: list[Diagnostic]) -> Tree:
     """The tree where it lies over nothing: a list to append to is empty, and there is nothing to delete. What holds no
     rules is handed back as it is."""
-    if isinstance(tree, Scalar):
+    if isinstance(tree, Scalar) or not tree.has_rules:
         return tree
     if isinstance(tree, Row):
-        entries = tuple(settled(item, found) for item in tree.items)
-        return tree if all(map(is_, entries, tree.items)) else Row(entries, tree.at)
+        return Row(tuple(settled(item, found) for item in tree.items), tree.at)
     if tree.items and set(tree.items) <= {APPEND, REPLACE}:
         return _edited(Row((), tree.at), tree, found)
     items: dict[str, Item] = {}
@@ -51,10 +48,8 @@ def settled(tree: Tree, found: list[Diagnostic]) -> Tree:
         elif key in (APPEND, REPLACE, DELETE):
             found.append(_nothing(f"`{key}` stands over no list or key", item.at, key, []))
         else:
-            value = settled(item.value, found)
-            items[key] = item if value is item.value else Item(item.at, value)
-    unchanged = len(items) == len(tree.items) and all(map(is_, items.values(), tree.items.values()))
-    return tree if unchanged else Block(items, tree.at)
+            items[key] = Item(item.at, settled(item.value, found))
+    return Block(items, tree.at)
 
 
 def _edited(base: Row, over: Block, found: list[Diagnostic]) -> Row:

@@ -29,8 +29,8 @@ class Parsed(NamedTuple):
     values: int
 
 
-def parse(data: bytes, file: str, depth: int = 0) -> Parsed:
-    """The tree of a text that stands `depth` levels deep in another; `file` is how findings call it.
+def parse(data: bytes, file: str, depth: int = 0, line: int = 0) -> Parsed:
+    """The tree of a text that begins `depth` levels deep and `line` lines down in another; findings call it `file`.
 
     Raises InvalidInput (`scene/yaml-syntax`, `scene/file-too-large`) when there is no tree.
     """
@@ -41,7 +41,7 @@ def parse(data: bytes, file: str, depth: int = 0) -> Parsed:
             raise RecursionError
         yaml = YAML(typ="safe", pure=True)
         root = yaml.compose(data.decode("utf-8-sig"))
-        reader = _Reader(file, yaml)
+        reader = _Reader(file, yaml, line)
         empty = Block({}, Location(file=file, line=1, column=1))
         return Parsed(reader.tree(root, depth) if root is not None else empty, tuple(reader.found), reader.values)
     except MarkedYAMLError as error:
@@ -63,10 +63,13 @@ def too_large(headline: str, where: Location, value: float | None, bound: float,
 
 
 def _open_brackets(data: bytes) -> int:
-    """The most brackets that are open at once; those in comments and texts count, too, which does no harm so far up.
+    """The most brackets that are open at once, or a bound of that within MAX_BRACKETS; those in comments and texts
+    count, too, which does no harm so far up.
 
     The parser's time grows with the square of it.
     """
+    if (most := data.count(b"[") + data.count(b"{")) <= MAX_BRACKETS:
+        return most
     steps = np.frombuffer(data, dtype=np.uint8)
     change = np.isin(steps, list(b"[{")).astype(np.int64) - np.isin(steps, list(b"]}"))
     return int(np.cumsum(change).max(initial=0))
@@ -75,8 +78,8 @@ def _open_brackets(data: bytes) -> int:
 class _Reader:
     """Turns syntax nodes into the tree. An alias is read once and counts in full wherever it stands."""
 
-    def __init__(self, file: str, yaml: YAML) -> None:
-        self.file, self.yaml = file, yaml
+    def __init__(self, file: str, yaml: YAML, line: int) -> None:
+        self.file, self.yaml, self.line = file, yaml, line
         self.found: list[Diagnostic] = []
         self.values = self.deepest = 0
         self._read: dict[int, tuple[Tree, int, int]] = {}  # by node: its tree, how many values it holds, its depth
@@ -126,4 +129,4 @@ class _Reader:
         return Scalar(node.value, node.value, at)
 
     def _at(self, node: Node) -> Location:
-        return Location(file=self.file, line=node.start_mark.line + 1, column=node.start_mark.column + 1)
+        return Location(file=self.file, line=self.line + node.start_mark.line + 1, column=node.start_mark.column + 1)

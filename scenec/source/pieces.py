@@ -14,21 +14,26 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+from scenec.source.numbers import masked, renumbered
 from scenec.source.parse import MAX_VALUES, Parsed, parse
 from scenec.source.tree import Block, Item, Row, Scalar, Tree, moved
 from schemas.diagnostics import InvalidInput, Location
 
 # Marks of documents, directives and complex keys at the beginning of a line; anchors, tabs and odd breaks anywhere.
-_LEFT_TO_PARSER = re.compile(r"^(?:---|\.\.\.|%)|^ *[?:](?: |$)|[&\t\r\x85\u2028\u2029\ufeff]", re.MULTILINE)
+_LEFT_TO_PARSER = (re.compile(r"\n(?:---|\.\.\.|%| *[?:](?:[ \n]|$))"), re.compile("[&\t\r\x85\u2028\u2029\ufeff]"))
 _HEAD = re.compile(r"^( *)([A-Za-z_][A-Za-z0-9_.\-]*):[ ]*(?:[ ]#.*)?$")  # a key whose value begins on the next line
 
 
 @dataclass
 class Pieces:
-    """Entries of texts parsed before: tree and number of values by (file, depth, text), each with its first line."""
+    """Entries of texts parsed before: tree and number of values by (file, depth, text), each with its first line.
+
+    `alike` has the text of such an entry by (file, depth, text without its numbers).
+    """
 
     known: dict[tuple[str, int, str], tuple[int, Tree, int]] = field(default_factory=dict)
     used: dict[tuple[str, int, str], tuple[int, Tree, int]] = field(default_factory=dict)
+    alike: dict[tuple[str, int, str], str] = field(default_factory=dict)
 
     def parse(self, data: bytes, file: str) -> Parsed:
         """The same as `parse.parse`, faster when little of the text is new; what it no longer holds is forgotten."""
@@ -38,10 +43,15 @@ class Pieces:
             return parse(data, file)
         lines = text.split("\n")
         self.used = {}
-        cut = None if _LEFT_TO_PARSER.search(text) else self._collection(lines, 0, len(lines), 0, file)
+        cut = (
+            None
+            if any(mark.search("\n" + text) for mark in _LEFT_TO_PARSER)
+            else self._collection(lines, 0, len(lines), 0, file)
+        )
         if cut is None or cut[1] > MAX_VALUES:
             return parse(data, file)
         self.known = {key: entry for key, entry in self.known.items() if key[0] != file} | self.used
+        self.alike = {(file, depth, masked(text)): text for file, depth, text in self.known}
         return Parsed(cut[0], (), cut[1])
 
     def _collection(self, lines: Sequence[str], begin: int, end: int, depth: int, file: str) -> tuple[Tree, int] | None:
@@ -95,15 +105,27 @@ class Pieces:
         if key in self.known:
             was, tree, values = self.known[key]
             self.used[key] = (start, moved(tree, start - was), values)
+        elif (known := self._renumbered(key, start)) is not None:
+            self.used[key] = known
         else:
             try:
-                parsed = parse(text.encode(), file, depth)
+                parsed = parse(text.encode(), file, depth, start)
             except InvalidInput:
                 return None
             if parsed.diagnostics or _says_nothing(parsed.tree):
                 return None
-            self.used[key] = (start, moved(parsed.tree, start), parsed.values)
+            self.used[key] = (start, parsed.tree, parsed.values)
         return self.used[key][1:]
+
+    def _renumbered(self, key: tuple[str, int, str], start: int) -> tuple[int, Tree, int] | None:
+        """The entry made of one that differs in numbers alone, None where none is known."""
+        file, depth, text = key
+        old = self.alike.get((file, depth, masked(text)))
+        if old is None:
+            return None
+        was, tree, values = self.known[file, depth, old]
+        made = renumbered(tree, was, old, text)
+        return None if made is None else (start, moved(made, start - was), values)
 
 
 def _entries(lines: Sequence[str], begin: int, end: int) -> list[int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
+from scenec.memo import Memo
 from scenec.source.checks import check_program
 from scenec.source.include import load
 from scenec.source.merge import settled
@@ -24,15 +25,18 @@ class Read:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def read_program(path: FilePath, root: FilePath | None = None, pieces: Pieces | None = None) -> Read:
+def read_program(
+    path: FilePath, root: FilePath | None = None, pieces: Pieces | None = None, memo: Memo | None = None
+) -> Read:
     """The program that begins in the file `path`; includes stay inside `root`, by default its folder.
 
-    `pieces` keep what is parsed for the next time. Diagnostics name files relative to `root`, and are all of one phase:
-    the text, then keys and values, then names.
+    `pieces` and `memo` keep what is parsed and validated for the next time. Diagnostics name files relative to `root`,
+    and are all of one phase: the text, then keys and values, then names.
     """
     inside = (root or path.parent).resolve()
     tree, found = load(path, inside) if pieces is None else load(path, inside, pieces.parse)
-    name = path.resolve().relative_to(inside).as_posix() if path.resolve().is_relative_to(inside) else path.name
+    target = path.resolve()
+    name = target.relative_to(inside).as_posix() if target.is_relative_to(inside) else path.name
     if tree is None:
         return Read(None, Spans(None, name), found)
     rules: list[Diagnostic] = []
@@ -41,7 +45,7 @@ def read_program(path: FilePath, root: FilePath | None = None, pieces: Pieces | 
     found = (*found, *rules)
     if _wrong(found):
         return Read(None, spans, found)
-    program, more = validate(tree, spans)
+    program, more = validate(tree, spans, memo)
     found = (*found, *more)
     if program is not None:
         found = (*found, *check_program(program, spans))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeAlias
 
 from scenec.ir import Path
@@ -34,6 +35,16 @@ class Block:
     items: Mapping[str, Item]
     at: Location
 
+    @cached_property
+    def has_rules(self) -> bool:
+        """Whether a key in it is a rule for overlays, such as `$append`."""
+        return any(key[:1] == "$" or _has_rules(item.value) for key, item in self.items.items())
+
+    @cached_property
+    def plain(self) -> dict[str, Any]:
+        """The same without places in the text."""
+        return {key: plain(item.value) for key, item in self.items.items()}
+
 
 @dataclass(frozen=True)
 class Row:
@@ -42,8 +53,22 @@ class Row:
     items: tuple[Tree, ...]
     at: Location
 
+    @cached_property
+    def has_rules(self) -> bool:
+        """Whether a key in it is a rule for overlays."""
+        return any(map(_has_rules, self.items))
+
+    @cached_property
+    def plain(self) -> list[Any]:
+        """The same without places in the text."""
+        return [plain(item) for item in self.items]
+
 
 Tree: TypeAlias = Scalar | Block | Row
+
+
+def _has_rules(tree: Tree) -> bool:
+    return not isinstance(tree, Scalar) and tree.has_rules
 
 
 @dataclass(frozen=True)
@@ -107,12 +132,8 @@ def moved(tree: Tree, lines: int) -> Tree:
 
 
 def plain(tree: Tree) -> Any:
-    """The tree as dicts, lists and values."""
-    if isinstance(tree, Block):
-        return {key: plain(item.value) for key, item in tree.items.items()}
-    if isinstance(tree, Row):
-        return [plain(item) for item in tree.items]
-    return tree.value
+    """The tree as dicts, lists and values; not to be changed, for the tree keeps it."""
+    return tree.value if isinstance(tree, Scalar) else tree.plain
 
 
 def written(path: Path) -> str:

@@ -3,23 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import deepcopy
+from functools import partial
 from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from scenec.ir import Path
+from scenec.memo import Memo
 from scenec.source.hint import did_you_mean
 from scenec.source.language import keys_at
-from scenec.source.tree import Row, Scalar, Spans, Tree, child, plain, written
+from scenec.source.tree import Block, Row, Scalar, Spans, Tree, child, plain, written
 from schemas.diagnostics import Diagnostic, finding
-from schemas.scene_program import SceneProgram
+from schemas.scene_program import LayoutNode, SceneObject, SceneProgram
 
 LONGEST_TEXT = 60
 
 
-def validate(tree: Tree, spans: Spans) -> tuple[SceneProgram | None, tuple[Diagnostic, ...]]:
-    """The program, or None and all that is wrong with its keys and values, in the order of the text."""
+def validate(tree: Tree, spans: Spans, memo: Memo | None = None) -> tuple[SceneProgram | None, tuple[Diagnostic, ...]]:
+    """The program, or None and all that is wrong with its keys and values, in the order of the text.
+
+    Objects and nodes whose text `memo` knows are the same objects as before.
+    """
+    if memo is not None:
+        try:
+            return SceneProgram.model_validate(_with_known_parts(tree, memo)), ()
+        except ValidationError:
+            pass  # what is wrong is told of the whole
     values, as_text = plain(tree), set[Path]()
     while True:
         try:
@@ -29,11 +40,33 @@ def validate(tree: Tree, spans: Spans) -> tuple[SceneProgram | None, tuple[Diagn
         numbers = [p.path for p in places if p.error["type"] == "string_type" and _is_number(child(tree, p.path))]
         if not set(numbers) - as_text:
             break
+        values = deepcopy(values) if numbers else values  # The tree keeps its own.
         for path in numbers:  # An id such as 007 is meant as it is written.
             _write(values, path, child(tree, path).text)  # pyright: ignore[reportOptionalMemberAccess,reportAttributeAccessIssue]
         as_text |= set(numbers)
     found = (_finding(place, tree, spans) for place in _one_each(places))
     return None, tuple(sorted(found, key=lambda d: (d.where.file or "", d.where.line or 0, d.where.column or 0)))
+
+
+def _with_known_parts(tree: Tree, memo: Memo) -> dict[str, Any]:
+    """The values of a program with its objects and nodes as models already, where they are any."""
+    values = dict(plain(tree))
+    objects, nodes = child(tree, ("objects",)), child(tree, ("layout", "nodes"))
+    if isinstance(objects, Row):
+        parts = enumerate(objects.items)
+        values["objects"] = [memo.get(("object", k), partial(_part, SceneObject, part), part) for k, part in parts]
+    if isinstance(nodes, Block):
+        parts = {name: item.value for name, item in nodes.items.items()}
+        known = {name: memo.get(("node", name), partial(_part, LayoutNode, part), part) for name, part in parts.items()}
+        values["layout"] = {**values["layout"], "nodes": known}
+    return values
+
+
+def _part(model: type[SceneObject] | type[LayoutNode], tree: Tree) -> object:
+    try:
+        return model.model_validate(plain(tree))
+    except ValidationError:
+        return plain(tree)
 
 
 class _Place(NamedTuple):

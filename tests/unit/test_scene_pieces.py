@@ -94,3 +94,41 @@ def test_only_what_changed_is_parsed_again(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("scenec.source.pieces.parse", lambda data, *rest: seen.append(data) or parse(data, *rest))
     pieces.parse(("# a line more\n" + text.replace("o4", "other")).encode(), "p.yaml")
     assert seen == [b"  - {id: other}\n"]
+
+
+@st.composite
+def renumbered(draw: st.DrawFn) -> tuple[str, str]:
+    """A text with decimals and the same with other digits in some of them, in quotes, keys and comments as well."""
+    lines = [
+        "a: {b: 0.25, c: [1.5, -0.75]}",
+        "d: '0.50'",
+        "e: 0.5 m",
+        "0.25: 1",
+        "f: 2.50 # 3.5",
+        "g: 1.2.3",
+        "h: 00.5",
+    ]
+    before = "\n".join(draw(st.lists(st.sampled_from(lines), min_size=1, max_size=7, unique=True))) + "\n"
+    places = [k for k, letter in enumerate(before) if letter.isdigit()]
+    after = list(before)
+    for k in draw(st.lists(st.sampled_from(places), max_size=4)):
+        after[k] = draw(st.sampled_from("0123456789"))
+    return before, "".join(after)
+
+
+@settings(max_examples=100, deadline=None)
+@given(renumbered())
+def test_a_text_with_other_numbers_is_read_as_a_whole_text_is(texts: tuple[str, str]):
+    before, after = texts
+    pieces = Pieces()
+    outcome(pieces.parse, before)
+    assert outcome(pieces.parse, after) == outcome(parse, after)
+
+
+def test_other_numbers_of_the_same_length_need_no_parser(monkeypatch: pytest.MonkeyPatch):
+    text = "objects:\n  - {id: cup, size_m: [0.10, 0.25, 1.5]} # 0.1 m\n  - {id: pot, size_m: [0.10, 0.25, 1.5]}\n"
+    pieces, after = Pieces(), "# moved\n" + text.replace("0.25", "0.40")
+    pieces.parse(text.encode(), "p.yaml")
+    whole = parse(after.encode(), "p.yaml")
+    monkeypatch.setattr("scenec.source.pieces.parse", None)
+    assert pieces.parse(after.encode(), "p.yaml") == whole

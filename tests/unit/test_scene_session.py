@@ -2,9 +2,14 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from cli.scene_edit import saved
 from scenec.compile import Compiled, compile_program
+from scenec.emit import compiled_scene
+from scenec.ir import Solved
 from scenec.session import Session
+from scenec.validate import violations
 
 PROGRAM = """\
 background: {{asset: {{type: box, size_m: [1.0, 0.6, 0.04]}}}}
@@ -56,3 +61,55 @@ def test_a_saved_file_is_compiled_again(tmp_path: Path):
     assert next(edits).report.verdict == "infeasible"
     (tmp_path / "other.yaml").write_text("{}")
     assert next(edits).report.verdict == "infeasible"
+
+
+STACKED = """\
+background: {{asset: {{type: box, size_m: [1.2, 0.8, 0.04]}}}}
+anchors:
+  top: {{object: background, surface: auto}}
+  on_tray: {{object: tray, surface: auto}}
+  in_crate: {{object: tray, volume: {{outline: [[-0.14, -0.09], [0.14, -0.09], [0.14, 0.09], [-0.14, 0.09]], z: 0.02,
+    height: 0.2}}}}
+objects:
+  - {{id: tray, asset: {{type: box, size_m: [{tray:.2f}, 0.20, 0.02]}}}}
+  - {{id: cup, asset: {{type: cylinder, radius_m: {cup:.3f}, height_m: 0.1}}}}
+  - {{id: pen, asset: {{type: box, size_m: [{pen:.2f}, 0.02, 0.02]}}}}
+  - {{id: die, asset: {{type: box, size_m: [0.02, 0.02, 0.02]}}}}
+layout:
+  nodes:
+    tray: {{object: tray, placement: {{type: surface, surface: top, ranges: {{yaw: [0.0, {yaw:.1f}]}}}}}}
+    cup: {{object: cup, placement: {{type: surface, surface: {cup_on}}}}}
+    pen: {{object: pen, placement: {{type: {pen_in}}}}}
+    die: {{object: die, placement: {{type: surface, surface: top}}}}
+relations:
+  - {{left_of: [die, tray], gap: {gap:.2f}}}
+clearance: {clearance:.3f}
+"""
+
+
+def test_every_scene_of_a_session_is_what_judge_and_emitter_make_of_it_from_nothing(tmp_path: Path):
+    rng, file, session = np.random.default_rng(8), tmp_path / "p.yaml", Session()
+    verdicts = set[str]()
+    state = {"tray": 0.3, "cup": 0.03, "pen": 0.1, "yaw": 1.0, "gap": 0.02, "clearance": 0.01}
+    state |= {"cup_on": "top", "pen_in": "surface, surface: top"}
+    for _ in range(24):
+        key = str(rng.choice(list(state)))
+        state[key] = {
+            "tray": rng.choice([0.30, 0.34, 0.40]),
+            "cup": rng.choice([0.030, 0.040, 0.050]),
+            "pen": rng.choice([0.10, 0.15, 0.25]),
+            "yaw": rng.choice([0.0, 1.0, 3.0]),
+            "gap": rng.choice([0.02, 0.30, 2.50]),
+            "clearance": rng.choice([0.005, 0.010, 0.020]),
+            "cup_on": rng.choice(["top", "on_tray"]),
+            "pen_in": rng.choice(["surface, surface: top", "volume, volume: in_crate"]),
+        }[key]
+        file.write_text(STACKED.format(**state))
+        warm = session.compile(file, explain=False)
+        verdicts.add(warm.report.verdict)
+        assert warm.report.verdict == compile_program(file, explain=False).report.verdict
+        for problem, result, scene in zip(warm.problems, warm.results, warm.scenes, strict=False):
+            assert isinstance(result, Solved)
+            assert violations(problem, result.placements) == ()
+            assert scene == compiled_scene(problem, result.placements, 0)
+    assert verdicts == {"compiled", "infeasible"}
