@@ -141,7 +141,7 @@ class Described:
         try:
             with np.load(path, allow_pickle=False) as archive:
                 return checked_numbers(archive[shape.key], shape.key, shape.file) * shape.scale
-        except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        except (OSError, KeyError, ValueError, NotImplementedError, zipfile.BadZipFile) as error:
             raise stop("replay/missing-mesh", f"'{shape.key}' of '{shape.file}': {error}", self.file) from None
 
     def _cameras(self, robots: tuple[Robot, ...]) -> tuple[Camera, ...]:

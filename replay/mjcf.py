@@ -183,11 +183,13 @@ class _Reading:
                 message = f"geom '{name}' of body '{body.name}' is a '{kind}' that is not read"
                 raise stop("replay/unsupported-model", message, self.file, element.sourceline)
             kind = "none"
-        size = tuple(float(x) for x in a.get("size", "").split())
+        size = numbers(a, "size", len(a.get("size", "").split()), (), self.file)
         X_FG = self.orientations.pose(a)
         if a.get("fromto"):
             ends = np.array(numbers(a, "fromto", 6, None, self.file)).reshape(2, 3)
             X_FG = pose(self.orientations.z_along(ends[1] - ends[0]), ends.mean(axis=0))
+            if not size:
+                raise stop("replay/invalid-value", f"geom '{name}' has no size", self.file, element.sourceline)
             half = float(np.linalg.norm(ends[1] - ends[0])) / 2.0
             size = (size[0], half) if kind in ("capsule", "cylinder") else (size[0], size[0], half)
         return MjGeom(name, kind, size, X_BF @ X_FG, a.get("mesh", ""), bool(collides))

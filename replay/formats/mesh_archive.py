@@ -23,7 +23,7 @@ class MeshArchive:
                 self.by_key = {key[:-2]: archive[key] for key in archive.files if key.endswith("|v")}
         except FileNotFoundError:
             self.by_key = {}
-        except (OSError, ValueError, zipfile.BadZipFile) as error:
+        except (OSError, ValueError, NotImplementedError, zipfile.BadZipFile) as error:
             raise stop("replay/unreadable", f"{path.name}: {error}", path.name) from None
 
     @classmethod

@@ -6,11 +6,11 @@ Columns: `t` [s]; `q.<joint>`, `qd.<joint>`; `obj.<body>.px ... qw` (quaternion 
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 import numpy as np
+from pydantic import BaseModel, Field, ValidationError
 
 from replay.episode import Camera, Episode
 from replay.formats.mesh_archive import MESHES, MeshArchive
@@ -30,9 +30,9 @@ def is_staged_folder(path: Path) -> bool:
 def read_staged_folder(path: Path) -> Episode:
     """The episode of a folder. Raises InvalidInput."""
     columns = read_columns(path / TABLE)
-    t_s = checked_stamps(columns["t"], TABLE) if "t" in columns else np.zeros(0)
     if "t" not in columns:
         raise stop("replay/missing-column", "no column 't'", TABLE)
+    t_s = checked_stamps(columns["t"], TABLE)
     names = dict.fromkeys(c.split(".")[1] for c in columns if c.startswith("obj."))
     recorded = Recorded(
         t_s,
@@ -48,22 +48,35 @@ def read_staged_folder(path: Path) -> Episode:
     return Episode(path.name, path, t_s, robots, objects, fixtures, _cameras(path, len(t_s)))
 
 
+class _CameraRow(BaseModel):
+    """A camera of `scene.json`."""
+
+    fovy_deg: Annotated[float, Field(gt=0.0, lt=180.0)]
+    pose_xyz_qxyzw: tuple[float, float, float, float, float, float, float] | None = None
+
+
+class _Scene(BaseModel):
+    """What is read of `scene.json`."""
+
+    cameras: dict[str, _CameraRow] = {}
+
+
 def _cameras(path: Path, n: int) -> tuple[Camera, ...]:
     try:
-        given: dict[str, Any] = json.loads((path / SCENE).read_bytes()).get("cameras", {})
-    except (ValueError, OSError) as error:
+        given = _Scene.model_validate_json((path / SCENE).read_bytes()).cameras
+    except (ValidationError, OSError) as error:
         raise stop("replay/unreadable", f"{SCENE}: {error}", SCENE) from None
     moving = read_columns(path / CAMERAS) if (path / CAMERAS).is_file() else {}
     cameras = []
     for name, camera in given.items():
         if f"{name}.px" in moving:
             X_WC = column_poses(moving, name, CAMERAS)
-        elif "pose_xyz_qxyzw" in camera:
-            row = np.array([camera["pose_xyz_qxyzw"]], dtype=np.float64)
+        elif camera.pose_xyz_qxyzw is not None:
+            row = np.array([camera.pose_xyz_qxyzw])
             X_WC = np.broadcast_to(poses(row[:, :3], row[:, 3:], name, SCENE), (n, 4, 4))
         else:
             raise stop("replay/missing-column", f"camera '{name}' has no pose", SCENE)
         if len(X_WC) != n:
             raise stop("replay/state-size", f"{len(X_WC)} poses of camera '{name}' for {n} samples", CAMERAS)
-        cameras.append(Camera(name, X_WC, float(np.radians(camera["fovy_deg"]))))
+        cameras.append(Camera(name, X_WC, float(np.radians(camera.fovy_deg))))
     return tuple(cameras)
