@@ -121,9 +121,10 @@ def decision_findings(batch: Options, number: int) -> tuple[Diagnostic, ...]:
 
 def _conflicts(batch: Options, about: Sequence[Decision]) -> Iterable[Diagnostic]:
     """Statements that a later decision overrules, of earlier decisions and of the command line."""
-    for field in dict.fromkeys(name for d in about for name in d.set):
-        said = [(d.set[field], _who(d)) for d in about if field in d.set]
-        flag = batch.model_dump()[field]
+    stated = [(_stated(d), _who(d)) for d in about]
+    for field in dict.fromkeys(name for values, _ in stated for name in values):
+        said = [(values[field], who) for values, who in stated if field in values]
+        flag = batch.model_dump().get(field)
         if flag not in (None, "auto"):
             said.insert(0, (flag, f"--{field.replace('_', '-')}"))
         stands, who = said[-1]
@@ -142,8 +143,14 @@ def _verdict(decision: Decision) -> str:
     return "accepted as it is" if decision.accept else "acceptance withdrawn"
 
 
+def _stated(decision: Decision) -> dict[str, str]:
+    """What is said of fields and of parts, by their names."""
+    return {**decision.set, **{part: said.label for part, said in decision.parts.items()}}
+
+
 def _what(decision: Decision) -> str:
-    said = [f"{field} is {value}" if value else f"{field} is not stated" for field, value in decision.set.items()]
+    stated = _stated(decision).items()
+    said = [f"{field} is {value}" if value else f"{field} is not stated" for field, value in stated]
     return ", ".join([*said, *([] if decision.accept is None else [_verdict(decision)])])
 
 

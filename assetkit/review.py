@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import takewhile
 from pathlib import Path, PurePosixPath
+from typing import Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from assetkit.decisions import date_of_decision
 from assetkit.options import METERS_PER_UNIT
+from assetkit.parts.decided import names_for, region_of
 from assetkit.record import RECORD, read_record
 from schemas.asset import AssetRecord
 from schemas.asset import SourceFile as FileRead
-from schemas.decision import DecidedField, Decision
+from schemas.decision import DecidedField, Decision, PartLabel
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.outcome import ItemOutcome
+from schemas.parts import UNLABELLED, by_id
 from schemas.report import IngestReport, ReportItem
 
 REPORT = "report.json"
@@ -37,10 +41,13 @@ class Candidate(_Model):
 
 
 class Doubt(_Model):
-    """A value of low confidence in one package, by what it was told, and its candidates; `field` can be set."""
+    """A value of low confidence in one package, by what it was told, and its candidates. `field` can be set with the
+    `flag`: one of the fields of a decision, or a part by its id.
+    """
 
     package: str
-    field: DecidedField
+    flag: Literal["set", "part"] = "set"
+    field: str
     value: str
     confidence: float
     evidence: str
@@ -92,7 +99,7 @@ def questions(out: Path, items: Sequence[ReportItem], decisions: Sequence[Decisi
 
 
 def doubts(record: AssetRecord) -> tuple[Doubt, ...]:
-    """The unit, up axis and category of a record, as far as they are doubtful."""
+    """The unit, up axis, category and parts of a record, as far as they are doubtful."""
     source, semantics = record.source, record.semantics
     longest_units = max(record.geometry.extent_m.value) / source.meters_per_unit.value
     sizes = [Candidate(value=u, means=f"longest edge {_length(longest_units * s)}") for u, s in METERS_PER_UNIT.items()]
@@ -104,11 +111,30 @@ def doubts(record: AssetRecord) -> tuple[Doubt, ...]:
         ("up_axis", source.up_axis.value, source.up_axis.confidence, source.up_axis.method, turns),
         ("category", semantics.category.value, semantics.category.confidence, semantics.category.method, kinds),
     )
-    return tuple(
+    values = tuple(
         Doubt(package=record.asset_id, field=f, value=v, confidence=sure, evidence=method, candidates=tuple(could_be))
         for f, v, sure, method, could_be in looked_at
         if sure < DOUBTFUL
     )
+    return (*values, *_part_doubts(record))
+
+
+def _part_doubts(record: AssetRecord) -> Iterator[Doubt]:
+    """Parts that clues disagree about; of the labels that they speak for each is a candidate, and none of them."""
+    for part in (p.value for p in record.parts if p.value.may_be):
+        where = f"one of {len(record.parts)} parts, {_length(max(np.subtract(part.high_m, part.low_m)))} long"
+        yield Doubt(
+            package=record.asset_id,
+            flag="part",
+            field=part.part_id,
+            value=part.label.value,
+            confidence=part.label.confidence,
+            evidence=f"{part.label.method}; {where}",
+            candidates=tuple(
+                Candidate(value=label, means=meaning)
+                for label, meaning in (*((m, f"it is the {m}") for m in part.may_be), (UNLABELLED, "it is neither"))
+            ),
+        )
 
 
 def items_called(report: IngestReport, name: str) -> list[ReportItem]:
@@ -124,13 +150,15 @@ def decision_about(
     *,
     set_: dict[DecidedField, str],
     accept: bool | None,
+    parts: Mapping[str, str] = {},
     by: str,
     reason: str,
 ) -> Decision:
     """The decision on an item, bound to the content that it was made from. `name` says which object is meant where a
     file holds several: a package means one, the source all of them.
 
-    Raises LookupError when there is no package of what is meant: nothing was made that could be decided about.
+    Raises LookupError when there is no package of what is meant, or no such part in it: nothing was made that could be
+    decided about. Raises ValueError when its category knows no part of that name.
     """
     one = name in item.packages
     about = [r for r in _records(out, item) if not one or r.asset_id == name]
@@ -147,12 +175,27 @@ def decision_about(
         },
         object=int(name.rpartition("-")[2]) if one and len(item.packages) > 1 else 0,
         set=set_,
+        parts=_part_labels(about, parts),
         accept=accept,
         known=tuple(sorted({d.code for r in about for d in r.diagnostics})) if accept else (),
         by=by,
         reason=reason,
         date=date_of_decision(),
     )
+
+
+def _part_labels(about: Sequence[AssetRecord], parts: Mapping[str, str]) -> dict[str, PartLabel]:
+    if not parts:
+        return {}
+    if len(about) > 1:
+        raise LookupError("the file holds several objects: name the package whose part is meant")
+    known, names = by_id(about[0].parts), names_for(about[0].semantics.category.value)
+    for part, label in parts.items():
+        if part not in known:
+            raise LookupError(f"{about[0].asset_id} has no part '{part}', only {', '.join(known) or 'the whole'}")
+        if label and label not in names:
+            raise ValueError(f"a part of it is one of {', '.join(names)}, not '{label}'")
+    return {part: PartLabel(label=label, region=region_of(known[part])) for part, label in parts.items()}
 
 
 def main_file(files: Sequence[FileRead], source: str) -> FileRead:

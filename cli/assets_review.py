@@ -32,6 +32,10 @@ def review_command(
             "--set", help=f"FIELD=VALUE, several times: {', '.join(get_args(DecidedField))}. Empty withdraws."
         ),
     ] = None,
+    part: Annotated[
+        list[str] | None,
+        typer.Option("--part", help="PART_ID=LABEL, several times; `unlabelled` for none. Empty withdraws."),
+    ] = None,
     accept: Annotated[
         bool | None,
         typer.Option("--accept/--no-accept", help="Take the item as it is, with the findings shown; or withdraw that."),
@@ -53,11 +57,12 @@ def review_command(
     Exit code 0, also while items wait; 1 when the decisions cannot be read; 2 when the item or the value is not known.
 
     Examples: `mana assets review library`, `mana assets review library mug.obj`,
-    `mana assets review library mug.obj --set category=mug --set units=mm --accept --by Ann --reason "measured it"`
+    `mana assets review library mug.obj --set category=mug --set units=mm --accept --by Ann --reason "measured it"`,
+    `mana assets review library pot.obj --part part_2=lid --by Ann`
     """
     decisions = read_decisions(library)
     report = read_report(library)
-    deciding = bool(set_) or accept is not None
+    deciding = bool(set_) or bool(part) or accept is not None
     if item is None:
         if deciding:
             raise typer.BadParameter("name the item that the decision is about", param_hint="ITEM")
@@ -73,7 +78,7 @@ def review_command(
     if not deciding:
         _show_all(library, list(questions(library, [meant], decisions)), as_json)
         return
-    decision = _decision(library, meant, item, set_ or [], accept, by, reason)
+    decision = _decision(library, meant, item, set_ or [], part or [], accept, by, reason)
     record_decision(decision, library)
     if as_json:
         print(decision.model_dump_json(indent=1))
@@ -88,6 +93,7 @@ def _decision(
     meant: ReportItem,
     name: str,
     set_: list[str],
+    part: list[str],
     accept: bool | None,
     by: str | None,
     reason: str,
@@ -104,11 +110,25 @@ def _decision(
             f"{shown}: the same for all objects of the file; name {meant.source}", param_hint="--set"
         )
     try:
-        return decision_about(library, meant, name, set_=said, accept=accept, by=by.strip(), reason=reason)
+        return decision_about(
+            library, meant, name, set_=said, parts=_part_labels(part), accept=accept, by=by.strip(), reason=reason
+        )
     except LookupError as nothing:
         raise typer.BadParameter(str(nothing), param_hint="ITEM") from None
     except ValidationError:
         raise typer.BadParameter("only text in UTF-8 can be kept", param_hint="--by, --reason, --set") from None
+    except ValueError as wrong:
+        raise typer.BadParameter(str(wrong), param_hint="--part") from None
+
+
+def _part_labels(said: list[str]) -> dict[str, str]:
+    pairs = [text_.partition("=") for text_ in said]
+    if any(not equals for _, equals, _ in pairs):
+        raise typer.BadParameter("must be PART_ID=LABEL", param_hint="--part")
+    labels = {part.strip(): label.strip() for part, _, label in pairs}
+    if len(labels) < len(pairs):
+        raise typer.BadParameter("a part can be named once", param_hint="--part")
+    return labels
 
 
 def _field_and_value(said: str) -> tuple[DecidedField, str]:
@@ -162,12 +182,13 @@ def _show(library: Path, question: Question, *, causes: bool) -> None:
         _line(f"  {doubt.package}: {doubt.field} is {doubt.value}, {doubt.confidence:.0%} sure ({doubt.evidence})")
         for candidate in doubt.candidates:
             chance = "" if candidate.confidence is None else f" ({candidate.confidence:.0%})"
-            _line(f"    --set {doubt.field}={candidate.value}{chance}: {candidate.means}")
+            _line(f"    --{doubt.flag} {doubt.field}={candidate.value}{chance}: {candidate.means}")
     for picture in question.pictures:
         _line(f"  picture {library / picture}")
     for made in question.decisions:
         verdict = {None: [], True: ["accepted"], False: ["acceptance withdrawn"]}[made.accept]
-        said = ", ".join([*(f"{field}={value}" for field, value in made.set.items()), *verdict])
+        named = {part: said.label for part, said in made.parts.items()}
+        said = ", ".join([*(f"{field}={value}" for field, value in {**made.set, **named}.items()), *verdict])
         _line(f"  decided by {made.by}: {said}{f' ({made.reason})' if made.reason else ''}")
 
 

@@ -57,6 +57,7 @@ class Part(_Model):
 
     part_id: str
     label: Evidence[str]
+    may_be: tuple[str, ...] = Field(default=(), description="labels that clues speak for which contradict each other")
     material: Evidence[str] = Field(default=default("unknown"), description="class in the material table")
     name: str = Field(description="the label, else what the source calls it, else the id")
     sources: tuple[ProposalSource, ...] = Field(description="all that proposed about this region")

@@ -24,12 +24,9 @@ _STATED, _AGREED, _ALONE = 0.8, 0.7, 0.5
 
 @dataclass(frozen=True)
 class Found:
-    """Parts, the one with most surface first; in words, what clues contradict each other about and what was wrong with
-    the answer of a segmenter.
-    """
+    """Parts, the one with most surface first; in words, what was wrong with the answer of a segmenter."""
 
     parts: tuple[Evidence[Part], ...]
-    disputes: tuple[str, ...] = ()
     segmenter_problem: str = ""
 
 
@@ -63,13 +60,13 @@ def find_parts(
         _part(surface, shown, piece, f"part_{i}", most, parent)
         for i, (piece, parent) in enumerate(zip(made.pieces, made.parents, strict=True))
     ]
-    return Found(tuple(parts), made.disputes, said.problem)
+    return Found(tuple(parts), said.problem)
 
 
 def _part(
     surface: Faces, meshes: Mapping[str, Mesh], piece: Piece, part_id: str, most: float, parent: int
 ) -> Evidence[Part]:
-    label: Evidence[str] = default(UNLABELLED, "no clue, or clues that differ")
+    label: Evidence[str] = default(UNLABELLED, piece.doubt or "no clue")
     if piece.label != UNLABELLED:
         clues = tuple(dict.fromkeys(v.clue for v in piece.votes))
         label = inferred(piece.label, "part names of the category", min(piece.confidence, most), inputs=clues)
@@ -79,6 +76,7 @@ def _part(
     part = Part(
         part_id=part_id,
         label=label,
+        may_be=piece.may_be,
         name=label.value if label.confidence else next((n for n in piece.names if n), part_id),
         sources=piece.sources,
         source_path=piece.path,

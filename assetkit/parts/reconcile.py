@@ -38,7 +38,9 @@ _HAVE_BODY = (
 
 @dataclass(frozen=True)
 class Piece:
-    """A region that proposals agree on. `area` of its surface, `votes` for labels."""
+    """A region that proposals agree on. `area` of its surface, `votes` for labels; labels that it `may_be` in `doubt`,
+    which says what contradicts them.
+    """
 
     faces: IntArray
     area: float
@@ -46,17 +48,14 @@ class Piece:
     names: tuple[str, ...]
     path: str
     votes: tuple[Vote, ...]
+    may_be: tuple[str, ...] = ()
+    doubt: str = ""
 
     @property
     def label(self) -> str:
         """What all votes say; `unlabelled` when there is none or they differ."""
         said = {v.label for v in self.votes}
         return said.pop() if len(said) == 1 else UNLABELLED
-
-    @property
-    def disputed(self) -> bool:
-        """Whether clues give it different names."""
-        return len({v.label for v in self.votes}) > 1
 
     @property
     def confidence(self) -> float:
@@ -71,11 +70,10 @@ class Piece:
 
 @dataclass(frozen=True)
 class Reconciled:
-    """Pieces by falling area, the index of the one that holds each (-1: none), and what was refused and why."""
+    """Pieces by falling area, and the index of the one that holds each (-1: none)."""
 
     pieces: tuple[Piece, ...]
     parents: tuple[int, ...]
-    disputes: tuple[str, ...]
 
 
 def reconcile(surface: Faces, proposals: Sequence[Proposal], category: str, vocabulary: Sequence[str]) -> Reconciled:
@@ -86,9 +84,9 @@ def reconcile(surface: Faces, proposals: Sequence[Proposal], category: str, voca
     for piece in sorted(pieces, key=lambda p: (-_standing(p), -p.area, int(np.argmax(p.faces)))):
         kept = _suppressed(surface, kept, piece)
     kept = _with_body(surface, _merged(surface, kept[:MOST_PARTS]), category)
-    kept, disputes = _in_order(surface, kept)
+    kept = _in_order(surface, kept)
     kept.sort(key=lambda p: (-round(p.area / surface.area.sum(), 6), int(np.argmax(p.faces))))
-    return Reconciled(tuple(kept), tuple(_parent(surface, kept, p) for p in kept), disputes)
+    return Reconciled(tuple(kept), tuple(_parent(surface, kept, p) for p in kept))
 
 
 def _piece(surface: Faces, proposal: Proposal, said: tuple[Vote, ...]) -> Piece:
@@ -106,7 +104,8 @@ def _without_shared_name(pieces: Sequence[Piece]) -> list[Piece]:
     result = list(pieces)
     for source in ("hierarchy", "material"):
         own = [i for i, p in enumerate(result) if p.sources == (source,)]
-        if len(own) > 1 and len({result[i].label for i in own}) == 1:
+        labels = {result[i].label for i in own}
+        if len(own) > 1 and len(labels) == 1 and UNLABELLED not in labels:
             for i in own:
                 result[i] = replace(result[i], votes=())
     return result
@@ -175,22 +174,25 @@ def _crosses(surface: Faces, piece: Piece, other: Piece) -> bool:
     return both > (1.0 - WITHIN) * min(piece.area, other.area)
 
 
-def _in_order(surface: Faces, pieces: list[Piece]) -> tuple[list[Piece], tuple[str, ...]]:
-    """Labels that stand the wrong way round in height are taken back, and so are those that clues dispute."""
-    disputes = [
-        f"{' or '.join(sorted({v.label for v in p.votes}))}: {'; '.join(v.clue for v in p.votes)}"
-        for p in pieces
-        if p.disputed
-    ]
-    wrong: set[int] = set()
+def _in_order(surface: Faces, pieces: list[Piece]) -> list[Piece]:
+    """Labels that stand the wrong way round in height are taken back; so are those that clues dispute."""
+    made = [_disputed(p) for p in pieces]
     height = [_middle(surface, p)[2] for p in pieces]
     for upper, lower in sorted(_OVER):
         above = [i for i, p in enumerate(pieces) if p.label == upper]
         below = [i for i, p in enumerate(pieces) if p.label == lower]
         if above and below and max(height[i] for i in above) < min(height[i] for i in below):
-            wrong |= {*above, *below}
-            disputes.append(f"{upper} lies under {lower}")
-    return [replace(p, votes=()) if i in wrong else p for i, p in enumerate(pieces)], tuple(disputes)
+            for i in (*above, *below):
+                made[i] = replace(made[i], votes=(), may_be=(pieces[i].label,), doubt=f"{upper} lies under {lower}")
+    return made
+
+
+def _disputed(piece: Piece) -> Piece:
+    """A piece that knows which labels its clues speak for, where these differ."""
+    said = tuple(sorted({v.label for v in piece.votes}))
+    if len(said) < 2:
+        return piece
+    return replace(piece, may_be=said, doubt="; ".join(v.clue for v in piece.votes))
 
 
 def _parent(surface: Faces, pieces: Sequence[Piece], piece: Piece) -> int:

@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from assetkit.anchors import propose_anchors
 from assetkit.front import front_of
 from assetkit.options import Options
 from assetkit.part_materials import part_materials
+from assetkit.parts.decided import in_doubt, lost, with_decided
 from assetkit.parts.find import find_parts
 from assetkit.parts.segmenter import MEMORY_MB, CommandSegmenter
 from assetkit.stage import Canonical, Draft, Interaction, Stage, Tools, need
 from geom.cavity import find_cavities
 from jobs.cell import Limits
-from schemas.diagnostics import finding
+from schemas.diagnostics import Diagnostic, finding
+from schemas.evidence import Evidence
 from schemas.outcome import Outcome
+from schemas.parts import Part
 from usdio.write_meshes import mesh_prim_names
 
 
 class ProposeParts(Stage):
-    """Parts with their labels. Anchors wait for acceptance."""
+    """Parts with their labels, in `review` where a role depends on one in dispute. Anchors wait for acceptance."""
 
     name = "interaction"
-    version = 10
+    version = 11
     result = Interaction
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:
@@ -32,15 +37,30 @@ class ProposeParts(Stage):
         meshes = dict(zip(mesh_prim_names(draft.model), canonical.meshes, strict=True))
         segmenter = _segmenter(tools.options)
         found = find_parts(meshes, draft.model.materials, category, segmenter=segmenter, cavities=cavities)
-        told = [finding("asset/part-disputed", text) for text in found.disputes]
+        known = with_decided(found.parts, tools.options.decisions)
+        told = _disputes(known)
+        if gone := lost(found.parts, tools.options.decisions):
+            told.append(finding("asset/decision-outdated", f"{', '.join(gone)}: no such region is a part any more"))
         if segmenter is not None and found.segmenter_problem:
             told.append(finding("asset/segmenter-failed", f"{segmenter.name}: {found.segmenter_problem}"))
-        parts, material = part_materials(
-            meshes, draft.model, found.parts, category, draft.source_name, draft.intake.folders
-        )
+        parts, material = part_materials(meshes, draft.model, known, category, draft.source_name, draft.intake.folders)
         anchors = propose_anchors(canonical.solid, cavities)
-        front = front_of(meshes, category, found.parts, cavities)
-        return Outcome(Interaction(parts, material, anchors, cavities, front), tuple(told))
+        front = front_of(meshes, category, known, cavities)
+        review = bool(in_doubt(known, section.roles))
+        return Outcome(Interaction(parts, material, anchors, cavities, front), tuple(told), review=review)
+
+
+def _disputes(parts: Sequence[Evidence[Part]]) -> list[Diagnostic]:
+    """One warning for each contradiction, with all parts that it leaves without a label."""
+    texts: dict[str, list[Part]] = {}
+    for part in (p.value for p in parts if p.value.may_be):
+        texts.setdefault(part.label.method, []).append(part)
+    who = {text: " and ".join(_either(p) for p in own) for text, own in texts.items()}
+    return [finding("asset/part-disputed", f"{parts_of}: {text}") for text, parts_of in who.items()]
+
+
+def _either(part: Part) -> str:
+    return f"{part.part_id} ({' or '.join(part.may_be)})"
 
 
 def _segmenter(options: Options) -> CommandSegmenter | None:
