@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from replay.episode import Episode
 from replay.formats.digests import stream_digests
 from replay.inserted_bodies import InsertedBody, inserted_body
+from replay.link_check import check_links
 from replay.reading import read_episodes
 from replay.recorded import stop
 from replay.settling import Settle, moved_when_let_go
@@ -89,6 +90,7 @@ def _checked(
     bodies = [[_body(one, packages) for one in variant.inserted] for _, variant in group]
     asked_m = group[0][1].clearance_m if clearance_m is None else clearance_m
     pairs = near_pairs(episode, bodies, asked_m)
+    links = check_links(episode)
     rows = {}
     for (folder, variant), inserted, near in zip(group, bodies, pairs, strict=True):
         under = tuple(pair for pair in near if pair.distance_m < asked_m)
@@ -105,6 +107,8 @@ def _checked(
             states_identical=_identical(folder, variant),
             feasible_area_m2=sum(variant.feasible_area_m2.values()) if variant.feasible_area_m2 else None,
             newly_hidden_fraction=max(variant.camera_hidden.values(), default=None),
+            link_error_m=max((link.distance_m for link in links), default=None),
+            link_error_deg=max((link.angle_deg for link in links), default=None),
         )
     return rows
 
@@ -152,5 +156,7 @@ def summary(checks: Iterable[VariantCheck]) -> dict[str, Any]:
         "settle_failures": sum(not thing.stayed for thing in moved),
         "most_moved_m": max((thing.moved_m for thing in moved), default=None),
         "most_turned_deg": max((thing.turned_deg for thing in moved), default=None),
+        "link_error_m": max((row.link_error_m for row in rows if row.link_error_m is not None), default=None),
+        "link_error_deg": max((row.link_error_deg for row in rows if row.link_error_deg is not None), default=None),
         "sound": sum(row.sound for row in rows),
     }

@@ -52,9 +52,16 @@ def _stretch(episode: Episode, rows: slice, sub_times: int, hermite: bool) -> St
     for robot in episode.robots:
         q = positions(robot, rows, t_s, share, hermite)
         X_WL = link_poses(robot, q, between_poses(robot.X_WR[rows], share))
-        bodies += [MovingBody(link.name, link.shapes, X_WL[:, k]) for k, link in enumerate(robot.links) if link.shapes]
+        names = link_names(episode, robot)
+        bodies += [MovingBody(names[k], link.shapes, X_WL[:, k]) for k, link in enumerate(robot.links) if link.shapes]
     bodies += [MovingBody(o.name, o.shapes, between_poses(o.X_WB[rows], share)) for o in episode.objects if o.shapes]
     return Stretch(between(t_s[:, None], share)[:, 0], tuple(bodies))
+
+
+def link_names(episode: Episode, robot: Robot) -> list[str]:
+    """Names of the links; `<robot>/<link>` where several robots have one of that name."""
+    all_names = [link.name for one in episode.robots for link in one.links]
+    return [name if all_names.count(name) == 1 else f"{robot.name}/{name}" for name in (k.name for k in robot.links)]
 
 
 def positions(robot: Robot, rows: slice, t_s: FloatArray, share: FloatArray, hermite: bool) -> FloatArray:

@@ -92,7 +92,8 @@ class VariantCheck(_Model):
     """What verification found of one variant. `near` are all pairs under the clearance; `nearest` the nearest of all.
 
     `contacts` counts pairs that touch. `nearest` is None without a pair. `moved` is empty where nothing was
-    let go. `states_identical`: every stream of the copy has the digest of the source.
+    let go. `states_identical`: every stream of the copy has the digest of the source. `link_error_m`, `link_error_deg`:
+    how far the model's links are at most from recorded link poses, None where none were recorded.
     """
 
     variant: str
@@ -107,6 +108,8 @@ class VariantCheck(_Model):
     states_identical: bool
     feasible_area_m2: float | None = None
     newly_hidden_fraction: float | None = None
+    link_error_m: float | None = None
+    link_error_deg: float | None = None
 
     @property
     def sound(self) -> bool:

@@ -29,7 +29,7 @@ from schemas.physics import CollisionShape
 from schemas.replay import Inserted, Variant
 from schemas.scene_program import BoxAsset
 from sim.bullet_scene import settle_scene
-from tests import replay_samples
+from tests import bullet_recordings, replay_samples
 
 BOX = CollisionShape("box", (0.2, 0.1, 0.06), np.eye(4))
 BALL = CollisionShape("sphere", (0.05,), np.eye(4))
@@ -195,6 +195,19 @@ def test_a_rotated_world_gives_the_same_distances(tmp_path: Path):
     )
     assert [(p.other, p.t_s) for p in before] == [(p.other, p.t_s) for p in after]
     assert [p.distance_m for p in before] == pytest.approx([p.distance_m for p in after], abs=1e-6)
+
+
+def test_two_arms_and_a_drawer_are_seen_with_their_names(tmp_path: Path):
+    """A box is put where only one of them comes by."""
+    drawer = read_episode(bullet_recordings.record(tmp_path / "drawer", "drawer", seconds=1.0), bullet_recordings.DATA)
+    (pairs,) = near_pairs(drawer, [[inserted_body(boxed(0.37, 0.3, z=0.0, support="table_top"), None)]], 0.01)
+    assert "tray" in {pair.other for pair in pairs if pair.distance_m == 0.0}
+    arms = read_episode(bullet_recordings.record(tmp_path / "arms", "two_arms", seconds=0.5), bullet_recordings.DATA)
+    hand = next(body for body in next(dense_motion(arms)).bodies if body.name == "right/panda_hand")
+    x, y, z = hand.X_WB[len(hand.X_WB) // 2, :3, 3]
+    (pairs,) = near_pairs(arms, [[inserted_body(boxed(x, y, z=z - 0.05), None)]], 0.01)
+    assert {pair.other for pair in pairs if pair.distance_m == 0.0} & {"right/panda_hand", "right/panda_link7"}
+    assert not any(pair.other.startswith("left/") for pair in pairs)
 
 
 @pytest.mark.parametrize("kind", ["folder", "hdf5"])
