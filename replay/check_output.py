@@ -40,7 +40,7 @@ def check_output(
     checks: dict[Path, VariantCheck] = {}
     groups: dict[tuple[str, float], list[tuple[Path, Variant]]] = {}
     for folder in folders:
-        variant = _read(folder)
+        variant = read_variant(folder)
         key = (repr(sorted(stream_digests(recording(folder, variant), variant.part).items())), variant.clearance_m)
         groups.setdefault(key, []).append((folder, variant))
     for group in groups.values():
@@ -51,7 +51,10 @@ def check_output(
     return [checks[folder] for folder in folders]
 
 
-def _read(folder: Path) -> Variant:
+def read_variant(folder: Path) -> Variant:
+    """The `variant.json` of a folder. Raises InvalidInput."""
+    if not (folder / VARIANT_FILE).is_file():
+        raise stop("replay/missing-file", f"no {VARIANT_FILE} in '{folder.name}'", folder.name)
     try:
         return Variant.model_validate_json((folder / VARIANT_FILE).read_bytes())
     except ValidationError as error:

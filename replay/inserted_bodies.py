@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from geom.pose import pose_from_quat
-from runtime_plan.bodies import physical_body
+from runtime_plan.bodies import PhysicalBody, physical_body
 from schemas.model import FloatArray
 from schemas.physics import RigidBody
 from schemas.replay import Inserted
@@ -26,6 +26,12 @@ class InsertedBody:
 
 def inserted_body(inserted: Inserted, packages: Path | None) -> InsertedBody:
     """Raises FileNotFoundError where its package is not below `packages`."""
+    X_WA = pose_from_quat(np.array(inserted.quat_wxyz), inserted.position_m)
+    return InsertedBody(inserted, as_packaged(inserted, packages).body, X_WA)
+
+
+def as_packaged(inserted: Inserted, packages: Path | None) -> PhysicalBody:
+    """The body at its scale with its density, without the material that was drawn for it. Raises as above."""
     asset = PlanBody(
         asset_id=inserted.asset_id,
         package=inserted.package,
@@ -34,5 +40,4 @@ def inserted_body(inserted: Inserted, packages: Path | None) -> InsertedBody:
         primitive=inserted.primitive,
         stances=(),
     )
-    X_WA = pose_from_quat(np.array(inserted.quat_wxyz), inserted.position_m)
-    return InsertedBody(inserted, physical_body(asset, packages).body, X_WA)
+    return physical_body(asset, packages)

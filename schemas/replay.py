@@ -10,7 +10,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.compiled_scene import Point3, Quat_wxyz
-from schemas.scene_program import Inline
+from schemas.scene_program import Inline, PairedMaterial
 
 SCHEMA_VERSION = "1.0"
 VARIANT_FILE = "variant.json"
@@ -47,6 +47,7 @@ class Variant(_Model):
 
     `source` is the recording as the user named it, `part` what holds it in there, `recording` its copy beside this
     file, `scene` and `meshes` what was named to read it with, `source_sha256` the digests of its streams by name.
+    `materials` are those that inserted objects name, as their plan states them; `lights` the lighting as drawn.
     `camera_hidden` is the share of task-object pixels that the inserted objects newly hide, by camera; empty where
     nothing was rendered. `feasible_area_m2` is where an object of the smallest footprint may stand, by support.
     """
@@ -64,6 +65,7 @@ class Variant(_Model):
     clearance_m: float
     objects_requested: int
     inserted: tuple[Inserted, ...]
+    materials: dict[str, PairedMaterial] = {}
     lights: dict[str, float | str] = {}
     feasible_area_m2: dict[str, float] = {}
     camera_hidden: dict[str, float] = {}

@@ -61,7 +61,7 @@ def write_scene(scene: CompiledScene, library: Path | None, file: Path) -> Path:
     del stage, world, group  # A living stage would look for the packages at once, and not beside `file`.
     for path, item in zip([background, *objects] if scene.background is not None else objects, placed, strict=True):
         if item.package is not None:
-            main = f"./{_main_file(file.parent, item.package).relative_to(file.parent).as_posix()}"
+            main = f"./{main_file(file.parent, item.package).relative_to(file.parent).as_posix()}"
             layer.GetPrimAtPath(path).referenceList.prependedItems = [Sdf.Reference(main)]
     layer.customLayerData = {
         "mana:scene": scene.scene,
@@ -86,7 +86,7 @@ def author_physics_scene(stage: Usd.Stage) -> None:
 
 
 def author_lights(stage: Usd.Stage) -> None:
-    """A soft dome and one lamp, so that the stage is not dark where it is opened."""
+    """`/World/Lights`: a soft dome and one lamp, so that the stage is not dark where it is opened."""
     scope = UsdGeom.Scope.Define(stage, _ROOT.AppendChild("Lights")).GetPath()
     UsdLux.DomeLight.Define(stage, scope.AppendChild("Dome")).CreateIntensityAttr(700.0)
     lamp = UsdLux.DistantLight.Define(stage, scope.AppendChild("Lamp"))
@@ -104,7 +104,7 @@ def author_object(
         author_primitive(stage, path, item.primitive, item.scale, item.mass_kg, contact, moves=moves)
         Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
     elif item.package is not None:
-        _adapt_body(prim, item, _main_file(folder, item.package), moves=moves)
+        _adapt_body(prim, item, main_file(folder, item.package), moves=moves)
     form = UsdGeom.Xformable(prim)
     form.ClearXformOpOrder()
     form.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(*item.position_m))
@@ -119,7 +119,7 @@ def author_object(
         prim.SetCustomDataByKey("mana:on", item.parent)
 
 
-def _main_file(folder: Path, package: str) -> Path:
+def main_file(folder: Path, package: str) -> Path:
     """The main USD file of a copied package, the only one in its folder."""
     return min((folder / PACKAGES / package / USD_FOLDER).glob("*.usda"))
 
