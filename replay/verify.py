@@ -58,7 +58,8 @@ def near_pairs(
                                 near[pair] = Near(inserted=pair[0], other=pair[1], distance_m=distance, t_s=t_s)
     for objects, near in zip(placed, found, strict=True):
         near.update(_still_pairs(episode, objects))
-    return [sorted(near.values(), key=lambda pair: pair.distance_m) for near in found]
+    rows = [sorted(near.values(), key=lambda pair: pair.distance_m) for near in found]
+    return [[pair for k, pair in enumerate(row) if k == 0 or pair.distance_m < clearance_m] for row in rows]
 
 
 def _placed(inserted: InsertedBody) -> _Placed:
