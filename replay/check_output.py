@@ -110,6 +110,7 @@ def _checked(
             states_identical=_identical(folder, variant),
             feasible_area_m2=sum(variant.feasible_area_m2.values()) if variant.feasible_area_m2 else None,
             newly_hidden_fraction=max(variant.camera_hidden.values(), default=None),
+            notes=tuple(note.headline for note in episode.notes),
             link_error_m=max((link.distance_m for link in links), default=None),
             link_error_deg=max((link.angle_deg for link in links), default=None),
         )
@@ -161,5 +162,6 @@ def summary(checks: Iterable[VariantCheck]) -> dict[str, Any]:
         "most_turned_deg": max((thing.turned_deg for thing in moved), default=None),
         "link_error_m": max((row.link_error_m for row in rows if row.link_error_m is not None), default=None),
         "link_error_deg": max((row.link_error_deg for row in rows if row.link_error_deg is not None), default=None),
+        "notes": sorted({note for row in rows for note in row.notes}),
         "sound": sum(row.sound for row in rows),
     }

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from schemas.diagnostics import Diagnostic
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
@@ -90,6 +91,7 @@ class Episode:
     """One recording. `t_s` (n,) are its stamps as recorded: never decreasing, repeats allowed.
 
     `part` is what holds it in a source of several recordings (a group of an HDF5 file, the number of an episode).
+    `notes` are findings that did not stop the reading.
     """
 
     name: str
@@ -100,3 +102,4 @@ class Episode:
     fixtures: tuple[Fixture, ...]
     cameras: tuple[Camera, ...]
     part: str = ""
+    notes: tuple[Diagnostic, ...] = ()

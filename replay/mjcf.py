@@ -7,7 +7,8 @@ Frames: B body, P its parent, G geom, C camera.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import itertools
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -35,7 +36,10 @@ class MjJoint:
 
 @dataclass(frozen=True)
 class MjGeom:
-    """`size_m` as MuJoCo has it: half lengths, radii. `collides`: it takes part in contacts at all."""
+    """`size_m` as MuJoCo has it: half lengths, radii. `collides`: it takes part in contacts at all.
+
+    `number` counts the geoms of the model as MuJoCo does, body by body.
+    """
 
     name: str
     kind: str
@@ -43,6 +47,7 @@ class MjGeom:
     X_BG: FloatArray
     mesh: str
     collides: bool
+    number: int = -1
 
 
 @dataclass(frozen=True)
@@ -111,6 +116,9 @@ class _Reading:
     def model(self) -> MjModel:
         for world in self.top.findall("worldbody"):
             self._children(world, 0, np.eye(4), "")
+        numbers_of = itertools.count()
+        for body in self.bodies:
+            body.geoms = [replace(geom, number=next(numbers_of)) for geom in body.geoms]
         meshes = {}
         for element in self.top.iterfind("asset/mesh"):
             a = self._attributes(element, "")

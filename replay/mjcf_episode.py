@@ -15,6 +15,7 @@ from replay.episode import Fixture, FreeBody, Link, Robot
 from replay.mjcf import MjBody, MjGeom, MjModel
 from replay.recorded import Recorded, stop
 from replay.shapes import ellipsoid, hull, plane
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
@@ -132,11 +133,36 @@ def body_shapes(
     body = model.bodies[number]
     pictures = moves and not any(g.collides for g in body.geoms)
     unnamed = sum(not g.name for g in body.geoms)
-    return [
-        (g.name or (body.name if unnamed == 1 else f"{body.name}_{index}"), _shape(model, body, g, mesh_points))
-        for index, g in enumerate(body.geoms)
-        if (g.collides or pictures) and g.kind != "none"
-    ]
+    found = []
+    for index, geom in enumerate(body.geoms):
+        if (geom.collides or pictures) and geom.kind != "none":
+            name = geom.name or (body.name if unnamed == 1 else f"{body.name}_{index}")
+            try:
+                found.append((name, _shape(model, body, geom, mesh_points)))
+            except InvalidInput as refused:
+                if geom.collides or refused.diagnostic.code != "replay/missing-mesh":
+                    raise
+    return found
+
+
+def uncovered_links(model: MjModel, robots: tuple[Robot, ...]) -> tuple[Diagnostic, ...]:
+    """A warning for each body that moves and has geoms, but none with a shape at hand."""
+    drawn = {body.name for body in model.bodies if body.geoms}
+    bare = [link.name for robot in robots for link in robot.links if link.name in drawn and not link.shapes]
+    moving = {link.name for robot in robots for link in robot.links if _moves(robot, link)}
+    return tuple(
+        finding(
+            "replay/uncovered-link", f"link '{name}' moves and has no shape at hand", where=Location(file=model.file)
+        )
+        for name in bare
+        if name in moving
+    )
+
+
+def _moves(robot: Robot, link: Link) -> bool:
+    while link.kind == "fixed" and link.parent >= 0:
+        link = robot.links[link.parent]
+    return link.kind != "fixed"
 
 
 def _shape(model: MjModel, body: MjBody, geom: MjGeom, mesh_points: MeshPoints) -> CollisionShape:

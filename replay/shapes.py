@@ -43,7 +43,7 @@ def plane(half_m: tuple[float, ...], X_BG: FloatArray) -> CollisionShape:
 def mesh_points(path: Path, scale: tuple[float, ...], file: str) -> FloatArray:
     """Vertices (n, 3) of a mesh file, scaled. Raises InvalidInput."""
     try:
-        mesh = trimesh.load(path, force="mesh", process=False)
+        mesh = trimesh.load(path, force="mesh", process=False, skip_materials=True)
         points = np.asarray(mesh.vertices, dtype=np.float64) * scale  # pyright: ignore[reportAttributeAccessIssue]
     except Exception as error:  # Readers of foreign formats raise what they like.
         raise stop("replay/bad-mesh", f"'{path.name}' cannot be read: {error}", file) from None

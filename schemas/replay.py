@@ -95,7 +95,8 @@ class VariantCheck(_Model):
 
     `contacts` counts pairs that touch. `nearest` is None without a pair. `moved` is empty where nothing was
     let go. `states_identical`: every stream of the copy has the digest of the source. `link_error_m`, `link_error_deg`:
-    how far the model's links are at most from recorded link poses, None where none were recorded.
+    how far the model's links are at most from recorded link poses, None where none were recorded. `notes` are warnings
+    about the recording.
     """
 
     variant: str
@@ -112,6 +113,7 @@ class VariantCheck(_Model):
     newly_hidden_fraction: float | None = None
     link_error_m: float | None = None
     link_error_deg: float | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def sound(self) -> bool:

@@ -37,6 +37,12 @@ REPLAY_CODES: dict[str, CodeInfo] = {
         "What has no shape cannot be kept clear of.",
         "put the mesh files into the folder of the recording, or say with --meshes where they are",
     ),
+    "replay/uncovered-link": CodeInfo(
+        "warning",
+        "Something that moves has no shape at hand",
+        "It does not collide in its model and the meshes that draw it are absent: nothing keeps clear of it.",
+        "say with --meshes where the mesh files are, or give the body a collision geom",
+    ),
     "replay/bad-mesh": CodeInfo(
         "error",
         "A mesh cannot be read or spans no volume",

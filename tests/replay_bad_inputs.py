@@ -70,4 +70,5 @@ SAMPLES: dict[str, Writer] = {
 }
 NOT_FROM_A_RECORDING: dict[str, str] = {
     "replay/state-size": "tests/unit/test_replay_reading.py",
+    "replay/uncovered-link": "tests/unit/test_replay_reading.py",
 }

@@ -15,7 +15,7 @@ MESHES = "meshes_body_frame.npz"
 
 
 class MeshArchive:
-    """Vertices by body and geom. A geom without a name has a number there: then the only mesh of its body."""
+    """Vertices by body and geom; a geom without a name is called `geom<number>`."""
 
     def __init__(self, path: Path) -> None:
         try:
@@ -34,10 +34,8 @@ class MeshArchive:
 
     def points(self, body: MjBody, geom: MjGeom) -> FloatArray:
         """Vertices (n, 3) in the frame of the body. Raises InvalidInput where there are none."""
-        found = self.by_key.get(f"{body.name}|{geom.name}")
+        name = geom.name or f"geom{geom.number}"
+        found = self.by_key.get(f"{body.name}|{name}")
         if found is None:
-            of_body = [v for key, v in self.by_key.items() if key.split("|")[0] == body.name]
-            found = of_body[0] if len(of_body) == 1 and not geom.name else None
-        if found is None:
-            raise stop("replay/missing-mesh", f"no mesh of geom '{geom.name}' of body '{body.name}'", MESHES)
-        return checked_numbers(found, f"{body.name}|{geom.name}", MESHES)
+            raise stop("replay/missing-mesh", f"no mesh of geom '{name}' of body '{body.name}'", MESHES)
+        return checked_numbers(found, f"{body.name}|{name}", MESHES)

@@ -16,7 +16,7 @@ from replay.formats.hdf5 import child, numbered, opened, text, values
 from replay.formats.mesh_archive import MeshArchive
 from replay.mjcf import MjModel, model_of, read_mjcf
 from replay.mjcf_cameras import model_cameras
-from replay.mjcf_episode import episode_parts
+from replay.mjcf_episode import episode_parts, uncovered_links
 from replay.mjcf_meshes import MeshFiles
 from replay.mjcf_text import mjcf_of_text
 from replay.recorded import Recorded, checked_numbers, checked_stamps, poses, stop
@@ -62,7 +62,16 @@ def _episode(path: Path, demo: str, model: MjModel, states: FloatArray, meshes: 
     points = archive.points if archive else MeshFiles(model, path.parent, meshes).points
     parts = episode_parts(model, recorded, points)
     cameras = model_cameras(model, parts, len(recorded.t_s), PICTURE_PX)
-    return Episode(f"{path.stem}_{demo}", path, recorded.t_s, *parts, cameras, part=f"data/{demo}")
+    notes = uncovered_links(model, parts[0])
+    return Episode(f"{path.stem}_{demo}", path, recorded.t_s, *parts, cameras, f"data/{demo}", notes)
+
+
+def raw_states(path: Path) -> list[FloatArray]:
+    """The states (n, 1 + nq + nv) of every demonstration of a file. Raises InvalidInput."""
+    with opened(path) as file:
+        data = child(file, "data", path.name)
+        names = numbered(data, "demo_") if isinstance(data, h5py.Group) else []
+        return [values(child(data, name, path.name), "states", path.name) for name in names]
 
 
 def recorded_states(model: MjModel, states: FloatArray, file: str) -> Recorded:

@@ -14,9 +14,10 @@ from pydantic import BaseModel, Field, ValidationError
 
 from replay.episode import Camera, Episode
 from replay.formats.mesh_archive import MESHES, MeshArchive
+from replay.formats.robomimic import raw_states, recorded_states
 from replay.formats.tables import column_poses, read_columns
-from replay.mjcf import read_mjcf
-from replay.mjcf_episode import episode_parts
+from replay.mjcf import MjModel, read_mjcf
+from replay.mjcf_episode import episode_parts, uncovered_links
 from replay.recorded import Recorded, checked_numbers, checked_stamps, poses, stop
 
 TABLE, SCENE, CAMERAS = "episode.parquet", "scene.json", "camera_moving.parquet"
@@ -44,8 +45,25 @@ def read_staged_folder(path: Path) -> Episode:
     if len(files) != 1:
         raise stop("replay/missing-file", f"{len(files)} model files in raw/, not one", "raw")
     model = read_mjcf(files[0], path)
+    recorded = _completed(recorded, model, path)
     robots, objects, fixtures = episode_parts(model, recorded, MeshArchive(path / MESHES).points)
-    return Episode(path.name, path, t_s, robots, objects, fixtures, _cameras(path, len(t_s)))
+    notes = uncovered_links(model, robots)
+    return Episode(path.name, path, t_s, robots, objects, fixtures, _cameras(path, len(t_s)), notes=notes)
+
+
+def _completed(recorded: Recorded, model: MjModel, path: Path) -> Recorded:
+    """Joints and bodies that the table leaves out (doors, say), from the states in `raw/` with the very same stamps."""
+    joints = {joint.name for body in model.bodies for joint in body.joints if joint.kind != "free"}
+    bodies = {body.name for body in model.bodies if any(joint.kind == "free" for joint in body.joints)}
+    if joints <= recorded.q.keys() and bodies <= recorded.X_WB.keys():
+        return recorded
+    for file in sorted((path / "raw").glob("*.hdf5")):
+        for states in raw_states(file):
+            if len(states) == len(recorded.t_s) and np.array_equal(states[:, 0], recorded.t_s):
+                raw = recorded_states(model, states, file.name)
+                q, qd = {**raw.q, **recorded.q}, {**raw.qd, **recorded.qd}
+                return Recorded(recorded.t_s, q, qd, {**raw.X_WB, **recorded.X_WB})
+    return recorded
 
 
 class _CameraRow(BaseModel):

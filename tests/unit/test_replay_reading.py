@@ -95,6 +95,31 @@ def test_cameras_that_moved_need_a_pose_for_every_sample(tmp_path: Path):
     assert refused.value.diagnostic.code == "replay/state-size"
 
 
+def test_what_the_table_leaves_out_comes_from_the_raw_states(tmp_path: Path):
+    whole = read_episode(replay_samples.staged(tmp_path / "whole"))
+    rows = {k: v for k, v in replay_samples.columns().items() if "reach" not in k and "cube" not in k}
+    folder = replay_samples.staged(tmp_path / "part", rows)
+    assert refusal(folder) == "replay/missing-column"
+    replay_samples.robomimic(folder / "raw" / "demo.hdf5")
+    completed = read_episode(folder)
+    np.testing.assert_array_equal(completed.robots[0].q, whole.robots[0].q)
+    np.testing.assert_array_equal(completed.objects[0].X_WB, whole.objects[0].X_WB)
+    rows["t"] = rows["t"] + 1e-9
+    replay_samples.write(folder / "episode.parquet", rows)
+    assert refusal(folder) == "replay/missing-column"
+
+
+def test_a_moving_link_that_is_only_drawn_is_told_when_its_mesh_is_absent(tmp_path: Path):
+    drawn = '<geom type="mesh" mesh="tip" contype="0" conaffinity="0"/>'
+    model = replay_samples.MODEL.replace('<geom type="mesh" mesh="tip"/>', drawn)
+    episode = read_episode(replay_samples.staged(tmp_path / "with", model=model))
+    assert not episode.notes
+    assert episode.robots[0].links[2].shapes
+    episode = read_episode(replay_samples.staged(tmp_path / "without", model=model, meshes=False))
+    assert [note.code for note in episode.notes] == ["replay/uncovered-link"]
+    assert "'lower'" in episode.notes[0].headline
+
+
 def test_every_demonstration_of_a_file_is_an_episode(tmp_path: Path):
     nine, ten = read_episodes(replay_samples.robomimic(tmp_path / "demo.hdf5"))
     assert (nine.part, ten.part) == ("data/demo_9", "data/demo_10")
