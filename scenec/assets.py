@@ -17,7 +17,8 @@ from scenec.slabs import scaled, stance_of
 from scenec.source.hint import did_you_mean
 from schemas.anchors import ContainmentVolume, SupportSurface
 from schemas.asset import AssetRecord
-from schemas.diagnostics import InvalidInput, finding
+from schemas.diagnostics import InvalidInput, Severity, finding
+from schemas.outcome import ItemOutcome
 from schemas.physics import CollisionShape
 from schemas.scene_program import AuthoredPolygon, FixedAsset, Inline, Orientation
 from usdio.reread import reread_body
@@ -40,6 +41,7 @@ class Geometry:
     mass_kg: float | None
     package: str | None
     inline: Inline | None = None
+    doubts: tuple[str, ...] | None = None  # codes of the warnings of a package in review; None for any other
 
     @cached_property
     def lean_deg(self) -> float:
@@ -143,6 +145,8 @@ class AssetLibrary:
             rigid = reread_body(folder / "usd" / f"{asset_id}.usda")
         except InvalidInput as error:
             raise _unusable(asset_id, error.diagnostic.headline) from None
+        if record.outcome is ItemOutcome.REJECTED:
+            raise _unusable(asset_id, "it was rejected")
         if not rigid.shapes:
             raise _unusable(asset_id, "it has no collision shape")
         shapes = tuple(scaled(shape, scale) for shape in rigid.shapes)
@@ -157,7 +161,14 @@ class AssetLibrary:
             frozenset(role.value for role in record.semantics.roles if role.confidence > 0.0),
             record.physics.mass_kg.value * scale**3,
             asset_id,
+            doubts=_doubts(record),
         )
+
+
+def _doubts(record: AssetRecord) -> tuple[str, ...] | None:
+    if record.outcome is not ItemOutcome.REVIEW:
+        return None
+    return tuple(dict.fromkeys(d.code for d in record.diagnostics if d.severity is Severity.WARNING))
 
 
 def _primitive(asset: Inline, scale: float) -> Geometry:

@@ -61,11 +61,15 @@ def _check(
         at = (*path, "id") if isinstance(asset, FixedAsset) else path
         at = places.get(single.id, at) if isinstance(single, FixedAsset) else at
         try:
-            roles = library.geometry(single, scale).roles
+            geometry = library.geometry(single, scale)
         except InvalidInput as error:
             yield at, error.diagnostic
             continue
+        roles = geometry.roles
+        if geometry.doubts is not None:
+            headline = f"the package `{geometry.asset_id}` waits for review"
+            yield at, finding("scene/asset-in-review", headline, value=", ".join(geometry.doubts) or None)
         # What nobody knows the role of is not turned away.
         if places and role in ROLES and roles and role not in roles:
-            headline = f"`{library.geometry(single, scale).asset_id}` is no {role}, but {', '.join(sorted(roles))}"
+            headline = f"`{geometry.asset_id}` is no {role}, but {', '.join(sorted(roles))}"
             yield at, finding("scene/role-mismatch", headline, value=", ".join(sorted(roles)), bound=role)

@@ -246,12 +246,16 @@ class Infeasible:
 
 @dataclass(frozen=True)
 class Exhausted:
-    """Not found within the budget: how many things stood at best, and which one kept failing."""
+    """Not found within the budget: how many things stood at best, and which one kept failing.
+
+    `stood` says where they did, to show what is in the way; it is no scene and never leaves as one.
+    """
 
     placed: int
     of: int
     blocking: str
     steps: int
+    stood: dict[str, Placement] = field(default_factory=dict)
 
 
 Result = Solved | Infeasible | Exhausted

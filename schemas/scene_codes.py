@@ -192,6 +192,13 @@ SCENE_CODES: dict[str, CodeInfo] = {
         "used.",
         "write `upright`, or the orientations that you want",
     ),
+    "scene/asset-in-review": CodeInfo(
+        "warning",
+        "A package waits for review",
+        "Its ingest ended with something that a person should look at, such as a collider that misses its tolerance. "
+        "The scene is made with the package as it is, and can be no better.",
+        "look at the findings of its record (`mana assets show`), or use another asset",
+    ),
     "scene/topples": CodeInfo(
         "warning",
         "An asset does not rest in the pose in which it is placed",

@@ -94,6 +94,7 @@ BOUND: dict[str, Text] = {
     "scene/no-stable-pose": pool("cube").replace(
         f"a: {{object: a, placement: {ON[:-1]}", f"a: {{object: a, placement: {ON[:-1]}, orientation: stable"
     ),
+    "scene/asset-in-review": pool("doubtful"),
     "scene/topples": pool("rod"),
     "scene/union-footprints": pool(*CUBES, of="b", text=pool(*CUBES)),
 }

@@ -28,11 +28,11 @@ _HOLD |= {"direction": [0, 0, 1], "height_m": 0.07, "volume_m3": 0.00164, "passe
 _HOLD |= {"slices": [{"height_m": 0.0175 + 0.035 * i, "polygons": [_INSIDE]} for i in range(2)]}
 
 
-def cube(library: Path, asset_id: str = "cube") -> None:
+def cube(library: Path, asset_id: str = "cube", outcome: str = "accepted") -> None:
     """A solid cube; nobody knows how it comes to rest."""
     mesh = samples.box_mesh((CUBE_M, CUBE_M, CUBE_M))
     shape = CollisionShape("box", (CUBE_M, CUBE_M, CUBE_M), samples.at(0.5 * CUBE_M))
-    _package(library, asset_id, [mesh], [shape], ["manipulated"], [])
+    _package(library, asset_id, [mesh], [shape], ["manipulated"], [], outcome=outcome)
 
 
 def rod(library: Path) -> None:
@@ -54,8 +54,9 @@ def open_bin(library: Path, asset_id: str = "bin") -> None:
 
 
 def library(folder: Path, cubes: int = 17) -> Path:
-    """All of them: `cube`, `cube_0` and on, `rod`, `bin`, `torn`."""
+    """All of them: `cube`, `cube_0` and on, `rod`, `bin`, `doubtful` (a cube in review), `torn`."""
     cube(folder)
+    cube(folder, "doubtful", outcome="review")
     rod(folder)
     for i in range(cubes):
         cube(folder, f"cube_{i}")
@@ -73,10 +74,11 @@ def _package(
     roles: list[str],
     anchors: list[dict],
     stable: list[dict] | None = None,
+    outcome: str = "accepted",
 ) -> None:
     content = samples.content(samples.model(meshes), shapes, asset_id=asset_id)
     write_package(content, library / asset_id)
-    record = json.loads(RECORD.read_text()) | {"asset_id": asset_id}
+    record = json.loads(RECORD.read_text()) | {"asset_id": asset_id, "outcome": outcome}
     measured = {"source": "measured", "method": "test", "confidence": 1.0}
     record["semantics"]["roles"] = [{"value": role, **measured} for role in roles]
     record["anchors"] = [{"value": anchor, **measured} for anchor in anchors]

@@ -14,14 +14,17 @@ from shapely.geometry.base import BaseGeometry
 
 from render.figure import png
 from scenec.ir import Exhausted, FloatArray, Infeasible, Path, Problem, RelationIR, Result, Surface, Thing
+from scenec.pictures.blockers import footprint, owner_parts, seen_from_above, standing
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations
+from scenec.solve.check import Assignment
 from scenec.solve.model import Model, model_of
-from scenec.solve.regions import alone
+from scenec.solve.regions import alone, feasible
 from scenec.source.tree import written
 
 _CAPTION = 105  # characters a line
 _MOST_LINES = 9
+_MOST_WAITING = 6  # things without a place that are drawn
 
 
 def failure(problem: Problem, result: Result, paths: Sequence[Path] = ()) -> bytes:
@@ -29,9 +32,13 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = ()) -> byt
 
     Green is where the origin of a thing may be as far as it alone is concerned (place, ranges, keep-outs); dashed
     outlines are its footprint, red what cannot hold together. Things are drawn apart where nothing ties them to a spot.
+    Grey is what is in the way whatever the others do: parts of the owner, things with one pose. After a search without
+    an answer it is all that stood at best, and green is what that leaves.
     """
     names = _involved(problem, result, paths)
-    things = [thing for thing in problem.things if thing.name in names]
+    stood = result.stood if isinstance(result, Exhausted) else {}
+    stood = {name: at for name, at in stood.items() if name != _failing(result)}
+    things = [thing for thing in problem.things if thing.name in names and thing.name not in stood]
     (parent, anchor), _ = Counter((t.parent, t.place.name) for t in things or problem.things).most_common(1)[0]
     here = [t for t in things or problem.things if (t.parent, t.place.name) == (parent, anchor)]
     place = here[0].place
@@ -43,12 +50,19 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = ()) -> byt
     for rule in problem.keep_outs:
         if (rule.parent, rule.place.name) == (parent, anchor):
             area(axes, rule.polygon, order=1.5, facecolor="none", edgecolor=WRONG, hatch="///", alpha=0.5)
+    for part in owner_parts(problem, parent, anchor):
+        area(axes, part, order=1.6, facecolor=CLEAR, edgecolor=INK, hatch="xxx", linewidth=0.6, alpha=0.5)
     model = model_of(problem)
-    ghosts = _ghosts(model, here, outline)
+    placed = {name: model.put(name, at) for name, at in stood.items()}
+    ghosts = _ghosts(model, here, outline, placed)
+    blocked = [(t, at) for t, at in standing(problem, result, parent, anchor) if t.name not in ghosts]
+    for thing, at in blocked:
+        area(axes, footprint(thing, at), order=2.2, facecolor=CLEAR, edgecolor=INK, linewidth=0.8, alpha=0.55)
+        name(axes, np.array([at.x_m, at.y_m]), thing.name, order=5.5, size=7.0)
     for index, thing in enumerate(here):
         _draw(axes, model, thing, ghosts[thing.name], THINGS[index % len(THINGS)])
     clashing = {path[1] for path in paths if path[:1] == ("relations",) and len(path) > 1}
-    middles = {name: ghost[0] for name, ghost in ghosts.items()}
+    middles = {t.name: np.array([at.x_m, at.y_m]) for t, at in blocked} | {n: ghost[0] for n, ghost in ghosts.items()}
     shown = [r for r in problem.relations if not clashing or _index(r) in clashing]
     colour = WRONG if clashing else CLEAR
     draw_relations(axes, shown, middles, lambda _: colour, order=5.0, numbered=True)
@@ -59,10 +73,13 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = ()) -> byt
 
 
 def _involved(problem: Problem, result: Result, paths: Sequence[Path]) -> set[str]:
-    """Names of the things that the conflicting constraints speak of; those related to the one that kept failing."""
+    """Names of the things that the conflicting constraints speak of; after a search without an answer those related to
+    the one that kept failing, and some that never had a place."""
     found = set[str]()
     if isinstance(result, Exhausted):
         found = {result.blocking}.union(*(r.things for r in problem.relations if result.blocking in r.things))
+        waiting = [thing.name for thing in problem.things if thing.name not in result.stood]
+        found |= set(waiting[:_MOST_WAITING])
     for path in paths:
         for relation in problem.relations:
             if relation.path and path[: len(relation.path)] == relation.path:
@@ -86,7 +103,7 @@ def _caption(problem: Problem, result: Result, paths: Sequence[Path]) -> list[st
     if isinstance(result, Infeasible):
         said = textwrap.wrap(result.proof.text, _CAPTION)
     elif isinstance(result, Exhausted):
-        said = [f"{result.placed} of {result.of} things could be placed at best"]
+        said = [f"{result.placed} of {result.of} things could be placed at best (grey); green is what they leave"]
     words = {relation.path: relation for relation in problem.relations}
     for path in paths:
         relation = words.get(path)
@@ -95,13 +112,19 @@ def _caption(problem: Problem, result: Result, paths: Sequence[Path]) -> list[st
     return said if len(said) <= _MOST_LINES else [*said[:_MOST_LINES], f"... and {len(said) - _MOST_LINES} more"]
 
 
-def _ghosts(model: Model, things: Sequence[Thing], outline: BaseGeometry) -> dict[str, tuple[FloatArray, BaseGeometry]]:
+def _failing(result: Result) -> str | None:
+    return result.blocking if isinstance(result, Exhausted) else None
+
+
+def _ghosts(
+    model: Model, things: Sequence[Thing], outline: BaseGeometry, placed: Assignment
+) -> dict[str, tuple[FloatArray, BaseGeometry]]:
     """By name: where to draw the footprint, in A, and the free region of its origin, in A."""
     x0, y0, x1, y1 = outline.bounds
     centre, radius = np.array([x0 + x1, y0 + y1]) / 2.0, 0.3 * np.array([x1 - x0, y1 - y0])
     found: dict[str, tuple[FloatArray, BaseGeometry]] = {}
     for index, thing in enumerate(things):
-        region = _free(model, thing)
+        region = _free(model, thing, placed)
         angle = 2.0 * np.pi * index / max(len(things), 1) + np.pi
         apart = centre + radius * np.array([np.cos(angle), np.sin(angle)]) * (len(things) > 1)
         wanted = _within(thing, apart)
@@ -129,23 +152,20 @@ def _yaw_rad(thing: Thing) -> float:
     return float(np.clip(0.0, *thing.domain.yaw_rad))
 
 
-def _free(model: Model, thing: Thing) -> BaseGeometry:
-    """Where the origin may be in A, at the drawn heading, as far as the thing alone is concerned."""
+def _free(model: Model, thing: Thing, placed: Assignment) -> BaseGeometry:
+    """Where the origin may be in A, at the drawn heading, as far as itself and what is placed are concerned."""
     if thing.domain.spots:
         return shapely.MultiPoint([(spot.x_m, spot.y_m) for spot in thing.domain.spots])
     turned = model.shapes[thing.name][thing.domain.stances[0]].turned(_yaw_rad(thing))
     ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
-    return translate(alone(model, thing.name, turned), -ox, -oy)
+    return translate(feasible(model, thing.name, turned, placed, alone(model, thing.name, turned))[0], -ox, -oy)
 
 
 def _draw(axes: Axes, model: Model, thing: Thing, ghost: tuple[FloatArray, BaseGeometry], colour: str) -> None:
     at, region = ghost
     area(axes, region, order=2.0, facecolor=FREE, edgecolor=FREE, alpha=0.13, linewidth=0.8)
     wrong = region.is_empty
-    cosine, sine = np.cos(_yaw_rad(thing)), np.sin(_yaw_rad(thing))
-    turn = np.array([[cosine, sine], [-sine, cosine]])
-    stance = thing.body.stances[thing.domain.stances[0]]
-    shape = shapely.union_all([shapely.Polygon(slab.outline_m @ turn + at) for slab in stance.slabs])
+    shape = seen_from_above(thing, thing.domain.stances[0], _yaw_rad(thing), at)
     edge = WRONG if wrong else INK
     area(axes, shape, order=3.0, facecolor=colour, edgecolor=edge, linestyle="--", linewidth=1.1, alpha=0.6)
     words = f"{thing.name}: no room" if wrong else thing.name

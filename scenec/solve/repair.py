@@ -54,7 +54,7 @@ def repaired(
         trial = Effort(min(effort.left, effort.taken + STEPS_PER_THING * len(missing)), effort.taken)
         found = search(model, missing, right, seed, trial)
         effort.taken = trial.taken
-        effort.placed = max(effort.placed, trial.placed)
+        effort.reached(trial.stood)
         effort.failures = before + trial.failures
         if found is not None:
             return {**right, **found}

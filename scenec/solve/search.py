@@ -34,17 +34,22 @@ NODES_BEFORE_RESTART = 40  # times the number of things
 
 @dataclass
 class Effort:
-    """Steps left, and what is worth telling when they run out: most things placed, failures by thing."""
+    """Steps left, and what is worth telling when they run out: the most things that ever stood, failures by thing."""
 
     left: int
     taken: int = 0
-    placed: int = 0
+    stood: dict[str, Placed] = field(default_factory=dict)
     failures: Counter[str] = field(default_factory=Counter)
 
     def step(self) -> bool:
         """Takes one step; False when there is none left."""
         self.taken += 1
         return self.taken <= self.left
+
+    def reached(self, standing: Assignment) -> None:
+        """Remembers what stands, if it is more than ever before."""
+        if len(standing) > len(self.stood):
+            self.stood = dict(standing)
 
 
 class Regions:
@@ -122,7 +127,7 @@ def _descend(
         if chosen is not None:
             assignment = {**assignment, name: chosen}
             level += 1
-            effort.placed = max(effort.placed, len(assignment))
+            effort.reached(assignment)
             continue
         effort.failures[name] += 1
         blamed_levels = [depth_of[c] for c in culprits[level] if c in depth_of and depth_of[c] < level]

@@ -62,8 +62,9 @@ def _exhausted(base: Model, efforts: list[Effort]) -> Exhausted:
     for effort in efforts:
         failures.update(effort.failures)
     blocking = max(sorted(failures), key=lambda name: failures[name]) if failures else min(base.things, default="")
-    placed = max(effort.placed for effort in efforts)
-    return Exhausted(min(placed, len(base.things)), len(base.things), blocking, sum(e.taken for e in efforts))
+    stood = max((effort.stood for effort in efforts), key=len)
+    at_best = {name: stood[name].placement for name in sorted(stood)}
+    return Exhausted(len(stood), len(base.things), blocking, sum(e.taken for e in efforts), at_best)
 
 
 def _ways(base: Model) -> Iterator[tuple[Model, tuple[tuple[str, ...], ...], float]]:
@@ -117,12 +118,12 @@ def _solve_all(
                 return proof
             found = search(model, names, {}, seed, own)
         effort.taken = own.taken
-        effort.placed = max(effort.placed, len(committed) + own.placed)
+        effort.reached({**committed, **own.stood})
         effort.failures.update(own.failures)
         if found is None:
             return None
         committed |= found
-        effort.placed = max(effort.placed, len(committed))
+        effort.reached(committed)
         if cache is not None and record is not None:
             cache.keep(record, {name: placed.placement for name, placed in found.items()})
     return committed

@@ -175,3 +175,10 @@ def test_packages_that_come_and_go_are_known_after_a_refresh(tmp_path: Path):
     (tmp_path / "a" / "record.json").unlink()
     library.refresh()
     assert library.names == ("b",)
+
+
+def test_a_rejected_package_is_refused(tmp_path: Path):
+    scene_library.cube(tmp_path, "bad", outcome="rejected")
+    with pytest.raises(InvalidInput) as caught:
+        AssetLibrary(tmp_path).body(FixedAsset(type="fixed", id="bad"))
+    assert caught.value.diagnostic.code == "scene/unusable-asset"

@@ -225,3 +225,6 @@ def test_when_steps_run_out_it_says_how_far_it_got_and_what_was_in_the_way():
     assert isinstance(result, Exhausted)
     assert (result.placed, result.of) == (6, 7)
     assert result.blocking in {t.name for t in things}
+    standing = tuple(t for t in things if t.name in result.stood)
+    assert len(standing) == 6
+    assert violations(problem(*standing), result.stood) == ()
