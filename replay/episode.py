@@ -91,7 +91,8 @@ class Episode:
     """One recording. `t_s` (n,) are its stamps as recorded: never decreasing, repeats allowed.
 
     `part` is what holds it in a source of several recordings (a group of an HDF5 file, the number of an episode).
-    `notes` are findings that did not stop the reading.
+    `description` is the `episode.json` of recordings that need one beside. `notes` are findings that did not stop the
+    reading.
     """
 
     name: str
@@ -103,3 +104,4 @@ class Episode:
     cameras: tuple[Camera, ...]
     part: str = ""
     notes: tuple[Diagnostic, ...] = ()
+    description: Path | None = None

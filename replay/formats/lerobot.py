@@ -8,6 +8,7 @@ joints are, e.g. `{"q.joint1": "observation.state[0]"}`. Layout: huggingface/ler
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +49,8 @@ def read_lerobot(path: Path, scene: Path | None = None, meshes: Path | None = No
             rows["t"] = rows.get(SOURCE_TIME, rows["timestamp"])
             named = renamed(rows, description.columns, table.name)
             described = Described(description, file.parent, named, table.name, meshes)
-            episodes.append(described.episode(f"{path.name}_{index:06d}", path, str(index)))
+            episode = described.episode(f"{path.name}_{index:06d}", path, str(index))
+            episodes.append(replace(episode, description=file))
     return tuple(sorted(episodes, key=lambda episode: int(episode.part)))
 
 

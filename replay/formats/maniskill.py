@@ -8,6 +8,7 @@ maniskill.readthedocs.io, user guide, demonstrations.
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,8 @@ def read_maniskill(path: Path, scene: Path | None = None, meshes: Path | None = 
             n = len(next(iter(columns.values()), []))
             columns["t"] = np.arange(n) / rate_hz
             described = Described(description, beside.parent, columns, path.name, meshes)
-            episodes.append(described.episode(f"{path.stem}_{name}", path, name))
+            episode = described.episode(f"{path.stem}_{name}", path, name)
+            episodes.append(replace(episode, description=beside))
     return tuple(episodes)
 
 

@@ -11,18 +11,19 @@ from pathlib import Path
 import h5py
 
 from jobs.cache import write_atomically
+from replay.described import read_description
 from replay.episode import Episode
 from replay.formats.digests import recording_files, stream_digests
 from replay.formats.hdf5 import child, opened, text
 from replay.formats.mesh_archive import MESHES
-from schemas.episode import EPISODE_FILE
+from schemas.episode import EPISODE_FILE, MeshShape
 from schemas.replay import VARIANT_FILE, Variant
 
 RECORDING = "recording"
 
 
 def write_variant(episode: Episode, variant: Variant, folder: Path) -> Variant:
-    """The variant with `part`, `recording` and `source_sha256` filled in, as it was written into `folder`."""
+    """The variant with `part`, `recording`, `scene` and `source_sha256` filled in, as it was written into `folder`."""
     target = folder / RECORDING
     shutil.rmtree(target, ignore_errors=True)
     target.mkdir(parents=True)
@@ -39,6 +40,7 @@ def write_variant(episode: Episode, variant: Variant, folder: Path) -> Variant:
         update={
             "part": episode.part,
             "recording": recording,
+            "scene": str(episode.description) if episode.description else variant.scene,
             "source_sha256": stream_digests(source, episode.part),
         }
     )
@@ -49,7 +51,7 @@ def write_variant(episode: Episode, variant: Variant, folder: Path) -> Variant:
 def write_hdf5_part(source: Path, part: str, target: Path) -> None:
     """A file with one recording of another: its group as HDF5 copies it, with the attributes of the groups above.
 
-    A model file beside that it names comes along, and the archive of meshes; mesh files stay where they are.
+    What it names beside comes along (model, description), and the archive of meshes; mesh files of models stay.
     """
     with opened(source) as old, h5py.File(target, "w") as new:
         _copy_attributes(old, new)
@@ -62,12 +64,27 @@ def write_hdf5_part(source: Path, part: str, target: Path) -> None:
         model = text(group.attrs.get("model_file", ""))
         if "total" in getattr(holder, "attrs", {}) and "num_samples" in group.attrs:
             holder.attrs["total"] = group.attrs["num_samples"]  # robomimic: samples of all demonstrations in the file
-    beside = [model] if model and not model.lstrip().startswith("<") else []
-    files = [source.parent / name for name in (*beside, EPISODE_FILE)] + [source.with_suffix(".json")]
-    files += [f for f in (source.parent / MESHES, source.parent.parent / MESHES) if f.is_file()][:1]
-    for file in files:
-        if file.is_file() and not file.is_symlink() and file.resolve().is_relative_to(source.parent.parent.resolve()):
-            shutil.copyfile(file, target.parent / file.name)
+    named = [model] if model and not model.lstrip().startswith("<") else []
+    if (source.parent / EPISODE_FILE).is_file():
+        description = read_description(source.parent / EPISODE_FILE)
+        bodies = (*description.objects, *description.fixtures)
+        named += [EPISODE_FILE, *(robot.model for robot in description.robots)]
+        named += [shape.file for body in bodies for shape in body.shapes if isinstance(shape, MeshShape)]
+    for name in dict.fromkeys((*named, source.with_suffix(".json").name)):
+        _bring(source.parent, name, target.parent)
+    for folder in (source.parent, source.parent.parent):
+        if (folder / MESHES).is_file():
+            _bring(folder, MESHES, target.parent)
+            break
+
+
+def _bring(folder: Path, name: str, target: Path) -> None:
+    """Copy a file of a folder to the same place below another; nothing from outside."""
+    file = folder / name
+    if file.is_file() and file.resolve().is_relative_to(folder.resolve()) and ".." not in Path(name).parts:
+        copy = target / file.relative_to(folder)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, copy)
 
 
 def _copy_attributes(old: h5py.Group | h5py.File, new: h5py.Group | h5py.File) -> None:

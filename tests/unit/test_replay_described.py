@@ -9,6 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from replay.check_output import check_output
 from replay.formats.write import write_variant
 from replay.kinematics import link_poses
 from replay.link_check import check_links
@@ -145,6 +146,12 @@ def lerobot(folder: Path, version: str) -> Path:
     return folder
 
 
+def empty_variant(source: Path) -> Variant:
+    return Variant(
+        episode="e", source=str(source), seed=0, number=0, clearance_m=0.01, objects_requested=0, inserted=()
+    )
+
+
 @pytest.mark.parametrize("version", ["v2.1", "v3.0"])
 def test_episodes_of_a_lerobot_data_set(tmp_path: Path, version: str):
     data = lerobot(tmp_path / "set", version)
@@ -153,12 +160,10 @@ def test_episodes_of_a_lerobot_data_set(tmp_path: Path, version: str):
     np.testing.assert_array_equal(second.t_s, columns(11)["t"])
     np.testing.assert_array_equal(second.robots[0].q[:, 0], columns(11)["q.turn"].astype(np.float32))
     assert second.robots[0].qd is None
-    variant = Variant(
-        episode="e", source=str(data), seed=0, number=0, clearance_m=0.01, objects_requested=0, inserted=()
-    )
-    done = write_variant(second, variant, tmp_path / "out")
+    done = write_variant(second, empty_variant(data), tmp_path / "out")
     tables = [name for name in done.source_sha256 if name.startswith("data")]
     assert tables == [f"data/chunk-000/{'file-000' if version == 'v3.0' else 'episode_000001'}.parquet"]
+    assert check_output(tmp_path / "out", None, None)[0].sound
     again = next(e for e in read_episodes(tmp_path / "out" / done.recording) if e.part == "1")
     assert again.robots[0].q.tobytes() == second.robots[0].q.tobytes()
 
@@ -187,5 +192,12 @@ def test_trajectories_of_maniskill(tmp_path: Path):
     np.testing.assert_allclose(episodes[1].t_s, np.arange(n) / 20)
     np.testing.assert_array_equal(episodes[1].robots[0].q[:, 1], rows["q.reach"])
     np.testing.assert_array_equal(episodes[1].robots[0].X_WR[:, 0, 3], 0.1)
+    out = tmp_path / "out"
+    done = write_variant(episodes[1], empty_variant(tmp_path / "demo.h5"), out)
+    assert list(done.source_sha256) == ["traj_1/env_states/actors/cube", "traj_1/env_states/articulations/arm"]
+    assert check_output(out, None, None)[0].sound
+    moved = done.model_copy(update={"scene": "", "source": "gone.h5"})
+    (out / "variant.json").write_text(moved.model_dump_json())
+    assert check_output(out, None, None)[0].sound  # All that is needed came along.
     described(tmp_path, robots=[robots[0] | {"joints": ["turn"]}], control_hz=20)
     assert refusal(tmp_path / "demo.h5") == "replay/state-size"
