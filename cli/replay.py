@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import typer
 
+from cli.replay_augment import augment_command
 from cli.replay_verify import verify_command
 
 app = typer.Typer(help="Put new static objects into recorded episodes, clear of all that moves.", no_args_is_help=True)
+app.command("augment")(augment_command)
 app.command("verify")(verify_command)

@@ -17,7 +17,9 @@ MOST_LISTED = 20
 
 def verify_command(
     out: Annotated[Path, typer.Argument(help="Output of `mana replay augment`, or one variant of it.", exists=True)],
-    assets: Annotated[Path | None, typer.Option("--assets", help="Folder of packages.", exists=True)] = None,
+    assets: Annotated[
+        Path | None, typer.Option("--assets", help="Folder of packages; default: OUT/packages.", exists=True)
+    ] = None,
     clearance: Annotated[float | None, typer.Option("--clearance", min=0.0, help="Other than stated (m).")] = None,
     meshes: Annotated[Path | None, typer.Option("--meshes", help="Mesh files that models name.", exists=True)] = None,
     settle: Annotated[bool, typer.Option(help="Let the inserted objects go as well.")] = True,
@@ -32,8 +34,9 @@ def verify_command(
     Example: `mana replay verify out/ --assets library/ --json`
     """
     from cli.replay_cell import checked
+    from usdio.write_scene import PACKAGES
 
-    rows = checked(out, assets, clearance, meshes, settle)
+    rows = checked(out, assets or (beside if (beside := out / PACKAGES).is_dir() else None), clearance, meshes, settle)
     figures = summary(rows)
     if as_json:
         bad = [row.model_dump() for row in rows if not row.sound]

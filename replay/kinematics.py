@@ -17,6 +17,20 @@ def link_poses(robot: Robot, q: FloatArray, X_WR: FloatArray) -> FloatArray:
     return poses
 
 
+def moving_links(robot: Robot) -> frozenset[int]:
+    """Numbers of the links that may have moved: pose not the same in every row, or a rate recorded."""
+    if np.ptp(robot.X_WR, axis=0).any():
+        return frozenset(range(len(robot.links)))
+    changes = np.ptp(robot.q, axis=0) != 0.0
+    if robot.qd is not None:
+        changes |= np.abs(robot.qd).max(axis=0) != 0.0
+    found: set[int] = set()
+    for number, link in enumerate(robot.links):
+        if link.parent in found or (link.coordinate >= 0 and changes[link.coordinate]):
+            found.add(number)
+    return frozenset(found)
+
+
 def position(link: Link, q: FloatArray) -> FloatArray:
     """(k,) position of the link's joint; zeros for a fixed one."""
     return link.gain * q[:, link.coordinate] + link.offset if link.coordinate >= 0 else np.zeros(len(q))

@@ -13,6 +13,12 @@ from replay.formats.staged_folder import is_staged_folder, read_staged_folder
 from replay.recorded import stop
 
 
+def is_recording(path: Path) -> bool:
+    """Whether a file or folder is a recording in one of the formats, by its layout."""
+    kinds = (is_lerobot, is_episode_folder, is_staged_folder, is_robomimic, is_maniskill)
+    return path.exists() and any(of_kind(path) for of_kind in kinds)
+
+
 def read_episodes(path: Path, meshes: Path | None = None, scene: Path | None = None) -> tuple[Episode, ...]:
     """All episodes of a file or folder, in its order.
 

@@ -59,7 +59,7 @@ def runtime_plan(
     Every case is judged by the independent checker at extreme poses; RuntimeError when one is refused, a defect of
     ours. Deterministic in program, packages, seed and diversity.
     """
-    bodies = _Bodies(packages)
+    bodies = PlanBodies(packages)
     combinations = tuple(
         _combination(program, problem, result, bodies, seed, diversity / max(1.0, len(problems) ** 0.5))
         for problem, result in zip(problems, results, strict=True)
@@ -105,7 +105,7 @@ def plan_text(plan: RuntimePlan) -> str:
 
 
 def _combination(
-    program: SceneProgram, problem: Problem, result: Solved, bodies: _Bodies, seed: int, diversity: float
+    program: SceneProgram, problem: Problem, result: Solved, bodies: PlanBodies, seed: int, diversity: float
 ) -> PlanCombination:
     base = model_of(problem)
     pools = pools_of(base)
@@ -170,7 +170,7 @@ def _cases_wanted(things: int, diversity: float) -> int:
     return max(8, round(diversity * min(MOST_CASES, MOST_CELLS // things)))
 
 
-class _Bodies:
+class PlanBodies:
     """Bodies by number, each once."""
 
     def __init__(self, packages: Path | None) -> None:
@@ -256,7 +256,7 @@ def _places(problem: Problem, model: Model) -> dict[tuple[str, str], Surface | V
     return used | {(k.parent, k.place.name): k.place for k in problem.keep_outs if (k.parent, k.place.name) not in used}
 
 
-def _thing(thing: Thing, place: int, bodies: _Bodies) -> PlanThing:
+def _thing(thing: Thing, place: int, bodies: PlanBodies) -> PlanThing:
     domain = thing.domain
     return PlanThing(
         id=thing.name,

@@ -87,4 +87,29 @@ REPLAY_CODES: dict[str, CodeInfo] = {
         "To leave it out would leave something that moves or stands uncovered.",
         "remove the element named, or replace it by joints and geoms that Mana reads (hinge, slide, free)",
     ),
+    # Putting objects in.
+    "replay/no-support": CodeInfo(
+        "error",
+        "The episode has no level face to put objects on, or none of the name given",
+        "An object without a support would fall, or float.",
+        "name one of the supports listed with --support, or add the table to the recording's model",
+    ),
+    "replay/no-candidates": CodeInfo(
+        "error",
+        "There is nothing to put in",
+        "Objects come from a plan or from released packages.",
+        "give --plan, or --assets with a folder of packages (`mana assets ingest`)",
+    ),
+    "replay/no-room": CodeInfo(
+        "warning",
+        "A variant has fewer objects than were asked for",
+        "No object tried has room outside the swept envelope and clear of what stands; a bad placement is never made.",
+        "ask for fewer or smaller objects, name more supports with --support, or lower --clearance",
+    ),
+    "replay/stopped": CodeInfo(
+        "error",
+        "Work on a recording took too long, too much memory, or crashed",
+        "The other recordings of the batch are not affected.",
+        "split the recording, or run it alone to see what it prints",
+    ),
 }

@@ -71,4 +71,8 @@ SAMPLES: dict[str, Writer] = {
 NOT_FROM_A_RECORDING: dict[str, str] = {
     "replay/state-size": "tests/unit/test_replay_reading.py",
     "replay/uncovered-link": "tests/unit/test_replay_reading.py",
+    "replay/no-support": "tests/unit/test_replay_envelope.py",
+    "replay/no-candidates": "tests/unit/test_replay_augment.py",
+    "replay/no-room": "tests/unit/test_replay_augment.py",
+    "replay/stopped": "tests/unit/test_replay_augment.py",
 }

@@ -1,0 +1,125 @@
+"""`mana replay augment`: recordings in, variants with new static objects out."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from cli import text
+from jobs.cache import write_atomically
+from jobs.cell import Limits
+from jobs.schedule import run_all
+from jobs.warm import run_module
+from schemas.diagnostics import Diagnostic, finding
+
+LIMITS = Limits(seconds=3600.0, memory_mb=8192)
+
+
+def augment_command(
+    episodes: Annotated[list[Path], typer.Argument(help="Recordings, or folders of them.", exists=True)],
+    out: Annotated[Path, typer.Option("--out", help="Folder for the variants.")],
+    plan: Annotated[Path | None, typer.Option(help="Plan whose things are put in.", exists=True)] = None,
+    assets: Annotated[Path | None, typer.Option(help="Folder of packages.", exists=True)] = None,
+    variants: Annotated[int, typer.Option(min=1, help="Variants of each episode.")] = 10,
+    objects: Annotated[int, typer.Option(min=1, help="Objects in each variant.")] = 3,
+    seed: Annotated[int, typer.Option(help="Same seed, same variants.")] = 0,
+    clearance: Annotated[float, typer.Option(min=0.0, help="Distance kept to all that moves or stands (m).")] = 0.01,
+    support: Annotated[
+        list[str] | None, typer.Option(help="Where to put things; default: where objects stood.")
+    ] = None,
+    meshes: Annotated[Path | None, typer.Option(help="Mesh files that models name.", exists=True)] = None,
+    scene: Annotated[Path | None, typer.Option(help="episode.json of LeRobot or ManiSkill data.", exists=True)] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Recordings at a time.")] = 1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")] = False,
+) -> None:
+    """Put static objects into recorded episodes, outside the proven swept volume of everything that moves.
+
+    Recorded states and stamps are copied bit for bit. What was finished is not done again. Exit code 1 when a recording
+    is refused.
+
+    Example: `mana replay augment demos/ --assets library/ --out more/ --variants 20 --objects 3`
+    """
+    given = {
+        "out": str(out), "plan": _text(plan), "assets": _text(assets), "meshes": _text(meshes), "scene": _text(scene),
+        "supports": support or [],
+        "options": {
+            "variants": variants, "objects": objects, "seed": seed, "clearance_m": clearance,
+            "plan": _text(plan), "assets": _text(assets), "supports": support or [],
+        },
+    }  # fmt: skip
+    sources = [source for path in episodes for source in recordings_below(path)]
+    rows: list[dict[str, Any]] = []
+    refused: list[tuple[Path, Diagnostic]] = []
+    with text.progress(quiet=as_json) as progress:
+        task = progress.add_task("augmenting", total=len(sources))
+        for source, answer in run_all(lambda path: _in_cell(path, given), sources, jobs=jobs):
+            if "refused" in answer:
+                refused.append((source, Diagnostic.model_validate(answer["refused"])))
+            rows += answer.get("rows", [])
+            progress.update(task, advance=1)
+    rows.sort(key=lambda row: (row["source"], row["episode"]))
+    report = {
+        "schema_version": "1.0",
+        "episodes": rows,
+        "refused": [
+            {"source": str(s), "diagnostic": d.model_dump(mode="json")} for s, d in sorted(refused, key=lambda r: r[0])
+        ],
+    }
+    write_atomically(out / "report.json", (json.dumps(report, indent=1) + "\n").encode())
+    if as_json:
+        print(json.dumps(report, indent=1))
+    else:
+        _show(rows, refused, out)
+    if refused:
+        raise typer.Exit(1)
+
+
+def recordings_below(path: Path) -> Iterator[Path]:
+    """The path itself where it is a recording, else the recordings in the folder, in the order of their names."""
+    from replay.reading import is_recording
+
+    if path.is_file() or is_recording(path):
+        yield path
+        return
+    below = [child for child in sorted(path.iterdir()) if is_recording(child)]
+    yield from below or [path]
+
+
+def _in_cell(source: Path, given: dict[str, Any]) -> dict[str, Any]:
+    with tempfile.TemporaryDirectory(prefix="mana") as folder:
+        note = Path(folder) / "answer.json"
+        result = run_module(
+            "cli.replay_augment_cell", [json.dumps({**given, "source": str(source)}), str(note)], LIMITS
+        )
+        if result.status != "ok":
+            stopped = finding("replay/stopped", f"'{source.name}': {result.status}: {result.output[-300:].strip()}")
+            return {"refused": stopped.model_dump(mode="json")}
+        return json.loads(note.read_bytes())
+
+
+def _text(path: Path | None) -> str | None:
+    return None if path is None else str(path)
+
+
+def _show(rows: list[dict[str, Any]], refused: list[tuple[Path, Diagnostic]], out: Path) -> None:
+    table = [
+        {
+            "episode": row["episode"],
+            "variants": row["variants"],
+            "objects": f"{row['objects_inserted']['min']} to {row['objects_requested']}",
+            "supports": ", ".join(row["supports"]),
+        }
+        for row in rows
+    ]
+    text.show_rows(table, {"episode": "episode", "variants": "variants", "objects": "objects", "supports": "supports"})
+    for row in rows:
+        for diagnostic in row["diagnostics"][:1]:
+            text.show_diagnostic(Diagnostic.model_validate(diagnostic))
+    for _, diagnostic in refused:
+        text.show_diagnostic(diagnostic)
+    text.console.print(f"variants are in {out}; check them with `mana replay verify {out}`", markup=False)

@@ -1,0 +1,92 @@
+"""Augment the recordings of one source in a process of its own: the entry point of a cell."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from cli.replay_candidates import candidates
+from jobs.cache import content_key, write_atomically
+from replay.augment import Prepared, no_room, prepare, variants
+from replay.envelope import Settings
+from replay.formats.digests import stream_digests
+from replay.formats.write import write_variant
+from replay.reading import read_episodes
+from schemas.diagnostics import InvalidInput
+from schemas.replay import Variant
+from usdio.write_scene import PACKAGES, copy_package
+
+DONE = "augmented.json"
+
+
+def augment(given: dict[str, Any]) -> list[dict[str, Any]]:
+    """One row for each episode of the source. What was finished before with the same options is left as it is."""
+    paths = {key: Path(given[key]) if given[key] else None for key in ("meshes", "scene", "plan", "assets")}
+    out = Path(given["out"])
+    draw = candidates(paths["plan"], paths["assets"])
+    rows = []
+    for episode in read_episodes(Path(given["source"]), paths["meshes"], paths["scene"]):
+        folder = out / episode.name
+        key = content_key(given["options"], sorted(stream_digests(episode.source, episode.part).items()))
+        row = _finished(folder, key)
+        if row is None:
+            started = time.process_time()
+            prepared = prepare(episode, Settings(clearance_m=given["options"]["clearance_m"]), given["supports"])
+            cpu_s = time.process_time() - started
+            row = _written(prepared, draw, given, folder) | {"key": key, "envelope_cpu_s": round(cpu_s, 3)}
+            write_atomically(folder / DONE, json.dumps(row, indent=1).encode())
+        rows.append(row)
+    return rows
+
+
+def _finished(folder: Path, key: str) -> dict[str, Any] | None:
+    note = folder / DONE
+    row = json.loads(note.read_bytes()) if note.is_file() else {}
+    return row if row.get("key") == key else None
+
+
+def _written(prepared: Prepared, draw: Any, given: dict[str, Any], folder: Path) -> dict[str, Any]:
+    options, episode = given["options"], prepared.episode
+    shutil.rmtree(folder, ignore_errors=True)
+    made: list[Variant] = []
+    for variant in variants(prepared, draw, range(options["variants"]), options["objects"], options["seed"]):
+        stated = variant.model_copy(update={"source": str(episode.source), "provenance": _provenance(given)})
+        made.append(write_variant(episode, stated, folder / f"variant_{variant.number:04d}"))
+    for package in sorted({one.package for variant in made for one in variant.inserted if one.package}):
+        copy_package(Path(given["assets"]) / package, Path(given["out"]) / PACKAGES / package)
+    return {"episode": episode.name, "source": given["source"], **_figures(prepared, made)}
+
+
+def _figures(prepared: Prepared, made: list[Variant]) -> dict[str, Any]:
+    counts = sorted(len(variant.inserted) for variant in made)
+    short = [d.model_dump(mode="json") for variant in made if (d := no_room(prepared, variant)) is not None]
+    return {
+        "variants": len(made),
+        "objects_requested": made[0].objects_requested if made else 0,
+        "objects_inserted": {"min": counts[0], "median": counts[len(counts) // 2]} if counts else {},
+        "capsules": len(prepared.envelope.body),
+        "supports": {site.room.support.name: round(site.room.support.area.area, 4) for site in prepared.sites},
+        "diagnostics": short[:3],
+        "short_variants": len(short),
+    }
+
+
+def _provenance(given: dict[str, Any]) -> dict[str, str]:
+    return {key: Path(given[key]).name for key in ("plan", "assets") if given[key]}
+
+
+def main(options: str, note: str) -> None:
+    """Augment, and leave rows or the reason for refusing in `note`."""
+    try:
+        answer: dict[str, Any] = {"rows": augment(json.loads(options))}
+    except InvalidInput as refused:
+        answer = {"refused": refused.diagnostic.model_dump(mode="json")}
+    write_atomically(Path(note), json.dumps(answer).encode())
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:3])

@@ -1,0 +1,33 @@
+"""What may be put into recordings: the things of a plan, or packages and their stable poses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from replay.candidates import Choices, from_bodies, from_plan
+from runtime_plan import load
+from scenec.assets import AssetLibrary
+from scenec.plan import PlanBodies
+from schemas.diagnostics import InvalidInput, finding
+from schemas.scene_program import FixedAsset
+
+Draw = Callable[[int, int], Choices]
+
+
+def candidates(plan: Path | None, assets: Path | None) -> Draw:
+    """What variant `number` of `seed` tries. Raises InvalidInput: `replay/no-candidates`, or as `runtime_plan.load`."""
+    if plan is not None:
+        return partial(from_plan, load(plan, assets))
+    library, bodies = AssetLibrary(assets), PlanBodies(assets)
+    refused: list[str] = []
+    for name in library.names:
+        try:
+            bodies.number(library.body(FixedAsset(type="fixed", id=name), orientation="stable"))
+        except InvalidInput as error:
+            refused.append(f"{name}: {error.diagnostic.headline}")
+    if not bodies.found:
+        said = refused[0] if refused else "no --plan, and no package below --assets"
+        raise InvalidInput(finding("replay/no-candidates", said))
+    return partial(from_bodies, bodies.found)

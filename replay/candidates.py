@@ -1,0 +1,65 @@
+"""What may be put in, in an order that follows from the seed and the number of the variant alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from runtime_plan import Plan, sample
+from runtime_plan.samples_file import sampled_lighting
+from schemas.runtime_plan import PlanBody, PlanStance
+
+DRAWS = 64  # samples of a plan that one variant may use up
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A body in one of its stances; `material` is the one drawn with it, empty where it keeps its own."""
+
+    body: PlanBody
+    stance: PlanStance
+    material: str = ""
+
+
+@dataclass(frozen=True)
+class Choices:
+    """Candidates of one variant in the order in which they are tried, and its lighting with the channels drawn."""
+
+    candidates: Sequence[Candidate]
+    lights: dict[str, float | str] = field(default_factory=dict)
+
+
+def from_plan(plan: Plan, seed: int, number: int) -> Choices:
+    """The things of samples of a plan: assets, stances, materials and lighting that go together, places left out.
+
+    Samples `number * DRAWS` and those after it, so that no two variants share one.
+    """
+    drawn = sample(plan, DRAWS, seed, start=number * DRAWS)
+    bodies, materials = plan.document.bodies, plan.document.materials
+    found = []
+    for k in range(DRAWS):
+        for column in np.flatnonzero(drawn.present[k]).tolist():
+            body = bodies[int(drawn.asset_index[k, column])]
+            worn = int(drawn.material[k, column])
+            stance = body.stances[int(drawn.stance[k, column])]
+            found.append(Candidate(body, stance, "" if worn < 0 else materials[worn].id))
+    light = sampled_lighting(plan, drawn, 0)
+    return Choices(found, {} if light is None else light.model_dump(exclude_none=True))
+
+
+def from_bodies(bodies: Sequence[PlanBody], seed: int, number: int) -> Choices:
+    """Bodies drawn evenly, each time in any of its stances."""
+    rng = np.random.default_rng([seed, number, 0])
+    return Choices([_drawn(bodies, rng) for _ in range(DRAWS)])
+
+
+def _drawn(bodies: Sequence[PlanBody], rng: np.random.Generator) -> Candidate:
+    body = bodies[int(rng.integers(len(bodies)))]
+    return Candidate(body, body.stances[int(rng.integers(len(body.stances)))])
+
+
+def outlines(stance: PlanStance) -> Iterator[np.ndarray]:
+    """Outlines (n, 2) of the pieces of a stance."""
+    return (np.array(prism.outline_m) for prism in stance.prisms)

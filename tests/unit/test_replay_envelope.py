@@ -1,0 +1,152 @@
+"""The envelope holds every point of everything that moves at every time; room and insertion keep off it."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shapely.geometry import LineString, Point, Polygon, box
+
+from geom.outer_corners import outer_corners
+from geom.pose import apply, pose
+from geom.swept_outline import eroded
+from replay.augment import prepare, variants
+from replay.candidates import Candidate, Choices
+from replay.dense import dense_motion
+from replay.envelope import Settings, swept_envelope
+from replay.episode import Camera
+from replay.inserted_bodies import inserted_body
+from replay.reading import read_episode
+from replay.room import Room, obstacles
+from replay.simplify import simplify
+from replay.supports import supports, used_supports
+from replay.verify import near_pairs
+from replay.views import in_picture, seen_area
+from schemas.diagnostics import InvalidInput
+from schemas.runtime_plan import PlanBody
+from tests.plan_library import box_body
+from tests.replay_samples import staged
+
+
+@pytest.fixture(scope="module")
+def episode(tmp_path_factory):
+    return read_episode(staged(tmp_path_factory.mktemp("arm")))
+
+
+@pytest.fixture(scope="module")
+def prepared(episode):
+    return prepare(episode, Settings())
+
+
+def only(body: PlanBody):
+    return lambda seed, number: Choices([Candidate(body, body.stances[0])] * 12)
+
+
+def test_every_corner_lies_in_the_envelope_at_sixteen_times_between_rows(episode):
+    """Linear and cubic motion as the verifier has it, without the clearance."""
+    found = swept_envelope(episode, Settings(clearance_m=0.0))
+    for stretch in dense_motion(episode):
+        for moving in [body for body in stretch.bodies if body.name in found.bodies]:
+            mine = found.body == found.bodies.index(moving.name)
+            a, b, radius = found.start_W[mine], found.end_W[mine], found.radius_m[mine]
+            for shape in moving.shapes:
+                corners = np.concatenate([apply(X, outer_corners(shape)) for X in moving.X_WB])
+                assert distance_beyond(corners, a, b, radius) <= 1e-9
+
+
+def distance_beyond(points, a, b, radius):
+    along = b - a
+    share = np.einsum("pci,ci->pc", points[:, None] - a, along) / np.maximum((along**2).sum(axis=1), 1e-300)
+    nearest = a + np.clip(share, 0.0, 1.0)[:, :, None] * along
+    return float((np.linalg.norm(points[:, None] - nearest, axis=2) - radius).min(axis=1).max())
+
+
+def test_the_ledger_names_body_and_time(episode):
+    found = swept_envelope(episode, Settings())
+    assert set(found.bodies) == {"upper", "lower", "cube"}
+    assert (found.t_from_s <= found.t_to_s).all()
+    assert found.t_from_s.min() == episode.t_s[0]
+    assert found.t_to_s.max() == episode.t_s[-1]
+    assert found.simplification_m.max() <= Settings().simplification_m
+    parts = found.proxy_m + found.gap_m + found.interval_m + found.simplification_m
+    np.testing.assert_allclose(found.radius_m, parts + 0.01)
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 10_000), st.floats(0.001, 0.3))
+def test_simplified_polylines_stay_within_the_tolerance(seed, tolerance_m):
+    points = np.cumsum(np.random.default_rng(seed).normal(size=(3, 40, 3)) * 0.05, axis=1)
+    spans = simplify(points, tolerance_m)
+    for line in range(3):
+        mine = spans.line == line
+        assert spans.first[mine].tolist() == [0, *spans.last[mine].tolist()[:-1]]
+        assert spans.last[mine][-1] == 39
+        for first, last, said in zip(spans.first[mine], spans.last[mine], spans.deviation_m[mine], strict=True):
+            chord = LineString(points[line, [first, last]][:, :2])  # seen from above no farther than in space
+            assert max(chord.distance(Point(p[:2])) for p in points[line, first : last + 1]) <= said + 1e-9
+            assert said <= tolerance_m
+
+
+def test_erosion_of_a_room_with_a_corner_and_a_hole():
+    """An L of 3 squares less a hole, eroded by a rectangle: by hand."""
+    region = Polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]).difference(box(0.4, 0.4, 0.6, 0.6))
+    outline = np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.1], [0.0, 0.1]])  # its origin in a corner
+    wanted = Polygon([(0, 0), (1.8, 0), (1.8, 0.9), (0.8, 0.9), (0.8, 1.9), (0, 1.9)]).difference(
+        box(0.2, 0.3, 0.6, 0.6)
+    )
+    assert eroded(region, outline).symmetric_difference(wanted).area == pytest.approx(0.0, abs=1e-12)
+    assert eroded(Polygon(), outline).is_empty
+
+
+def test_supports_are_level_faces_and_those_used_come_first(episode):
+    known = supports(episode)
+    assert [s.name for s in known] == ["floor", "top"]
+    assert known[1].height_m == pytest.approx(0.22)
+    assert known[1].area.area == pytest.approx(0.8 * 1.2)
+    assert [s.name for s in used_supports(episode, known)] == ["top"]
+    with pytest.raises(InvalidInput, match="no support 'shelf'") as refused:
+        prepare(episode, Settings(), ["shelf"])
+    assert refused.value.diagnostic.code == "replay/no-support"
+
+
+def test_room_is_less_the_taller_the_object_and_says_who_takes_it(prepared):
+    room = prepared.sites[0].room
+    free = [room.free(top_m).area for top_m in (0.02, 0.06, 0.1)]
+    assert free == sorted(free, reverse=True)
+    assert 0.0 < free[-1] < free[0] < room.support.area.area
+    assert set(room.blocked_by(0.1)) == {"cube", "lower", "upper"}
+
+
+def test_inserted_objects_are_clear_at_all_times_by_the_other_code(prepared, episode):
+    body = box_body("crate", 0.08, 0.05, 0.1, mass_kg=0.2)
+    made = list(variants(prepared, only(body), range(6), 4, seed=3))
+    assert [len(v.inserted) for v in made] == [4] * 6
+    bodies = [[inserted_body(one, None) for one in variant.inserted] for variant in made]
+    for near in near_pairs(episode, bodies, 0.01):
+        assert near[0].distance_m >= 0.01
+    poses = [one.position_m for variant in made for one in variant.inserted]
+    assert len(set(poses)) == len(poses)
+
+
+def test_a_variant_depends_on_its_number_alone(prepared):
+    body = box_body("crate", 0.08, 0.05, 0.1)
+    whole = list(variants(prepared, only(body), range(4), 2, seed=5))
+    assert list(variants(prepared, only(body), [3], 2, seed=5)) == whole[3:]
+    assert next(iter(variants(prepared, only(body), [3], 2, seed=6))) != whole[3]
+
+
+def test_what_does_not_fit_is_not_put(prepared):
+    table = box_body("table", 0.9, 0.9, 0.3)
+    assert next(iter(variants(prepared, only(table), [0], 2, seed=0))).inserted == ()
+
+
+def test_a_camera_sees_the_part_of_a_plane_in_its_picture():
+    above = Camera("above", pose(None, np.array([0.0, 0.0, 1.0]))[None], np.radians(90.0), 200, 100)
+    found = seen_area((above,), 0.0, box(-3, -3, 3, 3))
+    assert found.symmetric_difference(box(-2, -1, 2, 1)).area == pytest.approx(0.0, abs=1e-9)
+    assert in_picture(above, np.array([[1.9, 0.9, 0.0]]))
+    assert not in_picture(above, np.array([[2.1, 0.9, 0.0], [0.0, 0.0, 2.0]]))
+
+
+def test_still_links_are_obstacles(episode):
+    assert "arm" in {one.name for one in obstacles(episode)}
+    assert isinstance(Room(supports(episode)[0], swept_envelope(episode, Settings()), obstacles(episode)), Room)
