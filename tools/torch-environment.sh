@@ -1,0 +1,24 @@
+#!/bin/sh
+# Make FOLDER an environment whose Python has PyTorch for the CPU, for the tests of runtime_plan.torch_sampler.
+# PyPI has no such build for Linux on x86-64; Debian 12 has one for its own Python 3.11 (152 MB to fetch, 651 MB of disk).
+# Nothing is made where the tests' own Python has PyTorch, or where it cannot be had: those tests then skip and say so.
+set -eu
+own=$1 folder=$2 system=/usr/bin/python3.11
+"$own" -c "import torch" 2>/dev/null && exit 0
+if ! "$system" -c "import torch" 2>/dev/null; then
+  line="apt-get update && apt-get install -y --no-install-recommends python3-torch"
+  if [ ! -x "$system" ] || ! grep -qs "^VERSION_CODENAME=bookworm" /etc/os-release; then
+    echo "PyTorch for the CPU is not packaged for this system: its tests will skip"
+    exit 0
+  elif [ "$(id -u)" = 0 ]; then
+    DEBIAN_FRONTEND=noninteractive sh -c "$line" >/dev/null || { echo "python3-torch was not to be had"; exit 0; }
+  elif command -v sudo >/dev/null 2>&1 && sudo -n true 2>/dev/null; then
+    sudo -n DEBIAN_FRONTEND=noninteractive sh -c "$line" >/dev/null || { echo "python3-torch was not to be had"; exit 0; }
+  else
+    echo "The tests of PyTorch will skip. To run them, run this line, then make again:"
+    echo "  sudo sh -c '$line' && rm -f $folder/.installed"
+    exit 0
+  fi
+fi
+test -x "$folder/bin/python" || "$system" -m venv --without-pip --system-site-packages "$folder"
+"$own" -m pip --python "$folder/bin/python" install --quiet --disable-pip-version-check -c constraints.txt pydantic
