@@ -37,8 +37,9 @@ def restrict_command(
     """
     from scenec.plan import plan_text
 
+    whole = load(plan)
     kept = restrict(
-        load(plan),
+        whole,
         Restriction(
             split=split,
             choices=_pairs("--choice", choice),
@@ -50,7 +51,7 @@ def restrict_command(
     write_atomically(out, plan_text(kept.document).encode())
     count = len(kept.document.combinations)
     if as_json:
-        print(json.dumps({"plan": str(out), "restricted_from": load(plan).sha256, "combinations": count}))
+        print(json.dumps({"plan": str(out), "restricted_from": whole.sha256, "combinations": count}))
         return
     text.console.print(f"{count} combinations stay, written to {escape(str(out))}")
 

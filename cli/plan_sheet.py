@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 import io
-import tempfile
 from pathlib import Path
 
 from PIL import Image, ImageDraw
 from rich.progress import Progress
 
-from assetkit.readers.images import load_texture
 from cli.plan_realise import Layers
+from cli.stage_picture import stage_picture
 from jobs.cache import write_atomically
-from jobs.cell import Limits
-from jobs.warm import run_module
 from render.camera import View
-from render.request import RenderRequest
 from runtime_plan import Plan, sample
-from schemas import arrays
-from usdio.read import read_stage
 
 _TILE_PX, _GAP_PX = 320, 6
 _VIEW = View("tile", -70.0, 40.0)
-_LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
 
 def draw_sheet(plan: Plan, folder: Path, n: int, seed: int, out: Path, progress: Progress) -> Path:
@@ -40,9 +33,10 @@ def draw_sheet(plan: Plan, folder: Path, n: int, seed: int, out: Path, progress:
     for k in range(n):
         file = folder / f".sheet-{k}.usda"
         try:
-            tile = _tile(layers.write(drawn, k, file))
+            picture = stage_picture(layers.write(drawn, k, file), _VIEW, _TILE_PX)
         finally:
             file.unlink(missing_ok=True)
+        tile = Image.open(io.BytesIO(picture)).convert("RGB")
         ImageDraw.Draw(tile).text((6, 4), f"{k}", fill="black")
         sheet.paste(tile, (_GAP_PX + (k % across) * step, _GAP_PX + (k // across) * step))
         progress.update(task, advance=1)
@@ -50,17 +44,3 @@ def draw_sheet(plan: Plan, folder: Path, n: int, seed: int, out: Path, progress:
     sheet.save(data, "PNG", optimize=True)
     write_atomically(out, data.getvalue())
     return out
-
-
-def _tile(stage: Path) -> Image.Image:
-    outcome = read_stage(stage, stage.parent, load_texture=load_texture)
-    assert outcome.value is not None, "our own layer can be read"
-    with tempfile.TemporaryDirectory(prefix="mana") as place:
-        request = Path(place) / "request.npz"
-        asked = RenderRequest(model=outcome.value, shapes=(), out_dir=place, size_px=_TILE_PX, views=(_VIEW,))
-        arrays.save(asked, RenderRequest, request)
-        result = run_module("render", [str(request)], _LIMITS)
-        if result.status != "ok":
-            raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
-        with Image.open(Path(place) / f"{_VIEW.name}.png") as picture:
-            return picture.convert("RGB")

@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from pathlib import Path
 
-from assetkit.readers.images import load_texture
+from cli.stage_picture import stage_picture
 from jobs.cache import write_atomically
-from jobs.cell import Limits
-from jobs.warm import run_module
 from render.camera import View
-from render.request import RenderRequest
 from scenec.compile import Compiled
 from scenec.ir import Solved
 from scenec.pictures.failure import failure
 from scenec.pictures.plan import plan
 from scenec.plan import plan_text
-from schemas import arrays
 from schemas.compiled_scene import CompileReport
-from usdio.read import read_stage
 from usdio.write_scene import PACKAGES, copy_package, write_scene
 
 REPORT, SCENE, GRAPH, RUNTIME_PLAN = "report.json", "scene", "graph", "plan.json"
@@ -28,7 +22,6 @@ _OURS = re.compile(
     rf"({SCENE}(-\d+)?\.(usda|json))|({GRAPH}(-\d+)?\.(dot|json))|{RUNTIME_PLAN}|{PLAN}|{PERSPECTIVE}|{FAILURE}|{REPORT}"
 )
 _VIEW = View("perspective", -70.0, 34.0)  # Beside the default viewer, who stands at -y.
-_LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
 
 def write_output(compiled: Compiled, assets: Path | None, out: Path) -> CompileReport:
@@ -103,18 +96,6 @@ def draw_plan(compiled: Compiled, out: Path) -> Path | None:
 
 
 def draw_perspective(scene_usda: Path) -> Path:
-    """`perspective.png` beside a written stage, drawn from what the stage holds, in a child process.
-
-    Raises RuntimeError when the renderer fails: a broken environment, not a bad scene.
-    """
-    outcome = read_stage(scene_usda, scene_usda.parent, load_texture=load_texture)
-    assert outcome.value is not None, "our own stage can be read"
-    with tempfile.TemporaryDirectory(prefix="mana") as place:
-        request = Path(place) / "request.npz"
-        asked = RenderRequest(model=outcome.value, shapes=(), out_dir=place, size_px=768, views=(_VIEW,))
-        arrays.save(asked, RenderRequest, request)
-        result = run_module("render", [str(request)], _LIMITS)
-        if result.status != "ok":
-            raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
-        write_atomically(scene_usda.parent / PERSPECTIVE, (Path(place) / f"{_VIEW.name}.png").read_bytes())
+    """`perspective.png` beside a written stage; raises as `stage_picture` does."""
+    write_atomically(scene_usda.parent / PERSPECTIVE, stage_picture(scene_usda, _VIEW, 768))
     return scene_usda.parent / PERSPECTIVE

@@ -21,6 +21,7 @@ from geom.scene_check import (
     CheckScene,
 )
 from geom.scene_check.model import FloatArray
+from geom.seen_from_above import turned
 
 IntArray = NDArray[np.int64]
 WORLD = -1  # in place of the number of an owner
@@ -144,12 +145,6 @@ def placed(place: CheckPlace, origin_m: FloatArray, yaw_rad: float) -> CheckPlac
     shift = turned(place.origin_m[None, :2], yaw_rad)[0]
     at = origin_m + np.array([*shift, place.origin_m[2]])
     return replace(place, origin_m=at, yaw_rad=yaw_rad + place.yaw_rad)
-
-
-def turned(points: FloatArray, yaw_rad: float) -> FloatArray:
-    """Points (n, 2) turned about the origin."""
-    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
-    return points @ np.array([[c, s], [-s, c]])
 
 
 def _object(

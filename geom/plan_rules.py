@@ -7,6 +7,7 @@ from shapely import Polygon
 
 from geom.many_scenes import WORLD, Form, KeepOutRule, PlaceRule, RelationRule, SceneRules, ThingRule
 from geom.scene_check import CheckPlace, CheckPrism, CheckReach
+from geom.seen_from_above import front_of
 from schemas.compiled_scene import Prism
 from schemas.runtime_plan import PlanBody, PlanCombination, PlanPlace, PlanPolygon, PlanThing, RuntimePlan
 
@@ -60,9 +61,8 @@ def _thing(plan: RuntimePlan, thing: PlanThing) -> ThingRule:
 def _forms(body: PlanBody) -> tuple[Form, ...]:
     made = []
     for number, stance in enumerate(body.stances):
-        w, x, y, z = stance.quat_wxyz
-        front = np.array([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z)])
-        made.append(Form(tuple(map(_prism, stance.prisms)), front, stance.origin_height_m, number))
+        prisms, front = tuple(map(_prism, stance.prisms)), front_of(stance.quat_wxyz)
+        made.append(Form(prisms, front, stance.origin_height_m, number))
     return tuple(made)
 
 

@@ -171,10 +171,10 @@ def _places(rules: SceneRules, stands: Stands, seen: Seen, i: int) -> Flags:
 
 def _covered(hulls: FloatArray, polygon: Polygon) -> Flags:
     """(n,) whether convex hulls (n, v, 2) lie on a polygon, grown by the slack."""
-    grown = polygon.buffer(SLACK_M, join_style="mitre")
     if not polygon.interiors and np.isclose(polygon.convex_hull.area, polygon.area, rtol=1e-12):
         outline = _hull(np.asarray(polygon.exterior.coords))
         return _beyond(hulls, outline).max(axis=(1, 2)) <= SLACK_M
+    grown = polygon.buffer(SLACK_M, join_style="mitre")
     shapely.prepare(grown)
     return np.asarray(shapely.covers(grown, shapely.polygons(hulls)))
 

@@ -21,10 +21,6 @@ class Backend(Protocol):
         """(n, 4 * blocks) numbers in [0, 1); the same as `runtime_plan.words.uniforms`."""
         ...
 
-    def constant(self, values: np.ndarray) -> Array:
-        """A table of a plan as an array of this library."""
-        ...
-
     def full(self, shape: tuple[int, ...], value: float | int | bool) -> Array:
         """An array of one value: 64-bit integers, 64-bit floats or booleans as the value is."""
         ...
@@ -42,10 +38,6 @@ class Numpy:
     def uniforms(self, seed: int, start: int, n: int, blocks: int) -> Array:
         """See `runtime_plan.words`."""
         return uniforms(seed, start, n, blocks)
-
-    def constant(self, values: np.ndarray) -> Array:
-        """As it is."""
-        return values
 
     def full(self, shape: tuple[int, ...], value: float | int | bool) -> Array:
         """A filled array."""

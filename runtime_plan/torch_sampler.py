@@ -39,10 +39,6 @@ class Torch:
         words = torch.stack(philox(counter, seed), -1).reshape(n, 4 * blocks)
         return ((words >> 11) & (2**53 - 1)).to(torch.float64) * UNIT
 
-    def constant(self, values: np.ndarray) -> Any:
-        """A table on the device."""
-        return torch.as_tensor(np.ascontiguousarray(values), device=self.device)
-
     def full(self, shape: tuple[int, ...], value: float | int | bool) -> Any:
         """A filled tensor."""
         kind = {bool: torch.bool, int: torch.int64}.get(type(value), torch.float64)
@@ -58,19 +54,19 @@ class TorchSampler:
 
     def __init__(self, plan: Plan, device: str = "cpu") -> None:
         self._backend = Torch(device)
-        self._tables = _moved(plan.tables, self._backend)
+        self._tables = _moved(plan.tables, device)
 
     def sample(self, n: int, seed: int, start: int = 0) -> Samples:
         """Samples `start` to `start + n - 1` of the stream `seed`."""
         return sample_with(self._backend, self._tables, n, seed, start, max(n, 1))
 
 
-def _moved(value: Any, backend: Torch) -> Any:
-    """The same tables with tensors for arrays."""
+def _moved(value: Any, device: str) -> Any:
+    """The same tables with tensors on the device for arrays."""
     if isinstance(value, np.ndarray):
-        return backend.constant(value)
+        return torch.as_tensor(np.ascontiguousarray(value), device=device)
     if isinstance(value, tuple):
-        return tuple(_moved(item, backend) for item in value)
+        return tuple(_moved(item, device) for item in value)
     if is_dataclass(value) and not isinstance(value, type):
-        return replace(value, **{f.name: _moved(getattr(value, f.name), backend) for f in fields(value)})
+        return replace(value, **{f.name: _moved(getattr(value, f.name), device) for f in fields(value)})
     return value

@@ -114,7 +114,7 @@ def _combination(
     for names in pools.names:
         asked = Asked(names, frozen, [result.placements], _cases_wanted(len(names), diversity), seed)
         cases = pool_cases(pools.model, asked)
-        made.append(PlanPool(things=names, cases=tuple(cases), coupled=len(names) > 1))
+        made.append(PlanPool(things=names, cases=tuple(cases)))
     places = _places(problem, base)
     number = {key: k for k, key in enumerate(places)}
     things = [base.things[name] for name in owner_first(base.things)]

@@ -18,6 +18,7 @@ from geom.scene_check import (
     Violation,
     check,
 )
+from geom.seen_from_above import front_of, turned
 from scenec.emit import world_frames
 from scenec.ir import FloatArray, Placement, Problem, RelationIR, Slab, Spot, Surface, Thing, Volume
 from scenec.memo import Memo
@@ -83,12 +84,6 @@ def _level(X_WU: FloatArray) -> LevelPose:
     return X_WU[:3, 3], math.atan2(X_WU[1, 0], X_WU[0, 0])
 
 
-def turned(points: FloatArray, yaw_rad: float) -> FloatArray:
-    """Points (n, 2) turned about the origin."""
-    cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
-    return points @ np.array([[cos, sin], [-sin, cos]])
-
-
 def _anchor(owner: str, place: Surface | Volume, poses: dict[str, LevelPose]) -> LevelPose:
     origin, yaw = poses[owner]
     shift = turned(place.origin_P_m[None, :2], yaw)[0]
@@ -124,7 +119,7 @@ def _object(thing: Thing, at: Placement, pose: LevelPose, place: CheckPlace) -> 
         prisms=tuple(_prism(slab, origin, yaw, floor) for slab in stance.slabs),
         origin_m=origin,
         yaw_rad=yaw,
-        front=turned(_front(stance.quat_wxyz)[None], yaw)[0],
+        front=turned(front_of(stance.quat_wxyz)[None], yaw)[0],
         place=place,
         x_m=domain.x_m,
         y_m=domain.y_m,
@@ -137,12 +132,6 @@ def _object(thing: Thing, at: Placement, pose: LevelPose, place: CheckPlace) -> 
 
 def _prism(slab: Slab, origin: FloatArray, yaw: float, floor_m: float) -> CheckPrism:
     return CheckPrism(turned(slab.outline_m, yaw) + origin[:2], floor_m + slab.low_m, floor_m + slab.high_m)
-
-
-def _front(quat_wxyz: tuple[float, float, float, float]) -> FloatArray:
-    """The front (+x of the asset frame) seen from above, (2,)."""
-    w, x, y, z = quat_wxyz
-    return np.array([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z)])
 
 
 def _spot(spot: Spot) -> tuple[float, float, float, float]:

@@ -20,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from schemas.compiled_scene import Point2, Point3, Prism, Quat_wxyz
 from schemas.scene_program import Inline, Lighting, PairedMaterial
 
-SCHEMA_VERSION = "1.0"
+SCHEMA_VERSION = "1.1"
 Family = Literal["grid", "free_rectangle", "shelf", "guillotine", "seeded", "strip", "point"]
 Bounds_um = tuple[int, int, int, int]  # x_low, x_high, y_low, y_high
 Interval_urad = tuple[int, int]
@@ -156,7 +156,6 @@ class PlanPool(_Model):
 
     things: tuple[str, ...]
     cases: tuple[PlanCase, ...]
-    coupled: bool
 
 
 class PlanCombination(_Model):

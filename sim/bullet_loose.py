@@ -1,4 +1,4 @@
-"""What every world of PyBullet here is made of: a private client, and loose bodies about their principal axes."""
+"""What every world of PyBullet here is made of: a private client, bodies that move and bodies that do not."""
 
 from __future__ import annotations
 
@@ -71,6 +71,14 @@ def loose_body(shapes: Sequence[CollisionShape], mass: MassProperties, scale: fl
         physicsClientId=client,
     )
     return Loose(handle, X_AI, mass_kg, moments)
+
+
+def fixed_body(shapes: Sequence[CollisionShape], scale: float, client: int) -> int:
+    """The engine's handle of a body that never moves, `scale` times its true size."""
+    with tempfile.TemporaryDirectory() as folder:
+        collision = compound(shapes, scale, Path(folder), client)
+        clear_margins(collision, len(shapes), client)
+        return pybullet.createMultiBody(0.0, collision, useMaximalCoordinates=1, physicsClientId=client)
 
 
 def scaled(X: FloatArray, scale: float) -> FloatArray:

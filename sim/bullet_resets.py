@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import tempfile
-from pathlib import Path
 
 import numpy as np
 import pybullet
@@ -15,9 +13,9 @@ from geom.principal_axes import principal_axes
 from geom.support import diagonal
 from schemas.model import FloatArray
 from schemas.physics import Contact, MassProperties, RigidBody
-from sim.bullet_loose import Loose, loose_body
+from sim.bullet_loose import Loose, fixed_body, loose_body
 from sim.bullet_scene import STEP_S, TURNING_RESISTANCE
-from sim.bullet_shapes import PARKED_M, clear_margins, compound
+from sim.bullet_shapes import PARKED_M
 from sim.port import GRAVITY_MPS2, ROLLING_RESISTANCE
 
 
@@ -41,15 +39,8 @@ class BulletResets:
 
     def add(self, body: RigidBody, moves: bool) -> int:
         """Build a body, parked; returns its number."""
-        if moves:
-            loose = loose_body(body.shapes, body.mass, 1.0, self.client)
-            handle = loose.handle
-        else:
-            loose = None
-            with tempfile.TemporaryDirectory() as folder:
-                collision = compound(body.shapes, 1.0, Path(folder), self.client)
-                clear_margins(collision, len(body.shapes), self.client)
-                handle = pybullet.createMultiBody(0.0, collision, useMaximalCoordinates=1, physicsClientId=self.client)
+        loose = loose_body(body.shapes, body.mass, 1.0, self.client) if moves else None
+        handle = loose.handle if loose else fixed_body(body.shapes, 1.0, self.client)
         self._bodies.append((handle, loose, diagonal(body.shapes)))
         self.wear(len(self._bodies) - 1, body.mass, body.contact)
         self.stand(len(self._bodies) - 1, None)

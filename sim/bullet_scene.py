@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pybullet
@@ -14,9 +12,7 @@ from scipy.spatial.transform import Rotation
 from geom import pose
 from geom.support import diagonal
 from schemas.model import FloatArray
-from schemas.physics import CollisionShape
-from sim.bullet_loose import Loose, loose_body, private_client, scaled
-from sim.bullet_shapes import clear_margins, compound
+from sim.bullet_loose import Loose, fixed_body, loose_body, private_client, scaled
 from sim.port import GRAVITY_MPS2, ROLLING_RESISTANCE, Standing
 
 # The smallest thing is simulated as a model of this diagonal (Froude similarity, see `sim.port.model_scale`), because
@@ -53,7 +49,7 @@ def settle_scene(things: Sequence[Standing], duration_s: float) -> FloatArray:
 def _build(thing: Standing, scale: float, client: int) -> Loose | None:
     """The engine's body of one thing, `scale` times its true size; None for what does not move."""
     loose = loose_body(thing.body.shapes, thing.body.mass, scale, client) if thing.moves else None
-    handle = loose.handle if loose else _fixed(thing.body.shapes, scale, client)
+    handle = loose.handle if loose else fixed_body(thing.body.shapes, scale, client)
     X_WI = scaled(thing.X_WA, scale) @ (loose.X_AI if loose else np.eye(4))
     quat_xyzw = Rotation.from_matrix(X_WI[:3, :3]).as_quat().tolist()
     pybullet.resetBasePositionAndOrientation(handle, X_WI[:3, 3].tolist(), quat_xyzw, physicsClientId=client)
@@ -68,13 +64,6 @@ def _build(thing: Standing, scale: float, client: int) -> Loose | None:
         physicsClientId=client,
     )
     return loose
-
-
-def _fixed(shapes: Sequence[CollisionShape], scale: float, client: int) -> int:
-    with tempfile.TemporaryDirectory() as folder:
-        collision = compound(shapes, scale, Path(folder), client)
-        clear_margins(collision, len(shapes), client)
-        return pybullet.createMultiBody(0.0, collision, useMaximalCoordinates=1, physicsClientId=client)
 
 
 def _where(thing: Standing, loose: Loose | None, scale: float, client: int) -> FloatArray:

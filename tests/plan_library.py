@@ -99,7 +99,7 @@ def grid_plan(n: int, cases: int, seed: int = 0, bodies: tuple[PlanBody, ...] | 
         X_WB=tuple(map(tuple, np.eye(4).tolist())),
         places=(("background", surface("top", 1.2, 0.8, (0.0, 0.0, 0.7))),),
         things=tuple(PlanThing(id=name, bodies=(i,), parent="background", place=0) for i, name in enumerate(names)),
-        pools=(PlanPool(things=names, cases=made, coupled=True),),
+        pools=(PlanPool(things=names, cases=made),),
     )
     return RuntimePlan(scene=f"grid{n}", clearance_m=0.01, bodies=bodies, combinations=(combination,), provenance=MADE)
 
@@ -136,7 +136,7 @@ def single(name: str, cell_um: tuple[int, int, int, int], *, stance: int = 0, **
         stances=(stance,),
         base_um=(0,),
     )
-    return PlanPool(things=(name,), cases=(case,), coupled=False)
+    return PlanPool(things=(name,), cases=(case,))
 
 
 def tray_plan() -> RuntimePlan:
@@ -171,7 +171,6 @@ def tray_plan() -> RuntimePlan:
         PlanPool(
             things=("block",),
             cases=(upright.cases[0].model_copy(update={"weight": 3.0}), lying.cases[0]),
-            coupled=False,
         ),
     )
     c, s = 0.8775825618903728, 0.479425538604203  # of 0.5 rad

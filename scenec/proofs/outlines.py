@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 from shapely import MultiPoint
 
+from geom.seen_from_above import turned
 from scenec.ir import FloatArray, Slab, Stance, Thing
 
 TURN = 2.0 * np.pi
@@ -121,12 +122,6 @@ def half_planes(normals: FloatArray, bounds: FloatArray, start: FloatArray) -> F
                 points.append(ring[k] + (after[k] - ring[k]) * (over[k] / (over[k] - next_over[k])))
         ring = np.array(points)
     return ring
-
-
-def turned(points: FloatArray, yaw_rad: float) -> FloatArray:
-    """Points (n, 2) turned about the origin."""
-    cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
-    return points @ np.array([[cos, sin], [-sin, cos]])
 
 
 def period(outline: FloatArray) -> float:

@@ -11,9 +11,10 @@ from itertools import combinations
 import networkx as nx
 import numpy as np
 
+from geom.seen_from_above import turned
 from scenec.ir import Problem, Proof, Spot, Thing
 from scenec.proofs.fits import spot_usable
-from scenec.proofs.outlines import SLACK_M, hull, stances, turned
+from scenec.proofs.outlines import SLACK_M, hull, stances
 
 Position = tuple[str, str, float, float, float]
 

@@ -11,10 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import Polygon, box
 
+from geom.seen_from_above import turned
 from scenec.ir import Domain, KeepOutIR, Placement, Problem, ReachIR, RelationIR, Spot, Thing, Volume
 from scenec.proofs import prove, prove_cheaply
 from scenec.proofs.exhaustive import no_arrangement
-from scenec.proofs.outlines import kernel, least_width, period, reach_bounds, turned
+from scenec.proofs.outlines import kernel, least_width, period, reach_bounds
 from scenec.validate import violations
 from tests.unit.proof_problems import box_body, left_of, problem, table, thing
 from tests.unit.random_problems import random_problem
