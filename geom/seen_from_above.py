@@ -1,4 +1,4 @@
-"""Turns about z and fronts as they are seen from above: everything in a scene stands level."""
+"""Turns about z, fronts and outlines as they are seen from above: everything in a scene stands level."""
 
 from __future__ import annotations
 
@@ -18,3 +18,11 @@ def front_of(quat_wxyz: tuple[float, float, float, float]) -> FloatArray:
     """The front (+x of the asset frame) of an orientation, (2,); shorter than 1 where it points up or down."""
     w, x, y, z = quat_wxyz
     return np.array([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z)])
+
+
+def inner_radius(outline: FloatArray) -> float:
+    """Distance of the origin from the nearest edge line of a convex outline (n, 2), counter-clockwise; below 0 when it
+    lies outside."""
+    edges = np.roll(outline, -1, axis=0) - outline
+    cross = edges[:, 1] * outline[:, 0] - edges[:, 0] * outline[:, 1]
+    return float((cross / np.maximum(np.hypot(edges[:, 0], edges[:, 1]), 1e-12)).min())

@@ -7,12 +7,12 @@ import numpy as np
 from geom.many_scenes import WORLD, Form, SceneRules, Stands
 from geom.plan_rules import rules_of
 from geom.scene_check_many import check_many
+from scenec.ir import FloatArray
 from schemas.runtime_plan import PlanCombination, PlanPool, RuntimePlan
 
 EACH = 4  # scenes in which a case appears at least
 LOT = 2_000  # scenes judged at once
 EMPTY_M = 2e-6  # by which a cell may miss its footprint: what rounding takes
-FloatArray = np.ndarray
 
 
 def judge(plan: RuntimePlan) -> None:

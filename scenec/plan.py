@@ -112,7 +112,7 @@ def _combination(
     frozen = {name: result.placements[name] for name in pools.frozen}
     made: list[PlanPool] = []
     for names in pools.names:
-        asked = Asked(names, frozen, [result.placements], _cases_wanted(len(names), diversity), seed)
+        asked = Asked(names, frozen, result.placements, _cases_wanted(len(names), diversity), seed)
         cases = pool_cases(pools.model, asked)
         made.append(PlanPool(things=names, cases=tuple(cases)))
     places = _places(problem, base)

@@ -13,8 +13,9 @@ from functools import partial
 
 import numpy as np
 
+from geom.seen_from_above import inner_radius
 from scenec.cases.feasible import BoolArray
-from scenec.cases.rules import wrapped_all
+from scenec.cases.rules import axis_of, wrapped_all
 from scenec.cases.scope import Layouts, Scope
 from scenec.cases.seeded import front_of
 from scenec.ir import FloatArray, ReachIR, RelationIR
@@ -43,7 +44,6 @@ STEPS_M = (
 )
 ROUND_M = 1e-3  # a footprint whose border lies in so narrow a ring may turn freely
 ROUNDING = 2e-6  # of what is written, metres and radians
-AXIS = 1.0 - 1e-9
 
 
 @dataclass
@@ -102,7 +102,7 @@ def clip(scope: Scope, layouts: Layouts, freedom: Freedom, reach: ReachIR | None
     kept = np.ones(len(layouts), dtype=bool)
     for rule in scope.rules:
         numbers = [scope.index[name] for name in rule.things]
-        if rule.kind == "far_from" or (rule.kind == "before" and max(map(abs, rule.direction)) > AXIS):
+        if rule.kind == "far_from" or (rule.kind == "before" and axis_of(rule.direction) is not None):
             continue  # kept by the rectangles
         seed = _measure(scope, rule, layouts, numbers)
         spins = [i for i in numbers if _turns_matter(scope, rule, i)]
@@ -125,9 +125,10 @@ def _turns_matter(scope: Scope, rule: RelationIR, i: int) -> bool:
 
 def _axes(rule: RelationIR) -> slice:
     # The axes along which steps matter: across its own for what is aligned along one.
-    if rule.kind != "aligned" or max(map(abs, rule.direction)) < AXIS:
+    along = axis_of(rule.direction)
+    if rule.kind != "aligned" or along is None:
         return slice(None)
-    return slice(1, 2) if abs(rule.direction[0]) > AXIS else slice(0, 1)
+    return slice(1 - along, 2 - along)
 
 
 def _lower(
@@ -167,10 +168,7 @@ def _unevenness(shape: Shape) -> float:
     # How far a footprint may miss itself when turned about its origin: width of the ring its border lies in.
     if len(shape.pieces) > 1:
         return np.inf
-    outline = shape.hull
-    step = np.roll(outline, -1, axis=0) - outline
-    normal = np.stack([step[:, 1], -step[:, 0]], axis=1) / np.maximum(np.hypot(*step.T), 1e-12)[:, None]
-    inner = float((normal * outline).sum(axis=1).min())
+    inner = inner_radius(shape.hull)
     return shape.radius_m - inner if inner > 0.0 else np.inf
 
 

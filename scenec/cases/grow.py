@@ -10,23 +10,23 @@ from numpy.random import Generator
 
 from scenec.cases.apart import meeting
 from scenec.cases.feasible import BoolArray
+from scenec.cases.rules import ahead
 from scenec.cases.scope import Layouts, Scope
 from scenec.ir import FloatArray
 
 STEPS_M = (0.04, 0.04, 0.02, 0.02, 0.01, 0.01, 0.005, np.inf)  # the last one closes what is left
-AXIS = 1.0 - 1e-9
 
 
 def grow(scope: Scope, layouts: Layouts, free: BoolArray, rng: Generator) -> FloatArray:
     """Rectangles (l, n, 4) around those of the layouts; only those that are `free` (l, n) grow."""
     rect = layouts.rect_m.copy()
-    meet, ahead = meeting(scope, layouts), _ahead(scope)
+    meet, bounds = meeting(scope, layouts), _ahead(scope)
     turns = [(i, side) for i in range(len(scope.members)) for side in range(4) if free[:, i].any()]
     for step in STEPS_M:
         for turn in rng.permutation(len(turns)).tolist():
             i, side = turns[turn]
             out = _limit(scope, layouts, rect, meet, i, side)
-            for j, along, gap in ahead.get((i, side), ()):
+            for j, along, gap in bounds.get((i, side), ()):
                 bound = rect[:, j, 2 * along] - gap if side % 2 else rect[:, j, 2 * along + 1] + gap
                 out = np.minimum(out, bound) if side % 2 else np.maximum(out, bound)
             now = rect[:, i, side]
@@ -69,13 +69,7 @@ def _limit(scope: Scope, layouts: Layouts, rect: FloatArray, meet: BoolArray, i:
 def _ahead(scope: Scope) -> dict[tuple[int, int], list[tuple[int, int, float]]]:
     # For (member, side): members that a directional relation along an axis keeps beyond that side, axis and gap.
     found: dict[tuple[int, int], list[tuple[int, int, float]]] = {}
-    for rule in scope.rules:
-        if rule.kind != "before" or max(map(abs, rule.direction)) < AXIS:
-            continue
-        along = 0 if abs(rule.direction[0]) > AXIS else 1
-        first, second = (scope.index[name] for name in rule.things)
-        if rule.direction[along] < 0.0:
-            first, second = second, first
-        found.setdefault((first, 2 * along + 1), []).append((second, along, rule.gap_m))
-        found.setdefault((second, 2 * along), []).append((first, along, rule.gap_m))
+    for first, second, along, gap_m in ahead(scope.rules, scope.index):
+        found.setdefault((first, 2 * along + 1), []).append((second, along, gap_m))
+        found.setdefault((second, 2 * along), []).append((first, along, gap_m))
     return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from scenec.cases.free_rectangle import free_rectangle
 from scenec.cases.grid import grid
 from scenec.cases.guillotine import guillotine
 from scenec.cases.quality import quality
-from scenec.cases.scope import GRAIN_M, Layouts, Scope, around, joined, scope_of
+from scenec.cases.scope import GRAIN_M, Layouts, Member, Scope, around, joined, scope_of
 from scenec.cases.seeded import TRIES, seeded
 from scenec.cases.select import selected
 from scenec.cases.shelf import shelf
@@ -33,11 +33,11 @@ SURPLUS = 1.3  # layouts made for each case wanted
 
 @dataclass(frozen=True)
 class Asked:
-    """What a pool is made from: its things, poses that are frozen, solved assignments, how many cases, the seed."""
+    """What a pool is made from: its things, poses that are frozen, the solved assignment, how many cases, the seed."""
 
     names: tuple[str, ...]
     frozen: Mapping[str, Placement]
-    solved: Sequence[Mapping[str, Placement]]
+    solved: Mapping[str, Placement]
     want: int
     seed: int
 
@@ -53,14 +53,14 @@ def pool_cases(model: Model, asked: Asked) -> list[PlanCase]:
             return [case.model_copy(update={"quality": quality(scope, case)}) for case in alone]
     surplus = int(SURPLUS * asked.want)
     parts = [_solved(scope, asked.solved)]
-    parts.append(seeded(scope, surplus - len(parts[0]), rng, 1))
+    parts.append(seeded(scope, surplus - 1, rng, 1))
     if (missing := surplus - sum(map(len, parts))) > 0:
         # Crowded, or tied by relations: no exact shares to keep, and more variety by structure.
         orderly = structured(scope, round(STRUCTURED * missing), rng) if len(scope.members) > 2 else []
         parts.append(seeded(scope, missing - sum(map(len, orderly)), rng, TRIES))
         missing = surplus - sum(map(len, [*parts, *orderly]))
         parts += orderly if missing <= 0 else [*orderly, *structured(scope, missing, rng)]
-    cases = cases_of(scope, joined(parts), rng, reach, base, sure=len(parts[0]))
+    cases = cases_of(scope, joined(parts), rng, reach, base, sure=1)
     judged = [case.model_copy(update={"quality": quality(scope, case)}) for case in distinct(asked.names, cases)]
     return selected(scope, judged, asked.want)
 
@@ -103,25 +103,20 @@ def _alone(scope: Scope, asked: Asked, reach: ReachIR | None, base_P_m: np.ndarr
     return cases_of(scope, found.take(first), rng) if first else []
 
 
-def _solved(scope: Scope, solved: Sequence[Mapping[str, Placement]]) -> Layouts:
-    # The solver's assignments as layouts; options of free members follow their grid.
+def _solved(scope: Scope, solved: Mapping[str, Placement]) -> Layouts:
+    # The solver's assignment as the only layout; the option of a free member follows its grid.
     n = len(scope.members)
-    option, origin, rect = (
-        np.zeros((len(solved), n), dtype=np.int64),
-        np.zeros((len(solved), n, 2)),
-        np.zeros((len(solved), n, 4)),
-    )
+    option, origin, rect = np.zeros((1, n), dtype=np.int64), np.zeros((1, n, 2)), np.zeros((1, n, 4))
     for i, member in enumerate(scope.members):
+        placement = solved[member.name]
         shift = np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
-        origin[:, i] = [(s[member.name].x_m + shift[0], s[member.name].y_m + shift[1]) for s in solved]
-        option[:, i] = member.grid + np.arange(len(solved))
-        if member.pinned:
-            option[:, i] = [_nearest(member, s[member.name]) for s in solved]
+        origin[0, i] = placement.x_m + shift[0], placement.y_m + shift[1]
+        option[0, i] = _nearest(member, placement) if member.pinned else member.grid
         rect[:, i] = around(member, option[:, i], origin[:, i])
-    return Layouts(option, origin, rect, ["seeded"] * len(solved))
+    return Layouts(option, origin, rect, ["seeded"])
 
 
-def _nearest(member, placement: Placement) -> int:
+def _nearest(member: Member, placement: Placement) -> int:
     shift = np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
     off = np.hypot(*(member.at_m - shift - (placement.x_m, placement.y_m)).T) + np.abs(member.base_m - placement.base_m)
     off += np.abs((member.yaw_rad - placement.yaw_rad + np.pi) % (2 * np.pi) - np.pi) + (

@@ -35,12 +35,12 @@ def quality(scope: Scope, case: PlanCase) -> float:
         float(aspect.mean()),
         float(np.clip(spare.min() / SHORT_EDGE_M, 0.0, 1.0)),
         float(np.minimum(turn / FREE_YAW_RAD, 1.0).mean()),
-        float(np.clip(_least_gap(scope, case, cells) / GAP_M, 0.0, 1.0)),
+        float(np.clip(_least_gap(cells) / GAP_M, 0.0, 1.0)),
     )
     return round(float(np.mean(terms)) * (1.0 - float(pinned.mean())), 4)
 
 
-def _least_gap(scope: Scope, case: PlanCase, cells_m: FloatArray) -> float:
+def _least_gap(cells_m: FloatArray) -> float:
     if len(cells_m) < 2:
         return GAP_M
     one, two = cells_m[:, None], cells_m[None]

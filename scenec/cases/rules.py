@@ -6,10 +6,14 @@ Frame P of the owner, metres and radians.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
 import numpy as np
 
 from scenec.cases.feasible import BoolArray
 from scenec.ir import FloatArray, RelationIR
+from scenec.solve.shelf import AXIS
 
 SLACK = 1e-9
 
@@ -40,6 +44,32 @@ def may_hold(
     along = (step * line).sum(axis=-1) / length
     beside = np.abs(step[..., 0] * line[..., 1] - step[..., 1] * line[..., 0]) / length
     return (along >= 0.0) & (along <= length) & (beside <= rule.tolerance + SLACK)
+
+
+class Ahead(NamedTuple):
+    """Member `first` ends `gap_m` before member `second` begins, along axis 0 (x) or 1 (y)."""
+
+    first: int
+    second: int
+    along: int
+    gap_m: float
+
+
+def ahead(rules: Sequence[RelationIR], number: Mapping[str, int]) -> list[Ahead]:
+    """The `before` relations along an axis, of members by number; those against an axis the other way round."""
+    found = []
+    for rule in rules:
+        along = axis_of(rule.direction)
+        if rule.kind == "before" and along is not None:
+            ends = [number[name] for name in rule.things]
+            first, second = ends if rule.direction[along] > 0.0 else ends[::-1]
+            found.append(Ahead(first, second, along, rule.gap_m))
+    return found
+
+
+def axis_of(direction: tuple[float, float]) -> int | None:
+    """0 for a direction along x, 1 for one along y, None for any other."""
+    return next((axis for axis in (0, 1) if abs(direction[axis]) > AXIS), None)
 
 
 def wrapped_all(angle_rad: FloatArray) -> FloatArray:

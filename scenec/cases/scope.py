@@ -76,8 +76,8 @@ def overhang_m(shape: Shape) -> float:
 @dataclass(frozen=True)
 class Member:
     """One thing of a scope. Options (m,): `stance`, `yaw_rad`, `base_m`, `height_m`; `reach_m` (m, 4) as in `Turns`;
-    `at_m` (m, 2) their origins in P, NaN where these are free. Only the first `grid` are drawn, the others are poses
-    that a solver found. `origin_m` (4,) bounds the origin in P; `overhang_m` by stance: see there."""
+    `at_m` (m, 2) their origins in P, NaN where these are free. Only the first `grid` are drawn, the other is the
+    pose that the solver found. `origin_m` (4,) bounds the origin in P; `overhang_m` by stance: see there."""
 
     thing: Thing
     shapes: tuple[Shape, ...]
@@ -177,17 +177,17 @@ def scope_of(
     model: Model,
     names: Sequence[str],
     fixed: Mapping[str, Placement],
-    solved: Sequence[Mapping[str, Placement]] = (),
+    solved: Mapping[str, Placement],
 ) -> Scope:
-    """The scope of some things of one owner; those in `fixed` have one pose only. Each `solved` assignment adds an
+    """The scope of some things of one owner; those in `fixed` have one pose only. The `solved` assignment adds an
     option to each of the others."""
     inside = set(names)
     rules = tuple(rule for rule in model.rules if inside.issuperset(rule.things) and model.in_one_frame(rule))
-    members = tuple(_member(model, name, fixed.get(name), [s[name] for s in solved]) for name in sorted(names))
+    members = tuple(_member(model, name, fixed.get(name), solved[name]) for name in sorted(names))
     return Scope(members, model.problem.clearance_m, rules, model)
 
 
-def _member(model: Model, name: str, fixed: Placement | None, solved: Sequence[Placement]) -> Member:
+def _member(model: Model, name: str, fixed: Placement | None, solved: Placement) -> Member:
     thing, shapes = model.things[name], model.shapes[name]
     domain, site = thing.domain, model.site(thing)
     (xa, xb), (ya, yb) = domain.x_m, domain.y_m
@@ -225,8 +225,8 @@ def _member(model: Model, name: str, fixed: Placement | None, solved: Sequence[P
         shapes,
         turns,
         {s: feasible_on(site, shapes[s].height_m) for s in stances},
-        *_options([*grid, *solved], shapes),
-        np.full((len(grid) + len(solved), 2), np.nan),
+        *_options([*grid, solved], shapes),
+        np.full((len(grid) + 1, 2), np.nan),
         origin,
         overhang,
         len(grid),

@@ -15,7 +15,7 @@ from numpy.random import Generator
 
 from scenec.cases.apart import apart
 from scenec.cases.rules import may_hold
-from scenec.cases.scope import IntArray, Layouts, Member, Scope, around
+from scenec.cases.scope import IntArray, Layouts, Member, Scope, around, joined
 from scenec.ir import FloatArray
 
 LOT = 4096  # layouts or candidates looked at together
@@ -48,12 +48,7 @@ def _first(scope: Scope, found: list[Layouts], want: int) -> Layouts:
     none = Layouts(np.zeros((0, n), dtype=np.int64), np.zeros((0, n, 2)), np.zeros((0, n, 4)), [])
     if not found:
         return none
-    whole = Layouts(
-        np.concatenate([p.option for p in found]),
-        np.concatenate([p.origin_m for p in found]),
-        np.concatenate([p.rect_m for p in found]),
-        ["seeded"] * sum(map(len, found)),
-    )
+    whole = joined(found)
     return whole.take(np.arange(min(want, len(whole))))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from scenec.cases.scope import Scope
+from scenec.cases.scope import IntArray, Scope
 from scenec.ir import FloatArray
 from schemas.runtime_plan import PlanCase
 
@@ -24,7 +24,8 @@ def selected(scope: Scope, cases: Sequence[PlanCase], want: int) -> list[PlanCas
     good = [case for case in cases if case.quality >= FLOOR * best]
     if len(good) <= want:
         return good
-    centre, order = _centres(scope, good), _topology(scope, good)
+    centre = _centres(scope, good)
+    order = _topology(centre)
     value = np.array([case.quality for case in good])
     chosen = [int(value.argmax())]
     far = np.full(len(good), np.inf)
@@ -46,7 +47,6 @@ def _centres(scope: Scope, cases: Sequence[PlanCase]) -> FloatArray:
     return middle / max(float(np.hypot(x1 - x0, y1 - y0)), 1e-9)
 
 
-def _topology(scope: Scope, cases: Sequence[PlanCase]) -> np.ndarray:
+def _topology(centre: FloatArray) -> IntArray:
     # (c, 2 n) the order of things from left to right and from front to back: how the layout is partitioned.
-    centre = _centres(scope, cases)
-    return np.argsort(centre, axis=1, kind="stable").reshape(len(cases), -1)
+    return np.argsort(centre, axis=1, kind="stable").reshape(len(centre), -1)

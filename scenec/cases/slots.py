@@ -13,16 +13,15 @@ from numpy.random import Generator
 
 from scenec.cases.apart import clashes
 from scenec.cases.feasible import BoolArray
-from scenec.cases.rules import may_hold
+from scenec.cases.rules import ahead, may_hold
 from scenec.cases.scope import GRAIN_M, IntArray, Layouts, Scope, around
 from scenec.cases.seeded import front_of, inside
 from scenec.ir import FloatArray
 
-WAYS = 4
+WAYS = 4  # at least: two for each stance
 SWAY = 0.4  # how much chance disturbs the order that relations want
 REPAIRS = 2000  # exchanges tried while relations are broken
 MIXING = 3  # exchanges tried for each thing once they hold
-AXIS = 1.0 - 1e-9
 
 
 @dataclass(frozen=True)
@@ -45,6 +44,7 @@ class Ways:
 def ways_of(scope: Scope) -> Ways:
     """For each member the options of least area in each quarter of a turn, the least deep first."""
     options, sizes = [], []
+    width = max(WAYS, *(2 * len(set(member.stance[: member.grid].tolist())) for member in scope.members))
     for member in scope.members:
         area = member.footprint_m2[: member.grid]
         found: list[int] = []
@@ -54,7 +54,7 @@ def ways_of(scope: Scope) -> Ways:
                 rows = np.flatnonzero(of & (member.stance[: member.grid] == stance))
                 if len(rows):
                     found.append(int(rows[area[rows].argmin()]))
-        found = (found * WAYS)[: max(WAYS, 1)]
+        found = (found * width)[:width]
         reach = member.reach_m[found] + GRAIN_M
         size = np.stack([reach[:, 0] + reach[:, 1], reach[:, 2] + reach[:, 3]], axis=1)
         order = np.argsort(size[:, 1], kind="stable")
@@ -133,16 +133,8 @@ def _exchange(scope: Scope, ways: Ways, slots: FloatArray, rng: Generator) -> No
 
 
 def _axial(scope: Scope) -> FloatArray:
-    # (r, 4) rows (first, second, axis, gap): the first ends before the second begins along an axis.
-    found = []
-    for rule in scope.rules:
-        if rule.kind == "before" and max(map(abs, rule.direction)) > AXIS:
-            along = 0 if abs(rule.direction[0]) > AXIS else 1
-            first, second = (scope.index[name] for name in rule.things)
-            if rule.direction[along] < 0.0:
-                first, second = second, first
-            found.append((first, second, along, rule.gap_m))
-    return np.array(found).reshape(-1, 4)
+    # (r, 4) rows of `scenec.cases.rules.Ahead`.
+    return np.array(ahead(scope.rules, scope.index)).reshape(-1, 4)
 
 
 def _broken(slots: FloatArray, rules: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from geom.seen_from_above import inner_radius
 from scenec.cases.cells import SPARE_M
 from scenec.cases.scope import GRAIN_M, GRAIN_RAD, Member, Scope
 from scenec.ir import FloatArray, ReachIR
@@ -56,10 +57,7 @@ def _sectors(shape: Shape, site: Site, span_rad: tuple[float, float]) -> list[tu
 
 
 def _is_round(shape: Shape) -> bool:
-    outline = shape.hull
-    step = np.roll(outline, -1, axis=0) - outline
-    normal = np.stack([step[:, 1], -step[:, 0]], axis=1) / np.hypot(*step.T)[:, None]
-    return len(shape.pieces) == 1 and shape.radius_m < ROUND * float((normal * outline).sum(axis=1).min())
+    return len(shape.pieces) == 1 and shape.radius_m < ROUND * inner_radius(shape.hull)
 
 
 def _swept(shape: Shape, low: float, high: float) -> FloatArray:

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from shapely import MultiPoint
 
-from geom.seen_from_above import turned
+from geom.seen_from_above import inner_radius, turned
 from scenec.ir import FloatArray, Slab, Stance, Thing
 
 TURN = 2.0 * np.pi
@@ -82,7 +82,7 @@ def kernel(outline: FloatArray, yaw: YawCell) -> FloatArray:
     if half < 1e-9:
         return turned(outline, middle)
     if half >= np.pi / 2.0:
-        inner = _least_distance(outline)
+        inner = inner_radius(outline)
         angles = np.arange(8) * (TURN / 8)
         return inner * np.stack([np.cos(angles), np.sin(angles)], axis=1) if inner > 0.0 else np.zeros((0, 2))
     edges = np.roll(outline, -1, axis=0) - outline
@@ -95,13 +95,6 @@ def kernel(outline: FloatArray, yaw: YawCell) -> FloatArray:
     )
     bounds = np.concatenate([offsets, offsets, chord, chord, offsets[inside]])
     return turned(half_planes(np.stack([np.cos(turns), np.sin(turns)], axis=1), bounds, outline), middle)
-
-
-def _least_distance(outline: FloatArray) -> float:
-    """Distance of the origin from the nearest edge line, negative when it lies outside."""
-    edges = np.roll(outline, -1, axis=0) - outline
-    cross = edges[:, 1] * outline[:, 0] - edges[:, 0] * outline[:, 1]
-    return float((cross / np.hypot(edges[:, 0], edges[:, 1])).min())
 
 
 def half_planes(normals: FloatArray, bounds: FloatArray, start: FloatArray) -> FloatArray:
