@@ -18,7 +18,8 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from benchmarks.scene_workload import CLEARANCE_M, TABLE_M, sizes_and_pairs, workload
+from benchmarks.rejection import filled
+from benchmarks.scene_workload import sizes_and_pairs, workload
 from geom.many_scenes import Stands
 from geom.plan_rules import rules_of
 from geom.scene_check_many import check_many
@@ -81,58 +82,9 @@ def rejection(sizes: np.ndarray, pairs: Pairs, limit_s: float, n: int = 512) -> 
     """Scenes per CPU second and the share of attempts that succeed, boxes in the order of the program."""
     rng, since, done, begun = np.random.default_rng(0), time.process_time(), 0, 0
     while time.process_time() - since < limit_s:
-        done += _attempt(sizes, pairs, rng, n)
+        done += len(filled(sizes, pairs, range(len(sizes)), rng, n, TRIES))
         begun += n
     return done / (time.process_time() - since), done / begun
-
-
-def _attempt(sizes: np.ndarray, pairs: Pairs, rng: np.random.Generator, n: int) -> int:
-    """How many of n scenes could be filled."""
-    at, turn = np.zeros((n, len(sizes), 2)), np.zeros((n, len(sizes)))
-    alive = np.arange(n)
-    for i in range(len(sizes)):
-        waiting = alive
-        placed = []
-        for _ in range(TRIES):
-            if not len(waiting):
-                break
-            m = len(waiting)
-            yaw = rng.uniform(-np.pi, np.pi, m)
-            reach = 0.5 * np.abs(np.stack([np.cos(yaw), np.sin(yaw)])).T @ np.array([sizes[i], sizes[i][::-1]]).T
-            middle = rng.uniform(-1.0, 1.0, (m, 2)) * (np.array(TABLE_M) / 2 - reach)
-            good = _apart(middle, yaw, sizes[i], at[waiting, :i], turn[waiting, :i], sizes[:i])
-            for a, b in pairs:
-                if i in (a, b) and (b if i == a else a) < i:
-                    other = b if i == a else a
-                    c, s = np.cos(turn[waiting, other]), np.sin(turn[waiting, other])
-                    room = reach[:, 0] + 0.5 * (np.abs(c) * sizes[other, 0] + np.abs(s) * sizes[other, 1])
-                    step = at[waiting, other, 0] - middle[:, 0]
-                    good &= (step if i == a else -step) >= room
-            at[waiting[good], i], turn[waiting[good], i] = middle[good], yaw[good]
-            placed.append(waiting[good])
-            waiting = waiting[~good]
-        alive = np.sort(np.concatenate(placed)) if placed else alive[:0]
-    return len(alive)
-
-
-def _apart(
-    middle: np.ndarray, yaw: np.ndarray, size: np.ndarray, at: np.ndarray, turn: np.ndarray, sizes: np.ndarray
-) -> np.ndarray:
-    """(m,) whether a box is the clearance away from all placed ones along an axis of either (separating axes)."""
-    if not len(sizes):
-        return np.ones(len(middle), dtype=bool)
-    step, half = at - middle[:, None], 0.5 * sizes
-    between = turn - yaw[:, None]
-    c, s = np.abs(np.cos(between)), np.abs(np.sin(between))
-    free = np.zeros(between.shape, dtype=bool)
-    for axis in range(2):
-        along = np.stack([np.cos(yaw + axis * np.pi / 2), np.sin(yaw + axis * np.pi / 2)], axis=-1)[:, None]
-        others = c * half[:, axis] + s * half[:, 1 - axis]
-        free |= np.abs((step * along).sum(axis=-1)) - others - 0.5 * size[axis] >= CLEARANCE_M
-        theirs = np.stack([np.cos(turn + axis * np.pi / 2), np.sin(turn + axis * np.pi / 2)], axis=-1)
-        own = 0.5 * (c * size[axis] + s * size[1 - axis])
-        free |= np.abs((step * theirs).sum(axis=-1)) - own - half[:, axis] >= CLEARANCE_M
-    return free.all(axis=1)
 
 
 def main() -> int:

@@ -1,6 +1,6 @@
 """What plans cover, beside rejection on the same workload: cases, freedom to turn, cells reached, honest shares.
 
-    python -m benchmarks.plans [--sizes 5,10,20,30,60,80] [--seeds 2] [--diversity 1] [--samples 20000]
+    python -m benchmarks.plans [--sizes 5,10,20,30,60,80] [--seeds 2] [--diversity 1] [--samples 20000] [--plans DIR]
 
 Rejection draws a yaw, then a position on the table, for each box: all at once (N up to 10, the exact distribution), or
 box by box with up to 60 tries (N up to 30), with exact oriented boxes and relations; beyond it is not tried. CPU
@@ -13,19 +13,22 @@ from __future__ import annotations
 import argparse
 import time
 from collections import Counter
+from pathlib import Path
 from statistics import median
 
 import numpy as np
 from numpy.random import Generator
 from scipy.stats import ks_2samp
 
-from benchmarks.scene_workload import CLEARANCE_M, TABLE_M, sizes_and_pairs, workload
+from benchmarks.rejection import filled
+from benchmarks.scene_workload import TABLE_M, sizes_and_pairs, workload
+from runtime_plan import Plan, prepare, sample
 from scenec.cases.signature import signature
 from scenec.ir import Placement, Solved
-from scenec.plan import plan_text, runtime_plan
+from scenec.plan import plan_text
+from scenec.plan import runtime_plan as plan_of
 from scenec.solve import solve
 from scenec.validate import violations
-from schemas.runtime_plan import PlanPool
 from schemas.scene_program import SceneProgram
 
 CELL_M = 0.05  # of the table, for coverage
@@ -37,48 +40,23 @@ TRIES = 60
 
 
 def planned(n: int, seed: int, diversity: float):
-    """(problem, the only pool, text, CPU seconds without solving); None where there is no scene."""
+    """(problem, plan, text, CPU seconds without solving); None where there is no scene."""
     problem = workload(n, seed)
     result = solve(problem, 0)
     if not isinstance(result, Solved):
         return None
     since = time.process_time()
     program = SceneProgram(scene=problem.scene, clearance=problem.clearance_m)
-    plan = runtime_plan(program, [problem], [result], diversity=diversity)
-    return problem, plan.combinations[0].pools, plan_text(plan), time.process_time() - since
+    plan = plan_of(program, [problem], [result], diversity=diversity)
+    seconds = time.process_time() - since
+    return problem, prepare(plan), plan_text(plan), seconds
 
 
-def drawn(pools: tuple[PlanPool, ...], sizes: np.ndarray, rng: Generator, count: int) -> np.ndarray:
-    """(count, n, 3) x, y, yaw of boxes drawn from plans as `schemas.runtime_plan` says."""
-    poses = np.zeros((count, len(sizes), 3))
-    for pool in pools:
-        weight = np.array([case.weight for case in pool.cases])
-        chosen = rng.choice(len(weight), size=count, p=weight / weight.sum())
-        for k, case in enumerate(pool.cases):
-            rows = np.flatnonzero(chosen == k)
-            for i, name in enumerate(pool.things):
-                b = int(name.removeprefix("box"))
-                runs = np.array(case.yaws_urad[i]) * 1e-6
-                length = np.maximum(runs[:, 1] - runs[:, 0], 1e-12)
-                run = rng.choice(len(runs), size=len(rows), p=length / length.sum())
-                yaw = runs[run, 0] + rng.random(len(rows)) * (runs[run, 1] - runs[run, 0])
-                half = half_extents(sizes[b], yaw)
-                x0, x1, y0, y1 = np.array(case.cells_um[i]) * 1e-6
-                low = np.stack([x0 + half[0], y0 + half[1]], axis=1)
-                high = np.maximum(np.stack([x1 - half[0], y1 - half[1]], axis=1), low)
-                if (bounds := case.origins_um[i]) is not None:
-                    low, high = (
-                        np.maximum(low, np.array(bounds[::2]) * 1e-6),
-                        np.minimum(high, np.array(bounds[1::2]) * 1e-6),
-                    )
-                poses[rows, b, :2] = low + rng.random((len(rows), 2)) * (high - low)
-                poses[rows, b, 2] = yaw
-    return poses
-
-
-def half_extents(size: np.ndarray, yaw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    c, s = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
-    return (c * size[0] + s * size[1]) / 2, (s * size[0] + c * size[1]) / 2
+def drawn(plan: Plan, n: int, count: int) -> np.ndarray:
+    """(count, n, 3) x, y, yaw of box 0 to n - 1 in samples of a plan."""
+    samples = sample(plan, count, 0)
+    columns = [samples.names.index(f"box{i}") for i in range(n)]
+    return np.concatenate([samples.position_m[:, columns, :2], samples.yaw_rad[:, columns, None]], axis=-1)
 
 
 def rejected(n: int, seed: int, rng: Generator, count: int, tries: int) -> np.ndarray:
@@ -87,43 +65,8 @@ def rejected(n: int, seed: int, rng: Generator, count: int, tries: int) -> np.nd
     order = np.argsort(-sizes.prod(axis=1)).tolist()
     found: list[np.ndarray] = []
     while sum(map(len, found)) < count:
-        poses = np.zeros((100_000 if tries == 1 else 1500, n, 3))
-        for k, i in enumerate(order):
-            open_rows = np.arange(len(poses))
-            seated = np.zeros(len(poses), dtype=bool)
-            for _ in range(tries):
-                yaw = rng.uniform(-np.pi, np.pi, len(open_rows))
-                half = np.stack(half_extents(sizes[i], yaw), axis=1)
-                at = (2 * rng.random((len(open_rows), 2)) - 1) * (np.array(TABLE_M) / 2 - half)
-                pose = np.column_stack([at, yaw])
-                good = np.ones(len(open_rows), dtype=bool)
-                for j in order[:k]:
-                    good &= ~_meet(pose, sizes[i], poses[open_rows, j], sizes[j])
-                for a, b in pairs:
-                    if i in (a, b) and ({a, b} - {i}) <= set(order[:k]):
-                        left, right = (pose if q == i else poses[open_rows, q] for q in (a, b))
-                        end = left[:, 0] + half_extents(sizes[a], left[:, 2])[0]
-                        good &= end <= right[:, 0] - half_extents(sizes[b], right[:, 2])[0]
-                poses[open_rows[good], i] = pose[good]
-                seated[open_rows[good]] = True
-                open_rows = open_rows[~good]
-                if not len(open_rows):
-                    break
-            poses = poses[seated]
-        found.append(poses)
+        found.append(filled(sizes, pairs, order, rng, 100_000 if tries == 1 else 1500, tries))
     return np.concatenate(found)[:count]
-
-
-def _meet(one: np.ndarray, size_one: np.ndarray, two: np.ndarray, size_two: np.ndarray) -> np.ndarray:
-    # Separating axes of boxes grown by half the clearance each (corners square: a little stricter than round ones).
-    g, h = (size_one + CLEARANCE_M) / 2, (size_two + CLEARANCE_M) / 2
-    dx, dy = two[:, 0] - one[:, 0], two[:, 1] - one[:, 1]
-    ca, sa, cb, sb = np.cos(one[:, 2]), np.sin(one[:, 2]), np.cos(two[:, 2]), np.sin(two[:, 2])
-    c, s = np.abs(ca * cb + sa * sb), np.abs(ca * sb - sa * cb)
-    meets = np.abs(dx * ca + dy * sa) < g[0] + h[0] * c + h[1] * s
-    meets &= np.abs(-dx * sa + dy * ca) < g[1] + h[0] * s + h[1] * c
-    meets &= np.abs(dx * cb + dy * sb) < h[0] + g[0] * c + g[1] * s
-    return meets & (np.abs(-dx * sb + dy * cb) < h[1] + g[0] * s + g[1] * c)
 
 
 def cells(poses: np.ndarray, side_m: float) -> np.ndarray:
@@ -183,6 +126,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--diversity", type=float, default=1.0)
     parser.add_argument("--samples", type=int, default=20_000)
+    parser.add_argument("--plans", type=Path, help="Write each plan there as plan-N-SEED.json, for `mana plan`.")
     given = parser.parse_args()
     wrong = 0
     print(
@@ -194,12 +138,16 @@ def main() -> None:
             if made is None:
                 print(f"{n:3} {seed:4}  no scene")
                 continue
-            problem, pools, text, seconds = made
+            problem, plan, text, seconds = made
+            if given.plans is not None:
+                given.plans.mkdir(parents=True, exist_ok=True)
+                (given.plans / f"plan-{n}-{seed}.json").write_text(text)
+            pools = plan.document.combinations[0].pools
             cases = [case for pool in pools for case in pool.cases]
             distinct = {signature(pool.things, case) for pool in pools for case in pool.cases}
             turn = median(sum(b - a for a, b in yaws) * 1e-6 for case in cases for yaws in case.yaws_urad)
             rng = np.random.default_rng([n, seed])
-            poses = drawn(pools, sizes_and_pairs(n, seed)[0], rng, given.samples)
+            poses = drawn(plan, n, given.samples)
             bad = invalid(problem, poses)
             wrong += bad
             words = "(rejection not tried)"
