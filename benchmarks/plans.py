@@ -36,6 +36,7 @@ COARSE_M = 0.10  # of the table, for occupancy
 JOINT = 10  # up to here rejection is joint, and exact
 REFERENCE = 30  # up to here rejection is tried
 CHECKED = 60
+MORE = 10  # draws of the plan for each of rejection: what can be reached, whatever chance leaves out
 TRIES = 60
 
 
@@ -163,10 +164,12 @@ def main() -> None:
                 flush=True,
             )
             if n <= JOINT:
-                half = given.samples // 2
-                bias("rejection, again", reference[:half], reference[half:])
-                shares = " ".join(f"{share:.3f}" for share in coverage(reference[:half], reference[half:]))
-                print(f"    half of rejection reaches of the squares of the other half {shares}")
+                again = rejected(n, seed, rng, given.samples, 1)
+                more = drawn(plan, n, MORE * given.samples)
+                for words, other in (("rejection, drawn again", again), (f"plan, {MORE} times as many", more)):
+                    shares = " ".join(f"{share:.3f}" for share in coverage(other, reference))
+                    print(f"    {words:22} reaches of the squares of rejection {shares}")
+                bias("rejection, drawn again", again, reference)
                 bias("plan", poses, reference)
     raise SystemExit(1 if wrong else 0)
 

@@ -49,7 +49,9 @@ def _without(free: FloatArray, taken: FloatArray) -> FloatArray:
         part = free[cut].copy()
         part[:, side] = value
         parts.append(part[(part[:, 1] - part[:, 0] > 5e-3) & (part[:, 3] - part[:, 2] > 5e-3)])
-    found = np.unique(np.concatenate(parts), axis=0)
+    found = np.concatenate(parts)
+    found = found[np.lexsort(found.T)]
+    found = found[np.concatenate([[True], (found[1:] != found[:-1]).any(axis=1)])] if len(found) else found
     a, b = found[:, None], found[None]
     held = (a[..., 0] >= b[..., 0]) & (a[..., 1] <= b[..., 1]) & (a[..., 2] >= b[..., 2]) & (a[..., 3] <= b[..., 3])
     np.fill_diagonal(held, False)

@@ -15,7 +15,7 @@ from scenec.cases.guillotine import guillotine
 from scenec.cases.quality import quality
 from scenec.cases.scope import GRAIN_M, Layouts, Member, Scope, around, joined, scope_of
 from scenec.cases.seeded import TRIES, seeded
-from scenec.cases.select import selected
+from scenec.cases.select import FEW, selected
 from scenec.cases.shelf import shelf
 from scenec.cases.signature import distinct
 from scenec.cases.slots import seated, ways_of
@@ -28,7 +28,7 @@ from schemas.runtime_plan import PlanCase
 FAMILIES = (("grid", grid), ("guillotine", guillotine), ("free_rectangle", free_rectangle), ("shelf", shelf))
 MISSES = 24  # partitions that may fail before a family is given up
 STRUCTURED = 0.2  # of the cases that plain rejection does not find
-SURPLUS = 1.3  # layouts made for each case wanted
+SURPLUS_OF_FEW, SURPLUS = 3.0, 1.3  # layouts made for each case wanted
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def pool_cases(model: Model, asked: Asked) -> list[PlanCase]:
         alone = _alone(scope, asked, reach, base)
         if alone:
             return [case.model_copy(update={"quality": quality(scope, case)}) for case in alone]
-    surplus = int(SURPLUS * asked.want)
+    surplus = int((SURPLUS_OF_FEW if len(scope.members) <= FEW else SURPLUS) * asked.want)
     parts = [_solved(scope, asked.solved)]
     parts.append(seeded(scope, surplus - 1, rng, 1))
     if (missing := surplus - sum(map(len, parts))) > 0:

@@ -11,7 +11,8 @@ from scenec.ir import FloatArray
 from schemas.runtime_plan import PlanCase
 
 FLOOR = 0.35  # of the best quality
-BALANCE = 0.7  # weight of distance against quality
+FEW = 16  # things, up to which what cases reach counts most; beyond, room to turn is scarce and quality counts more
+BALANCE_OF_FEW, BALANCE = 0.95, 0.7  # weight of distance, in diagonals of the support, against quality from 0 to 1
 TOPOLOGY = 0.25  # weight of another order of neighbours in the distance
 
 
@@ -28,12 +29,14 @@ def selected(scope: Scope, cases: Sequence[PlanCase], want: int) -> list[PlanCas
     order = _topology(centre)
     value = np.array([case.quality for case in good])
     chosen = [int(value.argmax())]
+    balance = BALANCE_OF_FEW if len(scope.members) <= FEW else BALANCE
     far = np.full(len(good), np.inf)
     while len(chosen) < want:
         last = chosen[-1]
-        moved = np.hypot(*np.moveaxis(centre - centre[last], -1, 0)).mean(axis=1)
+        step = centre - centre[last]
+        moved = np.sqrt(np.einsum("cnd,cnd->cn", step, step)).mean(axis=1)
         far = np.minimum(far, moved + TOPOLOGY * (order != order[last]).mean(axis=1))
-        score = BALANCE * far + (1.0 - BALANCE) * value
+        score = balance * far + (1.0 - balance) * value
         score[chosen] = -np.inf
         chosen.append(int(score.argmax()))
     return [good[k] for k in sorted(chosen)]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import ceil, floor
+
 import numpy as np
 
 from scenec.cases.feasible import BoolArray
@@ -31,10 +33,10 @@ def fitting(turns: Turns, rect_m: FloatArray, origin_m: FloatArray) -> BoolArray
 def intervals(turns: Turns, fits: BoolArray, window_rad: tuple[float, float]) -> list[tuple[float, float]]:
     """The longest runs of fitting intervals (k,) within a window, as (low, high) on whole microradians; maybe none."""
     edges = turns.edges
-    if not fits.any():
-        return []
-    change = np.flatnonzero(np.diff(np.concatenate([[False], fits, [False]]).astype(np.int8)))
-    runs = [(float(edges[a]), float(edges[b])) for a, b in change.reshape(-1, 2).tolist()]
+    change = [0, len(fits)]  # the usual case first: all of them fit
+    if not fits.all():
+        change = np.flatnonzero(np.diff(np.concatenate([[False], fits, [False]]).astype(np.int8))).tolist()
+    runs = [(float(edges[a]), float(edges[b])) for a, b in zip(change[::2], change[1::2], strict=True)]
     if edges[-1] - edges[0] > TURN - 1e-9 and len(runs) > 1 and fits[0] and fits[-1]:
         (first, *rest) = runs
         runs = [*rest[:-1], (rest[-1][0], first[1] + TURN)]
@@ -45,7 +47,7 @@ def intervals(turns: Turns, fits: BoolArray, window_rad: tuple[float, float]) ->
             a, b = max(begin + turn, low), min(end + turn, high)
             if high - low >= TURN - 1e-9:
                 a, b = begin, end
-            a, b = np.ceil(a / GRAIN_RAD) * GRAIN_RAD, np.floor(b / GRAIN_RAD) * GRAIN_RAD
+            a, b = ceil(a / GRAIN_RAD) * GRAIN_RAD, floor(b / GRAIN_RAD) * GRAIN_RAD
             if b - a >= LEAST_RAD:
-                cut.append((float(a), float(b)))
+                cut.append((a, b))
     return sorted(sorted(cut, key=lambda run: (run[0] - run[1], run[0]))[:MOST_INTERVALS])
