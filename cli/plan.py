@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.markup import escape
 
-from cli import text
+from cli import plan_facts, text
 from cli.plan_restrict import restrict_command
 from jobs.cache import write_atomically
 from runtime_plan import as_document, load, sample
-from schemas.runtime_plan import RuntimePlan
 
 app = typer.Typer(help="Draw scenes from a compiled plan: thousands in a moment, each valid.", no_args_is_help=True)
 AsJson = Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")]
@@ -70,81 +68,34 @@ def inspect_command(
         from cli.plan_picture import picture
 
         write_atomically(out, picture(ready))
-    pools, things = _pools(ready.document), _things(ready.document)
+    pools, things = plan_facts.pools(ready.document), plan_facts.things(ready.document)
     if as_json:
         made = ready.document.provenance.model_dump()
-        facts = {"plan": ready.sha256, "provenance": made, "choices": _choices(ready.document)}
+        facts = {"plan": ready.sha256, "provenance": made, "choices": plan_facts.choices(ready.document)}
         print(json.dumps({**facts, "pools": pools, "things": things}, indent=1))
         return
     text.show_rows(
-        pools,
-        {
-            "combination": "combination",
-            "things": "things",
-            "cases": "cases",
-            "quality": "quality",
-            "families": "families",
-        },
+        (
+            {
+                **row,
+                "things": ", ".join(row["things"]),
+                "quality": f"{row['quality']['least']:.2f} to {row['quality']['most']:.2f}",
+                "families": ", ".join(f"{name} {count}" for name, count in row["families"].items()),
+            }
+            for row in pools
+        ),
+        {name: name for name in ("combination", "things", "cases", "quality", "families")},
     )
     text.show_rows(
-        things, {"thing": "thing", "cell_cm": "cell (cm, median)", "yaw_rad": "yaw (rad, median)", "stances": "stances"}
+        ({**row, "cell_cm": " x ".join(f"{100.0 * side:.1f}" for side in row["cell_m"])} for row in things),
+        {
+            "combination": "combination",
+            "thing": "thing",
+            "cell_cm": "cell (cm, median)",
+            "yaw_rad": "yaw (rad, median)",
+            "stances": "stances",
+        },
     )
-
-
-def _choices(plan: RuntimePlan) -> dict[str, object]:
-    """What `mana plan restrict` can choose from."""
-    keys = dict.fromkeys(key for one in plan.combinations for key in one.combination)
-    assets: dict[str, list[str]] = {}
-    for one in plan.combinations:
-        for thing in one.things:
-            ids = (plan.bodies[body].asset_id for body in thing.bodies)
-            assets[thing.id] = list(dict.fromkeys((*assets.get(thing.id, ()), *ids)))
-    return {
-        "choice": {key: list(dict.fromkeys(one.combination[key] for one in plan.combinations)) for key in keys},
-        "asset": assets,
-        "material": [material.id for material in plan.materials],
-        "lighting": [light.id for light in plan.lighting],
-        "split": {side: list(ids) for side, ids in plan.split.items()},
-    }
-
-
-def _pools(plan: RuntimePlan) -> list[dict[str, object]]:
-    """One row a pool."""
-    rows: list[dict[str, object]] = []
-    for index, one in enumerate(plan.combinations):
-        for pool in one.pools:
-            families = Counter(case.family for case in pool.cases)
-            quality = sorted(case.quality for case in pool.cases)
-            rows.append(
-                {
-                    "combination": index,
-                    "things": ", ".join(pool.things),
-                    "cases": len(pool.cases),
-                    "quality": f"{quality[0]:.2f} to {quality[-1]:.2f}",
-                    "families": ", ".join(f"{name} {count}" for name, count in families.most_common()),
-                }
-            )
-    return rows
-
-
-def _things(plan: RuntimePlan) -> list[dict[str, object]]:
-    """One row a thing of the first combination: its median cell and freedom of yaw."""
-    rows: list[dict[str, object]] = []
-    for pool in plan.combinations[0].pools:
-        for k, name in enumerate(pool.things):
-            cells = [case.cells_um[k] for case in pool.cases]
-            turns = sorted(sum(high - low for low, high in case.yaws_urad[k]) for case in pool.cases)
-            wide = sorted(cell[1] - cell[0] for cell in cells)[len(cells) // 2]
-            deep = sorted(cell[3] - cell[2] for cell in cells)[len(cells) // 2]
-            rows.append(
-                {
-                    "thing": name,
-                    "cell_cm": f"{wide / 1e4:.1f} x {deep / 1e4:.1f}",
-                    "yaw_rad": turns[len(turns) // 2] * 1e-6,
-                    "stances": len({case.stances[k] for case in pool.cases}),
-                }
-            )
-    return rows
 
 
 @app.command("verify")

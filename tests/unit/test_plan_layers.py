@@ -84,7 +84,14 @@ def test_pictures_are_drawn(folder: Path, tmp_path: Path):
     assert drawn.exit_code == 0, drawn.output
     asked = ["plan", "inspect", str(folder / "plan.json"), "--out", str(cells), "--json"]
     looked = CliRunner().invoke(app, asked)
-    assert {row["thing"] for row in json.loads(looked.stdout)["things"]} == {"tray", "block"}
+    told = json.loads(looked.stdout)
+    assert {row["thing"] for row in told["things"]} == {"tray", "block"}
+    for row in told["things"]:  # in numbers, so that a script need not take words apart
+        assert min(row["cell_m"]) > 0.0
+        assert 0.0 <= row["yaw_rad"] <= 7.0
+    for row in told["pools"]:
+        assert sum(row["families"].values()) == row["cases"]
+        assert 0.0 <= row["quality"]["least"] <= row["quality"]["median"] <= row["quality"]["most"] <= 1.0
     with Image.open(sheet) as picture:
         assert picture.size == (658, 332)
         assert picture.convert("L").getextrema()[0] < 128
