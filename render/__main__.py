@@ -8,16 +8,30 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 NO_OPENGL = 3
+T = TypeVar("T")
 
 
 def main(argv: list[str]) -> int:
     """Draw the request at `argv[0]`; returns the exit code."""
-    os.environ.setdefault("LP_NUM_THREADS", "0")  # llvmpipe: one core per asset, the batch fills the others.
+    one_thread()
     from render.request import RenderRequest
     from render.views import render_all
+
+    return draw_saved(argv, RenderRequest, render_all)
+
+
+def one_thread() -> None:
+    """Before VTK is loaded. llvmpipe: one core for a process, a batch fills the others."""
+    os.environ.setdefault("LP_NUM_THREADS", "0")
+
+
+def draw_saved(argv: list[str], kind: type[T], draw: Callable[[T], object]) -> int:
+    """Draw the request of this kind at `argv[0]`; returns the exit code."""
     from render.window import NoOpenGL
     from schemas import arrays
 
@@ -25,12 +39,12 @@ def main(argv: list[str]) -> int:
         sys.stderr.write("usage: python -m render REQUEST.npz\n")
         return 2
     try:
-        request = arrays.load(RenderRequest, Path(argv[0]))
+        request = arrays.load(kind, Path(argv[0]))
     except (OSError, ValueError) as error:
         sys.stderr.write(f"cannot read {argv[0]}: {error}\n")
         return 2
     try:
-        render_all(request)
+        draw(request)
     except NoOpenGL as error:
         sys.stderr.write(f"{error}\n")
         return NO_OPENGL

@@ -49,7 +49,7 @@ class Variant(_Model):
     file, `scene` and `meshes` what was named to read it with, `source_sha256` the digests of its streams by name.
     `materials` are those that inserted objects name, as their plan states them; `lights` the lighting as drawn.
     `camera_hidden` is the share of task-object pixels that the inserted objects newly hide, by camera; empty where
-    nothing was rendered. `feasible_area_m2` is where an object of the smallest footprint may stand, by support.
+    nobody asked or none is seen. `feasible_area_m2` is where an object of the smallest footprint may stand, by support.
     """
 
     schema_version: str = SCHEMA_VERSION

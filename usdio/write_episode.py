@@ -132,7 +132,7 @@ def write_context(folder: Path, inserted: Sequence[PutIn], lighting: SampledLigh
         light(stage, lighting)
     contact = author_contact_material(stage, world, CONTACT, DENSITY_KGM3, "inline")
     group = _group(stage, INSERTED)
-    paths = [group.AppendChild(name) for name in prim_names([one.item.id for one in inserted], "object")]
+    paths = [group.AppendChild(name) for name in inserted_prims([one.item.id for one in inserted])]
     for path, one in zip(paths, inserted, strict=True):
         package = one.item.package
         if package is not None:
@@ -146,6 +146,11 @@ def write_context(folder: Path, inserted: Sequence[PutIn], lighting: SampledLigh
             main = f"./{main_file(folder, one.item.package).relative_to(folder).as_posix()}"
             layer.GetPrimAtPath(path).referenceList.prependedItems = [Sdf.Reference(main)]
     return _saved(layer, folder / CONTEXT)
+
+
+def inserted_prims(names: Sequence[str]) -> list[str]:
+    """The prim names below `/World/Inserted` of inserted objects of these names."""
+    return list(prim_names(names, "object"))
 
 
 def _conventions(layer: Sdf.Layer) -> None:

@@ -23,6 +23,7 @@ from usdio.write_primitive import CONTACT, DENSITY_KGM3, author_primitive
 
 PACKAGES = "packages"
 GRAVITY_MPS2 = 9.81
+LAMP_INTENSITY = 1200.0
 _ROOT = Sdf.Path("/World")
 _PREVIEWS = "previews"
 
@@ -90,7 +91,7 @@ def author_lights(stage: Usd.Stage) -> None:
     scope = UsdGeom.Scope.Define(stage, _ROOT.AppendChild("Lights")).GetPath()
     UsdLux.DomeLight.Define(stage, scope.AppendChild("Dome")).CreateIntensityAttr(700.0)
     lamp = UsdLux.DistantLight.Define(stage, scope.AppendChild("Lamp"))
-    lamp.CreateIntensityAttr(1200.0)
+    lamp.CreateIntensityAttr(LAMP_INTENSITY)
     lamp.CreateAngleAttr(2.0)
     lamp.AddRotateXYZOp().Set(Gf.Vec3f(35.0, -25.0, 0.0))
 
