@@ -38,7 +38,7 @@ def near_pairs(
     the true ones.
     """
     placed = [[_placed(body) for body in variant] for variant in variants]
-    found: list[dict[tuple[str, str], Near]] = [{} for _ in variants]
+    found = [_still_pairs(episode, objects) for objects in placed]
     for stretch in dense_motion(episode, sub_times):
         for body in stretch.bodies:
             for shape in body.shapes:
@@ -56,8 +56,6 @@ def near_pairs(
                                 pair = (thing.name, body.name)
                                 t_s = float(stretch.t_s[row])
                                 near[pair] = Near(inserted=pair[0], other=pair[1], distance_m=distance, t_s=t_s)
-    for objects, near in zip(placed, found, strict=True):
-        near.update(_still_pairs(episode, objects))
     rows = [sorted(near.values(), key=lambda pair: pair.distance_m) for near in found]
     return [[pair for k, pair in enumerate(row) if k == 0 or pair.distance_m < clearance_m] for row in rows]
 
