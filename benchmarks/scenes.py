@@ -120,6 +120,12 @@ def edit(n: int, edits: int) -> int:
 
 def edit_text(n: int, edits: int) -> None:
     """The same through the text: a warm session, each edit one object of the last text, beside compiling all of it."""
+    print(f"\none object changed in the text, n = {n}: ms cpu, median and least of {edits} edits")
+    for what in ("other numbers", "a key more", "a line more above"):
+        _edits(what, n, edits)
+
+
+def _edits(what: str, n: int, edits: int) -> None:
     sizes, pairs = sizes_and_pairs(n, 0)
     cold, warm, phases = [], [], Counter[str]()
     with tempfile.TemporaryDirectory() as folder:
@@ -127,19 +133,28 @@ def edit_text(n: int, edits: int) -> None:
         file.write_text(program_text(sizes, pairs))
         session.compile(file)
         for k in range(edits):
-            sizes[(7 * k) % n] = 0.06 + 0.002 * k, 0.05
-            file.write_text(program_text(sizes, pairs))
+            file.write_text(_edited(what, k, sizes, pairs))
             cold.append(timed(lambda: compile_program(file))[0])
             cpu, _, compiled = timed(lambda: session.compile(file))
             warm.append(cpu)
             assert isinstance(compiled, Compiled)
             assert compiled.scenes
             phases.update({name: 1e3 * seconds / edits for name, seconds in compiled.report.phases.items()})
-    print(f"\none object changed in the text, n = {n}: ms cpu, median and least of {edits} edits")
-    print(f"  compiled anew                {1e3 * median(cold):8.1f} {1e3 * min(cold):8.1f}")
-    print(f"  in a session                 {1e3 * median(warm):8.1f} {1e3 * min(warm):8.1f}", end="")
+    print(f"  {what:20} anew {1e3 * median(cold):7.1f} {1e3 * min(cold):7.1f}", end="")
+    print(f"   in a session {1e3 * median(warm):6.1f} {1e3 * min(warm):6.1f}", end="")
     print(f"   {median(warm) / median(cold):.1%} and {min(warm) / min(cold):.1%} of it")
-    print("  wall of its phases, mean:    ", ", ".join(f"{name} {ms:.1f}" for name, ms in phases.items()))
+    print("    wall of its phases, mean:", ", ".join(f"{name} {ms:.1f}" for name, ms in phases.items()))
+
+
+def _edited(what: str, k: int, sizes: np.ndarray, pairs: list[tuple[int, int]]) -> str:
+    # The text after edit k, of other sizes than before in the first case.
+    number = (7 * k) % len(sizes)
+    if what == "other numbers":
+        sizes[number] = 0.06 + 0.002 * k, 0.05
+    text = program_text(sizes, pairs)
+    if what == "a key more":
+        text = text.replace(f"id: box{number},", f"id: box{number}, scale: 0.9,")
+    return "# a line\n" * (k + 1) + text if what == "a line more above" else text
 
 
 def many_supports(n: int) -> Problem:
