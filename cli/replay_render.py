@@ -40,7 +40,7 @@ def compose_command(variant: Folder, assets: Assets = None, meshes: Meshes = Non
 
     Time codes are the recorded stamps in seconds. Packages are copied beside, so that the folder can be handed on.
 
-    Example: `mana replay compose out/000000 --assets library/`
+    Example: `mana replay compose out/lift/variant_0001 --assets library/`
     """
     described = read_variant(variant)
     file = write_stage(variant, described, read_variant_episode(variant, described, meshes), assets)
@@ -61,7 +61,7 @@ def render_command(
     Depth is in millimetres along the optical axis (16 bits, 0: nothing within 65 m); frames.json names stamps, poses,
     lenses and instances. Recorded bodies are drawn as their collision shapes, inserted ones as their packages.
 
-    Example: `mana replay render out/000000 --out pictures/ --cameras agentview --every 10`
+    Example: `mana replay render out/lift/variant_0001 --out pictures/ --cameras agentview --every 10`
     """
     described = read_variant(variant)
     episode = read_variant_episode(variant, described, meshes)
