@@ -3,33 +3,13 @@
 from __future__ import annotations
 
 import json
-import tempfile
-import time
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
-from assetkit.readers.images import load_texture
 from cli import text
-from jobs.cache import write_atomically
-from jobs.cell import Limits
-from jobs.warm import run_module
-from render.frames_request import DrawnBody, DrawnModel, FramesRequest
-from replay.check_output import read_variant, read_variant_episode
-from replay.compose import timed_bodies, write_stage
-from replay.episode import Camera, Episode
-from schemas import arrays
-from schemas.replay import Variant
-from schemas.scene_samples import SampledLighting
-from usdio.light_color import light_color
-from usdio.read import read_stage
-from usdio.write_episode import COLORS, CONTEXT, INSERTED, inserted_prims
 
-FRAMES = "frames.json"
-_LIMITS = Limits(seconds=12 * 3600.0, memory_mb=8192)
 Folder = Annotated[Path, typer.Argument(help="Folder with the variant.json of one variant.", exists=True)]
 Assets = Annotated[Path | None, typer.Option("--assets", help="Folder of packages; else those beside.", exists=True)]
 Meshes = Annotated[Path | None, typer.Option("--meshes", help="Mesh files that models name.", exists=True)]
@@ -42,8 +22,9 @@ def compose_command(variant: Folder, assets: Assets = None, meshes: Meshes = Non
 
     Example: `mana replay compose out/lift/variant_0001 --assets library/`
     """
-    described = read_variant(variant)
-    file = write_stage(variant, described, read_variant_episode(variant, described, meshes), assets)
+    from replay.compose import compose  # OpenUSD takes a second to load.
+
+    file = compose(variant, assets, meshes)
     text.console.print(f"{file} written", markup=False)
 
 
@@ -63,124 +44,14 @@ def render_command(
 
     Example: `mana replay render out/lift/variant_0001 --out pictures/ --cameras agentview --every 10`
     """
-    described = read_variant(variant)
-    episode = read_variant_episode(variant, described, meshes)
-    chosen = _chosen(episode, cameras)
-    write_stage(variant, described, episode, assets)
-    rows = np.arange(0, len(episode.t_s), every)
-    bodies, models, names = _things(variant, described, episode, rows)
-    started = time.monotonic()
-    with text.progress(quiet=as_json) as bar:
-        task = bar.add_task("drawing", total=len(chosen))
-        for camera in chosen:
-            _draw(_request(camera, rows, bodies, models, described, out / camera.name))
-            bar.advance(task)
-    frames = len(rows) * len(chosen)
-    about = {
-        "schema_version": "1.0",
-        "episode": described.episode,
-        "variant": described.number,
-        "depth_unit_m": 0.001,
-        "instances": names,
-        "cameras": {camera.name: _lens(camera, episode, rows) for camera in chosen},
-    }
-    write_atomically(out / FRAMES, (json.dumps(about, indent=1) + "\n").encode())
-    figures = {"frames": frames, "frames_per_s": round(frames / (time.monotonic() - started), 1), "out": str(out)}
+    from cli.replay_frames import NoSuchCamera, draw_variant
+
+    names = [word.strip() for word in cameras.split(",") if word.strip()]
+    try:
+        figures = draw_variant(variant, out, assets, meshes, names, every, quiet=as_json)
+    except NoSuchCamera as error:
+        raise typer.BadParameter(str(error)) from None
     if as_json:
         print(json.dumps(figures, indent=1))
     else:
-        text.console.print(f"{frames} frames in {out}, {figures['frames_per_s']} a second", markup=False)
-
-
-def _chosen(episode: Episode, named: str) -> tuple[Camera, ...]:
-    """Raises BadParameter for a name that is not there, and where there is no camera at all."""
-    known = {camera.name: camera for camera in episode.cameras}
-    words = [word.strip() for word in named.split(",") if word.strip()] or list(known)
-    for word in words or [""]:
-        if word not in known:
-            raise typer.BadParameter(f"the recording has no camera '{word}' (it has {', '.join(known) or 'none'})")
-    return tuple(known[word] for word in words)
-
-
-def _things(
-    folder: Path, variant: Variant, episode: Episode, rows: np.ndarray
-) -> tuple[tuple[DrawnBody, ...], tuple[DrawnModel, ...], dict[str, dict[str, str]]]:
-    """What is drawn, and by their number what the things are called; numbers start at 1, links count one by one."""
-    bodies: list[DrawnBody] = []
-    names: dict[str, dict[str, str]] = {}
-    for body in timed_bodies(episode):
-        if body.shapes:
-            number = len(names) + 1
-            names[str(number)] = {"name": body.name, "kind": body.group.lower().rstrip("s"), "robot": body.owner}
-            X_WB = body.X_WB if len(body.X_WB) == 1 else body.X_WB[rows]
-            bodies.append(DrawnBody(number, body.shapes, _color(body.group, number), X_WB))
-    models: list[DrawnModel] = []
-    if variant.inserted:
-        model = read_stage(folder / CONTEXT, folder, load_texture=load_texture).value
-        assert model is not None, "our own stage can be read"
-        for prim, inserted in zip(
-            inserted_prims([one.name for one in variant.inserted]), variant.inserted, strict=True
-        ):
-            number = len(names) + 1
-            names[str(number)] = {"name": inserted.name, "kind": "inserted", "asset": inserted.asset_id}
-            own = tuple(m for m in model.meshes if m.source_path.startswith(f"{INSERTED}/{prim}/"))
-            models.append(DrawnModel(number, replace(model, meshes=own)))
-    return tuple(bodies), tuple(models), names
-
-
-def _color(group: str, number: int) -> tuple[float, float, float]:
-    """Linear RGB; what stands differs in shade, so that a table can be told from the floor (golden-ratio steps)."""
-    shade = 0.4 + 0.6 * (number * 0.618 % 1.0) if group == "Fixtures" else 1.0
-    red, green, blue = (shade * channel for channel in COLORS[group])
-    return red, green, blue
-
-
-def _request(
-    camera: Camera,
-    rows: np.ndarray,
-    bodies: tuple[DrawnBody, ...],
-    models: tuple[DrawnModel, ...],
-    variant: Variant,
-    folder: Path,
-) -> FramesRequest:
-    drawn = SampledLighting.model_validate(variant.lights) if variant.lights else None
-    light = light_color(drawn)
-    return FramesRequest(
-        X_WC=camera.X_WC[rows],
-        fovy_rad=float(camera.fovy_rad),
-        width_px=camera.width_px,
-        height_px=camera.height_px,
-        rows=tuple(rows.tolist()),
-        bodies=bodies,
-        models=models,
-        out_dir=str(folder),
-        lamp=light,
-        dome=light,
-        dome_rad=(drawn.rotation or 0.0) if drawn is not None else 0.0,
-    )
-
-
-def _draw(request: FramesRequest) -> None:
-    """In a child process. Raises RuntimeError when the renderer fails: a broken environment, not a bad recording."""
-    with tempfile.TemporaryDirectory(prefix="mana") as place:
-        file = Path(place) / "request.npz"
-        arrays.save(request, FramesRequest, file)
-        result = run_module("render.draw_frames", [str(file)], _LIMITS)
-    if result.status != "ok":
-        raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
-
-
-def _lens(camera: Camera, episode: Episode, rows: np.ndarray) -> dict[str, object]:
-    """Lens (pixels) and the files of one camera with stamps and poses."""
-    focal_px = camera.height_px / 2.0 / float(np.tan(camera.fovy_rad / 2.0))
-    frames = [
-        {"row": row, "t_s": float(episode.t_s[row]), "file": f"{row:06d}.png", "X_WC": camera.X_WC[row].tolist()}
-        for row in rows.tolist()
-    ]
-    return {
-        "width_px": camera.width_px,
-        "height_px": camera.height_px,
-        "focal_px": focal_px,
-        "centre_px": [camera.width_px / 2.0, camera.height_px / 2.0],
-        "frames": frames,
-    }
+        text.console.print(f"{figures['frames']} frames in {out}, {figures['frames_per_s']} a second", markup=False)

@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from cli import text
-from replay.check_output import summary
 from schemas.replay import VariantCheck
 
 MOST_LISTED = 20
@@ -34,6 +33,7 @@ def verify_command(
     Example: `mana replay verify out/ --assets library/ --json`
     """
     from cli.replay_cell import checked
+    from replay.check_output import summary
     from usdio.write_scene import PACKAGES
 
     rows = checked(out, assets or (beside if (beside := out / PACKAGES).is_dir() else None), clearance, meshes, settle)
