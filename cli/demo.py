@@ -46,6 +46,7 @@ def demo(
     from cli.demo_gap import gap_demo
     from cli.demo_gate import spoil_package
     from cli.demo_page import write_page
+    from cli.demo_replay import replay_demo
     from cli.demo_scene import scene_demo
     from cli.demo_scene import show as show_scene
     from cli.demo_search import search_demo
@@ -67,9 +68,11 @@ def demo(
     spoiled = spoil_package(batch.out / made) if made else ()
     with text.console.status("compiling a scene") if not as_json else nullcontext():
         scene = scene_demo(batch.out, out)
+    with text.console.status("putting objects into a recording") if not as_json else nullcontext():
+        replay = replay_demo(batch.out, data / "franka_panda", out)
     with text.console.status("naming a hidden effect") if not as_json else nullcontext():
         gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
-    page = write_page(report, verdicts, spoiled, search_demo(batch.out), scene, gap, out)
+    page = write_page(report, verdicts, spoiled, search_demo(batch.out), scene, replay, gap, out)
     if as_json:
         print(report.model_dump_json(indent=1))
     else:

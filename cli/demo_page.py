@@ -9,6 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from assetkit.record import RECORD
 from cli.demo_gap import GapDemo
 from cli.demo_gate import Spoiled
+from cli.demo_replay import ReplayDemo
 from cli.demo_scene import SceneDemo
 from cli.demo_search import SearchDemo
 from jobs.cache import write_atomically
@@ -30,6 +31,7 @@ def write_page(
     spoiled: tuple[Spoiled, ...],
     searches: tuple[SearchDemo, ...],
     scene: SceneDemo | None,
+    replay: ReplayDemo | None,
     gap: GapDemo,
     out: Path,
 ) -> Path:
@@ -48,6 +50,7 @@ def write_page(
         spoiled=spoiled,
         searches=searches,
         scene=scene,
+        replay=replay,
         gap=gap,
         pictures=_pictures(out, gap),
     )

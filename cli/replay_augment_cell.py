@@ -54,7 +54,9 @@ def _written(prepared: Prepared, draw: Any, given: dict[str, Any], folder: Path)
     shutil.rmtree(folder, ignore_errors=True)
     made: list[Variant] = []
     for variant in variants(prepared, draw, range(options["variants"]), options["objects"], options["seed"]):
-        stated = variant.model_copy(update={"source": str(episode.source), "provenance": _provenance(given)})
+        stated = variant.model_copy(
+            update={"source": str(episode.source), "provenance": _provenance(given), "meshes": given["meshes"] or ""}
+        )
         made.append(write_variant(episode, stated, folder / f"variant_{variant.number:04d}"))
     for package in sorted({one.package for variant in made for one in variant.inserted if one.package}):
         copy_package(Path(given["assets"]) / package, Path(given["out"]) / PACKAGES / package)
