@@ -70,7 +70,7 @@ def replay_demo(library: Path, arm: Path, out: Path) -> ReplayDemo | None:
     folder = out / "replay"
     prepared = prepare(read_episode(_recording(folder / "recording", arm), arm), Settings())
     draw = candidates(None, library)
-    made = list(variants(prepared, draw, range(VARIANTS), OBJECTS, seed=0))
+    made = list(variants(prepared, draw, range(VARIANTS), OBJECTS, seed=0, packages=library))
     for variant in made:
         write_variant(prepared.episode, variant, folder / f"variant_{variant.number:04d}")
     for package in sorted({one.package for variant in made for one in variant.inserted if one.package}):

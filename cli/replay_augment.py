@@ -29,6 +29,7 @@ def augment_command(
     objects: Annotated[int, typer.Option(min=1, help="Objects in each variant.")] = 3,
     seed: Annotated[int, typer.Option(help="Same seed, same variants.")] = 0,
     clearance: Annotated[float, typer.Option(min=0.0, help="Distance kept to all that moves or stands (m).")] = 0.01,
+    most_hidden: Annotated[float, typer.Option(help="Largest share of the task objects newly hidden.")] = 1.0,
     support: Annotated[
         list[str] | None, typer.Option(help="Where to put things; default: where objects stood.")
     ] = None,
@@ -49,6 +50,7 @@ def augment_command(
         "supports": support or [],
         "options": {
             "variants": variants, "objects": objects, "seed": seed, "clearance_m": clearance,
+            "most_hidden": most_hidden,
             "plan": _text(plan), "assets": _text(assets), "supports": support or [],
         },
     }  # fmt: skip

@@ -51,9 +51,12 @@ def _finished(folder: Path, key: str) -> dict[str, Any] | None:
 
 def _written(prepared: Prepared, draw: Any, given: dict[str, Any], folder: Path) -> dict[str, Any]:
     options, episode = given["options"], prepared.episode
+    assets = Path(given["assets"]) if given["assets"] else None
     shutil.rmtree(folder, ignore_errors=True)
     made: list[Variant] = []
-    for variant in variants(prepared, draw, range(options["variants"]), options["objects"], options["seed"]):
+    for variant in variants(
+        prepared, draw, range(options["variants"]), options["objects"], options["seed"], assets, options["most_hidden"]
+    ):
         stated = variant.model_copy(
             update={"source": str(episode.source), "provenance": _provenance(given), "meshes": given["meshes"] or ""}
         )
@@ -70,6 +73,7 @@ def _figures(prepared: Prepared, made: list[Variant]) -> dict[str, Any]:
         "variants": len(made),
         "objects_requested": made[0].objects_requested if made else 0,
         "objects_inserted": {"min": counts[0], "median": counts[len(counts) // 2]} if counts else {},
+        "most_hidden": max((max(v.camera_hidden.values(), default=0.0) for v in made), default=0.0),
         "capsules": len(prepared.envelope.body),
         "supports": {site.room.support.name: round(site.room.support.area.area, 4) for site in prepared.sites},
         "diagnostics": short[:3],

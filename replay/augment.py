@@ -4,19 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
+from geom.pose import pose_from_quat
 from replay.candidates import Choices
 from replay.envelope import Envelope, Settings, swept_envelope
 from replay.episode import Episode
-from replay.insert import Site, insert, sites
+from replay.insert import Put, Site, insert, sites
 from replay.recorded import stop
 from replay.room import Room, obstacles
 from replay.supports import Support, supports, used_supports
+from replay.visibility import Convex, convexes, newly_hidden, placed, task_pixels
+from runtime_plan.bodies import physical_body
 from schemas.diagnostics import Diagnostic, finding
 from schemas.replay import Variant
+from schemas.runtime_plan import PlanBody
 
+TRIES = 6  # draws of a variant that hides too much
 REFERENCE_TOP_M = 0.1  # height at which free area is reported
 
 
@@ -57,13 +63,45 @@ def chosen_supports(episode: Episode, wanted: Sequence[str]) -> tuple[Support, .
 
 
 def variants(
-    prepared: Prepared, choices: Callable[[int, int], Choices], numbers: Iterable[int], wanted: int, seed: int
+    prepared: Prepared,
+    choices: Callable[[int, int], Choices],
+    numbers: Iterable[int],
+    wanted: int,
+    seed: int,
+    packages: Path | None = None,
+    most_hidden: float = 1.0,
 ) -> Iterator[Variant]:
-    """A variant for each number; `choices(seed, number)` says what is tried. Each depends on its number alone."""
+    """A variant for each number; `choices(seed, number)` says what is tried. Each depends on its number alone.
+
+    None hides more than the share `most_hidden` of the task objects' pixels from a camera: it is drawn again, up to
+    `TRIES` times, and then goes without what hides most. `packages` holds the packages that candidates name.
+    """
+    seen = task_pixels(prepared.episode)
+
+    solids: dict[PlanBody, list[Convex]] = {}
+
+    def hides(put: Sequence[Put]) -> dict[str, float]:
+        """Share of the task objects' pixels that is newly hidden, by camera."""
+        poses = [pose_from_quat(np.array(one.stated.quat_wxyz), one.stated.position_m) for one in put]
+        for one in put:
+            if one.body not in solids:
+                solids[one.body] = convexes(physical_body(one.body, packages).body.shapes)
+        pairs = zip(put, poses, strict=True)
+        return newly_hidden(seen, [placed(convex, X_WA) for one, X_WA in pairs for convex in solids[one.body]])
+
     for number in numbers:
         chosen = choices(seed, number)
-        rng = np.random.default_rng([seed, number, 1])
-        put = insert(prepared.sites, chosen.candidates, wanted, rng)
+        tries: list[tuple[float, tuple[Put, ...]]] = []
+        while len(tries) < TRIES and (not tries or tries[-1][0] > most_hidden):
+            rng = np.random.default_rng([seed, number, 1 + len(tries)])
+            put = insert(prepared.sites, chosen.candidates, wanted, rng)
+            tries.append((_most(hides(put)), put))
+        least, put = min(tries, key=lambda one: one[0])
+        while put and least > most_hidden:
+            less = [put[:k] + put[k + 1 :] for k in range(len(put))]
+            least, put = min(((_most(hides(some)), some) for some in less), key=lambda one: one[0])
+        inserted = tuple(one.stated for one in put)
+        worn = sorted({one.material for one in inserted if one.material})
         yield Variant(
             episode=prepared.episode.name,
             source=prepared.episode.source.name,
@@ -71,10 +109,16 @@ def variants(
             number=number,
             clearance_m=prepared.envelope.clearance_m,
             objects_requested=wanted,
-            inserted=tuple(one.stated for one in put),
+            inserted=inserted,
+            materials={name: chosen.materials[name] for name in worn},
             lights=chosen.lights,
             feasible_area_m2={site.room.support.name: site.room.free(REFERENCE_TOP_M).area for site in prepared.sites},
+            camera_hidden=hides(put),
         )
+
+
+def _most(hidden: dict[str, float]) -> float:
+    return max(hidden.values(), default=0.0)
 
 
 def no_room(prepared: Prepared, variant: Variant) -> Diagnostic | None:

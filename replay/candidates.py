@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from runtime_plan import Plan, sample
 from runtime_plan.samples_file import sampled_lighting
 from schemas.runtime_plan import PlanBody, PlanStance
+from schemas.scene_program import PairedMaterial
 
 DRAWS = 64  # samples of a plan that one variant may use up
 
@@ -25,10 +26,13 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Choices:
-    """Candidates of one variant in the order in which they are tried, and its lighting with the channels drawn."""
+    """Candidates of one variant in the order in which they are tried, its lighting with the channels drawn, and the
+    materials that candidates name.
+    """
 
     candidates: Sequence[Candidate]
     lights: dict[str, float | str] = field(default_factory=dict)
+    materials: Mapping[str, PairedMaterial] = field(default_factory=dict)
 
 
 def from_plan(plan: Plan, seed: int, number: int) -> Choices:
@@ -46,7 +50,8 @@ def from_plan(plan: Plan, seed: int, number: int) -> Choices:
             stance = body.stances[int(drawn.stance[k, column])]
             found.append(Candidate(body, stance, "" if worn < 0 else materials[worn].id))
     light = sampled_lighting(plan, drawn, 0)
-    return Choices(found, {} if light is None else light.model_dump(exclude_none=True))
+    lights = {} if light is None else light.model_dump(exclude_none=True)
+    return Choices(found, lights, {material.id: material for material in materials})
 
 
 def from_bodies(bodies: Sequence[PlanBody], seed: int, number: int) -> Choices:

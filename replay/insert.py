@@ -23,6 +23,7 @@ from replay.room import Room
 from replay.views import seen_area
 from schemas.model import FloatArray
 from schemas.replay import Inserted
+from schemas.runtime_plan import PlanBody
 
 YAWS = 6  # headings tried for a candidate on a support before the next one is tried
 SEEN_SHARE = 0.8  # of objects are put where a camera sees them, if there is room
@@ -42,6 +43,7 @@ class Put:
     """An object at its place; `outline` is its hull from above in W, from `low_m` to `high_m`."""
 
     stated: Inserted
+    body: PlanBody
     outline: Polygon
     low_m: float
     high_m: float
@@ -129,7 +131,7 @@ def _at(
     )
     outline = Polygon(_hull(points @ _turned(yaw).T) + np.array([x, y]))
     ground = site.room.support.height_m
-    return Put(stated, outline, ground, ground + max(prism.high_m for prism in stance.prisms))
+    return Put(stated, body, outline, ground, ground + max(prism.high_m for prism in stance.prisms))
 
 
 def _same_heights(other: Put, room: Room, top_m: float) -> bool:

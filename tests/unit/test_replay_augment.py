@@ -64,7 +64,7 @@ def test_a_folder_of_recordings_becomes_variants_that_pass_the_verifier(recordin
 
 
 def given(recordings: Path, plan: Path, out: Path, **options):
-    asked = {"variants": 1, "objects": 2, "seed": 0, "clearance_m": 0.01} | options
+    asked = {"variants": 1, "objects": 2, "seed": 0, "clearance_m": 0.01, "most_hidden": 1.0} | options
     nothing = dict.fromkeys(("assets", "meshes", "scene"))
     return {
         "source": str(recordings / "one"),

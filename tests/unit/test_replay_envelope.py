@@ -1,5 +1,7 @@
 """The envelope holds every point of everything that moves at every time; room and insertion keep off it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -150,3 +152,14 @@ def test_a_camera_sees_the_part_of_a_plane_in_its_picture():
 def test_still_links_are_obstacles(episode):
     assert "arm" in {one.name for one in obstacles(episode)}
     assert isinstance(Room(supports(episode)[0], swept_envelope(episode, Settings()), obstacles(episode)), Room)
+
+
+def test_what_hides_too_much_of_the_task_is_drawn_again_or_left_out(episode):
+    """Walls before a camera that looks along the table at the cube."""
+    [front] = episode.cameras
+    low = front.X_WC - 0.5 * np.outer([0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0])
+    watched = prepare(replace(episode, cameras=(replace(front, X_WC=low),)), Settings())
+    wall = box_body("wall", 0.05, 0.3, 0.3)
+    free, held = (list(variants(watched, only(wall), range(4), 3, seed=1, most_hidden=most)) for most in (1.0, 0.05))
+    assert max(max(v.camera_hidden.values(), default=0.0) for v in free) > 0.05
+    assert all(max(v.camera_hidden.values(), default=0.0) <= 0.05 for v in held)
