@@ -36,7 +36,7 @@ from replay.reading import is_recording, read_episode
 from replay.views import in_picture
 from schemas.model import FloatArray
 from sim.bullet_loose import private_client
-from sim.bullet_shapes import compound
+from sim.bullet_shapes import clear_margins, compound
 
 BOX_M = (0.06, 0.06, 0.1)
 FAR_M, POINTS, SPOTS, TRUE_M = 0.4, 400, 150, 0.02
@@ -152,12 +152,14 @@ def _closest(episode: Episode, centres: FloatArray) -> FloatArray:
     with private_client() as client, tempfile.TemporaryDirectory() as folder:
         half = [side / 2.0 for side in BOX_M]
         box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half, physicsClientId=client)
+        clear_margins(box, 1, client)
         probe = pybullet.createMultiBody(0.0, box, physicsClientId=client)
         handles: dict[str, int] = {}
         for stretch in dense_motion(episode, 1):
             for body in stretch.bodies:
                 if body.name not in handles:
                     shape = compound(body.shapes, 1.0, Path(folder), client)
+                    clear_margins(shape, len(body.shapes), client)
                     handles[body.name] = pybullet.createMultiBody(0.0, shape, physicsClientId=client)
             for row in range(len(stretch.t_s)):
                 for body in stretch.bodies:

@@ -32,6 +32,7 @@ def envelope_command(
     clearance: Annotated[float, typer.Option(min=0.0, help="Distance kept to all that moves (m).")] = 0.01,
     protrusion: Annotated[float, typer.Option(min=0.001, help="How far balls may stick out of bodies (m).")] = 0.006,
     simplification: Annotated[float, typer.Option(min=0.0, help="How far capsules may cut corners (m).")] = 0.003,
+    probes: Annotated[bool, typer.Option(help="Probe intervals as the paper does, for comparison: no proof.")] = False,
     support: Annotated[list[str] | None, typer.Option(help="Supports to draw; default: where objects stood.")] = None,
     meshes: Annotated[Path | None, typer.Option(help="Mesh files that models name.", exists=True)] = None,
     scene: Annotated[Path | None, typer.Option(help="episode.json of LeRobot or ManiSkill data.", exists=True)] = None,
@@ -50,9 +51,11 @@ def envelope_command(
     from replay.augment import prepare
     from replay.envelope import Settings
     from replay.envelope_grid import signed_distance
+    from replay.probes import Tolerances
     from replay.reading import read_episode
 
-    settings = Settings(protrusion, clearance_m=clearance, simplification_m=simplification)
+    refinement = Tolerances() if probes else None
+    settings = Settings(protrusion, clearance_m=clearance, simplification_m=simplification, probes=refinement)
     prepared = prepare(read_episode(episode, meshes, scene), settings, support or [])
     found = prepared.envelope
     rows = [_row(found, number) for number in range(len(found.bodies))]
@@ -60,7 +63,13 @@ def envelope_command(
         site.room.support.name: {"area_m2": site.room.support.area.area, "taken_by": site.room.blocked_by(0.1)}
         for site in prepared.sites
     }
-    report: dict[str, Any] = {"schema_version": "1.0", "clearance_m": clearance, "bodies": rows, "supports": areas}
+    report: dict[str, Any] = {
+        "schema_version": "1.0",
+        "clearance_m": clearance,
+        "proved": not probes,
+        "bodies": rows,
+        "supports": areas,
+    }
     if len(found.body):
         points, triangles = zero_surface(*signed_distance(found, 0.01))
         mesh = trimesh.Trimesh(points, triangles, process=False).export(file_type="ply")

@@ -91,15 +91,15 @@ def variants(
 
     for number in numbers:
         chosen = choices(seed, number)
-        tries: list[tuple[float, tuple[Put, ...]]] = []
-        while len(tries) < TRIES and (not tries or tries[-1][0] > most_hidden):
+        tries: list[tuple[dict[str, float], tuple[Put, ...]]] = []
+        while len(tries) < TRIES and (not tries or _most(tries[-1][0]) > most_hidden):
             rng = np.random.default_rng([seed, number, 1 + len(tries)])
             put = insert(prepared.sites, chosen.candidates, wanted, rng)
-            tries.append((_most(hides(put)), put))
-        least, put = min(tries, key=lambda one: one[0])
-        while put and least > most_hidden:
+            tries.append((hides(put), put))
+        hidden, put = min(tries, key=lambda one: _most(one[0]))
+        while put and _most(hidden) > most_hidden:
             less = [put[:k] + put[k + 1 :] for k in range(len(put))]
-            least, put = min(((_most(hides(some)), some) for some in less), key=lambda one: one[0])
+            hidden, put = min(((hides(some), some) for some in less), key=lambda one: _most(one[0]))
         inserted = tuple(one.stated for one in put)
         worn = sorted({one.material for one in inserted if one.material})
         yield Variant(
@@ -113,7 +113,7 @@ def variants(
             materials={name: chosen.materials[name] for name in worn},
             lights=chosen.lights,
             feasible_area_m2={site.room.support.name: site.room.free(REFERENCE_TOP_M).area for site in prepared.sites},
-            camera_hidden=hides(put),
+            camera_hidden=hidden,
         )
 
 

@@ -55,6 +55,12 @@ def refined(robot: Robot, t_s: FloatArray, parts: IntArray, apart: IntArray) -> 
     return courses
 
 
+def at_places(robot: Robot, t_s: FloatArray, at: FloatArray) -> Course:
+    """The linear course through places along the rows (row + share), without any stray."""
+    stray = np.zeros((max(len(at) - 1, 0), robot.q.shape[1]))
+    return Course(_stamps(t_s, at), _linear(robot.q, at), bases(robot.X_WR, at), stray)
+
+
 def bases(X_WR: FloatArray, at: FloatArray) -> FloatArray:
     """Base poses (m, 4, 4) at places `at` between the rows: positions linear, turning at a constant rate."""
     poses = np.tile(np.eye(4), (len(at), 1, 1))

@@ -17,6 +17,7 @@ from replay.course import Course, as_robot, recorded, refined
 from replay.cover import Cover, cover
 from replay.episode import Episode, Robot
 from replay.kinematics import moving_links
+from replay.probes import Tolerances, probed
 from replay.simplify import simplify
 from schemas.model import FloatArray, IntArray
 
@@ -25,12 +26,16 @@ _SCOUTS = 8  # balls of a link by which the division of intervals is chosen
 
 @dataclass(frozen=True)
 class Settings:
-    """What tightness costs: protrusion of balls, largest distance from chords, simplification, clearance; metres."""
+    """What tightness costs: protrusion of balls, largest distance from chords, simplification, clearance; metres.
+
+    With `probes` intervals are probed as in the paper, and the tolerance of proxies stands for the bound: no proof.
+    """
 
     protrusion_m: float = 0.006
     interval_m: float = 0.001
     simplification_m: float = 0.003
     clearance_m: float = 0.01
+    probes: Tolerances | None = None
 
 
 @dataclass(frozen=True)
@@ -79,7 +84,10 @@ def _swept(robot: Robot, t_s: FloatArray, settings: Settings) -> Iterator[tuple[
         cover(link.shapes if number in moving else (), settings.protrusion_m) for number, link in enumerate(robot.links)
     ]
     scouts = [one.centres_B[:: max(1, len(one.radii_m) // _SCOUTS)] for one in covers]
-    courses = _divided(robot, t_s, paths(robot, recorded(robot, t_s), scouts), settings.interval_m)
+    if settings.probes:
+        courses = [probed(robot, t_s, [one.centres_B for one in covers], settings.probes)]
+    else:
+        courses = _divided(robot, t_s, paths(robot, recorded(robot, t_s), scouts), settings.interval_m)
     found = [paths(robot, course, [one.centres_B for one in covers]) for course in courses]
     for number, (link, one) in enumerate(zip(robot.links, covers, strict=True)):
         if len(one.radii_m):
@@ -101,7 +109,8 @@ def _divided(robot: Robot, t_s: FloatArray, along: Sequence[Paths], interval_m: 
 
 def _capsules(course: Course, path: Paths, balls: Cover, settings: Settings) -> tuple[FloatArray, ...]:
     spans = simplify(path.points_W, settings.simplification_m)
-    interval = _largest(path.beyond_m, spans.line, spans.first, spans.last)
+    beyond_m = path.beyond_m if settings.probes is None else np.full_like(path.beyond_m, settings.probes.proxy_m)
+    interval = _largest(beyond_m, spans.line, spans.first, spans.last)
     return (
         path.points_W[spans.line, spans.first],
         path.points_W[spans.line, spans.last],

@@ -16,7 +16,7 @@ from geom.pose import apply
 from geom.support import surface
 from replay.episode import Camera, Episode
 from replay.kinematics import link_poses
-from schemas.model import FloatArray
+from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 ROWS = 12  # rows of a recording that are looked at, evenly spread
@@ -163,13 +163,27 @@ def _overlap(one: tuple[int, int, int, int] | None, other: tuple[int, int, int, 
 def _depths(bodies: Sequence[Convex], eye: FloatArray, directions: FloatArray) -> FloatArray:
     """(r,) depth along the optical axis at which each ray enters the first of the bodies, infinite where it misses."""
     nearest = np.full(len(directions), np.inf)
+    lengths = np.linalg.norm(directions, axis=1)
     for body in bodies:
+        some = _towards(body, eye, directions, lengths)
+        if not len(some):
+            continue
         room = body.offsets - body.normals @ eye
-        speed = directions @ body.normals.T
+        speed = directions[some] @ body.normals.T
         with np.errstate(divide="ignore", invalid="ignore"):
             crossing = room / speed
         enters = np.max(crossing, axis=1, where=speed < 0.0, initial=0.0)
         leaves = np.min(crossing, axis=1, where=speed > 0.0, initial=np.inf)
         beside = ((speed == 0.0) & (room < 0.0)).any(axis=1)
-        nearest = np.where((enters <= leaves) & ~beside, np.minimum(nearest, enters), nearest)
+        meets = (enters <= leaves) & ~beside
+        nearest[some[meets]] = np.minimum(nearest[some[meets]], enters[meets])
     return nearest
+
+
+def _towards(body: Convex, eye: FloatArray, directions: FloatArray, lengths: FloatArray) -> IntArray:
+    """Numbers of the rays that meet the ball around a body's corners."""
+    middle = body.corners.mean(axis=0)
+    radius = np.linalg.norm(body.corners - middle, axis=1).max()
+    along = directions @ (middle - eye) / lengths
+    apart = float((middle - eye) @ (middle - eye)) - along**2
+    return np.flatnonzero(apart <= (radius * (1.0 + 1e-9)) ** 2)

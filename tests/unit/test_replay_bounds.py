@@ -11,6 +11,7 @@ from replay.bounds import paths
 from replay.course import bases, recorded, refined
 from replay.episode import Link, Robot
 from replay.kinematics import link_poses
+from replay.probes import Tolerances, probed
 
 N, SUB = 6, 64
 
@@ -121,6 +122,17 @@ def test_a_turning_bar_leaves_its_chord_by_nearly_as_much_as_the_bound_says():
     path = paths(robot, recorded(robot, np.array([0.0, 0.05])), [np.array([[0.7, 0.0, 0.2]])])[0]
     assert path.beyond_m[0, 0] == pytest.approx(0.7 * 0.1**2 / 8.0, rel=0.05)
     assert path.beyond_m[0, 0] >= 0.7 * (1.0 - np.cos(0.05))
+
+
+def test_probes_find_small_turns_small_enough_and_halve_larger_ones():
+    """A bar of 0.7 m: at 0.2 rad a turn its middle leaves the chord by 3.5 mm, at 0.1 rad by 0.9 mm."""
+    link = Link("bar", -1, "revolute", np.array([0.0, 0.0, 1.0]), np.eye(4), 0)
+    robot = Robot("r", (link,), ("j",), np.tile(np.eye(4), (3, 1, 1)), np.array([[0.0], [0.2], [0.2]]))
+    t_s, points = np.array([0.0, 0.1, 0.2]), [np.array([[0.7, 0.0, 0.2]])]
+    assert probed(robot, t_s, points, Tolerances(0.004, joint=1.0)).t_s.tolist() == [0.0, 0.1, 0.2]
+    assert probed(robot, t_s, points, Tolerances(0.001, joint=1.0)).t_s.tolist() == [0.0, 0.05, 0.1, 0.2]
+    by_joint = probed(robot, t_s, points, Tolerances(0.004, joint=0.06))
+    assert by_joint.t_s.tolist() == pytest.approx([0.0, 0.025, 0.05, 0.075, 0.1, 0.2])
 
 
 def test_repeated_stamps_are_joined_by_a_line_without_rates():
