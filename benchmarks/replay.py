@@ -150,6 +150,7 @@ def _closest(episode: Episode, centres: FloatArray) -> FloatArray:
     """Least distance of the box from everything that moves, at every row; capped at 3 cm."""
     least = np.full(len(centres), 0.03)
     with private_client() as client, tempfile.TemporaryDirectory() as folder:
+        pybullet.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=client)  # hulls share a file name
         half = [side / 2.0 for side in BOX_M]
         box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half, physicsClientId=client)
         clear_margins(box, 1, client)
