@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from geom.outer_corners import CIRCLE
 from geom.pose import pose
 from scenec.ir import Surface
-from scenec.slabs import CIRCLE
 from schemas.physics import CollisionShape
 from schemas.scene_program import BoxAsset, CylinderAsset, Inline, SphereAsset
 

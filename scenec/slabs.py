@@ -11,15 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
+from geom.outer_corners import AROUND, outer_corners
 from geom.pose import matrix_of
 from geom.support import support
 from scenec.ir import FloatArray, Slab, Stance
 from schemas.physics import CollisionShape
-
-CORNERS = 32
-_TURN = np.arange(CORNERS) * (2.0 * np.pi / CORNERS)
-CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)  # inscribed in the unit circle, counter-clockwise
-_AROUND = CIRCLE / np.cos(np.pi / CORNERS)
 
 
 def stance_of(shapes: Sequence[CollisionShape], quat_wxyz: tuple[float, float, float, float], name: str) -> Stance:
@@ -41,7 +37,11 @@ def slabs_between(shapes: Sequence[CollisionShape], low_m: float, high_m: float)
         low, high = _heights(shape, np.eye(3))
         if high <= low_m or low >= high_m:
             continue
-        part = _seen(shape, np.eye(3)) if shape.kind in ("sphere", "capsule") else _cut(_corners(shape), low_m, high_m)
+        part = (
+            _seen(shape, np.eye(3))
+            if shape.kind in ("sphere", "capsule")
+            else _cut(outer_corners(shape), low_m, high_m)
+        )
         outline = _hull(part)
         if len(outline) >= 3:
             found.append(Slab(outline, max(low, low_m) - low_m, min(high, high_m) - low_m))
@@ -63,27 +63,13 @@ def _heights(shape: CollisionShape, R_SP: FloatArray) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _corners(shape: CollisionShape) -> FloatArray:
-    """(n, 3) points in the asset frame whose hull holds a hull, box or cylinder."""
-    if shape.points is not None:
-        return shape.points
-    if shape.kind == "box":
-        signs = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-        local = signs * np.asarray(shape.size_m)
-    else:
-        radius, height = shape.size_m
-        rings = [np.column_stack([radius * _AROUND, np.full(CORNERS, z)]) for z in (-0.5 * height, 0.5 * height)]
-        local = np.concatenate(rings)
-    return local @ shape.X_AS[:3, :3].T + shape.X_AS[:3, 3]
-
-
 def _seen(shape: CollisionShape, R_SP: FloatArray) -> FloatArray:
     """(n, 2) points whose hull holds the projection of the shape onto the ground."""
     if shape.kind not in ("sphere", "capsule"):
-        return _corners(shape) @ R_SP[:2].T
+        return outer_corners(shape) @ R_SP[:2].T
     half = 0.5 * shape.size_m[1] if shape.kind == "capsule" else 0.0
     ends = shape.X_AS[:3, 3] + np.outer([-half, half], shape.X_AS[:3, 2])
-    return ((ends @ R_SP[:2].T)[:, None] + shape.size_m[0] * _AROUND).reshape(-1, 2)
+    return ((ends @ R_SP[:2].T)[:, None] + shape.size_m[0] * AROUND).reshape(-1, 2)
 
 
 def _cut(points: FloatArray, low_m: float, high_m: float) -> FloatArray:
