@@ -38,12 +38,16 @@ class Prepared:
 def prepare(episode: Episode, settings: Settings, wanted_supports: Sequence[str] = ()) -> Prepared:
     """Envelope and rooms. Supports are those named, else those on which recorded objects stood, else all of them.
 
+    `A=B` names support B, and what stands on the place A of a plan goes there; equal names do so by themselves.
     Raises InvalidInput (`replay/no-support`) where there is none, or none of a name.
     """
     envelope = swept_envelope(episode, settings)
     standing = obstacles(episode)
-    rooms = [Room(support, envelope, standing) for support in chosen_supports(episode, wanted_supports)]
-    return Prepared(episode, envelope, sites(rooms, episode.cameras))
+    pairs = [wanted.rpartition("=") for wanted in wanted_supports]
+    rooms = [Room(one, envelope, standing) for one in chosen_supports(episode, [name for _, _, name in pairs])]
+    return Prepared(
+        episode, envelope, sites(rooms, episode.cameras, {place: name for place, _, name in pairs if place})
+    )
 
 
 def chosen_supports(episode: Episode, wanted: Sequence[str]) -> tuple[Support, ...]:

@@ -17,11 +17,15 @@ DRAWS = 64  # samples of a plan that one variant may use up
 
 @dataclass(frozen=True)
 class Candidate:
-    """A body in one of its stances; `material` is the one drawn with it, empty where it keeps its own."""
+    """A body in one of its stances; `material` is the one drawn with it, empty where it keeps its own.
+
+    `place` is the place of the plan that it stood on, empty where it comes from no plan.
+    """
 
     body: PlanBody
     stance: PlanStance
     material: str = ""
+    place: str = ""
 
 
 @dataclass(frozen=True)
@@ -44,11 +48,14 @@ def from_plan(plan: Plan, seed: int, number: int) -> Choices:
     bodies, materials = plan.document.bodies, plan.document.materials
     found = []
     for k in range(DRAWS):
+        combination = plan.document.combinations[int(drawn.combination[k])]
+        places = {thing.id: combination.places[thing.place][1].name for thing in combination.things}
         for column in np.flatnonzero(drawn.present[k]).tolist():
             body = bodies[int(drawn.asset_index[k, column])]
             worn = int(drawn.material[k, column])
             stance = body.stances[int(drawn.stance[k, column])]
-            found.append(Candidate(body, stance, "" if worn < 0 else materials[worn].id))
+            material = "" if worn < 0 else materials[worn].id
+            found.append(Candidate(body, stance, material, places[drawn.names[column]]))
     light = sampled_lighting(plan, drawn, 0)
     lights = {} if light is None else light.model_dump(exclude_none=True)
     return Choices(found, lights, {material.id: material for material in materials})

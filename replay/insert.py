@@ -6,7 +6,7 @@ there is one, at that yaw; the spot is then drawn evenly from it. Regions that a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,10 +32,11 @@ LEAST_AREA_M2 = 1e-7  # regions smaller than a third of a millimetre square are 
 
 @dataclass(frozen=True)
 class Site:
-    """A room and the part of its support that cameras see."""
+    """A room and the part of its support that cameras see; `places` of plans that this support stands for."""
 
     room: Room
     seen: BaseGeometry
+    places: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -49,9 +50,14 @@ class Put:
     high_m: float
 
 
-def sites(rooms: Sequence[Room], cameras: tuple[Camera, ...]) -> tuple[Site, ...]:
-    """Rooms with what cameras see of their supports."""
-    return tuple(Site(room, seen_area(cameras, room.support.height_m, room.support.area)) for room in rooms)
+def sites(rooms: Sequence[Room], cameras: tuple[Camera, ...], stands_for: Mapping[str, str]) -> tuple[Site, ...]:
+    """Rooms with what cameras see of them. `stands_for` maps places of plans to supports, besides equal names."""
+    made = []
+    for room in rooms:
+        support = room.support
+        named = {place for place, name in stands_for.items() if name == support.name} | {support.name}
+        made.append(Site(room, seen_area(cameras, support.height_m, support.area), frozenset(named)))
+    return tuple(made)
 
 
 def insert(
@@ -72,6 +78,7 @@ def _placed(places: Sequence[Site], candidate: Candidate, put: Sequence[Put], rn
     points = np.concatenate(list(outlines(candidate.stance)))
     top_m = max(prism.high_m for prism in candidate.stance.prisms)
     wants_seen = rng.random() < SEEN_SHARE
+    places = [site for site in places if candidate.place in site.places] or places
     areas = np.array([site.room.free(top_m).area for site in places])
     start = rng.uniform(-np.pi, np.pi)
     fallback: tuple[Site, BaseGeometry, float] | None = None

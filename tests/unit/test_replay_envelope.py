@@ -110,6 +110,19 @@ def test_supports_are_level_faces_and_those_used_come_first(episode):
     assert refused.value.diagnostic.code == "replay/no-support"
 
 
+def test_things_of_a_plan_go_to_the_support_that_stands_for_their_place(episode):
+    found = prepare(episode, Settings(), ["desk=top", "floor"])
+    assert [(site.room.support.name, set(site.places)) for site in found.sites] == [
+        ("floor", {"floor"}),
+        ("top", {"top", "desk"}),
+    ]
+    body = box_body("crate", 0.08, 0.05, 0.1)
+    for place, wanted in (("desk", {"top"}), ("floor", {"floor"})):
+        choices = Choices([Candidate(body, body.stances[0], place=place)] * 12)
+        made = list(variants(found, lambda seed, number, c=choices: c, range(8), 3, seed=0))
+        assert {one.support for v in made for one in v.inserted} == wanted
+
+
 def test_room_is_less_the_taller_the_object_and_says_who_takes_it(prepared):
     room = prepared.sites[0].room
     free = [room.free(top_m).area for top_m in (0.02, 0.06, 0.1)]
