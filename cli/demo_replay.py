@@ -43,7 +43,7 @@ _SCENE = {
     "fixtures": [
         {
             "name": "table",
-            "position_m": [0.55, 0, -0.02],
+            "position_m": [0.55, 0, -0.08],
             "shapes": [{"type": "box", "name": "tabletop", "size_m": [0.7, 1.0, 0.04]}],
         }
     ],

@@ -35,7 +35,7 @@ def picture(prepared: Prepared, put: Sequence[tuple[str, BaseGeometry]] = ()) ->
         above.text(x, support.area.bounds[3], support.name, ha="center", va="bottom", fontsize=8, color="#555555")
     for name, outline in put:
         _fill(above, outline, _PUT, "white", 0.85)
-        above.text(*outline.centroid.coords[0], name, ha="center", va="center", fontsize=6, color="white")
+        above.text(outline.centroid.x, outline.bounds[3], name, ha="center", va="bottom", fontsize=7, color=_PUT)
     above.set_title(f"free up to {REFERENCE_TOP_M} m (green), swept or taken (red)", loc="left", fontsize=10)
     _side(side, prepared.envelope)
     for axes, x, y in ((above, "x (m)", "y (m)"), (side, "x (m)", "z (m)")):
