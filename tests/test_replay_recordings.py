@@ -1,0 +1,46 @@
+"""Objects put into recordings of real arms: recorded in PyBullet here, and by people (shared data). Judged by the other
+code, which replays every interval at 16 times with proved distances."""
+
+from pathlib import Path
+
+import pytest
+
+from replay.augment import prepare, variants
+from replay.candidates import Candidate, Choices
+from replay.envelope import Settings
+from replay.episode import Episode
+from replay.inserted_bodies import inserted_body
+from replay.reading import read_episode
+from replay.verify import near_pairs
+from tests.bullet_recordings import DATA, record
+from tests.plan_library import box_body
+
+CLEARANCE_M = 0.01
+
+
+def least_distances(episode: Episode, supports: tuple[str, ...], count: int) -> list[tuple[int, float]]:
+    """For each variant the number of objects put in, and how near anything ever comes to one of them."""
+    crate, plank = box_body("crate", 0.06, 0.05, 0.1), box_body("plank", 0.12, 0.04, 0.03)
+    choices = Choices([Candidate(body, body.stances[0]) for body in (crate, plank)] * 8)
+    made = list(
+        variants(prepare(episode, Settings(clearance_m=CLEARANCE_M), supports), lambda *_: choices, range(count), 3, 0)
+    )
+    bodies = [[inserted_body(one, None) for one in variant.inserted] for variant in made]
+    near = near_pairs(episode, bodies, CLEARANCE_M)
+    return [(len(put), pairs[0].distance_m) for put, pairs in zip(bodies, near, strict=True) if put]
+
+
+@pytest.mark.parametrize("kind", ["sweep", "two_arms", "drawer"])
+def test_arms_drawers_and_sweeps_of_the_table_are_kept_clear_of(kind: str, tmp_path: Path) -> None:
+    """With irregular and repeated stamps."""
+    found = least_distances(read_episode(record(tmp_path, kind), DATA), (), 3)
+    assert [count for count, _ in found] == [3, 3, 3]
+    assert min(distance for _, distance in found) >= CLEARANCE_M
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("name", ["panda_lift", "panda_stack"])
+def test_recordings_of_people_are_kept_clear_of(name: str, shared_assets: Path) -> None:
+    found = least_distances(read_episode(shared_assets.parent / "episodes" / name), (), 3)
+    assert [count for count, _ in found] == [3, 3, 3]
+    assert min(distance for _, distance in found) >= CLEARANCE_M
