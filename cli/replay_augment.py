@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -55,11 +56,13 @@ def augment_command(
         },
     }  # fmt: skip
     sources = [source for path in episodes for source in recordings_below(path)]
+    prefixes = distinct_prefixes(sources)
     rows: list[dict[str, Any]] = []
     refused: list[tuple[Path, Diagnostic]] = []
     with text.progress(quiet=as_json) as progress:
         task = progress.add_task("augmenting", total=len(sources))
-        for source, answer in run_all(lambda path: _in_cell(path, given), sources, jobs=jobs):
+        asked = {source: {**given, "source": str(source), "prefix": prefixes[source]} for source in sources}
+        for source, answer in run_all(lambda path: _in_cell(path, asked[path]), sources, jobs=jobs):
             if "refused" in answer:
                 refused.append((source, Diagnostic.model_validate(answer["refused"])))
             rows += answer.get("rows", [])
@@ -92,12 +95,25 @@ def recordings_below(path: Path) -> Iterator[Path]:
     yield from below or [path]
 
 
+def distinct_prefixes(sources: Sequence[Path]) -> dict[Path, str]:
+    """For recordings that share a name, the folders above them that tell them apart, as a prefix of their output."""
+    prefixes = dict.fromkeys(sources, "")
+    depth = 0
+    while depth < max((len(source.parts) for source in sources), default=0):
+        names = Counter(prefixes[source] + source.stem for source in prefixes)
+        shared = [source for source in prefixes if names[prefixes[source] + source.stem] > 1]
+        if not shared:
+            break
+        depth += 1
+        for source in shared:
+            prefixes[source] = "_".join(source.parent.parts[-depth:]).replace("/", "") + "_"
+    return prefixes
+
+
 def _in_cell(source: Path, given: dict[str, Any]) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="mana") as folder:
         note = Path(folder) / "answer.json"
-        result = run_module(
-            "cli.replay_augment_cell", [json.dumps({**given, "source": str(source)}), str(note)], LIMITS
-        )
+        result = run_module("cli.replay_augment_cell", [json.dumps(given), str(note)], LIMITS)
         if result.status != "ok":
             stopped = finding("replay/stopped", f"'{source.name}': {result.status}: {result.output[-300:].strip()}")
             return {"refused": stopped.model_dump(mode="json")}

@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from cli.replay_candidates import candidates
-from jobs.cache import content_key, write_atomically
+from jobs.cache import content_key, file_sha256, write_atomically
 from replay.augment import Prepared, no_room, prepare, variants
 from replay.envelope import Settings
 from replay.formats.digests import stream_digests
 from replay.formats.write import write_variant
 from replay.reading import read_episodes
+from replay.recorded import stop
 from schemas.diagnostics import InvalidInput
-from schemas.replay import Variant
+from schemas.replay import VARIANT_FILE, Variant
 from usdio.write_scene import PACKAGES, copy_package
 
 DONE = "augmented.json"
@@ -28,11 +29,11 @@ def augment(given: dict[str, Any]) -> list[dict[str, Any]]:
     paths = {key: Path(given[key]) if given[key] else None for key in ("meshes", "scene", "plan", "assets")}
     out = Path(given["out"])
     draw = candidates(paths["plan"], paths["assets"])
-    rows = []
+    digests, rows = _digests(paths["plan"], paths["assets"]), []
     for episode in read_episodes(Path(given["source"]), paths["meshes"], paths["scene"]):
-        folder = out / episode.name
-        key = content_key(given["options"], sorted(stream_digests(episode.source, episode.part).items()))
-        row = _finished(folder, key)
+        folder = out / (given["prefix"] + episode.name)
+        key = content_key(given["options"], digests, sorted(stream_digests(episode.source, episode.part).items()))
+        row = _finished(folder, given["source"], key)
         if row is None:
             started = time.process_time()
             prepared = prepare(episode, Settings(clearance_m=given["options"]["clearance_m"]), given["supports"])
@@ -43,16 +44,34 @@ def augment(given: dict[str, Any]) -> list[dict[str, Any]]:
     return rows
 
 
-def _finished(folder: Path, key: str) -> dict[str, Any] | None:
+def _digests(plan: Path | None, assets: Path | None) -> list[str]:
+    """What the objects that may be put in are made of: a changed plan or package is another job."""
+    records = [] if assets is None else sorted(assets.glob("*/record.json"))
+    return [file_sha256(file) for file in ([] if plan is None else [plan]) + records]
+
+
+def _finished(folder: Path, source: str, key: str) -> dict[str, Any] | None:
+    """The row of a finished job, None where it is to be done; only what Mana made of this source is ever replaced.
+
+    Raises InvalidInput (`replay/out-taken`).
+    """
     note = folder / DONE
-    row = json.loads(note.read_bytes()) if note.is_file() else {}
-    return row if row.get("key") == key else None
+    if not note.is_file():
+        strange = [p.name for p in folder.iterdir() if not (p / VARIANT_FILE).is_file()] if folder.is_dir() else []
+        if strange:
+            raise stop("replay/out-taken", f"'{folder.name}' below --out holds '{sorted(strange)[0]}'", folder.name)
+        return None
+    row = json.loads(note.read_bytes())
+    if row["source"] != source:
+        raise stop("replay/out-taken", f"'{folder.name}' below --out has variants of {row['source']}", folder.name)
+    return row if row["key"] == key else None
 
 
 def _written(prepared: Prepared, draw: Any, given: dict[str, Any], folder: Path) -> dict[str, Any]:
     options, episode = given["options"], prepared.episode
     assets = Path(given["assets"]) if given["assets"] else None
-    shutil.rmtree(folder, ignore_errors=True)
+    for old in folder.glob("variant_*"):
+        shutil.rmtree(old)
     made: list[Variant] = []
     for variant in variants(
         prepared, draw, range(options["variants"]), options["objects"], options["seed"], assets, options["most_hidden"]

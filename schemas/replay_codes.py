@@ -112,4 +112,10 @@ REPLAY_CODES: dict[str, CodeInfo] = {
         "The other recordings of the batch are not affected.",
         "split the recording, or run it alone to see what it prints",
     ),
+    "replay/out-taken": CodeInfo(
+        "error",
+        "The folder for an episode's variants holds something else",
+        "To write there would delete a recording, the variants of another one, or files that Mana did not make.",
+        "give another --out, or move what is there",
+    ),
 }

@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 import cli.replay_augment
 from cli.main import app
+from cli.replay_augment import distinct_prefixes
 from cli.replay_augment_cell import augment as augmented
 from jobs.cell import Limits
 from replay.check_output import check_output, summary
@@ -68,6 +69,7 @@ def given(recordings: Path, plan: Path, out: Path, **options):
     nothing = dict.fromkeys(("assets", "meshes", "scene"))
     return {
         "source": str(recordings / "one"),
+        "prefix": "",
         "plan": str(plan),
         "out": str(out),
         "supports": [],
@@ -104,3 +106,25 @@ def test_what_is_no_recording_and_what_takes_too_long_stop_only_themselves(recor
     made = augment(recordings / "one", plan, tmp_path / "out")
     assert made.exit_code == 1
     assert json.loads(made.stdout)["refused"][0]["diagnostic"]["code"] == "replay/stopped"
+
+
+def test_recordings_of_one_name_have_folders_of_their_own():
+    sources = [Path("lift/demo.hdf5"), Path("stack/demo.hdf5"), Path("door.hdf5")]
+    assert list(distinct_prefixes(sources).values()) == ["lift_", "stack_", ""]
+
+
+def test_nothing_that_mana_did_not_make_of_this_recording_is_deleted(recordings, plan, tmp_path):
+    """Not the recording itself where --out is the folder it lies in, nor variants of another one."""
+    source = staged(tmp_path / "demos" / "one")
+    before = sorted(source.rglob("*"))
+    asked = given(recordings, plan, tmp_path / "demos") | {"source": str(source)}
+    with pytest.raises(InvalidInput) as refused:
+        augmented(asked)
+    assert refused.value.diagnostic.code == "replay/out-taken"
+    assert sorted(source.rglob("*")) == before
+    out = tmp_path / "out"
+    augmented(asked | {"out": str(out)})
+    with pytest.raises(InvalidInput) as refused:
+        augmented(given(recordings, plan, out))
+    assert refused.value.diagnostic.code == "replay/out-taken"
+    assert "has variants of" in refused.value.diagnostic.headline

@@ -153,7 +153,7 @@ def test_links_to_other_files_are_not_followed(tmp_path: Path):
 
 
 def test_meshes_that_a_model_names_elsewhere_are_found_by_the_end_of_their_path(tmp_path: Path):
-    model = replay_samples.MODEL.replace("tip.stl", "/home/someone/assets/arm/tip.stl")
+    model = replay_samples.MODEL.replace("tip.stl", "/elsewhere/assets/arm/tip.stl")
     path = replay_samples.robomimic(tmp_path / "demo" / "demo.hdf5", model)
     assert refusal(path) == "replay/missing-mesh"
     for folder in ("arm", "hand"):
