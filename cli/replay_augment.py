@@ -35,7 +35,7 @@ def augment_command(
         list[str] | None, typer.Option(help="Where to put things; default: where objects stood.")
     ] = None,
     meshes: Annotated[Path | None, typer.Option(help="Mesh files that models name.", exists=True)] = None,
-    scene: Annotated[Path | None, typer.Option(help="episode.json of LeRobot or ManiSkill data.", exists=True)] = None,
+    scene: Annotated[Path | None, typer.Option(help="episode.json that says what moved.", exists=True)] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Recordings at a time.")] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")] = False,
 ) -> None:

@@ -35,7 +35,7 @@ def envelope_command(
     probes: Annotated[bool, typer.Option(help="Probe intervals as the paper does, for comparison: no proof.")] = False,
     support: Annotated[list[str] | None, typer.Option(help="Supports to draw; default: where objects stood.")] = None,
     meshes: Annotated[Path | None, typer.Option(help="Mesh files that models name.", exists=True)] = None,
-    scene: Annotated[Path | None, typer.Option(help="episode.json of LeRobot or ManiSkill data.", exists=True)] = None,
+    scene: Annotated[Path | None, typer.Option(help="episode.json that says what moved.", exists=True)] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")] = False,
 ) -> None:
     """Show the volume that everything that moves stays in, and what each capsule's radius is made of.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from replay.episode import Episode
-from replay.formats.episode_folder import is_episode_folder, read_episode_folder
+from replay.formats.episode_folder import is_episode_folder, is_table, read_episode_folder
 from replay.formats.lerobot import is_lerobot, read_lerobot
 from replay.formats.maniskill import is_maniskill, read_maniskill
 from replay.formats.robomimic import is_robomimic, read_robomimic
@@ -15,7 +15,7 @@ from replay.recorded import stop
 
 def is_recording(path: Path) -> bool:
     """Whether a file or folder is a recording in one of the formats, by its layout."""
-    kinds = (is_lerobot, is_episode_folder, is_staged_folder, is_robomimic, is_maniskill)
+    kinds = (is_lerobot, is_table, is_staged_folder, is_robomimic, is_maniskill)
     return path.exists() and any(of_kind(path) for of_kind in kinds)
 
 
@@ -29,8 +29,8 @@ def read_episodes(path: Path, meshes: Path | None = None, scene: Path | None = N
         raise stop("replay/missing-file", f"'{path.name}' is absent", path.name)
     if is_lerobot(path):
         return read_lerobot(path, scene, meshes)
-    if is_episode_folder(path):
-        return (read_episode_folder(path, meshes),)
+    if is_table(path) and (scene or is_episode_folder(path) or not is_staged_folder(path)):
+        return (read_episode_folder(path, scene, meshes),)
     if is_staged_folder(path):
         return (read_staged_folder(path),)
     if is_robomimic(path):

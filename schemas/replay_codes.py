@@ -29,7 +29,7 @@ REPLAY_CODES: dict[str, CodeInfo] = {
         "error",
         "A reference leads out of the recording's folder",
         "Following it could read any file on the machine; it is never opened.",
-        "copy the file into the folder, or say with --meshes or --robot where it is",
+        "copy the file into the folder, or say with --meshes where mesh files are",
     ),
     "replay/missing-mesh": CodeInfo(
         "error",

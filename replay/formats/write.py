@@ -14,6 +14,7 @@ from jobs.cache import write_atomically
 from replay.described import read_description
 from replay.episode import Episode
 from replay.formats.digests import recording_files, stream_digests
+from replay.formats.episode_folder import is_table
 from replay.formats.hdf5 import child, opened, text
 from replay.formats.mesh_archive import MESHES
 from schemas.episode import EPISODE_FILE, MeshShape
@@ -33,6 +34,9 @@ def write_variant(episode: Episode, variant: Variant, folder: Path) -> Variant:
             copy = target / file.relative_to(source)
             copy.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(file, copy)
+    elif is_table(source):
+        recording = f"{RECORDING}/{source.name}"
+        shutil.copyfile(source, folder / recording)
     else:
         recording = f"{RECORDING}/{source.name}"
         write_hdf5_part(source, episode.part, folder / recording)

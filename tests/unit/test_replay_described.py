@@ -152,6 +152,24 @@ def empty_variant(source: Path) -> Variant:
     )
 
 
+def test_a_log_of_a_real_robot_and_a_description_elsewhere(tmp_path: Path):
+    log = {name: values for name, values in columns().items() if name[:2] in ("t", "q.")}
+    (tmp_path / "logs").mkdir()
+    write(tmp_path / "logs" / "monday.parquet", log)
+    assert refusal(tmp_path / "logs" / "monday.parquet") == "replay/missing-file"
+    scene = described(tmp_path / "cell", objects=[], name="cell") / "episode.json"
+    (episode,) = read_episodes(tmp_path / "logs" / "monday.parquet", scene=scene)
+    assert episode.name == "monday"
+    np.testing.assert_array_equal(episode.robots[0].q[:, 0], log["q.turn"])
+    write_variant(episode, empty_variant(tmp_path / "logs" / "monday.parquet"), tmp_path / "out")
+    (check,) = check_output(tmp_path / "out", None, None)
+    assert check.sound
+    rows = pq.read_table(tmp_path / "out" / "recording" / "monday.parquet")
+    (tmp_path / "out" / "recording" / "monday.parquet").unlink()
+    pq.write_table(rows.slice(1), tmp_path / "out" / "recording" / "monday.parquet")
+    assert not check_output(tmp_path / "out", None, None)[0].states_identical
+
+
 @pytest.mark.parametrize("version", ["v2.1", "v3.0"])
 def test_episodes_of_a_lerobot_data_set(tmp_path: Path, version: str):
     data = lerobot(tmp_path / "set", version)
