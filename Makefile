@@ -6,7 +6,7 @@ STAMP := .venv/.installed
 # MuJoCo's USD reader brings another OpenUSD than ours, so it lives in an environment of its own; tests call it.
 MUJOCO_USD := .venv-mujoco-usd
 MUJOCO_USD_STAMP := $(MUJOCO_USD)/.installed
-# PyTorch for the CPU comes from the system where PyPI has none; tests call it.
+# PyTorch for the CPU comes from the system where PyPI has none, LeRobot's library beside it; tests call them.
 TORCH := .venv-torch
 TORCH_STAMP := $(TORCH)/.installed
 DEMO_OUT ?= demo_out
@@ -17,7 +17,8 @@ GAP_OUT ?= gap_suite_out
 demo: $(STAMP)
 	$(BIN)/mana demo --out $(DEMO_OUT)
 
-test: check $(MUJOCO_USD_STAMP) $(TORCH_STAMP)
+test:
+	$(MAKE) --jobs=2 check $(MUJOCO_USD_STAMP) $(TORCH_STAMP)
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 
 check: lint types layers
@@ -57,7 +58,7 @@ $(MUJOCO_USD_STAMP): tools/mujoco-usd-constraints.txt | $(STAMP)
 	$(MUJOCO_USD)/bin/python -m pip install --quiet --disable-pip-version-check -c $< mujoco-usd
 	touch $@
 
-$(TORCH_STAMP): tools/torch-environment.sh | $(STAMP)
+$(TORCH_STAMP): tools/torch-environment.sh tools/lerobot-requirements.txt | $(STAMP)
 	@sh $< $(BIN)/python $(TORCH)
 	mkdir -p $(TORCH)
 	touch $@

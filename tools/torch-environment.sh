@@ -1,5 +1,6 @@
 #!/bin/sh
-# Make FOLDER an environment whose Python has PyTorch for the CPU, for the tests of runtime_plan.torch_sampler.
+# Make FOLDER an environment whose Python has PyTorch for the CPU, for the tests of runtime_plan.torch_sampler, and LeRobot's
+# own library in the last versions that write v2.1 and v3.0, for the tests of replay (350 MB of disk without PyTorch).
 # PyPI has no such build for Linux on x86-64; Debian 12 has one for its own Python 3.11 (152 MB to fetch, 651 MB of disk).
 # Nothing is made where the tests' own Python has PyTorch, or where it cannot be had: those tests then skip and say so.
 set -eu
@@ -22,3 +23,7 @@ if ! "$system" -c "import torch" 2>/dev/null; then
 fi
 test -x "$folder/bin/python" || "$system" -m venv --without-pip --system-site-packages "$folder"
 "$own" -m pip --python "$folder/bin/python" install --quiet --disable-pip-version-check -c constraints.txt pydantic
+lone="--quiet --disable-pip-version-check --no-deps --no-compile"
+"$own" -m pip --python "$folder/bin/python" install $lone -r tools/lerobot-requirements.txt
+"$own" -m pip --python "$folder/bin/python" install $lone --target "$folder/lerobot-v2.1" lerobot==0.3.3
+"$own" -m pip --python "$folder/bin/python" install $lone --target "$folder/lerobot-v3.0" lerobot==0.4.4

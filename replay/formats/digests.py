@@ -11,14 +11,14 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from replay.formats.hdf5 import child, opened
-from replay.formats.lerobot import is_lerobot
+from replay.formats.lerobot import INFO, info_without_videos, is_lerobot
 
 
 def stream_digests(source: Path, part: str = "") -> dict[str, str]:
     """Digests by stream: of each data set below the group `part` of an HDF5 file, else of the bytes of each file."""
     if source.is_dir():
         files = recording_files(source, part)
-        return {p.relative_to(source).as_posix(): _of_bytes(p.read_bytes()) for p in files}
+        return {p.relative_to(source).as_posix(): _of_bytes(recording_bytes(source, p)) for p in files}
     if not h5py.is_hdf5(source):
         return {source.name: _of_bytes(source.read_bytes())}
     found: dict[str, str] = {}
@@ -38,6 +38,12 @@ def recording_files(folder: Path, part: str = "") -> list[Path]:
     if not is_lerobot(folder):
         return found
     return [p for p in found if _belongs(p, p.relative_to(folder), part)]
+
+
+def recording_bytes(folder: Path, file: Path) -> bytes:
+    """A file of `recording_files` as a copy has it: the same, but a LeRobot data set names no videos any more."""
+    films = is_lerobot(folder) and file == folder / INFO
+    return info_without_videos(folder) if films else file.read_bytes()
 
 
 def _belongs(path: Path, relative: Path, part: str) -> bool:

@@ -66,6 +66,16 @@ def read_info(path: Path) -> dict[str, Any]:
     return info
 
 
+def info_without_videos(path: Path) -> bytes:
+    """`meta/info.json` as it is when no video comes along: the library looks for the files of what it names."""
+    info = read_info(path)
+    films = [name for name, feature in info.get("features", {}).items() if feature.get("dtype") == "video"]
+    if not films:
+        return (path / INFO).read_bytes()
+    rest = {name: feature for name, feature in info["features"].items() if name not in films}
+    return (json.dumps(info | {"features": rest}, indent=4) + "\n").encode()
+
+
 def tables(path: Path, info: dict[str, Any]) -> list[Path]:
     """The tables of a data set in the order of their names. Raises InvalidInput where there is none."""
     found = sorted(p for p in (path / "data").rglob("*.parquet") if p.is_file() and not p.is_symlink())

@@ -53,6 +53,19 @@ def read_maniskill(path: Path, scene: Path | None = None, meshes: Path | None = 
     return tuple(episodes)
 
 
+def json_of_part(path: Path, part: str) -> bytes | None:
+    """The JSON file beside with the one entry of trajectory `part`, as ManiSkill's tools want it, or None.
+
+    They walk `episodes` and open `traj_<episode_id>` of each (`mani_skill/trajectory/merge_trajectory.py`).
+    """
+    try:
+        about: dict[str, Any] = json.loads(path.with_suffix(".json").read_bytes())
+        mine = [entry for entry in about["episodes"] if f"traj_{entry['episode_id']}" == part]
+        return (json.dumps(about | {"episodes": mine}, indent=2) + "\n").encode()
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
 def _control_hz(path: Path, description: EpisodeDescription) -> float:
     if description.control_hz is not None:
         return description.control_hz

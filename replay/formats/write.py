@@ -13,9 +13,10 @@ import h5py
 from jobs.cache import write_atomically
 from replay.described import read_description
 from replay.episode import Episode
-from replay.formats.digests import recording_files, stream_digests
+from replay.formats.digests import recording_bytes, recording_files, stream_digests
 from replay.formats.episode_folder import is_table
 from replay.formats.hdf5 import child, opened, text
+from replay.formats.maniskill import json_of_part
 from replay.formats.mesh_archive import MESHES
 from schemas.episode import EPISODE_FILE, MeshShape
 from schemas.replay import VARIANT_FILE, Variant
@@ -33,7 +34,7 @@ def write_variant(episode: Episode, variant: Variant, folder: Path) -> Variant:
         for file in recording_files(source, episode.part):
             copy = target / file.relative_to(source)
             copy.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(file, copy)
+            copy.write_bytes(recording_bytes(source, file))
     elif is_table(source):
         recording = f"{RECORDING}/{source.name}"
         shutil.copyfile(source, folder / recording)
@@ -74,8 +75,11 @@ def write_hdf5_part(source: Path, part: str, target: Path) -> None:
         bodies = (*description.objects, *description.fixtures)
         named += [EPISODE_FILE, *(robot.model for robot in description.robots)]
         named += [shape.file for body in bodies for shape in body.shapes if isinstance(shape, MeshShape)]
-    for name in dict.fromkeys((*named, source.with_suffix(".json").name)):
+    for name in dict.fromkeys(named):
         _bring(source.parent, name, target.parent)
+    entry = json_of_part(source, part)
+    if entry is not None:
+        target.with_suffix(".json").write_bytes(entry)
     for folder in (source.parent, source.parent.parent):
         if (folder / MESHES).is_file():
             _bring(folder, MESHES, target.parent)

@@ -194,7 +194,10 @@ def test_another_version_of_lerobot_is_refused(tmp_path: Path):
 
 def test_trajectories_of_maniskill(tmp_path: Path):
     robots = [{"name": "arm", "model": "arm.urdf", "joints": ["turn", "reach"]}]
-    described(tmp_path, robots=robots, control_hz=20)
+    described(tmp_path, robots=robots)
+    entries = [{"episode_id": k, "elapsed_steps": len(columns()["t"]) - 1} for k in range(2)]
+    about = {"env_info": {"env_kwargs": {"sim_config": {"control_freq": 20}}}, "episodes": entries}
+    (tmp_path / "demo.json").write_text(json.dumps(about))
     rows = columns()
     n = len(rows["t"])
     cube = np.stack([rows[f"obj.cube.{c}"] for c in ("px", "py", "pz", "qw", "qx", "qy", "qz")], axis=1)
@@ -217,5 +220,10 @@ def test_trajectories_of_maniskill(tmp_path: Path):
     moved = done.model_copy(update={"scene": "", "source": "gone.h5"})
     (out / "variant.json").write_text(moved.model_dump_json())
     assert check_output(out, None, None)[0].sound  # All that is needed came along.
+    copied = json.loads((out / "recording" / "demo.json").read_bytes())  # As ManiSkill's tools walk a file.
+    assert copied == about | {"episodes": entries[1:]}
+    with h5py.File(out / "recording" / "demo.h5") as file:
+        (states,) = (file[f"traj_{entry['episode_id']}/env_states"] for entry in copied["episodes"])
+        assert len(states["actors/cube"]) == copied["episodes"][0]["elapsed_steps"] + 1
     described(tmp_path, robots=[robots[0] | {"joints": ["turn"]}], control_hz=20)
     assert refusal(tmp_path / "demo.h5") == "replay/state-size"
