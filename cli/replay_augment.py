@@ -15,10 +15,11 @@ from cli import text
 from jobs.cache import write_atomically
 from jobs.cell import Limits
 from jobs.schedule import run_all
-from jobs.warm import run_module
+from jobs.warm import run_module, warm_cells
 from schemas.diagnostics import Diagnostic, finding
 
 LIMITS = Limits(seconds=3600.0, memory_mb=8192)
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "JE_ARROW_MALLOC_CONF": "background_thread:false"}  # Else forks are not sound.
 
 
 def augment_command(
@@ -55,11 +56,11 @@ def augment_command(
             "plan": _text(plan), "assets": _text(assets), "supports": support or [],
         },
     }  # fmt: skip
-    sources = [source for path in episodes for source in recordings_below(path)]
-    prefixes = distinct_prefixes(sources)
     rows: list[dict[str, Any]] = []
     refused: list[tuple[Path, Diagnostic]] = []
-    with text.progress(quiet=as_json) as progress:
+    with warm_cells("cli.replay_augment_cell", env=ONE_THREAD), text.progress(quiet=as_json) as progress:
+        sources = [source for path in episodes for source in recordings_below(path)]
+        prefixes = distinct_prefixes(sources)
         task = progress.add_task("augmenting", total=len(sources))
         asked = {source: {**given, "source": str(source), "prefix": prefixes[source]} for source in sources}
         for source, answer in run_all(lambda path: _in_cell(path, asked[path]), sources, jobs=jobs):

@@ -11,12 +11,16 @@ from replay.formats.maniskill import is_maniskill, read_maniskill
 from replay.formats.robomimic import is_robomimic, read_robomimic
 from replay.formats.staged_folder import is_staged_folder, read_staged_folder
 from replay.recorded import stop
+from schemas.diagnostics import InvalidInput
 
 
 def is_recording(path: Path) -> bool:
-    """Whether a file or folder is a recording in one of the formats, by its layout."""
+    """Whether a file or folder is a recording in one of the formats, by its layout; a damaged file counts as one."""
     kinds = (is_lerobot, is_table, is_staged_folder, is_robomimic, is_maniskill)
-    return path.exists() and any(of_kind(path) for of_kind in kinds)
+    try:
+        return path.exists() and any(of_kind(path) for of_kind in kinds)
+    except InvalidInput:
+        return True
 
 
 def read_episodes(path: Path, meshes: Path | None = None, scene: Path | None = None) -> tuple[Episode, ...]:

@@ -12,6 +12,9 @@ import pyarrow.parquet as pq
 
 from replay.formats.hdf5 import child, opened
 from replay.formats.lerobot import INFO, info_without_videos, is_lerobot
+from replay.recorded import stop
+
+DEEPEST = 32  # groups within groups: a hard link to a group above has no end
 
 
 def stream_digests(source: Path, part: str = "") -> dict[str, str]:
@@ -53,6 +56,8 @@ def _belongs(path: Path, relative: Path, part: str) -> bool:
 
 
 def _collect(group: Any, at: str, file: str, found: dict[str, str]) -> None:
+    if at.count("/") > DEEPEST:
+        raise stop("replay/unreadable", f"groups within groups without end: '{at[:80]}...'", file)
     for name in sorted(group):
         item = child(group, name, file)
         if isinstance(item, h5py.Group):

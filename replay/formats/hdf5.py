@@ -1,26 +1,55 @@
-"""HDF5 files read with care: no link out of the file, no data set larger than the memory."""
+"""HDF5 files read with care: no link out of the file, no data set larger than the memory, nothing without end."""
 
 from __future__ import annotations
 
 import re
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
+from jobs.cache import file_sha256
+from jobs.cell import Limits
+from jobs.warm import run_module
 from replay.recorded import stop
 from schemas.model import FloatArray
 
 MAX_VALUES = 100_000_000
+PATIENCE_S = 60.0  # and a second for each MB, to read a file once
+_faults: dict[str, str] = {}  # by digest of what was read
 
 
 def opened(path: Path) -> h5py.File:
-    """The file, to be closed by the caller. Raises InvalidInput."""
+    """The file, to be closed by the caller. Raises InvalidInput.
+
+    A cell has read it to its end before: on a damaged file libhdf5 may crash, or never come to an end.
+    """
     try:
-        return h5py.File(path, "r")
+        fault = _fault(path)
+        if not fault:
+            return h5py.File(path, "r")
     except OSError as error:
-        raise stop("replay/unreadable", f"{path.name}: {error}", path.name) from None
+        fault = str(error)
+    raise stop("replay/unreadable", f"{path.name}: {fault}", path.name)
+
+
+def _fault(path: Path) -> str:
+    """What is wrong with a file, empty for nothing; asked of a cell once for the same content."""
+    found = path.stat()
+    digest = _digest(path, found.st_size, found.st_mtime_ns)
+    if digest not in _faults:
+        limits = Limits(seconds=PATIENCE_S + found.st_size / 1e6)
+        result = run_module("replay.formats.hdf5_probe", [str(path)], limits)
+        ended = {"ok": "", "failed": result.output[-300:].strip()}
+        _faults[digest] = ended.get(result.status, f"reading it ended by {result.status} after {result.seconds:.0f} s")
+    return _faults[digest]
+
+
+@cache
+def _digest(path: Path, _size: int, _mtime_ns: int) -> str:
+    return file_sha256(path)
 
 
 def child(group: Any, name: str, file: str) -> Any:

@@ -1,5 +1,7 @@
 """Staged recordings: what is read, and forward kinematics against MuJoCo and recorded link poses."""
 
+import struct
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -7,6 +9,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from cli.replay_augment import recordings_below
+from replay.formats import hdf5
+from replay.formats.digests import stream_digests
 from replay.kinematics import link_poses
 from replay.link_check import check_links
 from replay.mjcf import read_mjcf
@@ -150,6 +155,48 @@ def test_links_to_other_files_are_not_followed(tmp_path: Path):
         del file["data/demo_9/states"]
         file["data/demo_9/states"] = h5py.ExternalLink(str(tmp_path / "other.hdf5"), "states")
     assert refusal(path) == "replay/path-escape"
+
+
+def truncated(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-3000])
+
+
+def overwritten(path: Path) -> None:
+    with h5py.File(path) as file:
+        at = h5py.h5o.get_info(file["data/demo_10/states"].id).addr
+    data = bytearray(path.read_bytes())
+    data[at : at + 24] = bytes([255]) * 24
+    path.write_bytes(data)
+
+
+def endless(path: Path) -> None:
+    """The first free block of the first heap of names is followed by itself (HDF5 format, III.D)."""
+    data = bytearray(path.read_bytes())
+    _, free, names = struct.unpack_from("<3Q", data, data.index(b"HEAP") + 8)
+    struct.pack_into("<Q", data, names + free, free)
+    path.write_bytes(data)
+
+
+@pytest.mark.parametrize("damage", [truncated, overwritten, endless])
+def test_damaged_files_are_refused_and_the_rest_of_a_folder_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: Callable[[Path], None]
+):
+    monkeypatch.setattr(hdf5, "PATIENCE_S", 1.5)
+    path = replay_samples.robomimic(tmp_path / "bad.hdf5")
+    replay_samples.robomimic(tmp_path / "good.hdf5")
+    damage(path)
+    assert refusal(path) == "replay/unreadable"
+    found = list(recordings_below(tmp_path))
+    assert [file.name for file in found] == ["bad.hdf5", "good.hdf5"]
+
+
+def test_a_group_that_holds_itself_has_an_end(tmp_path: Path):
+    path = replay_samples.robomimic(tmp_path / "demo.hdf5")
+    with h5py.File(path, "a") as file:
+        file["data/demo_9/again"] = file["data/demo_9"]
+    (nine, _) = read_episodes(path)
+    with pytest.raises(InvalidInput, match="without end"):
+        stream_digests(path, nine.part)
 
 
 def test_meshes_that_a_model_names_elsewhere_are_found_by_the_end_of_their_path(tmp_path: Path):
