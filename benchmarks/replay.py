@@ -182,7 +182,7 @@ def _pose(handle: int, X: FloatArray, client: int) -> None:
 
 def put_in(prepared: Prepared, assets: Path, count: int) -> dict[str, float]:
     """Variants with three packages each: how many objects, in the picture of a camera, at what cost."""
-    draw = candidates(None, assets)
+    draw, _ = candidates(None, assets)
     started = time.process_time()
     made = list(variants(prepared, draw, range(count), 3, 0, assets))
     cpu_s = time.process_time() - started

@@ -69,7 +69,7 @@ def replay_demo(library: Path, arm: Path, out: Path) -> ReplayDemo | None:
         return None
     folder = out / "replay"
     prepared = prepare(read_episode(_recording(folder / "recording", arm), arm), Settings())
-    draw = candidates(None, library)
+    draw, _ = candidates(None, library)
     made = list(variants(prepared, draw, range(VARIANTS), OBJECTS, seed=0, packages=library))
     for variant in made:
         write_variant(prepared.episode, variant, folder / f"variant_{variant.number:04d}")

@@ -139,6 +139,8 @@ def _show(rows: list[dict[str, Any]], refused: list[tuple[Path, Diagnostic]], ou
     for row in rows:
         for diagnostic in row["diagnostics"][:1]:
             text.show_diagnostic(Diagnostic.model_validate(diagnostic))
+    for left_out in dict.fromkeys(package for row in rows for package in row["packages_left_out"]):
+        text.console.print(f"left out: {left_out}", markup=False)
     for _, diagnostic in refused:
         text.show_diagnostic(diagnostic)
     text.console.print(f"variants are in {out}; check them with `mana replay verify {out}`", markup=False)

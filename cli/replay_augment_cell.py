@@ -28,7 +28,7 @@ def augment(given: dict[str, Any]) -> list[dict[str, Any]]:
     """One row for each episode of the source. What was finished before with the same options is left as it is."""
     paths = {key: Path(given[key]) if given[key] else None for key in ("meshes", "scene", "plan", "assets")}
     out = Path(given["out"])
-    draw = candidates(paths["plan"], paths["assets"])
+    draw, left_out = candidates(paths["plan"], paths["assets"])
     digests, rows = _digests(paths["plan"], paths["assets"]), []
     for episode in read_episodes(Path(given["source"]), paths["meshes"], paths["scene"]):
         folder = out / (given["prefix"] + episode.name)
@@ -38,7 +38,8 @@ def augment(given: dict[str, Any]) -> list[dict[str, Any]]:
             started = time.process_time()
             prepared = prepare(episode, Settings(clearance_m=given["options"]["clearance_m"]), given["supports"])
             cpu_s = time.process_time() - started
-            row = _written(prepared, draw, given, folder) | {"key": key, "envelope_cpu_s": round(cpu_s, 3)}
+            row = _written(prepared, draw, given, folder)
+            row |= {"packages_left_out": left_out, "key": key, "envelope_cpu_s": round(cpu_s, 3)}
             write_atomically(folder / DONE, json.dumps(row, indent=1).encode())
         rows.append(row)
     return rows

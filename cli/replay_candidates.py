@@ -16,18 +16,21 @@ from schemas.scene_program import FixedAsset
 Draw = Callable[[int, int], Choices]
 
 
-def candidates(plan: Path | None, assets: Path | None) -> Draw:
-    """What variant `number` of `seed` tries. Raises InvalidInput: `replay/no-candidates`, or as `runtime_plan.load`."""
+def candidates(plan: Path | None, assets: Path | None) -> tuple[Draw, list[str]]:
+    """What variant `number` of `seed` tries, and which packages are left out and why.
+
+    Raises InvalidInput: `replay/no-candidates`, or as `runtime_plan.load`.
+    """
     if plan is not None:
-        return partial(from_plan, load(plan, assets))
+        return partial(from_plan, load(plan, assets)), []
     library, bodies = AssetLibrary(assets), PlanBodies(assets)
     refused: list[str] = []
     for name in library.names:
         try:
             bodies.number(library.body(FixedAsset(type="fixed", id=name), orientation="stable"))
         except InvalidInput as error:
-            refused.append(f"{name}: {error.diagnostic.headline}")
+            refused.append(error.diagnostic.headline)
     if not bodies.found:
         said = refused[0] if refused else "no --plan, and no package below --assets"
         raise InvalidInput(finding("replay/no-candidates", said))
-    return partial(from_bodies, bodies.found)
+    return partial(from_bodies, bodies.found), refused

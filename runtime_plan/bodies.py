@@ -10,9 +10,11 @@ import numpy as np
 
 from geom.pose import pose
 from geom.scaling import scaled_body
+from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.physics import CollisionShape, MassProperties, RigidBody
 from schemas.runtime_plan import PlanBody
 from schemas.scene_program import BoxAsset, CylinderAsset, Inline
+from usdio.package_files import changed_files
 from usdio.reread import reread_body
 from usdio.write_package import USD_FOLDER
 from usdio.write_primitive import CONTACT, DENSITY_KGM3, primitive_mass
@@ -27,16 +29,25 @@ class PhysicalBody:
 
 
 def physical_body(body: PlanBody, packages: Path | None) -> PhysicalBody:
-    """Raises FileNotFoundError for a body of a package without a folder of packages, and as `reread_body` does."""
+    """The body that a simulator is given.
+
+    Raises FileNotFoundError for a body of a package without a folder of packages, InvalidInput for a package whose
+    shape or physics changed after its record was written (`plan/changed-package`), and as `reread_body` does.
+    """
     if body.primitive is not None:
         return _primitive(body.asset_id, body.primitive, body.scale, body.mass_kg)
     if packages is None or body.package is None:
         raise FileNotFoundError(body.package or body.asset_id)
     folder = packages / body.package
+    record = json.loads((folder / "record.json").read_bytes())
+    changed = changed_files(folder, record["hashes"])
+    if changed:
+        text = f"'{changed[0]}' of the package {body.package} is not the file that its record was written of"
+        raise InvalidInput(finding("plan/changed-package", text, where=Location(file=f"{body.package}/{changed[0]}")))
     whole = scaled_body(reread_body(min((folder / USD_FOLDER).glob("*.usda"))), body.scale)
     mass, scale = whole.mass, body.scale  # a scaled body keeps its density
     mass = MassProperties(mass.mass_kg * scale**3, mass.centre_of_mass_m, mass.inertia_kgm2 * scale**5)
-    density = json.loads((folder / "record.json").read_bytes())["physics"]["density_kgm3"]
+    density = record["physics"]["density_kgm3"]
     return PhysicalBody(replace(whole, mass=mass), density and density["value"])
 
 

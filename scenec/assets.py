@@ -21,6 +21,7 @@ from schemas.diagnostics import InvalidInput, Severity, finding
 from schemas.outcome import ItemOutcome
 from schemas.physics import CollisionShape
 from schemas.scene_program import AuthoredPolygon, FixedAsset, Inline, Orientation
+from usdio.package_files import changed_files
 from usdio.reread import reread_body
 
 MOST_SEEN = 5_000
@@ -141,6 +142,10 @@ class AssetLibrary:
             record = AssetRecord.model_validate_json(self._records[asset_id])
         except ValueError:
             raise _unusable(asset_id, "its record.json is not the record of an asset") from None
+        changed = changed_files(folder, record.hashes)
+        if changed:
+            said = f"'{changed[0]}' is not the file that was tried in simulation: ingest the asset again"
+            raise _unusable(asset_id, said)
         try:
             rigid = reread_body(folder / "usd" / f"{asset_id}.usda")
         except InvalidInput as error:

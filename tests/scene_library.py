@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from jobs.cache import file_sha256
 from schemas.physics import CollisionShape
 from tests.unit import package_samples as samples
 from usdio.write_package import write_package
@@ -78,7 +79,9 @@ def _package(
 ) -> None:
     content = samples.content(samples.model(meshes), shapes, asset_id=asset_id)
     write_package(content, library / asset_id)
-    record = json.loads(RECORD.read_text()) | {"asset_id": asset_id, "outcome": outcome}
+    files = sorted(file for file in (library / asset_id).rglob("*") if file.is_file())
+    hashes = {file.relative_to(library / asset_id).as_posix(): file_sha256(file) for file in files}
+    record = json.loads(RECORD.read_text()) | {"asset_id": asset_id, "outcome": outcome, "hashes": hashes}
     measured = {"source": "measured", "method": "test", "confidence": 1.0}
     record["semantics"]["roles"] = [{"value": role, **measured} for role in roles]
     record["anchors"] = [{"value": anchor, **measured} for anchor in anchors]

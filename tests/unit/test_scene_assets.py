@@ -182,3 +182,14 @@ def test_a_rejected_package_is_refused(tmp_path: Path):
     with pytest.raises(InvalidInput) as caught:
         AssetLibrary(tmp_path).body(FixedAsset(type="fixed", id="bad"))
     assert caught.value.diagnostic.code == "scene/unusable-asset"
+
+
+def test_how_an_asset_rests_is_not_known_once_its_shape_has_changed(tmp_path: Path):
+    scene_library.rod(tmp_path)
+    payloads = tmp_path / "rod" / "usd" / "payloads"
+    looks, physics = payloads / "rod_materials.usda", payloads / "rod_physics.usda"
+    looks.write_text(looks.read_text() + "# another colour\n")
+    assert AssetLibrary(tmp_path).body(FixedAsset(type="fixed", id="rod"), orientation="stable").stances
+    physics.write_text(physics.read_text().replace("0.2", "0.3"))
+    with pytest.raises(InvalidInput, match=r"rod_physics\.usda"):
+        AssetLibrary(tmp_path).body(FixedAsset(type="fixed", id="rod"))
