@@ -20,8 +20,11 @@ from replay.supports import Support
 from schemas.model import FloatArray
 
 SLICE_M = 0.02  # the envelope is cut into slices this thick, each projected once
-_QUARTER = 6  # corners of a quarter circle
-_AROUND = 1.0 / np.cos(np.pi / (4 * _QUARTER))  # so that the polygon lies around the circle
+_MERGED = 1.0 + 1e-5  # GEOS merges corners of an outline that are nearer than a millionth of its distance
+_QUARTER = 6  # corners of a quarter circle at the ends of capsules
+_AROUND = _MERGED / np.cos(np.pi / (4 * _QUARTER))  # so that the polygon lies around the circle
+_FINE = 16  # the same at the corners of outlines, where GEOS may turn by a step and a half at once
+_AROUND_CORNER = _MERGED / np.cos(1.5 * np.pi / (4 * _FINE))
 _ON_M = 1e-3  # what reaches this little over a support does not stand on it
 
 
@@ -111,7 +114,7 @@ class Room:
 
 def grown(outline: BaseGeometry, by_m: float) -> BaseGeometry:
     """`outline` and all within `by_m` of it, and a little more."""
-    return outline.buffer(by_m * _AROUND, quad_segs=_QUARTER)
+    return outline.buffer(by_m * _AROUND_CORNER, quad_segs=_FINE)
 
 
 def _shadow(envelope: Envelope, wanted: FloatArray, low_m: float, high_m: float) -> BaseGeometry:
