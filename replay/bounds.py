@@ -40,7 +40,7 @@ class Paths:
 def paths(robot: Robot, course: Course, centres: list[FloatArray]) -> list[Paths]:
     """Paths of points centres[l] (k, 3) of every link l along a course."""
     poses = link_poses(robot, course.q, course.X_WR)
-    turned = np.abs(_turns(course.X_WR))
+    turned = np.abs(turns(course.X_WR))
     moved = np.abs(np.diff(course.q, axis=0))
     return [_link_paths(robot, number, course, poses, moved, turned, points) for number, points in enumerate(centres)]
 
@@ -96,8 +96,8 @@ def _chain(robot: Robot, number: int) -> list[int]:
     return found
 
 
-def _turns(X_WR: FloatArray) -> FloatArray:
-    """(m-1,) angles between successive base orientations."""
+def turns(X_WR: FloatArray) -> FloatArray:
+    """(m-1,) angles between successive base orientations, at most half a turn."""
     relative = np.einsum("mji,mjk->mik", X_WR[:-1, :3, :3], X_WR[1:, :3, :3])
     skew = relative - relative.transpose(0, 2, 1)
     sine = 0.5 * np.linalg.norm([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=0)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull
 
 from geom.outer_corners import outer_corners
 from schemas.model import FloatArray, IntArray
@@ -21,6 +21,7 @@ from schemas.physics import CollisionShape
 _FINEST = 0.03  # least protrusion over the size of a solid: balls needed grow with its inverse square on thin plates
 _STEPS = 40  # towards the best ball around a piece
 _LEAST_PIECE = 0.25  # pieces this share of the protrusion across are not cut further
+_FLAT = 1e-7  # thinner than this share of the size, Qhull and the cuts find no volume
 _ROUNDING = 1e-9  # of the body's size: far above the rounding of sums of coordinates in double precision
 
 
@@ -71,22 +72,25 @@ def _ball(shape: CollisionShape) -> Cover:
 
 
 def _polytope(corners: FloatArray, protrusion_m: float) -> Cover:
-    hull = _hull(corners)
+    corners, thicker_m = _thick(corners)
+    hull = ConvexHull(corners)
     solid = _Solid(hull.equations[:, :3], -hull.equations[:, 3])
     size = float(np.linalg.norm(np.ptp(corners, axis=0)))
     protrusion_m = max(protrusion_m, _FINEST * size)
     pieces, centres = _pieces(corners[hull.vertices], solid, protrusion_m)
     kept, radii = _fewest(pieces, centres, solid.depth(centres) + protrusion_m)
     residual_m = _ROUNDING * size
-    return Cover(centres[kept], radii, residual_m, float((radii - solid.depth(centres[kept])).max()))
+    return Cover(centres[kept], radii, residual_m, float((radii - solid.depth(centres[kept])).max()) + thicker_m)
 
 
-def _hull(corners: FloatArray) -> ConvexHull:
-    """Raises QhullError for corners that do not span space even when joggled."""
-    try:
-        return ConvexHull(corners)
-    except QhullError:  # flat: all of its corners count, planes are those of a hull joggled by rounding
-        return ConvexHull(corners, qhull_options="QJ Pp")
+def _thick(corners: FloatArray) -> tuple[FloatArray, float]:
+    """The corners of a solid, and 0; of a flat one those of a solid around it, and by how much this sticks out."""
+    spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
+    if spread[2] > _FLAT * spread[0]:
+        return corners, 0.0
+    half = max(10.0 * _FLAT * float(spread[0]), 1e-9)
+    cube = half * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    return (corners[:, None] + cube).reshape(-1, 3), half * np.sqrt(3.0)
 
 
 def _pieces(points: FloatArray, solid: _Solid, protrusion_m: float) -> tuple[list[FloatArray], FloatArray]:

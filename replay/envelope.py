@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from replay.bounds import Paths, paths
+from replay.bounds import Paths, paths, turns
 from replay.course import Course, as_robot, recorded, refined
 from replay.cover import Cover, cover
 from replay.episode import Episode, Robot
@@ -22,6 +22,8 @@ from replay.simplify import simplify
 from schemas.model import FloatArray, IntArray
 
 _SCOUTS = 8  # balls of a link by which the division of intervals is chosen
+_MOST_PARTS = 1000  # of an interval; a leap that would need more makes wide capsules, not many
+_EITHER_WAY_RAD = 1e-4  # this near to half a turn nobody knows which way round it went
 
 
 @dataclass(frozen=True)
@@ -98,13 +100,18 @@ def _swept(robot: Robot, t_s: FloatArray, settings: Settings) -> Iterator[tuple[
 
 
 def _divided(robot: Robot, t_s: FloatArray, along: Sequence[Paths], interval_m: float) -> list[Course]:
-    """Courses whose intervals are divided where scouts may leave the chord by more than `interval_m`."""
+    """Courses whose intervals are divided where scouts may leave the chord by more than `interval_m`.
+
+    Half a turn of a base stays undivided: its bound holds whichever way round, that of its parts does not.
+    """
     none = np.zeros((1, max(len(t_s) - 1, 0)))
     curve = np.max(np.concatenate([none, *(path.curve_m for path in along)]), axis=0)
     stray = np.max(np.concatenate([none, *(path.stray_m for path in along)]), axis=0)
-    parts = np.maximum(1, np.ceil(np.sqrt(curve / interval_m))).astype(int)
-    apart = np.where(stray > interval_m, 1 + np.ceil(np.sqrt((curve + 4.0 * stray) / interval_m)), 0).astype(int)
-    return refined(robot, t_s, parts, apart)
+    either = turns(robot.X_WR) > np.pi - _EITHER_WAY_RAD
+    parts = np.where(either, 1.0, np.ceil(np.sqrt(curve / interval_m))).clip(1.0, _MOST_PARTS)
+    strays = (stray > interval_m) & ~either
+    apart = np.where(strays, 1.0 + np.ceil(np.sqrt((curve + 4.0 * stray) / interval_m)), 0.0).clip(0.0, _MOST_PARTS)
+    return refined(robot, t_s, parts.astype(int), apart.astype(int))
 
 
 def _capsules(course: Course, path: Paths, balls: Cover, settings: Settings) -> tuple[FloatArray, ...]:

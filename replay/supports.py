@@ -60,8 +60,11 @@ def _of_fixture(fixture: Fixture) -> list[Support]:
 def _top(shape: CollisionShape, X_WB: FloatArray) -> tuple[float, Polygon]:
     corners = apply(X_WB, outer_corners(shape))
     height = float(corners[:, 2].max())
-    face = MultiPoint(corners[corners[:, 2] > height - LEVEL_M][:, :2]).convex_hull
+    top = corners[corners[:, 2] > height - LEVEL_M][:, :2]
+    face = MultiPoint(top).convex_hull
     if not isinstance(face, Polygon) or shape.kind in ("sphere", "capsule"):
+        return height, Polygon()
+    if shape.kind == "cylinder" and len(top) < CORNERS:  # it lies: what is level is a side of the polygon around it
         return height, Polygon()
     if shape.kind == "cylinder":  # its corners lie around the circle, by at most this share of the radius
         face = face.buffer(-shape.size_m[0] * (1.0 / np.cos(np.pi / CORNERS) - np.cos(np.pi / CORNERS)))

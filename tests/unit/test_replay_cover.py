@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
 
 from geom.outer_corners import outer_corners
 from geom.pose import pose
@@ -59,6 +60,17 @@ def test_all_of_a_shape_lies_in_its_balls(kind):
 def test_all_of_any_hull_lies_in_its_balls(seed, count, size):
     points = size * np.random.default_rng(seed).normal(size=(count, 3))
     check(CollisionShape("hull", (), np.eye(4), points, None), 0.4 * size)
+
+
+@pytest.mark.parametrize("size_m", [(0.1, 0.1, 1e-13), (0.1, 1e-13, 1e-13)])
+def test_what_is_all_but_flat_is_covered_at_any_angle(size_m):
+    """Qhull refused its cuts, or the cover asked for 96 GiB."""
+    X = pose(Rotation.from_rotvec([0.3, 0.5, 0.2]).as_matrix(), np.array([1.0, 2.0, 3.0]))
+    for X_BS in (np.eye(4), X):
+        shape = CollisionShape("box", size_m, X_BS)
+        found = cover([shape], 0.006)
+        assert farthest_out(found, inside(outer_corners(shape), np.random.default_rng(0))) <= found.residual_m
+        assert len(found.radii_m) < 600
 
 
 def test_tighter_covers_take_more_balls():

@@ -1,11 +1,13 @@
 """The envelope holds every point of everything that moves at every time; room and insertion keep off it."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 from shapely.geometry import LineString, Point, Polygon, box
 
 from geom.outer_corners import outer_corners
@@ -15,7 +17,7 @@ from replay.augment import prepare, variants
 from replay.candidates import Candidate, Choices
 from replay.dense import dense_motion
 from replay.envelope import Settings, swept_envelope
-from replay.episode import Camera
+from replay.episode import Camera, Episode, Fixture, FreeBody, Link, Robot
 from replay.inserted_bodies import inserted_body
 from replay.reading import read_episode
 from replay.room import Room, grown, obstacles
@@ -24,6 +26,7 @@ from replay.supports import supports, used_supports
 from replay.verify import near_pairs
 from replay.views import in_picture, seen_area
 from schemas.diagnostics import InvalidInput
+from schemas.physics import CollisionShape
 from schemas.runtime_plan import PlanBody
 from tests.plan_library import box_body
 from tests.replay_samples import staged
@@ -60,6 +63,40 @@ def distance_beyond(points, a, b, radius):
     share = np.einsum("pci,ci->pc", points[:, None] - a, along) / np.maximum((along**2).sum(axis=1), 1e-300)
     nearest = a + np.clip(share, 0.0, 1.0)[:, :, None] * along
     return float((np.linalg.norm(points[:, None] - nearest, axis=2) - radius).min(axis=1).max())
+
+
+def of(robot_or_body, t_s):
+    """An episode with nothing else in it."""
+    robots = (robot_or_body,) if isinstance(robot_or_body, Robot) else ()
+    objects = () if robots else (robot_or_body,)
+    return Episode("one", Path("one"), t_s, robots, objects, (), ())
+
+
+BAR = CollisionShape("box", (0.6, 0.04, 0.04), np.eye(4))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_half_a_turn_is_covered_whichever_way_round(side):
+    """Between two rows that are half a turn apart nobody knows the way; the envelope took one of the two."""
+    shape = CollisionShape("box", (0.1, 0.04, 0.04), pose(None, np.array([0.3, 0.0, 0.0])))
+    ends = np.stack([pose(Rotation.from_euler("z", a).as_matrix(), np.zeros(3)) for a in (0.0, side * np.pi)])
+    found = swept_envelope(of(FreeBody("bar", ends, (shape,)), np.array([0.0, 0.1])), Settings(clearance_m=0.0))
+    way = [pose(Rotation.from_euler("z", a).as_matrix(), np.zeros(3)) for a in np.linspace(0.0, side * np.pi, 50)]
+    corners = np.concatenate([apply(X, outer_corners(shape)) for X in way])
+    assert distance_beyond(corners, found.start_W, found.end_W, found.radius_m) <= 1e-9
+
+
+@pytest.mark.parametrize("jump_rad", [1e6, 1e100])
+def test_a_joint_that_leaps_makes_capsules_wide_not_many(jump_rad):
+    """Angles in other units, say: the division of the interval took all memory."""
+    link = Link("bar", -1, "revolute", np.array([0.0, 0.0, 1.0]), np.eye(4), 0, shapes=(BAR,))
+    q = np.array([[0.0], [0.1], [jump_rad]])
+    arm = Robot("arm", (link,), ("j",), np.tile(np.eye(4), (3, 1, 1)), q)
+    found = swept_envelope(of(arm, np.array([0.0, 0.1, 0.2])), Settings(protrusion_m=0.05))
+    first = found.t_to_s <= 0.1
+    assert found.radius_m[first].max() < 0.2
+    assert found.radius_m[~first].min() > 1.0
+    assert len(found.body) < 20_000
 
 
 def test_the_ledger_names_body_and_time(episode):
@@ -108,6 +145,16 @@ def test_supports_are_level_faces_and_those_used_come_first(episode):
     with pytest.raises(InvalidInput, match="no support 'shelf'") as refused:
         prepare(episode, Settings(), ["shelf"])
     assert refused.value.diagnostic.code == "replay/no-support"
+
+
+@pytest.mark.parametrize("roll_rad", [0.0, np.pi / 32.0])
+def test_a_lying_cylinder_is_no_support(roll_rad):
+    """Rolled by half a step, a side of the polygon around it was taken for a level face."""
+    lies = Rotation.from_euler("y", 0.5 * np.pi) * Rotation.from_euler("z", roll_rad)
+    log = CollisionShape("cylinder", (0.5, 1.0), pose(lies.as_matrix(), np.array([0.0, 0.0, 0.5])))
+    stump = CollisionShape("cylinder", (0.5, 1.0), pose(None, np.array([2.0, 0.0, 0.5])))
+    fixture = Fixture("wood", np.eye(4), (log, stump), ("log", "stump"))
+    assert [s.name for s in supports(Episode("wood", Path("wood"), np.zeros(1), (), (), (fixture,), ()))] == ["stump"]
 
 
 def test_things_of_a_plan_go_to_the_support_that_stands_for_their_place(episode):
