@@ -38,10 +38,11 @@ def check_output(
     if not folders:
         raise stop("replay/missing-file", f"no {VARIANT_FILE} below '{out.name}'", out.name)
     checks: dict[Path, VariantCheck] = {}
-    groups: dict[tuple[str, float], list[tuple[Path, Variant]]] = {}
+    groups: dict[tuple[object, ...], list[tuple[Path, Variant]]] = {}
     for folder in folders:
         variant = read_variant(folder)
-        key = (repr(sorted(stream_digests(recording(folder, variant), variant.part).items())), variant.clearance_m)
+        digests = tuple(sorted(stream_digests(recording(folder, variant), variant.part).items()))
+        key = (variant.source, variant.part, variant.scene, variant.meshes, digests, variant.clearance_m)
         groups.setdefault(key, []).append((folder, variant))
     for group in groups.values():
         episode = read_variant_episode(*group[0], meshes)
@@ -79,7 +80,10 @@ def read_variant_episode(folder: Path, variant: Variant, meshes: Path | None = N
     named = [Path(p) for p in (variant.meshes, str(Path(variant.source).parent)) if p and Path(p).is_dir()]
     scene = Path(variant.scene) if variant.scene and Path(variant.scene).is_file() else None
     episodes = read_episodes(recording(folder, variant), meshes or next(iter(named), None), scene)
-    return next((e for e in episodes if e.part == variant.part), episodes[0])
+    found = next((e for e in episodes if e.part == variant.part), None)
+    if found is None:
+        raise stop("replay/missing-file", f"the copy of the recording has no '{variant.part}'", VARIANT_FILE)
+    return found
 
 
 def _checked(

@@ -24,7 +24,6 @@ class _Placed:
     """An inserted object with its shapes where they stand."""
 
     name: str
-    support: str
     shapes: tuple[Standing, ...]
     lowest_m: float
 
@@ -63,11 +62,14 @@ def near_pairs(
 def _placed(inserted: InsertedBody) -> _Placed:
     shapes = tuple(standing(solid(shape), inserted.X_WA) for shape in inserted.body.shapes)
     lowest = min(float(shape.low_W[2]) for shape in shapes)
-    return _Placed(inserted.stated.name, inserted.stated.support, shapes, lowest)
+    return _Placed(inserted.stated.name, shapes, lowest)
 
 
 def _still_pairs(episode: Episode, objects: Sequence[_Placed]) -> dict[tuple[str, str], Near]:
-    """Least distances between inserted objects, and from each to what stands, save for what it stands on."""
+    """Least distances between inserted objects, and from each to what stands, save for what lies under it.
+
+    Names do not tell what lies under it: several fixtures may have a shape of one name.
+    """
     fixed = [
         (name, standing(solid(shape), fixture.X_WB))
         for fixture in episode.fixtures
@@ -75,11 +77,9 @@ def _still_pairs(episode: Episode, objects: Sequence[_Placed]) -> dict[tuple[str
     ]
     pairs = {}
     for number, thing in enumerate(objects):
-        others = [(o.name, s) for o in objects[number + 1 :] if thing.name != o.support for s in o.shapes]
+        others = [(o.name, s) for o in objects[number + 1 :] for s in o.shapes]
         others += [(name, s) for name, s in fixed if s.high_W[2] > thing.lowest_m + UNDERNEATH_M]
         for name, other in others:
-            if name == thing.support:
-                continue
             distance = min(separation_m(s.solid, s.X_WA, other.solid, other.X_WA) for s in thing.shapes)
             known = pairs.get((thing.name, name))
             if known is None or distance < known.distance_m:

@@ -17,6 +17,7 @@ from geom.hull import convex_hull
 from geom.pose import pose
 from replay.check_output import check_output, read_variant_episode, summary
 from replay.dense import between_poses, dense_motion, hermite_between
+from replay.episode import Fixture
 from replay.formats.digests import stream_digests
 from replay.formats.write import write_variant
 from replay.inserted_bodies import inserted_body
@@ -177,6 +178,37 @@ def test_pairs_under_the_clearance_are_named_with_their_time(tmp_path: Path):
     assert episode.t_s[0] <= first.t_s <= episode.t_s[-1]
     assert pairs[2][0].other in ("beside", "box")
     assert pairs[2][0].distance_m == pytest.approx(0.005, abs=1e-6)
+
+
+def test_a_wall_that_bears_the_name_of_the_support_is_no_support(tmp_path: Path):
+    """Two fixtures may have a shape called `top`; the one that stands in the way was left out."""
+    episode = read_episode(replay_samples.staged(tmp_path))
+    wall = Fixture("shelf", at(0.8, 0.5, 0.3), (BOX,), ("top",))
+    (pairs,) = near_pairs(
+        replace(episode, fixtures=(*episode.fixtures, wall)), [[inserted_body(boxed(0.8, 0.5), None)]], 0.01
+    )
+    assert [(pair.other, pair.distance_m) for pair in pairs] == [("top", 0.0)]
+
+
+def test_variants_of_one_motion_in_two_scenes_are_judged_each_in_its_own(tmp_path: Path):
+    """A table of a real robot, described twice: once with a wall where the box stands."""
+    table = tmp_path / "log.parquet"
+    replay_samples.write(table, {"t": np.arange(3) * 0.1})
+    for number, y in enumerate((0.5, 5.0)):
+        wall = {"name": "wall", "position_m": [0.8, y, 0.3], "shapes": [{"type": "box", "size_m": [0.2, 0.2, 0.4]}]}
+        scene = tmp_path / f"scene_{number}.json"
+        scene.write_text(json.dumps({"fixtures": [wall]}))
+        (episode,) = read_episodes(table, None, scene)
+        write_variant(episode, variant(boxed(0.8, 0.5), source=table), tmp_path / "out" / str(number))
+    assert [check.contacts for check in check_output(tmp_path / "out", None, None)] == [1, 0]
+
+
+def test_a_copy_without_the_part_that_is_named_is_refused(tmp_path: Path):
+    source = replay_samples.robomimic(tmp_path / "demo.hdf5", demos=1)
+    done = write_variant(read_episode(source), variant(source=source), tmp_path / "out")
+    with pytest.raises(InvalidInput) as refused:
+        read_variant_episode(tmp_path / "out", done.model_copy(update={"part": "data/demo_1"}))
+    assert refused.value.diagnostic.code == "replay/missing-file"
 
 
 def test_a_rotated_world_gives_the_same_distances(tmp_path: Path):
