@@ -6,7 +6,6 @@ Streams: `q.<joint>` or `q.<robot>.<joint>`, `qd...` likewise; `base.<robot>`, `
 
 from __future__ import annotations
 
-import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from pydantic import ValidationError
 
 from geom.pose import apply, pose_from_quat
 from replay.episode import Camera, Episode, Fixture, FreeBody, Robot
+from replay.formats.archives import read_arrays
 from replay.formats.tables import Columns, column_poses
 from replay.kinematics import link_poses
 from replay.mjcf import read_mjcf
@@ -138,11 +138,10 @@ class Described:
         path = self.folder / shape.file
         if not path.resolve().is_relative_to(self.folder.resolve()):
             raise stop("replay/path-escape", f"'{shape.file}' lies outside the folder", self.file)
-        try:
-            with np.load(path, allow_pickle=False) as archive:
-                return checked_numbers(archive[shape.key], shape.key, shape.file) * shape.scale
-        except (OSError, KeyError, ValueError, NotImplementedError, zipfile.BadZipFile) as error:
-            raise stop("replay/missing-mesh", f"'{shape.key}' of '{shape.file}': {error}", self.file) from None
+        found = read_arrays(path, lambda key: key == shape.key) if path.is_file() else {}
+        if shape.key not in found:
+            raise stop("replay/missing-mesh", f"no '{shape.key}' in '{shape.file}'", self.file)
+        return checked_numbers(found[shape.key], shape.key, shape.file) * shape.scale
 
     def _cameras(self, robots: tuple[Robot, ...]) -> tuple[Camera, ...]:
         found = []

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 
-import numpy as np
-
+from replay.formats.archives import read_arrays
 from replay.mjcf import MjBody, MjGeom
 from replay.recorded import checked_numbers, stop
 from schemas.model import FloatArray
@@ -19,12 +17,10 @@ class MeshArchive:
 
     def __init__(self, path: Path) -> None:
         try:
-            with np.load(path, allow_pickle=False) as archive:
-                self.by_key = {key[:-2]: archive[key] for key in archive.files if key.endswith("|v")}
+            found = read_arrays(path, lambda key: key.endswith("|v"))
         except FileNotFoundError:
-            self.by_key = {}
-        except (OSError, ValueError, NotImplementedError, zipfile.BadZipFile) as error:
-            raise stop("replay/unreadable", f"{path.name}: {error}", path.name) from None
+            found = {}
+        self.by_key = {key[:-2]: points for key, points in found.items()}
 
     @classmethod
     def beside(cls, file: Path) -> MeshArchive | None:

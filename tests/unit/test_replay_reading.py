@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cli.replay_augment import recordings_below
-from replay.formats import hdf5
+from replay.formats import archives, hdf5
 from replay.formats.digests import stream_digests
 from replay.kinematics import link_poses
 from replay.link_check import check_links
@@ -197,6 +197,21 @@ def test_a_group_that_holds_itself_has_an_end(tmp_path: Path):
     (nine, _) = read_episodes(path)
     with pytest.raises(InvalidInput, match="without end"):
         stream_digests(path, nine.part)
+
+
+def test_archives_of_meshes_are_bounded_and_hold_no_pickles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    folder = replay_samples.staged(tmp_path)
+    file = folder / "meshes_body_frame.npz"
+    whole = file.read_bytes()
+    monkeypatch.setattr(archives, "MAX_BYTES", 400)
+    assert refusal(folder) == "replay/unreadable"
+    monkeypatch.undo()
+    file.write_bytes(whole[:-30])
+    assert refusal(folder) == "replay/unreadable"
+    np.savez(file, **{"lower|geom4|v": np.array([{}], dtype=object)})  # pyright: ignore[reportArgumentType]
+    assert refusal(folder) == "replay/unreadable"
+    file.unlink()
+    assert refusal(folder) == "replay/missing-mesh"
 
 
 def test_meshes_that_a_model_names_elsewhere_are_found_by_the_end_of_their_path(tmp_path: Path):
