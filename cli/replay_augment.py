@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -12,14 +11,15 @@ from typing import Annotated, Any
 import typer
 
 from cli import text
+from cli.cell_answer import ONE_THREAD, ask
+from cli.replay_render import camera_names, draw_variants
 from jobs.cache import write_atomically
 from jobs.cell import Limits
 from jobs.schedule import run_all
-from jobs.warm import run_module, warm_cells
-from schemas.diagnostics import Diagnostic, finding
+from jobs.warm import warm_cells
+from schemas.diagnostics import Diagnostic
 
 LIMITS = Limits(seconds=3600.0, memory_mb=8192)
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "JE_ARROW_MALLOC_CONF": "background_thread:false"}  # Else forks are not sound.
 
 
 def augment_command(
@@ -37,13 +37,17 @@ def augment_command(
     ] = None,
     meshes: Annotated[Path | None, typer.Option(help="Mesh files that models name.", exists=True)] = None,
     scene: Annotated[Path | None, typer.Option(help="episode.json that says what moved.", exists=True)] = None,
+    render: Annotated[bool, typer.Option("--render", help="Draw what the recorded cameras see of each.")] = False,
+    cameras: Annotated[str, typer.Option(help="Of --render: names, with commas between; all by default.")] = "",
+    every: Annotated[int, typer.Option(min=1, help="Of --render: draw each k-th row of the recording.")] = 1,
     jobs: Annotated[int, typer.Option(min=1, help="Recordings at a time.")] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")] = False,
 ) -> None:
     """Put static objects into recorded episodes, outside the proven swept volume of everything that moves.
 
-    Recorded states and stamps are copied bit for bit. What was finished is not done again. Exit code 1 when a recording
-    is refused.
+    Recorded states and stamps are copied bit for bit. What was finished is not done again. With --render colour, depth
+    and instances are in pictures/ of each variant, as `mana replay render` draws them. Exit code 1 when a recording is
+    refused.
 
     Example: `mana replay augment demos/ --assets library/ --out more/ --variants 20 --objects 3`
     """
@@ -63,12 +67,21 @@ def augment_command(
         prefixes = distinct_prefixes(sources)
         task = progress.add_task("augmenting", total=len(sources))
         asked = {source: {**given, "source": str(source), "prefix": prefixes[source]} for source in sources}
-        for source, answer in run_all(lambda path: _in_cell(path, asked[path]), sources, jobs=jobs):
+        for source, answer in run_all(
+            lambda path: ask("cli.replay_augment_cell", asked[path], LIMITS, path.name), sources, jobs=jobs
+        ):
             if "refused" in answer:
                 refused.append((source, Diagnostic.model_validate(answer["refused"])))
             rows += answer.get("rows", [])
             progress.update(task, advance=1)
     rows.sort(key=lambda row: (row["source"], row["episode"]))
+    if render:
+        wanted = {"out": str(out), "meshes": _text(meshes), "cameras": camera_names(cameras), "every": every}
+        folders = [out / (prefixes[Path(row["source"])] + row["episode"]) for row in rows]
+        drawn = draw_variants([v for one in folders for v in sorted(one.glob("variant_*"))], wanted, jobs, as_json)
+        for row, folder in zip(rows, folders, strict=True):
+            row["frames"] = sum(drawn[v].get("frames", 0) for v in drawn if v.parent == folder)
+        refused += [(v, Diagnostic.model_validate(one["refused"])) for v, one in drawn.items() if "refused" in one]
     report = {
         "schema_version": "1.0",
         "episodes": rows,
@@ -109,16 +122,6 @@ def distinct_prefixes(sources: Sequence[Path]) -> dict[Path, str]:
         for source in shared:
             prefixes[source] = "_".join(source.parent.parts[-depth:]).replace("/", "") + "_"
     return prefixes
-
-
-def _in_cell(source: Path, given: dict[str, Any]) -> dict[str, Any]:
-    with tempfile.TemporaryDirectory(prefix="mana") as folder:
-        note = Path(folder) / "answer.json"
-        result = run_module("cli.replay_augment_cell", [json.dumps(given), str(note)], LIMITS)
-        if result.status != "ok":
-            stopped = finding("replay/stopped", f"'{source.name}': {result.status}: {result.output[-300:].strip()}")
-            return {"refused": stopped.model_dump(mode="json")}
-        return json.loads(note.read_bytes())
 
 
 def _text(path: Path | None) -> str | None:

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from cli.cell_answer import answer
 from cli.replay_candidates import candidates
 from jobs.cache import content_key, file_sha256, write_atomically
 from replay.augment import Prepared, no_room, prepare, variants
@@ -17,15 +18,14 @@ from replay.formats.digests import stream_digests
 from replay.formats.write import write_variant
 from replay.reading import read_episodes
 from replay.recorded import stop
-from schemas.diagnostics import InvalidInput
 from schemas.replay import VARIANT_FILE, Variant
 from usdio.write_scene import PACKAGES, copy_package
 
 DONE = "augmented.json"
 
 
-def augment(given: dict[str, Any]) -> list[dict[str, Any]]:
-    """One row for each episode of the source. What was finished before with the same options is left as it is."""
+def augment(given: dict[str, Any]) -> dict[str, Any]:
+    """`rows`, one for each episode of the source. What was finished before with the same options is left as it is."""
     paths = {key: Path(given[key]) if given[key] else None for key in ("meshes", "scene", "plan", "assets")}
     out = Path(given["out"])
     draw, left_out = candidates(paths["plan"], paths["assets"])
@@ -42,7 +42,7 @@ def augment(given: dict[str, Any]) -> list[dict[str, Any]]:
             row |= {"packages_left_out": left_out, "key": key, "envelope_cpu_s": round(cpu_s, 3)}
             write_atomically(folder / DONE, json.dumps(row, indent=1).encode())
         rows.append(row)
-    return rows
+    return {"rows": rows}
 
 
 def _digests(plan: Path | None, assets: Path | None) -> list[str]:
@@ -105,14 +105,5 @@ def _provenance(given: dict[str, Any]) -> dict[str, str]:
     return {key: Path(given[key]).name for key in ("plan", "assets") if given[key]}
 
 
-def main(options: str, note: str) -> None:
-    """Augment, and leave rows or the reason for refusing in `note`."""
-    try:
-        answer: dict[str, Any] = {"rows": augment(json.loads(options))}
-    except InvalidInput as refused:
-        answer = {"refused": refused.diagnostic.model_dump(mode="json")}
-    write_atomically(Path(note), json.dumps(answer).encode())
-
-
 if __name__ == "__main__":
-    main(*sys.argv[1:3])
+    answer(augment, *sys.argv[1:3])

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from cli import text
+from cli.cell_answer import ONE_THREAD, ask
+from jobs.cell import Limits
+from jobs.schedule import run_all
+from jobs.warm import warm_cells
+
+_CELL, _LIMITS = "cli.replay_render_cell", Limits(seconds=12 * 3600.0, memory_mb=8192)
 
 Folder = Annotated[Path, typer.Argument(help="Folder with the variant.json of one variant.", exists=True)]
 Assets = Annotated[Path | None, typer.Option("--assets", help="Folder of packages; else those beside.", exists=True)]
@@ -46,12 +53,29 @@ def render_command(
     """
     from cli.replay_frames import NoSuchCamera, draw_variant
 
-    names = [word.strip() for word in cameras.split(",") if word.strip()]
     try:
-        figures = draw_variant(variant, out, assets, meshes, names, every, quiet=as_json)
+        figures = draw_variant(variant, out, assets, meshes, camera_names(cameras), every, quiet=as_json)
     except NoSuchCamera as error:
         raise typer.BadParameter(str(error)) from None
     if as_json:
         print(json.dumps(figures, indent=1))
     else:
         text.console.print(f"{figures['frames']} frames in {out}, {figures['frames_per_s']} a second", markup=False)
+
+
+def camera_names(cameras: str) -> list[str]:
+    """Names with commas between, as options give them."""
+    return [word.strip() for word in cameras.split(",") if word.strip()]
+
+
+def draw_variants(folders: Sequence[Path], given: dict[str, Any], jobs: int, quiet: bool) -> dict[Path, dict[str, Any]]:
+    """What the cell of each variant answers: `frames`, or `refused` with a diagnostic; `pictures/` in its folder."""
+    answers: dict[Path, dict[str, Any]] = {}
+    with warm_cells(_CELL, env=ONE_THREAD), text.progress(quiet=quiet) as bar:
+        task = bar.add_task("drawing", total=len(folders))
+        for folder, answer in run_all(
+            lambda one: ask(_CELL, {**given, "folder": str(one)}, _LIMITS, one.name), folders, jobs=jobs
+        ):
+            answers[folder] = answer
+            bar.advance(task)
+    return {folder: answers[folder] for folder in folders}

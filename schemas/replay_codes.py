@@ -112,6 +112,12 @@ REPLAY_CODES: dict[str, CodeInfo] = {
         "The other recordings of the batch are not affected.",
         "split the recording, or run it alone to see what it prints",
     ),
+    "replay/missing-camera": CodeInfo(
+        "error",
+        "The recording has no camera to draw",
+        "Pictures from a camera that nobody recorded would show what no policy saw.",
+        "name cameras that the message lists with --cameras, or describe one in episode.json",
+    ),
     "replay/out-taken": CodeInfo(
         "error",
         "The folder for an episode's variants holds something else",

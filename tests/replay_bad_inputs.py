@@ -75,5 +75,6 @@ NOT_FROM_A_RECORDING: dict[str, str] = {
     "replay/no-candidates": "tests/unit/test_replay_augment.py",
     "replay/no-room": "tests/unit/test_replay_augment.py",
     "replay/out-taken": "tests/unit/test_replay_augment.py",
+    "replay/missing-camera": "tests/unit/test_replay_augment.py",
     "replay/stopped": "tests/unit/test_replay_augment.py",
 }

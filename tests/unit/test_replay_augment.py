@@ -10,6 +10,7 @@ import cli.replay_augment
 from cli.main import app
 from cli.replay_augment import distinct_prefixes
 from cli.replay_augment_cell import augment as augmented
+from cli.replay_render_cell import draw
 from jobs.cell import Limits
 from replay.check_output import check_output, summary
 from scenec.plan import plan_text
@@ -85,8 +86,28 @@ def test_equal_seeds_give_equal_variants_and_others_others(recordings, plan, tmp
     assert texts[0] == texts[1] != texts[2]
 
 
+def test_variants_are_drawn_once_and_within_the_limit_of_what_they_hide(recordings, plan, tmp_path):
+    out = tmp_path / "out"
+    words = ["--render", "--every", "6", "--cameras", "front", "--most-hidden", "0.1"]
+    made = augment(recordings / "one", plan, out, *words)
+    assert made.exit_code == 0, made.output
+    [row] = json.loads(made.stdout)["episodes"]
+    assert (row["variants"], row["frames"]) == (2, 4)
+    assert row["most_hidden"] <= 0.1
+    pictures = sorted(out.rglob("*.png"))
+    assert len(pictures) == 4 * 3
+    assert {file.parts[-3:-1] for file in pictures} == {("front", kind) for kind in ("rgb", "depth", "instances")}
+    stamps = [file.stat().st_mtime_ns for file in pictures]
+    asked = {"out": str(out), "folder": str(out / "one" / "variant_0001"), "meshes": None, "every": 6}
+    assert draw({**asked, "cameras": ["front"]})["frames"] == 2
+    with pytest.raises(InvalidInput) as refused:
+        draw({**asked, "cameras": ["moon"]})
+    assert refused.value.diagnostic.code == "replay/missing-camera"
+    assert [file.stat().st_mtime_ns for file in pictures] == stamps
+
+
 def test_what_has_no_room_is_told_with_who_takes_it(recordings, plan, tmp_path):
-    [row] = augmented(given(recordings, plan, tmp_path, objects=9, clearance_m=0.25))
+    [row] = augmented(given(recordings, plan, tmp_path, objects=9, clearance_m=0.25))["rows"]
     assert row["short_variants"] == 1
     assert row["diagnostics"][0]["code"] == "replay/no-room"
     said = row["diagnostics"][0]["headline"]

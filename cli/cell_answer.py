@@ -1,0 +1,36 @@
+"""What a cell answers in JSON: the asking side and the answering side of commands that work recording by recording."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from jobs.cache import write_atomically
+from jobs.cell import Limits
+from jobs.warm import run_module
+from schemas.diagnostics import InvalidInput, finding
+
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "JE_ARROW_MALLOC_CONF": "background_thread:false"}  # Else forks are not sound.
+
+
+def ask(module: str, given: dict[str, Any], limits: Limits, name: str) -> dict[str, Any]:
+    """What `python -m MODULE GIVEN NOTE` leaves in NOTE; `refused` with a diagnostic where it refuses or is stopped."""
+    with tempfile.TemporaryDirectory(prefix="mana") as folder:
+        note = Path(folder) / "answer.json"
+        result = run_module(module, [json.dumps(given), str(note)], limits)
+        if result.status != "ok":
+            stopped = finding("replay/stopped", f"'{name}': {result.status}: {result.output[-300:].strip()}")
+            return {"refused": stopped.model_dump(mode="json")}
+        return json.loads(note.read_bytes())
+
+
+def answer(work: Callable[[dict[str, Any]], dict[str, Any]], given: str, note: str) -> None:
+    """Do the work, and leave its answer or the reason for refusing in `note`."""
+    try:
+        found = work(json.loads(given))
+    except InvalidInput as refused:
+        found = {"refused": refused.diagnostic.model_dump(mode="json")}
+    write_atomically(Path(note), json.dumps(found).encode())
