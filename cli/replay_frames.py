@@ -20,6 +20,7 @@ from render.frames_request import DrawnBody, DrawnModel, FramesRequest
 from replay.check_output import read_variant, read_variant_episode
 from replay.compose import timed_bodies, write_stage
 from replay.episode import Camera, Episode
+from replay.recorded import stop
 from schemas import arrays
 from schemas.replay import Variant
 from schemas.scene_samples import SampledLighting
@@ -52,7 +53,7 @@ def draw_variant(
     with text.progress(quiet=quiet) as bar:
         task = bar.add_task("drawing", total=len(chosen))
         for camera in chosen:
-            _draw(_request(camera, rows, bodies, models, described, out / camera.name))
+            _draw(_request(camera, rows, bodies, models, described, _folder(out, camera)))
             bar.advance(task)
     frames = len(rows) * len(chosen)
     about = {
@@ -65,6 +66,13 @@ def draw_variant(
     }
     write_atomically(out / FRAMES, (json.dumps(about, indent=1) + "\n").encode())
     return {"frames": frames, "frames_per_s": round(frames / (time.monotonic() - started), 1), "out": str(out)}
+
+
+def _folder(out: Path, camera: Camera) -> Path:
+    """Where its pictures go. Raises InvalidInput where the name that the recording gives it leads out of `out`."""
+    if not (out / camera.name).resolve().is_relative_to(out.resolve()):
+        raise stop("replay/path-escape", f"pictures of a camera called '{camera.name}' would not lie below --out")
+    return out / camera.name
 
 
 def _chosen(episode: Episode, named: Sequence[str]) -> tuple[Camera, ...]:

@@ -153,13 +153,21 @@ def _shape(element: Any, link: str, folder: Path, meshes: Path | None, file: str
         return None
     a = dict(kind.attrib)
     if kind.tag == "box":
-        return CollisionShape("box", numbers(a, "size", 3, None, file), X)
+        return CollisionShape("box", _sizes(a, "size", 3, link, file), X)
     if kind.tag == "sphere":
-        return CollisionShape("sphere", numbers(a, "radius", 1, None, file), X)
+        return CollisionShape("sphere", _sizes(a, "radius", 1, link, file), X)
     if kind.tag in ("cylinder", "capsule"):
-        size = (*numbers(a, "radius", 1, None, file), *numbers(a, "length", 1, None, file))
+        size = (*_sizes(a, "radius", 1, link, file), *_sizes(a, "length", 1, link, file))
         return CollisionShape(kind.tag, size, X)
     if kind.tag != "mesh":
         raise stop("replay/unsupported-model", f"<{kind.tag}> of link '{link}' is not read", file, kind.sourceline)
     path = found_mesh(a.get("filename", ""), folder, meshes, file)
     return hull(apply(X, mesh_points(path, numbers(a, "scale", 3, (1.0, 1.0, 1.0), file), file)), link, file)
+
+
+def _sizes(a: dict[str, str], name: str, count: int, link: str, file: str) -> tuple[float, ...]:
+    """Positive numbers. Raises InvalidInput."""
+    found = numbers(a, name, count, None, file)
+    if min(found) <= 0.0:
+        raise stop("replay/invalid-value", f"a shape of link '{link}' has {name}='{a[name]}'", file)
+    return found

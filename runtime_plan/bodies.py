@@ -39,6 +39,8 @@ def physical_body(body: PlanBody, packages: Path | None) -> PhysicalBody:
     if packages is None or body.package is None:
         raise FileNotFoundError(body.package or body.asset_id)
     folder = packages / body.package
+    if not folder.resolve().is_relative_to(packages.resolve()):
+        raise FileNotFoundError(f"{body.package} is not below the folder of packages")
     record = json.loads((folder / "record.json").read_bytes())
     changed = changed_files(folder, record["hashes"])
     if changed:

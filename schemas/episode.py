@@ -16,8 +16,12 @@ SCHEMA_VERSION = "1.0"
 EPISODE_FILE = "episode.json"
 
 
+# Names of files and folders that are written follow from it.
+FileName = Annotated[str, Field(pattern=r"^([^./\\\x00][^/\\\x00]*)?$")]
+
+
 class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class Posed(_Model):
@@ -113,7 +117,7 @@ class EpisodeDescription(_Model):
     """
 
     schema_version: str = SCHEMA_VERSION
-    name: str = ""
+    name: FileName = ""
     robots: tuple[RobotEntry, ...] = ()
     objects: tuple[ObjectEntry, ...] = ()
     fixtures: tuple[FixtureEntry, ...] = ()

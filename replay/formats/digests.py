@@ -65,7 +65,8 @@ def _collect(group: Any, at: str, file: str, found: dict[str, str]) -> None:
         elif isinstance(item, h5py.Dataset):
             data = item[()]
             head = f"{item.dtype.str}{item.shape}"
-            body = np.ascontiguousarray(data).tobytes() if item.dtype.kind != "O" else repr(data).encode()
+            texts = item.dtype.kind == "O"  # in full: NumPy leaves out the middle of long arrays
+            body = repr(np.asarray(data).tolist()).encode() if texts else np.ascontiguousarray(data).tobytes()
             found[f"{at}/{name}"] = _of_bytes(head.encode() + body)
 
 

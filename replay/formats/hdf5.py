@@ -60,10 +60,19 @@ def child(group: Any, name: str, file: str) -> Any:
             return None
         if isinstance(link, h5py.ExternalLink):
             raise stop("replay/path-escape", f"'{name}' is a link to another file", file)
-        group = group.get(word)
+        found = group.get(word)
+        if found is None:
+            return None
+        if _file_of(found) != _file_of(group):  # A soft link may lead through one to another file.
+            raise stop("replay/path-escape", f"'{name}' is a link to another file", file)
+        group = found
     if isinstance(group, h5py.Dataset) and (group.external or group.is_virtual):
         raise stop("replay/path-escape", f"'{name}' is stored in another file", file)
     return group
+
+
+def _file_of(item: Any) -> str:
+    return item.file.filename
 
 
 def values(group: Any, name: str, file: str) -> FloatArray:

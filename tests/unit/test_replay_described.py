@@ -19,6 +19,7 @@ from schemas.replay import Variant
 from tests import bullet_recordings
 from tests.replay_samples import columns, write
 
+BOX = {"type": "box", "size_m": [0.8, 1.2, 0.04]}
 URDF = """<robot name="arm">
   <link name="base"/>
   <link name="upper"><collision><geometry><box size="0.3 0.05 0.05"/></geometry></collision></link>
@@ -103,12 +104,30 @@ def test_a_joint_that_stood_still_needs_no_column(tmp_path: Path):
         ({"objects": [{"name": "ball", "shapes": [{"type": "sphere", "radius_m": 0.1}]}]}, "replay/missing-column"),
         ({"objects": [{"name": "cube", "shapes": [{"type": "sphere", "radius_m": -1}]}]}, "replay/invalid-value"),
         ({"objects": [{"name": "cube", "shapes": [{"type": "mesh", "file": "../a.obj"}]}]}, "replay/path-escape"),
+        (
+            {"objects": [{"name": "cube", "shapes": [{"type": "sphere", "radius_m": float("inf")}]}]},
+            "replay/invalid-value",
+        ),
+        (
+            {"fixtures": [{"name": "table", "shapes": [BOX | {"position_m": [0, 0, float("nan")]}]}]},
+            "replay/invalid-value",
+        ),
+        ({"name": "../../elsewhere"}, "replay/invalid-value"),
+        ({"name": "/elsewhere"}, "replay/invalid-value"),
         ({"fixture": []}, "replay/invalid-value"),
         ({"columns": {"q.turn": "observation[0]"}}, "replay/missing-column"),
     ],
 )
 def test_a_description_that_does_not_fit_is_refused(tmp_path: Path, changed: dict[str, object], code: str):
     assert refusal(own(tmp_path / "one", **changed)) == code
+
+
+@pytest.mark.parametrize("size", ['box size="0.3 -0.05 0.05"', 'sphere radius="0"', 'cylinder radius="-1" length="1"'])
+def test_shapes_of_no_size_or_less_are_refused(tmp_path: Path, size: str):
+    """A negative radius made capsules that were too thin."""
+    folder = own(tmp_path / "one")
+    (folder / "arm.urdf").write_text(URDF.replace('box size="0.3 0.05 0.05"', size))
+    assert refusal(folder) == "replay/invalid-value"
 
 
 def lerobot(folder: Path, version: str) -> Path:

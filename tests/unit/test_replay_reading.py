@@ -157,6 +157,16 @@ def test_links_to_other_files_are_not_followed(tmp_path: Path):
     assert refusal(path) == "replay/path-escape"
 
 
+def test_a_link_within_the_file_does_not_lead_out_of_it_through_another(tmp_path: Path):
+    other = replay_samples.robomimic(tmp_path / "other" / "demo.hdf5")
+    path = replay_samples.robomimic(tmp_path / "demo.hdf5")
+    with h5py.File(path, "a") as file:
+        del file["data/demo_9/states"]
+        file["out"] = h5py.ExternalLink(str(other), "data/demo_9")
+        file["data/demo_9/states"] = h5py.SoftLink("/out/states")
+    assert refusal(path) == "replay/path-escape"
+
+
 def truncated(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-3000])
 

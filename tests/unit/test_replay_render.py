@@ -11,11 +11,13 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from cli.main import app
+from cli.replay_frames import draw_variant
 from geom.pose import quat_of
 from replay import visibility
 from replay.inserted_bodies import inserted_body
 from replay.reading import read_episode
 from replay.visibility import Seen, convexes, newly_hidden, placed, task_pixels
+from schemas.diagnostics import InvalidInput
 from schemas.replay import Inserted
 from tests import replay_samples
 from tests.unit.test_replay_compose import BOX, variant_in
@@ -90,6 +92,17 @@ def test_a_camera_that_is_not_there(tmp_path: Path):
     result = CliRunner().invoke(app, ["replay", "render", str(folder), "--out", str(tmp_path), "--cameras", "moon"])
     assert result.exit_code == 2
     assert "no camera 'moon'" in " ".join(result.output.split())
+
+
+def test_a_camera_whose_name_leads_out_of_the_folder_draws_nothing(tmp_path: Path):
+    """The name of a camera comes from the recording, the folder of its pictures from its name."""
+    source = replay_samples.staged(tmp_path / "source")
+    (source / "scene.json").write_text(json.dumps({"cameras": {"../away": replay_samples.CAMERA["front"]}}))
+    folder = variant_in(tmp_path / "0", source, BOX)
+    with pytest.raises(InvalidInput) as refused:
+        draw_variant(folder, tmp_path / "out", None, None, [], 6, quiet=True)
+    assert refused.value.diagnostic.code == "replay/path-escape"
+    assert not (tmp_path / "away").exists()
 
 
 def test_compose_command(tmp_path: Path):
