@@ -135,10 +135,13 @@ def _show(rows: list[dict[str, Any]], refused: list[tuple[Path, Diagnostic]], ou
             "variants": row["variants"],
             "objects": f"{row['objects_inserted']['min']} to {row['objects_requested']}",
             "supports": ", ".join(row["supports"]),
+            "frames": row.get("frames", ""),
         }
         for row in rows
     ]
-    text.show_rows(table, {"episode": "episode", "variants": "variants", "objects": "objects", "supports": "supports"})
+    shown = ("episode", "variants", "objects", "supports", "frames")
+    drawn = any("frames" in row for row in rows)
+    text.show_rows(table, {name: name for name in shown if drawn or name != "frames"})
     for row in rows:
         for diagnostic in row["diagnostics"][:1]:
             text.show_diagnostic(Diagnostic.model_validate(diagnostic))

@@ -54,7 +54,8 @@ def render_command(
     from cli.replay_frames import NoSuchCamera, draw_variant
 
     try:
-        figures = draw_variant(variant, out, assets, meshes, camera_names(cameras), every, quiet=as_json)
+        with warm_cells("render.frames", env=ONE_THREAD):  # VTK is loaded once for all cameras.
+            figures = draw_variant(variant, out, assets, meshes, camera_names(cameras), every, quiet=as_json)
     except NoSuchCamera as error:
         raise typer.BadParameter(str(error)) from None
     if as_json:

@@ -88,17 +88,17 @@ def test_equal_seeds_give_equal_variants_and_others_others(recordings, plan, tmp
 
 def test_variants_are_drawn_once_and_within_the_limit_of_what_they_hide(recordings, plan, tmp_path):
     out = tmp_path / "out"
-    words = ["--render", "--every", "6", "--cameras", "front", "--most-hidden", "0.1"]
+    words = ["--variants", "1", "--render", "--every", "6", "--cameras", "front", "--most-hidden", "0.1"]
     made = augment(recordings / "one", plan, out, *words)
     assert made.exit_code == 0, made.output
     [row] = json.loads(made.stdout)["episodes"]
-    assert (row["variants"], row["frames"]) == (2, 4)
+    assert (row["variants"], row["frames"]) == (1, 2)
     assert row["most_hidden"] <= 0.1
     pictures = sorted(out.rglob("*.png"))
-    assert len(pictures) == 4 * 3
+    assert len(pictures) == 2 * 3
     assert {file.parts[-3:-1] for file in pictures} == {("front", kind) for kind in ("rgb", "depth", "instances")}
     stamps = [file.stat().st_mtime_ns for file in pictures]
-    asked = {"out": str(out), "folder": str(out / "one" / "variant_0001"), "meshes": None, "every": 6}
+    asked = {"out": str(out), "folder": str(out / "one" / "variant_0000"), "meshes": None, "every": 6}
     assert draw({**asked, "cameras": ["front"]})["frames"] == 2
     with pytest.raises(InvalidInput) as refused:
         draw({**asked, "cameras": ["moon"]})
