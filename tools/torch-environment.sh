@@ -1,6 +1,6 @@
 #!/bin/sh
 # Make FOLDER an environment whose Python has PyTorch for the CPU, for the tests of runtime_plan.torch_sampler, and LeRobot's
-# own library in the last versions that write v2.1 and v3.0, for the tests of replay (350 MB of disk without PyTorch).
+# own library in the last versions that write v2.1 and v3.0, for the tests of replay (380 MB of disk without PyTorch).
 # PyPI has no such build for Linux on x86-64; Debian 12 has one for its own Python 3.11 (152 MB to fetch, 651 MB of disk).
 # Where that is not to be had, or would need rights that we do not have, FOLDER/left-out says why: those tests then skip with
 # these words. Without that file they fail, and so does this where it has all it needs and is refused.
