@@ -1,4 +1,4 @@
-"""Which side of a standing object is its front, and in how many headings it looks the same.
+"""Which side of a standing object is its front, in how many headings it looks the same, and the turn to the front.
 
 Front is where a thing works: away from the hand that holds it (mug, pan, tool), where the spout pours, where one sits
 down, where a case is open. Asset frame, z up. What nothing tells is unknown; what looks the same from there has none.
@@ -7,12 +7,13 @@ down, where a case is open. Asset frame, z up. What nothing tells is unknown; wh
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from assetkit.parts.proposals import joined
 from geom.cavity import Cavity
+from geom.mirror_heading import mirror_heading
 from geom.shape_regions import Faces
 from geom.surface_distance import NearestOnSurface, sample_surface
 from schemas.asset import Vec3, vec3
@@ -26,7 +27,10 @@ _SAMPLES = 1500
 _SAME = 0.01  # of the extent: mean distance of a turned surface from itself; scans are no better
 _NOWHERE = 3.0  # times that: what 95 % of it keep, for a thin spout is little surface but tells the headings apart
 _FOLDS = (6, 5, 4, 3, 2)
-_AXIS_RAD = np.radians(15.0)  # A front so close to an axis of the source is that axis: sources are built along them.
+_ROUGH_RAD = np.radians(15.0)  # What parts tell of the heading is no surer: the mirror plane near it is meant ...
+_MIRRORED = 0.03  # ... where the surface is so well its own image (mean distance, of the extent).
+_AXIS_RAD = np.radians(5.0)  # A mirror plane so close to an axis of the source is that axis: sources are built along
+# them, and a turn by a few degrees would only change the box that their users know.
 _OFF = 0.15  # of the larger half extent: a part nearer to the middle has no side
 _BY_HANDLE, _BY_SPOUT, _BY_BACK, _BY_OPENING, _BY_DOOR = 0.9, 0.9, 0.9, 0.8, 0.8
 _HELD = ("mug", "cup", "pan", "pitcher", "teapot", "spoon", "fork", "knife", "cooking_utensil", "hammer", "screwdriver")
@@ -64,11 +68,20 @@ def front_of(
     if not signs:
         return Front(_unknown("nothing tells the front"), told)
     directions = np.array([direction for direction, _, _ in signs])
-    if (directions @ directions[0] < np.cos(2.0 * _AXIS_RAD)).any():
+    if (directions @ directions[0] < np.cos(2.0 * _ROUGH_RAD)).any():
         return Front(_unknown("contradicting: " + "; ".join(text for _, _, text in signs)), told)
     sure = min(max(chance for _, chance, _ in signs), category.confidence)
-    direction = _on_axis(directions[0])
+    direction = _straightened(surface, directions[0])
     return Front(inferred(vec3(direction), "where it works", sure, inputs=tuple(t for _, _, t in signs)), told)
+
+
+def turn_to_front(front: Front) -> tuple[FloatArray, Front] | None:
+    """The turn (3, 3) about z that brings a known front to +x, exact for quarter turns, and the front after it."""
+    x, y, _ = front.direction.value
+    if front.direction.confidence == 0.0 or x == 1.0:
+        return None
+    R = np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]])
+    return R, replace(front, direction=front.direction.model_copy(update={"value": (1.0, 0.0, 0.0)}))
 
 
 def heading_symmetry(surface: Faces) -> int:
@@ -135,12 +148,21 @@ def _level(direction: FloatArray) -> FloatArray:
     return flat / np.linalg.norm(flat)
 
 
-def _on_axis(direction: FloatArray) -> FloatArray:
-    """The nearest axis when it is near, else the direction itself."""
-    axis = np.zeros(3)
-    longest = int(np.argmax(np.abs(direction)))
-    axis[longest] = np.sign(direction[longest])
-    return axis if direction @ axis > np.cos(_AXIS_RAD) else np.round(direction, 6)
+def _straightened(surface: Faces, direction: FloatArray) -> FloatArray:
+    """The mirror plane near the direction, where there is one; the axis of the frame, where that is near then."""
+    heading = float(np.arctan2(direction[1], direction[0]))
+    found = mirror_heading(surface.points, surface.triangles, _middle(surface), heading, 1.4 * _ROUGH_RAD)
+    if found is None or found[1] > _MIRRORED * float(surface.extent.max()):
+        return _on_axis(heading, _ROUGH_RAD)
+    return _on_axis(found[0], _AXIS_RAD)
+
+
+def _on_axis(heading: float, near_rad: float) -> FloatArray:
+    """(3,) the axis next to the heading when it is so near, else the heading itself."""
+    quarter = np.pi / 2.0 * round(heading / (np.pi / 2.0))
+    if abs(heading - quarter) < near_rad:
+        return np.rint([np.cos(quarter), np.sin(quarter), 0.0])
+    return np.array([np.cos(heading), np.sin(heading), 0.0])
 
 
 def _unknown(why: str) -> Evidence[Vec3]:

@@ -15,6 +15,7 @@ from assetkit.decisions import decision_findings
 from assetkit.discover import Candidate
 from assetkit.journal import Entry, Journal
 from assetkit.options import Options
+from assetkit.reference_frame import frame_to_front
 from assetkit.stage import Draft, Intake, Stage, Tools
 from assetkit.stages import intake
 from assetkit.stages.accept_package import AcceptPackage
@@ -164,6 +165,12 @@ def run_stages(
             if observed is None:
                 return None
             draft = observed
+        if stage.name == ProposeParts.name and (frame := frame_to_front(draft)) is not None:
+            again = (Canonicalize(), ProposeParts())
+            turned = run_stages(replace(draft, frame=frame), tools, journal, cache, key, again)
+            if turned is None:
+                return None
+            draft, key = turned, journal.entries[ProposeParts.name].key
     return draft
 
 

@@ -1,14 +1,16 @@
-"""The scale and the pose that meaning gives an object: what `semantics` tells `canonicalize`, once.
+"""The scale and the pose that meaning gives an object: what `semantics`, and then `interaction`, tell `canonicalize`,
+each once.
 
 What somebody says stands: a reliable unit is never changed, and an up axis from the user neither.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from assetkit.front import turn_to_front
 from assetkit.grounding import Scale, is_normalised, scale_of
 from assetkit.options import METERS_PER_UNIT, Options
 from assetkit.orientation import Upright, least_chance, uprights
@@ -67,6 +69,17 @@ def reference_frame(
     )
     doubts = () if turns or best is None else _doubts(found, options)
     return Grounded(scale.meters_per_unit if scale else None, upright, listed, frame, doubts)
+
+
+def frame_to_front(draft: Draft) -> Frame | None:
+    """The frame in which the front that the interaction stage found is +x; None when it is, or nothing tells it."""
+    canonical: Canonical = need(draft.canonicalize, "canonicalize")
+    front = need(draft.interaction, "interaction").front
+    turned = None if front is None else turn_to_front(front)
+    if turned is None:
+        return None
+    R, front = turned
+    return replace(draft.frame or Frame(canonical.R_AS), R_AS=R @ canonical.R_AS, front=front)
 
 
 def _scale(

@@ -58,6 +58,7 @@ class Frame:
 
     R_AS   (3, 3) rotation from the axes of the source to those of the asset.
     unit   metres per source unit; None leaves that of the file, with what was said about it.
+    front  what told the front that +x of this frame is; None as long as nothing did.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -66,6 +67,7 @@ class Frame:
     unit: UnitDecision | None = None
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
+    front: Front | None = None
 
 
 @dataclass(frozen=True)

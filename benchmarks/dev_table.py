@@ -23,6 +23,7 @@ from statistics import median
 import numpy as np
 
 from assetkit.record import RECORD
+from geom.pose import matrix_of
 from schemas.asset import AssetRecord
 
 SIZE_TOLERANCE = 0.01
@@ -84,9 +85,9 @@ def whole_size(records: Sequence[AssetRecord]) -> Size:
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for record in records:
         x, y, z = record.geometry.extent_m.value
-        origin = np.array(record.geometry.origin_offset_m)  # of the source, seen from the asset frame
-        low = np.minimum(low, np.array([-x / 2, -y / 2, 0.0]) - origin)
-        high = np.maximum(high, np.array([x / 2, y / 2, z]) - origin)
+        corners = np.array([[sx * x, sy * y, sz * z] for sx in (-0.5, 0.5) for sy in (-0.5, 0.5) for sz in (0.0, 1.0)])
+        own = (corners - record.geometry.origin_offset_m) @ matrix_of(np.array(record.geometry.source_quat_wxyz))
+        low, high = np.minimum(low, own.min(axis=0)), np.maximum(high, own.max(axis=0))
     return tuple(sorted((float(e) for e in high - low), reverse=True))
 
 

@@ -10,10 +10,10 @@ import numpy as np
 import trimesh
 
 from assetkit.record import read_record
-from assetkit.up_axis import TO_Z_UP
 from assetkit.validate import main_usd_files
 from geom.fidelity import measure, union_surface
 from geom.hull import convex_hull
+from geom.pose import matrix_of
 from geom.support import surface
 from geom.surface_distance import two_way
 from schemas.model import FloatArray, IntArray
@@ -69,7 +69,7 @@ def package_parts(package: Path) -> list[FloatArray]:
     record = read_record(package)
     if record is None:
         raise ValueError(f"{package.name} is no package")
-    R_AS = TO_Z_UP[record.source.up_axis.value]
+    R_AS = matrix_of(np.asarray(record.geometry.source_quat_wxyz))
     offset, scale = np.asarray(record.geometry.origin_offset_m), record.source.meters_per_unit.value
     shapes = reread_body(main_usd_files(package)[0]).shapes
     return [((surface(shape)[0] - offset) / scale) @ R_AS for shape in shapes]

@@ -15,13 +15,14 @@ import numpy as np
 from pydantic import ConfigDict
 from scipy import ndimage
 
+from geom.clearance_grid import ClearanceGrid, clearance_grid
 from geom.hull import contains, convex_hull, outside_by, volume
 from geom.landscape import landscape, wall_points, water_level
 from geom.leaks import widest_second_way
 from geom.pose import rotation_to_z
 from geom.rays import Rays
 from geom.support import surface
-from geom.surface_distance import closest_on_surface
+from geom.surface_distance import NearestOnSurface, closest_on_surface
 from geom.voids import find_rooms
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, Solid
@@ -96,7 +97,8 @@ def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
     except ValueError:
         return ()
     hull_volume = volume(*hull)
-    walls, rays = wall_points(solid.points, solid.triangles), Rays(solid.points, solid.triangles)
+    surface_of = solid.points, solid.triangles
+    walls, rays = wall_points(*surface_of), Rays(*surface_of)
     found: list[Cavity] = []
     for direction in (*DIRECTIONS, *_askew(hull[0])):
         share = UPWARD_SHARE if direction[2] > ALIGNED else OTHER_SHARE
@@ -106,19 +108,31 @@ def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
                 found.append(cavity)
             elif not cavity.through and all(cavity.volume_m3 > FULLER * other.volume_m3 for other in before):
                 found = [*(other for other in found if not _is_same(cavity, other)), cavity]
-    if solid.kind != "closed" or volume(solid.points, solid.triangles) <= (1.0 - UPWARD_SHARE) * hull_volume:
-        found = _with_rooms(solid, walls, hull_volume, found)
-    return tuple(_with_second_way(solid, cavity, least_mouth_radius(hull_volume)) for cavity in found)
+    may_have_rooms = solid.kind != "closed" or volume(*surface_of) <= (1.0 - UPWARD_SHARE) * hull_volume
+    if not may_have_rooms and all(cavity.through for cavity in found):
+        return tuple(found)
+    nearest = NearestOnSurface(*surface_of)
+    grid = clearance_grid(*surface_of, nearest)
+    if may_have_rooms:
+        found = _with_rooms(solid, nearest, grid, walls, hull_volume, found)
+    return tuple(_with_second_way(grid, cavity, least_mouth_radius(hull_volume)) for cavity in found)
 
 
-def _with_rooms(solid: Solid, walls: FloatArray, hull_volume: float, found: Sequence[Cavity]) -> list[Cavity]:
+def _with_rooms(
+    solid: Solid,
+    nearest: NearestOnSurface,
+    grid: ClearanceGrid,
+    walls: FloatArray,
+    hull_volume: float,
+    found: Sequence[Cavity],
+) -> list[Cavity]:
     """`found` and the rooms behind a narrower mouth, whose water is mostly out of sight from above the mouth.
 
     A room stands for an opening that was found already only where a straight drop does not get far into it.
     """
     least_radius = least_mouth_radius(hull_volume)
     cavities = list(found)
-    for room in find_rooms(solid.points, solid.triangles, walls, UPWARD_SHARE * hull_volume, least_radius):
+    for room in find_rooms(nearest, grid, walls, UPWARD_SHARE * hull_volume, least_radius):
         probe = PROBE_SHARE * room.radius
         reach = _reach(solid, room.mouth, room.outward, probe, room.depth)
         cavity = Cavity(
@@ -130,11 +144,11 @@ def _with_rooms(solid: Solid, walls: FloatArray, hull_volume: float, found: Sequ
     return cavities
 
 
-def _with_second_way(solid: Solid, cavity: Cavity, least_m: float) -> Cavity:
+def _with_second_way(grid: ClearanceGrid, cavity: Cavity, least_m: float) -> Cavity:
     if cavity.through:
         return cavity
     place = (cavity.way_m[-1], cavity.opening_m, cavity.direction)
-    radius, way = widest_second_way(solid.points, solid.triangles, *place, cavity.probe_m, least_m)
+    radius, way = widest_second_way(grid, *place, cavity.probe_m, least_m)
     return replace(cavity, second_m=PROBE_SHARE * radius, second_way_m=way)
 
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from scipy import ndimage, sparse
 
-from geom.surface_distance import NearestOnSurface
+from geom.clearance_grid import ClearanceGrid, clearance_grid
 from schemas.model import FloatArray, IntArray
 
-GRID_CELLS = 64
 # The grid sees a gap only where nodes lie in it: a ball this much smaller stands for the ball.
 SMALLER = 0.9
 # Half a cell is the least distance from a wall that no step between two nodes crosses.
@@ -31,12 +30,11 @@ def leaks(
     ball's centre moves over a grid. A ball too small for the grid counts as the smallest that the grid can tell. False
     where the ball has no place at `inside_m`: what does not go in cannot come out.
     """
-    return _gets_out(_clearance(points, triangles, mouth_m, outward, radius_m), inside_m, radius_m)
+    return _gets_out(_below(clearance_grid(points, triangles), mouth_m, outward), inside_m, radius_m)
 
 
 def widest_second_way(
-    points: FloatArray,
-    triangles: IntArray,
+    around: ClearanceGrid,
     last_m: FloatArray,
     mouth_m: FloatArray,
     outward: FloatArray,
@@ -47,9 +45,9 @@ def widest_second_way(
 
     0 and no place where even a ball of `least_m` does not. `last_m` (3,) is the last place of the probe ball on its
     way in: no ball wider than that of `probe_m` is asked for, and a smaller one starts at its bottom, to which it
-    rolls. Surface and mouth as for `leaks`.
+    rolls. `around` is the grid of the surface; mouth as for `leaks`.
     """
-    clearance = _clearance(points, triangles, mouth_m, outward, least_m)
+    clearance = _below(around, mouth_m, outward)
 
     def start(radius_m: float) -> FloatArray:
         return last_m - max(probe_m - radius_m, 0.0) * outward
@@ -63,61 +61,36 @@ def widest_second_way(
     return low, _way_out(clearance, start(low), low)
 
 
-@dataclass(frozen=True)
-class _Clearance:
-    """Distance in metres to the surface at nodes (n, 3) of a grid, 0 for those above the mouth."""
-
-    nodes: FloatArray
-    distance: FloatArray
-    shape: tuple[int, ...]
-    cell_m: float
+def _below(around: ClearanceGrid, mouth_m: FloatArray, outward: FloatArray) -> ClearanceGrid:
+    """The grid without the room above the mouth."""
+    return replace(around, distance=np.where((around.nodes - mouth_m) @ outward < 0.0, around.distance, 0.0))
 
 
-def _clearance(
-    points: FloatArray, triangles: IntArray, mouth_m: FloatArray, outward: FloatArray, margin_m: float
-) -> _Clearance:
-    used = points[triangles].reshape(-1, 3)
-    low, high = used.min(axis=0) - margin_m, used.max(axis=0) + margin_m
-    cell = float((high - low).max()) / GRID_CELLS
-    shape = np.ceil((high - low) / cell).astype(int) + 1
-    nodes = (low + cell * np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)).reshape(-1, 3)
-    below = (nodes - mouth_m) @ outward < 0.0
-    distance = np.zeros(len(nodes))
-    distance[below] = np.linalg.norm(NearestOnSurface(points, triangles)(nodes[below])[0] - nodes[below], axis=1)
-    return _Clearance(nodes, distance, tuple(shape.tolist()), cell)
-
-
-def _free(clearance: _Clearance, radius_m: float) -> FloatArray:
+def _free(clearance: ClearanceGrid, radius_m: float) -> FloatArray:
     """(n,) True where a ball of that radius may be."""
-    return clearance.distance >= max(SMALLER * radius_m, LEAST_CELLS * clearance.cell_m)
+    return clearance.distance >= max(SMALLER * radius_m, LEAST_CELLS * clearance.cell)
 
 
-def _border(clearance: _Clearance) -> FloatArray:
-    """(n,) True for the outermost nodes."""
-    border = np.ones(clearance.shape, dtype=bool)
-    border[1:-1, 1:-1, 1:-1] = False
-    return border.reshape(-1)
-
-
-def _gets_out(clearance: _Clearance, inside_m: FloatArray, radius_m: float) -> bool:
+def _gets_out(clearance: ClearanceGrid, inside_m: FloatArray, radius_m: float) -> bool:
     """Whether the free nodes of such a ball lead from `inside_m` to the grid's border."""
     free = _free(clearance, radius_m)
     labels = np.asarray(ndimage.label(free.reshape(clearance.shape))[0]).reshape(-1)  # pyright: ignore[reportIndexIssue]
-    away = np.where(free, np.linalg.norm(clearance.nodes - inside_m, axis=1), np.inf)
+    away = np.where(free & ~clearance.border, np.linalg.norm(clearance.nodes - inside_m, axis=1), np.inf)
     start = int(away.argmin())
-    return bool(away[start] <= 2.0 * clearance.cell_m and (labels[_border(clearance)] == labels[start]).any())
+    return bool(away[start] <= 2.0 * clearance.cell and (labels[clearance.border] == labels[start]).any())
 
 
-def _way_out(clearance: _Clearance, inside_m: FloatArray, radius_m: float) -> FloatArray:
+def _way_out(clearance: ClearanceGrid, inside_m: FloatArray, radius_m: float) -> FloatArray:
     """Nodes (k, 3) on the shortest way from `inside_m` to the grid's border; there is one."""
     free = _free(clearance, radius_m)
     index = np.where(free, np.arange(len(free)), -1).reshape(clearance.shape)
     pairs = [(np.delete(index, -1, axis), np.delete(index, 0, axis)) for axis in range(3)]
     edges = np.concatenate([np.stack([a, b])[:, (a >= 0) & (b >= 0)] for a, b in pairs], axis=1)
     graph = sparse.coo_array((np.ones(edges.shape[1]), (edges[0], edges[1])), shape=(len(free), len(free))).tocsr()
-    start = int(np.where(free, np.linalg.norm(clearance.nodes - inside_m, axis=1), np.inf).argmin())
+    away = np.where(free & ~clearance.border, np.linalg.norm(clearance.nodes - inside_m, axis=1), np.inf)
+    start = int(away.argmin())
     order, before = sparse.csgraph.breadth_first_order(graph, start, directed=False)
-    way = [int(order[_border(clearance)[order]][0])]
+    way = [int(order[clearance.border[order]][0])]
     while way[-1] != start:
         way.append(int(before[way[-1]]))
     return clearance.nodes[way[::-1]]

@@ -14,10 +14,10 @@ from scipy import ndimage
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
+from geom.clearance_grid import ClearanceGrid
 from geom.surface_distance import NearestOnSurface
 from schemas.model import FloatArray, IntArray
 
-GRID_CELLS = 64
 # Balls from one cell on, which no wall of this grid lets through (half a cell's diagonal would do), by this factor.
 RADIUS_STEP = 1.15
 # A room has walls around it: this share of the looks from its widest place end on the surface.
@@ -50,21 +50,13 @@ class Room:
 
 
 def find_rooms(
-    points: FloatArray, triangles: IntArray, walls: FloatArray, least_volume: float, least_radius: float
+    nearest: NearestOnSurface, grid: ClearanceGrid, walls: FloatArray, least_volume: float, least_radius: float
 ) -> tuple[Room, ...]:
     """Rooms of at least `least_volume` behind a mouth of at least `least_radius`, widest mouth last.
 
-    `walls` (k, 3) are points spread over the surface, points (n, 3) and triangles (m, 3). Deterministic.
+    `walls` (k, 3) are points spread over the surface, to which `nearest` and `grid` belong. Deterministic.
     """
-    nearest = NearestOnSurface(points, triangles)
-    low, high = points[triangles].reshape(-1, 3).min(axis=0), points[triangles].reshape(-1, 3).max(axis=0)
-    cell = float((high - low).max()) / GRID_CELLS
-    shape = np.ceil((high - low) / cell).astype(int) + 3
-    start = 0.5 * (low + high) - 0.5 * (shape - 1) * cell
-    nodes = (start + cell * np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)).reshape(-1, 3)
-    room_to_move = _clearance(nearest, nodes).reshape(shape)
-    # From beyond the box of all points a ball can only get further away from them.
-    room_to_move[_border(room_to_move.shape)] = np.inf
+    nodes, cell, room_to_move = grid.nodes, grid.cell, grid.distance.reshape(grid.shape)
     rooms = []
     for inside, outer in _closed_off(room_to_move, cell, least_volume):
         swept = np.asarray(ndimage.distance_transform_edt(~inside)) * cell <= outer * RADIUS_STEP
@@ -72,7 +64,7 @@ def find_rooms(
         widest = int(np.where(inside, room_to_move, 0.0).argmax())
         if volume < least_volume or nearest.walled_share(nodes[widest], LOOKS) < WALLED_SHARE:
             continue
-        way = nodes[_way_out(room_to_move, outer, widest)][::-1]
+        way = nodes[_way_out(grid, outer, widest)][::-1]
         mouth, outward, radius = _mouth(nearest, way, walls)
         if radius >= least_radius:
             depth = float(((mouth - nodes[swept.reshape(-1)]) @ outward).max())
@@ -82,12 +74,6 @@ def find_rooms(
 
 def _clearance(nearest: NearestOnSurface, queries: FloatArray) -> FloatArray:
     return np.linalg.norm(nearest(queries)[0] - queries, axis=1)
-
-
-def _border(shape: tuple[int, ...]) -> FloatArray:
-    border = np.ones(shape, dtype=bool)
-    border[1:-1, 1:-1, 1:-1] = False
-    return border
 
 
 def _closed_off(room_to_move: FloatArray, cell: float, least_volume: float) -> Iterator[tuple[FloatArray, float]]:
@@ -109,10 +95,10 @@ def _closed_off(room_to_move: FloatArray, cell: float, least_volume: float) -> I
         before, radius = outside, radius * RADIUS_STEP
 
 
-def _way_out(room_to_move: FloatArray, radius: float, start: int) -> IntArray:
+def _way_out(grid: ClearanceGrid, radius: float, start: int) -> IntArray:
     """Flat indices of a way from `start` to the grid's border that a ball of `radius` can go, well away from walls."""
-    clearance = room_to_move.reshape(-1)
-    number = np.arange(clearance.size).reshape(room_to_move.shape)
+    clearance = grid.distance
+    number = np.arange(clearance.size).reshape(grid.shape)
     steps = [np.stack([np.delete(number, cut, axis).reshape(-1) for cut in (-1, 0)]) for axis in range(3)]
     a, b = np.concatenate(steps, axis=1)
     narrowest = np.minimum(clearance[a], clearance[b])
@@ -120,7 +106,7 @@ def _way_out(room_to_move: FloatArray, radius: float, start: int) -> IntArray:
     a, b, dread = a[free], b[free], (radius / narrowest[free]) ** 2
     graph = coo_array((dread, (a, b)), shape=(clearance.size, clearance.size)).tocsr()
     length, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)[:2]
-    border = np.flatnonzero(_border(room_to_move.shape))
+    border = np.flatnonzero(grid.border)
     node, way = int(border[np.argmin(length[border])]), []
     while node >= 0:
         way.append(node)

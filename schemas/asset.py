@@ -18,12 +18,19 @@ from schemas.physics import Contact, Fidelity
 SCHEMA_VERSION = "1.0"
 Vec3 = tuple[float, float, float]
 Matrix3 = tuple[Vec3, Vec3, Vec3]
+Quat_wxyz = tuple[float, float, float, float]
 
 
 def vec3(values: FloatArray) -> Vec3:
     """(3,) as plain numbers."""
     x, y, z = (float(v) for v in values)
     return x, y, z
+
+
+def quat4(values: FloatArray) -> Quat_wxyz:
+    """(4,) as plain numbers."""
+    w, x, y, z = (float(v) + 0.0 for v in values)
+    return w, x, y, z
 
 
 def matrix3(values: FloatArray) -> Matrix3:
@@ -102,6 +109,9 @@ class GeometrySection(_Section):
 
     extent_m: Evidence[Vec3]
     origin_offset_m: Vec3 = Field(description="source origin, seen from the asset frame, in metres")
+    source_quat_wxyz: Quat_wxyz = Field(
+        default=(1.0, 0.0, 0.0, 0.0), description="axes of the source, seen from the asset frame"
+    )
     annotation_frame: AnnotationFrame
     observed: tuple[Topology, ...] = Field(description="per mesh as read, then `merged`")
     reobserved: Topology
@@ -192,7 +202,8 @@ class SemanticsSection(_Section):
     )
     uprights: tuple[UprightHypothesis, ...] = Field(default=(), description="ways up, the likeliest first")
     front: Evidence[Vec3] = Field(
-        default=default((1.0, 0.0, 0.0)), description="level direction of the asset frame that is its front"
+        default=default((1.0, 0.0, 0.0)),
+        description="level direction of the asset frame that is its front: +x; confidence 0 where nothing tells one",
     )
     heading_symmetry: Evidence[int] = Field(
         default=default(1), description="in how many headings it looks the same; 1 none, 0 all"

@@ -31,7 +31,7 @@ class Canonicalize(Stage):
     """Brings an object into its metric frame and mends what is broken; every edit has figures before and after."""
 
     name = "canonicalize"
-    version = 6
+    version = 7
     result = Canonical
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Canonical]:
@@ -79,7 +79,7 @@ def canonicalize(item: Intake, source_name: str, options: Options, frame: Frame 
         meters_per_unit=unit.meters_per_unit.value,
     )
     offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
-    section = geometry_section(homed, physical, unit.meters_per_unit, mended, light, offset)
+    section = geometry_section(homed, physical, unit.meters_per_unit, mended, light, R_AS, offset)
     edits = (*mended.diagnostics, *light.diagnostics, *physical.diagnostics)
     doubts = _doubts((*mended.distortions, *light.distortions, *physical.distortions), mended.unresolved, p_origin)
     return Outcome(

@@ -9,7 +9,8 @@ import numpy as np
 from assetkit.stages.physical_surface import PhysicalSurface
 from assetkit.stages.repair_geometry import RepairResult
 from assetkit.stages.triangle_budget import Budgeted
-from schemas.asset import AnnotationFrame, GeometrySection, vec3
+from geom.pose import quat_of
+from schemas.asset import AnnotationFrame, GeometrySection, quat4, vec3
 from schemas.evidence import Evidence, inferred, measured
 from schemas.model import FloatArray, Mesh
 
@@ -35,9 +36,12 @@ def geometry_section(
     unit: Evidence[float],
     mended: RepairResult,
     light: Budgeted,
+    R_AS: FloatArray,
     offset: FloatArray,
 ) -> GeometrySection:
-    """What was measured on the canonical `meshes`; `offset` (3,) is the source origin seen from the asset frame."""
+    """What was measured on the canonical `meshes`; `R_AS` (3, 3) and `offset` (3,) are the axes and the origin of the
+    source, seen from the asset frame.
+    """
     points = np.concatenate([m.points for m in meshes])
     low, high = points.min(axis=0), points.max(axis=0)
     extent = vec3(high - low)
@@ -55,6 +59,7 @@ def geometry_section(
             bounds=bounds,
         ),
         origin_offset_m=vec3(offset),
+        source_quat_wxyz=quat4(quat_of(R_AS)),
         annotation_frame=AnnotationFrame(
             centre_m=vec3((low + high) / 2), scale_m=float(np.linalg.norm(high - low)) or 1.0
         ),

@@ -25,7 +25,7 @@ class ProposeParts(Stage):
     """Parts with their labels, in `review` where a role depends on one in dispute. Anchors wait for acceptance."""
 
     name = "interaction"
-    version = 11
+    version = 12
     result = Interaction
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:
@@ -45,7 +45,8 @@ class ProposeParts(Stage):
             told.append(finding("asset/segmenter-failed", f"{segmenter.name}: {found.segmenter_problem}"))
         parts, material = part_materials(meshes, draft.model, known, category, draft.source_name, draft.intake.folders)
         anchors = propose_anchors(canonical.solid, cavities)
-        front = front_of(meshes, category, known, cavities)
+        told_before = draft.frame.front if draft.frame is not None else None
+        front = told_before or front_of(meshes, category, known, cavities)
         review = bool(in_doubt(known, section.roles))
         return Outcome(Interaction(parts, material, anchors, cavities, front), tuple(told), review=review)
 
