@@ -2,13 +2,15 @@
 
     python -m benchmarks.nameless_masses
 
-Things of `named_masses.csv` and `everyday_masses.csv` as plain shapes, 216 in all. Four ways, each with the factor
+Things of `named_masses.csv` and `everyday_masses.csv` as plain shapes, 216 in all. Six ways, each with the factor
 between the bounds that holds nine things of ten (each thing judged by the others only), and how many the same way holds
 within a factor of ten:
 
 size law      density falls with the root of size, as `unknown_density` has it.
 one density   one density of the convex hull for all.
 regression    least squares of ln(mass) on hull volume, mean thickness, slenderness and fill.
+squares       the same with the squares of hull volume, thickness and fill, and their products.
+like things   median density of the hull of the ten things most like it in size and form.
 categories    the mixture of all categories whose sizes and form fit, with their usual masses.
 """
 
@@ -18,6 +20,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from assetkit.annotate.shape_check import compare, misfit, shape_of
 from assetkit.mass_bounds import mean_thickness
@@ -32,6 +35,7 @@ from schemas.model import FloatArray
 from schemas.physics import Solid
 
 HELD, SPAN = 0.9, 10.0
+LIKE = 10
 
 
 def main() -> None:
@@ -43,6 +47,10 @@ def main() -> None:
     report("one density", masses - hulls)
     features = np.column_stack([np.ones(len(solids)), hulls, [_features(solid) for solid in solids]])
     report("regression", masses - left_out_predictions(features, masses))
+    hull, thick, solidity = features[:, 1], features[:, 2], features[:, 6]
+    squares = np.column_stack([hull**2, thick**2, solidity**2, hull * thick, thick * solidity])
+    report("squares", masses - left_out_predictions(np.column_stack([features, squares]), masses))
+    report("like things", masses - hulls - of_like_things(features[:, 1:], masses - hulls))
     mixtures = [among_categories(solid) for solid in solids]
     known = [(mixture, mass) for mixture, mass in zip(mixtures, masses, strict=True) if mixture is not None]
     bounds = np.array([mixture.central(HELD) for mixture, _ in known])
@@ -66,6 +74,13 @@ def left_out_predictions(features: FloatArray, values: FloatArray) -> FloatArray
     hat = features @ np.linalg.pinv(features)
     share = np.diag(hat)
     return (hat @ values - share * values) / (1.0 - share)
+
+
+def of_like_things(features: FloatArray, values: FloatArray) -> FloatArray:
+    """(n,) median of the values of the ten others that are nearest in standardised features (n, k)."""
+    apart = cdist(features, features, "seuclidean")
+    np.fill_diagonal(apart, np.inf)
+    return np.median(values[np.argsort(apart, axis=1, kind="stable")[:, :LIKE]], axis=1)
 
 
 def among_categories(solid: Solid) -> Mixture | None:
