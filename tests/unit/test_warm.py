@@ -151,8 +151,10 @@ def test_the_server_ends_with_the_context():
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT], ids=lambda how: how.name)
 def test_nothing_outlives_a_batch_that_is_killed(how: signal.Signals):
     code = (
+        "import signal\n"
         "from jobs.cell import Limits\n"
         "from jobs.warm import run_module, warm_cells\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # shells start background jobs deaf to it
         "with warm_cells('loaded_before'):\n"
         "    print(run_module('a_worker', ['home'], Limits(20.0, 4096)).output.split()[0], flush=True)\n"
         f"    run_module('a_worker', ['hang', 'mana_test_warm_{how}'], Limits(60.0, 4096))\n"
