@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 from shapely import affinity
+from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from schemas.model import FloatArray
@@ -21,8 +22,15 @@ def eroded(region: BaseGeometry, outline: FloatArray) -> BaseGeometry:
     inside = affinity.translate(region, *(-outline.mean(axis=0)))
     ends = _edges(region)
     sums = (ends[:, :, None, :] - outline).reshape(len(ends), -1, 2)
-    blocked = shapely.union_all(shapely.convex_hull(shapely.multipoints(sums)))
+    blocked = shapely.union_all(shapely.convex_hull(shapely.linestrings(sums)))
     return inside.difference(blocked)
+
+
+def meets(obstacle: Polygon, outline: FloatArray) -> BaseGeometry:
+    """Where the origin of a convex `outline` (n, 2) is when it meets a convex obstacle: their Minkowski difference."""
+    # A line through points has their hull, and is made far faster than a set of points.
+    corners = np.asarray(obstacle.exterior.coords)
+    return shapely.linestrings((corners[:, None] - outline).reshape(-1, 2)).convex_hull
 
 
 def _edges(region: BaseGeometry) -> FloatArray:

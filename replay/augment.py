@@ -101,6 +101,7 @@ def variants(
             put = insert(prepared.sites, chosen.candidates, wanted, rng)
             tries.append((hides(put), put))
         hidden, put = min(tries, key=lambda one: _most(one[0]))
+        placed_before = len(put)
         while put and _most(hidden) > most_hidden:
             less = [put[:k] + put[k + 1 :] for k in range(len(put))]
             hidden, put = min(((hides(some), some) for some in less), key=lambda one: _most(one[0]))
@@ -118,6 +119,7 @@ def variants(
             lights=chosen.lights,
             feasible_area_m2={site.room.support.name: site.room.free(REFERENCE_TOP_M).area for site in prepared.sites},
             camera_hidden=hidden,
+            taken_out=placed_before - len(put),
         )
 
 
@@ -135,8 +137,11 @@ def no_room(prepared: Prepared, variant: Variant) -> Diagnostic | None:
     free = room.free(REFERENCE_TOP_M).area
     text = (
         f"variant {variant.number} has {len(variant.inserted)} of {variant.objects_requested} objects: "
-        f"{free:.3f} of {room.support.area.area:.3f} m2 of '{room.support.name}' is free up to {REFERENCE_TOP_M} m"
+        f"before them {free:.3f} of {room.support.area.area:.3f} m2 of '{room.support.name}' was free "
+        f"up to {REFERENCE_TOP_M} m"
     )
     if takers:
         text += f"; most is swept by {', '.join(takers)}"
+    if variant.taken_out:
+        text += f"; {variant.taken_out} had a place and were taken out, because they hid too much of the task"
     return finding("replay/no-room", text, value=len(variant.inserted), bound=variant.objects_requested)

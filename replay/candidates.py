@@ -13,6 +13,7 @@ from schemas.runtime_plan import PlanBody, PlanStance
 from schemas.scene_program import PairedMaterial
 
 DRAWS = 64  # samples of a plan that one variant may use up
+MOST = 1024  # candidates of a library that one variant may use up
 
 
 @dataclass(frozen=True)
@@ -64,12 +65,11 @@ def from_plan(plan: Plan, seed: int, number: int) -> Choices:
 def from_bodies(bodies: Sequence[PlanBody], seed: int, number: int) -> Choices:
     """Bodies drawn evenly, each time in any of its stances."""
     rng = np.random.default_rng([seed, number, 0])
-    return Choices([_drawn(bodies, rng) for _ in range(DRAWS)])
-
-
-def _drawn(bodies: Sequence[PlanBody], rng: np.random.Generator) -> Candidate:
-    body = bodies[int(rng.integers(len(bodies)))]
-    return Candidate(body, body.stances[int(rng.integers(len(body.stances)))])
+    drawn = [bodies[k] for k in rng.integers(len(bodies), size=MOST).tolist()]
+    shares = rng.random(MOST).tolist()
+    return Choices(
+        [Candidate(b, b.stances[int(share * len(b.stances))]) for b, share in zip(drawn, shares, strict=True)]
+    )
 
 
 def outlines(stance: PlanStance) -> Iterator[np.ndarray]:

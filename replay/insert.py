@@ -6,6 +6,7 @@ there is one, at that yaw; the spot is then drawn evenly from it. Regions that a
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -16,15 +17,16 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from geom.pose import matrix_of, quat_of
-from geom.swept_outline import eroded
+from geom.swept_outline import eroded, meets
 from replay.candidates import Candidate, outlines
 from replay.episode import Camera
-from replay.room import Room
+from replay.room import Room, grown
 from replay.views import seen_area
 from schemas.model import FloatArray
 from schemas.replay import Inserted
 from schemas.runtime_plan import PlanBody
 
+TRIES = 2  # of a body in a stance, at other headings each time
 YAWS = 6  # headings tried for a candidate on a support before the next one is tried
 SEEN_SHARE = 0.8  # of objects are put where a camera sees them, if there is room
 LEAST_AREA_M2 = 1e-7  # regions smaller than a third of a millimetre square are rounding
@@ -63,13 +65,22 @@ def sites(rooms: Sequence[Room], cameras: tuple[Camera, ...], stands_for: Mappin
 def insert(
     places: Sequence[Site], candidates: Sequence[Candidate], wanted: int, rng: np.random.Generator
 ) -> tuple[Put, ...]:
-    """Up to `wanted` objects; fewer where none of the candidates that are left finds room at any heading tried."""
+    """Up to `wanted` objects; fewer where no candidate finds room at any heading tried.
+
+    Room only shrinks, so that a body found without room in a stance `TRIES` times is not tried in it again.
+    """
     put: list[Put] = []
+    refused: Counter[tuple[str, float, str]] = Counter()
     for candidate in candidates:
+        kind = (candidate.body.asset_id, candidate.body.scale, candidate.stance.name)
         if len(put) == wanted:
             break
+        if refused[kind] == TRIES:
+            continue
         made = _placed(places, candidate, put, rng)
-        if made is not None:
+        if made is None:
+            refused[kind] += 1
+        else:
             put.append(made)
     return tuple(put)
 
@@ -83,11 +94,16 @@ def _placed(places: Sequence[Site], candidate: Candidate, put: Sequence[Put], rn
     start = rng.uniform(-np.pi, np.pi)
     fallback: tuple[Site, BaseGeometry, float] | None = None
     for site in _shuffled(places, areas, rng):
-        taken = [other.outline for other in put if _same_heights(other, site.room, top_m)]
-        left = site.room.left(top_m, taken)
+        free = site.room.free(top_m)
+        taken = [
+            grown(other.outline, site.room.envelope.clearance_m)
+            for other in put
+            if _same_heights(other, site.room, top_m)
+        ]
         for turn in range(YAWS):
             yaw = float(np.remainder(start + turn * 2.0 * np.pi / YAWS + np.pi, 2.0 * np.pi) - np.pi)
-            region = eroded(left, _hull(points @ _turned(yaw).T))
+            outline = _hull(points @ _turned(yaw).T)
+            region = eroded(free, outline).difference(shapely.union_all([meets(one, outline) for one in taken]))
             seen = region.intersection(site.seen) if wants_seen else region
             if seen.area > LEAST_AREA_M2:
                 return _at(site, candidate, points, seen, yaw, len(put), rng)

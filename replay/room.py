@@ -71,12 +71,6 @@ class Room:
     _slices: dict[int, BaseGeometry] = field(default_factory=dict)
     _free: dict[int, BaseGeometry] = field(default_factory=dict)
 
-    def left(self, top_m: float, taken: Sequence[BaseGeometry]) -> BaseGeometry:
-        """As `free`, less outlines of things put there before, the clearance to them included."""
-        if not taken:
-            return self.free(top_m)
-        return self.free(top_m).difference(shapely.union_all([grown(one, self.envelope.clearance_m) for one in taken]))
-
     def free(self, top_m: float) -> BaseGeometry:
         """The part of the support over which nothing is at heights up to `top_m`, with the clearance."""
         count = max(1, int(np.ceil(top_m / SLICE_M - 1e-9)))

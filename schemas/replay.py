@@ -49,7 +49,8 @@ class Variant(_Model):
     file, `scene` and `meshes` what was named to read it with, `source_sha256` the digests of its streams by name.
     `materials` are those that inserted objects name, as their plan states them; `lights` the lighting as drawn.
     `camera_hidden` is the share of task-object pixels that the inserted objects newly hide, by camera; empty where
-    nobody asked or none is seen. `feasible_area_m2` is where an object of the smallest footprint may stand, by support.
+    nobody asked or none is seen. `taken_out` counts objects that had a place but hid more than was allowed.
+    `feasible_area_m2` is what is free of motion and standing things up to 10 cm, by support.
     """
 
     schema_version: str = SCHEMA_VERSION
@@ -69,6 +70,7 @@ class Variant(_Model):
     lights: dict[str, float | str] = {}
     feasible_area_m2: dict[str, float] = {}
     camera_hidden: dict[str, float] = {}
+    taken_out: int = 0
     provenance: dict[str, str] = {}
 
 

@@ -112,7 +112,7 @@ def test_what_has_no_room_is_told_with_who_takes_it(recordings, plan, tmp_path):
     assert row["diagnostics"][0]["code"] == "replay/no-room"
     said = row["diagnostics"][0]["headline"]
     assert "of 9 objects" in said
-    assert "is free up to" in said
+    assert "was free up to" in said
     assert "most is swept by" in said
 
 

@@ -12,7 +12,7 @@ from shapely.geometry import LineString, Point, Polygon, box
 
 from geom.outer_corners import outer_corners
 from geom.pose import apply, pose
-from geom.swept_outline import eroded
+from geom.swept_outline import eroded, meets
 from replay.augment import prepare, variants
 from replay.candidates import Candidate, Choices
 from replay.dense import dense_motion
@@ -134,6 +134,13 @@ def test_erosion_of_a_room_with_a_corner_and_a_hole():
     )
     assert eroded(region, outline).symmetric_difference(wanted).area == pytest.approx(0.0, abs=1e-12)
     assert eroded(Polygon(), outline).is_empty
+
+
+def test_an_outline_meets_a_convex_obstacle_where_erosion_by_it_leaves_no_room():
+    obstacle, outline = Point(0.1, 0.2).buffer(0.3, quad_segs=3), np.array([[0, 0], [0.2, 0], [0.1, 0.3]])
+    room = box(-1, -1, 2, 2)
+    apart = eroded(room, outline).difference(meets(obstacle, outline))
+    assert apart.symmetric_difference(eroded(room.difference(obstacle), outline)).area < 1e-9
 
 
 def test_supports_are_level_faces_and_those_used_come_first(episode):
