@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 from shapely import affinity
-from shapely.geometry import Polygon
+from shapely.geometry import LineString
 from shapely.geometry.base import BaseGeometry
 
 from schemas.model import FloatArray
@@ -26,11 +26,11 @@ def eroded(region: BaseGeometry, outline: FloatArray) -> BaseGeometry:
     return inside.difference(blocked)
 
 
-def meets(obstacle: Polygon, outline: FloatArray) -> BaseGeometry:
+def meets(obstacle: BaseGeometry, outline: FloatArray) -> BaseGeometry:
     """Where the origin of a convex `outline` (n, 2) is when it meets a convex obstacle: their Minkowski difference."""
     # A line through points has their hull, and is made far faster than a set of points.
-    corners = np.asarray(obstacle.exterior.coords)
-    return shapely.linestrings((corners[:, None] - outline).reshape(-1, 2)).convex_hull
+    corners = shapely.get_coordinates(obstacle)
+    return LineString((corners[:, None] - outline).reshape(-1, 2)).convex_hull
 
 
 def _edges(region: BaseGeometry) -> FloatArray:

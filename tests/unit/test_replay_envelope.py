@@ -65,10 +65,10 @@ def distance_beyond(points, a, b, radius):
     return float((np.linalg.norm(points[:, None] - nearest, axis=2) - radius).min(axis=1).max())
 
 
-def of(robot_or_body, t_s):
+def of(one: Robot | FreeBody, t_s):
     """An episode with nothing else in it."""
-    robots = (robot_or_body,) if isinstance(robot_or_body, Robot) else ()
-    objects = () if robots else (robot_or_body,)
+    robots = (one,) if isinstance(one, Robot) else ()
+    objects = (one,) if isinstance(one, FreeBody) else ()
     return Episode("one", Path("one"), t_s, robots, objects, (), ())
 
 
@@ -222,7 +222,7 @@ def test_outlines_grow_by_no_less_than_asked_at_any_corner(corners):
     turn = np.arange(corners) * 2.0 * np.pi / corners
     outline = Polygon(0.05 * np.stack([np.cos(turn), np.sin(turn)], axis=1))
     around = grown(outline, 0.01)
-    assert 0.01 <= outline.distance(around.exterior) <= 0.0101
+    assert 0.01 <= outline.distance(around.boundary) <= 0.0101
 
 
 def test_still_links_are_obstacles(episode):
