@@ -58,7 +58,7 @@ class AssetLibrary:
     def __init__(self, folder: Path | None) -> None:
         self.folder = folder
         self._geometries: dict[tuple[str, float], Geometry] = {}
-        self._bodies: dict[tuple[str, float, Orientation], Body] = {}
+        self._bodies: dict[tuple[str, float, Orientation, bool], Body] = {}
         self._records: dict[str, bytes] = {}
         self._seen: dict[tuple[int, float], tuple[Single, Geometry]] = {}  # by object, for one that is asked for again
 
@@ -76,12 +76,16 @@ class AssetLibrary:
                 known.clear()
         self.__dict__.pop("names", None)
 
-    def body(self, asset: Single, scale: float = 1.0, orientation: Orientation = "upright") -> Body:
-        """The asset in each way it may stand. Raises InvalidInput (`scene/unknown-asset`, `scene/unusable-asset`)."""
-        key = (asset.model_dump_json(), scale, orientation)
+    def body(
+        self, asset: Single, scale: float = 1.0, orientation: Orientation = "upright", sections: bool = False
+    ) -> Body:
+        """The asset in each way it may stand, what tapers cut into `sections` (see scenec.slabs).
+
+        Raises InvalidInput (`scene/unknown-asset`, `scene/unusable-asset`)."""
+        key = (asset.model_dump_json(), scale, orientation, sections)
         if key not in self._bodies:
             geometry = self.geometry(asset, scale)
-            stances = [_stance(geometry, i, q) for i, q in enumerate(_orientations(geometry, orientation))]
+            stances = [_stance(geometry, i, q, sections) for i, q in enumerate(_orientations(geometry, orientation))]
             self._bodies[key] = Body(
                 geometry.asset_id,
                 tuple(stances),
@@ -206,8 +210,8 @@ def _unit(quat_wxyz: Quat_wxyz) -> Quat_wxyz:
     return w, x, y, z
 
 
-def _stance(geometry: Geometry, index: int, quat_wxyz: Quat_wxyz) -> Stance:
-    return stance_of(geometry.shapes, quat_wxyz, "upright" if quat_wxyz == UPRIGHT else f"pose_{index}")
+def _stance(geometry: Geometry, index: int, quat_wxyz: Quat_wxyz, sections: bool) -> Stance:
+    return stance_of(geometry.shapes, quat_wxyz, "upright" if quat_wxyz == UPRIGHT else f"pose_{index}", sections)
 
 
 def _enlarged(surface: Surface, scale: float) -> Surface:

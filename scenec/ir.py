@@ -18,6 +18,7 @@ from shapely import Polygon
 FloatArray = NDArray[np.float64]
 Path = tuple[str | int, ...]
 WORLD_PARENT = "background"
+LEVEL_SHARE = 0.25  # of a floor that things stand on
 RelationKind = Literal["before", "near", "far_from", "aligned", "facing", "between"]
 
 
@@ -73,6 +74,16 @@ class Volume:
     def height_m(self) -> float:
         """Usable height from the floor to the rim."""
         return self.layers[-1][1]
+
+    @property
+    def level_share(self) -> float:
+        """Area of the floor as a share of the widest layer: 1 between upright walls, near 0 in a bowl."""
+        return self.layers[0][2].area / max(area.area for _, _, area in self.layers)
+
+    @property
+    def is_round(self) -> bool:
+        """Whether most of what lies in it leans on its walls, which no pose here describes."""
+        return self.level_share < LEVEL_SHARE
 
 
 @dataclass(frozen=True)

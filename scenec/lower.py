@@ -160,19 +160,22 @@ class _Lowering:
         path: Path = ("layout", "nodes", node)
         placed_by: Path = (*path, "placement") if group is None else ("layout", "groups", group)
         orientation, turns = _orientation(placing)
-        body = self._body(written.id, written.scale, orientation, placed_by)
+        inside = isinstance(place, Volume)
+        body = self._body(written.id, written.scale, orientation, placed_by, inside)
         domain = self._domain(placing, node, group, body, turns, placed_by)
+        if isinstance(place, Volume) and place.is_round and not domain.spots:
+            self._leans(place, parent, placed_by)
         things = tuple(
             Thing(name, body, parent, place, domain, path, group, written.semantic_tags)
             for name in self.names.copies[node]
         )
         return things, tuple(self.found[before:])
 
-    def _body(self, name: str, scale: float, orientation: Orientation, placed_by: Path) -> Body:
+    def _body(self, name: str, scale: float, orientation: Orientation, placed_by: Path, inside: bool) -> Body:
         candidates = self.choice.objects[name]
         for asset in candidates:
             self._rests(self.library.geometry(asset, scale), orientation, placed_by)
-        bodies = [self.library.body(asset, scale, orientation) for asset in candidates]
+        bodies = [self.library.body(asset, scale, orientation, sections=inside) for asset in candidates]
         return bodies[0] if len(bodies) == 1 else _union(bodies)
 
     def _rests(self, geometry: Geometry, orientation: Orientation, placed_by: Path) -> None:
@@ -185,6 +188,12 @@ class _Lowering:
             headline = f"`{geometry.asset_id}` does not rest upright: its nearest stable pose leans {lean_deg:.0f} deg"
             where = self.spans.place(at)
             self._add(finding("scene/topples", headline, where=where, value=lean_deg, bound=RESTS_DEG, unit="deg"))
+
+    def _leans(self, place: Volume, parent: str, placed_by: Path) -> None:
+        headline = f"the floor of `{place.name}` of `{parent}` is round: what would lean on its wall is not placed"
+        floor_cm2, widest_cm2 = 1e4 * place.layers[0][2].area, 1e4 * place.layers[0][2].area / place.level_share
+        where = self.spans.place(placed_by)
+        self._add(finding("scene/round-floor", headline, where=where, value=floor_cm2, bound=widest_cm2, unit="cm2"))
 
     def _domain(
         self,

@@ -19,6 +19,7 @@ from scenec.ir import Body, Problem, Slab, Solved, Stance, Surface, Thing, Volum
 from scenec.judge import judge
 from scenec.names import Names
 from scenec.solve.model import Model, model_of, owner_first
+from scenec.solve.stacks import piled
 from schemas.compiled_scene import Prism
 from schemas.runtime_plan import (
     PlanBody,
@@ -110,8 +111,11 @@ def _combination(
     base = model_of(problem)
     pools = pools_of(base)
     frozen = {name: result.placements[name] for name in pools.frozen}
+    heaped = piled(base, {name: base.put(name, at) for name, at in result.placements.items()})
     made: list[PlanPool] = []
     for names in pools.names:
+        if heaped.intersection(names):  # a pile stays as it was found, in its receptacle
+            frozen |= {name: result.placements[name] for name in names}
         asked = Asked(names, frozen, result.placements, _cases_wanted(len(names), diversity), seed)
         cases = pool_cases(pools.model, asked)
         made.append(PlanPool(things=names, cases=tuple(cases)))

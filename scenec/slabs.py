@@ -7,6 +7,8 @@ outline is clear of the shape. Heights are exact.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -17,17 +19,47 @@ from geom.support import support
 from scenec.ir import FloatArray, Slab, Stance
 from schemas.physics import CollisionShape
 
+SECTIONS = np.array([0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0])  # shares of a shape's height
+END_M = 2.5e-4  # thickness of the first and last section: more than what counts as one contact in a pile
+TAPERS = 0.1  # share of the whole footprint by which a section is smaller where a shape is worth cutting
 
-def stance_of(shapes: Sequence[CollisionShape], quat_wxyz: tuple[float, float, float, float], name: str) -> Stance:
-    """How shapes (asset frame) stand when the asset frame is turned by `quat_wxyz`, the lowest point on the support."""
+
+def stance_of(
+    shapes: Sequence[CollisionShape], quat_wxyz: tuple[float, float, float, float], name: str, sections: bool = False
+) -> Stance:
+    """How shapes (asset frame) stand when the asset frame is turned by `quat_wxyz`, the lowest point on the support.
+
+    With `sections` a shape that tapers is several slabs, one on the other, the first and last as thin as what it could
+    stand on or carry something with.
+    """
     R_SP = np.eye(3) if quat_wxyz == (1.0, 0.0, 0.0, 0.0) else matrix_of(np.asarray(quat_wxyz))
     spans = [_heights(shape, R_SP) for shape in shapes]
     ground = min(low for low, _ in spans)
-    slabs = tuple(
+    whole = [
         Slab(_hull(_seen(shape, R_SP)), low - ground, high - ground)
         for shape, (low, high) in zip(shapes, spans, strict=True)
-    )
-    return Stance(quat_wxyz, slabs, -ground, name)
+    ]
+    if sections:
+        least_m2 = TAPERS * shapely.union_all([shapely.Polygon(slab.outline_m) for slab in whole]).area
+        corners = [outer_corners(shape) @ R_SP.T - [0.0, 0.0, ground] for shape in shapes]
+        whole = [part for slab, points in zip(whole, corners, strict=True) for part in _cut_up(slab, points, least_m2)]
+    return Stance(quat_wxyz, tuple(whole), -ground, name)
+
+
+def _cut_up(slab: Slab, points: FloatArray, least_m2: float) -> list[Slab]:
+    # Horizontal cuts of the hull of `points` (S, the lowest of all shapes at 0), bottom up; the slab itself where none
+    # is smaller by an area that counts.
+    ends = (slab.low_m + (slab.high_m - slab.low_m) * SECTIONS).tolist()
+    if ends[1] - ends[0] > END_M:
+        ends = [ends[0], ends[0] + END_M, *ends[1:-1], ends[-1] - END_M, ends[-1]]
+    cuts = [Slab(_hull(_cut(points, low, high)), low, high) for low, high in pairwise(ends)]
+    cuts = [cut for cut in cuts if len(cut.outline_m) >= 3]
+    smallest = min((shapely.Polygon(cut.outline_m).area for cut in cuts), default=np.inf)
+    if smallest >= shapely.Polygon(slab.outline_m).area - least_m2:
+        return [slab]
+    cuts[0] = replace(cuts[0], low_m=slab.low_m)
+    cuts[-1] = replace(cuts[-1], high_m=slab.high_m)
+    return cuts
 
 
 def slabs_between(shapes: Sequence[CollisionShape], low_m: float, high_m: float) -> tuple[Slab, ...]:

@@ -129,6 +129,13 @@ SCENE_CODES: dict[str, CodeInfo] = {
         "It will not be in the scene; a forgotten node looks just like this.",
         "add a node for it under `layout.nodes`, or remove it",
     ),
+    "scene/round-floor": CodeInfo(
+        "warning",
+        "The floor of a receptacle is level over a small part only",
+        "Things are placed standing, on a level floor or on each other. What lies in a bowl leans on its wall; no such "
+        "pose is tried, so that where none is found nothing is proved, and what stands off the middle may slide.",
+        "write its poses (`discrete`), place it in a receptacle with a level floor, or read what settling says",
+    ),
     "scene/slot-assignment": CodeInfo(
         "error",
         "Slots are assigned so that members cannot each have one",

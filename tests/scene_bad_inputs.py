@@ -96,6 +96,9 @@ BOUND: dict[str, Text] = {
     ),
     "scene/asset-in-review": pool("doubtful"),
     "scene/topples": pool("rod"),
+    "scene/round-floor": SOUND.replace(f"id: a, asset: {BOX}", "id: a, asset: {type: fixed, id: bowl}")
+    .replace("anchors: {", "anchors: {inside: {object: a, volume: auto}, ")
+    .replace(f"b: {{object: b, placement: {ON}", "b: {object: b, placement: {type: volume, volume: inside}"),
     "scene/union-footprints": pool(*CUBES, of="b", text=pool(*CUBES)),
 }
 

@@ -43,25 +43,31 @@ def rod(library: Path) -> None:
     _package(library, "rod", [mesh], [CollisionShape("box", size_m, samples.at(0.1))], ["manipulated"], [], [lying])
 
 
-def open_bin(library: Path, asset_id: str = "bin") -> None:
-    """The bin, with the surface and the volume that its inside is."""
+def open_bin(library: Path, asset_id: str = "bin", floor_m: float | None = None) -> None:
+    """The bin, with the surface and the volume that its inside is; `floor_m`: level over a square of that size only."""
     meshes = [samples.box_mesh(size, name, (x, y, z - size[2] / 2)) for name, (size, (x, y, z)) in BIN.items()]
     shapes = []
     for size, centre in BIN.values():
         X_AS = samples.at(0.0)
         X_AS[:3, 3] = centre
         shapes.append(CollisionShape("box", size, X_AS))
-    _package(library, asset_id, meshes, shapes, ["receptacle"], [_FLOOR, _HOLD])
+    hold = _HOLD
+    if floor_m is not None:
+        half = 0.5 * floor_m
+        floor = {"outline_m": [[-half, -half], [half, -half], [half, half], [-half, half]]}
+        hold = _HOLD | {"slices": [{"height_m": 0.0175, "polygons": [floor]}, _HOLD["slices"][1]]}
+    _package(library, asset_id, meshes, shapes, ["receptacle"], [_FLOOR, hold])
 
 
 def library(folder: Path, cubes: int = 17) -> Path:
-    """All of them: `cube`, `cube_0` and on, `rod`, `bin`, `doubtful` (a cube in review), `torn`."""
+    """All of them: `cube`, `cube_0` and on, `rod`, `bin`, `bowl` (round), `doubtful` (in review), `torn`."""
     cube(folder)
     cube(folder, "doubtful", outcome="review")
     rod(folder)
     for i in range(cubes):
         cube(folder, f"cube_{i}")
     open_bin(folder)
+    open_bin(folder, "bowl", floor_m=0.02)
     (folder / "torn").mkdir()
     (folder / "torn" / "record.json").write_text("{")
     return folder

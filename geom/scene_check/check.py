@@ -4,7 +4,8 @@ An object is a set of convex prisms in the world W (metres, z up). Places are le
 and a yaw in W. What is judged, and against which bound (`TOLERANCE_M` for lengths, the same number in rad for angles):
 
 support     on a surface it stands on the polygon with every outline, its top under the free height; in a volume each
-            prism lies within every layer that it spans and below the rim, on the floor or on what lies there
+            prism lies within every layer that it spans and below the rim, on the floor or on what lies there (see
+            `geom.scene_check.piles`)
 clearance   least distance of footprints between objects that overlap in height: whole footprints and whole heights for
             objects of one place, prism by prism otherwise. Objects are not held apart from their owners, nor the
             owners' owners: there only the owner's geometry over the place (`above`) must not be entered
@@ -17,7 +18,8 @@ from __future__ import annotations
 from geom.scene_check.asked import broken_relation, entered_keep_out, out_of_reach
 from geom.scene_check.model import CheckScene, Violation, changed_since
 from geom.scene_check.pairs import too_close
-from geom.scene_check.places import owners_entered, stands_on_contents, unsupported, wrong_pose
+from geom.scene_check.piles import tipped
+from geom.scene_check.places import owners_entered, unsupported, wrong_pose
 
 
 def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation, ...]:
@@ -31,11 +33,8 @@ def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation
     found: list[Violation] = []
     for item in scene.objects:
         if item.name in changed:
-            found += wrong_pose(item)
-        if item.name in changed or stands_on_contents(item):
-            found += unsupported(item, scene)
-        if item.name in changed:
-            found += owners_entered(item, by_name)
+            found += (*wrong_pose(item), *unsupported(item), *owners_entered(item, by_name))
+    found += tipped(scene)
     found += too_close(scene, by_name, changed)
     for relation in scene.relations:
         if id(relation) not in asked or not changed.isdisjoint(relation.objects):

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import shapely
-from shapely import Polygon
-
 from geom.scene_check.measures import outside, overlap, separation, to_place
-from geom.scene_check.model import TOLERANCE_M, TURN, CheckObject, CheckScene, Violation, same_place
+from geom.scene_check.model import TOLERANCE_M, TURN, CheckObject, Violation
 
 
 def wrong_pose(item: CheckObject) -> Iterator[Violation]:
@@ -35,8 +32,8 @@ def _turn(angle: float, low: float, high: float) -> float:
     return max(0.0, min(past - (high - low), TURN - past))
 
 
-def unsupported(item: CheckObject, scene: CheckScene) -> Iterator[Violation]:
-    """Too high for its place, into or over the floor, or not wholly on the polygon."""
+def unsupported(item: CheckObject) -> Iterator[Violation]:
+    """Too high for its place, into the floor or in the air over a surface, or not wholly on the polygon."""
     place = item.place
     low, high = item.low_m - place.origin_m[2], item.high_m - place.origin_m[2]
     if high > place.height_m + TOLERANCE_M:
@@ -47,26 +44,8 @@ def unsupported(item: CheckObject, scene: CheckScene) -> Iterator[Violation]:
         out = max(outside(to_place(prism.outline_m, place), place.polygon) for prism in item.prisms)
         if out > 0.0:
             yield Violation("off_support", (item.name, place.owner), out, 0.0)
-    if low > TOLERANCE_M and not item.spots and not (place.layers and _held_by_contents(item, scene)):
+    if low > TOLERANCE_M and not item.spots and not place.layers:
         yield Violation("unsupported", (item.name, place.owner), float(low), 0.0)
-
-
-def stands_on_contents(item: CheckObject) -> bool:
-    """Whether something else in its volume has to hold an object."""
-    return bool(item.place.layers) and not item.spots and item.low_m - item.place.origin_m[2] > TOLERANCE_M
-
-
-def _held_by_contents(item: CheckObject, scene: CheckScene) -> bool:
-    """Whether the middle of the footprint lies over the hull of what it touches from above in the same place."""
-    footprint = shapely.union_all([Polygon(prism.outline_m) for prism in item.prisms])
-    touched = [
-        Polygon(prism.outline_m).intersection(footprint)
-        for other in scene.objects
-        if other is not item and same_place(other.place, item.place)
-        for prism in other.prisms
-        if abs(prism.high_m - item.low_m) <= TOLERANCE_M
-    ]
-    return bool(touched) and shapely.union_all(touched).convex_hull.buffer(TOLERANCE_M).covers(footprint.centroid)
 
 
 def owners_entered(item: CheckObject, by_name: dict[str, CheckObject]) -> Iterator[Violation]:

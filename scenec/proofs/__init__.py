@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from scenec.ir import Problem, Proof
+from scenec.ir import Problem, Proof, Volume
 from scenec.proofs.apart import near_and_far
 from scenec.proofs.areas import more_area_than_there_is
 from scenec.proofs.axes import too_long_along_an_axis
@@ -19,6 +19,7 @@ from scenec.proofs.exhaustive import no_arrangement
 from scenec.proofs.fits import no_place_of_its_own
 from scenec.proofs.owners import no_first_owner
 from scenec.proofs.spots import more_things_than_spots
+from scenec.relaxed import relaxed
 
 Argument = Callable[[Problem], Proof | None]
 CHEAP: tuple[Argument, ...] = (
@@ -49,7 +50,16 @@ def refutation(problem: Problem, most_programs: int = MOST_PROGRAMS) -> tuple[Pr
     """The first proof, and the argument that gave it; without programs the cheap arguments only."""
     complete = partial(no_arrangement, most_programs=most_programs)
     for argument in (*CHEAP, complete) if most_programs else CHEAP:
-        proof = argument(problem)
+        without = partial(_of_what_stands, argument)
+        proof = without(problem)
         if proof is not None:
-            return proof, argument
+            return proof, without
     return None
+
+
+def _of_what_stands(argument: Argument, problem: Problem) -> Proof | None:
+    # In a round bowl things lean on the wall and on each other; what cannot stand there may well lie there.
+    leaning = {
+        t.path for t in problem.things if isinstance(t.place, Volume) and t.place.is_round and not t.domain.spots
+    }
+    return argument(relaxed(problem, leaning) if leaning else problem)

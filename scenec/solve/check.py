@@ -11,6 +11,7 @@ from scenec.solve.frames import pose_of
 from scenec.solve.model import SLACK_M, Model, Site, yaw_allowed
 from scenec.solve.placed import Placed, bounds_gap, footprint_distance
 from scenec.solve.relations import SLACK, excess, wrapped
+from scenec.solve.stacks import fallen, piled
 
 Assignment = Mapping[str, Placed]
 
@@ -136,6 +137,8 @@ def blockers(model: Model, assignment: Assignment, name: str, mates: Iterable[st
         links = model.depends_on(rule)
         if links.issubset(assignment) and excess(rule, assignment) > SLACK:
             found |= links
+    if (down := fallen(model, assignment, placed.parent, placed.place)) and not found:
+        return down - {name}
     chain = set(model.chains[name])
     if not found and chain.issubset(assignment) and not in_reach(model, name, assignment):
         return chain - {name}
@@ -145,7 +148,8 @@ def blockers(model: Model, assignment: Assignment, name: str, mates: Iterable[st
 def faulty(model: Model, assignment: Assignment, suspects: Iterable[str] | None = None) -> dict[str, set[str]]:
     """Things of an assignment that do not stand right, with what they clash with; empty for a valid one. Where
     `suspects` are given, only faults in which one of them takes part are looked for."""
-    names = list(assignment) if suspects is None else [name for name in suspects if name in assignment]
+    asked = assignment if suspects is None else {*suspects, *piled(model, assignment)}  # a pile rests on others
+    names = [name for name in assignment if name in asked]
     mates = _close(model, assignment, names)
     found = {}
     for name in names:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from scenec.ir import WORLD_PARENT, RelationIR
+from scenec.ir import WORLD_PARENT, RelationIR, Volume
 from scenec.solve.model import Limit, Model
 
 YAW_SAMPLES = 64
@@ -52,7 +52,10 @@ def _heights(model: Model, name: str) -> tuple[float, float]:
     base = model.site(thing).base_P_m
     shapes = model.shapes[name]
     lows = [spot.z_m - shape.origin_height_m for spot in thing.domain.spots for shape in shapes] or [0.0]
-    return base + min(lows), base + max(lows) + max(shape.height_m for shape in shapes)
+    high = max(lows) + max(shape.height_m for shape in shapes)
+    if isinstance(thing.place, Volume) and not thing.domain.spots:
+        high = max(high, thing.place.height_m)  # on other contents
+    return base + min(lows), base + high
 
 
 def overlapping(model: Model) -> list[tuple[str, str]]:

@@ -6,6 +6,7 @@ Things are kept in the order of their names, so that the order in the program ne
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -159,6 +160,9 @@ def model_of(problem: Problem) -> Model:
         for child in children[name]:
             height = max(tallest(child, shapes[child.name]), loads.get(child.place.name, (None, 0.0))[1])
             loads[child.place.name] = (child.place, height)
+        loads = {
+            place: (where, _piled(height, where, children[name], shapes)) for place, (where, height) in loads.items()
+        }
         shapes[name] = tuple(
             shape_of(stance, carried_slabs(stance, tuple(loads.values())) if loads else ())
             for stance in things[name].body.stances
@@ -166,6 +170,17 @@ def model_of(problem: Problem) -> Model:
     places = {(thing.parent, thing.place.name): thing.place for thing in things.values()}
     sites = {key: Site(key[0], place, problem) for key, place in places.items()}
     return Model(problem, things, shapes, sites, problem.relations, {})
+
+
+def _piled(
+    height_m: float, place: Surface | Volume, children: Sequence[Thing], shapes: Mapping[str, tuple[Shape, ...]]
+) -> float:
+    # As high as contents of a volume may reach when they stand on each other, no higher than the rim.
+    if isinstance(place, Surface):
+        return height_m
+    inside = [child for child in children if child.place.name == place.name and not child.domain.spots]
+    total = sum(max(shape.height_m for shape in shapes[child.name]) for child in inside)
+    return max(height_m, min(total, place.height_m))
 
 
 def owner_first(things: dict[str, Thing]) -> list[str]:

@@ -9,6 +9,7 @@ from shapely import Polygon
 
 from scenec.ir import FloatArray, Placement
 from scenec.solve.planar import ROUND_OUT, SEGMENTS, outline_of, polygon
+from scenec.solve.resting import Resting
 from scenec.solve.shapes import Turned
 
 
@@ -51,6 +52,11 @@ class Placed:
             (polygon(outline + shift), slab.low_m + self.base_P_m, slab.high_m + self.base_P_m)
             for outline, slab in zip(self.turned.outlines, self.turned.shape.slabs, strict=True)
         )
+
+    @cached_property
+    def resting(self) -> Resting:
+        """The same as part of a pile."""
+        return Resting(self)
 
 
 def footprint_distance(a: Placed, b: Placed) -> float:

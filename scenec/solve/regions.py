@@ -15,7 +15,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir import WORLD_PARENT, FloatArray, RelationIR
+from scenec.ir import WORLD_PARENT, FloatArray, RelationIR, Slab
 from scenec.solve.check import Assignment
 from scenec.solve.frames import Pose2, pose_of, turned_direction
 from scenec.solve.model import SLACK_M, Model, Site
@@ -71,11 +71,11 @@ def half_plane(dx: float, dy: float, end: float, around: tuple[float, float, flo
     )
 
 
-def alone(model: Model, name: str, turned: Turned) -> BaseGeometry:
-    """Where a thing may be by itself: place, ranges, limits, owner's parts and keep-outs."""
+def alone(model: Model, name: str, turned: Turned, base_m: float = 0.0) -> BaseGeometry:
+    """Where a thing may be by itself, `base_m` over its place: place, ranges, limits, owner's parts and keep-outs."""
     thing = model.things[name]
     site = model.site(thing)
-    area = on_site_region(site, turned)
+    area = on_site_region(site, turned, base_m)
     if area.is_empty:
         return area
     ox, oy = float(thing.place.origin_P_m[0]), float(thing.place.origin_P_m[1])
@@ -103,26 +103,30 @@ def _box(x0: float, y0: float, x1: float, y1: float) -> BaseGeometry:
     return shapely.LineString([(x0, y0), (x1, y1)])
 
 
-def on_site_region(site: Site, turned: Turned) -> BaseGeometry:
-    """Where a footprint may be on a place for itself, standing on its floor."""
+def on_site_region(site: Site, turned: Turned, base_m: float = 0.0) -> BaseGeometry:
+    """Where a footprint may be on a place for itself, standing on its floor or `base_m` over it."""
     shape = turned.shape
     height = shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
-    if height > site.top_m + SLACK_M:
+    if base_m + height > site.top_m + SLACK_M:
         return NOWHERE
     slabs = list(zip(turned.outlines, shape.slabs, strict=True))
+    base_P_m = site.base_P_m + base_m
     if len(site.layers) == 1:
         area = eroded(site.layers[0][2], turned.pieces)
     else:
-        spanned = [
-            (layer, [outline for outline, slab in slabs if slab.low_m < high - SLACK_M and slab.high_m > low + SLACK_M])
-            for low, high, layer in site.layers
-        ]
-        area = shapely.intersection_all([eroded(layer, pieces) for layer, pieces in spanned if pieces])
+        area = None
+        for low, high, layer in sorted(site.layers, key=lambda layer: layer[2].area):  # the narrowest say no first
+            if outlines := _within(slabs, low - base_m, high - base_m):
+                here = eroded(layer, outlines)
+                area = here if area is None else area.intersection(here)
+                if area.is_empty:
+                    return NOWHERE
+        area = NOWHERE if area is None else area
     blocked = [
         s
         for part, low, high in site.above
         for outline, slab in slabs
-        if slab.low_m + site.base_P_m < high - SLACK_M and slab.high_m + site.base_P_m > low + SLACK_M
+        if slab.low_m + base_P_m < high - SLACK_M and slab.high_m + base_P_m > low + SLACK_M
         for s in sums(shapely.get_coordinates(part)[:-1], [outline])
     ]
     for keep, low, high in site.keep_outs:
@@ -130,17 +134,23 @@ def on_site_region(site: Site, turned: Turned) -> BaseGeometry:
         blocked += [
             s
             for outline, slab in slabs
-            if slab.low_m + site.base_P_m < high - SLACK_M and slab.high_m + site.base_P_m > low + SLACK_M
+            if slab.low_m + base_P_m < high - SLACK_M and slab.high_m + base_P_m > low + SLACK_M
             for part in parts
             for s in sums(shapely.get_coordinates(part)[:-1], [outline])
         ]
     return area.difference(shapely.union_all(blocked)) if blocked and not area.is_empty else area
 
 
+def _within(slabs: Sequence[tuple[FloatArray, Slab]], low_m: float, high_m: float) -> list[FloatArray]:
+    # Outlines of what reaches between two heights over the lowest point of a thing.
+    return [outline for outline, slab in slabs if slab.low_m < high_m - SLACK_M and slab.high_m > low_m + SLACK_M]
+
+
 def feasible(
-    model: Model, name: str, turned: Turned, assignment: Assignment, alone_m: BaseGeometry
+    model: Model, name: str, turned: Turned, assignment: Assignment, alone_m: BaseGeometry, base_m: float = 0.0
 ) -> tuple[BaseGeometry, set[str]]:
-    """(region of the origin, names of things that made it smaller than `alone_m`): see the module. Relations that speak
+    """(region of the origin, names of things that made it smaller than `alone_m`), `base_m` over its place: see the
+    module. Relations that speak
     of things not placed yet, or whose frame is the thing itself, are left to the check."""
     if alone_m.is_empty:
         return alone_m, set()
@@ -163,7 +173,7 @@ def feasible(
         culprits |= set(model.chains[name]) - {name}
         if area.is_empty:
             return area, culprits
-    no_fit, blamed = _obstacles(model, name, turned, assignment, area.bounds)
+    no_fit, blamed = _obstacles(model, name, turned, assignment, area.bounds, base_m)
     if no_fit:
         area = area.difference(shapely.union_all(no_fit))
         culprits |= blamed
@@ -171,11 +181,16 @@ def feasible(
 
 
 def _obstacles(
-    model: Model, name: str, turned: Turned, assignment: Assignment, around: tuple[float, float, float, float]
+    model: Model,
+    name: str,
+    turned: Turned,
+    assignment: Assignment,
+    around: tuple[float, float, float, float],
+    base_m: float,
 ) -> tuple[list[BaseGeometry], set[str]]:
     # No-fit polygons of what stands on the same owner at heights shared, as far as they reach the box `around`.
     thing, clearance = model.things[name], model.problem.clearance_m
-    base = model.site(thing).base_P_m
+    base = model.site(thing).base_P_m + base_m
     top = base + turned.shape.height_m
     fx0, fy0, fx1, fy1 = turned.bounds
     x0, y0, x1, y1 = around

@@ -10,6 +10,7 @@ from scenec.solve.check import faulty
 from scenec.solve.model import Model
 from scenec.solve.placed import Placed
 from scenec.solve.search import Effort, search
+from scenec.solve.stacks import without
 
 ROUNDS = 3  # each takes up what stood in the way of the last
 STEPS_PER_THING = 40
@@ -33,7 +34,7 @@ def kept(model: Model, proposal: Mapping[str, Placement], suspects: Iterable[str
         assignment.pop(worst, None)
         faults.pop(worst, None)
         faults = {name: left for name, others in faults.items() if (left := others - {worst}) or not others}
-    return assignment
+    return without(model, assignment, ())
 
 
 def repaired(
@@ -62,8 +63,9 @@ def repaired(
         freed = _around(model, stuck, right)
         if not freed:
             return None
-        missing = [*missing, *freed]
-        right = {name: placed for name, placed in right.items() if name not in freed}
+        left = without(model, right, freed)
+        missing = [*missing, *(name for name in right if name not in left)]
+        right = left
     return None
 
 

@@ -14,7 +14,9 @@ from heapq import heapify, heappop, heappush
 from math import cos, inf, pi, sin
 from typing import Literal
 
+import shapely
 from numpy.random import Generator
+from shapely.affinity import translate
 from shapely.geometry.base import BaseGeometry
 
 from scenec.ir import Placement, Thing
@@ -23,6 +25,7 @@ from scenec.solve.model import Model, yaw_allowed
 from scenec.solve.placed import Placed
 from scenec.solve.points import corner, drawn
 from scenec.solve.regions import aimed, alone, feasible
+from scenec.solve.stacks import levels
 from scenec.solve.streams import stream
 
 TRIES = 8  # stances and yaws tried for one thing at one node
@@ -57,15 +60,15 @@ class Regions:
 
     def __init__(self, model: Model):
         self.model = model
-        self._known: dict[tuple[str, int, float], BaseGeometry] = {}
+        self._known: dict[tuple[str, int, float, float], BaseGeometry] = {}
 
-    def alone(self, name: str, stance: int, yaw_rad: float) -> BaseGeometry:
-        """Where a thing may be at a stance and yaw when it is by itself."""
-        key = (name, stance, yaw_rad)
+    def alone(self, name: str, stance: int, yaw_rad: float, base_m: float = 0.0) -> BaseGeometry:
+        """Where a thing may be at a stance and yaw, `base_m` over its place, when it is by itself."""
+        key = (name, stance, yaw_rad, base_m)
         if key not in self._known:
             if len(self._known) > 4096:
                 self._known.clear()
-            self._known[key] = alone(self.model, name, self.model.shapes[name][stance].turned(yaw_rad))
+            self._known[key] = alone(self.model, name, self.model.shapes[name][stance].turned(yaw_rad), base_m)
         return self._known[key]
 
 
@@ -150,6 +153,8 @@ def candidates(
     if thing.domain.spots:
         yield from _spot_candidates(model, thing, rng)
         return
+    if dense:  # a full floor is costly to find full
+        yield from _on_contents(model, thing, assignment, rng, regions)
     lean = rng.random() * 2 * pi if not dense else (2 * int(rng.integers(4)) + 1) * pi / 4
     for stance, yaw in poses_to_try(model, thing, rng, dense):
         turned = model.shapes[name][stance].turned(yaw)
@@ -168,6 +173,31 @@ def candidates(
                 if better is not None:
                     yield model.put(name, Placement(point[0] - ox, point[1] - oy, better, stance)), blamed
             yield placed, blamed
+    if not dense:
+        yield from _on_contents(model, thing, assignment, rng, regions)
+
+
+def _on_contents(
+    model: Model, thing: Thing, assignment: Assignment, rng: Generator, regions: Regions
+) -> Iterator[tuple[Placed | None, set[str]]]:
+    # Over what lies in its volume: its foot over the middle of one top, then anywhere over the tops.
+    ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
+    for base, hull, middles in levels(model, assignment, thing.name):
+        for stance, yaw in poses_to_try(model, thing, rng, dense=True)[:TRIES]:
+            turned = model.shapes[thing.name][stance].turned(yaw)
+            alone_m = regions.alone(thing.name, stance, yaw, base)
+            region, blamed = feasible(model, thing.name, turned, assignment, alone_m, base)
+            middle = model.put(thing.name, Placement(-ox, -oy, yaw, stance)).resting.foot.centroid
+            region = region.intersection(translate(hull, -middle.x, -middle.y))
+            if region.is_empty:
+                yield None, blamed
+                continue
+            columns = [(m.x - middle.x, m.y - middle.y) for m in middles]
+            over = [at for at in columns if region.covers(shapely.Point(at))]
+            over = [over[i] for i in rng.permutation(len(over)).tolist()]
+            for point in (*over, drawn(region, rng), drawn(region, rng)):
+                if point is not None:
+                    yield model.put(thing.name, Placement(point[0] - ox, point[1] - oy, yaw, stance, base)), blamed
 
 
 def poses_to_try(model: Model, thing: Thing, rng: Generator, dense: bool) -> list[tuple[int, float]]:

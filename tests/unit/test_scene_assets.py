@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -193,3 +194,26 @@ def test_how_an_asset_rests_is_not_known_once_its_shape_has_changed(tmp_path: Pa
     physics.write_text(physics.read_text().replace("0.2", "0.3"))
     with pytest.raises(InvalidInput, match=r"rod_physics\.usda"):
         AssetLibrary(tmp_path).body(FixedAsset(type="fixed", id="rod"))
+
+
+@settings(max_examples=60, deadline=None)
+@given(shapes(), QUATS)
+def test_sections_hold_the_shape_at_each_height(shape: CollisionShape, quat: np.ndarray):
+    stance = stance_of([shape], quat_of(quat), "any", sections=True)
+    points = surface(shape)[0] @ matrix_of(quat).T + [0.0, 0.0, stance.origin_height_m]
+    assert stance.slabs[0].low_m == pytest.approx(0.0, abs=1e-9)
+    for below, above in pairwise(stance.slabs):
+        assert below.high_m == pytest.approx(above.low_m, abs=1e-12)
+    for slab in stance.slabs:
+        here = points[(points[:, 2] >= slab.low_m) & (points[:, 2] <= slab.high_m), :2]
+        beyond = shapely.distance(shapely.Polygon(slab.outline_m), shapely.points(here))
+        assert np.max(beyond, initial=0.0) < 1e-6
+
+
+def test_what_tapers_is_cut_up_and_what_does_not_is_whole():
+    upright = (1.0, 0.0, 0.0, 0.0)
+    block = stance_of([CollisionShape("box", (0.1, 0.06, 0.04), np.eye(4))], upright, "any", sections=True)
+    ball = stance_of([CollisionShape("sphere", (0.03,), np.eye(4))], upright, "any", sections=True)
+    assert len(block.slabs) == 1
+    foot, *_, top = (shapely.Polygon(slab.outline_m).area for slab in ball.slabs)
+    assert max(foot, top) < 0.05 * max(shapely.Polygon(slab.outline_m).area for slab in ball.slabs)

@@ -113,6 +113,26 @@ def test_stacked_contents_need_something_under_their_middle():
     assert kinds(low, block("high", 0.02, 0.0, base=0.11, place=bowl)) == [("unsupported", ("high", "background"))]
 
 
+def test_a_pile_stays_whatever_its_parts_weigh():
+    """Of three blocks each has its middle over the one below, but the highest presses beyond where the second is held,
+    and would tip it if heavy; a block on two needs both; a ball touches in a point and holds nothing."""
+    bin_ = CheckPlace("background", "inside", np.zeros(3), 0.0, layers=((0.0, 0.5, TABLE.polygon),), height_m=0.5)
+
+    def at(name: str, x: float, level: int, width: float = 0.1) -> CheckObject:
+        return block(name, x, 0.0, base=0.1 * level, size=(width, 0.1, 0.1), place=bin_)
+
+    assert kinds(at("a", 0.0, 0), at("b", 0.03, 1), at("c", 0.03, 2)) == []
+    assert kinds(at("a", 0.0, 0), at("b", 0.03, 1), at("c", 0.06, 2)) == [("unsupported", ("b", "background"))]
+    bridged = [at("a", -0.07, 0), at("b", 0.07, 0), at("c", 0.0, 1, 0.2)]
+    assert kinds(*bridged) == []
+    assert kinds(*bridged[1:]) == [("unsupported", ("c", "background"))]
+    tip = CheckPrism(np.array([[-0.004, -0.004], [0.004, -0.004], [0.004, 0.004], [-0.004, 0.004]]), 0.0, 0.0005)
+    body = CheckPrism(tip.outline_m * 12.5, 0.0005, 0.0995)
+    ball = replace(at("ball", 0.0, 0), prisms=(tip, body, replace(tip, low_m=0.0995, high_m=0.1)))
+    assert kinds(ball) == []
+    assert kinds(ball, at("b", 0.0, 1)) == [("unsupported", ("b", "background"))]
+
+
 def test_siblings_are_judged_by_whole_footprints_and_others_by_slabs():
     lamp = block("lamp", 0.0, 0.0, size=(0.05, 0.05, 0.3))
     shade = CheckPrism(np.array([[-0.2, -0.2], [0.2, -0.2], [0.2, 0.2], [-0.2, 0.2]]), 0.2, 0.3)

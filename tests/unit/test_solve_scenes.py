@@ -228,3 +228,18 @@ def test_when_steps_run_out_it_says_how_far_it_got_and_what_was_in_the_way():
     standing = tuple(t for t in things if t.name in result.stood)
     assert len(standing) == 6
     assert violations(problem(*standing), result.stood) == ()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_contents_that_have_no_room_side_by_side_stand_on_each_other(seed: int):
+    """Two boards as wide as the bin, and six cans on a floor for four: layers, judged by the checker."""
+    origin = np.zeros(3)
+    deep = Volume("inside", ((0.0, 0.2, box(-0.1, -0.1, 0.1, 0.1)),), box(-0.1, -0.1, 0.1, 0.1), origin)
+    boards = [thing(f"board{k}", box_body("board", 0.15, 0.12, 0.04), place=deep) for k in range(2)]
+    found = solved(problem(*boards), seed).placements
+    assert sorted(placement.base_m for placement in found.values()) == [0.0, pytest.approx(0.04, abs=2e-6)]
+    cans = [thing(f"can{k}", cylinder("can", 0.04), place=deep) for k in range(6)]
+    found = solved(problem(*cans), seed).placements
+    assert sum(placement.base_m > 0.0 for placement in found.values()) >= 2
+    # What stood on a can that is gone does not stay in the air.
+    assert solved(problem(*cans[1:]), seed, previous=found)
