@@ -29,7 +29,7 @@ def augment(given: dict[str, Any]) -> dict[str, Any]:
     paths = {key: Path(given[key]) if given[key] else None for key in ("meshes", "scene", "plan", "assets")}
     out = Path(given["out"])
     draw, left_out = candidates(paths["plan"], paths["assets"])
-    digests, rows = _digests(paths["plan"], paths["assets"]), []
+    digests, rows = _digests(paths["plan"], paths["assets"], paths["scene"]), []
     for episode in read_episodes(Path(given["source"]), paths["meshes"], paths["scene"]):
         folder = out / (given["prefix"] + episode.name)
         key = content_key(given["options"], digests, sorted(stream_digests(episode.source, episode.part).items()))
@@ -45,10 +45,10 @@ def augment(given: dict[str, Any]) -> dict[str, Any]:
     return {"rows": rows}
 
 
-def _digests(plan: Path | None, assets: Path | None) -> list[str]:
-    """What the objects that may be put in are made of: a changed plan or package is another job."""
+def _digests(plan: Path | None, assets: Path | None, scene: Path | None) -> list[str]:
+    """What a job is made of beside the recording: a changed plan, package or scene is another job."""
     records = [] if assets is None else sorted(assets.glob("*/record.json"))
-    return [file_sha256(file) for file in ([] if plan is None else [plan]) + records]
+    return [file_sha256(file) for file in (plan, scene, *records) if file is not None]
 
 
 def _finished(folder: Path, source: str, key: str) -> dict[str, Any] | None:
@@ -62,10 +62,14 @@ def _finished(folder: Path, source: str, key: str) -> dict[str, Any] | None:
         if strange:
             raise stop("replay/out-taken", f"'{folder.name}' below --out holds '{sorted(strange)[0]}'", folder.name)
         return None
-    row = json.loads(note.read_bytes())
-    if row["source"] != source:
-        raise stop("replay/out-taken", f"'{folder.name}' below --out has variants of {row['source']}", folder.name)
-    return row if row["key"] == key else None
+    try:
+        row = json.loads(note.read_bytes())
+        of, made_as = row["source"], row["key"]
+    except (ValueError, KeyError, TypeError):
+        raise stop("replay/out-taken", f"'{folder.name}/{DONE}' below --out is not ours", folder.name) from None
+    if of != source:
+        raise stop("replay/out-taken", f"'{folder.name}' below --out has variants of {of}", folder.name)
+    return row if made_as == key else None
 
 
 def _written(prepared: Prepared, draw: Any, given: dict[str, Any], folder: Path) -> dict[str, Any]:

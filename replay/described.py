@@ -51,6 +51,9 @@ class Described:
         if "t" not in columns:
             raise stop("replay/missing-column", "no column 't'", file)
         self.t_s = checked_stamps(columns["t"], file)
+        for name, values in columns.items():
+            if len(values) != len(self.t_s):
+                raise stop("replay/state-size", f"{len(values)} values of '{name}' for {len(self.t_s)} stamps", file)
 
     def episode(self, name: str, source: Path, part: str = "") -> Episode:
         """The episode. Raises InvalidInput."""
@@ -141,7 +144,10 @@ class Described:
         found = read_arrays(path, lambda key: key == shape.key) if path.is_file() else {}
         if shape.key not in found:
             raise stop("replay/missing-mesh", f"no '{shape.key}' in '{shape.file}'", self.file)
-        return checked_numbers(found[shape.key], shape.key, shape.file) * shape.scale
+        points = checked_numbers(found[shape.key], shape.key, shape.file)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise stop("replay/bad-mesh", f"'{shape.key}' of '{shape.file}' is {points.shape}, not (n, 3)", self.file)
+        return points * shape.scale
 
     def _cameras(self, robots: tuple[Robot, ...]) -> tuple[Camera, ...]:
         found = []

@@ -7,6 +7,7 @@ A capsule is a ball of a body's cover swept along a segment. Its radius is a led
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -67,10 +68,16 @@ class Envelope:
 
 
 def swept_envelope(episode: Episode, settings: Settings) -> Envelope:
-    """The envelope of all robots, articulated fixtures and objects of an episode, as far as they move."""
+    """The envelope of all robots, articulated fixtures and objects of an episode, as far as they move.
+
+    A body is called as its link; `<robot>/<link>` where two arms have a link of that name.
+    """
     parts: list[tuple[str, Cover, tuple[FloatArray, ...]]] = []
-    for robot in [*episode.robots, *map(as_robot, episode.objects)]:
-        parts += _swept(robot, episode.t_s, settings)
+    movers = [*episode.robots, *map(as_robot, episode.objects)]
+    known = Counter(link.name for robot in movers for link in robot.links)
+    for robot in movers:
+        for link, one, found in _swept(robot, episode.t_s, settings):
+            parts.append((link if known[link] == 1 else f"{robot.name}/{link}", one, found))
     columns = [np.concatenate([p[2][k] for p in parts]) if parts else _NOTHING[k] for k in range(len(_NOTHING))]
     body = np.repeat(np.arange(len(parts)), [len(p[2][0]) for p in parts])
     names, covers = tuple(p[0] for p in parts), tuple(p[1] for p in parts)

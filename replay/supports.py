@@ -74,7 +74,7 @@ def _top(shape: CollisionShape, X_WB: FloatArray) -> tuple[float, Polygon]:
 def _rests(episode: Episode) -> list[FloatArray]:
     """Lowest point (3,) below the origin of each object at both ends of the recording."""
     spots = []
-    for body in episode.objects:
+    for body in [body for body in episode.objects if body.shapes]:
         for X_WB in (body.X_WB[0], body.X_WB[-1]):
             lowest = min(float(apply(X_WB, outer_corners(shape))[:, 2].min()) for shape in body.shapes)
             spots.append(np.array([X_WB[0, 3], X_WB[1, 3], lowest]))

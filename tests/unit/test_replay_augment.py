@@ -116,6 +116,20 @@ def test_what_has_no_room_is_told_with_who_takes_it(recordings, plan, tmp_path):
     assert "most is swept by" in said
 
 
+def test_another_scene_is_another_job_and_a_strange_note_is_not_replaced(recordings, plan, tmp_path):
+    asked = given(recordings, plan, tmp_path) | {"source": str(recordings / "two.hdf5")}
+    [first] = augmented(asked)["rows"]
+    assert augmented(asked)["rows"] == [first]
+    scene = tmp_path / "scene.json"
+    scene.write_text("{}")
+    [second] = augmented(asked | {"scene": str(scene)})["rows"]
+    assert second["key"] != first["key"]
+    next(tmp_path.glob("*/augmented.json")).write_text("[]")
+    with pytest.raises(InvalidInput) as refused:
+        augmented(asked)
+    assert refused.value.diagnostic.code == "replay/out-taken"
+
+
 def test_nothing_to_put_in_is_refused(recordings, plan, tmp_path):
     with pytest.raises(InvalidInput) as refused:
         augmented(given(recordings, plan, tmp_path) | {"plan": None})

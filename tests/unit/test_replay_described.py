@@ -189,6 +189,13 @@ def test_a_log_of_a_real_robot_and_a_description_elsewhere(tmp_path: Path):
     assert not check_output(tmp_path / "out", None, None)[0].states_identical
 
 
+def test_an_array_that_holds_no_points_is_refused(tmp_path: Path):
+    keyed = {"type": "mesh", "file": "shapes.npz", "key": "flat"}
+    data = own(tmp_path, objects=[{"name": "cube", "shapes": [keyed]}])
+    np.savez(tmp_path / "shapes.npz", flat=np.zeros(12))
+    assert refusal(data) == "replay/bad-mesh"
+
+
 @pytest.mark.parametrize("version", ["v2.1", "v3.0"])
 def test_episodes_of_a_lerobot_data_set(tmp_path: Path, version: str):
     data = lerobot(tmp_path / "set", version)
@@ -242,7 +249,13 @@ def test_trajectories_of_maniskill(tmp_path: Path):
     copied = json.loads((out / "recording" / "demo.json").read_bytes())  # As ManiSkill's tools walk a file.
     assert copied == about | {"episodes": entries[1:]}
     with h5py.File(out / "recording" / "demo.h5") as file:
-        (states,) = (file[f"traj_{entry['episode_id']}/env_states"] for entry in copied["episodes"])
-        assert len(states["actors/cube"]) == copied["episodes"][0]["elapsed_steps"] + 1
+        [entry] = copied["episodes"]
+        cubes = file[f"traj_{entry['episode_id']}/env_states/actors/cube"]
+        assert isinstance(cubes, h5py.Dataset)
+        assert len(cubes) == copied["episodes"][0]["elapsed_steps"] + 1
+    with h5py.File(tmp_path / "demo.h5", "a") as file:
+        del file["traj_1/env_states/actors/cube"]
+        file["traj_1/env_states/actors/cube"] = np.hstack([cube, np.zeros((n, 6))])[1:]
+    assert refusal(tmp_path / "demo.h5") == "replay/state-size"
     described(tmp_path, robots=[robots[0] | {"joints": ["turn"]}], control_hz=20)
     assert refusal(tmp_path / "demo.h5") == "replay/state-size"
