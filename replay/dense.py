@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from geom.pose import inverse
-from replay.episode import Episode, Robot
+from replay.episode import Episode, Robot, link_names
 from replay.kinematics import link_poses
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
@@ -56,12 +56,6 @@ def _stretch(episode: Episode, rows: slice, sub_times: int, hermite: bool) -> St
         bodies += [MovingBody(names[k], link.shapes, X_WL[:, k]) for k, link in enumerate(robot.links) if link.shapes]
     bodies += [MovingBody(o.name, o.shapes, between_poses(o.X_WB[rows], share)) for o in episode.objects if o.shapes]
     return Stretch(between(t_s[:, None], share)[:, 0], tuple(bodies))
-
-
-def link_names(episode: Episode, robot: Robot) -> list[str]:
-    """Names of the links; `<robot>/<link>` where several robots have one of that name."""
-    all_names = [link.name for one in episode.robots for link in one.links]
-    return [name if all_names.count(name) == 1 else f"{robot.name}/{name}" for name in (k.name for k in robot.links)]
 
 
 def positions(robot: Robot, rows: slice, t_s: FloatArray, share: FloatArray, hermite: bool) -> FloatArray:

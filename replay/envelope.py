@@ -7,7 +7,6 @@ A capsule is a ball of a body's cover swept along a segment. Its radius is a led
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -16,7 +15,7 @@ import numpy as np
 from replay.bounds import Paths, paths, turns
 from replay.course import Course, as_robot, recorded, refined
 from replay.cover import Cover, cover
-from replay.episode import Episode, Robot
+from replay.episode import Episode, Robot, link_names
 from replay.kinematics import moving_links
 from replay.probes import Tolerances, probed
 from replay.simplify import simplify
@@ -73,11 +72,11 @@ def swept_envelope(episode: Episode, settings: Settings) -> Envelope:
     A body is called as its link; `<robot>/<link>` where two arms have a link of that name.
     """
     parts: list[tuple[str, Cover, tuple[FloatArray, ...]]] = []
-    movers = [*episode.robots, *map(as_robot, episode.objects)]
-    known = Counter(link.name for robot in movers for link in robot.links)
-    for robot in movers:
-        for link, one, found in _swept(robot, episode.t_s, settings):
-            parts.append((link if known[link] == 1 else f"{robot.name}/{link}", one, found))
+    for robot in episode.robots:
+        names = dict(zip((link.name for link in robot.links), link_names(episode, robot), strict=True))
+        parts += [(names[link], one, found) for link, one, found in _swept(robot, episode.t_s, settings)]
+    for body in episode.objects:
+        parts += _swept(as_robot(body), episode.t_s, settings)
     columns = [np.concatenate([p[2][k] for p in parts]) if parts else _NOTHING[k] for k in range(len(_NOTHING))]
     body = np.repeat(np.arange(len(parts)), [len(p[2][0]) for p in parts])
     names, covers = tuple(p[0] for p in parts), tuple(p[1] for p in parts)

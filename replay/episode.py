@@ -105,3 +105,9 @@ class Episode:
     part: str = ""
     notes: tuple[Diagnostic, ...] = ()
     description: Path | None = None
+
+
+def link_names(episode: Episode, robot: Robot) -> list[str]:
+    """Names of the links; `<robot>/<link>` where several robots have one of that name."""
+    all_names = [link.name for one in episode.robots for link in one.links]
+    return [name if all_names.count(name) == 1 else f"{robot.name}/{name}" for name in (k.name for k in robot.links)]
