@@ -147,12 +147,12 @@ def _edits(what: str, n: int, edits: int) -> None:
 
 
 def _edited(what: str, k: int, sizes: np.ndarray, pairs: list[tuple[int, int]]) -> str:
-    # The text after edit k, of other sizes than before in the first case.
-    number = (7 * k) % len(sizes)
+    # The text after edit k: one more object than before it has another size, or a scale.
+    edited = [(7 * j) % len(sizes) for j in range(k + 1)]
     if what == "other numbers":
-        sizes[number] = 0.06 + 0.002 * k, 0.05
+        sizes[edited[-1]] = 0.06 + 0.002 * k, 0.05
     text = program_text(sizes, pairs)
-    if what == "a key more":
+    for number in edited if what == "a key more" else ():
         text = text.replace(f"id: box{number},", f"id: box{number}, scale: 0.9,")
     return "# a line\n" * (k + 1) + text if what == "a line more above" else text
 

@@ -99,6 +99,7 @@ class _Lowering:
         self.names, self.choice, self.library, self.spans, self.memo = names, choice, library, spans, memo
         self.program = names.program
         self.found: list[Diagnostic] = []
+        self.said: list[tuple[Path, Diagnostic]] = []  # the same by path: lines move, things may stay
         self.places: dict[tuple[str, str], tuple[str, Place] | None] = {}
         self.objects = {thing.id: thing for thing in self.program.objects}
         self.object_of = {t: node.object for n, node in self.program.layout.nodes.items() for t in names.copies[n]}
@@ -147,15 +148,15 @@ class _Lowering:
             lambda: self._made(node, placing, written, parent, place),
             *(layout.nodes[node], written, place, *geometries),
         )
-        for diagnostic in said:
-            self._add(diagnostic)
+        for at, diagnostic in said:
+            self._add(diagnostic, at)
         return things
 
     def _made(
         self, node: str, placing: Placement | Group, written: SceneObject, parent: str, place: Place
-    ) -> tuple[tuple[Thing, ...], tuple[Diagnostic, ...]]:
-        """The things of a node, and what was found about them."""
-        groups, before = self.names.groups_of.get(node, ()), len(self.found)
+    ) -> tuple[tuple[Thing, ...], tuple[tuple[Path, Diagnostic], ...]]:
+        """The things of a node, and what was found about them at which path."""
+        groups, before = self.names.groups_of.get(node, ()), len(self.said)
         group = groups[0] if groups else None
         path: Path = ("layout", "nodes", node)
         placed_by: Path = (*path, "placement") if group is None else ("layout", "groups", group)
@@ -164,12 +165,12 @@ class _Lowering:
         body = self._body(written.id, written.scale, orientation, placed_by, inside)
         domain = self._domain(placing, node, group, body, turns, placed_by)
         if isinstance(place, Volume) and place.is_round and not domain.spots:
-            self._leans(place, parent, placed_by)
+            self._leans(place, anchor_named(placing), parent, placed_by)
         things = tuple(
             Thing(name, body, parent, place, domain, path, group, written.semantic_tags)
             for name in self.names.copies[node]
         )
-        return things, tuple(self.found[before:])
+        return things, tuple(self.said[before:])
 
     def _body(self, name: str, scale: float, orientation: Orientation, placed_by: Path, inside: bool) -> Body:
         candidates = self.choice.objects[name]
@@ -183,17 +184,15 @@ class _Lowering:
         at, lean_deg = (*placed_by, "orientation"), geometry.lean_deg
         if orientation == "stable" and not geometry.stable_quats_wxyz:
             headline = f"no stable pose of `{geometry.asset_id}` is known"
-            self._add(finding("scene/no-stable-pose", headline, where=self.spans.place(at)))
+            self._add(finding("scene/no-stable-pose", headline), at)
         elif orientation == "upright" and lean_deg > RESTS_DEG:
             headline = f"`{geometry.asset_id}` does not rest upright: its nearest stable pose leans {lean_deg:.0f} deg"
-            where = self.spans.place(at)
-            self._add(finding("scene/topples", headline, where=where, value=lean_deg, bound=RESTS_DEG, unit="deg"))
+            self._add(finding("scene/topples", headline, value=lean_deg, bound=RESTS_DEG, unit="deg"), at)
 
-    def _leans(self, place: Volume, parent: str, placed_by: Path) -> None:
-        headline = f"the floor of `{place.name}` of `{parent}` is round: what would lean on its wall is not placed"
+    def _leans(self, place: Volume, anchor: str, parent: str, placed_by: Path) -> None:
+        headline = f"the floor of `{anchor}` in `{parent}` is round: what would lean on its wall is not placed"
         floor_cm2, widest_cm2 = 1e4 * place.layers[0][2].area, 1e4 * place.layers[0][2].area / place.level_share
-        where = self.spans.place(placed_by)
-        self._add(finding("scene/round-floor", headline, where=where, value=floor_cm2, bound=widest_cm2, unit="cm2"))
+        self._add(finding("scene/round-floor", headline, value=floor_cm2, bound=widest_cm2, unit="cm2"), placed_by)
 
     def _domain(
         self,
@@ -216,7 +215,7 @@ class _Lowering:
             )
             if not spots:
                 headline = f"no slot is left for `{node}`: all are assigned to others"
-                self._add(finding("scene/slot-assignment", headline, where=self.spans.place((*path, "assign"))))
+                self._add(finding("scene/slot-assignment", headline), (*path, "assign"))
             return _at(spots, (*path, "slots"))
         if isinstance(placing, DiscretePlacement):
             spots = tuple(
@@ -240,8 +239,7 @@ class _Lowering:
         reference, owner = self.program.anchors[anchor], self.names.owner(anchor)
         if owner is None:
             headline = f"`{reference.object}`, on which `{anchor}` is, is never placed"
-            where = self.spans.place(("anchors", anchor, "object"))
-            self._add(finding("scene/missing-anchor", headline, where=where))
+            self._add(finding("scene/missing-anchor", headline), ("anchors", anchor, "object"))
             return None
         wanted = (reference.surface if kind == "surface" else reference.volume) or "auto"
         if owner == BACKGROUND:
@@ -252,8 +250,7 @@ class _Lowering:
             assets, scale = self.choice.objects[self.object_of[owner]], self.objects[self.object_of[owner]].scale
         if not assets:
             headline = f"the anchor `{anchor}` is on the background, and the program has none"
-            where = self.spans.place(("anchors", anchor, "object"))
-            self._add(finding("scene/missing-anchor", headline, where=where))
+            self._add(finding("scene/missing-anchor", headline), ("anchors", anchor, "object"))
             return None
         find = self.library.surface if kind == "surface" else self.library.volume
         place = find(assets[0], scale, wanted, anchor)
@@ -266,13 +263,15 @@ class _Lowering:
         headline = f"`{anchor}`: the asset `{geometry.asset_id}` has {named}" + (
             "" if wanted == "auto" else f"; {said}"
         )
-        where = self.spans.place(("anchors", anchor, kind))
-        self._add(finding("scene/missing-anchor", headline, where=where))
+        self._add(finding("scene/missing-anchor", headline), ("anchors", anchor, kind))
         return None
 
-    def _add(self, diagnostic: Diagnostic) -> None:
-        if diagnostic not in self.found:
-            self.found.append(diagnostic)
+    def _add(self, diagnostic: Diagnostic, path: Path) -> None:
+        """Say it where the path stands now, once."""
+        here = diagnostic.model_copy(update={"where": self.spans.place(path)})
+        self.said.append((path, diagnostic))
+        if here not in self.found:
+            self.found.append(here)
 
     def _keep_out(self, index: int) -> KeepOutIR | None:
         keep_out = self.program.keep_outs[index]

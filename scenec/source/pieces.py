@@ -14,13 +14,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+from scenec.source.moved import moved
 from scenec.source.numbers import masked, renumbered
 from scenec.source.parse import MAX_VALUES, Parsed, parse
-from scenec.source.tree import Block, Item, Row, Scalar, Tree, moved
+from scenec.source.tree import Block, Item, Row, Scalar, Tree
 from schemas.diagnostics import InvalidInput, Location
 
-# Marks of documents, directives and complex keys at the beginning of a line; anchors, tabs and odd breaks anywhere.
-_LEFT_TO_PARSER = (re.compile(r"\n(?:---|\.\.\.|%| *[?:](?:[ \n]|$))"), re.compile("[&\t\r\x85\u2028\u2029\ufeff]"))
+# Marks of documents, directives and complex keys at the beginning of a line; anchors, odd breaks and what does not
+# print anywhere, because comments before an entry are not parsed.
+_LEFT_TO_PARSER = (
+    re.compile(r"\n(?:---|\.\.\.|%| *[?:](?:[ \n]|$))"),
+    re.compile("&|[^\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"),
+)
 _HEAD = re.compile(r"^( *)([A-Za-z_][A-Za-z0-9_.\-]*):[ ]*(?:[ ]#.*)?$")  # a key whose value begins on the next line
 
 
@@ -28,12 +33,12 @@ _HEAD = re.compile(r"^( *)([A-Za-z_][A-Za-z0-9_.\-]*):[ ]*(?:[ ]#.*)?$")  # a ke
 class Pieces:
     """Entries of texts parsed before: tree and number of values by (file, depth, text), each with its first line.
 
-    `alike` has the text of such an entry by (file, depth, text without its numbers).
+    `alike` has the text of such an entry by (file, depth, text without its numbers), None until it is asked for.
     """
 
     known: dict[tuple[str, int, str], tuple[int, Tree, int]] = field(default_factory=dict)
     used: dict[tuple[str, int, str], tuple[int, Tree, int]] = field(default_factory=dict)
-    alike: dict[tuple[str, int, str], str] = field(default_factory=dict)
+    alike: dict[tuple[str, int, str], str] | None = None
 
     def parse(self, data: bytes, file: str) -> Parsed:
         """The same as `parse.parse`, faster when little of the text is new; what it no longer holds is forgotten."""
@@ -51,7 +56,7 @@ class Pieces:
         if cut is None or cut[1] > MAX_VALUES:
             return parse(data, file)
         self.known = {key: entry for key, entry in self.known.items() if key[0] != file} | self.used
-        self.alike = {(file, depth, masked(text)): text for file, depth, text in self.known}
+        self.alike = None
         return Parsed(cut[0], (), cut[1])
 
     def _collection(self, lines: Sequence[str], begin: int, end: int, depth: int, file: str) -> tuple[Tree, int] | None:
@@ -61,7 +66,7 @@ class Pieces:
             return None
         indent, values = _indent(lines[entries[0]]), 1
         at = Location(file=file, line=entries[0] + 1, column=indent + 1)
-        starts = [begin, *entries[1:], end]
+        starts = [*entries, end]
         if lines[entries[0]][indent] == "-":
             rows: list[Tree] = []
             for start, stop in pairwise(starts):
@@ -102,30 +107,30 @@ class Pieces:
         """What the lines hold by themselves; None where they are not whole or anything is wrong with them."""
         text = "\n".join(lines[start:stop]) + ("\n" if stop < len(lines) else "")
         key = (file, depth, text)
-        if key in self.known:
-            was, tree, values = self.known[key]
-            self.used[key] = (start, moved(tree, start - was), values)
-        elif (known := self._renumbered(key, start)) is not None:
-            self.used[key] = known
-        else:
+        entry = self.known.get(key) or self._renumbered(key)
+        if entry is None:
             try:
                 parsed = parse(text.encode(), file, depth, start)
             except InvalidInput:
                 return None
             if parsed.diagnostics or _says_nothing(parsed.tree):
                 return None
-            self.used[key] = (start, parsed.tree, parsed.values)
-        return self.used[key][1:]
+            entry = start, parsed.tree, parsed.values
+        self.used[key] = entry
+        was, tree, values = entry
+        return moved(tree, start - was), values
 
-    def _renumbered(self, key: tuple[str, int, str], start: int) -> tuple[int, Tree, int] | None:
+    def _renumbered(self, key: tuple[str, int, str]) -> tuple[int, Tree, int] | None:
         """The entry made of one that differs in numbers alone, None where none is known."""
+        if self.alike is None:
+            self.alike = {(file, depth, masked(text)): text for file, depth, text in self.known}
         file, depth, text = key
         old = self.alike.get((file, depth, masked(text)))
         if old is None:
             return None
         was, tree, values = self.known[file, depth, old]
         made = renumbered(tree, was, old, text)
-        return None if made is None else (start, moved(made, start - was), values)
+        return None if made is None else (was, made, values)
 
 
 def _entries(lines: Sequence[str], begin: int, end: int) -> list[int]:

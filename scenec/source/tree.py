@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeAlias
 
@@ -30,37 +30,47 @@ class Item:
 
 @dataclass(frozen=True)
 class Block:
-    """A mapping, in the order of the text."""
+    """A mapping, in the order of the text. `like` is the same elsewhere in a text (see `scenec.source.moved`)."""
 
     items: Mapping[str, Item]
     at: Location
+    like: Block | None = field(default=None, repr=False, compare=False)
 
     @cached_property
     def has_rules(self) -> bool:
         """Whether a key in it is a rule for overlays, such as `$append`."""
+        if self.like is not None:
+            return self.like.has_rules
         return any(key[:1] == "$" or _has_rules(item.value) for key, item in self.items.items())
 
     @cached_property
     def plain(self) -> dict[str, Any]:
-        """The same without places in the text."""
+        """The same without places in the text: one object wherever the text stands."""
+        if self.like is not None:
+            return self.like.plain
         return {key: plain(item.value) for key, item in self.items.items()}
 
 
 @dataclass(frozen=True)
 class Row:
-    """A list."""
+    """A list. `like` is the same elsewhere in a text (see `scenec.source.moved`)."""
 
-    items: tuple[Tree, ...]
+    items: Sequence[Tree]
     at: Location
+    like: Row | None = field(default=None, repr=False, compare=False)
 
     @cached_property
     def has_rules(self) -> bool:
         """Whether a key in it is a rule for overlays."""
+        if self.like is not None:
+            return self.like.has_rules
         return any(map(_has_rules, self.items))
 
     @cached_property
     def plain(self) -> list[Any]:
-        """The same without places in the text."""
+        """The same without places in the text: one object wherever the text stands."""
+        if self.like is not None:
+            return self.like.plain
         return [plain(item) for item in self.items]
 
 
@@ -113,22 +123,6 @@ def child(tree: Tree | None, path: Path) -> Tree | None:
         else:
             return None
     return tree
-
-
-def moved(tree: Tree, lines: int) -> Tree:
-    """The tree of a text that now begins so many lines farther down."""
-    if lines == 0:
-        return tree
-    at = tree.at.model_copy(update={"line": (tree.at.line or 0) + lines})
-    if isinstance(tree, Scalar):
-        return Scalar(tree.value, tree.text, at)
-    if isinstance(tree, Row):
-        return Row(tuple(moved(item, lines) for item in tree.items), at)
-    items = {}
-    for key, item in tree.items.items():
-        here = item.at.model_copy(update={"line": (item.at.line or 0) + lines})
-        items[key] = Item(here, moved(item.value, lines))
-    return Block(items, at)
 
 
 def plain(tree: Tree) -> Any:

@@ -24,7 +24,7 @@ LONGEST_TEXT = 60
 def validate(tree: Tree, spans: Spans, memo: Memo | None = None) -> tuple[SceneProgram | None, tuple[Diagnostic, ...]]:
     """The program, or None and all that is wrong with its keys and values, in the order of the text.
 
-    Objects and nodes whose text `memo` knows are the same objects as before.
+    Objects and nodes whose text `memo` knows are the same objects as before, wherever that text stands.
     """
     if memo is not None:
         try:
@@ -53,20 +53,20 @@ def _with_known_parts(tree: Tree, memo: Memo) -> dict[str, Any]:
     values = dict(plain(tree))
     objects, nodes = child(tree, ("objects",)), child(tree, ("layout", "nodes"))
     if isinstance(objects, Row):
-        parts = enumerate(objects.items)
+        parts = enumerate(map(plain, objects.items))
         values["objects"] = [memo.get(("object", k), partial(_part, SceneObject, part), part) for k, part in parts]
     if isinstance(nodes, Block):
-        parts = {name: item.value for name, item in nodes.items.items()}
+        parts = {name: plain(item.value) for name, item in nodes.items.items()}
         known = {name: memo.get(("node", name), partial(_part, LayoutNode, part), part) for name, part in parts.items()}
         values["layout"] = {**values["layout"], "nodes": known}
     return values
 
 
-def _part(model: type[SceneObject] | type[LayoutNode], tree: Tree) -> object:
+def _part(model: type[SceneObject] | type[LayoutNode], part: Any) -> object:
     try:
-        return model.model_validate(plain(tree))
+        return model.model_validate(part)
     except ValidationError:
-        return plain(tree)
+        return part
 
 
 class _Place(NamedTuple):

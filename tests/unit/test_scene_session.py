@@ -10,6 +10,8 @@ from scenec.emit import compiled_scene
 from scenec.ir import Solved
 from scenec.session import Session
 from scenec.validate import violations
+from tests.scene_bad_inputs import BOUND
+from tests.scene_library import open_bin
 
 PROGRAM = """\
 background: {{asset: {{type: box, size_m: [1.0, 0.6, 0.04]}}}}
@@ -61,6 +63,17 @@ def test_a_saved_file_is_compiled_again(tmp_path: Path):
     assert next(edits).report.verdict == "infeasible"
     (tmp_path / "other.yaml").write_text("{}")
     assert next(edits).report.verdict == "infeasible"
+
+
+def test_what_was_found_is_told_on_the_line_where_it_stands_now(tmp_path: Path):
+    open_bin(tmp_path, "bowl", floor_m=0.02)
+    file, session = tmp_path / "p.yaml", Session(tmp_path)
+    for lines in (0, 3, 1):
+        file.write_text("# a line\n" * lines + str(BOUND["scene/round-floor"]))
+        warm, cold = session.compile(file), compile_program(file, tmp_path, explain=False)
+        assert warm.report.diagnostics[0].code == "scene/round-floor"
+        assert "`inside` in `a`" in warm.report.diagnostics[0].headline, "named as the program names it"
+        assert warm.report.diagnostics[0] == cold.report.diagnostics[0]
 
 
 STACKED = """\
