@@ -6,7 +6,7 @@ STAMP := .venv/.installed
 # MuJoCo's USD reader brings another OpenUSD than ours, so it lives in an environment of its own; tests call it.
 MUJOCO_USD := .venv-mujoco-usd
 MUJOCO_USD_STAMP := $(MUJOCO_USD)/.installed
-# PyTorch for the CPU comes from the system where PyPI has none, LeRobot's library beside it; tests call them.
+# PyTorch and LeRobot's library for the tests that call them: other versions of NumPy and packages than ours.
 TORCH := .venv-torch
 TORCH_STAMP := $(TORCH)/.installed
 DEMO_OUT ?= demo_out
@@ -58,9 +58,8 @@ $(MUJOCO_USD_STAMP): tools/mujoco-usd-constraints.txt | $(STAMP)
 	$(MUJOCO_USD)/bin/python -m pip install --quiet --disable-pip-version-check -c $< mujoco-usd
 	touch $@
 
-$(TORCH_STAMP): tools/torch-environment.sh tools/lerobot-requirements.txt | $(STAMP)
+$(TORCH_STAMP): tools/torch-environment.sh tools/torch-requirements.txt tools/lerobot-requirements.txt | $(STAMP)
 	@sh $< $(BIN)/python $(TORCH)
-	mkdir -p $(TORCH)
 	touch $@
 
 clean:

@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-ENVIRONMENT = Path(__file__).parents[1] / ".venv-torch"
+from tests.torch_environment import FOLDER, made
+
 VERSIONS = ("v2.1", "v3.0")
 FPS = 20
 NAME = "tests/recorded"
@@ -26,11 +27,10 @@ class Library:
     """The asking side."""
 
     def __init__(self, home: Path) -> None:
-        apart = {"HF_HUB_OFFLINE": "1", "HF_HOME": str(home), "SVT_LOG": "1"}
-        python, pipe = str(ENVIRONMENT / "bin" / "python"), subprocess.PIPE
-        self._child = subprocess.Popen(
-            [python, __file__], stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT, text=True, env=os.environ | apart
-        )
+        apart = {"HF_HUB_OFFLINE": "1", "HF_HOME": str(home), "SVT_LOG": "1", "PYTHONPATH": str(FOLDER.parent)}
+        pipe = subprocess.PIPE
+        self._child = subprocess.Popen([str(made()), "-m", __name__], stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT,
+                                       text=True, env=os.environ | apart)  # fmt: skip
 
     def ask(self, version: str, folder: Path, episode: int | None = None) -> str:
         """Writes the data set `given.npz` beside a folder, or opens an episode of it into `found.npz`; what it said."""
@@ -51,13 +51,8 @@ class Library:
         self._child.wait(timeout=60)
 
 
-def here() -> bool:
-    """Whether the interpreter has been made."""
-    return (ENVIRONMENT / f"lerobot-{VERSIONS[0]}").is_dir()
-
-
 def _answer(version: str, folder: str, episode: int | None) -> None:
-    sys.path.insert(0, str(ENVIRONMENT / f"lerobot-{version}"))
+    sys.path.insert(0, str(FOLDER / f"lerobot-{version}"))
     from lerobot.datasets.lerobot_dataset import CODEBASE_VERSION, LeRobotDataset  # pyright: ignore
 
     assert version == CODEBASE_VERSION

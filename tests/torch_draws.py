@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import subprocess
 import sys
@@ -17,24 +16,17 @@ from typing import Any
 
 import numpy as np
 
-ROOT = Path(__file__).parents[1]
-ELSEWHERE = ROOT / ".venv-torch" / "bin" / "python"
+from tests.torch_environment import FOLDER, made
+
 SEED, START, COUNT = 2**63 + 5, 70, 1000
 ENVIRONMENTS, ENDED = 8, [1, 3, 6]  # those that are reset after all were
 
 
-def interpreter() -> Path | None:
-    """The Python that has PyTorch: our own, or that of the environment made for it; None for neither."""
-    if importlib.util.find_spec("torch") is not None:
-        return Path(sys.executable)
-    return ELSEWHERE if ELSEWHERE.exists() else None
-
-
-def answered(python: Path, folder: Path) -> None:
+def answered(folder: Path) -> None:
     """Has every plan of a folder answered."""
-    command = [str(python), "-m", "tests.torch_draws", str(folder)]
-    path = {"PYTHONPATH": str(ROOT)}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, cwd=ROOT,
+    command = [str(made()), "-m", "tests.torch_draws", str(folder)]
+    path = {"PYTHONPATH": str(FOLDER.parent)}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, cwd=FOLDER.parent,
                           env={**os.environ, **path})  # fmt: skip
     assert done.returncode == 0, done.stderr
 

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NoReturn
-
-import pytest
 
 FOLDER = Path(__file__).parents[1] / ".venv-torch"
-LEFT_OUT = "left-out"
+PYTHON = FOLDER / "bin" / "python"
 
 
-def absent(what: str, folder: Path = FOLDER) -> NoReturn:
-    """Skips where making the environment said why it leaves this out; fails where nobody did."""
-    note = folder / LEFT_OUT
-    if note.is_file():
-        pytest.skip(f"{what} is not here: {note.read_text().strip()}")
-    pytest.fail(f"{what} is not here: `make {folder.name}/.installed` brings it")
+def made() -> Path:
+    """Its Python; an error that says what to do where nobody made it."""
+    assert PYTHON.exists(), f"{FOLDER.name} is not here: `make {FOLDER.name}/.installed` brings it"
+    return PYTHON

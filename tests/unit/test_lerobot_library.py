@@ -11,10 +11,8 @@ import pytest
 from replay.check_output import check_output
 from replay.formats.write import write_variant
 from replay.reading import read_episodes
-from tests import lerobot_library
 from tests.lerobot_library import FPS, VERSIONS, Library
 from tests.replay_samples import columns
-from tests.torch_environment import absent
 from tests.unit.test_replay_described import described, empty_variant
 
 ROWS = (12, 11)
@@ -22,8 +20,6 @@ ROWS = (12, 11)
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Library]:
-    if not lerobot_library.here():
-        absent("LeRobot's library")
     asked = Library(tmp_path_factory.mktemp("home"))
     yield asked
     asked.close()
