@@ -11,7 +11,7 @@ from assetkit.discover import Candidate
 from assetkit.options import Options
 from assetkit.record import RECORD, read_record
 from assetkit.versions import library_versions
-from jobs.cache import content_key, file_sha256, write_atomically
+from jobs.cache import changed_files, content_key, file_sha256, write_atomically
 from schemas.report import ReportItem
 
 
@@ -80,10 +80,7 @@ def is_current(stored: Stored, candidate: Candidate, out: Path) -> bool:
 
 
 def _is_intact(package: Path, record_sha256: str) -> bool:
-    record = package / RECORD
-    if not record.is_file() or file_sha256(record) != record_sha256:
+    if changed_files(package, {RECORD: record_sha256}):
         return False
     found = read_record(package)
-    return found is not None and all(
-        (package / f).is_file() and file_sha256(package / f) == sha for f, sha in found.hashes.items()
-    )
+    return found is not None and not changed_files(package, found.hashes)

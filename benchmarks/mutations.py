@@ -15,6 +15,8 @@ from typing import Any
 
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
+from schemas.zip_damage import ZIP_DAMAGE
+
 Mutation = Callable[[Random, bytes], bytes]
 
 _NUMBER = re.compile(rb"(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
@@ -261,7 +263,7 @@ def edit_package(rng: Random, data: bytes) -> bytes:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as package:
             entries = [(e.filename, package.read(e)) for e in package.infolist()]
-    except (zipfile.BadZipFile, NotImplementedError, EOFError, OSError, RuntimeError, ValueError):
+    except ZIP_DAMAGE:
         return flip_bits(rng, data)
     i = rng.randrange(len(entries))
     name, content = entries[i]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,11 @@ def file_sha256(path: Path) -> str:
     """SHA-256 of a file's bytes."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def changed_files(folder: Path, hashes: Mapping[str, str]) -> list[str]:
+    """Names of files below a folder that are absent or other than their SHA-256 says, in the given order."""
+    return [name for name, sha in hashes.items() if not (folder / name).is_file() or file_sha256(folder / name) != sha]
 
 
 @dataclass(frozen=True)

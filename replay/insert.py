@@ -67,12 +67,12 @@ def insert(
 ) -> tuple[Put, ...]:
     """Up to `wanted` objects; fewer where no candidate finds room at any heading tried.
 
-    Room only shrinks, so that a body found without room in a stance `TRIES` times is not tried in it again.
+    Room only shrinks, so that a body found without room in a stance and a place `TRIES` times is not tried so again.
     """
     put: list[Put] = []
-    refused: Counter[tuple[str, float, str]] = Counter()
+    refused: Counter[tuple[str, float, str, str]] = Counter()
     for candidate in candidates:
-        kind = (candidate.body.asset_id, candidate.body.scale, candidate.stance.name)
+        kind = (candidate.body.asset_id, candidate.body.scale, candidate.stance.name, candidate.place)
         if len(put) == wanted:
             break
         if refused[kind] == TRIES:

@@ -10,11 +10,11 @@ import numpy as np
 
 from geom.pose import pose
 from geom.scaling import scaled_body
+from runtime_plan.package_files import changed_physics
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.physics import CollisionShape, MassProperties, RigidBody
 from schemas.runtime_plan import PlanBody
 from schemas.scene_program import BoxAsset, CylinderAsset, Inline
-from usdio.package_files import changed_files
 from usdio.reread import reread_body
 from usdio.write_package import USD_FOLDER
 from usdio.write_primitive import CONTACT, DENSITY_KGM3, primitive_mass
@@ -42,7 +42,7 @@ def physical_body(body: PlanBody, packages: Path | None) -> PhysicalBody:
     if not folder.resolve().is_relative_to(packages.resolve()):
         raise FileNotFoundError(f"{body.package} is not below the folder of packages")
     record = json.loads((folder / "record.json").read_bytes())
-    changed = changed_files(folder, record["hashes"])
+    changed = changed_physics(folder, record["hashes"])
     if changed:
         text = f"'{changed[0]}' of the package {body.package} is not the file that its record was written of"
         raise InvalidInput(finding("plan/changed-package", text, where=Location(file=f"{body.package}/{changed[0]}")))

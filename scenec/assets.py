@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from shapely.affinity import scale as stretch
 
+from runtime_plan.package_files import changed_physics
 from scenec.ir import Body, Stance, Surface, Volume
 from scenec.places import drawn_surface, drawn_volume, recorded_surface, recorded_volume
 from scenec.primitives import UPRIGHT, shape_of, stable_quats_wxyz, top_of
@@ -21,7 +22,6 @@ from schemas.diagnostics import InvalidInput, Severity, finding
 from schemas.outcome import ItemOutcome
 from schemas.physics import CollisionShape
 from schemas.scene_program import AuthoredPolygon, FixedAsset, Inline, Orientation
-from usdio.package_files import changed_files
 from usdio.reread import reread_body
 
 MOST_SEEN = 5_000
@@ -146,7 +146,7 @@ class AssetLibrary:
             record = AssetRecord.model_validate_json(self._records[asset_id])
         except ValueError:
             raise _unusable(asset_id, "its record.json is not the record of an asset") from None
-        changed = changed_files(folder, record.hashes)
+        changed = changed_physics(folder, record.hashes)
         if changed:
             said = f"'{changed[0]}' is not the file that was tried in simulation: ingest the asset again"
             raise _unusable(asset_id, said)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
-import zlib
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import TypeAdapter
+
+from schemas.zip_damage import ZIP_DAMAGE
 
 T = TypeVar("T")
 _TREE = "tree"
@@ -34,7 +34,9 @@ def load(type_: type[T], path: Path) -> T:
         with np.load(path, allow_pickle=False) as file:
             tree = json.loads(file[_TREE].tobytes())
             return adapter(type_).validate_python(_attach(tree, file))
-    except (zipfile.BadZipFile, zlib.error, EOFError, KeyError) as error:
+    except OSError:
+        raise
+    except (*ZIP_DAMAGE, KeyError) as error:
         raise ValueError(f"{path.name} is damaged: {error}") from error
 
 

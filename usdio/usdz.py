@@ -7,6 +7,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from schemas.diagnostics import InvalidInput, Location, finding
+from schemas.zip_damage import ZIP_DAMAGE
 
 MAX_BYTES: Final = 2**30
 MAX_ENTRIES: Final = 65536
@@ -31,7 +32,7 @@ def check_package(path: Path, *, where: Location) -> str:
             damaged = package.testzip()
             if damaged is not None:
                 raise zipfile.BadZipFile(f"'{damaged}' does not match its checksum")
-    except (zipfile.BadZipFile, NotImplementedError, EOFError, OSError, ValueError) as error:
+    except ZIP_DAMAGE as error:
         raise InvalidInput(finding("asset/truncated", f"the package is damaged: {error}", where=where)) from error
     layers = [e.filename for e in entries if e.filename.lower().endswith(LAYER_SUFFIXES)]
     if not layers:

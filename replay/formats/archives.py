@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import zipfile
-import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,9 +10,9 @@ import numpy as np
 
 from replay.recorded import stop
 from schemas.model import FloatArray
+from schemas.zip_damage import ZIP_DAMAGE
 
 MAX_ENTRIES, MAX_BYTES = 20_000, 2**30
-_DAMAGE = (OSError, ValueError, EOFError, NotImplementedError, MemoryError, zlib.error, zipfile.BadZipFile)
 
 
 def read_arrays(path: Path, wanted: Callable[[str], bool]) -> dict[str, FloatArray]:
@@ -27,5 +26,5 @@ def read_arrays(path: Path, wanted: Callable[[str], bool]) -> dict[str, FloatArr
             return {key: archive[key] for key in archive.files if wanted(key)}
     except FileNotFoundError:
         raise
-    except _DAMAGE as error:
+    except ZIP_DAMAGE as error:
         raise stop("replay/unreadable", f"{path.name}: {error}", path.name) from None

@@ -13,6 +13,7 @@ import numpy as np
 
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.model import FloatArray
+from schemas.zip_damage import ZIP_DAMAGE
 
 MAX_BYTES = 512_000_000  # of one file, and of its arrays when unpacked
 SUFFIXES = (".csv", ".parquet", ".npz")
@@ -46,7 +47,7 @@ def read_table(path: Path, file: str, wanted: Collection[str] | None = None) -> 
         raise
     except OSError as error:
         raise unreadable(file, error.strerror or "the file cannot be read") from None
-    except (ValueError, KeyError, zipfile.BadZipFile, csv.Error, EOFError, NotImplementedError, MemoryError) as error:
+    except (*ZIP_DAMAGE, KeyError, csv.Error) as error:
         raise unreadable(file, str(error).splitlines()[0] if str(error) else type(error).__name__) from None
 
 
