@@ -15,87 +15,36 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image, ImageDraw
 
-from geom.gprims import cube, sphere
+from geom.gprims import cube
 from render import window
 from render.__main__ import NO_OPENGL, main
-from render.camera import FILL, HERO_VIEW, STANDARD_VIEWS, Camera, View, annotation_frame, camera
+from render.camera import FILL, HERO_VIEW, STANDARD_VIEWS, View, annotation_frame, camera
 from render.collision import shape_color
 from render.request import RenderRequest
 from render.studio import BACKGROUND_SRGB, contact_shadow
 from render.textures import MAX_EDGE_PX, decode_rgba
-from render.views import model_frame, render_all
 from schemas import arrays
-from schemas.evidence import Evidence
-from schemas.model import Material, Mesh, Model, Texture, TextureUse
+from schemas.model import Material, Model, Texture, TextureUse
 from schemas.physics import CollisionShape
-
-PX = 128
-FRONT, LEFT, BACK, TOP = STANDARD_VIEWS
-QUAD = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
-UNIT_UVS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float32)
-RED = (0.6, 0.02, 0.02)
-
-
-def model(*meshes: Mesh, materials: tuple[Material, ...] = (), textures: tuple[Texture, ...] = ()) -> Model:
-    metres = Evidence[float](value=1.0, source="declared", method="test", confidence=1.0)
-    up = Evidence(value="z", source="declared", method="test", confidence=1.0)
-    return Model(meshes, materials, textures, (), metres, up)  # pyright: ignore[reportArgumentType]  # the Literal
-
-
-def box(size: tuple[float, float, float], at: tuple[float, float, float] = (0, 0, 0), material: int | None = 0) -> Mesh:
-    shape = cube(1.0)
-    return Mesh(
-        "box",
-        shape.points * size + at,
-        shape.triangles.astype(np.int32),
-        shape.normals.astype(np.float32),
-        (),
-        None,
-        material,
-    )
-
-
-def upright(uvs: np.ndarray = UNIT_UVS, x: float = 0.0, half: float = 1.0, material: int = 0) -> Mesh:
-    """A square sheet that faces +x: seen from the front, +y is to the right and the u axis of `uvs` follows it."""
-    points = np.array([[x, -half, 0], [x, half, 0], [x, half, 2 * half], [x, -half, 2 * half]], dtype=np.float64)
-    return Mesh("sheet", points, QUAD, None, (uvs[QUAD],), None, material)
-
-
-def png(pixels: np.ndarray) -> bytes:
-    file = io.BytesIO()
-    Image.fromarray(pixels).save(file, "PNG")
-    return file.getvalue()
-
-
-def image(name: str, pixels: np.ndarray) -> Texture:
-    return Texture(name, png(pixels.astype(np.uint8)), "png", pixels.shape[1], pixels.shape[0])
-
-
-def pictures(
-    content: Model, folder: Path, shapes: tuple[CollisionShape, ...] = (), size_px: int = PX
-) -> dict[str, np.ndarray]:
-    """(px, px, 3) int pictures by name."""
-    paths = render_all(RenderRequest(content, shapes, str(folder), size_px))
-    return {name: np.asarray(Image.open(path)).astype(int) for name, path in paths.items()}
-
-
-def linear(srgb: np.ndarray) -> np.ndarray:
-    value = np.asarray(srgb) / 255.0
-    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
-
-
-def lens(content: Model, view: View) -> tuple[Camera, np.ndarray]:
-    """The camera of a view, and all points of the model in the annotation frame."""
-    frame = model_frame(content)
-    return camera(view, frame.extent), frame.from_asset(np.concatenate([mesh.points for mesh in content.meshes]))
-
-
-def at(picture: np.ndarray, content: Model, view: View, point_m: tuple[float, float, float]) -> np.ndarray:
-    """Mean colour of the 3 x 3 pixels around the place where `point_m` is seen."""
-    frame = model_frame(content)
-    x, y = camera(view, frame.extent).project(frame.from_asset(np.array([point_m])), len(picture))[0].astype(int)
-    return picture[y - 1 : y + 2, x - 1 : x + 2].reshape(-1, 3).mean(axis=0)
-
+from tests.drawn import (
+    BACK,
+    CORNERS,
+    FRONT,
+    LEFT,
+    PX,
+    QUAD,
+    RED,
+    at,
+    box,
+    image,
+    lens,
+    linear,
+    model,
+    pictures,
+    png,
+    textured,
+    upright,
+)
 
 EDGES = st.floats(0.01, 1.0)
 
@@ -148,137 +97,6 @@ def convex(points: np.ndarray) -> list[np.ndarray]:
         if (candidate == hull[0]).all():
             return hull
         hull.append(candidate)
-
-
-CORNERS = np.zeros((64, 64, 3))
-CORNERS[:32, :32] = (220, 0, 0)  # top left of the file
-CORNERS[:32, 32:] = (0, 220, 0)
-CORNERS[32:, :32] = (0, 0, 220)
-CORNERS[32:, 32:] = (220, 220, 0)
-PLACES = {"top left": (0.0, -0.5, 1.5), "top right": (0.0, 0.5, 1.5), "bottom left": (0.0, -0.5, 0.5)}
-
-
-def textured(use: TextureUse) -> Model:
-    return model(
-        upright(),
-        materials=(Material("print", base_color=(1, 1, 1), base_color_texture=use, roughness=1.0),),
-        textures=(image("corners", CORNERS),),
-    )
-
-
-@pytest.mark.parametrize(
-    ("use", "channels"),
-    [
-        (TextureUse("corners"), {"top left": 0, "top right": 1, "bottom left": 2}),
-        # Moving the coordinates by half an image puts the right half to the left; clamped, the right edge fills all.
-        (TextureUse("corners", uv_offset=(0.5, 0.0)), {"top left": 1, "top right": 0}),
-        (TextureUse("corners", uv_offset=(0.5, 0.0), wrap_s="clamp"), {"top left": 1, "top right": 1}),
-        (TextureUse("corners", uv_offset=(0.5, 0.0), wrap_s="mirror"), {"top left": 1, "top right": 1}),
-        # Scale first, then turn: (u, v) -> (-v, u) samples the image a quarter turn on.
-        (TextureUse("corners", uv_rotation_rad=np.pi / 2), {"bottom left": None, "top left": 2, "top right": 0}),
-    ],
-    ids=["plain", "offset", "clamp", "mirror", "rotated"],
-)
-def test_textures_lie_where_their_coordinates_say(
-    use: TextureUse, channels: dict[str, int | None], tmp_path: Path
-) -> None:
-    content = textured(use)
-    picture = pictures(content, tmp_path)["view_front"]
-    for place, channel in channels.items():
-        color = at(picture, content, FRONT, PLACES[place])
-        if channel is None:  # the yellow quarter
-            assert min(color[:2]) > color[2] + 100
-        else:
-            assert color[channel] > np.delete(color, channel).max() + 100
-
-
-def test_alpha_modes(tmp_path: Path) -> None:
-    alpha = np.zeros((8, 8, 4))
-    alpha[..., :3], alpha[:4, :, 3], alpha[4:, :, 3] = 255, 255, 100  # upper half solid, lower half 0.39
-    use, hole = TextureUse("alpha"), TextureUse("alpha", channel="a")
-    front = Material("front", base_color=(0.05, 0.6, 0.05), base_color_texture=use, opacity_texture=hole, roughness=1.0)
-    back = Material("back", base_color=RED, roughness=1.0)
-    upper, lower = (0.2, 0.0, 1.5), (0.2, 0.0, 0.5)
-    colors = {}
-    for mode in ("opaque", "mask", "blend"):
-        content = model(
-            upright(x=0.2),
-            upright(x=-0.2, material=1),
-            materials=(dataclasses.replace(front, alpha_mode=mode), back),
-            textures=(image("alpha", alpha),),
-        )
-        picture = pictures(content, tmp_path / mode)["view_front"]
-        colors[mode] = at(picture, content, FRONT, upper), at(picture, content, FRONT, lower)
-        assert colors[mode][0][1] > colors[mode][0][0] + 60, mode
-    assert colors["opaque"][1][1] > colors["opaque"][1][0] + 60
-    assert colors["mask"][1][0] > colors["mask"][1][1] + 60
-    mixed = 100 / 255 * colors["opaque"][1] + 155 / 255 * colors["mask"][1]
-    assert colors["blend"][1] == pytest.approx(mixed, abs=14)
-
-
-def test_sheets_are_lit_from_both_sides_and_without_normals(tmp_path: Path) -> None:
-    content = model(upright(), materials=(Material("red", base_color=RED),))
-    turned = model(dataclasses.replace(content.meshes[0], triangles=QUAD[:, ::-1].copy()), materials=content.materials)
-    seen, other = pictures(content, tmp_path), pictures(turned, tmp_path)
-    middle = (0.0, 0.0, 1.0)
-    front, back = at(seen["view_front"], content, FRONT, middle), at(seen["view_back"], content, BACK, middle)
-    assert front == pytest.approx(back, abs=6)
-    assert front[0] > 150
-    assert at(other["view_front"], content, FRONT, middle) == pytest.approx(front, abs=6)
-
-
-def test_normals_against_the_winding_are_turned(tmp_path: Path) -> None:
-    ball = sphere(0.5, 32)
-    mesh = Mesh("ball", ball.points, ball.triangles.astype(np.int32), ball.normals.astype(np.float32))
-    inward = dataclasses.replace(mesh, normals=-ball.normals.astype(np.float32))
-    assert (pictures(model(mesh), tmp_path)["view_left"] == pictures(model(inward), tmp_path)["view_left"]).all()
-
-
-def test_missing_normals_come_from_the_face(tmp_path: Path) -> None:
-    normals = np.zeros((2, 3, 3), dtype=np.float32)
-    normals[1] = np.nan
-    bare, poor = upright(), dataclasses.replace(upright(), normals=normals)
-    red = (Material("red", base_color=RED),)
-    first, second = pictures(model(bare, materials=red), tmp_path), pictures(model(poor, materials=red), tmp_path)
-    assert all((first[name] == second[name]).all() for name in first)
-
-
-@pytest.mark.parametrize("mirrored", [False, True])
-def test_normal_maps_shade_like_tilted_normals(mirrored: bool, tmp_path: Path) -> None:
-    uvs = UNIT_UVS * np.array([-1, 1], dtype=np.float32) if mirrored else UNIT_UVS
-    texel = np.array([60, 170, 235])
-    bumpy = Material("m", normal_texture=TextureUse("bump"), roughness=1.0)
-    textures = (image("bump", np.tile(texel, (4, 4, 1))),)
-    mapped = pictures(model(upright(uvs), materials=(bumpy,), textures=textures), tmp_path)
-    u, v, out = texel / 255.0 * 2.0 - 1.0
-    tilted = np.array([out, -u if mirrored else u, v]) / np.linalg.norm([u, v, out])  # sheet: +y is u, +z is v
-    mesh = dataclasses.replace(upright(), normals=np.tile(tilted.astype(np.float32), (2, 3, 1)))
-    expected = pictures(model(mesh, materials=(Material("m", roughness=1.0),)), tmp_path)
-    flat = pictures(model(upright(), materials=(Material("m", roughness=1.0),)), tmp_path)
-    assert max(np.abs(mapped[name] - expected[name]).max() for name in flat) <= 3
-    assert max(np.abs(mapped[name] - flat[name]).max() for name in flat) >= 12
-
-
-def test_scalar_inputs_read_their_channel(tmp_path: Path) -> None:
-    packed = (image("orm", np.full((4, 4, 3), (255, 64, 255))),)
-    scalar = Material("m", base_color=RED, metallic=1.0, roughness=64 / 255)
-    mapped = dataclasses.replace(
-        scalar, roughness=1.0, metallic_texture=TextureUse("orm", "b"), roughness_texture=TextureUse("orm", "g")
-    )
-    first = pictures(model(upright(), materials=(mapped,), textures=packed), tmp_path)["view_top"]
-    second = pictures(model(upright(), materials=(scalar,)), tmp_path)["view_top"]
-    assert np.abs(first - second).max() <= 2
-
-
-def test_vertex_colors_and_light_of_its_own(tmp_path: Path) -> None:
-    colors = np.tile(np.array([0.0, 0.0, 0.6, 1.0], dtype=np.float32), (2, 3, 1))
-    blue = dataclasses.replace(upright(), colors=colors)
-    lamp = Material("lamp", base_color=(0.0, 0.0, 0.0), emissive=(0.0, 0.5, 0.0))
-    content = model(blue, materials=(Material("white", base_color=(1, 1, 1)),))
-    assert np.argmax(at(pictures(content, tmp_path)["view_front"], content, FRONT, (0, 0, 1))) == 2
-    content = model(upright(), materials=(lamp,))
-    green = linear(at(pictures(content, tmp_path)["view_front"], content, FRONT, (0, 0, 1)))
-    assert green[1] - green[0] == pytest.approx(0.5, abs=0.05)
 
 
 @pytest.mark.parametrize("scale", [2.0**-10, 2.0**9])
