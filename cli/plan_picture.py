@@ -29,21 +29,25 @@ _MICRO = 1e-6
 
 
 def picture(plan: Plan, seed: int = 0) -> bytes:
-    """PNG of the three largest pools of the first combination, a row each.
+    """PNG of the three largest pools of the first combination, a row for each of the places that their things are on.
 
     Left the cells of the cases with the greatest shares; right the asset origins of 400 samples; in A of the place.
     """
     one = plan.document.combinations[0]
     pools = sorted(one.pools, key=lambda pool: (-len(pool.things), -len(pool.cases)))[:3]
-    made = Figure(figsize=(3.0 * (_CASES + 1), 2.6 * len(pools)), layout="constrained")
-    grid = made.subplots(len(pools), _CASES + 1, squeeze=False)
-    for row, pool in zip(grid, pools, strict=True):
-        place = one.places[_thing(one, pool.things[0]).place][1]
+    homes = {thing.id: thing.place for thing in one.things}
+    rows = [(pool, home) for pool in pools for home in sorted({homes[name] for name in pool.things})]
+    made = Figure(figsize=(3.0 * (_CASES + 1), 2.6 * len(rows)), layout="constrained")
+    grid = made.subplots(len(rows), _CASES + 1, squeeze=False)
+    for row, (pool, home) in zip(grid, rows, strict=True):
+        owner, place = one.places[home]
         cases = sorted(pool.cases, key=lambda case: -case.weight)[:_CASES]
         for axes in row:
             _outline(axes, place)
         for axes, case in zip(row, cases, strict=False):
             for k, (low_x, high_x, low_y, high_y) in enumerate(case.cells_um):
+                if homes[pool.things[k]] != home:
+                    continue
                 corner = (low_x * _MICRO, low_y * _MICRO)
                 size = ((high_x - low_x) * _MICRO, (high_y - low_y) * _MICRO)
                 colour = _COLOURS[k % len(_COLOURS)]
@@ -51,8 +55,8 @@ def picture(plan: Plan, seed: int = 0) -> bytes:
                 if len(pool.things) <= _MOST_NAMES:
                     middle = (corner[0] + size[0] / 2, corner[1] + size[1] / 2)
                     axes.text(*middle, pool.things[k], ha="center", va="center", fontsize=6)
-            axes.set_title(case.family.replace("_", " "), fontsize=8)
-        _origins(row[-1], plan, one, pool, seed)
+            axes.set_title(f"{case.family.replace('_', ' ')}, on {owner}", fontsize=8)
+        _origins(row[-1], plan, one, pool, home, seed)
     return png(made)
 
 
@@ -71,12 +75,14 @@ def _outline(axes: Axes, place: PlanPlace) -> None:
     axes.set_axis_off()
 
 
-def _origins(axes: Axes, plan: Plan, one: PlanCombination, pool: PlanPool, seed: int) -> None:
-    """Where the asset origins of samples of the combination lie, in A of their place."""
+def _origins(axes: Axes, plan: Plan, one: PlanCombination, pool: PlanPool, home: int, seed: int) -> None:
+    """Where the asset origins of samples of the combination lie, in A of one place."""
     drawn = sample(plan, _DRAWN, seed)
     rows = drawn.combination == 0
     for k, name in enumerate(pool.things):
         thing = _thing(one, name)
+        if thing.place != home:
+            continue
         column, origin = drawn.names.index(name), np.array(one.places[thing.place][1].origin_m[:2])
         at = drawn.position_m[rows, column, :2]
         if thing.parent in drawn.names:

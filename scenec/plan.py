@@ -13,8 +13,10 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
+from scenec.cases.across import view_of
 from scenec.cases.coupling import pools_of
 from scenec.cases.pool import Asked, pool_cases
+from scenec.cases.tied import tied_cases
 from scenec.ir import Body, Problem, Slab, Solved, Stance, Surface, Thing, Volume
 from scenec.judge import judge
 from scenec.names import Names
@@ -113,12 +115,22 @@ def _combination(
     frozen = {name: result.placements[name] for name in pools.frozen}
     heaped = piled(base, {name: base.put(name, at) for name, at in result.placements.items()})
     made: list[PlanPool] = []
-    for names in pools.names:
-        if heaped.intersection(names):  # a pile stays as it was found, in its receptacle
-            frozen |= {name: result.placements[name] for name in names}
-        asked = Asked(names, frozen, result.placements, _cases_wanted(len(names), diversity), seed)
-        cases = pool_cases(pools.model, asked)
-        made.append(PlanPool(things=names, cases=tuple(cases)))
+    for tied in pools.tied:
+        for names in tied.groups:
+            if heaped.intersection(names):  # a pile stays as it was found, in its receptacle
+                frozen |= {name: result.placements[name] for name in names}
+        wanted = _cases_wanted(len(tied.names), diversity)
+        if tied.rules:
+            asked = Asked(tied.names, frozen, result.placements, wanted, seed)
+            cases = tied_cases(pools.model, asked, tied.groups, tied.rules)
+            if cases:
+                made.append(PlanPool(things=tied.names, cases=tuple(cases)))
+                continue
+            held = {name for rule in tied.rules for name in view_of(pools.model, rule).links}
+            frozen |= {name: result.placements[name] for name in held}
+        for names in tied.groups:
+            asked = Asked(names, frozen, result.placements, wanted, seed)
+            made.append(PlanPool(things=names, cases=tuple(pool_cases(pools.model, asked))))
     places = _places(problem, base)
     number = {key: k for k, key in enumerate(places)}
     things = [base.things[name] for name in owner_first(base.things)]

@@ -152,7 +152,8 @@ class PlanCase(_Model):
 
 
 class PlanPool(_Model):
-    """Things chosen together, all on one place. A single thing with a domain of its own is a pool of one."""
+    """Things chosen together: of one owner, or of several that a relation across them ties. A single thing with a
+    domain of its own is a pool of one."""
 
     things: tuple[str, ...]
     cases: tuple[PlanCase, ...]

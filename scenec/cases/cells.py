@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.random import Generator
 
@@ -15,6 +17,17 @@ from scenec.ir import FloatArray, ReachIR
 from schemas.runtime_plan import Bounds_um, Interval_urad, PlanCase
 
 SPARE_M = 3 * GRAIN_M  # around the footprint of what is pinned, so that rounding never empties its cell
+
+
+@dataclass(frozen=True)
+class Grown:
+    """Layouts of a scope, which things are `free` (l, n) to move, their cells `rect_m` (l, n, 4), and how far."""
+
+    scope: Scope
+    layouts: Layouts
+    free: BoolArray
+    rect_m: FloatArray
+    freedom: Freedom
 
 
 def cases_of(
@@ -31,13 +44,24 @@ def cases_of(
     What cannot have a cell of its own (it meets another's rectangle, or fills a round place) is pinned where the layout
     has it; such a layout must be known to be valid.
     """
-    free = _free(scope, layouts)
-    rect = grow(scope, layouts, free, rng)
-    freedom = freedom_of(scope, layouts, rect, free)
-    kept = clip(scope, layouts, freedom, reach, np.zeros(2) if base_P_m is None else base_P_m)
+    made = grown(scope, layouts, rng)
+    kept = clip(scope, layouts, made.freedom, reach, np.zeros(2) if base_P_m is None else base_P_m)
     if not kept.any():  # A relation that a layout just meets leaves no slack, and none is needed where all is pinned.
         kept[:sure] = True
-    columns = [_cells(member, i, layouts, rect, freedom, free) for i, member in enumerate(scope.members)]
+    return written(made, kept)
+
+
+def grown(scope: Scope, layouts: Layouts, rng: Generator) -> Grown:
+    """The layouts with cells as large as they can be, before relations limit poses inside."""
+    free = _free(scope, layouts)
+    rect = grow(scope, layouts, free, rng)
+    return Grown(scope, layouts, free, rect, freedom_of(scope, layouts, rect, free))
+
+
+def written(made: Grown, kept: BoolArray) -> list[PlanCase]:
+    """A case for each of the layouts that are kept (l,), with what its freedom leaves."""
+    scope, layouts, free = made.scope, made.layouts, made.free
+    columns = [_cells(m, i, layouts, made.rect_m, made.freedom, free) for i, m in enumerate(scope.members)]
     return [
         PlanCase(
             family="point" if not free[k].any() else layouts.family[k],  # pyright: ignore[reportArgumentType]

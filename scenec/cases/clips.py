@@ -120,7 +120,7 @@ def _turns_matter(scope: Scope, rule: RelationIR, i: int) -> bool:
     # Whether a relation may cease to hold when a thing turns on the spot.
     if rule.kind == "facing":
         return scope.index[rule.things[0]] == i
-    return rule.kind in ("near", "before") and max(map(_unevenness, scope.members[i].shapes)) > ROUND_M
+    return rule.kind in ("near", "before") and max(map(unevenness, scope.members[i].shapes)) > ROUND_M
 
 
 def _axes(rule: RelationIR) -> slice:
@@ -151,21 +151,21 @@ def _lower(
     return best >= 0.0
 
 
-def _shift(scope: Scope, layouts: Layouts, freedom: Freedom, i: int) -> tuple[FloatArray, FloatArray]:
-    # (l,) how far the origin, and any point of the footprint, may get from where the layout has it.
+def shift_of(scope: Scope, layouts: Layouts, freedom: Freedom, i: int) -> tuple[FloatArray, FloatArray]:
+    """(l,) how far the origin, and any point of the footprint, may get from where the layout has it, in P."""
     box, at = freedom.moved(layouts)[:, i], layouts.origin_m[:, i]
     dx = np.maximum(at[:, 0] - box[:, 0], box[:, 1] - at[:, 0])
     dy = np.maximum(at[:, 1] - box[:, 2], box[:, 3] - at[:, 1])
     origin = np.hypot(dx, dy)
     member = scope.members[i]
     stance = member.stance[layouts.option[:, i]]
-    uneven = np.array([_unevenness(shape) for shape in member.shapes])[stance]
+    uneven = np.array([unevenness(shape) for shape in member.shapes])[stance]
     turn = np.minimum(freedom.turned()[:, i].max(axis=1), np.pi)
     return origin, origin + np.minimum(2.0 * freedom.radius_m[:, i] * np.sin(turn / 2.0), uneven)
 
 
-def _unevenness(shape: Shape) -> float:
-    # How far a footprint may miss itself when turned about its origin: width of the ring its border lies in.
+def unevenness(shape: Shape) -> float:
+    """How far a footprint may miss itself when turned about its origin: width of the ring its border lies in."""
     if len(shape.pieces) > 1:
         return np.inf
     inner = inner_radius(shape.hull)
@@ -201,7 +201,7 @@ def _apart(scope: Scope, layouts: Layouts, k: int, i: int, j: int) -> float:
 def _holds(
     scope: Scope, rule: RelationIR, layouts: Layouts, freedom: Freedom, numbers: list[int], seed: FloatArray
 ) -> BoolArray:
-    shifts = [_shift(scope, layouts, freedom, i) for i in numbers]
+    shifts = [shift_of(scope, layouts, freedom, i) for i in numbers]
     if rule.kind in ("near", "before"):
         moved = shifts[0][1] + shifts[1][1] + ROUNDING
         return seed + moved <= rule.gap_m if rule.kind == "near" else seed - moved >= rule.gap_m
@@ -212,28 +212,41 @@ def _holds(
         high = np.maximum(-dy * boxes[..., 0], -dy * boxes[..., 1]) + np.maximum(dx * boxes[..., 2], dx * boxes[..., 3])
         return high.max(axis=1) - low.min(axis=1) <= rule.tolerance
     at = layouts.origin_m[:, numbers]
+    origins = [shift[0] + ROUNDING / 2 for shift in shifts]
     if rule.kind == "facing":
-        toward = at[:, 1] - at[:, 0]
-        length = np.hypot(*toward.T)
-        moved = shifts[0][0] + shifts[1][0] + ROUNDING
-        heading = np.arctan2(toward[:, 1], toward[:, 0])
-        away = np.abs(wrapped_all(heading - front_of(scope.members[numbers[0]], layouts.option[:, numbers[0]])))
-        sway = np.arcsin(np.clip(moved / np.maximum(length, 1e-9), 0.0, 1.0))
         turn = freedom.turned()[:, numbers[0]].max(axis=1)
-        return (away + sway + turn + ROUNDING <= rule.tolerance) & (moved < length)
-    # between: the foot of the perpendicular keeps its share of the line; all is bounded by how far the ends move.
-    line, step = at[:, 2] - at[:, 1], at[:, 0] - at[:, 1]
+        heading = front_of(scope.members[numbers[0]], layouts.option[:, numbers[0]])
+        return facing_kept(at, heading, origins[0] + origins[1], turn, rule.tolerance)
+    return between_kept(at, origins, rule.tolerance)
+
+
+def facing_kept(
+    at_m: FloatArray, heading_rad: FloatArray, moved_m: FloatArray, turn_rad: FloatArray, tolerance_rad: float
+) -> BoolArray:
+    """(l,) whether the first of origins (l, 2, 2) faces the second, however they move together and the first turns."""
+    toward = at_m[:, 1] - at_m[:, 0]
+    length = np.hypot(*toward.T)
+    away = np.abs(wrapped_all(np.arctan2(toward[:, 1], toward[:, 0]) - heading_rad))
+    sway = np.arcsin(np.clip(moved_m / np.maximum(length, 1e-9), 0.0, 1.0))
+    return (away + sway + turn_rad + ROUNDING <= tolerance_rad) & (moved_m < length)
+
+
+def between_kept(at_m: FloatArray, moved_m: list[FloatArray], tolerance_m: float) -> BoolArray:
+    """(l,) whether the first of origins (l, 3, 2) stays between the others when each moves as far as given.
+
+    The foot of the perpendicular keeps its share of the line; all is bounded by how far the ends move.
+    """
+    line, step = at_m[:, 2] - at_m[:, 1], at_m[:, 0] - at_m[:, 1]
     length = np.maximum(np.hypot(*line.T), 1e-9)
     along, beside = (
         (step * line).sum(axis=1) / length,
         np.abs(step[:, 0] * line[:, 1] - step[:, 1] * line[:, 0]) / length,
     )
-    ends = np.maximum(shifts[1][0], shifts[2][0])
-    moved = shifts[0][0] + ends + ROUNDING
-    spread = shifts[1][0] + shifts[2][0]
+    moved = moved_m[0] + np.maximum(moved_m[1], moved_m[2])
+    spread = moved_m[1] + moved_m[2]
     lean = np.clip(spread / np.maximum(length - spread, 1e-9), 0.0, 1.0)
     rest = np.minimum(along, length - along) * np.maximum(1.0 - spread / length, 0.0)
-    return (beside + moved <= rule.tolerance) & (rest >= moved + beside * lean)
+    return (beside + moved <= tolerance_m) & (rest >= moved + beside * lean)
 
 
 def _reached(layouts: Layouts, freedom: Freedom, i: int, reach: ReachIR, base_P_m: FloatArray) -> BoolArray:

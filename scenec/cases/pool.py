@@ -45,14 +45,14 @@ class Asked:
 def pool_cases(model: Model, asked: Asked) -> list[PlanCase]:
     """Cases for the things of a pool in the order of their names; at least the solved layout as it is."""
     scope = scope_of(model, asked.names, asked.frozen, asked.solved)
-    reach, base = _reach_P(model, scope)
+    reach, base = reach_P(model, scope)
     rng = stream(asked.seed, "cases", *asked.names)
     if len(scope.members) == 1 and not scope.members[0].pinned:
         alone = _alone(scope, asked, reach, base)
         if alone:
             return [case.model_copy(update={"quality": quality(scope, case)}) for case in alone]
     surplus = int((SURPLUS_OF_FEW if len(scope.members) <= FEW else SURPLUS) * asked.want)
-    parts = [_solved(scope, asked.solved)]
+    parts = [solved_layout(scope, asked.solved)]
     parts.append(seeded(scope, surplus - 1, rng, 1))
     if (missing := surplus - sum(map(len, parts))) > 0:
         # Crowded, or tied by relations: no exact shares to keep, and more variety by structure.
@@ -103,8 +103,8 @@ def _alone(scope: Scope, asked: Asked, reach: ReachIR | None, base_P_m: np.ndarr
     return cases_of(scope, found.take(first), rng) if first else []
 
 
-def _solved(scope: Scope, solved: Mapping[str, Placement]) -> Layouts:
-    # The solver's assignment as the only layout; the option of a free member follows its grid.
+def solved_layout(scope: Scope, solved: Mapping[str, Placement]) -> Layouts:
+    """The solver's assignment as the only layout; the option of a free member follows its grid."""
     n = len(scope.members)
     option, origin, rect = np.zeros((1, n), dtype=np.int64), np.zeros((1, n, 2)), np.zeros((1, n, 4))
     for i, member in enumerate(scope.members):
@@ -125,9 +125,8 @@ def _nearest(member: Member, placement: Placement) -> int:
     return int(off.argmin())
 
 
-def _reach_P(model: Model, scope: Scope) -> tuple[ReachIR | None, np.ndarray]:
-    # The reach and its base in the background's frame; members on movable owners are frozen and need no clip. All
-    # members of a pool have one owner.
+def reach_P(model: Model, scope: Scope) -> tuple[ReachIR | None, np.ndarray]:
+    """The reach and its base in the background's frame; None for things on movable owners, which are frozen."""
     reach = model.problem.reach
     if reach is None or scope.members[0].thing.parent != WORLD_PARENT:
         return None, np.zeros(2)

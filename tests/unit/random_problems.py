@@ -93,3 +93,38 @@ def _relation(rng: np.random.Generator, number: int, count: int) -> RelationIR:
         direction = [(1.0, 0.0), (0.0, 1.0)][rng.integers(2)]
         return RelationIR("aligned", (one, two), direction, tolerance=CM * int(rng.integers(0, 2)), path=path)
     return RelationIR("facing", (one, two), tolerance=float(rng.choice([0.2, 0.5])), path=path)
+
+
+def tray_problem(seed: int) -> Problem:
+    """A table with one or two trays that may move and turn, boxes on all of them, and one to three relations of any
+    kind among boxes on different ones, some counted along the axes of a tray."""
+    rng = np.random.default_rng([7, seed])
+    place = table(1.1, 0.8)
+    turn = (-np.pi, np.pi) if rng.random() < 0.6 else (0.0, 0.0)
+    things = [thing(f"o{k}", tuple(rng.uniform(0.04, 0.1, 2)), place, yaw=turn) for k in range(int(rng.integers(1, 3)))]
+    for name in "ab"[: int(rng.integers(1, 3))]:
+        tray = box_body(f"tray_{name}", float(rng.uniform(0.2, 0.3)), float(rng.uniform(0.2, 0.3)), 0.02, holds=True)
+        things.append(thing(f"tray_{name}", tray, place, yaw=turn if rng.random() < 0.7 else (0.0, 0.0)))
+        for k in range(int(rng.integers(1, 3))):
+            size = tuple(rng.uniform(0.03, 0.06, 2))
+            things.append(thing(f"{name}{k}", size, tray.surfaces[0], parent=f"tray_{name}", yaw=turn))
+    names = [item.name for item in things if not item.name.startswith("tray") or rng.random() < 0.2]
+    frames = ["background", *(item.name for item in things if item.name.startswith("tray"))]
+    relations = []
+    for number in range(int(rng.integers(1, 4))):
+        one, two, *more = (str(name) for name in rng.permutation(names))
+        kind = str(rng.choice(["before", "near", "far_from", "aligned", "facing", "between"]))
+        frame = str(rng.choice(frames)) if kind in ("before", "aligned") else "background"
+        angle = float(rng.choice([0.0, np.pi / 2, 0.4]))
+        relations.append(
+            RelationIR(
+                kind if kind != "between" or more else "near",  # pyright: ignore[reportArgumentType]
+                (one, two, more[0]) if kind == "between" and more else (one, two),
+                (float(np.cos(angle)), float(np.sin(angle))),
+                float(rng.uniform(0.02, 0.2)) if kind in ("near", "far_from", "between") else 0.01,
+                {"facing": 0.4, "between": 0.03, "aligned": 0.02}.get(kind, 0.0),
+                frame,
+                ("relations", number),
+            )
+        )
+    return problem(things, relations, 0.01)

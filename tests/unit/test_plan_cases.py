@@ -14,7 +14,7 @@ from scenec.solve import solve
 from scenec.validate import violations
 from schemas.runtime_plan import RuntimePlan
 from tests.unit.plan_draws import draws, plan_of
-from tests.unit.random_problems import mixed_problem, random_problem
+from tests.unit.random_problems import mixed_problem, random_problem, tray_problem
 
 
 def solved(problem) -> Solved:
@@ -29,7 +29,7 @@ def test_draws_from_tight_problems_are_valid(seed: int):
     problem = random_problem(seed)
     result = solve(problem, 0)
     if isinstance(result, Solved):
-        plan = plan_of(problem, result)
+        plan = plan_of(problem, result, diversity=0.05)
         for placements in draws(plan, plan.combinations[0], np.random.default_rng(seed), 10):
             assert not violations(problem, placements)
 
@@ -37,8 +37,16 @@ def test_draws_from_tight_problems_are_valid(seed: int):
 @pytest.mark.parametrize("seed", range(6))
 def test_draws_from_scenes_with_trays_are_valid(seed: int):
     problem = mixed_problem(seed)
-    plan = plan_of(problem, solved(problem))
+    plan = plan_of(problem, solved(problem), diversity=0.05)
     for placements in draws(plan, plan.combinations[0], np.random.default_rng(seed), 20):
+        assert not violations(problem, placements)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_relations_across_movable_owners_hold_in_every_draw(seed: int):
+    problem = tray_problem(seed)
+    plan = plan_of(problem, solved(problem), diversity=0.05)
+    for placements in draws(plan, plan.combinations[0], np.random.default_rng(seed), 10):
         assert not violations(problem, placements)
 
 
