@@ -54,14 +54,14 @@ def tightness(episode: Episode, envelope: Envelope, clearance_m: float) -> dict[
     bases = [robot.X_WR[0, :2, 3] for robot in episode.robots]
     for number, name in enumerate(envelope.bodies):
         mine = envelope.body == number
-        points = _inside(envelope.start_W[mine], envelope.end_W[mine], envelope.radius_m[mine], bases, rng)
+        points = inside(envelope.start_W[mine], envelope.end_W[mine], envelope.radius_m[mine], bases, rng)
         if len(points) >= POINTS // 4:
             true = _swept(points, np.concatenate(swept[name]), shapes[name], clearance_m)
             found[name] = round(len(points) / max(int(true.sum()), 1), 2)
     return found
 
 
-def _inside(
+def inside(
     a: FloatArray, b: FloatArray, radius: FloatArray, bases: list[FloatArray], rng: np.random.Generator
 ) -> FloatArray:
     """Points (k, 3) drawn evenly from capsules' union beyond `FAR_M` of the bases."""

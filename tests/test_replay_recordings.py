@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.replay_meshes import farthest_outside, first_rows, recorded_meshes
 from replay.augment import prepare, variants
 from replay.candidates import Candidate, Choices
-from replay.envelope import Settings
+from replay.envelope import Settings, swept_envelope
 from replay.episode import Episode
 from replay.inserted_bodies import inserted_body
 from replay.reading import read_episode
@@ -44,3 +45,15 @@ def test_recordings_of_people_are_kept_clear_of(name: str, shared_assets: Path) 
     found = least_distances(read_episode(shared_assets.parent / "episodes" / name), (), 3)
     assert [count for count, _ in found] == [3, 3, 3]
     assert min(distance for _, distance in found) >= CLEARANCE_M
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("name", ["panda_lift", "panda_pick_place"])
+def test_no_corner_of_a_recorded_mesh_is_ever_outside_the_envelope(name: str, shared_assets: Path) -> None:
+    """Without clearance, at 16 times in each interval; `benchmarks.replay_meshes` asks the same of whole recordings."""
+    folder = shared_assets.parent / "episodes" / name
+    episode = first_rows(read_episode(folder), 25)
+    envelope = swept_envelope(episode, Settings(clearance_m=0.0))
+    asked, worst_m = farthest_outside(episode, envelope, recorded_meshes(folder), vertices=25)
+    assert asked > 150_000
+    assert -1e-3 < worst_m <= 0.0
