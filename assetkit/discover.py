@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+from assetkit.record import RECORD
 from assetkit.source import SourceFile
 from jobs.cache import content_key, file_sha256
 
@@ -135,7 +136,7 @@ def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path,
 
 
 def _is_package(folder: Path) -> bool:
-    return (folder / "record.json").is_file() and (folder / "usd").is_dir()
+    return (folder / RECORD).is_file() and (folder / "usd").is_dir()
 
 
 def _is_mjcf(path: Path) -> bool:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from schemas.asset import AssetRecord
-
-RECORD = "record.json"
+from schemas.asset import RECORD, AssetRecord
 
 
 def read_record(package: Path) -> AssetRecord | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import numpy as np
 from geom.pose import pose
 from geom.scaling import scaled_body
 from runtime_plan.package_files import changed_physics
+from schemas.asset import RECORD, AssetRecord
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.physics import CollisionShape, MassProperties, RigidBody
 from schemas.runtime_plan import PlanBody
@@ -32,7 +32,8 @@ def physical_body(body: PlanBody, packages: Path | None) -> PhysicalBody:
     """The body that a simulator is given.
 
     Raises FileNotFoundError for a body of a package without a folder of packages, InvalidInput for a package whose
-    shape or physics changed after its record was written (`plan/changed-package`), and as `reread_body` does.
+    record is damaged or whose shape or physics changed after it was written (`plan/changed-package`), and as
+    `reread_body` does.
     """
     if body.primitive is not None:
         return _primitive(body.asset_id, body.primitive, body.scale, body.mass_kg)
@@ -41,16 +42,24 @@ def physical_body(body: PlanBody, packages: Path | None) -> PhysicalBody:
     folder = packages / body.package
     if not folder.resolve().is_relative_to(packages.resolve()):
         raise FileNotFoundError(f"{body.package} is not below the folder of packages")
-    record = json.loads((folder / "record.json").read_bytes())
-    changed = changed_physics(folder, record["hashes"])
+    try:
+        record = AssetRecord.model_validate_json((folder / RECORD).read_bytes())
+    except ValueError:
+        text = f"the {RECORD} of the package {body.package} is not the record of an asset"
+        raise _changed(body.package, RECORD, text) from None
+    changed = changed_physics(folder, record.hashes)
     if changed:
         text = f"'{changed[0]}' of the package {body.package} is not the file that its record was written of"
-        raise InvalidInput(finding("plan/changed-package", text, where=Location(file=f"{body.package}/{changed[0]}")))
+        raise _changed(body.package, changed[0], text)
     whole = scaled_body(reread_body(min((folder / USD_FOLDER).glob("*.usda"))), body.scale)
     mass, scale = whole.mass, body.scale  # a scaled body keeps its density
     mass = MassProperties(mass.mass_kg * scale**3, mass.centre_of_mass_m, mass.inertia_kgm2 * scale**5)
-    density = record["physics"]["density_kgm3"]
-    return PhysicalBody(replace(whole, mass=mass), density and density["value"])
+    density = record.physics.density_kgm3
+    return PhysicalBody(replace(whole, mass=mass), density and density.value)
+
+
+def _changed(package: str, file: str, text: str) -> InvalidInput:
+    return InvalidInput(finding("plan/changed-package", text, where=Location(file=f"{package}/{file}")))
 
 
 def _primitive(name: str, primitive: Inline, scale: float, mass_kg: float | None) -> PhysicalBody:

@@ -16,6 +16,7 @@ from schemas.parts import Part
 from schemas.physics import Contact, Fidelity
 
 SCHEMA_VERSION = "1.0"
+RECORD = "record.json"
 Vec3 = tuple[float, float, float]
 Matrix3 = tuple[Vec3, Vec3, Vec3]
 Quat_wxyz = tuple[float, float, float, float]

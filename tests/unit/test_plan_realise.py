@@ -1,5 +1,7 @@
 """Samples in PyBullet: bodies are built once, poses follow, materials come whole."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,8 @@ from runtime_plan import prepare, sample
 from runtime_plan.bodies import physical_body
 from runtime_plan.materials import is_paired, wearing
 from runtime_plan.realise import Realiser
+from schemas.diagnostics import InvalidInput
+from schemas.runtime_plan import PlanBody
 from schemas.scene_program import PairedMaterial
 from sim.bullet_loose import private_client
 from sim.bullet_resets import BulletResets
@@ -129,3 +133,13 @@ def test_dynamic_friction_never_exceeds_static():
     slick = wearing(own.body, None, PairedMaterial(id="s", objects=("box",), static_friction=0.2))
     assert slick.contact.dynamic_friction == slick.contact.static_friction == 0.2
     assert slick.mass.mass_kg == own.body.mass.mass_kg
+
+
+@pytest.mark.parametrize("text", ["{", "{}", "[]"])
+def test_a_damaged_record_is_told_with_its_package(tmp_path: Path, text: str):
+    (tmp_path / "mug").mkdir()
+    (tmp_path / "mug" / "record.json").write_text(text)
+    with pytest.raises(InvalidInput) as refused:
+        physical_body(PlanBody(asset_id="mug", package="mug", stances=()), tmp_path)
+    assert refused.value.diagnostic.code == "plan/changed-package"
+    assert "mug" in refused.value.diagnostic.headline
