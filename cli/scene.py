@@ -11,6 +11,7 @@ import typer
 from rich.markup import escape
 
 from cli import source_text, text
+from cli.scene_verdicts import STYLE, show_verdicts
 from schemas.codes import CODES
 from schemas.compiled_scene import CompileReport
 from schemas.diagnostics import InvalidInput, finding
@@ -29,7 +30,6 @@ Root = Annotated[
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Another seed gives another scene; the same, the same.")]
 Budget = Annotated[int | None, typer.Option("--budget", min=1, help="Steps of the search for each combination.")]
-_STYLE = {"compiled": "green", "infeasible": "red", "budget_exhausted": "yellow", "invalid_program": "red"}
 _WORDS = {
     "compiled": "compiled",
     "infeasible": "infeasible: there is no such scene",
@@ -260,16 +260,7 @@ def _tell(report: CompileReport, root: Path, as_json: bool) -> None:
     for suggestion in report.suggestions:
         state = "[green]tried[/]" if suggestion.verified else "[dim]not tried[/]"
         text.console.print(f"  {state}: {escape(suggestion.edit)}", soft_wrap=True)
-    if len(report.matrix) > 1:
-        rows: list[dict[str, object]] = [
-            {
-                "combination": ", ".join(f"{k}: {v}" for k, v in row.combination.items()),
-                "verdict": row.verdict,
-                "proof": row.proof,
-            }
-            for row in report.matrix
-        ]
-        text.show_rows(rows, {"combination": "combination", "verdict": "verdict", "proof": "proof"})
+    show_verdicts(report)
     fallen = [row for row in report.settling if not row.stayed]
     for row in fallen:
         turned_deg = math.degrees(row.turned_rad)
@@ -284,5 +275,5 @@ def _tell(report: CompileReport, root: Path, as_json: bool) -> None:
             highlight=False,
         )
     text.console.print(
-        f"[bold {_STYLE[report.verdict]}]{_WORDS[report.verdict]}[/] ({report.seconds:.2f} s)", highlight=False
+        f"[bold {STYLE[report.verdict]}]{_WORDS[report.verdict]}[/] ({report.seconds:.2f} s)", highlight=False
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from cli.scene_verdicts import in_words
 from cli.stage_picture import stage_picture
 from jobs.cache import write_atomically
 from render.camera import View
@@ -31,12 +32,16 @@ def write_output(compiled: Compiled, assets: Path | None, out: Path) -> CompileR
     """
     out.mkdir(parents=True, exist_ok=True)
     clear(out)
-    rows = list(compiled.report.matrix)
+    stages: dict[frozenset[tuple[str, str]], str] = {}
     for index, scene in enumerate(compiled.scenes):
         stem = SCENE if index == 0 else f"{SCENE}-{index + 1}"
         write_scene(scene, assets, out / f"{stem}.usda")
         write_atomically(out / f"{stem}.json", scene.model_dump_json(indent=1).encode())
-        rows[index] = rows[index].model_copy(update={"scene": f"{stem}.usda"})
+        stages[frozenset(scene.combination.items())] = f"{stem}.usda"
+    rows = [
+        row.model_copy(update={"scene": stages.get(frozenset(row.combination.items()))})
+        for row in compiled.report.matrix
+    ]
     first = f"{SCENE}.usda" if compiled.scenes else None
     named = None
     if compiled.plan is not None:
@@ -81,11 +86,11 @@ def draw_plan(compiled: Compiled, out: Path) -> Path | None:
     """`plan.png` of the first combination seen from above, or `failure.png` with what stands in the way."""
     if compiled.failed is not None:
         problem, result = compiled.problems[compiled.failed], compiled.results[compiled.failed]
-        picture, name = failure(problem, result, compiled.conflict), FAILURE
+        picture, name = failure(problem, result, compiled.conflict, in_words(compiled.chosen)), FAILURE
     elif compiled.scenes:
         result = compiled.results[0]
         assert isinstance(result, Solved), "every combination has a scene"
-        picture, name = plan(compiled.problems[0], result.placements), PLAN
+        picture, name = plan(compiled.problems[0], result.placements, _title(compiled)), PLAN
     else:
         return None
     out.mkdir(parents=True, exist_ok=True)
@@ -93,6 +98,11 @@ def draw_plan(compiled: Compiled, out: Path) -> Path | None:
         (out / stale).unlink(missing_ok=True)
     write_atomically(out / name, picture)
     return out / name
+
+
+def _title(compiled: Compiled) -> str:
+    scene, count = compiled.problems[0].scene, compiled.report.combinations
+    return scene if count < 2 else f"{scene}: the first of {count} combinations"
 
 
 def draw_perspective(scene_usda: Path) -> Path:

@@ -1,11 +1,11 @@
-"""The compiler: phases in their order, one verdict for each combination of variants, a whole scene or none."""
+"""The compiler: phases in their order, verdicts for each part of a program, a whole scene or none."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path as FilePath
 
@@ -16,27 +16,30 @@ from scenec.drop_choices import dropped_choices
 from scenec.emit import compiled_scene
 from scenec.graph import Graph, interaction_graph
 from scenec.ir import Exhausted, Infeasible, Path, Placement, Problem, Proof, Result, Solved
-from scenec.lower import lower
 from scenec.memo import Memo
+from scenec.parts import lower
 from scenec.plan import runtime_plan
 from scenec.report import conflict_members, verdict_of, why
 from scenec.solve import DEFAULT_BUDGET, ComponentCache, solve
 from scenec.source.pieces import Pieces
 from scenec.source.read import Read, read_program
 from scenec.suggest import MOST_SUGGESTIONS, suggestions
-from schemas.compiled_scene import CombinationVerdict, CompiledScene, CompileReport, Suggestion
+from scenec.variants import Combination
+from scenec.verdicts import verdicts
+from schemas.compiled_scene import CompiledScene, CompileReport, Suggestion
 from schemas.diagnostics import Diagnostic, Severity
 from schemas.runtime_plan import RuntimePlan
 
 EXPLAIN_BUDGET = 2_000  # the same for each question asked while explaining why there is no scene
-_WORST_FIRST = ("infeasible", "budget_exhausted", "compiled")
 
 
 @dataclass(frozen=True)
 class Compiled:
-    """What came of a program. `problems` and `results` have one entry a combination, `scenes` as many or none.
+    """What came of a program. `problems` and `results` have one entry for each combination of all variants that is
+    shown (see `scenec.verdicts`), `scenes` as many or none.
 
-    `failed` is the index of the combination that the report explains, None when every one gave a scene.
+    `failed` is the index of the combination that the report explains, None when every one gave a scene; `chosen` are
+    those of its choices that reach what failed.
     """
 
     report: CompileReport
@@ -46,6 +49,7 @@ class Compiled:
     failed: int | None = None
     conflict: tuple[Path, ...] = ()
     plan: RuntimePlan | None = None
+    chosen: Combination = field(default_factory=dict)
 
     @cached_property
     def graphs(self) -> tuple[Graph, ...]:
@@ -53,9 +57,9 @@ class Compiled:
         return tuple(interaction_graph(problem) for problem in self.problems)
 
     def placements(self, combination: dict[str, str]) -> dict[str, Placement]:
-        """Where things stand in the combination of that name, empty where it has no scene."""
+        """Where things stand in the first scene with these choices, empty where there is none."""
         for problem, result in zip(self.problems, self.results, strict=True):
-            if problem.combination == combination and isinstance(result, Solved):
+            if combination.items() <= problem.combination.items() and isinstance(result, Solved):
                 return result.placements
         return {}
 
@@ -131,47 +135,67 @@ def compile_program(
         for problem in lowered.problems:
             verify.after_binding(problem, memo)
     cache = cache or ComponentCache()
-    results, rows = [], []
-    for problem in lowered.problems:
-        since = clock.total_s
+
+    def solved(problem: Problem) -> Result:
         with clock.phase("solve"):
             known = previous.placements(problem.combination) if previous is not None else None
             result = solve(problem, seed, budget, previous=known, cache=cache)
         if isinstance(result, Solved):
             with clock.phase("check"):
                 verify.after_solving(problem, result.placements, memo)
-        results.append(result)
-        rows.append(_row(problem, result, clock.total_s - since))
-    failed = _worst(results)
-    if failed is None:
-        with clock.phase("emit"):
-            scenes = tuple(_emit(p, r, seed, memo) for p, r in zip(lowered.problems, results, strict=True))
-        plan = None
-        if diversity is not None:
-            solved = [result for result in results if isinstance(result, Solved)]
-            with clock.phase("plan"):
-                plan = runtime_plan(
-                    read.program,
-                    lowered.problems,
-                    solved,
-                    library.folder,
-                    file=path.name,
-                    seed=seed,
-                    diversity=diversity,
-                )
-        report = CompileReport(
-            verdict="compiled",
-            seconds=clock.total_s,
-            matrix=tuple(rows),
-            diagnostics=found,
-            phases=clock.seconds,
-        )
-        return Compiled(report, scenes, tuple(results), lowered.problems, plan=plan)
-    with clock.phase("explain"):
-        told = _explain(lowered.problems, failed, results[failed], seed) if explain else Explained()
-        told = replace(told, edits=(*dropped_choices(rows), *told.edits)[:MOST_SUGGESTIONS])
-    report = _failure(read, lowered.problems[failed], results[failed], told, found, tuple(rows), clock)
-    return Compiled(report, (), tuple(results), lowered.problems, failed, told.conflict)
+        return result
+
+    tried = verdicts(lowered, solved)
+    worst = tried.worst
+    shown = tried.shown()
+    failed = None if worst is None else tried.whole(worst[0], worst[1].combination)
+    if failed is not None and failed not in shown:
+        shown = (failed, *shown)
+    with clock.phase("bind"):
+        problems = tuple(lowered.whole(one) for one in shown)
+    results = tuple(tried.result(one) for one in shown)
+    report = CompileReport(
+        verdict="compiled",
+        seconds=clock.total_s,
+        matrix=tried.matrix(shown),
+        components=tried.components(),
+        combinations=lowered.count,
+        diagnostics=found,
+        phases=clock.seconds,
+    )
+    if worst is not None and failed is not None:
+        index = shown.index(failed)
+        with clock.phase("explain"):
+            told = _explain(problems, index, results[index], seed) if explain else Explained()
+            told = replace(told, edits=(*dropped_choices(tried.rows), *told.edits)[:MOST_SUGGESTIONS])
+        if told.proof is not None:  # Of the conflict, not of the whole.
+            results = (*results[:index], Infeasible(told.proof), *results[index + 1 :])
+        report = _failure(report, read, problems[index], results[index], told, worst[1].combination, clock)
+        return Compiled(report, (), results, problems, index, told.conflict, chosen=worst[1].combination)
+    if len(lowered.parts) > 1:
+        with clock.phase("check"):
+            for problem, result in zip(problems, results, strict=True):
+                assert isinstance(result, Solved), "all parts compiled"
+                verify.after_binding(problem, memo)
+                verify.after_solving(problem, result.placements, memo)
+    with clock.phase("emit"):
+        scenes = tuple(_emit(p, r, seed, memo) for p, r in zip(problems, results, strict=True))
+    plan = None
+    if diversity is not None:
+        ready = [result for result in results if isinstance(result, Solved)]
+        with clock.phase("plan"):
+            plan = runtime_plan(
+                read.program,
+                problems,
+                ready,
+                library.folder,
+                file=path.name,
+                seed=seed,
+                diversity=diversity,
+                reached_by=lowered.reached_by,
+            )
+    report = report.model_copy(update={"seconds": clock.total_s, "phases": clock.seconds})
+    return Compiled(report, scenes, results, problems, plan=plan)
 
 
 def _invalid(diagnostics: tuple[Diagnostic, ...], clock: Clock) -> CompileReport:
@@ -187,17 +211,6 @@ def _emit(problem: Problem, result: Result, seed: int, memo: Memo) -> CompiledSc
     return scene
 
 
-def _row(problem: Problem, result: Result, seconds: float) -> CombinationVerdict:
-    proof = result.proof.text if isinstance(result, Infeasible) else ""
-    return CombinationVerdict(combination=problem.combination, verdict=verdict_of(result), proof=proof, seconds=seconds)
-
-
-def _worst(results: list[Result]) -> int | None:
-    """Index of the first result of the worst verdict; None when all are compiled."""
-    ranks = [_WORST_FIRST.index(verdict_of(result)) for result in results]
-    return None if min(ranks) == _WORST_FIRST.index("compiled") else ranks.index(min(ranks))
-
-
 def _explain(problems: Sequence[Problem], failed: int, result: Result, seed: int) -> Explained:
     """The conflict behind a proof, and edits that were tried; for a search that ended without one, neither."""
     problem, others = problems[failed], (*problems[:failed], *problems[failed + 1 :])
@@ -211,24 +224,25 @@ def _explain(problems: Sequence[Problem], failed: int, result: Result, seed: int
 
 
 def _failure(
+    report: CompileReport,
     read: Read,
     problem: Problem,
     result: Result,
     told: Explained,
-    found: tuple[Diagnostic, ...],
-    rows: tuple[CombinationVerdict, ...],
+    chosen: Combination,
     clock: Clock,
 ) -> CompileReport:
-    result = Infeasible(told.proof) if told.proof is not None else result  # Of the conflict, not of the whole.
-    return CompileReport(
-        verdict=verdict_of(result),
-        seconds=clock.total_s,
-        matrix=rows,
-        diagnostics=(*found, why(problem, result, told.conflict, told.edits, read.spans)),
-        conflict=conflict_members(told.conflict, read.spans),
-        minimal=told.minimal,
-        proof=result.proof.text if isinstance(result, Infeasible) else "",
-        blocking=result.blocking if isinstance(result, Exhausted) else None,
-        suggestions=told.edits,
-        phases=clock.seconds,
+    finding = why(problem, result, told.conflict, told.edits, read.spans, chosen)
+    return report.model_copy(
+        update={
+            "verdict": verdict_of(result),
+            "seconds": clock.total_s,
+            "diagnostics": (*report.diagnostics, finding),
+            "conflict": conflict_members(told.conflict, read.spans),
+            "minimal": told.minimal,
+            "proof": result.proof.text if isinstance(result, Infeasible) else "",
+            "blocking": result.blocking if isinstance(result, Exhausted) else None,
+            "suggestions": told.edits,
+            "phases": clock.seconds,
+        }
     )

@@ -259,7 +259,8 @@ class Infeasible:
 class Exhausted:
     """Not found within the budget: how many things stood at best, and which one kept failing.
 
-    `stood` says where they did, to show what is in the way; it is no scene and never leaves as one.
+    `stood` says where they did, to show what is in the way; it is no scene and never leaves as one. `note` says why
+    nothing was searched, where that is so.
     """
 
     placed: int
@@ -267,6 +268,7 @@ class Exhausted:
     blocking: str
     steps: int
     stood: dict[str, Placement] = field(default_factory=dict)
+    note: str = ""
 
 
 Result = Solved | Infeasible | Exhausted

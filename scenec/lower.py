@@ -1,9 +1,9 @@
-"""A program bound to geometry: one problem for each combination of geometry-changing variants."""
+"""One combination of a program bound to geometry: things on their places, relations, keep-outs, reach."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
@@ -12,7 +12,6 @@ import shapely
 
 from geom.pose import pose
 from scenec.assets import AssetLibrary, Geometry, swing_and_yaw
-from scenec.bind import check_assets
 from scenec.ir import (
     WORLD_PARENT,
     Body,
@@ -32,8 +31,8 @@ from scenec.lower_relations import lower_relations
 from scenec.memo import Memo
 from scenec.names import Names, anchor_named, kind_of
 from scenec.source.tree import Spans
-from scenec.variants import Choice, choices
-from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
+from scenec.variants import Choice
+from schemas.diagnostics import Diagnostic, Severity, finding
 from schemas.scene_program import (
     BACKGROUND,
     Background,
@@ -44,7 +43,6 @@ from schemas.scene_program import (
     Pose,
     Ranges,
     SceneObject,
-    SceneProgram,
     Slot,
     SlotGroup,
 )
@@ -54,48 +52,26 @@ RESTS_DEG = 3.0  # as far as a thing may turn when it is let go (design: a scene
 Place = Surface | Volume
 
 
-@dataclass(frozen=True)
-class Lowered:
-    """One problem for each combination, none when a diagnostic is an error; with `union` footprints of pools that
-    carry nothing are those of all their candidates at once."""
-
-    problems: tuple[Problem, ...]
-    diagnostics: tuple[Diagnostic, ...]
-    union: bool
-
-
-def lower(program: SceneProgram, library: AssetLibrary, spans: Spans, memo: Memo | None = None) -> Lowered:
-    """The problems that a program poses with the assets of a library (at most `variants.MAX_COMBINATIONS`).
-
-    Things and relations that `memo` knows are the same objects as before.
-    """
-    memo = memo or Memo()
-    names = Names(program)
-    found = list(check_assets(program, library, spans))
-    if _wrong(found):
-        return Lowered((), tuple(found), False)
-    try:
-        chosen = choices(names)
-    except InvalidInput as error:
-        where = spans.place(("variants",)) if program.variants.assets else spans.place(("objects",))
-        return Lowered((), (*found, error.diagnostic.model_copy(update={"where": where})), False)
-    found += [note.model_copy(update={"where": spans.place(("objects",))}) for note in chosen.diagnostics]
-    problems = []
-    for choice in chosen.choices:
-        lowering = _Lowering(names, choice, library, spans, memo)
-        problems.append(lowering.problem())
-        found += [diagnostic for diagnostic in lowering.found if diagnostic not in found]
-    return Lowered(() if _wrong(found) else tuple(problems), tuple(found), chosen.union)
-
-
 def _wrong(diagnostics: Sequence[Diagnostic]) -> bool:
     return any(d.severity is Severity.ERROR for d in diagnostics)
 
 
-class _Lowering:
-    """One combination. Findings gather in `found`; what they concern is left out of the problem."""
+class Lowering:
+    """One combination, of some nodes with all they carry and stand on, or of all (`nodes` None).
 
-    def __init__(self, names: Names, choice: Choice, library: AssetLibrary, spans: Spans, memo: Memo) -> None:
+    Findings gather in `found`; what they concern is left out of the problem.
+    """
+
+    def __init__(
+        self,
+        names: Names,
+        choice: Choice,
+        library: AssetLibrary,
+        spans: Spans,
+        memo: Memo,
+        nodes: Collection[str] | None = None,
+    ) -> None:
+        self.nodes = names.program.layout.nodes if nodes is None else nodes
         self.names, self.choice, self.library, self.spans, self.memo = names, choice, library, spans, memo
         self.program = names.program
         self.found: list[Diagnostic] = []
@@ -105,14 +81,17 @@ class _Lowering:
         self.object_of = {t: node.object for n, node in self.program.layout.nodes.items() for t in names.copies[n]}
 
     def problem(self) -> Problem:
+        """The problem; relations, keep-outs and reach are those of its things."""
         program, background = self.program, self.choice.background
-        things = {thing.name: thing for node in program.layout.nodes for thing in self._things(node)}
+        nodes = (node for node in program.layout.nodes if node in self.nodes)
+        things = {thing.name: thing for node in nodes for thing in self._things(node)}
         background_yaw = _yaw(background) if background is not None else 0.0
         relations: tuple[RelationIR, ...] = ()
         if not _wrong(self.found):
             relations, wrong = lower_relations(self.names, things, background_yaw, self.spans)
             self.found += wrong
             relations = tuple(self.memo.get(rule, partial(_itself, rule)) for rule in relations)
+        keep_outs = (self._keep_out(i) for i in range(len(program.keep_outs)))
         return Problem(
             program.scene,
             self._background(),
@@ -120,8 +99,8 @@ class _Lowering:
             tuple(things.values()),
             relations,
             program.clearance,
-            tuple(keep_out for i in range(len(program.keep_outs)) if (keep_out := self._keep_out(i)) is not None),
-            self._reach(tuple(things)),
+            tuple(k for k in keep_outs if k is not None and (k.parent == WORLD_PARENT or k.parent in things)),
+            self._reach(things),
             dict(self.choice.combination),
         )
 
@@ -289,13 +268,13 @@ class _Lowering:
             polygon = shapely.box(x0, y0, x1, y1)
         return KeepOutIR(parent, place, polygon, keep_out.height or np.inf, ("keep_outs", index))
 
-    def _reach(self, things: tuple[str, ...]) -> ReachIR | None:
+    def _reach(self, things: Mapping[str, Thing]) -> ReachIR | None:
         reach = self.program.reach
         if reach is None:
             return None
         named = things if reach.members == "all" else [t for m in reach.members for t in self.names.stand_for(m)]
-        members = tuple(dict.fromkeys(named))
-        return ReachIR(np.array(reach.base), reach.min_radius, reach.radius, members, ("reach",))
+        members = tuple(name for name in dict.fromkeys(named) if name in things)
+        return ReachIR(np.array(reach.base), reach.min_radius, reach.radius, members, ("reach",)) if members else None
 
 
 def _itself(rule: RelationIR) -> RelationIR:

@@ -34,7 +34,7 @@ _AWAY: dict[str, tuple[float, float]] = {
 def lower_relations(
     names: Names, things: Mapping[str, Thing], background_yaw_rad: float, spans: Spans
 ) -> tuple[tuple[RelationIR, ...], tuple[Diagnostic, ...]]:
-    """All relations of a program, and findings (`scene/frame-needed`, `scene/too-many`)."""
+    """All relations of a program between these things, and findings (`scene/frame-needed`, `scene/too-many`)."""
     found: list[RelationIR] = []
     wrong: list[Diagnostic] = []
     for i, relation in enumerate(names.program.relations):
@@ -56,6 +56,8 @@ def _lowered(
 ) -> Iterator[RelationIR]:
     (word,) = words_of(relation)
     sides = [names.stand_for(name) for name in getattr(relation, word)]
+    if not all(thing in things for side in sides for thing in side):  # of another part
+        return
     if word == "aligned":
         members = tuple(thing for side in sides for thing in side)
         frame, yaw = _frame(names, relation, members, things, background_yaw_rad, path)

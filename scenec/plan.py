@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from math import inf, isfinite
 from pathlib import Path
@@ -13,15 +13,11 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.cases.across import view_of
-from scenec.cases.coupling import pools_of
-from scenec.cases.pool import Asked, pool_cases
-from scenec.cases.tied import tied_cases
 from scenec.ir import Body, Problem, Slab, Solved, Stance, Surface, Thing, Volume
 from scenec.judge import judge
 from scenec.names import Names
+from scenec.plan_pools import Alike, plan_pools
 from scenec.solve.model import Model, model_of, owner_first
-from scenec.solve.stacks import piled
 from schemas.compiled_scene import Prism
 from schemas.runtime_plan import (
     PlanBody,
@@ -42,8 +38,6 @@ from schemas.runtime_plan import (
 from schemas.scene_program import PairedMaterial, SceneProgram
 
 _DIGITS = 9  # nanometres
-MOST_CASES = 800  # of a pool
-MOST_CELLS = 13_000  # in the cases of a pool: about a megabyte
 _MARK = "\x01"  # no name holds it
 
 
@@ -56,22 +50,29 @@ def runtime_plan(
     file: str = "",
     seed: int = 0,
     diversity: float = 1.0,
+    reached_by: Mapping[str, Collection[str]] | None = None,
 ) -> RuntimePlan:
     """The plan of a compiled program; `diversity` trades its size for coverage (1: some hundred cases a pool).
+
+    `reached_by` are the keys of combinations by thing that decide anything of it (all, when None): pools that these
+    leave alike are made once.
 
     Every case is judged by the independent checker at extreme poses; RuntimeError when one is refused, a defect of
     ours. Deterministic in program, packages, seed and diversity.
     """
     bodies = PlanBodies(packages)
-    combinations = tuple(
-        _combination(program, problem, result, bodies, seed, diversity / max(1.0, len(problems) ** 0.5))
-        for problem, result in zip(problems, results, strict=True)
-    )
+    made: dict[Alike, tuple[PlanPool, ...]] = {}
+    share = diversity / max(1.0, len(problems) ** 0.5)
+    combinations = []
+    for problem, result in zip(problems, results, strict=True):
+        base = model_of(problem)
+        pools = plan_pools(base, result, seed, share, made, reached_by)
+        combinations.append(_combination(program, base, pools, bodies))
     plan = RuntimePlan(
         scene=program.scene,
         clearance_m=program.clearance,
         bodies=tuple(bodies.found),
-        combinations=combinations,
+        combinations=tuple(combinations),
         materials=_materials(program),
         lighting=program.variants.lighting,
         split={"train": program.split.train, "eval": program.split.eval}
@@ -108,29 +109,9 @@ def plan_text(plan: RuntimePlan) -> str:
 
 
 def _combination(
-    program: SceneProgram, problem: Problem, result: Solved, bodies: PlanBodies, seed: int, diversity: float
+    program: SceneProgram, base: Model, pools: tuple[PlanPool, ...], bodies: PlanBodies
 ) -> PlanCombination:
-    base = model_of(problem)
-    pools = pools_of(base)
-    frozen = {name: result.placements[name] for name in pools.frozen}
-    heaped = piled(base, {name: base.put(name, at) for name, at in result.placements.items()})
-    made: list[PlanPool] = []
-    for tied in pools.tied:
-        for names in tied.groups:
-            if heaped.intersection(names):  # a pile stays as it was found, in its receptacle
-                frozen |= {name: result.placements[name] for name in names}
-        wanted = _cases_wanted(len(tied.names), diversity)
-        if tied.rules:
-            asked = Asked(tied.names, frozen, result.placements, wanted, seed)
-            cases = tied_cases(pools.model, asked, tied.groups, tied.rules)
-            if cases:
-                made.append(PlanPool(things=tied.names, cases=tuple(cases)))
-                continue
-            held = {name for rule in tied.rules for name in view_of(pools.model, rule).links}
-            frozen |= {name: result.placements[name] for name in held}
-        for names in tied.groups:
-            asked = Asked(names, frozen, result.placements, wanted, seed)
-            made.append(PlanPool(things=names, cases=tuple(pool_cases(pools.model, asked))))
+    problem = base.problem
     places = _places(problem, base)
     number = {key: k for k, key in enumerate(places)}
     things = [base.things[name] for name in owner_first(base.things)]
@@ -141,7 +122,7 @@ def _combination(
         X_WB=tuple(tuple(float(v) for v in row) for row in problem.X_WB),  # pyright: ignore[reportArgumentType]
         places=tuple((owner, _place(place)) for (owner, _), place in places.items()),
         things=tuple(_thing(thing, number[thing.parent, thing.place.name], bodies) for thing in things),
-        pools=tuple(made),
+        pools=pools,
         relations=tuple(
             PlanRelation(
                 kind=rule.kind,
@@ -180,10 +161,6 @@ def _materials(program: SceneProgram) -> tuple[PairedMaterial, ...]:
         material.model_copy(update={"objects": tuple(t for o in material.objects for t in things.get(o, (o,)))})
         for material in program.variants.materials
     )
-
-
-def _cases_wanted(things: int, diversity: float) -> int:
-    return max(8, round(diversity * min(MOST_CASES, MOST_CELLS // things)))
 
 
 class PlanBodies:

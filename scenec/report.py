@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from scenec.ir import Infeasible, Path, Problem, Result, Solved
 from scenec.source.tree import Spans, written
 from schemas.codes import CODES
@@ -17,10 +19,16 @@ def verdict_of(result: Result) -> Verdict:
 
 
 def why(
-    problem: Problem, result: Result, paths: tuple[Path, ...], edits: tuple[Suggestion, ...], spans: Spans
+    problem: Problem,
+    result: Result,
+    paths: tuple[Path, ...],
+    edits: tuple[Suggestion, ...],
+    spans: Spans,
+    chosen: Mapping[str, str],
 ) -> Diagnostic:
-    """The finding for a combination without a scene, at the first of `paths`, the constraints that conflict."""
-    among = _combination(problem)
+    """The finding for a combination without a scene, at the first of `paths`, the constraints that conflict. `chosen`
+    are the values of the keys that reach what failed."""
+    among = _combination(chosen)
     if isinstance(result, Infeasible):
         proof = result.proof
         code = f"scene/{proof.kind}" if f"scene/{proof.kind}" in CODES else "scene/infeasible"
@@ -36,14 +44,16 @@ def why(
     else:
         assert not isinstance(result, Solved), "a scene needs no excuse"
         blocking = next((thing for thing in problem.things if thing.name == result.blocking), None)
+        said = f"no scene was found in {result.steps} steps, which proves nothing; `{result.blocking}` failed most"
+        if result.note:
+            said = f"{result.note}, which proves nothing of one at a time"
         made = finding(
             "scene/budget-exhausted",
-            f"no scene was found in {result.steps} steps, which proves nothing; `{result.blocking}` failed most"
-            + among,
+            said + among,
             where=spans.place(blocking.path if blocking else ()),
-            value=result.placed,
-            bound=result.of,
-            unit="things placed at best",
+            value=None if result.note else result.placed,
+            bound=None if result.note else result.of,
+            unit="" if result.note else "things placed at best",
         )
     tried = [edit.edit for edit in edits if edit.verified]
     return made if not tried else made.model_copy(update={"help": "; or ".join(tried)})
@@ -58,6 +68,6 @@ def conflict_members(paths: tuple[Path, ...], spans: Spans) -> tuple[ConflictMem
     return tuple(members)
 
 
-def _combination(problem: Problem) -> str:
-    chosen = ", ".join(f"{key}: {value}" for key, value in sorted(problem.combination.items()))
-    return f" (with {chosen})" if chosen else ""
+def _combination(chosen: Mapping[str, str]) -> str:
+    words = ", ".join(f"{key}: {value}" for key, value in sorted(chosen.items()))
+    return f" (with {words})" if words else ""

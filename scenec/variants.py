@@ -1,39 +1,33 @@
-"""Combinations of alternatives that change geometry, resolved before anything is placed."""
+"""What a program leaves open, by keys such as `objects.mug` or `variants.backgrounds`, each with its values.
+
+Variants that change geometry are resolved before anything is placed: a combination gives every key one value.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
-from typing import NamedTuple
 
 from scenec.assets import Single
 from scenec.names import Names, upright
-from schemas.diagnostics import Diagnostic, InvalidInput, finding
-from schemas.scene_program import Asset, AssetVariant, Background, FixedAsset, PoolAsset, SlotVariant
+from schemas.scene_program import Asset, AssetVariant, Background, FixedAsset, PoolAsset, SlotGroup
 
 MAX_COMBINATIONS = 256
 AS_WRITTEN = "as_written"
-_Named = tuple[str, dict[str, str]]  # an assignment of members to slots, and what it is called
+ASSETS, BACKGROUNDS, BACKGROUND_POOL = "variants.assets", "variants.backgrounds", "background"
+Combination = dict[str, str]
 
 
 @dataclass(frozen=True)
 class Choice:
     """One combination: which assets each object may have (several: their union), background and slots."""
 
-    combination: dict[str, str]
+    combination: Combination
     objects: Mapping[str, tuple[Single, ...]]
     background: Background | None
     background_asset: Single | None
     assign: dict[str, dict[str, str]] = field(default_factory=dict)
-
-
-class Choices(NamedTuple):
-    """All combinations; with `union` pools of things that carry nothing were not taken apart."""
-
-    choices: tuple[Choice, ...]
-    union: bool
-    diagnostics: tuple[Diagnostic, ...]
 
 
 def singles(asset: Asset | str) -> tuple[Single, ...]:
@@ -46,94 +40,125 @@ def singles(asset: Asset | str) -> tuple[Single, ...]:
     return (asset,)
 
 
-def choices(names: Names) -> Choices:
-    """Every combination of variants and pool candidates, at most `MAX_COMBINATIONS`.
+class Variety:
+    """The keys of a program. Objects in `together` are not taken apart: they have all their candidates at once.
 
-    Beyond that, pools of upright things that carry nothing keep all their candidates at once (info
-    `scene/union-footprints`). Raises InvalidInput (`scene/too-many`) when there are still too many.
+    A pool is a key of its own only under those asset variants that leave the object a pool.
     """
-    count = sum(_size(setting, frozenset()) for setting in _settings(names))
-    if count <= MAX_COMBINATIONS:
-        found = tuple(choice for setting in _settings(names) for choice in _combined(setting, frozenset()))
-        return Choices(found, False, ())
-    together = frozenset(names.objects) - _apart(names)
-    left = sum(_size(setting, together) for setting in _settings(names))
-    if left > MAX_COMBINATIONS:
-        raise InvalidInput(
-            finding(
-                "scene/too-many",
-                f"the variants have {left} combinations that must be solved one by one",
-                value=left,
-                bound=MAX_COMBINATIONS,
-                unit="combinations",
-            )
-        )
-    headline = f"{count} combinations of variants are covered by {left}, with the union of their footprints"
-    note = finding("scene/union-footprints", headline, value=count, bound=MAX_COMBINATIONS, unit="combinations")
-    found = tuple(choice for setting in _settings(names) for choice in _combined(setting, together))
-    return Choices(found, True, (note,))
+
+    def __init__(self, names: Names) -> None:
+        program, variants = names.program, names.program.variants
+        self.names = names
+        self.assets: dict[str, AssetVariant | None] = {AS_WRITTEN: None, **{v.id: v for v in variants.assets}}
+        self.backgrounds: dict[str, Background | None] = {v.id: v.background for v in variants.backgrounds}
+        if program.background is not None or not self.backgrounds:
+            self.backgrounds = {AS_WRITTEN: program.background, **self.backgrounds}
+        self.slots: dict[str, dict[str, dict[str, str]]] = {v.group: {AS_WRITTEN: {}} for v in variants.slots}
+        for variant in variants.slots:
+            self.slots[variant.group][variant.id] = variant.assign
+        self.written = {thing.id: singles(thing.asset) for thing in program.objects}
+        self.together: frozenset[str] = frozenset()
+
+    def candidates(self, name: str, variant: str) -> tuple[Single, ...]:
+        """What an object may be under an asset variant."""
+        changed = self.assets[variant]
+        asset = None if changed is None else changed.objects.get(name)
+        return self.written[name] if asset is None else singles(asset)
+
+    def background_keys(self) -> frozenset[str]:
+        """Keys of the background: they reach everything."""
+        pool = any(b is not None and len(singles(b.asset)) > 1 for b in self.backgrounds.values())
+        return frozenset([*([BACKGROUNDS] if len(self.backgrounds) > 1 else []), *([BACKGROUND_POOL] if pool else [])])
+
+    def keys_of(self, node: str) -> frozenset[str]:
+        """Keys that reach a node by itself: its asset, its slots."""
+        name = self.names.program.layout.nodes[node].object
+        pool = any(len(self.candidates(name, variant)) > 1 for variant in self.assets)
+        changed = any(variant is not None and name in variant.objects for variant in self.assets.values())
+        groups = [group for group in self.names.groups_of.get(node, ()) if group in self.slots]
+        slots = [_slot_key(g) for g in groups if isinstance(self.names.program.layout.groups[g], SlotGroup)]
+        own = [f"objects.{name}"] if pool and name not in self.together else []
+        return frozenset([*own, *([ASSETS] if changed else []), *slots])
+
+    def count(self, keys: Collection[str]) -> int:
+        """How many combinations of the values of some keys there are, without listing them."""
+        return sum(self._size(variant, background, keys) for variant, background, _ in self._settings(keys))
+
+    def combinations(self, keys: Collection[str]) -> Iterator[Combination]:
+        """Every combination of the values of some keys, what the program says without variants first."""
+        for variant, background, assigned in self._settings(keys):
+            declared = {ASSETS: variant, BACKGROUNDS: background, **assigned}
+            pools = {f"objects.{name}": found for name, found in self._pools(variant, keys)}
+            behind = self._behind(background, keys)
+            for at, *chosen in product(behind, *pools.values()):
+                picked = {key: one.id for key, one in zip(pools, chosen, strict=True) if isinstance(one, FixedAsset)}
+                last = {BACKGROUND_POOL: at.id} if len(behind) > 1 and isinstance(at, FixedAsset) else {}
+                yield {**{key: value for key, value in declared.items() if key in keys}, **picked, **last}
+
+    def probes(self) -> Iterator[Combination]:
+        """Combinations of all keys in which each candidate of each thing meets each background and assignment."""
+        declared = frozenset([ASSETS, *self.background_keys(), *map(_slot_key, self.slots)])
+        every = declared | {f"objects.{name}" for name in self.written}
+        for one in self.combinations(declared):
+            pools = dict(self._pools(one.get(ASSETS, AS_WRITTEN), every))
+            for k in range(max(map(len, pools.values()), default=1)):
+                picked = {f"objects.{name}": found[min(k, len(found) - 1)] for name, found in pools.items()}
+                yield one | {key: single.id for key, single in picked.items() if isinstance(single, FixedAsset)}
+
+    def choice(self, combination: Mapping[str, str]) -> Choice:
+        """What a combination means; a key that it leaves out has its first value, or all where taken together."""
+        variant = combination.get(ASSETS, AS_WRITTEN)
+        background = self.backgrounds[combination.get(BACKGROUNDS, next(iter(self.backgrounds)))]
+        objects = {}
+        for name in self.written:
+            found = self.candidates(name, variant)
+            one = combination.get(f"objects.{name}")
+            objects[name] = found if name in self.together and one is None else (_named(found, one),)
+        behind = None
+        if background is not None:
+            behind = _named(singles(background.asset), combination.get(BACKGROUND_POOL))
+        assign = {group: found[combination.get(_slot_key(group), AS_WRITTEN)] for group, found in self.slots.items()}
+        return Choice(dict(combination), objects, background, behind, assign)
+
+    def apart(self) -> frozenset[str]:
+        """Objects whose candidates must be solved one by one: something stands on them, or they may be turned over."""
+        names = self.names
+        nodes = names.program.layout.nodes
+        used = {anchor for node in nodes if (anchor := names.anchor_of(node)) is not None}
+        owners = {names.owner(anchor) for anchor in used}
+        carriers = (node.object for name, node in nodes.items() if not owners.isdisjoint(names.copies[name]))
+        turned = (node.object for name, node in nodes.items() if not upright(names.placing(name)))
+        return frozenset((*carriers, *turned))
+
+    def _settings(self, keys: Collection[str]) -> Iterator[tuple[str, str, Combination]]:
+        # Asset variant, background and slot assignments of each choice of the declared variants among `keys`.
+        variants = [*self.assets] if ASSETS in keys else [AS_WRITTEN]
+        backgrounds = [*self.backgrounds] if BACKGROUNDS in keys else [next(iter(self.backgrounds))]
+        groups = [group for group in self.slots if _slot_key(group) in keys]
+        for variant, background, *assigned in product(variants, backgrounds, *(self.slots[group] for group in groups)):
+            yield variant, background, dict(zip(map(_slot_key, groups), assigned, strict=True))
+
+    def _pools(self, variant: str, keys: Collection[str]) -> Iterator[tuple[str, tuple[Single, ...]]]:
+        for name in self.written:
+            found = self.candidates(name, variant)
+            if len(found) > 1 and name not in self.together and f"objects.{name}" in keys:
+                yield name, found
+
+    def _behind(self, background: str, keys: Collection[str]) -> tuple[Single | None, ...]:
+        made = self.backgrounds[background]
+        found = () if made is None else singles(made.asset)
+        return found if BACKGROUND_POOL in keys and found else found[:1] or (None,)
+
+    def _size(self, variant: str, background: str, keys: Collection[str]) -> int:
+        count = len(self._behind(background, keys))
+        for _, found in self._pools(variant, keys):
+            count *= len(found)
+        return count
 
 
-class _Setting(NamedTuple):
-    """One choice of the declared variants, before pools are taken apart."""
-
-    combination: dict[str, str]
-    objects: Mapping[str, tuple[Single, ...]]
-    background: Background | None
-    assign: dict[str, dict[str, str]]
+def _slot_key(group: str) -> str:
+    return f"variants.slots.{group}"
 
 
-def _settings(names: Names) -> Iterator[_Setting]:
-    """Declared variants, each dimension with what the program says without them first."""
-    program, variants = names.program, names.program.variants
-    written = {thing.id: singles(thing.asset) for thing in program.objects}
-    assets: list[AssetVariant | None] = [None, *variants.assets]
-    backgrounds: list[tuple[str, Background | None]] = [(v.id, v.background) for v in variants.backgrounds]
-    if program.background is not None or not backgrounds:
-        backgrounds.insert(0, (AS_WRITTEN, program.background))
-    groups = tuple(dict.fromkeys(variant.group for variant in variants.slots))
-    for other, (name, background), assigned in product(assets, backgrounds, _assignments(variants.slots, groups)):
-        combination = {"variants.assets": other.id if other else AS_WRITTEN} if variants.assets else {}
-        combination |= {"variants.backgrounds": name} if len(backgrounds) > 1 else {}
-        combination |= {f"variants.slots.{group}": one for group, (one, _) in zip(groups, assigned, strict=True)}
-        changed = {of: singles(asset) for of, asset in other.objects.items()} if other else {}
-        assign = {group: slots for group, (_, slots) in zip(groups, assigned, strict=True)}
-        yield _Setting(combination, written | changed, background, assign)
-
-
-def _assignments(
-    variants: Sequence[SlotVariant], groups: Sequence[str]
-) -> list[tuple[tuple[str, dict[str, str]], ...]]:
-    """Every choice of one assignment, by name, for each group."""
-    written: tuple[str, dict[str, str]] = (AS_WRITTEN, {})
-    each = [[written, *((v.id, v.assign) for v in variants if v.group == group)] for group in groups]
-    return list(product(*each))
-
-
-def _size(setting: _Setting, together: frozenset[str]) -> int:
-    count = len(singles(setting.background.asset)) if setting.background else 1
-    for name, candidates in setting.objects.items():
-        count *= 1 if name in together else len(candidates)
-    return count
-
-
-def _combined(setting: _Setting, together: frozenset[str]) -> Iterator[Choice]:
-    pools = [name for name, found in setting.objects.items() if len(found) > 1 and name not in together]
-    backgrounds: tuple[Single | None, ...] = singles(setting.background.asset) if setting.background else (None,)
-    for background, *chosen in product(backgrounds, *(setting.objects[name] for name in pools)):
-        picked = dict(zip(pools, chosen, strict=True))
-        combination = {f"objects.{name}": one.id for name, one in picked.items() if isinstance(one, FixedAsset)}
-        if len(backgrounds) > 1 and isinstance(background, FixedAsset):
-            combination["background"] = background.id
-        objects = {**setting.objects, **{name: (one,) for name, one in picked.items()}}
-        yield Choice(setting.combination | combination, objects, setting.background, background, setting.assign)
-
-
-def _apart(names: Names) -> frozenset[str]:
-    """Objects whose candidates must be solved one by one: something stands on them, or they may be turned over."""
-    nodes = names.program.layout.nodes
-    used = {anchor for node in nodes if (anchor := names.anchor_of(node)) is not None}
-    owners = {names.owner(anchor) for anchor in used}
-    carriers = (node.object for name, node in nodes.items() if not owners.isdisjoint(names.copies[name]))
-    turned = (node.object for name, node in nodes.items() if not upright(names.placing(name)))
-    return frozenset((*carriers, *turned))
+def _named(found: tuple[Single, ...], name: str | None) -> Single:
+    return next((one for one in found if isinstance(one, FixedAsset) and one.id == name), found[0])

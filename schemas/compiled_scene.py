@@ -89,6 +89,18 @@ class CombinationVerdict(_Model):
     scene: str | None = None
 
 
+class ComponentVerdict(_Model):
+    """Things that share nothing with the others whatever the variants choose, with a verdict for each combination of
+    only the variants that reach them; the worst is that of the component. Objects in `union` were tried with all their
+    candidates at once, because single ones would be more than 256; rows that name one of these tried that one alone.
+    """
+
+    things: tuple[str, ...]
+    verdict: Verdict
+    combinations: tuple[CombinationVerdict, ...]
+    union: tuple[str, ...] = ()
+
+
 class Settling(_Model):
     """How far one object went from its compiled pose when everything was let go at once."""
 
@@ -104,7 +116,11 @@ class CompileReport(_Model):
     schema_version: str = SCHEMA_VERSION
     verdict: Verdict
     seconds: float
-    matrix: tuple[CombinationVerdict, ...] = ()
+    matrix: tuple[CombinationVerdict, ...] = Field(
+        default=(), description="of whole scenes: all combinations up to 256, else those that were written"
+    )
+    components: tuple[ComponentVerdict, ...] = Field(default=(), description="what is decided apart from the rest")
+    combinations: int = Field(default=0, description="of all variants together, however many rows `matrix` has")
     diagnostics: tuple[Diagnostic, ...] = ()
     conflict: tuple[ConflictMember, ...] = ()
     minimal: bool | None = None

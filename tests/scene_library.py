@@ -31,9 +31,13 @@ _HOLD |= {"slices": [{"height_m": 0.0175 + 0.035 * i, "polygons": [_INSIDE]} for
 
 def cube(library: Path, asset_id: str = "cube", outcome: str = "accepted") -> None:
     """A solid cube; nobody knows how it comes to rest."""
-    mesh = samples.box_mesh((CUBE_M, CUBE_M, CUBE_M))
-    shape = CollisionShape("box", (CUBE_M, CUBE_M, CUBE_M), samples.at(0.5 * CUBE_M))
-    _package(library, asset_id, [mesh], [shape], ["manipulated"], [], outcome=outcome)
+    block(library, asset_id, (CUBE_M, CUBE_M, CUBE_M), outcome)
+
+
+def block(library: Path, asset_id: str, size_m: tuple[float, float, float], outcome: str = "accepted") -> None:
+    """A solid block; nobody knows how it comes to rest."""
+    shape = CollisionShape("box", size_m, samples.at(0.5 * size_m[2]))
+    _package(library, asset_id, [samples.box_mesh(size_m)], [shape], ["manipulated"], [], outcome=outcome)
 
 
 def rod(library: Path) -> None:

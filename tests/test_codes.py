@@ -19,7 +19,7 @@ from replay.reading import read_episodes
 from runtime_plan import load
 from scenec.assets import AssetLibrary
 from scenec.compile import compile_program
-from scenec.lower import lower
+from scenec.parts import lower
 from scenec.source.read import read_program
 from schemas.codes import CODES
 from schemas.diagnostics import Diagnostic, InvalidInput, finding

@@ -27,8 +27,9 @@ _MOST_LINES = 9
 _MOST_WAITING = 6  # things without a place that are drawn
 
 
-def failure(problem: Problem, result: Result, paths: Sequence[Path] = ()) -> bytes:
-    """PNG of the place where the conflict is, in the frame of its anchor; `paths` are the conflicting constraints.
+def failure(problem: Problem, result: Result, paths: Sequence[Path] = (), chosen: str = "") -> bytes:
+    """PNG of the place where the conflict is, in the frame of its anchor; `paths` are the conflicting constraints, and
+    `chosen` says of which combination.
 
     Green is where the origin of a thing may be as far as it alone is concerned (place, ranges, keep-outs); dashed
     outlines are its footprint, red what cannot hold together. Things are drawn apart where nothing ties them to a spot.
@@ -45,7 +46,7 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = ()) -> byt
     outline = place.polygon if isinstance(place, Surface) else place.opening
     bounds = np.array(outline.bounds)
     caption = _caption(problem, result, paths)
-    made, axes = sheet(bounds[:2], bounds[2:], _title(problem, result), len(caption))
+    made, axes = sheet(bounds[:2], bounds[2:], _title(problem, result, chosen), len(caption))
     area(axes, outline, order=1.0, facecolor=SUPPORT, edgecolor=EDGE, linewidth=1.2)
     for rule in problem.keep_outs:
         if (rule.parent, rule.place.name) == (parent, anchor):
@@ -92,16 +93,21 @@ def _involved(problem: Problem, result: Result, paths: Sequence[Path]) -> set[st
     return found
 
 
-def _title(problem: Problem, result: Result) -> str:
+def _title(problem: Problem, result: Result, chosen: str) -> str:
+    among = f"\nwith {chosen}" if chosen else ""
     if isinstance(result, Exhausted):
-        return f"{problem.scene}: not found in {result.steps} steps; {result.blocking} failed most"
-    return f"{problem.scene}: there is no such scene"
+        if result.note:
+            return f"{problem.scene}: not found{among}"
+        return f"{problem.scene}: not found in {result.steps} steps; {result.blocking} failed most{among}"
+    return f"{problem.scene}: there is no such scene{among}"
 
 
 def _caption(problem: Problem, result: Result, paths: Sequence[Path]) -> list[str]:
     said = []
     if isinstance(result, Infeasible):
         said = textwrap.wrap(result.proof.text, _CAPTION)
+    elif isinstance(result, Exhausted) and result.note:
+        said = textwrap.wrap(result.note, _CAPTION)
     elif isinstance(result, Exhausted):
         said = [f"{result.placed} of {result.of} things could be placed at best (grey); green is what they leave"]
     words = {relation.path: relation for relation in problem.relations}

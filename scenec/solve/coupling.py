@@ -47,7 +47,8 @@ def footprint_bounds(model: Model, name: str) -> tuple[float, float, float, floa
     return max(xa + ox + x0, a0), max(ya + oy + y0, b0), min(xb + ox + x1, a1), min(yb + oy + y1, b1)
 
 
-def _heights(model: Model, name: str) -> tuple[float, float]:
+def heights(model: Model, name: str) -> tuple[float, float]:
+    """Lowest and highest z in P that a thing with all it carries may take."""
     thing = model.things[name]
     base = model.site(thing).base_P_m
     shapes = model.shapes[name]
@@ -73,16 +74,20 @@ def _near(model: Model) -> list[tuple[list[str], NDArray[np.bool_]]]:
     found = []
     for names in siblings.values():
         box = np.array([footprint_bounds(model, name) for name in names])
-        height = np.array([_heights(model, name) for name in names])
-        near = np.ones((len(names), len(names)), dtype=bool)
-        for low, high, room in (
-            (box[:, 0], box[:, 2], model.problem.clearance_m),
-            (box[:, 1], box[:, 3], model.problem.clearance_m),
-            (height[:, 0], height[:, 1], 0.0),
-        ):
-            near &= (low[:, None] < high[None, :] + room) & (low[None, :] < high[:, None] + room)
+        height = np.array([heights(model, name) for name in names])
+        low, high = np.column_stack([box[:, :2], height[:, 0]]), np.column_stack([box[:, 2:], height[:, 1]])
+        near = meeting(low, high, model.problem.clearance_m)
         found.append((names, near))
     return found
+
+
+def meeting(low_m: NDArray[np.float64], high_m: NDArray[np.float64], clearance_m: float) -> NDArray[np.bool_]:
+    """Which boxes (n, 3) share some height and come closer than the clearance seen from above: (n, n)."""
+    near = np.ones((len(low_m), len(low_m)), dtype=bool)
+    for axis, room in ((0, clearance_m), (1, clearance_m), (2, 0.0)):
+        low, high = low_m[:, axis], high_m[:, axis]
+        near &= (low[:, None] < high[None, :] + room) & (low[None, :] < high[:, None] + room)
+    return near
 
 
 def components_of(model: Model) -> tuple[tuple[str, ...], ...]:

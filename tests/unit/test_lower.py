@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from scenec.assets import AssetLibrary
-from scenec.lower import Lowered, lower
+from scenec.parts import Lowered, lower
 from scenec.source.read import read_program
 from tests import scene_library
 from tests.scene_bad_inputs import GROUPED, ON_TRAY, SLOTS, SOUND, THREE, pool
@@ -101,7 +101,7 @@ def test_beyond_256_combinations_a_pool_is_as_large_as_all_its_candidates(tmp_pa
         scene_library.cube(folder, name)
     pools = pool("bin", *many, text=pool("cube_0", *many), of="b")
     result = lowered(pools, tmp_path, folder)
-    assert result.union
+    assert [part.union for part in result.parts] == [("a", "b")]
     (problem,) = result.problems
     a, b, _ = problem.things
     assert (len(a.body.stances[0].slabs), len(b.body.stances[0].slabs)) == (20, 19 + 5)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
 from scenec.assets import AssetLibrary
-from scenec.lower import lower
+from scenec.parts import lower
 from scenec.source.read import read_program
 
 TEXTS = [path.read_text() for path in sorted((Path(__file__).parents[1] / "scenes").glob("*.yaml"))]

@@ -13,7 +13,7 @@ from ruamel.yaml import YAML
 from scenec.assets import AssetLibrary
 from scenec.compile import compile_program
 from scenec.ir import Problem
-from scenec.lower import lower
+from scenec.parts import lower
 from scenec.source.language import editor_schema
 from scenec.source.read import read_program
 from tests import scene_library
