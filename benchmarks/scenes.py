@@ -29,6 +29,7 @@ from scenec.solve import ComponentCache, solve
 from scenec.solve.model import model_of
 from scenec.solve.search import Effort, search
 from scenec.validate import violations
+from schemas.compiled_scene import CompileReport
 
 BASELINES = {"circles (robosuite rule)": circles, "oriented boxes": oriented_boxes, "python shelf and swaps": shelves}
 
@@ -183,6 +184,36 @@ def growth() -> int:
     return wrong
 
 
+def racks(k: int) -> str:
+    """k racks in places of their own, each with two boxes that have four assignments to its slots."""
+    lines = [f"background: {{asset: {{type: box, size_m: [{0.5 * k}, 0.5, 0.04]}}}}"]
+    lines += ["anchors: {top: {object: background, surface: auto}}", "objects:"]
+    lines += [f"  - {{id: {a}{i}, asset: {{type: box, size_m: [0.06, 0.05, 0.05]}}}}" for i in range(k) for a in "ab"]
+    lines += ["layout:", "  nodes: {" + ", ".join(f"{a}{i}: {{object: {a}{i}}}" for i in range(k) for a in "ab") + "}"]
+    lines += ["  groups:"]
+    for i in range(k):
+        slots = ", ".join(f"{{id: s{n}, x: {0.5 * i - 0.25 * k + 0.1 * (n + 1):.3f}, y: 0}}" for n in range(4))
+        lines.append(f"    rack{i}: {{type: slot, members: [a{i}, b{i}], surface: top, slots: [{slots}]}}")
+    lines += ["variants:", "  slots:"]
+    for i in range(k):
+        lines += [f"    - {{id: r{i}v{n}, group: rack{i}, assign: {{a{i}: s{n}, b{i}: s{n + 1}}}}}" for n in range(3)]
+    return "\n".join([*lines, ""])
+
+
+def variants() -> None:
+    print(f"\n{'components of 4 combinations':30} {'of all':>10} {'verdicts':>9} {'cpu ms':>8} {'ms a component':>15}")
+    with tempfile.TemporaryDirectory() as folder:
+        for k in (1, 2, 4, 8, 16, 32):
+            file = Path(folder) / "racks.yaml"
+            file.write_text(racks(k))
+            runs = [timed(lambda at=file: compile_program(at).report) for _ in range(3)]
+            report = runs[0][2]
+            assert isinstance(report, CompileReport), report
+            assert report.verdict == "compiled", report
+            cpu, verdicts = median(c for c, _, _ in runs), sum(len(c.combinations) for c in report.components)
+            print(f"{k:30} {report.combinations:10.2g} {verdicts:9} {1e3 * cpu:8.1f} {1e3 * cpu / k:15.2f}", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sizes", default="5,10,30,60,80")
@@ -194,6 +225,7 @@ def main() -> None:
     wrong += edit(30, 15)
     edit_text(30, 30)
     wrong += growth()
+    variants()
     raise SystemExit(wrong > 0)
 
 

@@ -1,4 +1,4 @@
-"""The pools of a plan: things chosen together with their cases, made once for all combinations that leave them alike."""
+"""The pools of a plan: things chosen together, made once for all combinations that leave them alike."""
 
 from __future__ import annotations
 

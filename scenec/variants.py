@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
+from math import prod
 
 from scenec.assets import Single
 from scenec.names import Names, upright
@@ -82,7 +83,9 @@ class Variety:
 
     def count(self, keys: Collection[str]) -> int:
         """How many combinations of the values of some keys there are, without listing them."""
-        return sum(self._size(variant, background, keys) for variant, background, _ in self._settings(keys))
+        slots = prod(len(found) for group, found in self.slots.items() if _slot_key(group) in keys)
+        others = [key for key in keys if key not in map(_slot_key, self.slots)]
+        return slots * sum(self._size(variant, background, keys) for variant, background, _ in self._settings(others))
 
     def combinations(self, keys: Collection[str]) -> Iterator[Combination]:
         """Every combination of the values of some keys, what the program says without variants first."""
@@ -96,14 +99,18 @@ class Variety:
                 yield {**{key: value for key, value in declared.items() if key in keys}, **picked, **last}
 
     def probes(self) -> Iterator[Combination]:
-        """Combinations of all keys in which each candidate of each thing meets each background and assignment."""
-        declared = frozenset([ASSETS, *self.background_keys(), *map(_slot_key, self.slots)])
+        """Combinations of all keys in which each candidate of each thing meets each background and each assignment of
+        its own slot group."""
+        declared = frozenset([ASSETS, *self.background_keys()])
         every = declared | {f"objects.{name}" for name in self.written}
-        for one in self.combinations(declared):
+        assignments = range(max(map(len, self.slots.values()), default=1))
+        for one, n in product(self.combinations(declared), assignments):
+            slots = {_slot_key(group): [*found][min(n, len(found) - 1)] for group, found in self.slots.items()}
             pools = dict(self._pools(one.get(ASSETS, AS_WRITTEN), every))
             for k in range(max(map(len, pools.values()), default=1)):
                 picked = {f"objects.{name}": found[min(k, len(found) - 1)] for name, found in pools.items()}
-                yield one | {key: single.id for key, single in picked.items() if isinstance(single, FixedAsset)}
+                named = {key: single.id for key, single in picked.items() if isinstance(single, FixedAsset)}
+                yield one | slots | named
 
     def choice(self, combination: Mapping[str, str]) -> Choice:
         """What a combination means; a key that it leaves out has its first value, or all where taken together."""

@@ -215,16 +215,17 @@ SCENE_CODES: dict[str, CodeInfo] = {
     "scene/union-footprints": CodeInfo(
         "info",
         "Combinations of variants were not compiled one by one",
-        "There are more of them than are solved singly. Pools of things that carry nothing were given the union of the "
-        "footprints of all their candidates: a scene then holds for each, but a proof of infeasibility is one for the "
-        "union only.",
-        "nothing if a scene was found; else reduce the pools",
+        "Those that reach these things are more than are solved singly. Pools of things that carry nothing were given "
+        "the union of the footprints of all their candidates: a scene then holds for each. Where the union has none, "
+        "candidates are tried one at a time, each at least once, and no proof is built on the union.",
+        "nothing if a scene was found; else reduce the pools, or give things ranges that keep them apart",
     ),
     "scene/too-many": CodeInfo(
         "error",
         "The program asks for more things or combinations than the compiler takes",
         "The bound keeps a slip of the pen from filling the memory.",
-        "lower `count`, or split the program",
+        "lower `count`, leave out candidates, or give things ranges that keep them apart: what cannot meet is not "
+        "multiplied",
     ),
     # Verdicts.
     "scene/relation-cycle": CodeInfo(

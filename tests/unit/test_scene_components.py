@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.scenes import racks
 from scenec.assets import AssetLibrary
 from scenec.compile import Compiled, compile_program
 from scenec.cover import containing, cover
@@ -136,3 +137,12 @@ def test_a_cover_shows_each_combination_of_each_part_and_agrees_on_shared_keys()
         assert len({frozenset(row.items()) for row in rows}) == len(rows)
         chosen = parts[-1][-1]
         assert chosen.items() <= containing(chosen, parts).items()
+
+
+def test_combinations_are_counted_without_listing_them(tmp_path: Path):
+    """Twenty racks of four assignments each: 80 verdicts, and no loop over a million million combinations."""
+    (tmp_path / "racks.yaml").write_text(racks(20))
+    report = compile_program(tmp_path / "racks.yaml").report
+    assert report.verdict == "compiled"
+    assert report.combinations == 4**20
+    assert [len(component.combinations) for component in report.components] == [4] * 20
