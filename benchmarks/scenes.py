@@ -70,7 +70,7 @@ def first_scene(sizes: list[int], seeds: int, limit_s: float) -> int:
                 cpu, wall, poses = timed(lambda m=method, g=given, r=rng: m(*g, r, limit_s))
                 if isinstance(poses, np.ndarray):
                     times.append((cpu, wall))
-                    placed = {f"box{i}": Placement(*map(float, pose), 0) for i, pose in enumerate(poses)}
+                    placed = {f"box{i}": Placement(x, y, yaw, 0) for i, (x, y, yaw) in enumerate(poses.tolist())}
                     bad += invalid(workload(n, seed), Solved(placed))
             row(name, n, len(times), seeds, [c for c, _ in times], [w for _, w in times], bad)
     return wrong
