@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from assetkit.component_density import component_density
 from assetkit.materials import UNKNOWN, UNKNOWN_FULL, material_for, materials
 from assetkit.outside_bounds import outside
 from schemas.evidence import Evidence, declared
@@ -73,12 +74,20 @@ def substances_of(
 
     Meshes go together when the same statement of the source covers them, else when their names point to the same class:
     the name of the render material or of the mesh itself, else those of the `whole` (file). What is mentioned nowhere
-    is `unknown`. When all is one class, all names vote on it together.
+    is `unknown`; called a component of machines (`component_density`), it is as dense as these are. When all is
+    one class, all names vote on it together.
     """
     names = [_names(mesh, render_materials) for mesh in meshes]
     classes = _classes(names, whole)
-    keys = [(_covering(mesh, stated), kind.value) for mesh, kind in zip(meshes, classes, strict=True)]
-    if len(set(keys)) == 1 and keys[0][0] is None:
+    components = [
+        component_density(mesh.name) if kind.value == UNKNOWN else None
+        for mesh, kind in zip(meshes, classes, strict=True)
+    ]
+    keys = [
+        (_covering(mesh, stated), kind.value if component is None else component.method)
+        for mesh, kind, component in zip(meshes, classes, components, strict=True)
+    ]
+    if len(set(keys)) == 1 and keys[0][0] is None and components[0] is None:
         everything = material_for([*whole, *(name for own in names for name in own)])
         return (substance_of(everything, meshes=range(len(meshes)), names=[m.name for m in meshes], full=full),)
     groups: dict[tuple[int | None, str], list[int]] = {}
@@ -90,6 +99,9 @@ def substances_of(
     for (statement, kind), members in groups.items():
         material = classes[members[0]] if kind else material_for([n for i in members for n in names[i]])
         substance = substance_of(material, meshes=members, names=[meshes[i].name for i in members], full=full)
+        component = components[members[0]] if kind else None
+        if component is not None:
+            substance = replace(substance, density_kgm3=component, may_be_hollow=False)
         found.append(substance if statement is None else _as_stated(substance, stated[statement]))
     return tuple(found)
 

@@ -12,7 +12,7 @@ from functools import cache
 
 from assetkit.annotate.words import singulars, words_of
 from assetkit.materials import materials
-from assetkit.taxonomy.tables import Category, categories, fillers, other_things
+from assetkit.taxonomy.tables import Category, categories, file_jargon, fillers, other_things
 
 # How much a name counts: chance that the thing is what it says, before its shape is looked at (a judgement, checked by
 # `benchmarks.semantics`). `CLEAR`: its last noun, unmistakable. `LIKELY`: unknown words follow, or the noun means other
@@ -65,7 +65,7 @@ def read_name(name: str) -> Reading:
     words = words_of(name)
     mentions = _without_adjectives(words, _mentions(words))
     if not mentions:
-        return Reading(silent=all(word in fillers() for word in words))
+        return Reading(silent=all(_is_filler(word) for word in words))
     phrase_end = next((i for i, w in enumerate(words) if w in _PREPOSITIONS and i >= mentions[0].end), len(words))
     head = [m for m in mentions if m.end <= phrase_end][-1]
     said = " ".join(words[head.start : head.end])
@@ -79,8 +79,8 @@ def _doubts(words: Sequence[str], head: _Mention) -> tuple[int, ...]:
     """How far from clear: an ambiguous noun (more so behind an unknown word), unknown words behind it, a plural, a
     count as packages of several things have it.
     """
-    before = head.start > 0 and words[head.start - 1] not in fillers()
-    behind = any(word not in fillers() for word in words[head.end :])
+    before = head.start > 0 and not _is_filler(words[head.start - 1])
+    behind = not all(_is_filler(word) for word in words[head.end :])
     return (
         int(head.entry.weak),
         int(head.entry.weak and before),
@@ -88,6 +88,13 @@ def _doubts(words: Sequence[str], head: _Mention) -> tuple[int, ...]:
         (2 if _edible(head) else 1) * int(head.plural),
         int(not _COUNTED.isdisjoint(words)),
     )
+
+
+@cache
+def _is_filler(word: str) -> bool:
+    """Whether a word says nothing, also as two words of file jargon in one ("lowpolymesh", "newmodel")."""
+    halves = ((word[:k], word[k:]) for k in range(3, len(word) - 2))
+    return word in fillers() or any(file_jargon().issuperset(pair) for pair in halves)
 
 
 def _edible(mention: _Mention) -> bool:

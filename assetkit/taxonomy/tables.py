@@ -148,6 +148,13 @@ def fillers() -> frozenset[str]:
     return frozenset(word for row in rows_of("fillers.csv") for word in row["words"].split(";"))
 
 
+@cache
+def file_jargon() -> frozenset[str]:
+    """The fillers that speak of files and their making, of three letters or more."""
+    words = (w for row in rows_of("fillers.csv") if row["kind"] == "file" for w in row["words"].split(";"))
+    return frozenset(word for word in words if len(word) > 2)
+
+
 def rows_of(file: str) -> Iterator[dict[str, str]]:
     """The rows of a table of this folder."""
     with resources.files("assetkit").joinpath("taxonomy", file).open(encoding="utf-8") as text:

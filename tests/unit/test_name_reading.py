@@ -27,6 +27,8 @@ from assetkit.annotate.name_reading import CLEAR, FAINT, LIKELY, category_called
         ("tomato_soup_can", "can"),
         ("book_shelf", "shelf"),
         ("Room_Essentials_Mug_White_Yellow", "mug"),
+        ("ycb_001_chips_can_urdf_missingmesh", "can"),
+        ("mug_lowpolymesh", "mug"),
     ],
 )
 def test_clear_names(name: str, category: str):
@@ -59,7 +61,7 @@ def test_doubtful_names_count_less(name: str, category: str, strength: float):
     assert (found.category, found.strength) == (category, strength)
 
 
-@pytest.mark.parametrize("name", ["textured_simple_reoriented", "mesh_0", "google_16k", "", "123", "part_left"])
+@pytest.mark.parametrize("name", ["textured_simple_reoriented", "mesh_0", "google_16k", "", "123", "part_left", "newmodel", "meshexport_final"])
 def test_jargon_is_silence(name: str):
     assert read_name(name).silent
 

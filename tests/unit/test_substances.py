@@ -68,3 +68,25 @@ def test_unknown_full_material_says_what_its_bounds_leave_out():
         assert name in method.split("; outside: ")[1]
     assert "steel" not in method
     assert "outside" not in uniform(["wood"], full=True).density_kgm3.method
+
+
+def test_components_of_machines_are_as_dense_as_makers_say_and_the_rest_stays_unknown():
+    found = substances_of(named("arms", "battery", "battery_holder", "Motor_1", "motors"), (), ("flyer.usd",), ())
+    low_high = {s.names: s.density_kgm3.bounds for s in found}
+    assert low_high[("battery",)] == (1500.0, 3300.0)
+    assert low_high[("Motor_1", "motors")] == (2000.0, 6500.0)
+    rest = next(s for s in found if s.names == ("arms", "battery_holder"))
+    assert (rest.density_kgm3.source, rest.density_kgm3.confidence) == ("default", 0.0)
+    assert all(s.density_kgm3.source == "inferred" and not s.may_be_hollow for s in found if s is not rest)
+
+
+def test_a_component_in_a_file_of_a_known_material_is_of_that_material():
+    (only,) = substances_of(named("battery", "body"), (), ("plastic_toy.obj",), ())
+    assert only.material.value == "plastic"
+
+
+def test_a_component_alone_is_dense_and_a_word_within_another_is_none():
+    (magnet,) = substances_of(named("magnet.001"), (), ("part.stl",), ())
+    assert magnet.density_kgm3.bounds == (4700.0, 7700.0)
+    (holder,) = substances_of(named("magnetic_base"), (), ("part.stl",), ())
+    assert holder.density_kgm3.source == "default"
