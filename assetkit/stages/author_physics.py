@@ -19,7 +19,7 @@ class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 7
+    version = 8
     result = Physics
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Physics]:

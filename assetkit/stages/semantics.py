@@ -36,7 +36,7 @@ class DescribeObject(Stage):
     """Category, family, roles and Wikidata class of the object, scale and way up, each with its evidence."""
 
     name = "semantics"
-    version = 4
+    version = 5
     result = Semantics
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Semantics]:

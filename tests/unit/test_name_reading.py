@@ -61,7 +61,10 @@ def test_doubtful_names_count_less(name: str, category: str, strength: float):
     assert (found.category, found.strength) == (category, strength)
 
 
-@pytest.mark.parametrize("name", ["textured_simple_reoriented", "mesh_0", "google_16k", "", "123", "part_left", "newmodel", "meshexport_final"])
+@pytest.mark.parametrize(
+    "name",
+    ["textured_simple_reoriented", "mesh_0", "google_16k", "", "123", "part_left", "newmodel", "meshexport_final"],
+)
 def test_jargon_is_silence(name: str):
     assert read_name(name).silent
 
