@@ -115,8 +115,8 @@ def diagnose_command(
 ) -> None:
     """Say what is wrong with a program: the lines at fault, the least set that conflicts, edits that do work.
 
-    Everything wrong is reported in one run. Of what cannot be satisfied it names constraints of which dropping any one
-    gives a scene (where that was proved, it says so); suggestions marked `tried` were compiled again.
+    Everything wrong is reported in one run. Of what cannot be satisfied it names constraints that conflict, and says
+    whether the others hold together without any one of them; suggestions marked `tried` were compiled again.
 
     Example: `mana scene diagnose examples/scenes/three_cycle.yaml --out why`
     """
@@ -251,7 +251,11 @@ def _tell(report: CompileReport, root: Path, as_json: bool) -> None:
         return
     source_text.show(report.diagnostics, root)
     if report.conflict:
-        least = "dropping any one of them gives a scene" if report.minimal else "a smaller set may conflict as well"
+        least = (
+            "minimal: without any one of them the others hold together"
+            if report.minimal
+            else "a smaller set may conflict as well"
+        )
         text.console.print(f"[bold]conflict[/] ({least}):")
         for member in report.conflict:
             text.console.print(

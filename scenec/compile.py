@@ -11,6 +11,7 @@ from pathlib import Path as FilePath
 
 from scenec import verify
 from scenec.assets import AssetLibrary
+from scenec.choice_places import chosen_paths
 from scenec.conflicts import minimal_conflict
 from scenec.drop_choices import dropped_choices
 from scenec.emit import compiled_scene
@@ -170,8 +171,8 @@ def compile_program(
             told = replace(told, edits=(*dropped_choices(tried.rows), *told.edits)[:MOST_SUGGESTIONS])
         if told.proof is not None:  # Of the conflict, not of the whole.
             results = (*results[:index], Infeasible(told.proof), *results[index + 1 :])
-        report = _failure(report, read, problems[index], results[index], told, worst[1].combination, clock)
-        return Compiled(report, (), results, problems, index, told.conflict, chosen=worst[1].combination)
+        report = _failure(report, read, problems[index], results[index], told, tried.due_to(*worst), clock)
+        return Compiled(report, (), results, problems, index, told.conflict, chosen=tried.due_to(*worst))
     if len(lowered.parts) > 1:
         with clock.phase("check"):
             for problem, result in zip(problems, results, strict=True):
@@ -232,7 +233,10 @@ def _failure(
     chosen: Combination,
     clock: Clock,
 ) -> CompileReport:
-    finding = why(problem, result, told.conflict, told.edits, read.spans, chosen)
+    assert read.program is not None, "it was compiled"
+    paths = chosen_paths(read.program, chosen)
+    choices = {f"{key}: {value}": paths.get(key) for key, value in sorted(chosen.items())}
+    finding = why(problem, result, told.conflict, told.edits, read.spans, choices)
     return report.model_copy(
         update={
             "verdict": verdict_of(result),

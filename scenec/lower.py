@@ -11,7 +11,8 @@ import numpy as np
 import shapely
 
 from geom.pose import pose
-from scenec.assets import AssetLibrary, Geometry, swing_and_yaw
+from scenec.assets import AssetLibrary, Geometry, Single, swing_and_yaw
+from scenec.choice_places import candidate_path
 from scenec.ir import (
     WORLD_PARENT,
     Body,
@@ -31,12 +32,13 @@ from scenec.lower_relations import lower_relations
 from scenec.memo import Memo
 from scenec.names import Names, anchor_named, kind_of
 from scenec.source.tree import Spans
-from scenec.variants import Choice
-from schemas.diagnostics import Diagnostic, Severity, finding
+from scenec.variants import AS_WRITTEN, ASSETS, Choice
+from schemas.diagnostics import Diagnostic, Label, Severity, finding
 from schemas.scene_program import (
     BACKGROUND,
     Background,
     DiscretePlacement,
+    FixedAsset,
     Group,
     Orientation,
     Placement,
@@ -242,8 +244,15 @@ class Lowering:
         headline = f"`{anchor}`: the asset `{geometry.asset_id}` has {named}" + (
             "" if wanted == "auto" else f"; {said}"
         )
-        self._add(finding("scene/missing-anchor", headline), ("anchors", anchor, kind))
+        labels = () if owner == BACKGROUND else self._candidate(self.object_of[owner], assets[0])
+        self._add(finding("scene/missing-anchor", headline, labels=labels), ("anchors", anchor, kind))
         return None
+
+    def _candidate(self, name: str, asset: Single) -> tuple[Label, ...]:
+        """Where an asset is a candidate of an object, as a label; none where the object is no pool."""
+        variant = self.choice.combination.get(ASSETS, AS_WRITTEN)
+        at = candidate_path(self.program, name, asset.id, variant) if isinstance(asset, FixedAsset) else None
+        return () if at is None else (Label(where=self.spans.place(at), text=f"a candidate of `{name}`"),)
 
     def _add(self, diagnostic: Diagnostic, path: Path) -> None:
         """Say it where the path stands now, once."""

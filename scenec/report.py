@@ -10,6 +10,8 @@ from schemas.codes import CODES
 from schemas.compiled_scene import ConflictMember, Suggestion, Verdict
 from schemas.diagnostics import Diagnostic, Label, finding
 
+_MOST_CHOICES = 4  # whose lines are shown
+
 
 def verdict_of(result: Result) -> Verdict:
     """The verdict in one word."""
@@ -24,11 +26,12 @@ def why(
     paths: tuple[Path, ...],
     edits: tuple[Suggestion, ...],
     spans: Spans,
-    chosen: Mapping[str, str],
+    chosen: Mapping[str, Path | None],
 ) -> Diagnostic:
     """The finding for a combination without a scene, at the first of `paths`, the constraints that conflict. `chosen`
-    are the values of the keys that reach what failed."""
-    among = _combination(chosen)
+    are the choices to which it is due, in words, and where the text makes them."""
+    among = f" (with {', '.join(chosen)})" if chosen else ""
+    choices = tuple(Label(where=spans.place(at), text=words) for words, at in chosen.items() if at is not None)
     if isinstance(result, Infeasible):
         proof = result.proof
         code = f"scene/{proof.kind}" if f"scene/{proof.kind}" in CODES else "scene/infeasible"
@@ -39,7 +42,7 @@ def why(
             value=proof.value,
             bound=proof.bound,
             unit=proof.unit,
-            labels=tuple(Label(where=spans.place(path), text=written(path)) for path in paths),
+            labels=(*(Label(where=spans.place(path), text=written(path)) for path in paths), *choices[:_MOST_CHOICES]),
         )
     else:
         assert not isinstance(result, Solved), "a scene needs no excuse"
@@ -54,6 +57,7 @@ def why(
             value=None if result.note else result.placed,
             bound=None if result.note else result.of,
             unit="" if result.note else "things placed at best",
+            labels=choices[:_MOST_CHOICES],
         )
     tried = [edit.edit for edit in edits if edit.verified]
     return made if not tried else made.model_copy(update={"help": "; or ".join(tried)})
@@ -66,8 +70,3 @@ def conflict_members(paths: tuple[Path, ...], spans: Spans) -> tuple[ConflictMem
         at = spans.place(path)
         members.append(ConflictMember(path=written(path), file=at.file, line=at.line, column=at.column))
     return tuple(members)
-
-
-def _combination(chosen: Mapping[str, str]) -> str:
-    words = ", ".join(f"{key}: {value}" for key, value in sorted(chosen.items()))
-    return f" (with {words})" if words else ""

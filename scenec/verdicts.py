@@ -52,6 +52,11 @@ class Verdicts:
         """The verdicts of all parts."""
         return tuple(one.row for found in self.tried for one in found)
 
+    def due_to(self, part: int, failed: Tried) -> Combination:
+        """The choices to which a failure is due: none where every combination of the part fails by the same rule."""
+        why = {_cause(one.result) for one in self.tried[part]}
+        return {} if len(why) == 1 and len(self.tried[part]) > 1 else failed.combination
+
     def components(self) -> tuple[ComponentVerdict, ...]:
         """The verdicts by part."""
         made: list[ComponentVerdict] = []
@@ -117,6 +122,11 @@ class Verdicts:
 
 def _rank(row: CombinationVerdict) -> int:
     return _WORST_FIRST.index(row.verdict)
+
+
+def _cause(result: Result) -> tuple[object, ...]:
+    # What of a result does not depend on sizes.
+    return (result.proof.kind, result.proof.paths) if isinstance(result, Infeasible) else (type(result),)
 
 
 def _stood(result: Result) -> dict[str, Placement]:

@@ -78,6 +78,12 @@ def kernel(outline: FloatArray, yaw: YawCell) -> FloatArray:
     An edge turned through the interval sweeps a half-plane; its farthest points run on an arc, which is replaced by the
     chords of two equal parts (inside the arc, so the answer is covered all the same).
     """
+    return _kernel(np.ascontiguousarray(outline).tobytes(), yaw)
+
+
+@lru_cache(maxsize=4096)
+def _kernel(key: bytes, yaw: YawCell) -> FloatArray:
+    outline = np.frombuffer(key).reshape(-1, 2)
     middle, half = (yaw[0] + yaw[1]) / 2.0, (yaw[1] - yaw[0]) / 2.0
     if half < 1e-9:
         return turned(outline, middle)
@@ -107,13 +113,10 @@ def half_planes(normals: FloatArray, bounds: FloatArray, start: FloatArray) -> F
         if (over >= 0.0).all():
             return np.zeros((0, 2))
         after, next_over = np.roll(ring, -1, axis=0), np.roll(over, -1)
-        points: list[FloatArray] = []
-        for k in range(len(ring)):
-            if over[k] <= 0.0:
-                points.append(ring[k])
-            if (over[k] < 0.0 < next_over[k]) or (next_over[k] < 0.0 < over[k]):
-                points.append(ring[k] + (after[k] - ring[k]) * (over[k] / (over[k] - next_over[k])))
-        ring = np.array(points)
+        cut = (over < 0.0) & (next_over > 0.0) | (next_over < 0.0) & (over > 0.0)
+        share = np.where(cut, over, 0.0) / np.where(cut, over - next_over, 1.0)
+        points = np.stack([ring, ring + (after - ring) * share[:, None]], axis=1)
+        ring = points[np.stack([over <= 0.0, cut], axis=1)]
     return ring
 
 

@@ -13,12 +13,15 @@ from scenec.source.check_ownership import check_ownership
 from scenec.source.check_relations import check_relations
 from scenec.source.hint import did_you_mean
 from scenec.source.tree import Spans, written
-from schemas.diagnostics import Diagnostic, Label, finding
+from scenec.variants import singles
+from schemas.diagnostics import Diagnostic, Label, Severity, finding
 from schemas.scene_program import (
     BACKGROUND,
+    Asset,
     AuthoredPolygon,
     Background,
     DiscretePlacement,
+    FixedAsset,
     Pose,
     Ranges,
     SceneProgram,
@@ -217,6 +220,13 @@ def _polygon(polygon: shapely.Polygon, spans: Spans, path: Path) -> Iterator[Dia
 
 
 def _splits(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
+    named = sorted({one.id for asset in _assets(program) for one in singles(asset) if isinstance(one, FixedAsset)})
+    for side, assets in (("train", program.split.train), ("eval", program.split.eval)):
+        for i, asset in enumerate(assets):  # A split may be that of many programs: only what looks like a slip is said.
+            if asset not in named and (hint := did_you_mean(asset, named)):
+                headline = f"`{asset}` of the split is no asset of the program{hint}"
+                where = spans.place(("split", side, i))
+                yield finding("scene/unknown-name", headline, where=where, severity=Severity.WARNING)
     for i, asset in enumerate(program.split.eval):
         if asset in program.split.train:
             first = spans.place(("split", "train", program.split.train.index(asset)))
@@ -226,3 +236,10 @@ def _splits(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
                 where=spans.place(("split", "eval", i)),
                 labels=(Label(where=first, text="for training here"),),
             )
+
+
+def _assets(program: SceneProgram) -> Iterator[Asset | str]:
+    yield from (thing.asset for thing in program.objects)
+    yield from (asset for variant in program.variants.assets for asset in variant.objects.values())
+    backgrounds = (program.background, *(variant.background for variant in program.variants.backgrounds))
+    yield from (background.asset for background in backgrounds if background is not None)
