@@ -66,7 +66,8 @@ def test_a_candidate_without_the_place_that_is_asked_for_is_shown(tmp_path: Path
 
 
 def test_what_every_combination_lacks_is_due_to_none(tmp_path: Path):
-    text = RACK.replace("x: -0.15", "x: 0.05") + "relations: [{left_of: [a, b]}, {left_of: [b, a]}]\n"
+    other = "  backgrounds: [{id: bench, background: {asset: {type: box, size_m: [1.2, 0.4, 0.04]}}}]\n"
+    text = RACK.partition("  slots:\n    -")[0] + other + "relations: [{left_of: [a, b]}, {left_of: [b, a]}]\n"
     found = report(text, tmp_path)
     assert found.diagnostics[-1].code == "scene/relation-cycle"
     assert "(with" not in found.diagnostics[-1].headline
