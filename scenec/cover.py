@@ -12,8 +12,8 @@ AT_LEAST = 16  # where there are as many; some mixing of parts that are independ
 
 
 def cover(parts: Sequence[Sequence[Combination]], least: int = AT_LEAST) -> tuple[Combination, ...]:
-    """Combinations of all keys, as few as first fit finds, so that each of each part is in one; then others, drawn at
-    random in a fixed order, up to `least`. Parts may share keys; the first has the first value of each."""
+    """Combinations of all keys, as few as first fit finds, so that each of each part is in one; then others up
+    to `least`, in rounds that pair them anew. Parts may share keys; the first has the first value of each."""
     rows: list[tuple[Combination, set[int]]] = []
     for number, combinations in enumerate(parts):
         for one in combinations:
@@ -23,13 +23,13 @@ def cover(parts: Sequence[Sequence[Combination]], least: int = AT_LEAST) -> tupl
             row.update(one)
             has.add(number)
     found = [_completed(row, parts) for row, _ in rows]
-    rng = np.random.default_rng(0)
-    for _ in range(4 * least):
-        if len(found) >= least:
-            break
-        drawn = [[combinations[k] for k in rng.permutation(len(combinations))] for combinations in parts]
-        row = _completed({}, drawn)
-        found += [] if row in found else [row]
+    rng, most = np.random.default_rng(0), max(map(len, parts))
+    for _ in range(least // most - len(found) // most):  # whole rounds, in which each combination comes up alike
+        order = [rng.permutation(len(combinations)) for combinations in parts]
+        for i in range(most):
+            turned = [[of[k] for k in np.roll(ks, -i)] for of, ks in zip(parts, order, strict=True)]
+            row = _completed({}, turned)
+            found += [] if row in found else [row]
     return tuple(found)
 
 
