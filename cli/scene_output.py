@@ -86,7 +86,8 @@ def draw_plan(compiled: Compiled, out: Path) -> Path | None:
     """`plan.png` of the first combination seen from above, or `failure.png` with what stands in the way."""
     if compiled.failed is not None:
         problem, result = compiled.problems[compiled.failed], compiled.results[compiled.failed]
-        picture, name = failure(problem, result, compiled.conflict, in_words(compiled.chosen)), FAILURE
+        among = in_words(compiled.chosen) if compiled.chosen else ""
+        picture, name = failure(problem, result, compiled.conflict, among), FAILURE
     elif compiled.scenes:
         result = compiled.results[0]
         assert isinstance(result, Solved), "every combination has a scene"

@@ -24,6 +24,7 @@ from scenec.source.tree import written
 
 _CAPTION = 105  # characters a line
 _MOST_LINES = 9
+_TILT_RAD = 0.6  # apart in x and y: ranges may leave one of them
 _MOST_WAITING = 6  # things without a place that are drawn
 
 
@@ -131,7 +132,7 @@ def _ghosts(
     found: dict[str, tuple[FloatArray, BaseGeometry]] = {}
     for index, thing in enumerate(things):
         region = _free(model, thing, placed)
-        angle = 2.0 * np.pi * index / max(len(things), 1) + np.pi
+        angle = 2.0 * np.pi * index / max(len(things), 1) + np.pi + _TILT_RAD
         apart = centre + radius * np.array([np.cos(angle), np.sin(angle)]) * (len(things) > 1)
         wanted = _within(thing, apart)
         if not region.is_empty:
