@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from assetkit.annotate.annotator import UNKNOWN, Annotation, Observation, Shape
+from assetkit.annotate.domain import out_of_domain
 from assetkit.annotate.embedded import EmbeddedAnnotator
 from assetkit.annotate.name_reading import read_name
 from assetkit.options import Options
@@ -40,13 +41,14 @@ OTHER = "other"
 
 
 class Row(NamedTuple):
-    """One object: its truth, whether names tell it, what was said with names and without."""
+    """One object: its truth, whether names tell it, what was said with names and without, why it is screened out."""
 
     path: str
     truth: str
     named: bool
     said: Annotation
     nameless: str
+    outside: str
 
 
 def rows(assets: Path, only: str = "") -> Iterator[Row]:
@@ -58,7 +60,7 @@ def rows(assets: Path, only: str = "") -> Iterator[Row]:
             if seen is not None:
                 blind = replace(seen, file="part", folders=(), nodes=(), materials=(), titles=())
                 said, nameless = annotator.annotate(seen), annotator.annotate(blind).category
-                yield Row(row["path"], row["truth"], row["named"] == "yes", said, nameless)
+                yield Row(row["path"], row["truth"], row["named"] == "yes", said, nameless, out_of_domain(seen, said))
 
 
 def observed(path: Path) -> Observation | None:
@@ -107,7 +109,7 @@ def main() -> None:
         table.append(row)
         mark = "" if _end(row) != "wrong" else "WRONG"
         told = "named" if row.named else "-"
-        why = row.said.reason if mark or row.said.category == UNKNOWN else ""
+        why = row.outside or (row.said.reason if mark or row.said.category == UNKNOWN else "")
         print(
             f"{row.path:70} {row.truth:16} {told:6}{row.said.category:16} {row.said.score:.2f} {mark:6}{why}",
             flush=True,
@@ -122,6 +124,7 @@ def summary(table: list[Row]) -> None:
     for title, group in (("named after a category", told), ("not named, or something else", untold)):
         ends = Counter(_end(r) for r in group)
         print(f"{title}: {len(group)}; {', '.join(f'{count} {end}' for end, count in sorted(ends.items()))}")
+    print(f"screened as out of domain: {sum(bool(r.outside) for r in table)}")
     print(f"names taken away: {sum(r.nameless != UNKNOWN for r in table)} of {len(table)} said to be something")
 
 

@@ -12,6 +12,13 @@ USE_CODES: dict[str, CodeInfo] = {
         "Names are silent, ambiguous or contradicted, and shape alone proves nothing; `unknown` beats a guess.",
         "say it with --category, or give the file or its folder a telling name",
     ),
+    "asset/out-of-domain": CodeInfo(
+        "warning",
+        "The object is a vehicle, a character, a room or building, or cloth",
+        "Mana prepares rigid and articulated things that robots handle, and what stands around them. Others keep a "
+        "package, as one rigid body at one pose, but a person must say that this is wanted.",
+        "say with --category or --role what it is used as, or leave it out",
+    ),
     "asset/category-contradicted": CodeInfo(
         "warning",
         "The stated or named category does not fit the object",

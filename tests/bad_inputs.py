@@ -292,6 +292,7 @@ SAMPLES: dict[str, Writer] = {
     ),
     "asset/animation-dropped": gltf(animations=[ANIMATION]),
     "asset/category-unknown": obj(CUBE),
+    "asset/out-of-domain": text("car.obj", obj_text(trimesh.creation.box((4.5, 1.8, 1.5)))),
     "asset/part-disputed": knob_called_lid,
     "asset/turned-upright": text("mug.obj", obj_text(LYING_CUP)),
     "asset/upright-uncertain": text("mug.obj", obj_text(lying_cup(0.06))),

@@ -29,6 +29,7 @@ class Reading:
 
     other   the words of a thing outside the vocabulary, or of a part, when the name speaks of one, else "".
     silent  whether the name says nothing at all: jargon, numbers, colours.
+    unknown_before, unknown_after  whether words that nobody knows stand beside the noun.
     """
 
     category: str | None = None
@@ -36,6 +37,8 @@ class Reading:
     strength: float = 0.0
     other: str = ""
     silent: bool = False
+    unknown_before: bool = False
+    unknown_after: bool = False
 
 
 def category_called(name: str) -> Category | None:
@@ -70,7 +73,9 @@ def read_name(name: str) -> Reading:
     head = [m for m in mentions if m.end <= phrase_end][-1]
     said = " ".join(words[head.start : head.end])
     if head.entry.category is None:
-        return Reading(other=said)
+        beside = (words[: head.start], words[head.end : phrase_end])
+        before, after = (not all(_is_filler(word) for word in part) for part in beside)
+        return Reading(other=said, unknown_before=before, unknown_after=after)
     doubts = sum(_doubts(words[:phrase_end], head)) + int(_names_another(mentions, head))
     return Reading(head.entry.category, said, (CLEAR, LIKELY, FAINT)[min(doubts, 2)])
 

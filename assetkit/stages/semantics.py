@@ -9,6 +9,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 
 from assetkit.annotate.annotator import UNKNOWN, Annotation, Annotator, Observation
+from assetkit.annotate.domain import out_of_domain
 from assetkit.annotate.embedded import EmbeddedAnnotator
 from assetkit.annotate.exchange import Post, Reply, exchange_in_cell
 from assetkit.annotate.multimodal import MultimodalAnnotator
@@ -36,11 +37,13 @@ class DescribeObject(Stage):
     """Category, family, roles and Wikidata class of the object, scale and way up, each with its evidence."""
 
     name = "semantics"
-    version = 5
+    version = 6
     result = Semantics
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Semantics]:
-        """The section; `review` when an unknown category is not enough for the user, or pictures are contradicted."""
+        """The section; `review` for what Mana does not prepare, when an unknown category is not enough for the user,
+        or pictures are contradicted.
+        """
         options, seen = tools.options, observe(draft)
         if options.endpoint is not None:
             seen = replace(seen, views=_views(draft, tools))
@@ -65,9 +68,11 @@ class DescribeObject(Stage):
             upright=grounded.upright,
             uprights=grounded.hypotheses,
         )
-        doubtful = options.require_category and category.value == UNKNOWN
+        outside = "" if options.category or options.role else out_of_domain(seen, annotation)
+        doubtful = bool(outside) or (options.require_category and category.value == UNKNOWN)
         disputed = annotation.disputed and not options.category
-        findings = (*_findings(annotation, seen, known, options), *grounded.doubts)
+        screened = [finding("asset/out-of-domain", outside)] if outside else []
+        findings = (*_findings(annotation, seen, known, options), *screened, *grounded.doubts)
         return Outcome(
             Semantics(section, grounded.frame), findings, review=doubtful or disputed, outside=_outside(annotation)
         )
