@@ -77,7 +77,7 @@ def ends_of_names() -> dict[str, Counter[str]]:
         for row in csv.DictReader(file):
             seen = Observation(row["name"], (), (), (), (), _agreeing(row["name"], float(row["largest_m"])))
             said = EmbeddedAnnotator().annotate(seen)
-            ends[row["seen"]][_end(Row(row["name"], row["truth"], True, said, UNKNOWN))] += 1
+            ends[row["seen"]][_end(Row(row["name"], row["truth"], True, said, UNKNOWN, ""))] += 1
     return ends
 
 
