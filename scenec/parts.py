@@ -109,6 +109,10 @@ def lower(program: SceneProgram, library: AssetLibrary, spans: Spans, memo: Memo
     binder.found += check_assets(program, library, spans)
     if _wrong(binder.found):
         return Lowered((), tuple(binder.found), binder)
+    if not variety.is_open:
+        things, nodes = tuple(t for copies in names.copies.values() for t in copies), frozenset(names.copies)
+        part = Part(things, nodes, frozenset(), (), ({},), (binder.problem({}),))
+        return Lowered(() if _wrong(binder.found) else (part,), tuple(binder.found), binder)
     found = _islands(binder)
     if _wrong(binder.found):
         return Lowered((), tuple(binder.found), binder)

@@ -60,6 +60,12 @@ class Variety:
         self.written = {thing.id: singles(thing.asset) for thing in program.objects}
         self.together: frozenset[str] = frozenset()
 
+    @property
+    def is_open(self) -> bool:
+        """Whether the program leaves anything open that could reach a thing."""
+        pools = any(len(found) > 1 for found in self.written.values())
+        return pools or len(self.assets) > 1 or bool(self.slots) or bool(self.background_keys())
+
     def candidates(self, name: str, variant: str) -> tuple[Single, ...]:
         """What an object may be under an asset variant."""
         changed = self.assets[variant]
