@@ -76,13 +76,14 @@ SINGLE: tuple[tuple[str, Fit, Tolerance], ...] = (
     ("cylinder", fit_cylinder, ANALYTIC),
     ("hull", _fit_hull, HULL),
 )
-CUTS, CUTS_AROUND, CUTS_EVEN, COACD, COACD_COARSE, VHACD = (
+CUTS, CUTS_AROUND, CUTS_EVEN, COACD, COACD_COARSE, VHACD, CUTS_FINE = (
     "cuts",
     "cuts_around",
     "cuts_even",
     "coacd",
     "coacd_coarse",
     "vhacd",
+    "cuts_fine",
 )
 LADDER: tuple[tuple[str, Settings], ...] = (
     (CUTS, Settings(method="cuts")),
@@ -91,7 +92,10 @@ LADDER: tuple[tuple[str, Settings], ...] = (
     (COACD, Settings()),
     (COACD_COARSE, Settings(threshold=0.08, search_nodes=8, search_iterations=20)),
     (VHACD, Settings(method="vhacd")),
+    (CUTS_FINE, Settings(method="cuts", max_hulls=64, max_pieces=400)),
 )
+# Many thin boards are more than 32 hulls can stand for: where all miss a bound by this factor, twice as many may.
+FAR_OFF = 2.0
 
 
 @dataclass(frozen=True)
@@ -153,7 +157,7 @@ def choose_colliders(
     none passes, the one that misses least stands in, one that keeps the openings before any that does not; with a
     warning, unless it is as good as parts have to be. A sheet counts as a wall of its assumed thickness. Cuts around an
     axis are for vessels.
-    The rungs below CoACD are for bodies of which the rungs before made nothing.
+    The two rungs below CoACD are for bodies of which the rungs before made nothing, the last for what all miss by far.
     """
     target = _target(solid, find_cavities(solid) if cavities is None else cavities)
     tried: list[Candidate] = []
@@ -169,11 +173,17 @@ def choose_colliders(
         if method == CUTS_AROUND and not any(not cavity.through for cavity in target.cavities):
             continue
         if method in (COACD_COARSE, VHACD) and any(len(c.shapes) > 1 for c in tried):
+            continue
+        if method == CUTS_FINE and not all(_is_far_off(c) for c in tried):
             break
         tried.append(_decomposed(method, settings, target, work_dir))
         if tried[-1].fidelity.accepted:
             break
     return _chosen(tried, target)
+
+
+def _is_far_off(candidate: Candidate) -> bool:
+    return not candidate.shapes or any(miss.by > FAR_OFF for miss in _misses(candidate.fidelity, PARTS))
 
 
 def _decomposed(method: str, settings: Settings, target: _Target, work_dir: Path) -> Candidate:

@@ -45,6 +45,7 @@ class Settings:
 
     threshold          CoACD's concavity at which a piece counts as convex.
     max_hulls          join neighbours beyond this number.
+    max_pieces         cut no further than into so many before joining.
     sector_planes      first cut by so many planes through the axis of the opening that holds most.
     balance            how much cuts prefer many small excesses to one large (`geom.plane_cuts.Goal`).
     resolution         CoACD's samples per concavity measure (default 2000); 500 changes the result little.
@@ -55,6 +56,7 @@ class Settings:
     method: Literal["cuts", "coacd", "vhacd"] = "coacd"
     threshold: float = 0.05
     max_hulls: int = 32
+    max_pieces: int = 80
     sector_planes: int = 0
     balance: float = 1.25
     resolution: int = 500
@@ -72,7 +74,8 @@ class Settings:
         if self.method == "vhacd":
             return f"vhacdx {version('vhacdx')}, {self.voxels} voxels"
         first = f"{2 * self.sector_planes} sectors, " if self.sector_planes else ""
-        return f"plane cuts, {first}balance {self.balance:g}, manifold3d {version('manifold3d')}"
+        fine = f"{self.max_pieces} pieces, " if self.max_pieces != Settings.max_pieces else ""
+        return f"plane cuts, {first}{fine}balance {self.balance:g}, manifold3d {version('manifold3d')}"
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,7 @@ def decompose(
         main = max(cavities, key=lambda cavity: cavity.volume_m3)
         place = (main.opening_m - body.centre_m) / body.scale_m
         seeds = [piece for seed in seeds for piece in cut_around(seed, main.direction, place, settings.sector_planes)]
-    parts = convex_parts(body, seeds, cavities, settings.max_hulls, settings.balance)
+    parts = convex_parts(body, seeds, cavities, settings.max_hulls, settings.max_pieces, settings.balance)
     if len(parts) > settings.max_hulls:
         return Decomposition((), f"{len(parts)} hulls, more than {settings.max_hulls}")
     size = body.size * body.scale_m

@@ -17,8 +17,6 @@ from geom.trim_hulls import FAR, trim_hulls
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
-# Pieces before joining: more than twice as many as hulls allowed, so that joining can choose.
-MOST_PIECES = 80
 # Empty volume in all hulls, as a share of the body's: left by cutting; added by joining beyond what is asked, where
 # the hulls are close enough to the body to afford it.
 CUT_SLACK, JOIN_SPARE = 0.03, 0.02
@@ -35,12 +33,14 @@ def convex_parts(
     seeds: Sequence[Manifold],
     cavities: Sequence[Cavity] = (),
     most: int = 32,
+    pieces: int = 80,
     balance: float = 1.25,
 ) -> list[FloatArray]:
     """Points (k_i, 3) in metres of at most `most` convex hulls, more only when joining any two would close a cavity.
 
     `seeds` (unit frame) fill the body, for instance its connected parts; each is cut further where its hull holds
-    empty space, reaches out of the body or into one of `cavities` (metres); `balance` as in `plane_cuts.Goal`.
+    empty space, reaches out of the body or into one of `cavities` (metres), until there are `pieces`: more than twice
+    as many as hulls allowed, so that joining can choose. `balance` as in `plane_cuts.Goal`.
     Deterministic.
     """
     distance = SolidDistance(*arrays(body.light))
@@ -62,8 +62,8 @@ def convex_parts(
         return np.inf if blocks(hull) else reach(hull)
 
     volume = body.light.volume()
-    pieces = cut_apart(seeds, Goal(CUT_SLACK, MOST_PIECES, unfit, balance))
-    hulls = merge_hulls([piece.hull for piece in pieces], most, fault=fault)
+    cut = cut_apart(seeds, Goal(CUT_SLACK, pieces, unfit, balance))
+    hulls = merge_hulls([piece.hull for piece in cut], most, fault=fault)
     if _union_volume(hulls) <= TRIM_ABOVE * volume:
         hulls = merge_hulls(hulls, most, JOIN_SPARE * volume, fault)
     trimmed, far = hulls, 0.0

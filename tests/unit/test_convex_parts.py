@@ -144,6 +144,21 @@ def test_a_thin_bowl_keeps_its_volume_its_form_and_its_inside():
     assert 0.95 * bowl().volume() <= volumes <= 1.15 * bowl().volume()
 
 
+def test_a_rack_of_many_thin_boards_needs_more_pieces_and_hulls():
+    """Seven boards and six walls between each two: 43 convex parts."""
+    boards = [Manifold.cube((1.0, 0.4, 0.01)).translate((0, 0, 0.15 * k)) for k in range(7)]
+    walls = [Manifold.cube((0.01, 0.4, 0.91)).translate((x, 0, 0)) for x in np.linspace(0.0, 0.99, 6)]
+    rack = Manifold.batch_boolean([*boards, *walls], OpType.Add)
+    body = prepare(*arrays(rack))
+    ratios = []
+    for most, pieces in ((32, 80), (64, 400)):
+        parts = convex_parts(body, body.light.decompose(), (), most, pieces)
+        assert len(parts) <= most
+        ratios.append(sum(float(ConvexHull(p).volume) for p in parts) / rack.volume())
+    assert ratios[0] > 2.0
+    assert ratios[1] < 1.15
+
+
 def test_preflight_names_what_is_wrong():
     points, triangles = arrays(table())
     for broken, reason in (
