@@ -2,13 +2,15 @@
 
 The place eroded by the footprint, less the Minkowski sums of obstacles with the reflected footprint (no-fit polygons),
 cut by ranges, limits and relations. Round corners of distances are polygons of SEGMENTS sides to a quarter turn, on the
-safe side. All in the frame P of the owner, metres.
+safe side; so are footprints of many pieces, by a thousandth of their area. All in the frame P of the owner, metres.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from math import atan2, cos, hypot, inf, pi, sin
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import shapely
@@ -20,20 +22,40 @@ from scenec.solve.check import Assignment
 from scenec.solve.frames import Pose2, pose_of, turned_direction
 from scenec.solve.model import SLACK_M, Model, Site
 from scenec.solve.placed import Placed
-from scenec.solve.planar import ROUND_OUT, SEGMENTS, hulls, polygon
+from scenec.solve.planar import ROUND_OUT, SEGMENTS, hulls, outline_of, polygon
 from scenec.solve.relations import direction_B, extent, front_B, origin_B, outlines_B
 from scenec.solve.shapes import Turned
 
 NOWHERE = Polygon()
+FEW_PIECES = 16  # of two footprints multiplied: below, their no-fit polygons are not worth remembering
+_NO_FIT: WeakKeyDictionary[Turned, WeakKeyDictionary[Turned, dict[float, BaseGeometry]]] = WeakKeyDictionary()
+FEW_CORNERS = 100  # of two outlines multiplied: below, the hull of all differences is found as fast
 
 
 def sums(outline: FloatArray, reflected: Sequence[FloatArray]) -> list[BaseGeometry]:
     """No-fit polygons of one convex obstacle (n, 2): its Minkowski sums with the reflected footprint's pieces."""
-    return hulls([_sum(outline, piece) for piece in reflected])
+    return hulls([sum_points(outline, piece) for piece in reflected])
 
 
-def _sum(a: FloatArray, b: FloatArray) -> FloatArray:
-    return (a[:, None, :] - b[None, :, :]).reshape(-1, 2)
+def sum_points(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Points (k, 2) whose hull is the sum of a convex outline and a reflected one: all differences of corners where
+    these are few, else those met going round both at once, edges by their direction."""
+    if len(a) * len(b) <= FEW_CORNERS:
+        return (a[:, None, :] - b[None, :, :]).reshape(-1, 2)
+    one, two = _from_lowest(a), _from_lowest(-b)
+    edges = np.concatenate([np.roll(one, -1, axis=0) - one, np.roll(two, -1, axis=0) - two])
+    order = np.argsort(np.arctan2(edges[:, 1], edges[:, 0]) % (2.0 * pi), kind="stable")
+    passed = np.cumsum(order < len(one))
+    at = np.concatenate([[0], passed[:-1]])
+    return one[at % len(one)] + two[(np.arange(len(order)) - at) % len(two)]
+
+
+def _from_lowest(outline: FloatArray) -> FloatArray:
+    # Counter-clockwise, beginning at the lowest corner (the leftmost of these): edges turn from 0 to a whole turn.
+    x, y = outline.T
+    if float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) < 0.0:
+        outline = outline[::-1]
+    return np.roll(outline, -int(np.lexsort((outline[:, 0], outline[:, 1]))[0]), axis=0)
 
 
 def eroded(area: Polygon, pieces: Sequence[FloatArray]) -> BaseGeometry:
@@ -195,6 +217,7 @@ def _obstacles(
     fx0, fy0, fx1, fy1 = turned.bounds
     x0, y0, x1, y1 = around
     whole: list[FloatArray] = []
+    known: list[BaseGeometry] = []
     blamed: set[str] = set()
     for other, placed in assignment.items():
         if placed.parent != thing.parent or other == name:
@@ -210,15 +233,31 @@ def _obstacles(
         if not (placed.base_P_m < top - SLACK_M and base < placed.top_P_m - SLACK_M):
             continue
         blamed.add(other)
-        if placed.place == thing.place.name:
-            whole += [_sum(piece, mine) for piece in placed.grown(clearance) for mine in turned.pieces]
+        if placed.place == thing.place.name and len(placed.turned.pieces) * len(turned.pieces) > FEW_PIECES:
+            shift = (placed.x_P_m, placed.y_P_m)
+            known.append(shapely.transform(_no_fit(placed.turned, turned, clearance), partial(np.add, shift)))
+        elif placed.place == thing.place.name:
+            whole += [sum_points(piece, mine) for piece in placed.grown(clearance) for mine in turned.pieces]
         else:
             for outline, low, high in placed.slabs:
                 wide = outline.buffer(clearance * ROUND_OUT, quad_segs=SEGMENTS) if clearance > 0.0 else outline
                 for mine, slab in zip(turned.outlines, turned.shape.slabs, strict=True):
                     if slab.low_m + base < high - SLACK_M and low < slab.high_m + base - SLACK_M:
-                        whole.append(_sum(shapely.get_coordinates(wide)[:-1], mine))
-    return hulls(whole), blamed
+                        whole.append(sum_points(shapely.get_coordinates(wide)[:-1], mine))
+    return [*known, *hulls(whole)], blamed
+
+
+def _no_fit(other: Turned, mine: Turned, clearance_m: float) -> BaseGeometry:
+    """The no-fit polygon of two footprints of many pieces (by their broad ones), the other's origin at 0; remembered
+    while both live."""
+    found = _NO_FIT.setdefault(other, WeakKeyDictionary()).setdefault(mine, {})
+    if clearance_m not in found:
+        wide = [polygon(piece).buffer(clearance_m * ROUND_OUT, quad_segs=SEGMENTS) for piece in other.broad]
+        outlines = [outline_of(area) for area in wide] if clearance_m > 0.0 else other.broad
+        found[clearance_m] = shapely.union_all(
+            hulls([sum_points(one, piece) for one in outlines for piece in mine.broad])
+        )
+    return found[clearance_m]
 
 
 def _rule_region(
@@ -242,7 +281,7 @@ def _rule_region(
         return half_plane(-px, -py, -(end + rule.gap_m - start - float(along.min())), around)
     if rule.kind in ("near", "far_from"):
         no_fit = hulls(
-            [_sum(_in_P(o, owner), mine) for o in outlines_B(mates[0], assignment) for mine in turned.pieces]
+            [sum_points(_in_P(o, owner), mine) for o in outlines_B(mates[0], assignment) for mine in turned.pieces]
         )
         if rule.kind == "near":
             return shapely.union_all(shapely.buffer(no_fit, rule.gap_m, quad_segs=4 * SEGMENTS))

@@ -14,7 +14,6 @@ from heapq import heapify, heappop, heappush
 from math import cos, inf, pi, sin
 from typing import Literal
 
-import shapely
 from numpy.random import Generator
 from shapely.affinity import translate
 from shapely.geometry.base import BaseGeometry
@@ -29,24 +28,29 @@ from scenec.solve.stacks import levels
 from scenec.solve.streams import stream
 
 TRIES = 8  # stances and yaws tried for one thing at one node
+COLUMN_TRIES = 4  # of these, straight over the middle of each thing that may carry it
 LOOK_AHEAD = 6  # related things looked at after a choice
 DENSE = 0.3  # share of the place's area from which on corners are tried before points drawn at random
 HOPELESS = 6  # restarts after which a thing that never finds a place by itself ends the search
 NODES_BEFORE_RESTART = 40  # times the number of things
+PIECES_A_STEP = 4  # of a footprint
 
 
 @dataclass
 class Effort:
-    """Steps left, and what is worth telling when they run out: the most things that ever stood, failures by thing."""
+    """Steps left, and what is worth telling when they run out: the most things that ever stood, failures by thing.
+
+    A pose of a thing of many pieces takes several steps, so that a budget bounds the time whatever is placed.
+    """
 
     left: int
     taken: int = 0
     stood: dict[str, Placed] = field(default_factory=dict)
     failures: Counter[str] = field(default_factory=Counter)
 
-    def step(self) -> bool:
-        """Takes one step; False when there is none left."""
-        self.taken += 1
+    def step(self, steps: int = 1) -> bool:
+        """Takes steps; False when there is none left."""
+        self.taken += steps
         return self.taken <= self.left
 
     def reached(self, standing: Assignment) -> None:
@@ -78,7 +82,8 @@ def search(
     """Poses for `names` that agree with each other and with what stands; None when the steps ran out or all failed."""
     order, regions, attempt, hopeless = ordered(model, names), Regions(model), 0, 0
     while effort.taken < effort.left and hopeless < HOPELESS:
-        limit = effort.taken + NODES_BEFORE_RESTART * len(order) * (1 + attempt)
+        nodes = sum(steps_of(model, name) for name in order)
+        limit = effort.taken + NODES_BEFORE_RESTART * nodes * (1 + attempt)
         found = _descend(model, order, standing, seed, attempt, effort, limit, regions)
         if isinstance(found, dict):
             return found
@@ -86,6 +91,11 @@ def search(
         # What failed most goes first next time, as far as owners allow.
         order = ordered(model, names, effort.failures)
     return None
+
+
+def steps_of(model: Model, name: str) -> int:
+    """How many steps a pose of a thing takes: one for most, more where its footprint is of many pieces."""
+    return 1 + max((len(shape.pieces) for shape in model.shapes[name]), default=0) // PIECES_A_STEP
 
 
 def _descend(
@@ -114,7 +124,7 @@ def _descend(
         for placed, blamed in streams[level]:
             if effort.taken >= min(limit, effort.left):
                 return "limit"
-            effort.step()
+            effort.step(steps_of(model, name))
             culprits[level] |= blamed
             if placed is None:
                 continue
@@ -180,22 +190,30 @@ def candidates(
 def _on_contents(
     model: Model, thing: Thing, assignment: Assignment, rng: Generator, regions: Regions
 ) -> Iterator[tuple[Placed | None, set[str]]]:
-    # Over what lies in its volume: its foot over the middle of one top, then anywhere over the tops.
+    # Over what lies in its volume: its foot over the middle of one top, which costs little to try; then anywhere.
     ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
-    for base, hull, middles in levels(model, assignment, thing.name):
-        for stance, yaw in poses_to_try(model, thing, rng, dense=True)[:TRIES]:
+    found = levels(model, assignment, thing.name)
+    poses = poses_to_try(model, thing, rng, dense=True)[:TRIES] if found else []
+    middle_of = {
+        pose: model.put(thing.name, Placement(-ox, -oy, pose[1], pose[0])).resting.foot.centroid for pose in poses
+    }
+    for base, _, middles in found:
+        for stance, yaw in poses[:COLUMN_TRIES]:
+            own = middle_of[stance, yaw]
+            for i in rng.permutation(len(middles)).tolist():
+                x, y = middles[i].x - own.x - ox, middles[i].y - own.y - oy
+                yield model.put(thing.name, Placement(x, y, yaw, stance, base)), set()
+    for base, hull, _ in found:
+        for stance, yaw in poses:
             turned = model.shapes[thing.name][stance].turned(yaw)
             alone_m = regions.alone(thing.name, stance, yaw, base)
             region, blamed = feasible(model, thing.name, turned, assignment, alone_m, base)
-            middle = model.put(thing.name, Placement(-ox, -oy, yaw, stance)).resting.foot.centroid
-            region = region.intersection(translate(hull, -middle.x, -middle.y))
+            own = middle_of[stance, yaw]
+            region = region.intersection(translate(hull, -own.x, -own.y))
             if region.is_empty:
                 yield None, blamed
                 continue
-            columns = [(m.x - middle.x, m.y - middle.y) for m in middles]
-            over = [at for at in columns if region.covers(shapely.Point(at))]
-            over = [over[i] for i in rng.permutation(len(over)).tolist()]
-            for point in (*over, drawn(region, rng), drawn(region, rng)):
+            for point in (drawn(region, rng), drawn(region, rng)):
                 if point is not None:
                     yield model.put(thing.name, Placement(point[0] - ox, point[1] - oy, yaw, stance, base)), blamed
 

@@ -20,6 +20,7 @@ from scenec.ir import FloatArray, Slab, Stance, Surface, Thing, Volume
 from scenec.solve.planar import hull_of, outline_of
 
 AREA_NOISE = 1e-7  # share of a hull's area by which a union may miss it and still count as convex
+BROAD = 1e-3  # share of a footprint's hull that joining two pieces of it may add
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,21 @@ class Shape:
     def hull(self) -> FloatArray:
         """Convex hull of the whole footprint, (n, 2) counter-clockwise."""
         return self.pieces[0] if len(self.pieces) == 1 else hull_of(np.concatenate(self.pieces))
+
+    @cached_property
+    def broad(self) -> tuple[FloatArray, ...]:
+        """Fewer convex pieces that hold the footprint and little more, for what only proposes poses: see BROAD."""
+        found: list[Polygon] = []
+        for piece in sorted((Polygon(outline) for outline in self.pieces), key=lambda p: -p.area):
+            for k, other in enumerate(found):
+                both = shapely.union(piece, other)
+                hull = shapely.convex_hull(both)
+                if isinstance(hull, Polygon) and hull.area - both.area <= BROAD * self.area_m2:
+                    found[k] = hull
+                    break
+            else:
+                found.append(piece)
+        return tuple(map(outline_of, found))
 
     @cached_property
     def area_m2(self) -> float:
@@ -80,6 +96,11 @@ class Turned:
     def hull(self) -> FloatArray:
         """Convex hull of the footprint at this yaw."""
         return self.pieces[0] if len(self.pieces) == 1 else self.shape.hull @ self._turn_T
+
+    @cached_property
+    def broad(self) -> tuple[FloatArray, ...]:
+        """The shape's broad pieces at this yaw."""
+        return tuple(piece @ self._turn_T for piece in self.shape.broad)
 
     @cached_property
     def outlines(self) -> tuple[FloatArray, ...]:
