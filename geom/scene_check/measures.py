@@ -26,6 +26,15 @@ def outside(outline: FloatArray, polygon: Polygon) -> float:
     return max(corners, float(shapely.maximum_inscribed_circle(largest(beyond)).length), TOLERANCE_M)
 
 
+def farthest_outside(outlines: list[FloatArray], polygon: Polygon) -> float:
+    """How far any of some convex outlines sticks out of a polygon; as `outside` for each."""
+    if not outlines or polygon.covers(shapely.convex_hull(shapely.multipoints(np.concatenate(outlines)))):
+        return 0.0
+    shapely.prepare(polygon)
+    left = np.flatnonzero(~shapely.covers(polygon, polygons(outlines))).tolist()
+    return max((outside(outlines[k], polygon) for k in left), default=0.0)
+
+
 def largest(shape: shapely.Geometry) -> Polygon:
     """The largest polygon of what an intersection or a difference left."""
     return max((part for part in shapely.get_parts(shape).tolist() if isinstance(part, Polygon)), key=lambda p: p.area)

@@ -25,10 +25,14 @@ def too_close(scene: CheckScene, by_name: dict[str, CheckObject], changed: froze
     seen = polygons([p.outline_m for _, p in parts])
     moved = moved[owner]
     asking = np.flatnonzero(moved)
-    one, two = shapely.STRtree(seen).query(seen[asking], predicate="dwithin", distance=scene.clearance_m)
+    reach = scene.clearance_m + TOLERANCE_M
+    boxes = shapely.bounds(seen[asking]) + np.array([-reach, -reach, reach, reach])
+    one, two = shapely.STRtree(seen).query(shapely.box(*boxes.T))
     one = asking[one]
     # Of two that changed each finds the other: the pair counts once, the earlier object first.
     keep = (owner[one] < owner[two]) | ((owner[one] > owner[two]) & ~moved[two])
+    one, two = one[keep], two[keep]
+    keep = shapely.dwithin(seen[one], seen[two], scene.clearance_m)
     one, two = one[keep], two[keep]
     one, two = np.where(owner[one] < owner[two], (one, two), (two, one))
     meet = np.minimum(high[one], high[two]) - np.maximum(low[one], low[two]) > TOLERANCE_M

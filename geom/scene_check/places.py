@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from geom.scene_check.measures import outside, overlap, separation, to_place
+from geom.scene_check.measures import farthest_outside, overlap, separation, to_place
 from geom.scene_check.model import TOLERANCE_M, TURN, CheckObject, Violation
 
 
@@ -41,7 +41,7 @@ def unsupported(item: CheckObject) -> Iterator[Violation]:
     if low < -TOLERANCE_M and not item.spots:
         yield Violation("owner_entered", (item.name, place.owner), float(-low), 0.0)
     if place.polygon is not None and not (item.spots and abs(low) > TOLERANCE_M):
-        out = max(outside(to_place(prism.outline_m, place), place.polygon) for prism in item.prisms)
+        out = farthest_outside([to_place(prism.outline_m, place) for prism in item.prisms], place.polygon)
         if out > 0.0:
             yield Violation("off_support", (item.name, place.owner), out, 0.0)
     if low > TOLERANCE_M and not item.spots and not place.layers:
@@ -59,12 +59,11 @@ def owners_entered(item: CheckObject, by_name: dict[str, CheckObject]) -> Iterat
         judged = item.prisms if place.layers or place.above else ()
         outlines = [to_place(prism.outline_m, place) for prism in judged]
         spans = [(prism.low_m - floor, prism.high_m - floor) for prism in judged]
+        standing = list(zip(outlines, spans, strict=True))
         out = max(
             (
-                outside(outline, polygon)
-                for outline, span in zip(outlines, spans, strict=True)
+                farthest_outside([outline for outline, span in standing if overlap(span, (low, high))], polygon)
                 for low, high, polygon in place.layers
-                if overlap(span, (low, high))
             ),
             default=0.0,
         )
@@ -73,7 +72,7 @@ def owners_entered(item: CheckObject, by_name: dict[str, CheckObject]) -> Iterat
         depth = max(
             (
                 -separation(outline, part.outline_m)
-                for outline, span in zip(outlines, spans, strict=True)
+                for outline, span in standing
                 for part in place.above
                 if overlap(span, (part.low_m, part.high_m))
             ),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from shapely import Polygon, box
+from shapely import MultiPoint, Polygon, box
 
 from geom.scene_check import (
     CheckKeepOut,
@@ -20,6 +20,7 @@ from geom.scene_check import (
     CheckScene,
     check,
 )
+from geom.scene_check.measures import farthest_outside, outside
 
 TABLE = CheckPlace("background", "top", np.zeros(3), 0.0, box(-0.6, -0.4, 0.6, 0.4))
 
@@ -247,3 +248,13 @@ def test_a_rigid_motion_of_the_whole_scene_changes_no_verdict(poses, turn, dx, d
     after = check(replace(scene, objects=objects, relations=(relation,)))
     assert [(v.kind, v.names) for v in after] == [(v.kind, v.names) for v in before]
     assert [v.value for v in after] == pytest.approx([v.value for v in before], rel=1e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_outlines_together_stick_out_as_far_as_the_worst_of_them(seed: int):
+    rng = np.random.default_rng(seed)
+    place = box(-0.5, -0.4, 0.5, 0.4) - box(*np.sort(rng.uniform(-0.3, 0.3, (2, 2)), axis=0).reshape(-1))
+    clouds = [rng.uniform(-0.15, 0.15, (6, 2)) + rng.uniform(-0.4, 0.4, 2) for _ in range(4)]
+    outlines = [np.array(MultiPoint(cloud).convex_hull.exterior.coords[:-1]) for cloud in clouds]
+    for some in (outlines, outlines[:1], []):
+        assert farthest_outside(some, place) == max((outside(one, place) for one in some), default=0.0)
