@@ -19,6 +19,7 @@ from schemas.diagnostics import Diagnostic, finding
 from schemas.scene_program import LayoutNode, SceneObject, SceneProgram
 
 LONGEST_TEXT = 60
+MOST_KEYS = 16  # are listed where none is near the one written
 
 
 def validate(tree: Tree, spans: Spans, memo: Memo | None = None) -> tuple[SceneProgram | None, tuple[Diagnostic, ...]]:
@@ -117,7 +118,8 @@ def _finding(place: _Place, tree: Tree, spans: Spans) -> Diagnostic:
     above = f"`{written(path[:-1])}`" if path[:-1] else "the program"
     if kind == "extra_forbidden":
         known = keys_at(tree, path[:-1])
-        headline = f"`{path[-1]}` is not a key of {above}{did_you_mean(str(path[-1]), known)}"
+        takes = f"; it takes {', '.join(known)}" if 0 < len(known) <= MOST_KEYS else ""
+        headline = f"`{path[-1]}` is not a key of {above}{did_you_mean(str(path[-1]), known) or takes}"
         return finding("scene/unknown-key", headline, where=spans.key(path), bound=", ".join(known) or None)
     if kind == "missing" and isinstance(path[-1], str):
         return finding("scene/missing-key", f"{above} needs `{path[-1]}`", where=spans.place(path[:-1]))
