@@ -8,6 +8,7 @@ import sys
 from dataclasses import replace
 
 import numpy as np
+import pybullet_data
 import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
@@ -281,7 +282,6 @@ def test_simulators_are_independent_and_close_twice() -> None:
 
 
 def test_real_hulls_settle(bullet) -> None:
-    pybullet_data = pytest.importorskip("pybullet_data")
     for name in ("duck_vhacd.obj", "cube.obj", "lego/lego.obj"):
         mesh = trimesh.load(f"{pybullet_data.getDataPath()}/{name}", force="mesh", process=False).convex_hull
         mesh.apply_scale(0.2 / np.linalg.norm(mesh.extents))

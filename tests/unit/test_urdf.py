@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import package_samples as samples
+import pybullet
 import pytest
 from scipy.spatial.transform import Rotation
 
@@ -102,7 +103,6 @@ def test_visual_meshes_round_trip(twin: tuple[RigidBody, ElementTree.Element, Pa
 
 
 def test_pybullet_reads_the_twin(twin: tuple[RigidBody, ElementTree.Element, Path]) -> None:
-    pybullet = pytest.importorskip("pybullet")
     body, _, folder = twin
     client = pybullet.connect(pybullet.DIRECT)
     try:
