@@ -104,32 +104,37 @@ def seated(scope: Scope, ways: Ways, slots_m: FloatArray, family: str, rng: Gene
 
 def _exchange(scope: Scope, ways: Ways, slots: FloatArray, rng: Generator) -> None:
     # Exchanges slots in place: first those of broken directional relations, then any that keep all of them.
-    count = len(slots)
+    count, n = slots.shape[:2]
     rules = _axial(scope)
-    free = np.array([i for i, member in enumerate(scope.members) if not member.pinned])
+    is_free = np.array([not member.pinned for member in scope.members])
+    free = np.flatnonzero(is_free)
     if len(free) < 2 or not count:
         return
     rows = np.arange(count)
-    cost = _cost(slots, rules)
+    seat = np.tile(np.arange(n), (count, 1))  # the slot of each member, by its number at first
+    fits = np.asarray(_fits(ways.size_m[:, None], _size(slots)[:, None, :, None]).any(axis=-1))  # (l, member, slot)
+    broken = _broken(slots, seat, rules)
+    cost = broken.sum(axis=1)
     for step in range((REPAIRS if len(rules) else 0) + MIXING * len(free)):
         i, j = free[rng.integers(len(free), size=(2, count))]
         if len(rules) and step < REPAIRS:
             if not cost.any():
                 continue
-            broken = _broken(slots, rules)
-            pick = (broken + 1e-12 * rng.random(broken.shape) > 0.0) * rng.random(broken.shape) * (broken > 0.0)
-            ends = rules[pick.argmax(axis=1)][rows, rng.integers(2, size=count)].astype(np.int64)
-            i = np.where((cost > 0.0) & np.isin(ends, free), ends, i)
-        one, two = slots[rows, i], slots[rows, j]
-        may = (i != j) & _fits(ways.size_m[i], _size(two)[:, None]).any(axis=1)
-        may &= _fits(ways.size_m[j], _size(one)[:, None]).any(axis=1)
+            rng.random(broken.shape)  # unused: it keeps the plans of earlier versions
+            pick = rng.random(broken.shape) * (broken > 0.0)
+            ends = rules[pick.argmax(axis=1), rng.integers(2, size=count)].astype(np.int64)
+            i = np.where((cost > 0.0) & is_free[ends], ends, i)
+        one, two = seat[rows, i], seat[rows, j]
+        may = (i != j) & fits[rows, i, two] & fits[rows, j, one]
         if not may.any():
             continue
-        trial = slots.copy()
+        trial = seat.copy()
         trial[rows, i], trial[rows, j] = two, one
-        now = _cost(trial, rules)
+        then = _broken(slots, trial, rules)
+        now = then.sum(axis=1)
         may &= now <= cost + 1e-12
-        slots[may], cost[may] = trial[may], now[may]
+        seat[may], broken[may], cost[may] = trial[may], then[may], now[may]
+    slots[:] = slots[rows[:, None], seat]
 
 
 def _axial(scope: Scope) -> FloatArray:
@@ -137,14 +142,12 @@ def _axial(scope: Scope) -> FloatArray:
     return np.array(ahead(scope.rules, scope.index)).reshape(-1, 4)
 
 
-def _broken(slots: FloatArray, rules: FloatArray) -> FloatArray:
-    # (l, r) by how much each relation is broken.
+def _broken(slots: FloatArray, seat: IntArray, rules: FloatArray) -> FloatArray:
+    # (l, r) by how much each relation is broken when members sit at these slots (l, n).
     first, second, along = rules[:, :3].astype(np.int64).T
-    return np.maximum(slots[:, first, 2 * along + 1] + rules[:, 3] - slots[:, second, 2 * along], 0.0)
-
-
-def _cost(slots: FloatArray, rules: FloatArray) -> FloatArray:
-    return _broken(slots, rules).sum(axis=1) if len(rules) else np.zeros(len(slots))
+    rows = np.arange(len(slots))[:, None]
+    ends, begins = slots[rows, seat[:, first], 2 * along + 1], slots[rows, seat[:, second], 2 * along]
+    return np.maximum(ends + rules[:, 3] - begins, 0.0)
 
 
 def _fits(size_m: FloatArray, room_m: FloatArray) -> BoolArray:
