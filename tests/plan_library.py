@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from schemas.compiled_scene import Prism
@@ -72,16 +74,24 @@ def surface(name: str, width_m: float, depth_m: float, origin_m: tuple[float, fl
     )
 
 
+_STEPS_MRAD = np.arange(-3141, 3142)
+
+
 def yaws_that_fit(body: PlanBody, width_um: int, depth_um: int) -> tuple[tuple[int, int], ...]:
     """Yaws at which the upright footprint fits a cell, in steps of a milliradian."""
-    outline = np.array(body.stances[0].prisms[0].outline_m)
-    steps = np.arange(-3141, 3142)
-    turns = steps * 1e-3
-    x = np.outer(np.cos(turns), outline[:, 0]) - np.outer(np.sin(turns), outline[:, 1])
-    y = np.outer(np.sin(turns), outline[:, 0]) + np.outer(np.cos(turns), outline[:, 1])
-    fits = (np.ptp(x, axis=1) <= width_um * 1e-6) & (np.ptp(y, axis=1) <= depth_um * 1e-6)
+    width_m, depth_m = _turned_extents_m(body.stances[0].prisms[0].outline_m)
+    fits = (width_m <= width_um * 1e-6) & (depth_m <= depth_um * 1e-6)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], fits, [False]]).astype(int)))
-    return tuple((int(steps[a]) * 1000, int(steps[b - 1]) * 1000) for a, b in edges.reshape(-1, 2))
+    return tuple((int(_STEPS_MRAD[a]) * 1000, int(_STEPS_MRAD[b - 1]) * 1000) for a, b in edges.reshape(-1, 2))
+
+
+@functools.cache
+def _turned_extents_m(outline_m: tuple[tuple[float, float], ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Extents in x and y (steps,) of an outline at each yaw."""
+    corners, turns = np.array(outline_m), _STEPS_MRAD * 1e-3
+    x = np.outer(corners[:, 0], np.cos(turns)) - np.outer(corners[:, 1], np.sin(turns))
+    y = np.outer(corners[:, 0], np.sin(turns)) + np.outer(corners[:, 1], np.cos(turns))
+    return np.ptp(x, axis=0), np.ptp(y, axis=0)
 
 
 def grid_plan(n: int, cases: int, seed: int = 0, bodies: tuple[PlanBody, ...] | None = None) -> RuntimePlan:
