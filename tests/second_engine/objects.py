@@ -9,9 +9,12 @@ import numpy as np
 import trimesh
 from trimesh import creation
 
-from assetkit.discover import discover
+from assetkit.discover import Candidate
+from assetkit.ingest import ENVIRONMENT
 from assetkit.options import Options
 from assetkit.pipeline import process_source
+from cli.assets import PRELOAD
+from jobs.warm import warm_cells
 from sim.bullet import BulletSimulator
 
 # Of pybullet_data: a round body, a cavity with a handle, a JPEG texture, a convex scan.
@@ -58,11 +61,11 @@ def write_generated(folder: Path) -> list[Path]:
     return [*files, plank]
 
 
-def release(sources: Sequence[Path], root: Path | None, out: Path) -> list[Path]:
-    """The package folders made of `sources` in `out`, in one process; AssertionError unless each gives one."""
+def release(candidates: Sequence[Candidate], out: Path) -> list[Path]:
+    """The package folders made of `candidates` in `out`, with warm cells; AssertionError unless each gives one."""
     packages: list[Path] = []
-    with BulletSimulator() as simulator:
-        for candidate in discover(sources, root=root):
+    with warm_cells(PRELOAD, env=ENVIRONMENT), BulletSimulator() as simulator:
+        for candidate in candidates:
             work = out / ".work" / candidate.asset_id
             item = process_source(candidate, options=Options(), simulator=simulator, out=out, work_dir=work, fresh=True)
             assert item.packages, f"{candidate.given}: {item.outcome.value}, {item.codes}, {item.traceback}"

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from assetkit.discover import discover
 from assetkit.stable_poses import trial_starts
 from schemas.model import FloatArray
 from tests.second_engine import comparison, mujoco_drops
@@ -61,11 +62,10 @@ def group(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     base = tmp_path_factory.mktemp("second")
     if request.param == "shared":
         assets: Path = request.getfixturevalue("shared_assets")
-        return make_group(release([assets / name for name in SHARED], assets, base / "out"))
+        return make_group(release(discover([assets / name for name in SHARED], root=assets), base / "out"))
     data: Path = request.getfixturevalue("bullet_data")
-    folders = release(write_generated(base / "in"), None, base / "out")
-    folders += release([data / name for name in INSTALLED], data, base / "out")
-    return make_group(folders)
+    candidates = [*discover(write_generated(base / "in")), *discover([data / n for n in INSTALLED], root=data)]
+    return make_group(release(candidates, base / "out"))
 
 
 def offenders(rows: list[tuple[Package, list[Rest], list[Rest], list[Rest]]], wrong: Callable[[Pair], bool]) -> dict:
