@@ -10,8 +10,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from scipy.stats import norm
-
+from assetkit.normal_mixture import normal_density
 from assetkit.options import METERS_PER_UNIT
 from assetkit.size_belief import Belief, size_belief
 from assetkit.taxonomy.tables import Category
@@ -97,6 +96,6 @@ def _chances(extent: tuple[float, float, float], belief: Belief, prior: dict[str
         for unit in METERS_PER_UNIT
     }
     weights["normalised"] = NORMALISED / (2.0 * EXACT) / 2.0 if exact else 0.0
-    weights["any factor"] = ANY_FACTOR * float(norm.pdf(math.log(max(extent)), 0.0, FACTORS))
+    weights["any factor"] = ANY_FACTOR * float(normal_density(math.log(max(extent)), 0.0, FACTORS))
     total = sum(weights.values())
     return {name: weight / total for name, weight in weights.items()}

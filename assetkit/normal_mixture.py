@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import root_scalar
 from scipy.special import ndtr
-from scipy.stats import norm
 
 from schemas.model import FloatArray
+
+_ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class Mixture:
 
     def density(self, value: float) -> float:
         """Probability density at a value."""
-        return float(self.weights @ norm.pdf(value, self.middles, self.spreads) / self.weights.sum())
+        return float(self.weights @ normal_density(value, self.middles, self.spreads) / self.weights.sum())
 
     def quantile(self, share: float) -> float:
         """Below which value this share lies."""
@@ -42,3 +43,8 @@ class Mixture:
 
     def _excess(self, value: float, share: float) -> float:
         return float(self.weights @ ndtr((value - self.middles) / self.spreads) / self.weights.sum()) - share
+
+
+def normal_density(value: float, middle: FloatArray | float, spread: FloatArray | float) -> FloatArray:
+    """Densities (n,) of normal distributions at a value; `scipy.stats`, which also has it, takes 0.6 s to import."""
+    return np.exp(-(((value - middle) / spread) ** 2) / 2.0) / _ROOT_TWO_PI / spread
