@@ -19,7 +19,7 @@ demo: $(STAMP)
 
 test:
 	$(MAKE) --jobs=2 check $(MUJOCO_USD_STAMP) $(TORCH_STAMP)
-	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
 check: lint types layers
 

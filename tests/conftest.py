@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import subprocess
 import sys
@@ -15,7 +16,36 @@ settings.register_profile("same", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
+# Files that take longest, in seconds of CPU: a minute of tests that starts last would leave the other workers idle.
+LONGEST = (
+    "unit/test_gap_mechanism_suite.py",  # 170
+    "test_pipeline.py",  # 160
+    "test_gap_cli.py",  # 100
+    "second_engine/test_second_engine.py",  # 100
+    "test_scene_examples.py",  # 100
+    "test_review.py",  # 50
+    "unit/test_plan_cases.py",  # 50
+    "test_annotator_batch.py",
+    "test_codes.py",
+    "test_replay_recordings.py",
+    "test_batch.py",
+    "unit/test_free_body_suite.py",
+    "unit/test_mass_table.py",
+    "unit/test_collision_robustness.py",
+    "unit/test_bullet_mechanism.py",
+    "test_warm_ingest.py",
+    "test_segmented.py",
+    "test_part_review.py",
+    "test_scene_cli.py",
+)
+
 SHARED = Path(__file__).parents[1].parent / "shared" / "data"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files of `LONGEST` come first, and the others in the order in which they are found."""
+    rank = {Path(__file__).parent / name: k for k, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: rank.get(item.path, len(rank)))
 
 
 @pytest.fixture(scope="session")
@@ -46,11 +76,24 @@ def bullet_data() -> Path:
 
 @pytest.fixture(scope="session")
 def scene_packages(bullet_data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Packages for scenes: a mug, a tray and two toys, made from those meshes once for all tests."""
-    out = tmp_path_factory.mktemp("scene_packages")
+    """Packages of a mug, a tray and two toys, made from those meshes once for all tests; not to be written to."""
+    base = tmp_path_factory.getbasetemp()
+    base = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base  # that of the run, which its workers share
+    out = base / "scene_packages"
     meshes = ("objects/mug.obj", "tray/tray_textured.obj", "duck.obj", "domino/domino.obj")
-    command = [sys.executable, "-m", "cli.main", "assets", "ingest", *(str(bullet_data / file) for file in meshes)]
-    command += ["--root", str(bullet_data), "--out", str(out)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert len(list(out.glob("*/record.json"))) == len(meshes), done.stdout + done.stderr
+    with (base / "scene_packages.lock").open("a+") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not out.exists():
+            command = [
+                sys.executable,
+                "-m",
+                "cli.main",
+                "assets",
+                "ingest",
+                *(str(bullet_data / file) for file in meshes),
+            ]
+            command += ["--root", str(bullet_data), "--out", str(out)]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            assert done.returncode in (0, 1), done.stdout + done.stderr
+    assert len(list(out.glob("*/record.json"))) == len(meshes), sorted(out.iterdir())
     return out
