@@ -11,19 +11,14 @@ import pybullet
 import pytest
 from typer.testing import CliRunner
 
-from assetkit.discover import discover
 from assetkit.judge import judge
-from assetkit.options import Options
-from assetkit.pipeline import process_source
 from assetkit.record import read_record
-from cli.demo import data_folder
 from cli.gap_extend import _body
 from cli.main import app
 from jobs.cache import file_sha256
 from schemas.asset import AssetRecord
 from schemas.diagnostics import InvalidInput, Severity
 from schemas.gap import AppliedEffect, Estimate, ModelExtension, Place
-from sim.bullet import BulletSimulator
 from sim.effects.library import EFFECTS
 from simgap.carried import MeasuredBody, joint_physics, package_physics
 from simgap.extension import read_extension
@@ -57,20 +52,9 @@ def extension(file: Path, found: dict[str, Values], measurement: str = "0" * 64,
 
 
 @pytest.fixture(scope="module")
-def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def package(scene_packages: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The domino of pybullet_data as a package."""
-    folder = tmp_path_factory.mktemp("library")
-    source = data_folder() / "domino" / "domino.obj"
-    with BulletSimulator() as simulator:
-        item = process_source(
-            discover([source], root=source.parent)[0],
-            options=Options(),
-            simulator=simulator,
-            out=folder,
-            work_dir=folder / ".work",
-        )
-    (name,) = item.packages
-    return folder / name
+    return shutil.copytree(scene_packages / "domino", tmp_path_factory.mktemp("library") / "domino")
 
 
 @pytest.fixture(scope="module")

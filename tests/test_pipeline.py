@@ -14,7 +14,7 @@ import pytest
 import trimesh
 
 from schemas.asset import AssetRecord
-from tests.bad_inputs import CUBE, SAMPLES, gltf, obj_text
+from tests.bad_inputs import SAMPLES, gltf, obj_text
 
 MANA = (sys.executable, "-m", "cli.main")
 
@@ -197,19 +197,13 @@ def test_validate_judges_foreign_files_without_falling_over(tmp_path: Path):
     assert "asset/package-invalid" in {d["code"] for d in found[str(foreign)]}
 
 
-def test_up_axis_of_the_user_is_declared(tmp_path: Path):
+def test_up_axis_licence_and_role_of_the_user_reach_the_record(tmp_path: Path):
     (tmp_path / "post.obj").write_text(obj_text(trimesh.creation.box((0.1, 0.5, 0.1))))
-    mana("assets", "ingest", tmp_path / "post.obj", "--out", tmp_path / "out", "--up-axis", "y")
+    flags = ("--up-axis", "y", "--license", "CC0-1.0", "--author", "Jane", "--role", "manipulated", "--category", "box")
+    mana("assets", "ingest", tmp_path / "post.obj", "--out", tmp_path / "out", *flags)
     record = record_of(tmp_path / "out" / "post")
     assert record.geometry.extent_m.value == pytest.approx((0.1, 0.1, 0.5))
     assert record.source.up_axis.source == "declared"
-
-
-def test_declared_licence_and_role_reach_the_record(tmp_path: Path):
-    (tmp_path / "cube.obj").write_text(obj_text(CUBE))
-    flags = ("--license", "CC0-1.0", "--author", "Jane", "--role", "manipulated", "--category", "box")
-    mana("assets", "ingest", tmp_path / "cube.obj", "--out", tmp_path / "out", *flags)
-    record = record_of(tmp_path / "out" / "cube")
     assert (record.source.license.value, record.source.license.source) == ("CC0-1.0", "declared")
     assert record.source.author.value == "Jane"
     assert record.semantics.category.value == "box"

@@ -17,8 +17,10 @@ from cli.assets import PRELOAD
 from jobs.warm import warm_cells
 from sim.bullet import BulletSimulator
 
-# Of pybullet_data: a round body, a cavity with a handle, a JPEG texture, a convex scan.
-INSTALLED = ("duck.obj", "objects/mug.obj", "domino/domino.obj", "random_urdfs/009/009.obj")
+# Of the packages that tests share: a round body, a cavity with a handle, a JPEG texture.
+MADE = ("duck", "mug", "domino")
+# Of pybullet_data: a convex scan.
+INSTALLED = ("random_urdfs/009/009.obj",)
 # Of the shared assets: small and large, thin and round, polyhedral and curved.
 SHARED = (
     "stl/tm_20mm-xyz-cube_stl/20mm-xyz-cube.stl",

@@ -21,7 +21,7 @@ from assetkit.stable_poses import trial_starts
 from schemas.model import FloatArray
 from tests.second_engine import comparison, mujoco_drops
 from tests.second_engine.comparison import Package, Pair, Rest
-from tests.second_engine.objects import INSTALLED, SHARED, release, write_generated
+from tests.second_engine.objects import INSTALLED, MADE, SHARED, release, write_generated
 from usdio.reread import reread_shape_contacts
 
 MASS_TOLERANCE, HEIGHT_M = 1e-6, 0.002
@@ -65,7 +65,8 @@ def group(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         return make_group(release(discover([assets / name for name in SHARED], root=assets), base / "out"))
     data: Path = request.getfixturevalue("bullet_data")
     candidates = [*discover(write_generated(base / "in")), *discover([data / n for n in INSTALLED], root=data)]
-    return make_group(release(candidates, base / "out"))
+    made: Path = request.getfixturevalue("scene_packages")
+    return make_group([*release(candidates, base / "out"), *(made / name for name in MADE)])
 
 
 def offenders(rows: list[tuple[Package, list[Rest], list[Rest], list[Rest]]], wrong: Callable[[Pair], bool]) -> dict:

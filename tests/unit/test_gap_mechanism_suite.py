@@ -98,7 +98,7 @@ def test_controls_stay_without_a_name():
 
 
 def test_an_effect_of_large_size_is_named_and_the_table_says_so():
-    record = run_case(mechanism_case(125))
+    record = run_case(mechanism_case(68))
     assert record["size"] == "large"
     assert record["outcome"] == "named", record["said"]
     assert "| named, large | >= 85 % | 1/1 = 100%" in table([record])
