@@ -13,7 +13,6 @@ from rich.markup import escape
 
 from assetkit import catalog
 from assetkit.annotate.name_reading import category_called
-from assetkit.colour_names import BASIC_TERMS, colour_called
 from assetkit.materials import materials
 from assetkit.search.facts import Facts
 from assetkit.search.judging import Answer
@@ -110,6 +109,8 @@ def _chosen(flag: str, field: Field, value: str | None, allowed: Iterable[str]) 
 def _colour(name: str | None) -> Wish | None:
     if name is None:
         return None
+    from assetkit.colour_names import BASIC_TERMS, colour_called  # Loads matplotlib.
+
     basic = colour_called(name.lower()) or _one_of("--colour", name, BASIC_TERMS, accepted=())
     return Wish(f"--colour {name}", "colour", (basic,), reading=f"colour {basic}", stated=True)
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 import json
 import time
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.markup import escape
 
 from cli import text
-from cli.effect_pages import as_data
 from jobs.cache import write_atomically
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.gap import GapReport
-from sim.effects.effect import Effect
-from sim.effects.library import EFFECTS, effect
-from simgap.measurement import Measurement, read
+
+if TYPE_CHECKING:
+    from sim.effects.effect import Effect
+    from simgap.measurement import Measurement
 
 app = typer.Typer(help="Compare a model with recordings and name what it is missing.", no_args_is_help=True)
 AsJson = Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")]
@@ -139,6 +139,9 @@ def effects_command(
 
     Examples: `mana gap effects`, `mana gap effects joint.backlash`
     """
+    from cli.effect_pages import as_data
+    from sim.effects.library import EFFECTS, effect  # Loads much of SciPy.
+
     if name is None:
         if as_json:
             print(json.dumps([as_data(e) for e in EFFECTS], indent=1))
@@ -155,7 +158,7 @@ def effects_command(
     if as_json:
         print(json.dumps(as_data(one), indent=1))
     else:
-        _explain(one)
+        _explain(one, as_data(one))
 
 
 @app.command("report")
@@ -180,6 +183,8 @@ def report_command(
 
 def _read(folder: Path, quiet: bool) -> tuple[Measurement, tuple[Diagnostic, ...]]:
     """The measurement; its findings are shown, and errors end the command with exit code 1."""
+    from simgap.measurement import read  # Loads trimesh.
+
     outcome = read(folder)
     if not quiet:
         for diagnostic in outcome.diagnostics:
@@ -221,8 +226,7 @@ def _show_extended(answer: dict[str, Any]) -> None:
     text.console.print(escape(end), soft_wrap=True)
 
 
-def _explain(one: Effect) -> None:
-    data = as_data(one)
+def _explain(one: Effect, data: dict[str, Any]) -> None:
     text.console.print(f"[bold]{one.name}[/bold]: {escape(one.formula)}", soft_wrap=True)
     for key in ("source", "reveals", "acts"):
         text.console.print(f"  {key}: {escape(data[key])}", soft_wrap=True)

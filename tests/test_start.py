@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
-HEAVY = ("pxr", "matplotlib.figure", "pybullet", "open3d", "coacd", "scenec.compile", "simgap.find")
+HEAVY = ("pxr", "matplotlib", "pybullet", "open3d", "coacd", "scipy", "trimesh", "scenec.compile", "simgap.find")
 
 
 def test_help_loads_no_heavy_library():

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from assetkit.annotate.words import singulars, words_of
-from assetkit.parts.proposals import Proposal
 from schemas.parts import ProposalSource
+
+if TYPE_CHECKING:  # It brings all that finds regions, which `mana review` only names.
+    from assetkit.parts.proposals import Proposal
 
 # How much a clue counts (judgements): a node that is called so, a render material, a plain shape, a less plain one.
 BY_NODE, BY_MATERIAL, BY_SHAPE, BY_FAINT_SHAPE = 0.8, 0.6, 0.7, 0.6
