@@ -14,12 +14,14 @@ import argparse
 import json
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pybullet
 import shapely
 import trimesh
+from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 from shapely.geometry import Polygon
@@ -35,30 +37,42 @@ from replay.episode import Episode
 from replay.reading import is_recording, read_episode
 from replay.views import in_picture
 from schemas.model import FloatArray
+from schemas.physics import CollisionShape
 from sim.bullet_loose import private_client
 from sim.bullet_shapes import clear_margins, compound
 
 BOX_M = (0.06, 0.06, 0.1)
 FAR_M, POINTS, SPOTS, TRUE_M = 0.4, 400, 150, 0.02
+BoolArray = NDArray[np.bool_]
+# Which points (k, 3) a body of this name comes near to at poses X_WB (p, 4, 4); None where its form is not known.
+Reached = Callable[[str, FloatArray, FloatArray], BoolArray | None]
 
 
-def tightness(episode: Episode, envelope: Envelope, clearance_m: float) -> dict[str, float]:
-    """Volume of the envelope over that of the swept hull with clearance, by body, away from every base."""
-    swept = {body.name: [] for stretch in dense_motion(episode, 4) for body in stretch.bodies}
-    shapes = {}
+def tightness(episode: Episode, envelope: Envelope, reached: Reached) -> dict[str, float]:
+    """By body the volume of its capsules over that of what its sweep reaches, away from every base.
+
+    The sweep is that of four times an interval, by both paths.
+    """
+    swept: dict[str, list[FloatArray]] = {}
     for stretch in dense_motion(episode, 4):
         for body in stretch.bodies:
-            swept[body.name].append(body.X_WB)
-            shapes[body.name] = body.shapes
+            swept.setdefault(body.name, []).append(body.X_WB)
     rng, found = np.random.default_rng(0), {}
     bases = [robot.X_WR[0, :2, 3] for robot in episode.robots]
     for number, name in enumerate(envelope.bodies):
         mine = envelope.body == number
         points = inside(envelope.start_W[mine], envelope.end_W[mine], envelope.radius_m[mine], bases, rng)
         if len(points) >= POINTS // 4:
-            true = _swept(points, np.concatenate(swept[name]), shapes[name], clearance_m)
-            found[name] = round(len(points) / max(int(true.sum()), 1), 2)
+            hits = reached(name, points, np.concatenate(swept[name]))
+            if hits is not None:
+                found[name] = round(len(points) / max(int(hits.sum()), 1), 2)
     return found
+
+
+def by_shapes(episode: Episode, clearance_m: float) -> Reached:
+    """What comes within the clearance of the shapes that were read."""
+    shapes = {body.name: body.shapes for body in next(dense_motion(episode, 1)).bodies}
+    return lambda name, points, X_WB: _swept(points, X_WB, shapes[name], clearance_m)
 
 
 def inside(
@@ -82,7 +96,7 @@ def inside(
     return np.array(kept[:POINTS])
 
 
-def _swept(points: FloatArray, X_WB: FloatArray, shapes: tuple, clearance_m: float) -> FloatArray:
+def _swept(points: FloatArray, X_WB: FloatArray, shapes: tuple[CollisionShape, ...], clearance_m: float) -> BoolArray:
     """Which points come within the clearance of the moving shapes at some pose."""
     hit = np.zeros(len(points), dtype=bool)
     for shape in shapes:
@@ -214,7 +228,7 @@ def main() -> None:
         report = {"episode": episode.name, "rows": len(episode.t_s), "capsules": len(prepared.envelope.body)}
         report["envelope_cpu_s"] = time.process_time() - started
         report |= {"variants": put_in(prepared, given.assets, given.variants), "spots": spots(prepared)}
-        report["volume_ratio"] = tightness(episode, prepared.envelope, Settings().clearance_m)
+        report["volume_ratio"] = tightness(episode, prepared.envelope, by_shapes(episode, Settings().clearance_m))
         print(json.dumps(report, indent=1), flush=True)
 
 

@@ -20,7 +20,7 @@ import numpy as np
 import open3d as o3d
 from scipy.spatial import ConvexHull
 
-from benchmarks.replay import POINTS, inside
+from benchmarks.replay import BoolArray, Reached, tightness
 from geom.pose import apply
 from replay.dense import dense_motion
 from replay.envelope import Envelope, Settings, swept_envelope
@@ -92,24 +92,16 @@ def _outside(places: FloatArray, envelope: Envelope, capsules: FloatArray) -> fl
     return float((distance - radius).min(axis=1).max())
 
 
-def ratios(episode: Episode, envelope: Envelope, meshes: Mapping[str, list[Mesh]]) -> dict[str, float]:
-    """By body the volume of its capsules over that of its meshes' sweep with clearance, at four times an interval."""
-    swept: dict[str, list[FloatArray]] = {}
-    for stretch in dense_motion(episode, 4):
-        for body in stretch.bodies:
-            swept.setdefault(body.name, []).append(body.X_WB)
-    bases = [robot.X_WR[0, :2, 3] for robot in episode.robots]
-    rng, found = np.random.default_rng(0), {}
-    for number, name in enumerate(envelope.bodies):
-        mine = envelope.body == number
-        points = inside(envelope.start_W[mine], envelope.end_W[mine], envelope.radius_m[mine], bases, rng)
-        if len(points) >= POINTS // 4 and name in meshes:
-            hit = _reached(points, np.concatenate(swept[name])[::2], meshes[name])
-            found[name] = round(len(points) / max(int(hit.sum()), 1), 2)
-    return found
+def by_meshes(meshes: Mapping[str, list[Mesh]]) -> Reached:
+    """What comes within the clearance of the recorded meshes, at every other pose."""
+
+    def reached(name: str, points: FloatArray, X_WB: FloatArray) -> BoolArray | None:
+        return _reached(points, X_WB[::2], meshes[name]) if name in meshes else None
+
+    return reached
 
 
-def _reached(points: FloatArray, X_WB: FloatArray, meshes: list[Mesh]) -> FloatArray:
+def _reached(points: FloatArray, X_WB: FloatArray, meshes: list[Mesh]) -> BoolArray:
     """Which points come within the clearance of the meshes at some pose."""
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
     for vertices, triangles in meshes:
@@ -144,7 +136,9 @@ def main() -> None:
             "episode": episode.name,
             "places": asked,
             "farthest_outside_mm": round(1e3 * worst, 4),
-            "volume_ratio": ratios(episode, swept_envelope(episode, Settings(clearance_m=CLEARANCE_M)), meshes),
+            "volume_ratio": tightness(
+                episode, swept_envelope(episode, Settings(clearance_m=CLEARANCE_M)), by_meshes(meshes)
+            ),
             "cpu_s": round(time.process_time() - started, 1),
         }
         print(json.dumps(found), flush=True)
