@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from assetkit.annotate.annotator import Observation, Shape
 from assetkit.annotate.domain import out_of_domain
 from assetkit.annotate.embedded import EmbeddedAnnotator
+from benchmarks.semantics import observed
 
 
 def said(file: str, extents_m=(1.4, 1.8, 4.5), *, metric=True, folders=(), nodes=()) -> str:
@@ -52,3 +55,12 @@ def test_silent_names_are_screened_by_size_and_by_their_folder():
     assert not said("mesh_0", (1.3, 1.8, 4.5))
     assert not said("mesh_0", metric=False)
     assert "vehicle" in said("mesh_0", (1.0, 2.0, 3.0), folders=("truck",))
+
+
+def test_a_real_file_of_cloth_is_screened_and_one_of_a_table_is_not(bullet_data: Path):
+    for file, domain in (("cloth_z_up.obj", "deformable"), ("table/table.obj", "")):
+        seen = observed(bullet_data / file)
+        assert seen is not None
+        said = out_of_domain(seen, EmbeddedAnnotator().annotate(seen))
+        assert domain in said
+        assert bool(said) == bool(domain)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from package_samples import box_mesh
 
 from assetkit.materials import UNKNOWN
+from assetkit.options import Options
 from assetkit.substances import substances_of, uniform
+from benchmarks.truth_files import object_of
 from schemas.diagnostics import Location
 from schemas.stated_physics import StatedMass
 
@@ -90,3 +93,18 @@ def test_a_component_alone_is_dense_and_a_word_within_another_is_none():
     assert magnet.density_kgm3.bounds == (4700.0, 7700.0)
     (holder,) = substances_of(named("magnetic_base"), (), ("part.stl",), ())
     assert holder.density_kgm3.source == "default"
+
+
+@pytest.mark.shared
+def test_components_of_a_real_quadcopter(shared_assets: Path):
+    """Its battery, motors and propellers are known; mounts, holders, boards and pins are none of these."""
+    folder = shared_assets / "usd" / "nwt_crazyflie_usd"
+    meshes = object_of(folder / "crazyflie.usd", Options(), folder).model.meshes
+    found = substances_of(meshes, (), ("crazyflie.usd",), ())
+    assert {s.names: s.density_kgm3.bounds for s in found if s.density_kgm3.source == "inferred"} == {
+        ("battery",): (1500.0, 3300.0),
+        ("motors",): (2000.0, 6500.0),
+        ("propeller",) * 4: (900.0, 1900.0),
+    }
+    (rest,) = (s for s in found if s.density_kgm3.source == "default")
+    assert rest.names == ("arms", "battery_holder", "board", "motor_mounts", "pin_racks", "pins")
