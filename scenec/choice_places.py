@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from scenec.ir import Path
-from scenec.variants import AS_WRITTEN, ASSETS, BACKGROUND_POOL, BACKGROUNDS
+from scenec.variants import AS_WRITTEN, ASSETS, BACKGROUND_POOL, BACKGROUNDS, slot_key
 from schemas.scene_program import Asset, PoolAsset, SceneProgram
 
 
@@ -22,9 +22,9 @@ def chosen_paths(program: SceneProgram, combination: Mapping[str, str]) -> dict[
             path = ("variants", "assets", [one.id for one in variants.assets].index(value))
         elif key == BACKGROUNDS:
             path = ("variants", "backgrounds", [one.id for one in variants.backgrounds].index(value))
-        elif key.startswith("variants.slots."):
-            ids = [one.id if key.endswith(f".{one.group}") else "" for one in variants.slots]
-            path = ("variants", "slots", ids.index(value))
+        elif key in [slot_key(one.group) for one in variants.slots]:
+            keys = [(slot_key(one.group), one.id) for one in variants.slots]
+            path = ("variants", "slots", keys.index((key, value)))
         elif key == BACKGROUND_POOL:
             path = _candidate(background, value, ("background", "asset"))
         else:

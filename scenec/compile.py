@@ -28,7 +28,7 @@ from scenec.suggest import MOST_SUGGESTIONS, suggestions
 from scenec.variants import Combination
 from scenec.verdicts import verdicts
 from schemas.compiled_scene import CompiledScene, CompileReport, Suggestion
-from schemas.diagnostics import Diagnostic, Severity
+from schemas.diagnostics import Diagnostic, any_error
 from schemas.runtime_plan import RuntimePlan
 
 EXPLAIN_BUDGET = 2_000  # the same for each question asked while explaining why there is no scene
@@ -130,7 +130,7 @@ def compile_program(
     with clock.phase("bind"):
         lowered = lower(read.program, library, read.spans, memo)
     found = (*read.diagnostics, *lowered.diagnostics)
-    if not lowered.problems or any(d.severity is Severity.ERROR for d in lowered.diagnostics):
+    if not lowered.problems or any_error(lowered.diagnostics):
         return Compiled(_invalid(found, clock))
     with clock.phase("bind"):
         for problem in lowered.problems:

@@ -33,7 +33,7 @@ from scenec.memo import Memo
 from scenec.names import Names, anchor_named, kind_of
 from scenec.source.tree import Spans
 from scenec.variants import AS_WRITTEN, ASSETS, Choice
-from schemas.diagnostics import Diagnostic, Label, Severity, finding
+from schemas.diagnostics import Diagnostic, Label, any_error, finding
 from schemas.scene_program import (
     BACKGROUND,
     Background,
@@ -52,10 +52,6 @@ from schemas.scene_program import (
 FULL_TURN = 2.0 * np.pi
 RESTS_DEG = 3.0  # as far as a thing may turn when it is let go (design: a scene settles)
 Place = Surface | Volume
-
-
-def _wrong(diagnostics: Sequence[Diagnostic]) -> bool:
-    return any(d.severity is Severity.ERROR for d in diagnostics)
 
 
 class Lowering:
@@ -89,7 +85,7 @@ class Lowering:
         things = {thing.name: thing for node in nodes for thing in self._things(node)}
         background_yaw = _yaw(background) if background is not None else 0.0
         relations: tuple[RelationIR, ...] = ()
-        if not _wrong(self.found):
+        if not any_error(self.found):
             relations, wrong = lower_relations(self.names, things, background_yaw, self.spans)
             self.found += wrong
             relations = tuple(self.memo.get(rule, partial(_itself, rule)) for rule in relations)
@@ -200,8 +196,8 @@ class Lowering:
             return _at(spots, (*path, "slots"))
         if isinstance(placing, DiscretePlacement):
             spots = tuple(
-                _spot(pose, stance, yaw, body, "", (*path, "poses", i))
-                for i, (pose, (stance, yaw)) in enumerate(zip(placing.poses, turns, strict=True))
+                _spot(listed, stance, yaw, body, "", (*path, "poses", i))
+                for i, (listed, (stance, yaw)) in enumerate(zip(placing.poses, turns, strict=True))
             )
             return _at(spots, (*path, "poses"))
         ranges = placing.ranges

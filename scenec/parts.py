@@ -16,7 +16,7 @@ from scenec.memo import Memo
 from scenec.names import Names
 from scenec.source.tree import Spans
 from scenec.variants import MAX_COMBINATIONS, Combination, Variety
-from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
+from schemas.diagnostics import Diagnostic, InvalidInput, any_error, finding
 from schemas.scene_program import SceneProgram
 
 MAX_PROBES = 64  # lowerings to learn what may meet; beyond that all is one part
@@ -107,25 +107,21 @@ def lower(program: SceneProgram, library: AssetLibrary, spans: Spans, memo: Memo
     variety = Variety(names)
     binder = Binder(names, variety, library, spans, memo or Memo())
     binder.found += check_assets(program, library, spans)
-    if _wrong(binder.found):
+    if any_error(binder.found):
         return Lowered((), tuple(binder.found), binder)
     if not variety.is_open:
         things, nodes = tuple(t for copies in names.copies.values() for t in copies), frozenset(names.copies)
         part = Part(things, nodes, frozenset(), (), ({},), (binder.problem({}),))
-        return Lowered(() if _wrong(binder.found) else (part,), tuple(binder.found), binder)
+        return Lowered(() if any_error(binder.found) else (part,), tuple(binder.found), binder)
     found = _islands(binder)
-    if _wrong(binder.found):
+    if any_error(binder.found):
         return Lowered((), tuple(binder.found), binder)
     try:
         binder.found += _limited(found, variety, spans)
     except InvalidInput as error:
         return Lowered((), (*binder.found, error.diagnostic), binder)
     parts = tuple(_part(things, binder) for things in _grouped(found, variety))
-    return Lowered(() if _wrong(binder.found) else parts, tuple(binder.found), binder)
-
-
-def _wrong(diagnostics: Sequence[Diagnostic]) -> bool:
-    return any(d.severity is Severity.ERROR for d in diagnostics)
+    return Lowered(() if any_error(binder.found) else parts, tuple(binder.found), binder)
 
 
 def _islands(binder: Binder) -> tuple[tuple[str, ...], ...]:
@@ -137,7 +133,7 @@ def _islands(binder: Binder) -> tuple[tuple[str, ...], ...]:
     if len(probes) > MAX_PROBES:
         return everything
     problems = [binder.problem(probe) for probe in probes]
-    return everything if _wrong(binder.found) else islands(problems)
+    return everything if any_error(binder.found) else islands(problems)
 
 
 def _nodes(names: Names, things: Collection[str]) -> frozenset[str]:

@@ -83,14 +83,14 @@ class Variety:
         pool = any(len(self.candidates(name, variant)) > 1 for variant in self.assets)
         changed = any(variant is not None and name in variant.objects for variant in self.assets.values())
         groups = [group for group in self.names.groups_of.get(node, ()) if group in self.slots]
-        slots = [_slot_key(g) for g in groups if isinstance(self.names.program.layout.groups[g], SlotGroup)]
+        slots = [slot_key(g) for g in groups if isinstance(self.names.program.layout.groups[g], SlotGroup)]
         own = [f"objects.{name}"] if pool and name not in self.together else []
         return frozenset([*own, *([ASSETS] if changed else []), *slots])
 
     def count(self, keys: Collection[str]) -> int:
         """How many combinations of the values of some keys there are, without listing them."""
-        slots = prod(len(found) for group, found in self.slots.items() if _slot_key(group) in keys)
-        others = [key for key in keys if key not in map(_slot_key, self.slots)]
+        slots = prod(len(found) for group, found in self.slots.items() if slot_key(group) in keys)
+        others = [key for key in keys if key not in map(slot_key, self.slots)]
         return slots * sum(self._size(variant, background, keys) for variant, background, _ in self._settings(others))
 
     def combinations(self, keys: Collection[str]) -> Iterator[Combination]:
@@ -111,7 +111,7 @@ class Variety:
         every = declared | {f"objects.{name}" for name in self.written}
         assignments = range(max(map(len, self.slots.values()), default=1))
         for one, n in product(self.combinations(declared), assignments):
-            slots = {_slot_key(group): [*found][min(n, len(found) - 1)] for group, found in self.slots.items()}
+            slots = {slot_key(group): [*found][min(n, len(found) - 1)] for group, found in self.slots.items()}
             pools = dict(self._pools(one.get(ASSETS, AS_WRITTEN), every))
             for k in range(max(map(len, pools.values()), default=1)):
                 picked = {f"objects.{name}": found[min(k, len(found) - 1)] for name, found in pools.items()}
@@ -130,7 +130,7 @@ class Variety:
         behind = None
         if background is not None:
             behind = _named(singles(background.asset), combination.get(BACKGROUND_POOL))
-        assign = {group: found[combination.get(_slot_key(group), AS_WRITTEN)] for group, found in self.slots.items()}
+        assign = {group: found[combination.get(slot_key(group), AS_WRITTEN)] for group, found in self.slots.items()}
         return Choice(dict(combination), objects, background, behind, assign)
 
     def apart(self) -> frozenset[str]:
@@ -147,9 +147,9 @@ class Variety:
         # Asset variant, background and slot assignments of each choice of the declared variants among `keys`.
         variants = [*self.assets] if ASSETS in keys else [AS_WRITTEN]
         backgrounds = [*self.backgrounds] if BACKGROUNDS in keys else [next(iter(self.backgrounds))]
-        groups = [group for group in self.slots if _slot_key(group) in keys]
+        groups = [group for group in self.slots if slot_key(group) in keys]
         for variant, background, *assigned in product(variants, backgrounds, *(self.slots[group] for group in groups)):
-            yield variant, background, dict(zip(map(_slot_key, groups), assigned, strict=True))
+            yield variant, background, dict(zip(map(slot_key, groups), assigned, strict=True))
 
     def _pools(self, variant: str, keys: Collection[str]) -> Iterator[tuple[str, tuple[Single, ...]]]:
         for name in self.written:
@@ -169,7 +169,8 @@ class Variety:
         return count
 
 
-def _slot_key(group: str) -> str:
+def slot_key(group: str) -> str:
+    """The key of a slot group's assignments."""
     return f"variants.slots.{group}"
 
 

@@ -16,7 +16,7 @@ INTAKE_CODES: dict[str, CodeInfo] = {
         "error",
         "The file type is planned but not read yet",
         "URDF, MJCF and .blend carry joints or node graphs that a mesh import would silently drop.",
-        "export the geometry as GLB or USD, or wait for the articulated-asset release",
+        "export the geometry as GLB or USD",
     ),
     "asset/wrong-content": CodeInfo(
         "error",

@@ -12,7 +12,7 @@ from scenec.source.merge import settled
 from scenec.source.pieces import Pieces
 from scenec.source.tree import Spans
 from scenec.source.validate import validate
-from schemas.diagnostics import Diagnostic, Severity
+from schemas.diagnostics import Diagnostic, any_error
 from schemas.scene_program import SceneProgram
 
 
@@ -43,14 +43,10 @@ def read_program(
     tree = settled(tree, rules)
     spans = Spans(tree, name)
     found = (*found, *rules)
-    if _wrong(found):
+    if any_error(found):
         return Read(None, spans, found)
     program, more = validate(tree, spans, memo)
     found = (*found, *more)
     if program is not None:
         found = (*found, *check_program(program, spans))
-    return Read(None if _wrong(found) else program, spans, found)
-
-
-def _wrong(diagnostics: tuple[Diagnostic, ...]) -> bool:
-    return any(d.severity is Severity.ERROR for d in diagnostics)
+    return Read(None if any_error(found) else program, spans, found)
