@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 
 from scenec.assets import AssetLibrary
+from scenec.choice_places import chosen_paths
 from scenec.compile import compile_program
 from schemas.compiled_scene import CompileReport
+from schemas.scene_program import SceneProgram, SlotVariant
 from tests import scene_library
 
 RACK = """\
@@ -53,6 +55,14 @@ def labels(found: CompileReport) -> list[tuple[int | None, str]]:
 
 def test_a_slot_variant_that_cannot_be_is_shown(tmp_path: Path):
     assert labels(report(RACK, tmp_path))[-1] == (13, "variants.slots.rack: crowded")
+
+
+def test_groups_whose_names_end_alike_are_told_apart():
+    slots = [SlotVariant(id="crowded", group=group, assign={}) for group in ("rack", "left.rack")]
+    program = SceneProgram.model_validate({"scene": "racks", "variants": {"slots": slots}})
+    assert chosen_paths(program, {"variants.slots.left.rack": "crowded"}) == {
+        "variants.slots.left.rack": ("variants", "slots", 1)
+    }
 
 
 def test_a_candidate_that_cannot_be_is_shown(tmp_path: Path, library: AssetLibrary):
