@@ -13,7 +13,7 @@ from schemas.asset import Check, Vec3
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, RigidBody
 
-MAX_SHAPES, MAX_HULL_POINTS = 32, 64
+MAX_SHAPES, MAX_HULL_POINTS = 64, 64
 _OF_DIAGONAL = "of diagonal"
 _SMALLEST_SINGLE = float(np.finfo(np.float32).tiny)  # USD holds mass and inertia in single precision
 

@@ -189,7 +189,7 @@ def with_mass(**changes) -> RigidBody:
     ("body", "name"),
     [
         (replace(box((0.1, 0.1, 0.1)), shapes=()), "collider_count"),
-        (boxes([((0.1, 0.1, 0.01), (0, 0, 0.01 * i + 0.005)) for i in range(33)]), "collider_count_limit"),
+        (boxes([((0.1, 0.1, 0.01), (0, 0, 0.01 * i + 0.005)) for i in range(65)]), "collider_count_limit"),
         (hull(trimesh.creation.icosphere(subdivisions=2, radius=0.05)), "hull_points"),
         (inside_out(), "hull_not_convex_by"),
         (flat(), "collider_thickness"),
