@@ -24,7 +24,7 @@ from simgap.all_effects import all_effects_losses
 from simgap.black_box import corrected
 from simgap.fit import spread
 from simgap.pairing import others_inputs_trap, pairing_trap
-from simgap.problem import Farsighted, Model, Problem, View
+from simgap.problem import Farsighted, Model, Problem, View, around
 from simgap.score import Comparison, compare, trial_losses
 from simgap.search import MOST_EFFECTS, Map, Selection, select
 from simgap.splits import Trials
@@ -60,13 +60,14 @@ def find(
     others = others_inputs_trap(problem, search_view(problem))
     mixed_up = others is not None and others.status == "suspect"
     selection = select(problem, trials, search_view(problem), each, 0 if mixed_up else MOST_EFFECTS)
-    box = _black_box(problem, selection, trials)
+    last = around(problem, selection.final.model)
+    box = _black_box(last, selection, trials)
     leftover = compare(selection.final_losses, box)
-    pairing = pairing_trap(problem, selection.final.model, trials.train, search_view(problem))
+    pairing = pairing_trap(last, selection.final.model, trials.train, search_view(problem))
     doubts = [trap for trap in (others, pairing) if trap is not None]
     traps = (*traps, *doubts)
     strange = any(trap.status == "suspect" for trap in doubts)
-    verdict = judge(problem, selection, trials.train, leftover, _in_tails(problem, selection, trials), strange)
+    verdict = judge(problem, selection, trials.train, leftover, _in_tails(last, selection, trials), strange)
     named = [e for e in verdict.effects if e.confidence >= NAMED]
     extension = ModelExtension(
         measurement=measurement,
@@ -101,7 +102,8 @@ def search_view(problem: Problem) -> View:
 
 
 def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
-    losses = all_effects_losses(problem, selection.null.model, trials, search_view(problem), selection.scale)
+    seen = around(problem, selection.null.model)
+    losses = all_effects_losses(seen, selection.null.model, trials, search_view(problem), selection.scale)
     return Rival(name="all_effects", heldout=float(losses.mean()))
 
 

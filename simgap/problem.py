@@ -72,13 +72,17 @@ class DirectEstimate:
 class Farsighted(Protocol):
     """A problem whose roll-outs stay near the truth for long: its effects are chosen on long horizons.
 
-    Contacts make long roll-outs part ways for no cause; where there are none, the noise of a start stays as large
-    while what a cause does grows with time.
+    Contacts make long roll-outs part ways for no cause; where there are none, what a cause does grows with time, and a
+    start may be left free.
     """
 
     @property
     def search_view(self) -> View:
         """The view in which effects are chosen; `short_horizon` for all other problems."""
+        ...
+
+    def around(self, model: Model) -> Problem:
+        """The same problem, with what starts do to its roll-outs taken at `model`."""
         ...
 
 
@@ -121,3 +125,8 @@ class Problem(Protocol):
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
         """(c,) rms residual (SI) that noise in the initial state and the readings alone would leave."""
         ...
+
+
+def around(problem: Problem, model: Model) -> Problem:
+    """The problem as seen from `model`: where starts are free, what they do is taken there."""
+    return problem.around(model) if isinstance(problem, Farsighted) else problem

@@ -49,7 +49,7 @@ def compare(before: FloatArray, after: FloatArray, seed: int = 0) -> Comparison:
 
 
 def _gain(before: float, after: float) -> float:
-    return 1.0 - after / before if before > 0.0 else 0.0
+    return float(1.0 - after / before) if before > 0.0 else 0.0
 
 
 def paired_p(before: FloatArray, after: FloatArray) -> float:

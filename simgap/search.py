@@ -7,7 +7,7 @@ The test trials have the last word: an effect that makes them worse is not taken
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -16,7 +16,7 @@ import numpy as np
 from schemas.model import FloatArray
 from simgap.fit import Errors, Fit, extend, fit, promising, rollout_errors, spread
 from simgap.numerics import Numerics, numerics
-from simgap.problem import Candidate, DirectEstimate, Farsighted, Problem, Term, View
+from simgap.problem import Candidate, DirectEstimate, Farsighted, Problem, Term, View, around
 from simgap.score import Comparison, adjusted, compare, paired_p, trial_losses
 from simgap.splits import Trials
 
@@ -26,11 +26,12 @@ MOST_EFFECTS = 4
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
 AS_GOOD = 0.05  # level at which the best beats another
 _FINALISTS = 6
+_LITTLE_MORE = 2.0  # times what the best leaves: what leaves more was no match for it
 _TOLD = 3  # finalists by direct estimates
 _SHOWS = 0.3  # chance below which a quick look is followed by a long one
 _SCREEN_STEPS = 2
 AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
-_SMOOTHED = 0.01  # share of what the best takes away by which it must be ahead
+_SMOOTHED = 0.002  # share of what the best takes away by which it must be ahead
 _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
 _REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
 _RICHER = 1  # parameters more that a rival of another kind may have: a spring has a rest beside its stiffness
@@ -85,39 +86,49 @@ def select(
     """
     each = each or (lambda work, items: map(work, items))
     first = spread(problem, (), trials.train, view)
-    null = fit(rollout_errors(problem, trials.train, view, first), problem.nuisances())
-    scale = spread(problem, null.model, trials.train, view)
-
-    def judged(found: Fit, level: FloatArray) -> FloatArray:
-        return trial_losses(problem.residuals(found.model, trials.test, view), level)
-
-    base, null_losses = null, np.zeros(0)
+    base = fit(rollout_errors(problem, trials.train, view, first), problem.nuisances())
+    null = base
     rounds: list[Round] = []
     accepted: list[Trial] = []
     rivals: list[tuple[Trial, ...]] = []
     beside: list[Numerics] = []
     while True:
+        here = around(problem, base.model)
         # What was an outlier to a poor model is evidence to a better one: the level follows the base.
-        level = spread(problem, base.model, trials.train, view)
-        errors = rollout_errors(problem, trials.train, view, level)
+        level = spread(here, base.model, trials.train, view)
+        errors = rollout_errors(here, trials.train, view, level)
         base = fit(errors, _warm(base))
-        losses = judged(base, scale)
-        if not accepted:
-            null, null_losses = base, losses
+        null = null if accepted else base
+        for place in range(len(accepted)):
+            # What was chosen before the others were known is asked again beside them.
+            before = {r.candidate.key for r in rivals[place]}
+            others = _near(accepted[place], rounds[place], before, base)
+            if not others:
+                continue
+            kept, best, these = _beside_others(here, trials, errors, base, accepted[place], others)
+            still = tuple(t for t in these if t.candidate.key in before and t is not best and not _beaten(t, best))
+            fresh = (t for t in _inseparable(errors, best, these) if t.candidate.key not in before)
+            rivals[place] = (*still, *fresh)
+            if best.candidate.key == accepted[place].candidate.key:
+                continue
+            made_up = numerics(here, trials.train, view, kept.model, best.fit.model)
+            if _exceeds(best, made_up):
+                accepted[place], beside[place], base = best, made_up, best.fit
+                rounds[place] = _with(rounds[place], best)
         if len(accepted) == most:
             break
         taken = {c.key for c in base.free}
         free = [c for c in problem.candidates() if c.key not in taken]
         farther = view != "short_horizon"
-        near = _nearby(problem, trials, base) if farther else (errors, base)
-        this = _round(base, errors, list(each(_screening(problem, *near, trials), free)), farther)
+        near = _nearby(here, trials, base) if farther else (errors, base)
+        this = _round(base, errors, list(each(_screening(here, *near, trials), free)), farther)
         rounds.append(this)
-        before = judged(base, level)
         for place, found in enumerate(accepted):
             rivals[place] = (*rivals[place], *_in_its_place(this, base, found, rivals[place]))
+        before = _judged(here, base, trials, view, level)
         worthy = _looking_ahead(errors, _worthy(this, base))
-        confirmed = (t for t in worthy if _confirmed(before, judged(t.fit, level)))
-        asked = ((t, numerics(problem, trials.train, view, base.model, t.fit.model)) for t in confirmed)
+        confirmed = (t for t in worthy if _confirmed(before, _judged(here, t.fit, trials, view, level)))
+        asked = ((t, numerics(here, trials.train, view, base.model, t.fit.model)) for t in confirmed)
         best, made_up = next(((t, n) for t, n in asked if _exceeds(t, n)), (None, Numerics()))
         if best is None:
             break
@@ -125,39 +136,30 @@ def select(
         accepted.append(best)
         beside.append(made_up)
         base = best.fit
-    for place in range(len(accepted) if len(accepted) > 1 else 0):
-        # What was chosen before the others were known is asked again beside them.
-        kept, best, these = _beside_others(problem, trials, errors, base, accepted[place], rounds[place])
-        before = {r.candidate.key for r in rivals[place]}
-        still = tuple(t for t in these if t.candidate.key in before and t is not best and not _beaten(t, best))
-        rivals[place] = (*still, *(t for t in _inseparable(errors, best, these) if t.candidate.key not in before))
-        if best.candidate.key == accepted[place].candidate.key:
-            continue
-        made_up = numerics(problem, trials.train, view, kept.model, best.fit.model)
-        if _exceeds(best, made_up):
-            accepted[place], beside[place], base = best, made_up, best.fit
-            rounds[place] = _with(rounds[place], best)
-            losses = judged(base, scale)
+    last = around(problem, base.model)
+    scale = spread(last, null.model, trials.train, view)
+    null_losses, losses = (_judged(last, f, trials, view, scale) for f in (null, base))
     return Selection(
         null, null_losses, tuple(rounds), tuple(accepted), tuple(rivals), tuple(beside), base, losses, scale
     )
 
 
+def _judged(problem: Problem, found: Fit, trials: Trials, view: View, level: FloatArray) -> FloatArray:
+    """(n,) losses of the test trials."""
+    return trial_losses(problem.residuals(found.model, trials.test, view), level)
+
+
 def _beside_others(
-    problem: Problem, trials: Trials, errors: Errors, base: Fit, found: Trial, this: Round
+    problem: Problem, trials: Trials, errors: Errors, base: Fit, found: Trial, others: Sequence[Trial]
 ) -> tuple[Fit, Trial, list[Trial]]:
-    """The model without one accepted effect, the best in its place, and all that were tried there, best first.
+    """The model without one accepted effect, the best in its place, and it and `others` tried there, best first.
 
     Another takes the place of what was found only if it is better beyond chance.
     """
     kept = fit(errors, [c for c in _warm(base) if c.key != found.candidate.key])
-    taken = {c.key for c in kept.free}
-    least = RIVAL_SHARE * found.comparison.gain
-    others = [t for t in this.tried if t.comparison.gain > least and t.candidate.key not in taken]
-    asked = [found, *(t for t in others if t.candidate.key != found.candidate.key)][:_FINALISTS]
     now = {t.candidate.key: t.values for t in base.model}
     tried = []
-    for t in asked:
+    for t in (found, *others):
         starts = [now.get(t.candidate.key, t.fit.model[-1].values), t.fit.model[-1].values]
         direct = problem.direct(t.candidate, kept.model, trials.train)
         tried.append(_trial(kept, extend(errors, kept, t.candidate, starts), direct))
@@ -165,6 +167,15 @@ def _beside_others(
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
     best = tried[0] if _beaten(same, tried[0]) else same
     return kept, best, tried
+
+
+def _near(found: Trial, this: Round, rivals: Collection[str], base: Fit) -> list[Trial]:
+    """What may stand in the place of an accepted effect: its rivals, and all that left little more than it did."""
+    taken = {c.key for c in base.free}
+    most = _LITTLE_MORE * float(found.fit.held_out.sum())
+    free = (t for t in this.tried if t.candidate.key not in taken)
+    near = [t for t in free if t.candidate.key in rivals or float(t.fit.held_out.sum()) < most]
+    return near[: _FINALISTS - 1]
 
 
 def _with(this: Round, best: Trial) -> Round:

@@ -15,7 +15,7 @@ from simgap.search import AHEAD_GAIN, LEVEL, Selection, Trial
 
 DIRECT_LEVEL = 0.05
 AGREE_ERRORS = 3.0
-AGREE_SHARE = 0.5
+AGREE_SHARE = 0.5  # of the larger of the two: within a factor of two, either way
 _TOLD = 3  # candidates that the direct route is asked about besides
 _HELD = 1e-6  # a range so narrow holds a value, relative
 NAMED = 0.8
@@ -103,7 +103,7 @@ def _agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool
     step = fitted - null
     apart = direct.values[strength] - fitted
     noise = float(np.hypot(direct.standard_errors[strength], widths.get(strength, 0.0) / 1.96))
-    slack = max(AGREE_ERRORS * noise, AGREE_SHARE * abs(step))
+    slack = max(AGREE_ERRORS * noise, AGREE_SHARE * max(abs(step), abs(direct.values[strength] - null)))
     one_way = step * (direct.values[strength] - null) > 0.0
     return direct.p_value < DIRECT_LEVEL and one_way and abs(apart) <= slack
 

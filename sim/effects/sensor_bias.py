@@ -8,11 +8,11 @@ from sim.effects.series import with_columns
 
 
 def _report(series: Series, params: Params, where: Place) -> Series:
-    return with_columns(series, ("q",), lambda true: true + params["offset_rad"])
+    return with_columns(series, ("q", "reading"), lambda true: true + params["offset_rad"])
 
 
 def _recover(series: Series, params: Params, where: Place) -> Series:
-    return with_columns(series, ("q",), lambda read: read - params["offset_rad"])
+    return with_columns(series, ("q", "reading"), lambda read: read - params["offset_rad"])
 
 
 EFFECT = Effect(

@@ -11,7 +11,7 @@ from schemas.model import FloatArray
 from sim.effects.effect import Confusable, Effect, Parameter, Params, SensorMap, Series
 from sim.effects.series import read_at, with_columns
 
-_READ = ("q", "qd", "qdd", "p", "quat_wxyz", "v_W", "w_B")
+_READ = ("q", "reading", "qd", "qdd", "p", "quat_wxyz", "v_W", "w_B")
 
 
 def _report(series: Series, params: Params, where: Place) -> Series:
@@ -36,6 +36,8 @@ def _carried_on(series: Series, later: FloatArray) -> Series:
     q, qd, qdd = (series.columns[n][rows] for n in ("q", "qd", "qdd"))
     jerk = np.gradient(series.columns["qdd"], series.t_s, axis=0)[rows]
     moved = {"q": q + ahead * qd + 0.5 * ahead**2 * qdd, "qd": qd + ahead * qdd, "qdd": qdd + ahead * jerk}
+    if "reading" in series.columns:
+        moved["reading"] = series.columns["reading"][rows] + moved["q"] - q
     return replace(series, columns={**series.columns, **moved})
 
 

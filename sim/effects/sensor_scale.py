@@ -6,7 +6,7 @@ from schemas.gap import Place
 from sim.effects.effect import Confusable, Effect, Parameter, Params, SensorMap, Series
 from sim.effects.series import with_columns
 
-_READ = ("q", "qd", "qdd", "p", "v_W")
+_READ = ("q", "reading", "qd", "qdd", "p", "v_W")
 
 
 def _report(series: Series, params: Params, where: Place) -> Series:

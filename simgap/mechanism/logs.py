@@ -16,7 +16,7 @@ _ROW_S = 4e-3  # rows closer than this are thinned
 
 @dataclass(frozen=True)
 class Log:
-    """One trial: inputs, side channels and smoothed q, qd, qdd as columns.
+    """One trial: inputs, side channels, the position as read, and smoothed q, qd, qdd as columns.
 
     smooth   of the full readings, for their noise; `block` rows span one local cubic; the first and last half of that
              are worth less.
@@ -32,12 +32,15 @@ class Log:
         return self.block // 2 + 1
 
 
-def log_of(trial: Trial) -> Log:
-    """The trial smoothed, then thinned; inputs, which are held from row to row, are averaged over the rows left out."""
-    smoothed = smooth(trial.t_s, trial.q)
+def log_of(trial: Trial, known: Smooth | None = None) -> Log:
+    """The trial smoothed, then thinned; inputs, which are held from row to row, are averaged over the rows left out.
+
+    `known` is what smoothing gave before, of the same motion.
+    """
+    smoothed = known or smooth(trial.t_s, trial.q)
     every = max(1, int(_ROW_S / float(np.median(np.diff(trial.t_s))) + 1e-6))
     rows = np.arange(0, len(trial.t_s), every)
-    columns = {"q": smoothed.q[rows], "qd": smoothed.qd[rows], "qdd": smoothed.qdd[rows]}
+    columns = {"reading": trial.q[rows], "q": smoothed.q[rows], "qd": smoothed.qd[rows], "qdd": smoothed.qdd[rows]}
     for name in ("effort", "command"):
         if trial.has(name):
             columns[name] = _held(np.nan_to_num(getattr(trial, name)), rows)

@@ -24,7 +24,8 @@ TOLERANCE = 0.05
 MEETING = 0.1  # of a row: how well the time is known at which an input acts
 _REPEATED = 3.0  # half waves within the range that was reached, below which nothing repeats: springs and weights do so
 _STOP_SHARES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33)
-SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad")
+SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "nominal_V")
+_NOMINAL = (0.9, 1.6)  # of the supply's median: where a drive gives what it is asked for
 _WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
 
 
@@ -197,7 +198,7 @@ def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple
     own = next(p for p in each.parameters if p.name == name)
     low, high = table.get(name, (own.low, own.high))
     if name == "nominal_V":
-        low, high = 0.999 * null[name], 1.001 * null[name]
+        low, high = _NOMINAL[0] * null[name], _NOMINAL[1] * null[name]  # A supply may sag all the time.
     return max(low, own.low), max(min(high, own.high), max(low, own.low) + 1e-12)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -19,15 +20,18 @@ from simgap.mechanism.inputs import next_inputs
 from simgap.mechanism.logs import log_of
 from simgap.mechanism.places import candidates_of, nuisances_of
 from simgap.mechanism.repeats import repeated
+from simgap.mechanism.smooth import Smooth
+from simgap.mechanism.starts import FreeStarts, mean_noise, starts_of
 from simgap.mechanism.terms import Applied, apply_terms
 from simgap.mechanism.windows import Cut, cut, windows_of
 from simgap.problem import Candidate, DirectEstimate, Model, View
 
 HORIZON_S = 0.2  # jointed things move less per time than tossed ones: 80 ms would measure the encoder
 _LONG = 5  # short horizons that a long one lasts
+_MEANS = 16  # of a long horizon that are compared: 60 ms each
 _LARGEST = 1e6
 _LARGEST_STEP_S = 5e-3
-_STEP_SWING = 0.06  # of a radian of the fastest controlled swing per step
+_STEP_SWING = 0.15  # of a radian of the fastest controlled swing per step; what that leaves is taken out (`starts`)
 _FINER = 0.25  # steps of repeats, of those of roll-outs
 _MOST_WINDOWS = 240  # over all trials; each has at least `_LEAST_WINDOWS`
 _LEAST_WINDOWS = 6
@@ -36,11 +40,14 @@ _LEAST_WINDOWS = 6
 class MechanismProblem:
     """Roll-outs of the joint model against readings; direct estimates from equation errors."""
 
-    def __init__(self, measurement: Measurement, horizon_s: float = HORIZON_S) -> None:
+    def __init__(
+        self, measurement: Measurement, horizon_s: float = HORIZON_S, known: Mapping[str, Smooth] | None = None
+    ) -> None:
+        """`known` smoothed motions by trial id are taken as they are."""
         self.measurement = measurement
         self.declared: MechanismModel = build_mechanism(measurement.spec, measurement.root)
         self.horizon_s = horizon_s
-        self._logs = {t.id: log_of(t) for t in measurement.trials}
+        self._logs = {t.id: log_of(t, (known or {}).get(t.id)) for t in measurement.trials}
         self._row_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in measurement.trials])))
         step = float(np.median(np.concatenate([np.diff(g.series.t_s) for g in self._logs.values()])))
         self._rows = max(4, round(horizon_s / step) + 1)
@@ -49,6 +56,8 @@ class MechanismProblem:
         self._floors: dict[tuple[View, tuple[str, ...]], FloatArray] = {}
         self._kept: dict[tuple[View, tuple[str, ...]], tuple[tuple[object, ...], Windows]] = {}
         self._balances: dict[tuple[object, ...], tuple[Errors, Fit]] = {}
+        self._around: Model = ()
+        self._starts: Mapping[str, FreeStarts] = {}
 
     @property
     def trial_ids(self) -> tuple[str, ...]:
@@ -81,11 +90,14 @@ class MechanismProblem:
         out, at = [], 0
         for trial, (series, piece) in zip(trials, pieces, strict=True):
             count, k = piece.rows.shape
-            error = (q[at : at + count, :k] - series.columns["q"][piece.rows])[:, piece.compared]
+            error = piece.of(q[at : at + count, :k] - series.columns[piece.column][piece.rows])
+            error = np.nan_to_num(error, nan=_LARGEST)
+            if view == self.search_view:
+                error = self._starts_of(trials)[trial].without(np.clip(error, -_LARGEST, _LARGEST))
             # As the sensor would say it: a scale that shrinks the truth must not shrink the error.
             if applied.sensors:
                 error = error * _magnification(self._logs[trial].series, series)
-            out.append(np.clip(np.nan_to_num(error, nan=_LARGEST), -_LARGEST, _LARGEST).reshape(-1, q.shape[2]))
+            out.append(np.clip(error, -_LARGEST, _LARGEST).reshape(-1, q.shape[2]))
             at += count
         return out
 
@@ -97,7 +109,7 @@ class MechanismProblem:
             first = piece.rows[:, 0]
             names = [n for n in ("q", "qd", "effort", "command") if n in series.columns]
             start = np.concatenate([series.columns[n][first] for n in names], axis=1)
-            since = series.t_s[piece.rows[:, piece.compared]] - series.t_s[first][:, None]
+            since = piece.of(series.t_s[piece.rows]) - series.t_s[first][:, None]
             k = len(piece.compared)
             out.append(np.concatenate([np.repeat(start, k, axis=0), since.reshape(-1, 1)], axis=1))
         return out
@@ -116,23 +128,38 @@ class MechanismProblem:
         trials = self.measurement.trials
         logs = [self._logs[t.id] for t in trials]
         again = repeated(self.declared, trials, logs, model, _FINER * self._step_s, seed)
-        return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s)
+        return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s).around(model)
 
     def misdriven(self, by: int = 1) -> MechanismProblem | None:
         """See `simgap.pairing.Driven`."""
         trials = next_inputs(self.measurement.trials, by)
         if trials is None:
             return None
-        return MechanismProblem(replace(self.measurement, trials=trials), self.horizon_s)
+        # Motions stay, and with them what their starts do.
+        smoothed = {name: log.smooth for name, log in self._logs.items()}
+        other = MechanismProblem(replace(self.measurement, trials=trials), self.horizon_s, smoothed)
+        other._starts = self._starts_of(self.trial_ids)
+        return other
+
+    def around(self, model: Model) -> MechanismProblem:
+        """See `simgap.problem.Farsighted`."""
+        other = copy(self)
+        other._around, other._starts = model, {}
+        return other
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
         """See `simgap.problem.Problem`: smoothed readings' noise, and the start's carried along by the model.
 
         In a straight line at most: a controller soon forgets a start, and without one it would grow with any horizon.
+        Where starts are free, the noise of means of readings.
         """
         key = (view, tuple(trials))
         if key not in self._floors:
             smooth = [self._logs[t].smooth for t in trials]
+            if view == self.search_view:
+                noise = [mean_noise(self._logs[t].smooth, self._cut(t, view)) for t in trials]
+                self._floors[key] = np.sqrt(np.mean(np.square(noise), axis=0))
+                return self._floors[key]
             read = np.mean([(s.kept * s.q_noise) ** 2 for s in smooth], axis=0)
             ahead = np.mean([(s.qd_noise * self.horizon_s) ** 2 / 3.0 for s in smooth], axis=0)
             self._floors[key] = np.sqrt(read + np.minimum(read + ahead, self._carried(trials, view)))
@@ -152,13 +179,21 @@ class MechanismProblem:
         def judged(start: Windows) -> FloatArray:
             q, _ = rollout(applied.mechanism, start, applied.laws, largest_step_s=self._step_s)
             rows = np.split(q, np.cumsum([count for _, count in smooth])[:-1])
-            return np.concatenate(
-                [r[:, piece.compared].reshape(-1, q.shape[2]) for r, (_, piece) in zip(rows, pieces, strict=True)]
-            )
+            return np.concatenate([p.of(r).reshape(-1, q.shape[2]) for r, (_, p) in zip(rows, pieces, strict=True)])
 
         plain = judged(windows)
         moved = (replace(windows, q0=windows.q0 + noise_q), replace(windows, qd0=windows.qd0 + noise_qd))
         return np.sum([np.nanmean((judged(start) - plain) ** 2, axis=0) for start in moved], axis=0)
+
+    def _starts_of(self, trials: Sequence[str]) -> Mapping[str, FreeStarts]:
+        """What starts do to long horizons of these trials, by the model that the problem is `around`."""
+        new = [t for t in trials if t not in self._starts]
+        if new:
+            applied = apply_terms(self.declared, self._around)
+            pieces = [(applied.recovered(self._logs[t].series), self._cut(t, self.search_view)) for t in new]
+            found = starts_of(applied, pieces, [self._logs[t].smooth for t in new], self._step_s)
+            self._starts = {**self._starts, **dict(zip(new, found, strict=True))}
+        return self._starts
 
     def _windows_of(
         self, trials: Sequence[str], view: View, pieces: Sequence[tuple[Series, Cut]], applied: Applied
@@ -175,8 +210,10 @@ class MechanismProblem:
         length = len(log.series.t_s)
         if view == "full_rollout":
             return cut(length, None, log.margin)
-        rows = self._rows if view == "short_horizon" else _LONG * (self._rows - 1) + 1
-        return cut(length, rows, log.margin, self._windows, every=self._rows - 1)
+        if view == "short_horizon":
+            return cut(length, self._rows, log.margin, self._windows)
+        long = _LONG * (self._rows - 1) + 1
+        return cut(length, long, log.margin, self._windows, every=self._rows - 1, means=_MEANS)
 
 
 def _largest_step_s(declared: MechanismModel) -> float:

@@ -13,8 +13,10 @@ import pytest
 from schemas.gap import EFFECT_NAMES
 from simgap.mechanism.equation_error import smooth_means
 from simgap.mechanism.problem import MechanismProblem
+from simgap.problem import Term
 from simgap.search import select
 from simgap.splits import split_trials
+from simgap.verdict import _agree, _of_one_shape  # pyright: ignore[reportPrivateUsage]
 from tests.gap_suite import mujoco_truth, truth
 from tests.gap_suite.effects import EFFECTS
 from tests.gap_suite.mechanism_cases import family_of, mechanism_case
@@ -123,20 +125,27 @@ def test_a_sensor_scale_cannot_shrink_the_error_away():
     assert estimate is None or estimate.p_value > 1e-3 or abs(estimate.values["factor"] - 1.0) < 0.05
 
 
-@pytest.mark.parametrize(("scene", "number"), [("servo", 1101), ("driven", 1050)])
+@pytest.mark.parametrize(("scene", "number"), [("servo", 1314), ("driven", 1323)])
 def test_the_noise_of_a_start_counts_as_far_as_the_mechanism_carries_it(scene: str, number: int):
     """A controller forgets a start within a roll-out: all that is left to hear is the noise of the readings."""
     problem = mechanism_case(number).problem()
     assert isinstance(problem, MechanismProblem)
     assert (problem.declared.drive.type == "position_pd") is (scene == "servo")
-    short, long = (problem.noise_floor(problem.trial_ids, view)[0] for view in ("short_horizon", "long_horizon"))
+    short, long = (problem.noise_floor(problem.trial_ids, view)[0] for view in ("short_horizon", "full_rollout"))
     assert bool(long < 0.9 * short) is (scene == "servo")
 
 
 def test_strengths_of_two_routes_are_compared_at_one_shape():
     """Torque and speed of Stribeck friction trade against one another: apart by three times, yet one curve."""
-    record = run_case(mechanism_case(1048))
-    assert record["outcome"] == "named", record["said"]
+    problem = mechanism_case(1048).problem()
+    rubbing = next(c for c in problem.candidates() if c.effect.name == "joint.stribeck_friction")
+    rolled_out = Term(rubbing, {"torque_Nm": 27.3, "velocity_radps": 0.272})
+    freely, pinned = (problem.direct(c, (), problem.trial_ids) for c in (rubbing, _of_one_shape(rolled_out)))
+    assert freely is not None
+    assert pinned is not None
+    assert freely.values["torque_Nm"] > 3.0 * rolled_out.values["torque_Nm"]
+    assert not _agree(rolled_out, {}, freely)
+    assert _agree(rolled_out, {}, pinned)
 
 
 def test_a_lag_that_a_delay_mimics_gets_no_sure_name():
