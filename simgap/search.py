@@ -92,6 +92,7 @@ def select(
     accepted: list[Trial] = []
     rivals: list[tuple[Trial, ...]] = []
     beside: list[Numerics] = []
+    swaps = 0
     while True:
         here = around(problem, base.model)
         # What was an outlier to a poor model is evidence to a better one: the level follows the base.
@@ -122,6 +123,17 @@ def select(
         farther = view != "short_horizon"
         near = _nearby(here, trials, base) if farther else (errors, base)
         this = _round(base, errors, list(each(_screening(here, *near, trials), free)), farther)
+        instead = _instead(this, base, accepted) if swaps < most else None
+        if instead is not None:
+            # What does the work of an accepted effect, and more, is tried in its place before anything is added.
+            place, trial = instead
+            kept, best, _ = _beside_others(here, trials, errors, base, accepted[place], [trial])
+            made_up = numerics(here, trials.train, view, kept.model, best.fit.model)
+            if best.candidate.key == trial.candidate.key and _exceeds(best, made_up):
+                rivals[place] = tuple(r for r in rivals[place] if r.candidate.key != trial.candidate.key)
+                rounds[place] = _with(rounds[place], best)
+                accepted[place], beside[place], base, swaps = best, made_up, best.fit, swaps + 1
+                continue
         rounds.append(this)
         for place, found in enumerate(accepted):
             rivals[place] = (*rivals[place], *_in_its_place(this, base, found, rivals[place]))
@@ -154,7 +166,7 @@ def _beside_others(
 ) -> tuple[Fit, Trial, list[Trial]]:
     """The model without one accepted effect, the best in its place, and it and `others` tried there, best first.
 
-    Another takes the place of what was found only if it is better beyond chance.
+    Another takes the place of what was found only if it is better beyond chance, or simpler and no worse.
     """
     kept = fit(errors, [c for c in _warm(base) if c.key != found.candidate.key])
     now = {t.candidate.key: t.values for t in base.model}
@@ -166,7 +178,8 @@ def _beside_others(
     same = next(t for t in tried if t.candidate.key == found.candidate.key)
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
     best = tried[0] if _beaten(same, tried[0]) else same
-    return kept, best, tried
+    simpler = (t for t in tried if len(t.candidate.null) < len(best.candidate.null) and not _beaten(t, best))
+    return kept, next(simpler, best), tried
 
 
 def _near(found: Trial, this: Round, rivals: Collection[str], base: Fit) -> list[Trial]:
@@ -174,7 +187,9 @@ def _near(found: Trial, this: Round, rivals: Collection[str], base: Fit) -> list
     taken = {c.key for c in base.free}
     most = _LITTLE_MORE * float(found.fit.held_out.sum())
     free = (t for t in this.tried if t.candidate.key not in taken)
-    near = [t for t in free if t.candidate.key in rivals or float(t.fit.held_out.sum()) < most]
+    near = [
+        t for t in free if t.candidate.key in rivals or (t.comparison.gain > 0.0 and float(t.fit.held_out.sum()) < most)
+    ]
     return near[: _FINALISTS - 1]
 
 
@@ -272,6 +287,18 @@ def _worthy(this: Round, base: Fit) -> list[Trial]:
         simpler = [t for t in this.tried if len(t.candidate.null) < len(trial.candidate.null) and _rivals(t, trial)]
         ordered += [t for t in (*simpler, trial) if t not in ordered]
     return ordered
+
+
+def _instead(this: Round, base: Fit, accepted: Sequence[Trial]) -> tuple[int, Trial] | None:
+    """The best of a round where an accepted effect all but vanishes beside it, and the place of that effect."""
+    if not this.tried or this.p_adjusted[0] >= LEVEL or this.tried[0].comparison.gain <= LEAST_GAIN:
+        return None
+    best = this.tried[0]
+    for place, found in enumerate(accepted):
+        term = next(t for t in base.model if t.candidate.key == found.candidate.key)
+        if best.fit.stands_out({}) and _vanishes(term, best.fit):
+            return place, best
+    return None
 
 
 def _takes_a_place(extended: Fit, base: Fit) -> bool:

@@ -1,0 +1,81 @@
+"""What stands in the place of what, asked of causes whose traces are known columns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from schemas.gap import Place
+from schemas.model import FloatArray
+from sim.effects.library import effect
+from simgap.fit import Errors, Fit, extend, fit
+from simgap.problem import Candidate, Model
+from simgap.search import Round, Trial, _instead, _near, _trial  # pyright: ignore[reportPrivateUsage]
+
+TRIALS, ROWS = 12, 40
+NAMES = {"joint.coulomb_friction": "torque_Nm", "joint.viscous_friction": "damping_Nms_per_rad"}
+COULOMB, VISCOUS = (
+    Candidate(effect(name), Place(joint="axis"), {p: 0.0}, {p: 0.0}, {p: (-10.0, 10.0)}) for name, p in NAMES.items()
+)
+
+
+def _columns(alike: float) -> dict[str, FloatArray]:
+    """(t, n) unit traces of the two causes, alike by that much."""
+    rng = np.random.default_rng(3)
+    first, second = rng.normal(0.0, 1.0, (2, TRIALS, ROWS))
+    return {COULOMB.key: first, VISCOUS.key: alike * first + np.sqrt(1.0 - alike**2) * second}
+
+
+def _errors(columns: dict[str, FloatArray], truth: dict[str, float]) -> Errors:
+    """What a model leaves of the true causes under noise of one level."""
+    noise = np.random.default_rng(5).normal(0.0, 1.0, (TRIALS, ROWS))
+
+    def errors(model: Model) -> list[FloatArray]:
+        made = noise - sum(share * columns[key] for key, share in truth.items())
+        for term in model:
+            made = made + next(iter(term.values.values())) * columns[term.candidate.key]
+        return list(made)
+
+    return errors
+
+
+def _tried(errors: Errors, base: Fit, candidate: Candidate) -> Trial:
+    return _trial(base, extend(errors, base, candidate, [candidate.start]), None)
+
+
+def _accepted_then_tried(truth: dict[str, float]) -> tuple[Trial, Trial]:
+    """Coulomb friction on top of nothing, and viscous friction on top of that; their traces are alike by 0.9."""
+    errors = _errors(_columns(0.9), truth)
+    first = _tried(errors, fit(errors, ()), COULOMB)
+    return first, _tried(errors, first.fit, VISCOUS)
+
+
+def test_what_makes_an_accepted_effect_vanish_is_tried_in_its_place():
+    mimic, true = _accepted_then_tried({VISCOUS.key: 2.0})
+    assert mimic.comparison.gain > 0.3
+    assert _instead(Round((true,), (1e-4,)), mimic.fit, [mimic]) == (0, true)
+
+
+def test_what_stands_beside_an_accepted_effect_is_added():
+    first, second = _accepted_then_tried({COULOMB.key: 2.0, VISCOUS.key: 2.0})
+    assert _instead(Round((second,), (1e-4,)), first.fit, [first]) is None
+
+
+@pytest.mark.parametrize("p_adjusted", [0.2, 1.0])
+def test_chance_takes_no_place(p_adjusted: float):
+    mimic, true = _accepted_then_tried({VISCOUS.key: 2.0})
+    assert _instead(Round((true,), (p_adjusted,)), mimic.fit, [mimic]) is None
+
+
+def test_only_what_was_judged_and_left_little_more_is_asked_again():
+    mimic, _ = _accepted_then_tried({VISCOUS.key: 4.0})
+    errors = _errors(_columns(0.9), {VISCOUS.key: 4.0})
+    other = _tried(errors, fit(errors, ()), VISCOUS)
+    this = Round((mimic, other), (1e-4, 1e-4))
+    assert _near(mimic, this, (), mimic.fit) == [other]
+    unjudged = replace(other, comparison=replace(other.comparison, gain=0.0))
+    assert _near(mimic, replace(this, tried=(mimic, unjudged)), (), mimic.fit) == []
+    assert _near(mimic, replace(this, tried=(mimic, unjudged)), (VISCOUS.key,), mimic.fit) == [unjudged]
+    assert _near(other, this, (), other.fit) == []  # the mimic leaves far more than twice what it left
