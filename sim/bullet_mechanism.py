@@ -89,7 +89,7 @@ def _efforts(
     model: MechanismModel, laws: Sequence[Law], memory: Sequence[dict[str, FloatArray]], state: JointState
 ) -> tuple[FloatArray, FloatArray]:
     """Net effort beside gravity and inertia (1, j), and the largest dry friction (1, j)."""
-    _, load = joint_dynamics(model.tree, model.gravity_W).bias(state.q, state.qd)
+    load = joint_dynamics(model.tree, model.gravity_W).at(state.q).load(state.qd)
     effort, largest = state.effort.copy(), np.broadcast_to(model.friction, state.q.shape).copy()
 
     def at(j: int) -> JointState:
@@ -110,7 +110,7 @@ def _efforts(
     # Gravity acts on the rigid links alone; the model may weigh otherwise.
     zero = np.zeros_like(state.q)
     weight, meant = (
-        joint_dynamics(tree, model.gravity_W).bias(state.q, zero)[0] for tree in (rigid(model.tree), model.tree)
+        joint_dynamics(tree, model.gravity_W).at(state.q).bias(zero) for tree in (rigid(model.tree), model.tree)
     )
     return effort + passive + weight - meant, np.maximum(largest, 0.0)
 

@@ -19,6 +19,7 @@ from sim.effects.effect import EffortMap, Hook, JointFriction, JointState, Joint
 from sim.joint_dynamics import JointDynamics, joint_dynamics
 from sim.tree import Tree
 
+_JITTER = 0.1  # steps by which an interval may be longer: else half the rows of a jittery clock would take one more.
 _LARGEST_RATE = 1e4  # rad/s or m/s: beyond, a roll-out has diverged and is held there.
 
 
@@ -67,35 +68,36 @@ class Windows:
 
 
 def rollout(
-    model: MechanismModel, windows: Windows, laws: Sequence[Law] = (), *, largest_step_s: float = 5e-3
+    model: MechanismModel, windows: Windows, laws: Sequence[Law] = (), *, largest_step_s: float = 5e-3, finer: int = 1
 ) -> tuple[FloatArray, FloatArray]:
     """Joint positions and rates (w, k, j) at the stamps of `windows`; row 0 is the start.
 
-    Each interval between stamps is divided into equal steps of at most `largest_step_s` (by its median over windows).
+    Each interval between stamps is divided into equal steps of about `largest_step_s` at most (by its median over
+    windows), each of these into `finer`.
     """
     worlds, stamps = windows.t_s.shape
     q, qd = windows.q0.astype(float).copy(), windows.qd0.astype(float).copy()
     Q, QD = (np.empty((worlds, stamps, q.shape[1])) for _ in range(2))
     Q[:, 0], QD[:, 0] = q, qd
-    memory: list[dict[str, FloatArray]] = [{} for _ in laws]
-    dynamics = joint_dynamics(model.tree, model.gravity_W)
+    forces = _Forces.of(model, laws)
     spans = np.diff(windows.t_s, axis=1)
     typical = np.nanmedian(spans, axis=0) if stamps > 1 else np.zeros(0)
     for k in range(stamps - 1):
-        steps = max(1, int(np.ceil(typical[k] / largest_step_s - 1e-9)))
+        steps = max(1, int(np.ceil(typical[k] / largest_step_s - _JITTER))) * finer
         h = spans[:, k, None] / steps
         dt_s = float(typical[k]) / steps
         aux = {name: values[:, k, None] for name, values in windows.aux.items()}
+        half = 0.5 * h
         for s in range(steps):
-            q = q + 0.5 * h * qd
+            q = q + half * qd
             asked = asked_effort(model.drive, windows, k, q, qd)
-            t = windows.t_s[:, k, None] + (s + 0.5) * h
+            t = windows.t_s[:, k, None] + (s + 0.5) * h if laws else half
             if model.drive.type == "position_pd":
                 # The rate at the middle of the step, not at its start: half a step's delay would look like inertia.
-                ahead = _kick(model, dynamics, laws, [dict(m) for m in memory], q, qd, asked, t, h, dt_s, aux)
+                ahead = forces.with_own_memory().kick(q, qd, asked, t, h, dt_s, aux)
                 asked = asked_effort(model.drive, windows, k, q, 0.5 * (qd + ahead))
-            qd = _kick(model, dynamics, laws, memory, q, qd, asked, t, h, dt_s, aux)
-            q = q + 0.5 * h * qd
+            qd = forces.kick(q, qd, asked, t, h, dt_s, aux)
+            q = q + half * qd
         Q[:, k + 1], QD[:, k + 1] = q, qd
     return Q, QD
 
@@ -109,48 +111,77 @@ def asked_effort(drive: Drive, windows: Windows, k: int, q: FloatArray, qd: Floa
     else:
         return np.zeros_like(q)
     limit = drive.effort_limit
-    return asked if limit is None else np.clip(asked, -limit, limit)
+    return asked if limit is None else np.minimum(np.maximum(asked, -limit), limit)
 
 
-def _kick(
-    model: MechanismModel,
-    dynamics: JointDynamics,
-    laws: Sequence[Law],
-    memory: Sequence[dict[str, FloatArray]],
-    q: FloatArray,
-    qd: FloatArray,
-    asked: FloatArray,
-    t_s: FloatArray,
-    h: FloatArray,
-    dt_s: float,
-    aux: Mapping[str, FloatArray],
-) -> FloatArray:
-    """Joint rates after one step of length `h` (w, 1), typically `dt_s`."""
-    bias, load = dynamics.bias(q, qd)
-    effort, smooth = asked, np.zeros_like(q)
-    if any(isinstance(law.hook, EffortMap) for law in laws):
-        effort = asked.copy()
+@dataclass(frozen=True)
+class _Forces:
+    """What acts on a mechanism in every step: its own forces, and laws by kind, in order, each with its memory."""
 
-    def state(j: int) -> JointState:
-        one = np.s_[:, j : j + 1]
-        return JointState(t_s, q[one], qd[one], effort[one], load[one], dt_s, aux)
+    model: MechanismModel
+    dynamics: JointDynamics
+    drives: tuple[tuple[Law, EffortMap, dict[str, FloatArray]], ...]
+    torques: tuple[tuple[Law, JointTorque, dict[str, FloatArray]], ...]
+    frictions: tuple[tuple[Law, JointFriction], ...]
+    rubs: bool
 
-    for law, kept in zip(laws, memory, strict=True):
-        if isinstance(law.hook, EffortMap):
-            effort[:, law.joint, None] = law.hook.map(state(law.joint), law.params, kept)
-    for law, kept in zip(laws, memory, strict=True):
-        if isinstance(law.hook, JointTorque):
-            smooth[:, law.joint, None] += law.hook.torque(state(law.joint), law.params, kept)
-    free = dynamics.free_rates(q, qd, effort + smooth - bias, model.damping, h)
-    rubbing = [(law, law.hook) for law in laws if isinstance(law.hook, JointFriction)]
-    if rubbing or model.friction.any():
-        direction = np.where(np.abs(free) > 1e-9, np.sign(free), 1.0)
-        largest = np.broadcast_to(model.friction, q.shape).copy()
-        for law, hook in rubbing:
-            one = np.s_[:, law.joint : law.joint + 1]
-            now = replace(state(law.joint), friction=largest[one])
-            largest[one] += hook.limit(now, law.params, direction[one])
-        free = dynamics.held(q, free, h * np.maximum(largest, 0.0), model.damping, h)
-    if not np.isfinite(free).all():
-        free = np.nan_to_num(free)
-    return np.clip(free, -_LARGEST_RATE, _LARGEST_RATE)
+    @staticmethod
+    def of(model: MechanismModel, laws: Sequence[Law]) -> _Forces:
+        frictions = tuple((law, law.hook) for law in laws if isinstance(law.hook, JointFriction))
+        return _Forces(
+            model,
+            joint_dynamics(model.tree, model.gravity_W),
+            tuple((law, law.hook, {}) for law in laws if isinstance(law.hook, EffortMap)),
+            tuple((law, law.hook, {}) for law in laws if isinstance(law.hook, JointTorque)),
+            frictions,
+            bool(frictions) or bool(model.friction.any()),
+        )
+
+    def with_own_memory(self) -> _Forces:
+        """The same forces; what they remember from here on they keep to themselves."""
+        if not self.drives and not self.torques:
+            return self
+        drives = tuple((law, hook, dict(memory)) for law, hook, memory in self.drives)
+        torques = tuple((law, hook, dict(memory)) for law, hook, memory in self.torques)
+        return replace(self, drives=drives, torques=torques)
+
+    def kick(
+        self,
+        q: FloatArray,
+        qd: FloatArray,
+        asked: FloatArray,
+        t_s: FloatArray,
+        h: FloatArray,
+        dt_s: float,
+        aux: Mapping[str, FloatArray],
+    ) -> FloatArray:
+        """Joint rates after one step of length `h` (w, 1), typically `dt_s`."""
+        model, posture = self.model, self.dynamics.at(q)
+        effort = asked.copy() if self.drives else asked
+
+        def state(j: int, load: FloatArray, friction: FloatArray | None = None) -> JointState:
+            one = np.s_[:, j : j + 1]
+            rubbing = None if friction is None else friction[one]
+            return JointState(t_s, q[one], qd[one], effort[one], load[one], dt_s, aux, rubbing)
+
+        unknown = np.full(q.shape, np.nan) if self.drives or self.torques or self.frictions else q
+        for law, hook, memory in self.drives:
+            effort[:, law.joint, None] = hook.map(state(law.joint, unknown), law.params, memory)
+        net = effort - posture.bias(qd)
+        for law, hook, memory in self.torques:
+            net[:, law.joint, None] += hook.torque(state(law.joint, unknown), law.params, memory)
+        free = posture.free_rates(qd, net, model.damping, h)
+        if self.rubs:
+            largest: FloatArray = model.friction
+            if self.frictions:
+                # Bearings' loads cost as much as all else: only laws that ask for them get them.
+                load = posture.load(qd) if any(hook.by_load for _, hook in self.frictions) else unknown
+                direction = np.where(free < -1e-9, -1.0, 1.0)
+                largest = model.friction + np.zeros(q.shape)
+                for law, hook in self.frictions:
+                    one = np.s_[:, law.joint : law.joint + 1]
+                    now = state(law.joint, load, largest.copy())
+                    largest[one] += hook.limit(now, law.params, direction[one])
+            free = posture.held(free, h * np.maximum(largest, 0.0), model.damping, h)
+        # Not a number is beyond, too.
+        return np.fmin(np.fmax(free, -_LARGEST_RATE), _LARGEST_RATE)

@@ -44,9 +44,10 @@ class Confusable:
 
 @dataclass(frozen=True)
 class JointState:
-    """Joints in mid step: all (w, j); `load` is the magnitude of the force or moment that the bearing transmits.
+    """Joints in mid step, all (w, j).
 
-    `friction` is the dry friction of laws before this one, where a friction law is asked.
+    load      magnitude of the force that the bearing transmits, for friction laws `by_load`; others find no number.
+    friction  the dry friction of laws before this one, where a friction law is asked.
     """
 
     t_s: FloatArray  # (w, 1)
@@ -108,9 +109,13 @@ class JointTorque:
 
 @dataclass(frozen=True)
 class JointFriction:
-    """Largest friction (w, j), at least 0, for motion along `direction` (w, j; -1 or 1); it never drives the joint."""
+    """Largest friction (w, j), at least 0, for motion along `direction` (w, j; -1 or 1); it never drives the joint.
+
+    `by_load` laws ask for the load of the bearing.
+    """
 
     limit: Callable[[JointState, Params, FloatArray], FloatArray]
+    by_load: bool = False
 
 
 @dataclass(frozen=True)

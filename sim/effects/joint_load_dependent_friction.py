@@ -18,5 +18,5 @@ EFFECT = Effect(
     reveals="unexplained torque grows with the load at equal speed",
     parameters=(Parameter("radius_m", "m (1 for sliding joints)", 0.0, 1.0, 0.0),),
     confusables=(Confusable("joint.coulomb_friction", "move with two different loads on the joint"),),
-    hook=JointFriction(_limit),
+    hook=JointFriction(_limit, by_load=True),
 )

@@ -187,8 +187,10 @@ def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
     """
     mechanism = applied.mechanism
     q, qd = stack.columns["q"], stack.columns["qd"]
-    dynamics = joint_dynamics(mechanism.tree, mechanism.gravity_W)
-    needed, load = dynamics.needed(q, qd, stack.columns["qdd"])
+    posture = joint_dynamics(mechanism.tree, mechanism.gravity_W).at(q)
+    needed = posture.needed(qd, stack.columns["qdd"])
+    by_load = any(isinstance(law.hook, JointFriction) and law.hook.by_load for law in applied.laws)
+    load = posture.load(qd) if by_load else np.full_like(q, np.nan)
     given = _given(mechanism.drive, stack.columns, q, qd)
     aux = {n[4:]: v for n, v in stack.columns.items() if n.startswith("aux:")}
     passive = -mechanism.damping * qd
@@ -207,7 +209,7 @@ def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
     rest = needed - given - passive
     rest = rest + _friction(rest, qd, largest, stack.qd_noise)
     still = np.zeros_like(q)
-    return dynamics.free_rates(q, still, rest, still[0], np.ones((len(q), 1)))
+    return posture.free_rates(still, rest, still[0], np.ones((len(q), 1)))
 
 
 def _mapped(hook: EffortMap, law: Law, state: JointState, spans: Sequence[tuple[int, int]]) -> FloatArray:

@@ -59,11 +59,11 @@ def starts_of(
     windows = windows_of(pieces, applied)
     ends = np.cumsum([len(piece.rows) for _, piece in pieces])[:-1]
 
-    def compared(start: Windows, step_s: float = step_s) -> list[FloatArray]:
-        q, _ = rollout(applied.mechanism, start, applied.laws, largest_step_s=step_s)
+    def compared(start: Windows, finer: int = 1) -> list[FloatArray]:
+        q, _ = rollout(applied.mechanism, start, applied.laws, largest_step_s=step_s, finer=finer)
         return [piece.of(part) for part, (_, piece) in zip(np.split(q, ends), pieces, strict=True)]
 
-    plain, *finer = (compared(windows, step_s / 2**k) for k in range(len(_TO_NO_STEP)))
+    plain, *finer = (compared(windows, 2**k) for k in range(len(_TO_NO_STEP)))
     noise_q, noise_qd = (
         np.concatenate([np.tile(of(s), (len(piece.rows), 1)) for s, (_, piece) in zip(smooth, pieces, strict=True)])
         for of in (lambda s: s.kept * s.q_noise, lambda s: s.qd_noise)

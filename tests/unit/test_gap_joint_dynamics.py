@@ -20,7 +20,8 @@ def test_closed_form_is_the_recursion(seed):
     tree = tuple(_link(rng, slides=bool(k % 2)) for k in range(3))
     gravity_W = 9.81 * rng.normal(size=3)
     q, qd, qdd = rng.normal(size=(3, 5, 3))
-    effort, load = SeparateJoints.of(tree, gravity_W).needed(q, qd, qdd)
+    posture = SeparateJoints.of(tree, gravity_W).at(q)
+    effort, load = posture.needed(qd, qdd), posture.load(qd)
     np.testing.assert_allclose(effort, inverse_dynamics(tree, q, qd, qdd, gravity_W)[0], rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(load, inverse_dynamics(tree, q, qd, 0.0 * q, gravity_W)[1], rtol=1e-7, atol=1e-7)
 
@@ -33,15 +34,18 @@ def test_a_planar_chain_is_the_recursion(seed):
     gravity_W = 9.81 * rng.normal(size=3)
     q, qd, qdd = rng.normal(size=(3, 5, 3))
     h, damping = np.full((5, 1), 3e-3), rng.uniform(0.0, 1.0, 3)
-    planar, general = joint_dynamics(tree, gravity_W), CoupledJoints(tree, gravity_W)
-    assert isinstance(planar, PlanarChain)
-    for mine, theirs in zip(planar.needed(q, qd, qdd), general.needed(q, qd, qdd), strict=True):
-        np.testing.assert_allclose(mine, theirs, rtol=1e-8, atol=1e-9)
-    rates = planar.free_rates(q, qd, qdd, damping, h)
-    np.testing.assert_allclose(rates, general.free_rates(q, qd, qdd, damping, h), rtol=1e-8, atol=1e-9)
+    chain = joint_dynamics(tree, gravity_W)
+    assert isinstance(chain, PlanarChain)
+    planar, general = chain.at(q), CoupledJoints(tree, gravity_W).at(q)
+    np.testing.assert_allclose(planar.needed(qd, qdd), general.needed(qd, qdd), rtol=1e-8, atol=1e-9)
+    np.testing.assert_allclose(planar.load(qd), general.load(qd), rtol=1e-8, atol=1e-9)
+    rates = planar.free_rates(qd, qdd, damping, h)
+    momentum = np.einsum("wij,wj->wi", general.mass, qd) + h * qdd
+    expected = np.linalg.solve(general.mass + h[:, :, None] * np.diag(damping), momentum[..., None])[..., 0]
+    np.testing.assert_allclose(rates, expected, rtol=1e-8, atol=1e-9)
     largest = np.abs(rng.normal(size=(5, 3)))
     np.testing.assert_allclose(
-        planar.held(q, rates, largest, damping, h), general.held(q, rates, largest, damping, h), rtol=1e-7, atol=1e-9
+        planar.held(rates, largest, damping, h), general.held(rates, largest, damping, h), rtol=1e-7, atol=1e-9
     )
 
 
