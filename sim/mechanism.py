@@ -1,9 +1,10 @@
 """Roll-outs of jointed mechanisms from measured states, all windows of all trials in one call.
 
 One step of length h (kick, drift, kick: second order, and energy keeps its mean without friction): half a drift, one
-velocity update at the middle, half a drift. In the update smooth forces are explicit, viscous damping is implicit, and
-dry friction is the impulse within its limit that comes nearest to stopping the joint (projected Gauss-Seidel, as
-engines do for contacts), so that a joint can stick.
+velocity update at the middle, half a drift. In the update smooth forces are explicit (what links do to one another by
+their rates, at rates carried on to the middle), viscous damping is implicit, and dry friction is the impulse within
+its limit that comes nearest to stopping the joint (projected Gauss-Seidel, as engines do for contacts), so that a
+joint can stick.
 """
 
 from __future__ import annotations
@@ -82,6 +83,7 @@ def rollout(
     forces = _Forces.of(model, laws)
     spans = np.diff(windows.t_s, axis=1)
     typical = np.nanmedian(spans, axis=0) if stamps > 1 else np.zeros(0)
+    gained = np.zeros_like(qd)
     for k in range(stamps - 1):
         steps = max(1, int(np.ceil(typical[k] / largest_step_s - _JITTER))) * finer
         h = spans[:, k, None] / steps
@@ -94,9 +96,10 @@ def rollout(
             t = windows.t_s[:, k, None] + (s + 0.5) * h if laws else half
             if model.drive.type == "position_pd":
                 # The rate at the middle of the step, not at its start: half a step's delay would look like inertia.
-                ahead = forces.with_own_memory().kick(q, qd, asked, t, h, dt_s, aux)
+                ahead = forces.with_own_memory().kick(q, qd, gained, asked, t, h, dt_s, aux)
                 asked = asked_effort(model.drive, windows, k, q, 0.5 * (qd + ahead))
-            qd = forces.kick(q, qd, asked, t, h, dt_s, aux)
+            after = forces.kick(q, qd, gained, asked, t, h, dt_s, aux)
+            qd, gained = after, after - qd
             q = q + half * qd
         Q[:, k + 1], QD[:, k + 1] = q, qd
     return Q, QD
@@ -149,13 +152,14 @@ class _Forces:
         self,
         q: FloatArray,
         qd: FloatArray,
+        gained: FloatArray,
         asked: FloatArray,
         t_s: FloatArray,
         h: FloatArray,
         dt_s: float,
         aux: Mapping[str, FloatArray],
     ) -> FloatArray:
-        """Joint rates after one step of length `h` (w, 1), typically `dt_s`."""
+        """Joint rates after one step of length `h` (w, 1), typically `dt_s`; the step before `gained` so much."""
         model, posture = self.model, self.dynamics.at(q)
         effort = asked.copy() if self.drives else asked
 
@@ -167,7 +171,8 @@ class _Forces:
         unknown = np.full(q.shape, np.nan) if self.drives or self.torques or self.frictions else q
         for law, hook, memory in self.drives:
             effort[:, law.joint, None] = hook.map(state(law.joint, unknown), law.params, memory)
-        net = effort - posture.bias(qd)
+        # How links whirl one another is the one smooth force that depends on rates so much that half a step matters.
+        net = effort - posture.bias(qd + 0.5 * gained if len(model.tree) > 1 else qd)
         for law, hook, memory in self.torques:
             net[:, law.joint, None] += hook.torque(state(law.joint, unknown), law.params, memory)
         free = posture.free_rates(qd, net, model.damping, h)

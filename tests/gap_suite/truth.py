@@ -63,6 +63,7 @@ def simulate(
     memory |= {"absorber": q.copy(), "absorber_rate": v.copy()}
     push = _disturbance(hidden, trials, rows * every, joints)
     out = np.empty((trials, rows * every, joints))
+    gained = np.zeros_like(v)
     for step in range(rows * every):
         out[:, step] = q
         # A step's kick stands for half a step to either side of it.
@@ -70,7 +71,9 @@ def simulate(
         sent = 0.5 * (inputs[:, row] + inputs[:, before])
         effort = _effort(plant, h, memory, sent, q, v, supply_V[:, step // every, None])
         torque = effort + push[:, step] + _passive(plant, h, memory, q, v) - _friction(plant, h, memory, q, v)
-        v = v + STEP_S * _accelerations(plant, h, q, v, torque)
+        # Rates are those of half a step ago; how links whirl one another depends on them too strongly for that.
+        gained = STEP_S * _accelerations(plant, h, q, v + 0.5 * gained, torque)
+        v = v + gained
         q = q + STEP_S * v
     return out
 

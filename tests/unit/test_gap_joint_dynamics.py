@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from sim.joint_dynamics import CoupledJoints, PlanarChain, SeparateJoints, joint_dynamics
+from sim.mechanism import MechanismModel, Windows, rollout
 from sim.tree import Link, inverse_dynamics
 
 
@@ -77,3 +79,20 @@ def _link(rng: np.random.Generator, slides: bool) -> Link:
         armature=float(rng.uniform(0.0, 0.1)),
         gravity_factor=float(rng.uniform(0.5, 1.5)),
     )
+
+
+def test_whirling_links_are_followed_to_second_order():
+    rng = np.random.default_rng(3)
+    tree = tuple(_planar_link(rng, k) for k in range(2))
+    model = MechanismModel(tree, np.array([0.0, 0.0, -9.81]), np.zeros(2), np.zeros(2))
+    t_s = np.linspace(0.0, 0.4, 41)
+    windows = Windows(t_s[None], np.array([[0.3, 1.0]]), np.array([[4.0, -6.0]]))
+
+    def rates(_: float, state: np.ndarray) -> np.ndarray:
+        q, qd = state[None, :2], state[None, 2:]
+        posture = CoupledJoints(tree, model.gravity_W).at(q)
+        return np.concatenate([state[2:], np.linalg.solve(posture.mass[0], -posture.bias(qd)[0])])
+
+    exact = solve_ivp(rates, (0.0, 0.4), [0.3, 1.0, 4.0, -6.0], t_eval=t_s, rtol=1e-10, atol=1e-10).y[:2].T
+    errors = [np.abs(rollout(model, windows, finer=k)[0][0] - exact).max() for k in (4, 8, 16)]
+    assert errors[0] > 3.5 * errors[1] > 3.5 * 3.5 * errors[2] > 0.0
