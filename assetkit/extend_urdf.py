@@ -50,5 +50,5 @@ def _write(joint: etree._Element, numbers: MeasuredJoint) -> None:
             element = etree.SubElement(joint, tag)
         for key, value in stated.items():
             element.set(key, repr(value))
-    if numbers.lower is not None and joint.get("type") == "continuous":
+    if None not in (numbers.lower, numbers.upper) and joint.get("type") == "continuous":
         joint.set("type", "revolute")

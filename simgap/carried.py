@@ -113,7 +113,7 @@ def joint_physics(extension: ModelExtension) -> tuple[dict[str, MeasuredJoint], 
         elif applied.name == "joint.viscous_friction":
             found = {"damping": p["damping_Nms_per_rad"]}
         elif applied.name == "joint.hard_stop":
-            found = {"lower": p["lower_rad"], "upper": p["upper_rad"]}
+            found = {side: p[f"{side}_rad"] for side in ("lower", "upper") if _met(p[f"{side}_rad"])}
         elif applied.name == "actuator.saturation":
             found = {"effort": p["limit_Nm"]}
         if joint is None or not found:
@@ -171,3 +171,8 @@ def _written(applied: AppliedEffect) -> Row:
 
 def _kept(applied: AppliedEffect, why: str) -> Row:
     return Row(applied.name, str(applied.where), applied.parameters, why=why)
+
+
+def _met(stop: Estimate) -> bool:
+    """Whether the trials came to this end of travel: where none did, no value was found, and it has no interval."""
+    return stop.ci95[0] < stop.ci95[1]

@@ -17,6 +17,9 @@ from schemas.model import FloatArray
 from simgap.descent import mean_loss
 
 _DRAWS = 2000
+LITTLE = 0.1  # of the largest change of a trial's loss, as its logarithm: other parameters move along a little
+_FEWEST = 3
+_TINY = 1e-12
 
 
 def trial_losses(residuals: Sequence[FloatArray], scale: FloatArray) -> FloatArray:
@@ -62,6 +65,22 @@ def paired_p(before: FloatArray, after: FloatArray) -> float:
     if np.ptp(ratios) <= 1e-12:
         return 1.0
     return float(np.asarray(stats.ttest_1samp(ratios, 0.0, alternative="greater")[1]))
+
+
+def change(before: FloatArray, after: FloatArray) -> FloatArray:
+    """(n,) how much the losses of trials differ, as logarithms, for better or worse."""
+    return np.abs(np.log((before + _TINY) / (after + _TINY)))
+
+
+def met_p(before: FloatArray, after: FloatArray) -> float:
+    """`paired_p` over the trials that `after` changes, for better or worse; 1 where those are fewer than three.
+
+    A threshold says nothing of trials that stay away from it: by their number alone they would hide what it does to
+    the others. Which trials are left out is no matter of which model does better in them.
+    """
+    size = change(before, after)
+    changed = size > LITTLE * size.max()
+    return paired_p(before[changed], after[changed]) if changed.sum() >= _FEWEST else 1.0
 
 
 def adjusted(p_values: Sequence[float]) -> FloatArray:

@@ -17,7 +17,7 @@ from schemas.model import FloatArray
 from simgap.fit import Errors, Fit, extend, fit, promising, rollout_errors, spread
 from simgap.numerics import Numerics, numerics
 from simgap.problem import Candidate, DirectEstimate, Farsighted, Problem, Term, View, around
-from simgap.score import Comparison, adjusted, compare, paired_p, trial_losses
+from simgap.score import LITTLE, Comparison, adjusted, change, compare, met_p, paired_p, trial_losses
 from simgap.splits import Trials
 
 LEVEL = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
@@ -139,7 +139,7 @@ def select(
             rivals[place] = (*rivals[place], *_in_its_place(this, base, found, rivals[place]))
         before = _judged(here, base, trials, view, level)
         worthy = _looking_ahead(errors, _worthy(this, base))
-        confirmed = (t for t in worthy if _confirmed(before, _judged(here, t.fit, trials, view, level)))
+        confirmed = (t for t in worthy if _confirmed(base, t, before, _judged(here, t.fit, trials, view, level)))
         asked = ((t, numerics(here, trials.train, view, base.model, t.fit.model)) for t in confirmed)
         best, made_up = next(((t, n) for t, n in asked if _exceeds(t, n)), (None, Numerics()))
         if best is None:
@@ -226,6 +226,8 @@ def _strengths(candidate: Candidate) -> dict[str, float]:
 
 def _trial(base: Fit, extended: Fit, direct: DirectEstimate | None) -> Trial:
     comparison = compare(base.held_out, extended.held_out)
+    if extended.free[-1].probes:
+        comparison = replace(comparison, p_value=met_p(base.held_out, extended.held_out))
     comparison = replace(comparison, p_value=_chance(comparison, extended))
     return Trial(extended.free[-1], extended, comparison, direct, _delta_bic(base, extended))
 
@@ -355,7 +357,11 @@ def _exceeds(found: Trial, made_up: Numerics) -> bool:
     return found.fit.stands_out(made_up.fitted) and found.comparison.gain > made_up.gain
 
 
-def _confirmed(before: FloatArray, after: FloatArray) -> bool:
+def _confirmed(base: Fit, found: Trial, before: FloatArray, after: FloatArray) -> bool:
+    """Whether the test trials do better with it; if all of them stay away from a threshold they have nothing to say."""
+    largest = float(change(base.held_out, found.fit.held_out).max())
+    if found.candidate.probes and float(change(before, after).max()) < LITTLE * largest:
+        return True
     return bool(after.sum() < (1.0 - 0.5 * LEAST_GAIN) * before.sum())
 
 

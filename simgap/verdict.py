@@ -288,4 +288,5 @@ def _statement(
 
 
 def _figures(effect: NamedEffect) -> str:
-    return ", ".join(f"{n} = {e.value:.3g}" for n, e in effect.parameters.items())
+    seen = {n: e for n, e in effect.parameters.items() if e.ci95[0] < e.ci95[1]} or effect.parameters
+    return ", ".join(f"{n} = {e.value:.3g}" for n, e in seen.items())

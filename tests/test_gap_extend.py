@@ -179,7 +179,7 @@ def test_relative_numbers_wait_for_the_body_they_are_relative_to(package: Path, 
 
 
 def test_every_effect_with_a_place_in_urdf_is_written_and_no_other(package: Path, tmp_path: Path):
-    nulls: dict[str, Values] = {e.name: {n: (v, v, v) for n, v in e.null().items()} for e in EFFECTS}
+    nulls: dict[str, Values] = {e.name: {n: (v, v - 0.1, v + 0.1) for n, v in e.null().items()} for e in EFFECTS}
     given = read_extension(extension(tmp_path / "all.json", nulls, joint="door"))
     body = MeasuredBody(np.zeros(3), np.eye(3))
     rows = (*package_physics(given, b"", record(package).physics, body, "")[1], *joint_physics(given)[1])
@@ -237,9 +237,10 @@ def test_a_mechanism_gets_friction_damping_and_limits(tmp_path: Path):
         "joint.coulomb_friction": {"torque_Nm": (0.3, 0.2, 0.4)},
         "joint.viscous_friction": {"damping_Nms_per_rad": (0.05, 0.04, 0.06)},
         "joint.hard_stop": {
-            "lower_rad": (-0.5, -0.5, -0.5),
-            "upper_rad": (1.2, 1.2, 1.2),
+            "lower_rad": (-0.5, -0.51, -0.49),
+            "upper_rad": (1.2, 1.19, 1.21),
             "stiffness_Nm_per_rad": (100.0, 90.0, 110.0),
+            "loss_s_per_rad": (0.1, 0.0, 0.2),
         },
         "actuator.saturation": {"limit_Nm": (4.0, 3.9, 4.1)},
         "joint.backlash": {"gap_rad": (0.01, 0.0, 0.02), "crossing_radps": (2.0, 1.0, 3.0)},

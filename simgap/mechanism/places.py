@@ -24,6 +24,7 @@ TOLERANCE = 0.05
 MEETING = 0.1  # of a row: how well the time is known at which an input acts
 _REPEATED = 3.0  # half waves within the range that was reached, below which nothing repeats: springs and weights do so
 _STOP_SHARES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33)
+_MOST_LOSS = 3.0  # of a stop's force on the way in beyond that at rest, at the speeds that were reached
 SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "nominal_V")
 _NOMINAL = (0.9, 1.6)  # of the supply's median: where a drive gives what it is asked for
 _WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
@@ -187,6 +188,7 @@ def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple
         "rest_rad": (r.low - span, r.high + span),
         "lower_rad": (r.low - span, 0.5 * (r.low + r.high)),
         "upper_rad": (0.5 * (r.low + r.high), r.high + span),
+        "loss_s_per_rad": (0.0, _MOST_LOSS / r.speed),
         "inertia_kgm2": (-0.8 * r.inertia, 4.0 * r.inertia),
         "limit_Nm": (0.1 * max(r.effort, 1e-9), 4.0 * max(r.effort, 1e-9)),
         "band_Nm": (0.0, max(r.effort, 1e-9)),
@@ -229,6 +231,7 @@ def _stops(null: dict[str, float], bounds: dict[str, tuple[float, float]], r: Ra
             "lower_rad": r.low + share * span if "lower" in sides else null["lower_rad"],
             "upper_rad": r.high - share * span if "upper" in sides else null["upper_rad"],
             "stiffness_Nm_per_rad": float(stiffness),
+            "loss_s_per_rad": 0.1 * bounds["loss_s_per_rad"][1],
         }
         for sides in (("upper",), ("lower",), ("lower", "upper"))
         for share in _STOP_SHARES

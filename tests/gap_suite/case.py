@@ -23,6 +23,7 @@ class Case:
     checked   true values by effect name and parameter, where the library's parameter means the same number.
     size      `small`, `middle`, `large` by power; "" without a sized effect.
     ideal     share of the null refit's rms error that a perfect model would take away (1 - without / with the effect).
+    chance    p-value of that perfect model over the training trials (`power.chance`); 0 where none is at hand.
     """
 
     name: str
@@ -34,3 +35,4 @@ class Case:
     checked: Mapping[tuple[str, str], float] = field(default_factory=dict)
     size: str = ""
     ideal: float = 0.0
+    chance: float = 0.0

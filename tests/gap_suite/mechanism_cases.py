@@ -7,10 +7,11 @@ from functools import partial
 import numpy as np
 
 from simgap.mechanism.problem import MechanismProblem
+from simgap.splits import split_trials
 from tests.gap_suite import mujoco_truth, truth
 from tests.gap_suite.case import Case, Family
 from tests.gap_suite.effects import EFFECTS, OUTSIDE, SAME_LAW, HiddenEffect, Sizes, hidden_numbers, with_friction
-from tests.gap_suite.power import GAINS, ideal_gain, size_of, sized
+from tests.gap_suite.power import GAINS, chance, ideal_gain, size_of, sized
 from tests.gap_suite.readings import declared_spec, measurement, read
 from tests.gap_suite.truth import STEP_S, Hidden, Plant
 
@@ -148,17 +149,19 @@ def _hidden(number: int, family: Family, scene: str, chosen: list[HiddenEffect],
         chosen_doubles = chosen[0].scenes[scene]
     names = "+".join(e.name.partition(".")[2] for e in chosen)
     size = size_of(gain)
+    spec, made = declared_spec(stage.plant), stage.problem(hidden)
     words = f"{scene} {names} {size} x{noise:.0f}" + (" mujoco" if stage.mujoco else "")
     return Case(
         _titled(number, words),
         family,
         partial(stage.problem, hidden),
-        declared_spec(stage.plant),
+        spec,
         truth=tuple(e.name if e.whole else f"{e.name}@{place}" for e in chosen),
         doubles=frozenset((*chosen_doubles, chosen[0].name)) if family == "pair" else frozenset(),
         checked=checked,
         size=size,
         ideal=gain,
+        chance=chance(made, stage.problem({}), split_trials(spec, made.trial_ids).train),
     )
 
 

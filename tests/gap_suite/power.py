@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from simgap.fit import fit, rollout_errors, spread
-from simgap.problem import Problem
-from simgap.score import trial_losses
+from simgap.fit import Fit, fit, rollout_errors, spread
+from simgap.problem import Problem, around
+from simgap.score import paired_p, trial_losses
 
 GAINS = {"small": 0.02, "middle": 0.10, "large": 0.40}  # shares of the null refit's rms error
 _TRIES = 7
@@ -55,3 +55,21 @@ def sized(problem_at: Callable[[float], Problem], guess: float, most: float, aim
         at = below[0] + share * (above[0] - below[0])
     best = min(tried, key=lambda t: abs(t[2] - aim))
     return float(np.exp(best[0])), best[2]
+
+
+def chance(hidden: Problem, plain: Problem, trials: Sequence[str]) -> float:
+    """p-value of a perfect model against the null refit: Student's test, as the tool's, over its training trials.
+
+    One second per roll-out. Where an effect acts in one or two trials only, no test over trials can tell it from an
+    accident of those, however much it does there.
+    """
+    view = "long_horizon"
+
+    def refitted(problem: Problem, scale: np.ndarray | None) -> tuple[Fit, np.ndarray]:
+        first = fit(rollout_errors(problem, trials, view, spread(problem, (), trials, view)), problem.nuisances())
+        here = around(problem, first.model)
+        level = spread(here, first.model, trials, view) if scale is None else scale
+        return fit(rollout_errors(here, trials, view, level), problem.nuisances()), level
+
+    without, level = refitted(plain, None)
+    return paired_p(refitted(hidden, level)[0].losses, without.losses)

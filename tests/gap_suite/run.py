@@ -41,6 +41,7 @@ def run_case(case: Case) -> Record:
         "said": said(report.verdict),
         "covered": covered(case, report),
         "ideal": case.ideal,
+        "chance": case.chance,
         "reduction": 0.0 if report.gain is None else report.gain.reduction,
         "best_by_bic": "" if best is None or best.delta_bic <= 0.0 else best.name,
         "cpu_s": round(spent, 2),

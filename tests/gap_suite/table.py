@@ -10,6 +10,7 @@ from scipy.stats import binomtest
 
 Record = Mapping[str, object]
 _FALSE = ("invented", "wrong")
+_LEVEL = 0.05  # a perfect model whose gain is no surer than this over trials leaves nothing to be named
 
 
 def table(records: Sequence[Record]) -> str:
@@ -21,6 +22,9 @@ def _targets(records: Sequence[Record]) -> list[str]:
     def of(*families: str, size: str | None = None) -> list[Record]:
         return [r for r in records if r["family"] in families and size in (None, r["size"])]
 
+    def seen(*families: str, size: str | None = None) -> list[Record]:
+        return [r for r in of(*families, size=size) if _seen(r)]
+
     sized = of("single", "two", "pair")
     # Tosses have no perfect model beside them: their sizes are fixed, not set by what it gains.
     told = [r for r in sized if r["outcome"] in ("named", "pair") and _number(r["ideal"]) > 0.0]
@@ -31,14 +35,21 @@ def _targets(records: Sequence[Record]) -> list[str]:
         ("false names on controls", "<= 5 %", _share(of("control"), lambda r: r["outcome"] == "invented")),
         ("sure names for outside effects", "0", _share(of("outside"), lambda r: r["outcome"] == "invented")),
         ("wrong sure names, effect present", "few", _share(sized, lambda r: r["outcome"] == "wrong")),
-        ("named, large", ">= 85 %", _share(of("single", size="large"), lambda r: r["outcome"] == "named")),
-        ("named, middle", ">= 70 %", _share(of("single", size="middle"), lambda r: r["outcome"] == "named")),
+        ("named, large", ">= 85 %", _share(seen("single", size="large"), lambda r: r["outcome"] == "named")),
+        ("named, middle", ">= 70 %", _share(seen("single", size="middle"), lambda r: r["outcome"] == "named")),
+        (
+            "named, large and middle, a perfect model's gain is chance over trials",
+            "abstaining is right",
+            _share(
+                [r for r in of("single") if r["size"] != "small" and not _seen(r)], lambda r: r["outcome"] == "named"
+            ),
+        ),
         ("named, small", "abstaining is right", _share(of("single", size="small"), lambda r: r["outcome"] == "named")),
         ("both of two named", "", _share(of("two"), lambda r: r["outcome"] == "named")),
         (
             "doubles reported as such, large and middle",
             ">= 80 %",
-            _share([r for r in of("pair") if r["size"] != "small"], lambda r: r["outcome"] in ("pair", "wide")),
+            _share([r for r in seen("pair") if r["size"] != "small"], lambda r: r["outcome"] in ("pair", "wide")),
         ),
         ("95 % intervals that hold the truth", "90-98 %", _fraction(sum(covered), len(covered))),
         ("held-out gain of named over a perfect model's, median", ">= 80 %", _median(gains)),
@@ -58,12 +69,20 @@ def _outcomes(records: Sequence[Record]) -> list[str]:
 
 
 def _failures(records: Sequence[Record]) -> list[str]:
-    """Wrong names first; small effects that are missed are no failure."""
+    """Wrong names first; to miss what is small or met in too few trials is no failure."""
     fine = ("silent", "named", "pair", "wide")
-    bad = [r for r in records if r["outcome"] not in fine and not (r["size"] == "small" and r["outcome"] not in _FALSE)]
+    bad = [
+        r
+        for r in records
+        if r["outcome"] not in fine and not ((r["size"] == "small" or not _seen(r)) and r["outcome"] not in _FALSE)
+    ]
     bad.sort(key=lambda r: (r["outcome"] not in _FALSE, str(r["outcome"]), str(r["name"])))
     lines = [f"- {r['outcome']}: {r['name']}; said {r['said'] or 'nothing'}" for r in bad]
     return ["Failures:", "", *(lines or ["- none"])]
+
+
+def _seen(record: Record) -> bool:
+    return _number(record.get("chance", 0.0)) < _LEVEL
 
 
 def _bic_right(record: Record) -> bool:

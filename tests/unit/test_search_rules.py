@@ -12,6 +12,7 @@ from schemas.model import FloatArray
 from sim.effects.library import effect
 from simgap.fit import Errors, Fit, extend, fit
 from simgap.problem import Candidate, Model
+from simgap.score import met_p, paired_p
 from simgap.search import Round, Trial, _instead, _near, _trial  # pyright: ignore[reportPrivateUsage]
 
 TRIALS, ROWS = 12, 40
@@ -79,3 +80,23 @@ def test_only_what_was_judged_and_left_little_more_is_asked_again():
     assert _near(mimic, replace(this, tried=(mimic, unjudged)), (), mimic.fit) == []
     assert _near(mimic, replace(this, tried=(mimic, unjudged)), (VISCOUS.key,), mimic.fit) == [unjudged]
     assert _near(other, this, (), other.fit) == []  # the mimic leaves far more than twice what it left
+
+
+def test_trials_that_stay_away_from_a_threshold_do_not_hide_what_it_does_to_the_others():
+    rng = np.random.default_rng(1)
+    before = np.exp(rng.normal(0.0, 0.1, 16))
+    after = before * np.exp(rng.normal(0.0, 0.01, 16))
+    before[[2, 5, 9, 11]] *= [90.0, 20.0, 150.0, 40.0]
+    assert met_p(before, after) < 0.1 * paired_p(before, after)
+    # Two trials are too few for any test, and a change for the worse is no evidence.
+    few = after.copy()
+    few[[2, 5]] = before[[2, 5]]
+    assert met_p(before, few) == 1.0
+    assert met_p(after, before) > 0.99
+
+
+def test_what_changes_nothing_but_noise_is_named_by_chance_only():
+    rng = np.random.default_rng(2)
+    losses = np.exp(rng.normal(0.0, 0.3, (2, 2000, 16)))
+    wrong = np.mean([met_p(a, b) < 0.05 for a, b in zip(*losses, strict=True)])
+    assert wrong < 0.07
