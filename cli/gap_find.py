@@ -28,7 +28,7 @@ from simgap.pictures.unexplained import unexplained
 from simgap.problem import Candidate
 from simgap.replays import most_telling, replay
 from simgap.report_page import PAGE, PICTURES, REPORT, render_page
-from simgap.search import Trial
+from simgap.tried import Trial
 
 Work = Callable[[Candidate], Trial]
 _MOST_REPLAYED = 12  # held-out trials among which the most telling one is looked for

@@ -10,8 +10,10 @@ import numpy as np
 from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
 from simgap.numerics import Numerics
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
+from simgap.rivals import AHEAD_GAIN
 from simgap.score import Comparison, compare
-from simgap.search import AHEAD_GAIN, LEVEL, Selection, Trial
+from simgap.search import Selection
+from simgap.tried import LEVEL, Trial
 
 DIRECT_LEVEL = 0.05
 AGREE_ERRORS = 3.0

@@ -12,8 +12,9 @@ from schemas.model import FloatArray
 from sim.effects.library import effect
 from simgap.fit import Errors, Fit, extend, fit
 from simgap.problem import Candidate, Model
+from simgap.rivals import challengers, replacement
 from simgap.score import met_p, paired_p
-from simgap.search import Round, Trial, _instead, _near, _trial  # pyright: ignore[reportPrivateUsage]
+from simgap.tried import Round, Trial, tried_on
 
 TRIALS, ROWS = 12, 40
 NAMES = {"joint.coulomb_friction": "torque_Nm", "joint.viscous_friction": "damping_Nms_per_rad"}
@@ -43,7 +44,7 @@ def _errors(columns: dict[str, FloatArray], truth: dict[str, float]) -> Errors:
 
 
 def _tried(errors: Errors, base: Fit, candidate: Candidate) -> Trial:
-    return _trial(base, extend(errors, base, candidate, [candidate.start]), None)
+    return tried_on(base, extend(errors, base, candidate, [candidate.start]), None)
 
 
 def _accepted_then_tried(truth: dict[str, float]) -> tuple[Trial, Trial]:
@@ -56,18 +57,18 @@ def _accepted_then_tried(truth: dict[str, float]) -> tuple[Trial, Trial]:
 def test_what_makes_an_accepted_effect_vanish_is_tried_in_its_place():
     mimic, true = _accepted_then_tried({VISCOUS.key: 2.0})
     assert mimic.comparison.gain > 0.3
-    assert _instead(Round((true,), (1e-4,)), mimic.fit, [mimic]) == (0, true)
+    assert replacement(Round((true,), (1e-4,)), mimic.fit, [mimic]) == (0, true)
 
 
 def test_what_stands_beside_an_accepted_effect_is_added():
     first, second = _accepted_then_tried({COULOMB.key: 2.0, VISCOUS.key: 2.0})
-    assert _instead(Round((second,), (1e-4,)), first.fit, [first]) is None
+    assert replacement(Round((second,), (1e-4,)), first.fit, [first]) is None
 
 
 @pytest.mark.parametrize("p_adjusted", [0.2, 1.0])
 def test_chance_takes_no_place(p_adjusted: float):
     mimic, true = _accepted_then_tried({VISCOUS.key: 2.0})
-    assert _instead(Round((true,), (p_adjusted,)), mimic.fit, [mimic]) is None
+    assert replacement(Round((true,), (p_adjusted,)), mimic.fit, [mimic]) is None
 
 
 def test_only_what_was_judged_and_left_little_more_is_asked_again():
@@ -75,11 +76,11 @@ def test_only_what_was_judged_and_left_little_more_is_asked_again():
     errors = _errors(_columns(0.9), {VISCOUS.key: 4.0})
     other = _tried(errors, fit(errors, ()), VISCOUS)
     this = Round((mimic, other), (1e-4, 1e-4))
-    assert _near(mimic, this, (), mimic.fit) == [other]
+    assert challengers(mimic, this, (), mimic.fit) == [other]
     unjudged = replace(other, comparison=replace(other.comparison, gain=0.0))
-    assert _near(mimic, replace(this, tried=(mimic, unjudged)), (), mimic.fit) == []
-    assert _near(mimic, replace(this, tried=(mimic, unjudged)), (VISCOUS.key,), mimic.fit) == [unjudged]
-    assert _near(other, this, (), other.fit) == []  # the mimic leaves far more than twice what it left
+    assert challengers(mimic, replace(this, tried=(mimic, unjudged)), (), mimic.fit) == []
+    assert challengers(mimic, replace(this, tried=(mimic, unjudged)), (VISCOUS.key,), mimic.fit) == [unjudged]
+    assert challengers(other, this, (), other.fit) == []  # the mimic leaves far more than twice what it left
 
 
 def test_trials_that_stay_away_from_a_threshold_do_not_hide_what_it_does_to_the_others():

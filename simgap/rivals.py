@@ -1,0 +1,144 @@
+"""Which candidates are no worse than an accepted effect, and which does the work of another.
+
+Two of them are compared by what they leave of training trials held out in turn. A lead counts if it is beyond chance
+and beyond what readings and roll-outs may differ by on the way to a residual.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+from simgap.fit import Errors, Fit, extend, fit
+from simgap.problem import Problem, Term
+from simgap.score import compare, paired_p
+from simgap.splits import Trials
+from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, chance, tried_on, warm
+
+RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
+AS_GOOD = 0.05  # level at which the best beats another
+AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
+_SMOOTHED = 0.002  # share of what the best takes away by which it must be ahead
+_NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
+_LITTLE_MORE = 2.0  # times what the best leaves: what leaves more was no match for it
+_MOST_RIVALS = 5  # that are asked again beside the other effects
+_REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
+_RICHER = 1  # parameters more that a rival of another kind may have: a spring has a rest beside its stiffness
+
+
+def beside_others(
+    problem: Problem, trials: Trials, errors: Errors, base: Fit, found: Trial, others: Sequence[Trial]
+) -> tuple[Fit, Trial, list[Trial]]:
+    """The model without one accepted effect, the best in its place, and it and `others` tried there, best first.
+
+    Another takes the place of what was found only if it is better beyond chance, or simpler and no worse.
+    """
+    kept = fit(errors, [c for c in warm(base) if c.key != found.candidate.key])
+    now = {t.candidate.key: t.values for t in base.model}
+    tried = []
+    for t in (found, *others):
+        starts = [now.get(t.candidate.key, t.fit.model[-1].values), t.fit.model[-1].values]
+        direct = problem.direct(t.candidate, kept.model, trials.train)
+        tried.append(tried_on(kept, extend(errors, kept, t.candidate, starts), direct))
+    same = next(t for t in tried if t.candidate.key == found.candidate.key)
+    tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
+    best = tried[0] if beaten(same, tried[0]) else same
+    simpler = (t for t in tried if len(t.candidate.null) < len(best.candidate.null) and not beaten(t, best))
+    return kept, next(simpler, best), tried
+
+
+def challengers(found: Trial, this: Round, rivals: Collection[str], base: Fit) -> list[Trial]:
+    """What may stand in the place of an accepted effect: its rivals, and all that left little more than it did."""
+    taken = {c.key for c in base.free}
+    most = _LITTLE_MORE * float(found.fit.held_out.sum())
+    free = (t for t in this.tried if t.candidate.key not in taken)
+    near = [
+        t for t in free if t.candidate.key in rivals or (t.comparison.gain > 0.0 and float(t.fit.held_out.sum()) < most)
+    ]
+    return near[:_MOST_RIVALS]
+
+
+def replacement(this: Round, base: Fit, accepted: Sequence[Trial]) -> tuple[int, Trial] | None:
+    """The best of a round where an accepted effect all but vanishes beside it, and the place of that effect."""
+    if not this.tried or this.p_adjusted[0] >= LEVEL or this.tried[0].comparison.gain <= LEAST_GAIN:
+        return None
+    best = this.tried[0]
+    for place, found in enumerate(accepted):
+        term = next(t for t in base.model if t.candidate.key == found.candidate.key)
+        if best.fit.stands_out({}) and vanishes(term, best.fit):
+            return place, best
+    return None
+
+
+def takes_a_place(extended: Fit, base: Fit) -> bool:
+    """Whether an effect accepted before all but vanishes beside the new one: that is another name, not one more."""
+    return any(vanishes(term, extended) for term in base.model)
+
+
+def vanishes(term: Term, extended: Fit) -> bool:
+    """Whether little of a term's strength is left in another fit."""
+    now = next((t for t in extended.model if t.candidate.key == term.candidate.key), None)
+    if now is None or term.candidate.nuisance:
+        return False
+    null = term.candidate.null
+    names = [n for n in term.values if n not in term.candidate.shapes]
+    return all(abs(now.values[n] - null[n]) < _REPLACED * abs(term.values[n] - null[n]) for n in names)
+
+
+def in_its_place(this: Round, base: Fit, found: Trial, known: Sequence[Trial]) -> list[Trial]:
+    """Significant candidates beside which what was found before all but vanishes: they may be what it is."""
+    term = next(t for t in base.model if t.candidate.key == found.candidate.key)
+    taken = {t.candidate.key for t in known}
+    return [
+        trial
+        for trial, p in zip(this.tried, this.p_adjusted, strict=True)
+        if p < LEVEL and trial.candidate.key not in taken and vanishes(term, trial.fit)
+    ]
+
+
+def simpler_and_as_good(simpler: Trial, best: Trial) -> bool:
+    """Whether a candidate has fewer parameters, gains nearly what the best does, and is not beaten by it."""
+    fewer = len(simpler.candidate.null) < len(best.candidate.null)
+    near = simpler.comparison.gain > _NEARLY * best.comparison.gain
+    significant = simpler.comparison.p_value < LEVEL
+    return fewer and near and significant and paired_p(simpler.fit.held_out, best.fit.held_out) > AS_GOOD
+
+
+def beaten(rival: Trial, best: Trial) -> bool:
+    """Whether the best leaves less than the rival, beyond chance and by more than smoothing may do."""
+    ahead = compare(rival.fit.held_out, best.fit.held_out)
+    return ahead.p_value < AS_GOOD and clearly_less(rival.fit, best.fit, best)
+
+
+def clearly_less(rival: Fit, better: Fit, best: Trial) -> bool:
+    """Whether `better` leaves less than `rival` by more than smoothing may do, of what is left and what `best` takes.
+
+    Readings and inputs are shifted and smoothed on the way to either: that errs with the size of what is hidden.
+    """
+    left, least = float(rival.held_out.mean()), float(better.held_out.mean())
+    gain = min(best.comparison.gain, 0.999)
+    taken = float(best.fit.held_out.mean()) * gain / (1.0 - gain)
+    return left - least > max(AHEAD_GAIN * left, _SMOOTHED * taken)
+
+
+def inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[Trial, ...]:
+    """Rivals that do as well as the best, and on top of which the best adds nothing."""
+    found = []
+    for rival in tried:
+        if rival is best or rival.comparison.gain < RIVAL_SHARE * best.comparison.gain:
+            continue
+        if beaten(rival, best):
+            continue
+        # A richer law that does no better has had its chance, as has a much richer one of another kind; known doubles
+        # stay in doubt.
+        doubles = {c.effect for c in best.candidate.effect.confusables}
+        kin = rival.candidate.effect.family == best.candidate.effect.family
+        richer = len(rival.candidate.null) > len(best.candidate.null) + (0 if kin else _RICHER)
+        does_better = _NEARLY * rival.comparison.gain > best.comparison.gain
+        if richer and not does_better and rival.candidate.effect.name not in doubles:
+            continue
+        both = extend(errors, rival.fit, best.candidate, [best.fit.model[-1].values, best.candidate.start])
+        over_rival = compare(rival.fit.held_out, both.held_out)
+        if chance(over_rival, both) < LEVEL and clearly_less(rival.fit, both, best):
+            continue
+        found.append(rival)
+    return tuple(found)
