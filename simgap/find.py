@@ -24,7 +24,7 @@ from simgap.all_effects import all_effects_losses
 from simgap.black_box import corrected
 from simgap.fit import spread
 from simgap.pairing import others_inputs_trap, pairing_trap
-from simgap.problem import Farsighted, Model, Problem, View, around
+from simgap.problem import Farsighted, Model, Problem, Timed, View, around
 from simgap.score import Comparison, compare, trial_losses
 from simgap.search import MOST_EFFECTS, Map, Selection, select
 from simgap.splits import Trials
@@ -65,7 +65,8 @@ def find(
     leftover = compare(selection.final_losses, box)
     pairing = pairing_trap(last, selection.final.model, trials.train, search_view(problem))
     doubts = [trap for trap in (others, pairing) if trap is not None]
-    traps = (*traps, *doubts)
+    timing = last.timing() if isinstance(last, Timed) else None
+    traps = (*traps, *doubts, *([timing] if timing else []))
     strange = any(trap.status == "suspect" for trap in doubts)
     verdict = judge(problem, selection, trials.train, leftover, _in_tails(last, selection, trials), strange)
     named = [e for e in verdict.effects if e.confidence >= NAMED]
@@ -73,7 +74,7 @@ def find(
         measurement=measurement,
         effects=tuple(AppliedEffect(name=e.name, where=e.where, parameters=e.parameters) for e in named),
     )
-    short = _gain(problem, selection, trials, "short_horizon", horizon_s)
+    short = _gain(last, selection, trials, "short_horizon", horizon_s)
     report = GapReport(
         measurement=measurement,
         n_train=len(trials.train),
@@ -84,14 +85,14 @@ def find(
         localisation=localisation,
         hypotheses=_hypotheses(selection),
         verdict=verdict,
-        gains=(short, _gain(problem, selection, trials, "full_rollout", 0.0)),
+        gains=(short, _gain(last, selection, trials, "full_rollout", 0.0)),
         gain=short,
         baselines=(
             Rival(name="null_refit", heldout=float(selection.null_losses.mean())),
             *(() if quick else (_all_effects(problem, selection, trials),)),
             Rival(name="black_box", heldout=float(box.mean())),
         ),
-        ladder=_ladder(problem, selection, trials),
+        ladder=_ladder(last, selection, trials),
     )
     return Found(report, extension, selection)
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
 
-from schemas.gap import Place
+from schemas.gap import Place, Trap
 from schemas.model import FloatArray
 from sim.effects.effect import Effect
 
@@ -124,6 +124,15 @@ class Problem(Protocol):
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
         """(c,) rms residual (SI) that noise in the initial state and the readings alone would leave."""
+        ...
+
+
+@runtime_checkable
+class Timed(Protocol):
+    """A problem that finds out when its inputs act."""
+
+    def timing(self) -> Trap | None:
+        """What it found; None where stamps are even, or nothing else would do."""
         ...
 
 

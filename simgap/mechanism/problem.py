@@ -8,12 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from schemas.gap import Trap
 from schemas.model import FloatArray
 from sim.effects.effect import Series
 from sim.mechanism import MechanismModel, Windows, rollout
 from sim.tree import mass_matrix
 from simgap.fit import Errors, Fit
 from simgap.measurement import Measurement
+from simgap.mechanism.beat import BEATS, Beat, beats_of, off_beat_s, on_beat
 from simgap.mechanism.build import build_mechanism
 from simgap.mechanism.equation_error import SPANS, balance, estimate, in_noise_levels, refitted
 from simgap.mechanism.inputs import next_inputs
@@ -25,29 +27,42 @@ from simgap.mechanism.starts import FreeStarts, mean_noise, starts_of
 from simgap.mechanism.terms import Applied, apply_terms
 from simgap.mechanism.windows import Cut, cut, windows_of
 from simgap.problem import Candidate, DirectEstimate, Model, View
+from simgap.score import paired_p, trial_losses
 
 HORIZON_S = 0.2  # jointed things move less per time than tossed ones: 80 ms would measure the encoder
 _LONG = 5  # short horizons that a long one lasts
 _MEANS = 16  # of a long horizon that are compared: 60 ms each
 _LARGEST = 1e6
+_SURE = 0.01  # chance below which another beat than that of the stamps is believed
 _LARGEST_STEP_S = 5e-3
 _STEP_SWING = 0.15  # of a radian of the fastest controlled swing per step; what that leaves is taken out (`starts`)
 _FINER = 0.25  # steps of repeats, of those of roll-outs
 _MOST_WINDOWS = 240  # over all trials; each has at least `_LEAST_WINDOWS`
 _LEAST_WINDOWS = 6
 
+_TIMING: dict[Beat, str] = {
+    "stamps": "inputs act when the stamps say, or these motions cannot tell",
+    "even_inputs": "inputs act at that beat, readings were taken when the stamps say",
+    "even": "inputs act and readings were taken at that beat",
+}
+
 
 class MechanismProblem:
     """Roll-outs of the joint model against readings; direct estimates from equation errors."""
 
     def __init__(
-        self, measurement: Measurement, horizon_s: float = HORIZON_S, known: Mapping[str, Smooth] | None = None
+        self,
+        measurement: Measurement,
+        horizon_s: float = HORIZON_S,
+        known: Mapping[str, Smooth] | None = None,
+        beat: Beat = "stamps",
     ) -> None:
-        """`known` smoothed motions by trial id are taken as they are."""
+        """`known` smoothed motions by trial id are taken as they are; `beat` says when inputs act and rows are read."""
         self.measurement = measurement
         self.declared: MechanismModel = build_mechanism(measurement.spec, measurement.root)
         self.horizon_s = horizon_s
-        self._logs = {t.id: log_of(t, (known or {}).get(t.id)) for t in measurement.trials}
+        self.beat: Beat = beat
+        self._logs = {t.id: log_of(on_beat(t, beat), (known or {}).get(t.id)) for t in measurement.trials}
         self._row_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in measurement.trials])))
         step = float(np.median(np.concatenate([np.diff(g.series.t_s) for g in self._logs.values()])))
         self._rows = max(4, round(horizon_s / step) + 1)
@@ -56,6 +71,9 @@ class MechanismProblem:
         self._floors: dict[tuple[View, tuple[str, ...]], FloatArray] = {}
         self._kept: dict[tuple[View, tuple[str, ...]], tuple[tuple[object, ...], Windows]] = {}
         self._balances: dict[tuple[object, ...], tuple[Errors, Fit]] = {}
+        self._beats: dict[Beat, MechanismProblem] = {}
+        left_open = [beats_of(t) for t in measurement.trials] if beat == "stamps" else [()]
+        self._open: list[Beat] = [b for b in BEATS[1:] if all(b in some for some in left_open)]
         self._around: Model = ()
         self._starts: Mapping[str, FreeStarts] = {}
 
@@ -127,7 +145,7 @@ class MechanismProblem:
         """See `simgap.numerics.Repeatable`."""
         trials = self.measurement.trials
         logs = [self._logs[t.id] for t in trials]
-        again = repeated(self.declared, trials, logs, model, _FINER * self._step_s, seed)
+        again = repeated(self.declared, trials, logs, model, self.beat, _FINER * self._step_s, seed)
         return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s).around(model)
 
     def misdriven(self, by: int = 1) -> MechanismProblem | None:
@@ -137,15 +155,50 @@ class MechanismProblem:
             return None
         # Motions stay, and with them what their starts do.
         smoothed = {name: log.smooth for name, log in self._logs.items()}
-        other = MechanismProblem(replace(self.measurement, trials=trials), self.horizon_s, smoothed)
+        other = MechanismProblem(replace(self.measurement, trials=trials), self.horizon_s, smoothed, self.beat)
         other._starts = self._starts_of(self.trial_ids)
         return other
 
     def around(self, model: Model) -> MechanismProblem:
-        """See `simgap.problem.Farsighted`."""
+        """See `simgap.problem.Farsighted`. The beat is the one by which the model leaves least, beyond chance."""
+        own = self._seen_from(model)
+        level = own.noise_floor(self.trial_ids, self.search_view)
+        best, losses = own, own._losses(model, level)
+        for beat in self._open:
+            other = self._by_beat(beat)._seen_from(model)
+            other._starts = own._starts  # to the order of a row's jitter the same
+            theirs = other._losses(model, level)
+            if paired_p(losses, theirs) < _SURE and theirs.sum() < losses.sum():
+                best, losses = other, theirs
+        return best
+
+    def timing(self) -> Trap | None:
+        """See `simgap.problem.Timed`."""
+        blurred = [off_beat_s(t) for t in self.measurement.trials]
+        jitter_ms = 1e3 * float(np.sqrt(np.mean(np.square([b for b in blurred if b is not None] or [0.0]))))
+        if self.beat == "stamps" and not self._open:
+            return None
+        return Trap(
+            name="input_timing",
+            status="ok" if self.beat == "stamps" else "fixed",
+            evidence=f"stamps stray from an even beat by {jitter_ms:.2g} ms (rms); {_TIMING[self.beat]}",
+        )
+
+    def _by_beat(self, beat: Beat) -> MechanismProblem:
+        """The same measurement by another beat, made once."""
+        if beat not in self._beats:
+            same = {name: log.smooth for name, log in self._logs.items()} if beat != "even" else None
+            self._beats[beat] = MechanismProblem(self.measurement, self.horizon_s, same, beat)
+        return self._beats[beat]
+
+    def _seen_from(self, model: Model) -> MechanismProblem:
         other = copy(self)
         other._around, other._starts = model, {}
         return other
+
+    def _losses(self, model: Model, level: FloatArray) -> FloatArray:
+        """(t,) of all trials."""
+        return trial_losses(self.residuals(model, self.trial_ids, self.search_view), level)
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
         """See `simgap.problem.Problem`: smoothed readings' noise, and the start's carried along by the model.

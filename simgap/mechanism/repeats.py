@@ -10,6 +10,7 @@ import numpy as np
 from schemas.model import FloatArray
 from sim.effects.effect import Series
 from sim.mechanism import MechanismModel, rollout
+from simgap.mechanism.beat import Beat, on_beat
 from simgap.mechanism.logs import Log
 from simgap.mechanism.terms import apply_terms
 from simgap.mechanism.windows import cut, windows_of
@@ -18,14 +19,20 @@ from simgap.trial import Trial
 
 
 def repeated(
-    declared: MechanismModel, trials: Sequence[Trial], logs: Sequence[Log], model: Model, step_s: float, seed: int
+    declared: MechanismModel,
+    trials: Sequence[Trial],
+    logs: Sequence[Log],
+    model: Model,
+    beat: Beat,
+    step_s: float,
+    seed: int,
 ) -> tuple[Trial, ...]:
     """The trials as `model` would have moved from their starts under their inputs, read with their noise.
 
-    Steps are at most `step_s` long; noise is white, of the size that each log shows.
+    `beat` is that of `logs`. Steps are at most `step_s` long; noise is white, of the size that each log shows.
     """
     applied = apply_terms(declared, model)
-    true = [applied.recovered(_as_read(t, g)) for t, g in zip(trials, logs, strict=True)]
+    true = [applied.recovered(_as_read(on_beat(t, beat), g)) for t, g in zip(trials, logs, strict=True)]
     windows = windows_of([(s, cut(len(s.t_s), None)) for s in true], applied)
     q, _ = rollout(applied.mechanism, windows, applied.laws, largest_step_s=step_s)
     rng = np.random.default_rng(seed)
