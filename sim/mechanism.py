@@ -83,13 +83,16 @@ def rollout(
     forces = _Forces.of(model, laws)
     spans = np.diff(windows.t_s, axis=1)
     typical = np.nanmedian(spans, axis=0) if stamps > 1 else np.zeros(0)
-    gained = np.zeros_like(qd)
+    gained, before = np.zeros_like(qd), np.zeros((worlds, 1))
     for k in range(stamps - 1):
         steps = max(1, int(np.ceil(typical[k] / largest_step_s - _JITTER))) * finer
         h = spans[:, k, None] / steps
         dt_s = float(typical[k]) / steps
         aux = {name: values[:, k, None] for name, values in windows.aux.items()}
         half = 0.5 * h
+        if k and len(model.tree) > 1:
+            gained = gained * np.divide(h, before, out=np.zeros_like(h), where=before > 0.0)
+        before = h
         for s in range(steps):
             q = q + half * qd
             asked = asked_effort(model.drive, windows, k, q, qd)

@@ -7,6 +7,7 @@ and beyond what readings and roll-outs may differ by on the way to a residual.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 from simgap.fit import Errors, Fit, extend, fit
 from simgap.problem import Problem, Term
@@ -93,6 +94,29 @@ def in_its_place(this: Round, base: Fit, found: Trial, known: Sequence[Trial]) -
         for trial, p in zip(this.tried, this.p_adjusted, strict=True)
         if p < LEVEL and trial.candidate.key not in taken and vanishes(term, trial.fit)
     ]
+
+
+def as_good_together(
+    errors: Errors, base: Fit, found: Trial, doubles: Sequence[Trial], best: Trial, others: Sequence[Trial]
+) -> list[Trial]:
+    """Which of `others` do as well in the place of `best` once `found` gives way to one of its doubles.
+
+    Two causes may stand for two others where neither does alone: friction by load and a weight for dry friction and a
+    spring. Without the double the spring would look refuted.
+    """
+    kept = [c for c in warm(base) if c.key not in (found.candidate.key, best.candidate.key)]
+    out: list[Trial] = []
+    for double in doubles:
+        near = fit(errors, [*kept, replace(double.candidate, start=double.fit.model[-1].values)])
+        for other in others:
+            richer = len(other.candidate.null) > len(best.candidate.null) + _RICHER
+            if richer or other.candidate.key in {double.candidate.key, *(t.candidate.key for t in out)}:
+                continue
+            both = extend(errors, near, other.candidate, [other.fit.model[-1].values, other.candidate.start])
+            ahead = compare(both.held_out, base.held_out)
+            if not (ahead.p_value < AS_GOOD and clearly_less(both, base, best)):
+                out.append(tried_on(near, both, other.direct))
+    return out
 
 
 def simpler_and_as_good(simpler: Trial, best: Trial) -> bool:

@@ -18,6 +18,7 @@ from simgap.descent import mean_loss
 
 _DRAWS = 2000
 LITTLE = 0.1  # of the largest change of a trial's loss, as its logarithm: other parameters move along a little
+CLEAR = 2.0  # change of a trial's loss, as its logarithm, beyond which one that changes more says no more
 _FEWEST = 3
 _TINY = 1e-12
 
@@ -79,7 +80,7 @@ def met_p(before: FloatArray, after: FloatArray) -> float:
     the others. Which trials are left out is no matter of which model does better in them.
     """
     size = change(before, after)
-    changed = size > LITTLE * size.max()
+    changed = size > LITTLE * min(float(size.max()), CLEAR)
     return paired_p(before[changed], after[changed]) if changed.sum() >= _FEWEST else 1.0
 
 

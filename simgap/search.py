@@ -7,7 +7,7 @@ The test trials have the last word: an effect that makes them worse is not taken
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -19,6 +19,7 @@ from simgap.numerics import Numerics, numerics
 from simgap.problem import Candidate, Farsighted, Problem, View, around
 from simgap.rivals import (
     AS_GOOD,
+    as_good_together,
     beaten,
     beside_others,
     challengers,
@@ -28,8 +29,9 @@ from simgap.rivals import (
     simpler_and_as_good,
     takes_a_place,
 )
-from simgap.score import LITTLE, Comparison, adjusted, change, paired_p, trial_losses
+from simgap.score import CLEAR, LITTLE, Comparison, adjusted, change, paired_p, trial_losses
 from simgap.splits import Trials
+from simgap.told_apart import told_apart
 from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, tried_on, warm
 
 MOST_EFFECTS = 4
@@ -131,12 +133,35 @@ def select(
         accepted.append(best)
         beside.append(made_up)
         base = best.fit
+    rivals = _with_doubles(here, trials, errors, base, accepted, rounds, rivals)
     last = around(problem, base.model)
     scale = spread(last, null.model, trials.train, view)
     null_losses, losses = (_judged(last, f, trials, view, scale) for f in (null, base))
     return Selection(
         null, null_losses, tuple(rounds), tuple(accepted), tuple(rivals), tuple(beside), base, losses, scale
     )
+
+
+def _with_doubles(
+    problem: Problem,
+    trials: Trials,
+    errors: Errors,
+    base: Fit,
+    accepted: Sequence[Trial],
+    rounds: Sequence[Round],
+    rivals: Sequence[tuple[Trial, ...]],
+) -> list[tuple[Trial, ...]]:
+    """`rivals`, and those that become such beside a double of another accepted effect."""
+    out = list(rivals)
+    for place, found in enumerate(accepted):
+        others = tuple(t for t in base.model if t.candidate.key != found.candidate.key)
+        doubles = [r for r in rivals[place] if not told_apart(problem, found, r, others, trials.train)]
+        for k, best in enumerate(accepted) if doubles else ():
+            known = {t.candidate.key for t in (*out[k], *doubles, found)}
+            fresh = [t for t in challengers(best, rounds[k], (), base) if t.candidate.key not in known]
+            if k != place and fresh:
+                out[k] = (*out[k], *as_good_together(errors, base, found, doubles, best, fresh))
+    return out
 
 
 def _judged(problem: Problem, found: Fit, trials: Trials, view: View, level: FloatArray) -> FloatArray:
@@ -257,7 +282,7 @@ def _exceeds(found: Trial, made_up: Numerics) -> bool:
 
 def _confirmed(base: Fit, found: Trial, before: FloatArray, after: FloatArray) -> bool:
     """Whether the test trials do better with it; if all of them stay away from a threshold they have nothing to say."""
-    largest = float(change(base.held_out, found.fit.held_out).max())
+    largest = min(float(change(base.held_out, found.fit.held_out).max()), CLEAR)
     if found.candidate.probes and float(change(before, after).max()) < LITTLE * largest:
-        return True
+        return bool(after.sum() < (1.0 + LITTLE) * before.sum())
     return bool(after.sum() < (1.0 - 0.5 * LEAST_GAIN) * before.sum())

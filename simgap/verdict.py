@@ -10,12 +10,11 @@ import numpy as np
 from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
 from simgap.numerics import Numerics
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
-from simgap.rivals import AHEAD_GAIN
-from simgap.score import Comparison, compare
+from simgap.score import Comparison
 from simgap.search import Selection
+from simgap.told_apart import DIRECT_LEVEL, leads, told_apart
 from simgap.tried import LEVEL, Trial
 
-DIRECT_LEVEL = 0.05
 AGREE_ERRORS = 3.0
 AGREE_SHARE = 0.5  # of the larger of the two: within a factor of two, either way
 _TOLD = 3  # candidates that the direct route is asked about besides
@@ -47,7 +46,7 @@ def judge(
     groups: list[AmbiguousGroup] = []
     base = selection.final.model
     doubted = [
-        [r for r in rivals if not _told_apart(problem, found, r, _without(base, found), trials)]
+        [r for r in rivals if not told_apart(problem, found, r, _without(base, found), trials)]
         for found, rivals in zip(selection.accepted, selection.rivals, strict=True)
     ]
     found_with = zip(selection.accepted, doubted, selection.numerics, strict=True)
@@ -70,14 +69,16 @@ def judge(
             pinned = problem.direct(_of_one_shape(term), others, trials)
             said, direct = (pinned, True) if pinned and _agree(term, widths, pinned) else (said, False)
         direct = direct and said is not None and _beyond(term, said, made_up)
-        drowned = strange or _removed(selection, position) < nameless
+        wide = _wider(widths, _unsure(term, widths, beside, doubted))
+        # What may be nothing, by the interval that is reported, has no sure name.
+        drowned = strange or _removed(selection, position) < nameless or not _stands(term, wide)
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
         effect = NamedEffect(
             name=found.candidate.effect.name,
             where=found.candidate.where,
             confidence=_confidence(p, said, direct is True, bool(same) or drowned),
             routes={"heldout": True, "direct": direct is True},
-            parameters=parameters(term, _wider(widths, _unsure(term, widths, beside, doubted))),
+            parameters=parameters(term, wide),
         )
         if same or drowned or direct is not True:
             names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
@@ -138,17 +139,9 @@ def _preferred(
     out = []
     for _, _, rival in sorted(left, key=lambda entry: entry[:2])[:_TOLD]:
         theirs = problem.direct(rival.candidate, others, trials)
-        if theirs is not None and _leads(theirs, own) is True:
+        if theirs is not None and leads(theirs, own) is True:
             out.append(rival)
     return out
-
-
-def _leads(best: DirectEstimate, other: DirectEstimate) -> bool | None:
-    """Whether `best` leaves less than `other`, beyond chance and smoothing; None where one has no held-out losses."""
-    if best.held_out is None or other.held_out is None:
-        return None
-    ahead = compare(other.held_out, best.held_out)
-    return ahead.p_value < LEVEL and ahead.gain > AHEAD_GAIN
 
 
 def _removed(selection: Selection, position: int) -> float:
@@ -226,23 +219,6 @@ def parameters(term: Term, half_widths: dict[str, float]) -> dict[str, Estimate]
 def _columns(selection: Selection, position: int) -> tuple[tuple[Trial, ...], tuple[float, ...]]:
     this = selection.rounds[position]
     return this.tried, this.p_adjusted
-
-
-def _told_apart(problem: Problem, best: Trial, rival: Trial, others: tuple[Term, ...], trials: Sequence[str]) -> bool:
-    """Whether the direct route keeps the best beside the rival, drops the rival beside the best, and prefers the best.
-
-    The preference is asked of fits that start afresh: a rival's term that got stuck where the simulator left it would
-    be no match for anything.
-    """
-    best_term, rival_term = best.fit.model[-1], rival.fit.model[-1]
-    given_rival = problem.direct(best.candidate, (*others, rival_term), trials)
-    given_best = problem.direct(rival.candidate, (*others, best_term), trials)
-    kept = given_rival is not None and given_rival.p_value < LEVEL
-    dropped = given_best is not None and given_best.p_value > DIRECT_LEVEL
-    if not (kept and dropped):
-        return False
-    alone, other = (problem.direct(t.candidate, others, trials) for t in (best, rival))
-    return alone is None or other is None or _leads(alone, other) is not False
 
 
 def _confidence(p_adjusted: float, direct: DirectEstimate | None, agreed: bool, shared: bool) -> float:

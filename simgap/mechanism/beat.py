@@ -24,7 +24,9 @@ _LONGEST = 5  # rows of a gap over which inputs are drawn on
 def beats_of(trial: Trial) -> tuple[Beat, ...]:
     """All beats that a trial's stamps leave open: only its own where they are even, or follow none."""
     even = even_stamps(trial.t_s)
-    off = np.inf if even is None else float(np.abs(trial.t_s - even).max() / np.median(np.diff(trial.t_s)))
+    if even is None or not (np.diff(trial.t_s) > 0.0).all():
+        return BEATS[:1]
+    off = float(np.abs(trial.t_s - even).max() / np.median(np.diff(trial.t_s)))
     if not _LEAST < off < _UNEVEN:
         return BEATS[:1]
     driven = trial.has("effort") or trial.has("command")
@@ -49,7 +51,7 @@ def on_beat(trial: Trial, beat: Beat) -> Trial:
     """The trial with the stamps at which it was read, and inputs as means of what acted from each up to the next.
 
     Inputs are held from beat to beat. Those of lost rows went from one value to the next at an unknown time: a straight
-    line is right on average, for ramps as for steps.
+    line is right on average, for ramps as for steps. The first stamp of an even beat need not be 0.
     """
     even = even_stamps(trial.t_s) if beat != "stamps" else None
     sent_at = trial.t_s if even is None else even
@@ -80,4 +82,11 @@ def _acted(values: FloatArray, sent_at: FloatArray, read_at: FloatArray) -> Floa
 def _numbers(t_s: FloatArray) -> FloatArray:
     """(n,) which row of an unbroken log each stamp belongs to."""
     steps = np.diff(t_s)
-    return np.concatenate([[0.0], np.cumsum(np.maximum(np.round(steps / np.median(steps)), 1.0))])
+    if not len(steps) or not (steps > 0.0).all():
+        return np.arange(len(t_s), dtype=float)
+    steps = steps / np.median(steps)
+    rows = np.maximum(np.round(steps), 1.0)
+    # One late stamp lengthens a step and shortens the next: no row was lost there.
+    late = rows[:-1] + rows[1:] - np.maximum(np.round(steps[:-1] + steps[1:]), 2.0)
+    rows[:-1] -= np.clip(late, 0.0, rows[:-1] - 1.0)
+    return np.concatenate([[0.0], np.cumsum(rows)])

@@ -166,7 +166,8 @@ class MechanismProblem:
         best, losses = own, own._losses(model, level)
         for beat in self._open:
             other = self._by_beat(beat)._seen_from(model)
-            other._starts = own._starts  # to the order of a row's jitter the same
+            if own._cuts_alike(other):
+                other._starts = own._starts  # to the order of a row's jitter the same
             theirs = other._losses(model, level)
             if paired_p(losses, theirs) < _SURE and theirs.sum() < losses.sum():
                 best, losses = other, theirs
@@ -195,6 +196,10 @@ class MechanismProblem:
         other = copy(self)
         other._around, other._starts = model, {}
         return other
+
+    def _cuts_alike(self, other: MechanismProblem) -> bool:
+        pairs = ((self._cut(t, self.search_view), other._cut(t, self.search_view)) for t in self.trial_ids)
+        return all(a.rows.shape == b.rows.shape and np.array_equal(a.compared, b.compared) for a, b in pairs)
 
     def _losses(self, model: Model, level: FloatArray) -> FloatArray:
         """(t,) of all trials."""

@@ -16,8 +16,8 @@ from simgap.mechanism.starts import free_starts
 from simgap.mechanism.terms import apply_terms
 from simgap.mechanism.windows import cut, windows_of
 from simgap.problem import DirectEstimate, Term, around
+from simgap.told_apart import leads
 from simgap.trial import Trial
-from simgap.verdict import _leads  # pyright: ignore[reportPrivateUsage]
 
 ROW_S, ROWS, NOISE = 5e-3, 300, 4e-4
 
@@ -121,6 +121,6 @@ def test_a_route_leads_by_what_it_leaves_or_does_not():
     """A truth value of its own kind would be neither: what the direct route preferred went unheard by that once."""
     estimate = DirectEstimate({}, {}, 0.0, 4, np.array([1.0, 2.0, 3.0, 2.5]))
     better = replace(estimate, held_out=np.array([0.5, 1.1, 1.4, 1.2]))
-    assert _leads(better, estimate) is True
-    assert _leads(estimate, better) is False
-    assert _leads(better, replace(estimate, held_out=None)) is None
+    assert leads(better, estimate) is True
+    assert leads(estimate, better) is False
+    assert leads(better, replace(estimate, held_out=None)) is None

@@ -137,3 +137,32 @@ def test_inputs_that_no_motion_hears_of_leave_the_stamps():
     found = around(MechanismProblem(replace(problem.measurement, trials=trials)), ())
     assert isinstance(found, MechanismProblem)
     assert found.beat == "stamps"
+
+
+def test_one_late_stamp_is_no_lost_row():
+    t_s = np.array([0.0, 0.01, 0.026, 0.03, 0.04, 0.05])
+    command = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])[:, None]
+    np.testing.assert_array_equal(on_beat(_trial("t", t_s, command), "stamps").command, command)
+
+
+@pytest.mark.parametrize("t_s", [[0.0], [0.0, 0.1], [0.0, 0.0, 0.0, 0.01], [0.0, 0.02, 0.01, 0.03]])
+def test_stamps_without_a_beat_are_left_alone(t_s: list[float]):
+    trial = _trial("t", np.array(t_s), np.arange(len(t_s), dtype=float)[:, None])
+    assert beats_of(trial) == ("stamps",)
+    np.testing.assert_array_equal(on_beat(trial, "stamps").command, trial.command)
+
+
+def test_beats_that_cut_windows_differently_are_compared_too():
+    """At 500 Hz rows are thinned by the median step, which jitter moves across a whole number of rows."""
+    rng = np.random.default_rng(2)
+    spec = _servo(True, True).measurement.spec
+    trials = []
+    for k in range(2):
+        beat = np.arange(1000) * 2e-3
+        stamps = np.clip(beat + rng.normal(0.0, 0.05, 1000) * 2e-3, 0.0, None)
+        command = 0.3 * np.sin(9.0 * beat + k)[:, None]
+        trials.append(_trial(f"t{k}", np.maximum.accumulate(stamps), command, command + rng.normal(0, 1e-4, (1000, 1))))
+    for some in (trials, [replace(t, t_s=t.t_s * 1.0007) for t in trials]):
+        problem = MechanismProblem(Measurement(spec, tuple(some), Path("."), "servo", ("axis",)))
+        found = around(problem, ())
+        assert len(found.residuals((), found.trial_ids, "long_horizon")) == 2

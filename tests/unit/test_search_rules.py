@@ -11,10 +11,16 @@ from schemas.gap import Place
 from schemas.model import FloatArray
 from sim.effects.library import effect
 from simgap.fit import Errors, Fit, extend, fit
-from simgap.problem import Candidate, Model
-from simgap.rivals import challengers, replacement
-from simgap.score import met_p, paired_p
+from simgap.numerics import Numerics
+from simgap.problem import Candidate, DirectEstimate, Model
+from simgap.rivals import as_good_together, beaten, challengers, replacement
+from simgap.score import Comparison, met_p, paired_p
+from simgap.search import (
+    Selection,
+    _confirmed,  # pyright: ignore[reportPrivateUsage]
+)
 from simgap.tried import Round, Trial, tried_on
+from simgap.verdict import judge
 
 TRIALS, ROWS = 12, 40
 NAMES = {"joint.coulomb_friction": "torque_Nm", "joint.viscous_friction": "damping_Nms_per_rad"}
@@ -101,3 +107,65 @@ def test_what_changes_nothing_but_noise_is_named_by_chance_only():
     losses = np.exp(rng.normal(0.0, 0.3, (2, 2000, 16)))
     wrong = np.mean([met_p(a, b) < 0.05 for a, b in zip(*losses, strict=True)])
     assert wrong < 0.07
+
+
+def test_one_violent_trial_does_not_hide_all_others():
+    before = np.array([1e4, 2.0, 2.1, 2.0, 1.9, 2.0, 2.2, 1.8])
+    assert met_p(before, np.ones(8)) < 0.1
+
+
+def test_two_causes_that_stand_for_two_others_are_doubles_together():
+    """Friction by load and a weight do what dry friction and a spring do; one of either kind in turn does not."""
+    names = {"load": "joint.load_dependent_friction", "weight": "joint.gravity_load"}
+    names |= {"dry": "joint.coulomb_friction", "spring": "joint.viscous_friction"}
+    cause = {
+        k: Candidate(effect(n), Place(joint="axis"), {"x": 0.0}, {"x": 0.0}, {"x": (-10.0, 10.0)})
+        for k, n in names.items()
+    }
+    x, y, apart = np.random.default_rng(7).normal(0.0, 1.0, (3, TRIALS, ROWS))
+    traces = {"load": x + 0.5 * apart, "weight": y - 0.5 * apart, "dry": x, "spring": y}
+    columns = {cause[k].key: v for k, v in traces.items()}
+    errors = _errors(columns, {cause["load"].key: 3.0, cause["weight"].key: 3.0})
+    null = fit(errors, ())
+    load, dry = (_tried(errors, null, cause[k]) for k in ("load", "dry"))
+    weight, spring = (_tried(errors, load.fit, cause[k]) for k in ("weight", "spring"))
+    assert beaten(spring, weight)
+    assert as_good_together(errors, weight.fit, load, [], weight, [spring]) == []
+    (found,) = as_good_together(errors, weight.fit, load, [dry], weight, [spring])
+    assert found.candidate.key == cause["spring"].key
+
+
+@pytest.mark.parametrize(("error", "sure"), [(0.05, True), (1.5, False)])
+def test_what_may_be_nothing_by_its_own_interval_has_no_sure_name(error: float, sure: bool):
+    """The direct route agrees within a factor of two; its own error is part of the interval that is reported."""
+
+    class Told:
+        def direct(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate:
+            return DirectEstimate({"torque_Nm": 1.4}, {"torque_Nm": error}, 1e-3, TRIALS)
+
+    errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
+    null = fit(errors, ())
+    said = Told().direct(COULOMB, (), ())
+    found = replace(_tried(errors, null, COULOMB), direct=said)
+    this = Round((found,), (1e-6,))
+    losses = null.losses
+    selection = Selection(
+        null, losses, (this,), (found,), ((),), (Numerics(),), found.fit, found.fit.losses, np.ones(1)
+    )
+    verdict = judge(Told(), selection, ("t0",), Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
+    (low, high) = verdict.effects[0].parameters["torque_Nm"].ci95
+    assert (verdict.status == "effect_found") == sure
+    assert (low > 0.0) == sure
+    assert low < 2.0 < high
+
+
+def test_test_trials_that_stay_away_from_a_threshold_do_not_confirm_what_harms_them():
+    errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
+    null = fit(errors, ())
+    threshold = replace(COULOMB, probes=({"torque_Nm": 1.0},))
+    found = replace(_tried(errors, null, COULOMB), candidate=threshold)
+    still = np.ones(4)
+    assert _confirmed(null, found, still, 1.05 * still)
+    assert not _confirmed(null, replace(found, candidate=COULOMB), still, 1.05 * still)
+    assert not _confirmed(null, found, still, 1.15 * still)
+    assert not _confirmed(null, found, still, 2.4 * still)
