@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Protocol, runtime_checkable
 
 from schemas.gap import Place, Trap
@@ -23,6 +23,7 @@ class Candidate:
     nuisance  part of the null model: a declared number within its tolerance, never named.
     shapes    parameters that mean nothing while the effect is absent: where on the range it acts, not how strongly.
     probes   further values to try first, where no descent finds the way: thresholds, felt only where they are.
+    reached   how far motion went beyond a threshold at most, by parameter: its law there is a guess.
     step      share of a range over which slopes are read: more where roll-outs answer in small jumps, as contacts do.
     """
 
@@ -34,6 +35,7 @@ class Candidate:
     nuisance: bool = False
     shapes: tuple[str, ...] = ()
     probes: tuple[dict[str, float], ...] = ()
+    reached: dict[str, float] = field(default_factory=dict)
     step: float = 2e-3
 
     @property
@@ -82,7 +84,10 @@ class Farsighted(Protocol):
         ...
 
     def around(self, model: Model) -> Problem:
-        """The same problem, with what starts do to its roll-outs taken at `model`."""
+        """The same problem, with what starts do to its roll-outs taken at `model`.
+
+        Asked of a problem that is around a model already, all else stays as it was found there.
+        """
         ...
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from schemas.model import FloatArray
 from simgap.fit import Errors, Fit, extend, fit, promising, rollout_errors, spread
 from simgap.numerics import Numerics, numerics
-from simgap.problem import Candidate, Farsighted, Problem, View, around
+from simgap.problem import Candidate, Farsighted, Model, Problem, View, around
 from simgap.rivals import (
     AS_GOOD,
     as_good_together,
@@ -40,8 +40,10 @@ _TOLD = 3  # finalists by direct estimates
 _SHOWS = 0.3  # chance below which a quick look is followed by a long one
 _SCREEN_STEPS = 2
 _AHEAD = 3  # candidates that are tried in pairs
+_SETTLING = 2  # times that a threshold's fit is taken up again with starts seen from it
 _NOT_JUDGED = Comparison(0.0, (0.0, 0.0), 1.0)
 Map = Callable[[Callable[[Candidate], Trial], Iterable[Candidate]], Iterable[Trial]]
+Look = Callable[[Model], Errors]
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,8 @@ def select(
         free = [c for c in problem.candidates() if c.key not in taken]
         farther = view != "short_horizon"
         near = _nearby(here, trials, base) if farther else (errors, base)
-        this = _round(base, errors, list(each(_screening(here, *near, trials), free)), farther)
+        look = _seen_from(here, trials, view, level)
+        this = _round(base, errors, look, list(each(_screening(here, *near, trials), free)), farther)
         instead = replacement(this, base, accepted) if swaps < most else None
         if instead is not None:
             # What does the work of an accepted effect, and more, is tried in its place before anything is added.
@@ -124,12 +127,12 @@ def select(
             rivals[place] = (*rivals[place], *in_its_place(this, base, found, rivals[place]))
         before = _judged(here, base, trials, view, level)
         worthy = _looking_ahead(errors, _worthy(this, base))
-        confirmed = (t for t in worthy if _confirmed(base, t, before, _judged(here, t.fit, trials, view, level)))
+        confirmed = (t for t in worthy if _confirmed(base, t, before, _by_itself(here, t, trials, view, level)))
         asked = ((t, numerics(here, trials.train, view, base.model, t.fit.model)) for t in confirmed)
         best, made_up = next(((t, n) for t, n in asked if _exceeds(t, n)), (None, Numerics()))
         if best is None:
             break
-        rivals.append(inseparable(errors, best, this.tried))
+        rivals.append(inseparable(look(best.fit.model) if best.candidate.probes else errors, best, this.tried))
         accepted.append(best)
         beside.append(made_up)
         base = best.fit
@@ -169,6 +172,17 @@ def _judged(problem: Problem, found: Fit, trials: Trials, view: View, level: Flo
     return trial_losses(problem.residuals(found.model, trials.test, view), level)
 
 
+def _by_itself(problem: Problem, found: Trial, trials: Trials, view: View, level: FloatArray) -> FloatArray:
+    """(n,) losses of the test trials; a threshold's own blows are seen from the model that has them."""
+    near = around(problem, found.fit.model) if found.candidate.probes else problem
+    return _judged(near, found.fit, trials, view, level)
+
+
+def _seen_from(problem: Problem, trials: Trials, view: View, level: FloatArray) -> Look:
+    """Errors of roll-outs whose starts are taken at a model."""
+    return lambda model: rollout_errors(around(problem, model), trials.train, view, level)
+
+
 def _with(this: Round, best: Trial) -> Round:
     return replace(this, tried=tuple(best if t.candidate.key == best.candidate.key else t for t in this.tried))
 
@@ -200,7 +214,23 @@ def _strengths(candidate: Candidate) -> dict[str, float]:
     return {n: v for n, v in candidate.null.items() if n not in candidate.shapes}
 
 
-def _round(base: Fit, errors: Errors, screened: list[Trial], farther: bool) -> Round:
+def _settled(found: Fit, look: Look) -> Fit:
+    """A threshold's fit, with starts as they are where it is met.
+
+    After a blow nothing of what a start does is as it was without one: starts that were taken where nothing was met
+    would blame the threshold for what noise does.
+    """
+    if not found.free[-1].probes:
+        return found
+    for _ in range(_SETTLING):
+        again = fit(look(found.model), warm(found))
+        if again.losses.sum() >= found.losses.sum():
+            break
+        found = again
+    return found
+
+
+def _round(base: Fit, errors: Errors, look: Look, screened: list[Trial], farther: bool) -> Round:
     """The most promising ones, by their quick trial or by their direct estimate, fitted to the end; best first.
 
     Where both say that chance does as well, no more is asked. What was screened on shorter horizons than it is judged
@@ -212,7 +242,7 @@ def _round(base: Fit, errors: Errors, screened: list[Trial], farther: bool) -> R
     tried = []
     for t in order:
         if t.candidate.key in finalists:
-            tried.append(tried_on(base, extend(errors, base, t.candidate, _begun(t)), t.direct))
+            tried.append(tried_on(base, _settled(extend(errors, base, t.candidate, _begun(t)), look), t.direct))
         else:
             tried.append(replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if farther else t)
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))

@@ -69,7 +69,7 @@ def judge(
             pinned = problem.direct(_of_one_shape(term), others, trials)
             said, direct = (pinned, True) if pinned and _agree(term, widths, pinned) else (said, False)
         direct = direct and said is not None and _beyond(term, said, made_up)
-        wide = _wider(widths, _unsure(term, widths, beside, doubted))
+        wide = _wider(_wider(widths, _pressed(term)), _unsure(term, widths, beside, doubted))
         # What may be nothing, by the interval that is reported, has no sure name.
         drowned = strange or _removed(selection, position) < nameless or not _stands(term, wide)
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
@@ -178,6 +178,16 @@ def _unsure(
 
 def _wider(widths: dict[str, float], least: Mapping[str, float]) -> dict[str, float]:
     return {n: max(w, least.get(n, 0.0)) for n, w in widths.items()}
+
+
+def _pressed(term: Term) -> dict[str, float]:
+    """Half of how far motion went beyond each threshold: one that yields more and more begins so much earlier.
+
+    A joint pressed to a depth d into a stop of a force that grows as its depth to the power n looks as if a linear one
+    began up to d (1 - 1/n) later.
+    """
+    beyond = {n: far - term.values[n] for n, far in term.candidate.reached.items()}
+    return {n: 0.5 * abs(d) for n, d in beyond.items() if d * (term.candidate.null[n] - term.values[n]) > 0.0}
 
 
 def _beyond(term: Term, direct: DirectEstimate, made_up: Numerics) -> bool:

@@ -24,6 +24,8 @@ TOLERANCE = 0.05
 MEETING = 0.1  # of a row: how well the time is known at which an input acts
 _REPEATED = 3.0  # half waves within the range that was reached, below which nothing repeats: springs and weights do so
 _STOP_SHARES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33)
+_STIFFEST = 0.3  # of inertia over a step's square: what is stiffer would throw a joint out faster than it came
+_STEP_S = 5e-3
 _MOST_LOSS = 3.0  # of a stop's force on the way in beyond that at rest, at the speeds that were reached
 SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "nominal_V")
 _NOMINAL = (0.9, 1.6)  # of the supply's median: where a drive gives what it is asked for
@@ -81,7 +83,9 @@ def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Cand
             start = {n: float(np.clip(_start(n, each, null[n], ranges), *bounds[n])) for n in null}
             shapes = tuple(n for n in null if n in SHAPES)
             probes = _probes(each, null, bounds, ranges)
-            out.append(Candidate(each, where, null, start, bounds, shapes=shapes, probes=probes))
+            stops = {"lower_rad": ranges.low, "upper_rad": ranges.high}
+            reached = {n: v for n, v in stops.items() if n in null}
+            out.append(Candidate(each, where, null, start, bounds, shapes=shapes, probes=probes, reached=reached))
     return tuple(out)
 
 
@@ -181,7 +185,7 @@ def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple
         "velocity_radps": (r.speed / 300.0, r.speed),
         "radius_m": (0.0, r.torque / r.load),
         "stiffness_Nm_per_rad": (
-            (r.torque / max(span, 1e-9) * 1.0, r.torque / max(span, 1e-9) * 1e3)
+            (r.torque / max(span, 1e-9), _hardest(r))
             if each.name == "joint.hard_stop"
             else (0.0, 4.0 * r.torque / max(span, 1e-9))
         ),
@@ -202,6 +206,12 @@ def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple
     if name == "nominal_V":
         low, high = _NOMINAL[0] * null[name], _NOMINAL[1] * null[name]  # A supply may sag all the time.
     return max(low, own.low), max(min(high, own.high), max(low, own.low) + 1e-12)
+
+
+def _hardest(r: Ranges) -> float:
+    """The stiffest end of travel: ten thousand times what the torque does over the range, or what steps can follow."""
+    soft = r.torque / max(r.high - r.low, 1e-9)
+    return max(10.0 * soft, min(1e4 * soft, _STIFFEST * r.inertia / _STEP_S**2))
 
 
 def _probes(

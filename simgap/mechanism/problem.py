@@ -74,6 +74,7 @@ class MechanismProblem:
         self._beats: dict[Beat, MechanismProblem] = {}
         left_open = [beats_of(t) for t in measurement.trials] if beat == "stamps" else [()]
         self._open: list[Beat] = [b for b in BEATS[1:] if all(b in some for some in left_open)]
+        self._settled = False
         self._around: Model = ()
         self._starts: Mapping[str, FreeStarts] = {}
 
@@ -104,6 +105,10 @@ class MechanismProblem:
         applied = apply_terms(self.declared, model)
         pieces = [(applied.recovered(self._logs[t].series), self._cut(t, view)) for t in trials]
         windows = self._windows_of(trials, view, pieces, applied)
+        if view == self.search_view:
+            starts = [self._starts_of(trials)[t] for t in trials]
+            by_q, by_qd = (np.concatenate([of(s) for s in starts]) for of in (lambda s: s.q0, lambda s: s.qd0))
+            windows = replace(windows, q0=windows.q0 + by_q, qd0=windows.qd0 + by_qd)
         q, _ = rollout(applied.mechanism, windows, applied.laws, largest_step_s=self._step_s)
         out, at = [], 0
         for trial, (series, piece) in zip(trials, pieces, strict=True):
@@ -164,13 +169,14 @@ class MechanismProblem:
         own = self._seen_from(model)
         level = own.noise_floor(self.trial_ids, self.search_view)
         best, losses = own, own._losses(model, level)
-        for beat in self._open:
+        for beat in () if self._settled else self._open:
             other = self._by_beat(beat)._seen_from(model)
             if own._cuts_alike(other):
                 other._starts = own._starts  # to the order of a row's jitter the same
             theirs = other._losses(model, level)
             if paired_p(losses, theirs) < _SURE and theirs.sum() < losses.sum():
                 best, losses = other, theirs
+        best._settled = True
         return best
 
     def timing(self) -> Trap | None:
@@ -247,9 +253,10 @@ class MechanismProblem:
         """What starts do to long horizons of these trials, by the model that the problem is `around`."""
         new = [t for t in trials if t not in self._starts]
         if new:
-            applied = apply_terms(self.declared, self._around)
-            pieces = [(applied.recovered(self._logs[t].series), self._cut(t, self.search_view)) for t in new]
-            found = starts_of(applied, pieces, [self._logs[t].smooth for t in new], self._step_s)
+            declared, model = (apply_terms(self.declared, m) for m in ((), self._around))
+            logs = [self._logs[t] for t in new]
+            cuts = [self._cut(t, self.search_view) for t in new]
+            found = starts_of(declared, model, [g.series for g in logs], cuts, [g.smooth for g in logs], self._step_s)
             self._starts = {**self._starts, **dict(zip(new, found, strict=True))}
         return self._starts
 

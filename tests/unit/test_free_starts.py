@@ -9,21 +9,29 @@ import numpy as np
 import pytest
 
 from schemas.measurement import MeasurementSpec
-from sim.mechanism import rollout
+from sim.effects.effect import JointTorque
+from sim.effects.library import effect
+from sim.mechanism import Law, rollout
 from simgap.measurement import Measurement
 from simgap.mechanism.problem import MechanismProblem
 from simgap.mechanism.starts import free_starts
 from simgap.mechanism.terms import apply_terms
 from simgap.mechanism.windows import cut, windows_of
-from simgap.problem import DirectEstimate, Term, around
+from simgap.problem import DirectEstimate, Problem, Term, around
 from simgap.told_apart import leads
 from simgap.trial import Trial
+from simgap.verdict import _pressed  # pyright: ignore[reportPrivateUsage]
 
 ROW_S, ROWS, NOISE = 5e-3, 300, 4e-4
+STOP = {"lower_rad": -0.5, "upper_rad": 100.0, "stiffness_Nm_per_rad": 15.0, "loss_s_per_rad": 0.1}
+HARD_STOP = effect("joint.hard_stop").hook
+assert isinstance(HARD_STOP, JointTorque)
 
 
-def _swing(damping: float, noise: float, largest_step_s: float = 2e-4) -> MechanismProblem:
-    """A pendulum let go from six heights, with `damping` that its owner does not know of."""
+def _swing(
+    damping: float, noise: float, largest_step_s: float = 2e-4, stop: dict[str, float] | None = None
+) -> MechanismProblem:
+    """A pendulum let go from six heights, with `damping` or a `stop` that its owner does not know of."""
     spec = MeasurementSpec.model_validate(
         {
             "schema_version": 1,
@@ -54,7 +62,8 @@ def _swing(damping: float, noise: float, largest_step_s: float = 2e-4) -> Mechan
     still = MechanismProblem(Measurement(spec, trials, Path("."), "swing", ("axis",)))
     model = replace(still.declared, damping=np.array([damping]))
     windows = windows_of([(still._logs[t.id].series, cut(ROWS, None)) for t in trials], apply_terms(model, ()))
-    q, _ = rollout(model, windows, largest_step_s=largest_step_s)
+    laws = [Law(HARD_STOP, stop, 0)] if stop else []
+    q, _ = rollout(model, windows, laws, largest_step_s=largest_step_s)
     rng = np.random.default_rng(1)
     read = [replace(t, q=q[k] + rng.normal(0.0, noise, q[k].shape)) for k, t in enumerate(trials)]
     return MechanismProblem(Measurement(spec, tuple(read), Path("."), "swing", ("axis",)))
@@ -95,10 +104,37 @@ def test_what_starts_do_is_taken_at_the_model_that_is_asked_for():
     assert near < 0.08 * far  # the step of the truth is not without error either
 
 
+def test_a_blow_from_an_uncertain_start_is_put_right_by_beginning_elsewhere():
+    """Before and after a stop nothing is linear in a start: windows begin where the stop's own model says they do."""
+    problem = _swing(0.0, NOISE, stop=STOP)
+    candidate = next(c for c in problem.candidates() if c.effect.name == "joint.hard_stop")
+    assert candidate.bounds["stiffness_Nm_per_rad"][1] > 2.0 * STOP["stiffness_Nm_per_rad"]
+    true = (Term(candidate, STOP),)
+    level = problem.noise_floor(problem.trial_ids, "long_horizon")
+
+    def rms(seen: Problem) -> np.ndarray:
+        found = seen.residuals(true, problem.trial_ids, "long_horizon")
+        return np.array([np.sqrt(((r / level) ** 2).mean()) for r in found])
+
+    blind, seeing = rms(around(problem, ())), rms(around(problem, true))
+    assert (blind > 5.0).sum() >= 3
+    assert np.median(seeing) < 1.3
+    assert (seeing < 2.0).all()
+
+
+def test_where_a_stop_begins_is_known_to_half_the_depth_at_best():
+    problem = _swing(0.0, NOISE, stop=STOP)
+    candidate = next(c for c in problem.candidates() if c.effect.name == "joint.hard_stop")
+    deepest = min(float(np.nanmin(t.q)) for t in problem.measurement.trials)
+    half = _pressed(Term(candidate, {**STOP, "upper_rad": candidate.null["upper_rad"]}))
+    assert set(half) == {"lower_rad"}
+    assert half["lower_rad"] == pytest.approx(0.5 * (STOP["lower_rad"] - deepest), abs=5e-3)
+
+
 def test_no_error_of_a_start_is_left_and_any_other_is():
     rng = np.random.default_rng(0)
     changes = rng.normal(0.0, 1.0, (3, 8, 2, 4))
-    starts = free_starts(changes, np.full(2, 1e-6), np.zeros((3, 8, 2)))
+    starts = free_starts(changes, np.full((3, 2), 1e-6), np.zeros((3, 8, 2)))
     wrong = changes @ np.array([0.3, -2.0, 1.0, 0.5])
     assert np.abs(starts.without(wrong)).max() < 1e-9
     other = rng.normal(0.0, 1.0, (3, 8, 2))
