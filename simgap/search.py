@@ -41,6 +41,7 @@ _SHOWS = 0.3  # chance below which a quick look is followed by a long one
 _SCREEN_STEPS = 2
 _AHEAD = 3  # candidates that are tried in pairs
 _SETTLING = 2  # times that a threshold's fit is taken up again with starts seen from it
+_TINY = 1e-12
 _NOT_JUDGED = Comparison(0.0, (0.0, 0.0), 1.0)
 Map = Callable[[Callable[[Candidate], Trial], Iterable[Candidate]], Iterable[Trial]]
 Look = Callable[[Model], Errors]
@@ -311,8 +312,12 @@ def _exceeds(found: Trial, made_up: Numerics) -> bool:
 
 
 def _confirmed(base: Fit, found: Trial, before: FloatArray, after: FloatArray) -> bool:
-    """Whether the test trials do better with it; if all of them stay away from a threshold they have nothing to say."""
+    """Whether the test trials do better with it, in sum or typically: one cause of two may leave one trial worse.
+
+    If all of them stay away from a threshold they have nothing to say.
+    """
     largest = min(float(change(base.held_out, found.fit.held_out).max()), CLEAR)
     if found.candidate.probes and float(change(before, after).max()) < LITTLE * largest:
         return bool(after.sum() < (1.0 + LITTLE) * before.sum())
-    return bool(after.sum() < (1.0 - 0.5 * LEAST_GAIN) * before.sum())
+    typical = np.exp(np.mean(np.log((after + _TINY) / (before + _TINY))))
+    return bool(min(typical, after.sum() / before.sum()) < 1.0 - 0.5 * LEAST_GAIN)

@@ -44,6 +44,7 @@ def judge(
     nameless = max(leftover.gain if unexplained else 0.0, tails)
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
+    in_doubt: list[Candidate] = []
     base = selection.final.model
     doubted = [
         [r for r in rivals if not told_apart(problem, found, r, _without(base, found), trials)]
@@ -72,6 +73,7 @@ def judge(
         wide = _wider(_wider(widths, _pressed(term)), _unsure(term, widths, beside, doubted))
         # What may be nothing, by the interval that is reported, has no sure name.
         drowned = strange or _removed(selection, position) < nameless or not _stands(term, wide)
+        drowned = drowned or any(_left_by(found.candidate, other) for other in in_doubt)
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
         effect = NamedEffect(
             name=found.candidate.effect.name,
@@ -81,6 +83,7 @@ def judge(
             parameters=parameters(term, wide),
         )
         if same or drowned or direct is not True:
+            in_doubt.append(found.candidate)
             names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
             groups.append(AmbiguousGroup(effects=names, experiment=_experiment(found, same)))
         named.append(effect)
@@ -178,6 +181,13 @@ def _unsure(
 
 def _wider(widths: dict[str, float], least: Mapping[str, float]) -> dict[str, float]:
     return {n: max(w, least.get(n, 0.0)) for n, w in widths.items()}
+
+
+def _left_by(candidate: Candidate, earlier: Candidate) -> bool:
+    """Whether an effect may be no more than what a law in doubt leaves: one that does nearly the same, at one place."""
+    doubles = {c.effect for c in earlier.effect.confusables}
+    kin = candidate.effect.name in doubles or earlier.effect.name in {c.effect for c in candidate.effect.confusables}
+    return kin and candidate.where == earlier.where
 
 
 def _pressed(term: Term) -> dict[str, float]:
