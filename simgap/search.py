@@ -19,6 +19,7 @@ from simgap.numerics import Numerics, numerics
 from simgap.problem import Candidate, Farsighted, Model, Problem, View, around
 from simgap.rivals import (
     AS_GOOD,
+    RIVAL_SHARE,
     as_good_together,
     beaten,
     beside_others,
@@ -174,9 +175,8 @@ def _judged(problem: Problem, found: Fit, trials: Trials, view: View, level: Flo
 
 
 def _by_itself(problem: Problem, found: Trial, trials: Trials, view: View, level: FloatArray) -> FloatArray:
-    """(n,) losses of the test trials; a threshold's own blows are seen from the model that has them."""
-    near = around(problem, found.fit.model) if found.candidate.probes else problem
-    return _judged(near, found.fit, trials, view, level)
+    """(n,) losses of the test trials, seen from the candidate's own model."""
+    return _judged(around(problem, found.fit.model), found.fit, trials, view, level)
 
 
 def _seen_from(problem: Problem, trials: Trials, view: View, level: FloatArray) -> Look:
@@ -215,20 +215,27 @@ def _strengths(candidate: Candidate) -> dict[str, float]:
     return {n: v for n, v in candidate.null.items() if n not in candidate.shapes}
 
 
-def _settled(found: Fit, look: Look) -> Fit:
-    """A threshold's fit, with starts as they are where it is met.
+def _settled(base: Fit, found: Trial, look: Look) -> Trial:
+    """A candidate's fit taken up again, with starts as they are where its own model leads."""
+    fitted = found.fit
+    for _ in range(_SETTLING):
+        again = fit(look(fitted.model), warm(fitted))
+        if again.losses.sum() >= fitted.losses.sum():
+            break
+        fitted = again
+    return found if fitted is found.fit else tried_on(base, fitted, found.direct)
+
+
+def _seen_by_themselves(base: Fit, finalists: list[Trial], look: Look) -> list[Trial]:
+    """Finalists, thresholds among them seen from their own models, and so are all that come near one of those.
 
     After a blow nothing of what a start does is as it was without one: starts that were taken where nothing was met
-    would blame the threshold for what noise does.
+    would blame the threshold for what noise does. Where others compete, they are owed the same.
     """
-    if not found.free[-1].probes:
-        return found
-    for _ in range(_SETTLING):
-        again = fit(look(found.model), warm(found))
-        if again.losses.sum() >= found.losses.sum():
-            break
-        found = again
-    return found
+    near = [_settled(base, t, look) if t.candidate.probes else t for t in finalists]
+    best = max((t.comparison.gain for t in near if t.candidate.probes), default=1.0)
+    rivals = [not t.candidate.probes and t.comparison.gain > RIVAL_SHARE * best for t in near]
+    return [_settled(base, t, look) if rival else t for t, rival in zip(near, rivals, strict=True)]
 
 
 def _round(base: Fit, errors: Errors, look: Look, screened: list[Trial], farther: bool) -> Round:
@@ -240,12 +247,14 @@ def _round(base: Fit, errors: Errors, look: Look, screened: list[Trial], farther
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
     told = sorted(order, key=_told)
     finalists = {t.candidate.key for t in (*order[:_FINALISTS], *told[:_TOLD]) if _shows(t)}
-    tried = []
-    for t in order:
-        if t.candidate.key in finalists:
-            tried.append(tried_on(base, _settled(extend(errors, base, t.candidate, _begun(t)), look), t.direct))
-        else:
-            tried.append(replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if farther else t)
+    fits = [
+        tried_on(base, extend(errors, base, t.candidate, _begun(t)), t.direct)
+        for t in order
+        if t.candidate.key in finalists
+    ]
+    others = [t for t in order if t.candidate.key not in finalists]
+    unjudged = [replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if farther else t for t in others]
+    tried = [*(_seen_by_themselves(base, fits, look) if farther else fits), *unjudged]
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
     p = adjusted([t.comparison.p_value for t in tried])
     return Round(tuple(tried), tuple(float(v) for v in p))
