@@ -113,6 +113,9 @@ def as_good_together(
             if richer or other.candidate.key in {double.candidate.key, *(t.candidate.key for t in out)}:
                 continue
             both = extend(errors, near, other.candidate, [other.fit.model[-1].values, other.candidate.start])
+            more = len(other.candidate.null) > len(best.candidate.null)
+            if more and _NEARLY * both.held_out.sum() > base.held_out.sum():
+                continue  # Fewer parameters are preferred where they leave less besides.
             ahead = compare(both.held_out, base.held_out)
             if not (ahead.p_value < AS_GOOD and clearly_less(both, base, best)):
                 out.append(tried_on(near, both, other.direct))

@@ -43,7 +43,12 @@ def tried_on(base: Fit, extended: Fit, direct: DirectEstimate | None) -> Trial:
 
 
 def chance(comparison: Comparison, extended: Fit) -> float:
-    """Chance of such evidence without the effect, by held-out losses or by the strength itself: two looks, so twice."""
+    """Chance of such evidence without the effect, by held-out losses or by the strength itself: two looks, so twice.
+
+    The strength of a threshold says nothing: there it is one look.
+    """
+    if extended.free[-1].probes:
+        return comparison.p_value
     return min(1.0, 2.0 * min(comparison.p_value, extended.p_value))
 
 
