@@ -36,7 +36,7 @@ layers: $(STAMP)
 bench: $(STAMP)
 	$(BIN)/python -m benchmarks.ingest
 
-# About 300 cases; stops and goes on where it stopped. Records in GAP_OUT, one JSON per case.
+# About 500 cases; stops and goes on where it stopped. Records in GAP_OUT, one JSON per case.
 gap-suite: $(STAMP)
 	$(BIN)/python -m tests.gap_suite.run --resume $(GAP_OUT)
 

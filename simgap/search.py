@@ -30,10 +30,10 @@ from simgap.rivals import (
     simpler_and_as_good,
     takes_a_place,
 )
-from simgap.score import CLEAR, LITTLE, Comparison, adjusted, change, paired_p, trial_losses
+from simgap.score import CLEAR, LITTLE, Comparison, change, paired_p, trial_losses
 from simgap.splits import Trials
 from simgap.told_apart import told_apart
-from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, tried_on, warm
+from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, round_of, told_loss, tried_on, warm
 
 MOST_EFFECTS = 4
 _FINALISTS = 6
@@ -245,7 +245,7 @@ def _round(base: Fit, errors: Errors, look: Look, screened: list[Trial], farther
     on (`farther`) and is no finalist has not been judged: it counts as no gain.
     """
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
-    told = sorted(order, key=_told)
+    told = sorted(order, key=told_loss)
     finalists = {t.candidate.key for t in (*order[:_FINALISTS], *told[:_TOLD]) if _shows(t)}
     fits = [
         tried_on(base, extend(errors, base, t.candidate, _begun(t)), t.direct)
@@ -254,21 +254,12 @@ def _round(base: Fit, errors: Errors, look: Look, screened: list[Trial], farther
     ]
     others = [t for t in order if t.candidate.key not in finalists]
     unjudged = [replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if farther else t for t in others]
-    tried = [*(_seen_by_themselves(base, fits, look) if farther else fits), *unjudged]
-    tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
-    p = adjusted([t.comparison.p_value for t in tried])
-    return Round(tuple(tried), tuple(float(v) for v in p))
+    return round_of([*(_seen_by_themselves(base, fits, look) if farther else fits), *unjudged])
 
 
 def _shows(found: Trial) -> bool:
     direct = 1.0 if found.direct is None else found.direct.p_value
     return min(direct, found.comparison.p_value) < _SHOWS
-
-
-def _told(found: Trial) -> float:
-    """What the direct estimate leaves of the loss."""
-    direct = found.direct
-    return np.inf if direct is None or direct.held_out is None else float(direct.held_out.sum())
 
 
 def _begun(found: Trial) -> list[dict[str, float]]:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from simgap.fit import Fit
 from simgap.problem import Candidate, DirectEstimate
-from simgap.score import Comparison, compare, met_p
+from simgap.score import Comparison, adjusted, compare, met_p
 
 LEVEL = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
+_SINGLED_OUT = 0.5  # of the loss that the direct route leaves with the next best candidate
 LEAST_GAIN = 0.04  # a share of the loss (half of it of the error), or of the noise, below which no effect has a name
 
 
@@ -31,6 +33,27 @@ class Round:
 
     tried: tuple[Trial, ...]
     p_adjusted: tuple[float, ...]
+
+
+def round_of(tried: Sequence[Trial]) -> Round:
+    """The trials of all candidates on one base, best first, with Holm's correction for their number.
+
+    Three or four trials that meet a threshold cannot speak below a hundredth, however clearly each of them does. Where
+    the direct route singles one out it was chosen by other means than it is judged by, and is asked once.
+    """
+    ordered = sorted(tried, key=lambda t: (-t.comparison.gain, t.candidate.key))
+    p = [float(v) for v in adjusted([t.comparison.p_value for t in ordered])]
+    told = sorted(told_loss(t) for t in ordered)
+    for k, t in enumerate(ordered):
+        if t.candidate.probes and len(told) > 1 and told_loss(t) < _SINGLED_OUT * told[1]:
+            p[k] = t.comparison.p_value
+    return Round(tuple(ordered), tuple(p))
+
+
+def told_loss(found: Trial) -> float:
+    """What the direct estimate leaves of the loss, by trials held out in turn; infinite where there is none."""
+    direct = found.direct
+    return np.inf if direct is None or direct.held_out is None else float(direct.held_out.sum())
 
 
 def tried_on(base: Fit, extended: Fit, direct: DirectEstimate | None) -> Trial:

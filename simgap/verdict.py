@@ -71,10 +71,11 @@ def judge(
             said, direct = (pinned, True) if pinned and _agree(term, widths, pinned) else (said, False)
         direct = direct and said is not None and _beyond(term, said, made_up)
         wide = _wider(_wider(widths, _pressed(term)), _unsure(term, widths, beside, doubted))
-        # What may be nothing, by the interval that is reported, has no sure name.
-        drowned = strange or _removed(selection, position) < nameless or not _stands(term, wide)
-        drowned = drowned or any(_left_by(found.candidate, other) for other in in_doubt)
+        # What may be nothing, by the interval that is reported, has no sure name; nor has what took a place of another
+        # and would not have passed among all candidates by itself.
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
+        drowned = strange or p >= LEVEL or _removed(selection, position) < nameless or not _stands(term, wide)
+        drowned = drowned or any(_left_by(found.candidate, other) for other in in_doubt)
         effect = NamedEffect(
             name=found.candidate.effect.name,
             where=found.candidate.where,

@@ -18,7 +18,7 @@ from tests.gap_suite.mechanism_cases import mechanism_case
 from tests.gap_suite.table import table
 
 KINDS: dict[str, Callable[[int], Case]] = {"mechanism": mechanism_case, "free_body": free_body_case}
-WHOLE = {"mechanism": 300, "free_body": 51}
+WHOLE = {"mechanism": 450, "free_body": 51}
 
 Record = dict[str, object]
 
@@ -31,6 +31,7 @@ def run_case(case: Case) -> Record:
     report = find(problem, trials, measurement=case.name, horizon_s=0.0, quick=True).report
     spent = time.process_time() - began
     best = max(report.hypotheses, key=lambda h: h.delta_bic, default=None)
+    first = next(iter(report.verdict.effects), None)
     return {
         "name": case.name,
         "family": case.family,
@@ -43,6 +44,9 @@ def run_case(case: Case) -> Record:
         "ideal": case.ideal,
         "chance": case.chance,
         "reduction": 0.0 if report.gain is None else report.gain.reduction,
+        "first": "" if first is None else f"{first.name}@{first.where.joint}",
+        "confidence": 0.0 if first is None else first.confidence,
+        "candidates": len({(h.name, h.where) for h in report.hypotheses}),
         "best_by_bic": "" if best is None or best.delta_bic <= 0.0 else best.name,
         "cpu_s": round(spent, 2),
     }

@@ -45,6 +45,8 @@ def _targets(records: Sequence[Record]) -> list[str]:
             ),
         ),
         ("named, small", "abstaining is right", _share(of("single", size="small"), lambda r: r["outcome"] == "named")),
+        ("first name is right, sure or not, large", "(beside)", _share(seen("single", size="large"), _first_right)),
+        ("first name is right, sure or not, middle", "(beside)", _share(seen("single", size="middle"), _first_right)),
         ("both of two named", "", _share(of("two"), lambda r: r["outcome"] == "named")),
         (
             "doubles reported as such, large and middle",
@@ -53,8 +55,11 @@ def _targets(records: Sequence[Record]) -> list[str]:
         ),
         ("95 % intervals that hold the truth", "90-98 %", _fraction(sum(covered), len(covered))),
         ("held-out gain of named over a perfect model's, median", ">= 80 %", _median(gains)),
+        ("area under risk over coverage, of cases with a name", "small", _risk_over_coverage(records)),
+        ("held-out gain on controls, least", ">= 0", _least([_number(r["reduction"]) for r in of("control")])),
         ("CPU s per case, median and most", "<= 15", f"{np.median(spent):.1f}, {spent[-1]:.1f}" if spent else "-"),
         ("best by BIC alone is the truth", "(beside us)", _share(of("single"), _bic_right)),
+        ("a name at random is the truth", "(beside us)", _at_random(of("single"))),
     ]
     return ["| what | target | reached |", "|---|---|---|", *(f"| {a} | {b} | {c} |" for a, b, c in rows)]
 
@@ -87,6 +92,27 @@ def _seen(record: Record) -> bool:
 
 def _bic_right(record: Record) -> bool:
     return record["best_by_bic"] in {str(t).partition("@")[0] for t in _list(record["truth"])}
+
+
+def _first_right(record: Record) -> bool:
+    name, _, place = str(record["first"]).partition("@")
+    return bool(name) and bool({name, f"{name}@{place}"} & {str(t) for t in _list(record["truth"])})
+
+
+def _risk_over_coverage(records: Sequence[Record]) -> str:
+    """Mean share of wrong first names among the k surest, over all k (Geifman and El-Yaniv, NeurIPS 2017)."""
+    named = sorted((r for r in records if r["first"]), key=lambda r: -_number(r["confidence"]))
+    wrong = np.array([not _first_right(r) for r in named], dtype=float)
+    return f"{np.mean(np.cumsum(wrong) / np.arange(1, len(wrong) + 1)):.3f} of {len(named)}" if named else "-"
+
+
+def _at_random(records: Sequence[Record]) -> str:
+    chances = [1.0 / _number(r["candidates"]) for r in records if _number(r["candidates"])]
+    return f"{np.mean(chances):.0%} of {len(chances)}" if chances else "-"
+
+
+def _least(values: Sequence[float]) -> str:
+    return f"{min(values):.3f}" if values else "-"
 
 
 def _share(records: Sequence[Record], holds: Callable[[Record], bool]) -> str:

@@ -21,7 +21,7 @@ from tests.gap_suite import mujoco_truth, truth
 from tests.gap_suite.effects import EFFECTS
 from tests.gap_suite.mechanism_cases import family_of, mechanism_case
 from tests.gap_suite.run import run_case
-from tests.gap_suite.table import table
+from tests.gap_suite.table import _risk_over_coverage, table  # pyright: ignore[reportPrivateUsage]
 from tests.gap_suite.truth import Plant
 
 ROW_S = 5e-3
@@ -104,6 +104,15 @@ def test_an_effect_of_large_size_is_named_and_the_table_says_so():
     assert record["size"] == "large"
     assert record["outcome"] == "named", record["said"]
     assert "| named, large | >= 85 % | 1/1 = 100%" in table([record])
+    assert "| first name is right, sure or not, large | (beside) | 1/1 = 100%" in table([record])
+
+
+def test_risk_over_coverage_counts_names_of_controls_as_wrong():
+    def record(first: str, confidence: float, *truth: str) -> dict:
+        return {"family": "control", "first": first, "confidence": confidence, "truth": list(truth)}
+
+    records = [record("a@x", 0.9, "a@x"), record("b@x", 0.5), record("", 0.0), record("c@None", 0.7, "c")]
+    assert _risk_over_coverage(records) == "0.111 of 3"  # nothing wrong among one and two, a third among three
 
 
 def test_the_same_measurement_gives_the_same_selection():
@@ -151,3 +160,9 @@ def test_strengths_of_two_routes_are_compared_at_one_shape():
 def test_a_lag_that_a_delay_mimics_gets_no_sure_name():
     record = run_case(mechanism_case(1230))
     assert record["outcome"] not in ("wrong", "invented", "overconfident"), record["said"]
+
+
+def test_a_stop_that_four_trials_of_sixteen_meet_is_named():
+    record = run_case(mechanism_case(2265))
+    assert record["outcome"] == "named", record["said"]
+    assert record["covered"] == [True]

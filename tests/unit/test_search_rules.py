@@ -19,7 +19,7 @@ from simgap.search import (
     Selection,
     _confirmed,  # pyright: ignore[reportPrivateUsage]
 )
-from simgap.tried import Round, Trial, tried_on
+from simgap.tried import LEVEL, Round, Trial, round_of, tried_on
 from simgap.verdict import judge
 
 TRIALS, ROWS = 12, 40
@@ -133,6 +133,58 @@ def test_two_causes_that_stand_for_two_others_are_doubles_together():
     assert as_good_together(errors, weight.fit, load, [], weight, [spring]) == []
     (found,) = as_good_together(errors, weight.fit, load, [dry], weight, [spring])
     assert found.candidate.key == cause["spring"].key
+
+
+def _four_trials_meet(told: float) -> Round:
+    """A threshold that four trials of twelve meet, among others; directly it leaves so much, each of the others 10."""
+
+    def said(left: float) -> DirectEstimate:
+        return DirectEstimate({}, {}, 0.01, TRIALS, np.full(TRIALS, left / TRIALS))
+
+    columns = _columns(0.0)
+    columns[COULOMB.key] = columns[COULOMB.key] * (np.arange(TRIALS) % 3 == 0)[:, None]
+    size = 1.0 + 5.0 * np.arange(TRIALS)  # blows are of all strengths
+    columns[COULOMB.key] = columns[COULOMB.key] * size[:, None]
+    errors = _errors(columns, {COULOMB.key: 2.0})
+    null = fit(errors, ())
+    met = replace(COULOMB, probes=({"torque_Nm": 1.0},))
+    met_trial = tried_on(null, extend(errors, null, met, [met.start]), said(told))
+    other = tried_on(null, extend(errors, null, VISCOUS, [VISCOUS.start]), said(10.0))
+    crowd = [replace(other, candidate=replace(VISCOUS, where=Place(joint=f"axis{k}"))) for k in range(20)]
+    return round_of([*crowd, met_trial])
+
+
+@pytest.mark.parametrize(("told", "passes"), [(3.0, True), (6.0, False)])
+def test_a_threshold_that_the_direct_route_singles_out_is_asked_once(told: float, passes: bool):
+    found = _four_trials_meet(told)
+    assert found.tried[0].candidate.key == COULOMB.key
+    assert found.tried[0].comparison.p_value < LEVEL
+    assert (found.p_adjusted[0] < LEVEL) == passes
+    assert all(p == 1.0 for p in found.p_adjusted[1:])
+
+
+@pytest.mark.parametrize(("p_adjusted", "sure"), [(1e-3, True), (0.5, False)])
+def test_what_took_the_place_of_another_and_may_be_chance_has_no_sure_name(p_adjusted: float, sure: bool):
+    class Told:
+        def direct(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate:
+            return DirectEstimate({"torque_Nm": 2.0}, {"torque_Nm": 0.05}, 1e-6, TRIALS)
+
+    errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
+    null = fit(errors, ())
+    found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
+    selection = Selection(
+        null,
+        null.losses,
+        (Round((found,), (p_adjusted,)),),
+        (found,),
+        ((),),
+        (Numerics(),),
+        found.fit,
+        found.fit.losses,
+        np.ones(1),
+    )
+    verdict = judge(Told(), selection, ("t0",), Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
+    assert verdict.status == ("effect_found" if sure else "ambiguous")
 
 
 @pytest.mark.parametrize(("error", "sure"), [(0.05, True), (1.5, False)])
