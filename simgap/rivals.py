@@ -24,6 +24,8 @@ _LITTLE_MORE = 2.0  # times what the best leaves: what leaves more was no match 
 _MOST_RIVALS = 5  # that are asked again beside the other effects
 _REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
 _RICHER = 1  # parameters more that a rival of another kind may have: a spring has a rest beside its stiffness
+# Two causes that stand for two others have two laws' shapes to be wrong in: more is asked before they are refuted.
+_BEATEN_TOGETHER, _TOGETHER = 0.01, 0.8
 
 
 def beside_others(
@@ -114,10 +116,10 @@ def as_good_together(
                 continue
             both = extend(errors, near, other.candidate, [other.fit.model[-1].values, other.candidate.start])
             more = len(other.candidate.null) > len(best.candidate.null)
-            if more and _NEARLY * both.held_out.sum() > base.held_out.sum():
+            if more and _TOGETHER * both.held_out.sum() > base.held_out.sum():
                 continue  # Fewer parameters are preferred where they leave less besides.
             ahead = compare(both.held_out, base.held_out)
-            if not (ahead.p_value < AS_GOOD and clearly_less(both, base, best)):
+            if not (ahead.p_value < _BEATEN_TOGETHER and clearly_less(both, base, best)):
                 out.append(tried_on(near, both, other.direct))
     return out
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy import stats
 
 from schemas.gap import AmbiguousGroup, Estimate, NamedEffect, Verdict
 from simgap.numerics import Numerics
@@ -16,10 +17,12 @@ from simgap.told_apart import DIRECT_LEVEL, leads, told_apart
 from simgap.tried import LEVEL, Trial
 
 AGREE_ERRORS = 3.0
+_LOOKS = 2.0  # at losses and at strengths, as on roll-outs
 AGREE_SHARE = 0.5  # of the larger of the two: within a factor of two, either way
 _TOLD = 3  # candidates that the direct route is asked about besides
 _HELD = 1e-6  # a range so narrow holds a value, relative
 NAMED = 0.8
+Sides = dict[str, tuple[float, float]]  # how far an interval reaches below and above a value, by parameter
 # What a model without names may still explain before we say that something else is there.
 LEFTOVER = 0.1
 _STRANGE = (
@@ -46,31 +49,21 @@ def judge(
     groups: list[AmbiguousGroup] = []
     in_doubt: list[Candidate] = []
     base = selection.final.model
-    doubted = [
-        [r for r in rivals if not told_apart(problem, found, r, _without(base, found), trials)]
-        for found, rivals in zip(selection.accepted, selection.rivals, strict=True)
-    ]
-    found_with = zip(selection.accepted, doubted, selection.numerics, strict=True)
-    for position, (found, alike, made_up) in enumerate(found_with):
+    doubted: list[list[Trial]] = [[] for _ in selection.accepted]
+    for position, (found, rivals) in enumerate(zip(selection.accepted, selection.rivals, strict=True)):
+        term, widths = _of(selection, position)
+        if _stands(term, _even(widths)):  # Else effects found after it do its work.
+            others = _without(base, found)
+            doubted[position] = [r for r in rivals if not told_apart(problem, found, r, others, trials)]
+    for position, (found, alike) in enumerate(zip(selection.accepted, doubted, strict=True)):
+        term, widths = _of(selection, position)
+        if not _stands(term, _even(widths)):
+            continue
         others = _without(base, found)
         same = [*alike, *_preferred(problem, found, alike, others, selection.rounds[position].tried, trials)]
-        term = next(t for t in base if t.candidate.key == found.candidate.key)
-        widths = _wider(selection.final.half_widths.get(term.candidate.key, {}), made_up.fitted)
-        if not _stands(term, widths):  # Effects found after it do its work.
-            continue
-        said = found.direct
-        direct = said is not None and _agree(term, widths, said)
-        if said is not None and (len(doubted) > 1 or not direct):
-            # What is said is said of the final model: values move when causes are found that were not yet known.
-            said = problem.direct(found.candidate, others, trials)
-            direct = said is not None and _agree(term, widths, said)
-        beside = said
-        if said is not None and not direct and term.candidate.shapes:
-            # A strength means something beside a shape only: torque at rest beside the speed at which it is gone.
-            pinned = problem.direct(_of_one_shape(term), others, trials)
-            said, direct = (pinned, True) if pinned and _agree(term, widths, pinned) else (said, False)
-        direct = direct and said is not None and _beyond(term, said, made_up)
-        wide = _wider(_wider(widths, _pressed(term)), _unsure(term, widths, beside, doubted))
+        said, agreed = _said_directly(problem, found, term, widths, others, trials, alone=len(doubted) == 1)
+        direct = agreed and said is not None and _beyond(term, said, selection.numerics[position])
+        wide = _wider(_wider(_even(widths), _even(_pressed(term))), _unsure(term, widths, said, doubted))
         # What may be nothing, by the interval that is reported, has no sure name; nor has what took a place of another
         # and would not have passed among all candidates by itself.
         p = min(p for t, p in zip(*_columns(selection, position), strict=True) if t is found)
@@ -79,11 +72,11 @@ def judge(
         effect = NamedEffect(
             name=found.candidate.effect.name,
             where=found.candidate.where,
-            confidence=_confidence(p, said, direct is True, bool(same) or drowned),
-            routes={"heldout": True, "direct": direct is True},
+            confidence=_confidence(p, said, direct, bool(same) or drowned),
+            routes={"heldout": True, "direct": direct},
             parameters=parameters(term, wide),
         )
-        if same or drowned or direct is not True:
+        if same or drowned or not direct:
             in_doubt.append(found.candidate)
             names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
             groups.append(AmbiguousGroup(effects=names, experiment=_experiment(found, same)))
@@ -112,7 +105,54 @@ def _agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool
     noise = float(np.hypot(direct.standard_errors[strength], widths.get(strength, 0.0) / 1.96))
     slack = max(AGREE_ERRORS * noise, AGREE_SHARE * max(abs(step), abs(direct.values[strength] - null)))
     one_way = step * (direct.values[strength] - null) > 0.0
-    return direct.p_value < DIRECT_LEVEL and one_way and abs(apart) <= slack
+    return _heard(direct, term.candidate, strength) and one_way and abs(apart) <= slack
+
+
+def _said_directly(
+    problem: Problem,
+    found: Trial,
+    term: Term,
+    widths: dict[str, float],
+    others: Model,
+    trials: Sequence[str],
+    alone: bool,
+) -> tuple[DirectEstimate | None, bool]:
+    """What the direct route says of an accepted effect beside the others, and whether that agrees with the fit.
+
+    What is said is said of the final model: values move when causes are found that were not yet known. And a strength
+    means something beside a shape only: torque at rest beside the speed at which it is gone.
+    """
+    said = found.direct
+    if said is None or (alone and _agree(term, widths, said)):
+        return said, said is not None
+    said = problem.direct(found.candidate, others, trials)
+    if said is None or _agree(term, widths, said) or not term.candidate.shapes:
+        return said, said is not None and _agree(term, widths, said)
+    pinned = problem.direct(_of_one_shape(term), others, trials)
+    if pinned is None or not _agree(term, widths, pinned):
+        return said, False
+    return _shapes_of(said, pinned, term.candidate), True
+
+
+def _heard(direct: DirectEstimate, candidate: Candidate, strength: str) -> bool:
+    """Whether a direct estimate differs from none beyond chance: by trials held out, or by its error over trials.
+
+    The second sees far smaller effects, as on roll-outs; it says nothing of a threshold, which is sharp anywhere.
+    """
+    error = direct.standard_errors[strength]
+    if direct.p_value < DIRECT_LEVEL or candidate.probes or direct.trials < 2 or error <= 0.0:
+        return direct.p_value < DIRECT_LEVEL
+    t = abs(direct.values[strength] - candidate.null[strength]) / error
+    return bool(_LOOKS * 2.0 * stats.t.sf(t, direct.trials - 1) < DIRECT_LEVEL)
+
+
+def _shapes_of(free: DirectEstimate, pinned: DirectEstimate, candidate: Candidate) -> DirectEstimate:
+    """What is said of strengths at one shape, and of shapes where nothing is held."""
+    return replace(
+        pinned,
+        values={n: (free if n in candidate.shapes else pinned).values[n] for n in pinned.values},
+        standard_errors={n: (free if n in candidate.shapes else pinned).standard_errors[n] for n in pinned.values},
+    )
 
 
 def _of_one_shape(term: Term) -> Candidate:
@@ -158,30 +198,46 @@ def _removed(selection: Selection, position: int) -> float:
     return float(gains[0] / max(np.prod([1.0 - g for g in gains]), 1e-12))
 
 
+def _of(selection: Selection, position: int) -> tuple[Term, dict[str, float]]:
+    """An accepted effect in the final model, and half the width of its intervals, numerics included."""
+    key = selection.accepted[position].candidate.key
+    term = next(t for t in selection.final.model if t.candidate.key == key)
+    least = selection.numerics[position].fitted
+    return term, {n: max(w, least.get(n, 0.0)) for n, w in selection.final.half_widths.get(key, {}).items()}
+
+
 def _without(model: Model, found: Trial) -> Model:
     return tuple(t for t in model if t.candidate.key != found.candidate.key)
 
 
 def _unsure(
     term: Term, widths: Mapping[str, float], direct: DirectEstimate | None, rivals: Sequence[Sequence[Trial]]
-) -> dict[str, float]:
-    """How far values lie from those beside rivals of the other effects, and from the direct estimate.
+) -> Sides:
+    """How far values lie from those beside rivals of the other effects, and from the direct estimate, either way.
 
     Where that lies beyond `widths`, either route may be the right one: its own interval counts too.
     """
     others = [t.values for each in rivals for r in each for t in r.fit.model if t.candidate.key == term.candidate.key]
-    out = {n: max((abs(o[n] - v) for o in others), default=0.0) for n, v in term.values.items()}
-    if direct is None:
-        return out
+    out: Sides = {}
     for n, value in term.values.items():
-        apart = abs(direct.values[n] - value)
-        own = 1.96 * direct.standard_errors[n] if apart > widths.get(n, 0.0) else 0.0
-        out[n] = max(out[n], apart + own)
+        ends = [o[n] for o in others]
+        if direct is not None:
+            apart = abs(direct.values[n] - value) > widths.get(n, 0.0)
+            own = 1.96 * direct.standard_errors[n] if apart else 0.0
+            ends += [direct.values[n] - own, direct.values[n] + own]
+        out[n] = (max([0.0, *(value - e for e in ends)]), max([0.0, *(e - value for e in ends)]))
     return out
 
 
-def _wider(widths: dict[str, float], least: Mapping[str, float]) -> dict[str, float]:
-    return {n: max(w, least.get(n, 0.0)) for n, w in widths.items()}
+def _even(widths: Mapping[str, float]) -> Sides:
+    return {n: (w, w) for n, w in widths.items()}
+
+
+def _wider(sides: Sides, least: Sides) -> Sides:
+    """Of either, how far it reaches below and above."""
+    none = (0.0, 0.0)
+    both = {n: (sides.get(n, none), least.get(n, none)) for n in {**sides, **least}}
+    return {n: (max(a[0], b[0]), max(a[1], b[1])) for n, (a, b) in both.items()}
 
 
 def _left_by(candidate: Candidate, earlier: Candidate) -> bool:
@@ -207,14 +263,14 @@ def _beyond(term: Term, direct: DirectEstimate, made_up: Numerics) -> bool:
     return not made_up.direct or any(abs(direct.values[n] - null[n]) > least for n, least in made_up.direct.items())
 
 
-def _stands(term: Term, widths: dict[str, float]) -> bool:
-    """Whether some strength still differs from none in the final model."""
-    null = term.candidate.null
-    return any(
-        abs(v - null[n]) > max(widths.get(n, 0.0), 1e-9 * abs(null[n]), 1e-12)
-        for n, v in term.values.items()
-        if n not in term.candidate.shapes
-    )
+def _stands(term: Term, sides: Sides) -> bool:
+    """Whether some strength still differs from none in the final model: whether none lies outside its interval."""
+    for n, value in term.values.items():
+        none, (below, above) = term.candidate.null[n], sides.get(n, (0.0, 0.0))
+        least = max(below if value > none else above, 1e-9 * abs(none), 1e-12)
+        if n not in term.candidate.shapes and abs(value - none) > least:
+            return True
+    return False
 
 
 def _strength(term: Term, widths: dict[str, float]) -> str:
@@ -224,16 +280,13 @@ def _strength(term: Term, widths: dict[str, float]) -> str:
     return max(names, key=lambda n: abs(fitted[n] - null[n]) / widths[n] if widths.get(n, 0.0) > 0.0 else 0.0)
 
 
-def parameters(term: Term, half_widths: dict[str, float]) -> dict[str, Estimate]:
+def parameters(term: Term, sides: Sides) -> dict[str, Estimate]:
     """Values with units and 95 % intervals."""
     units = {p.name: p.unit for p in term.candidate.effect.parameters}
+    reach = {n: sides.get(n, (0.0, 0.0)) for n in term.values}
     return {
-        name: Estimate(
-            value=value,
-            unit=units[name],
-            ci95=(value - half_widths.get(name, 0.0), value + half_widths.get(name, 0.0)),
-        )
-        for name, value in term.values.items()
+        n: Estimate(value=value, unit=units[n], ci95=(value - reach[n][0], value + reach[n][1]))
+        for n, value in term.values.items()
     }
 
 

@@ -23,7 +23,7 @@ from simgap.fit import Errors, Fit, clusters, extend, fit, promising
 from simgap.mechanism.logs import Log
 from simgap.mechanism.terms import Applied, apply_terms
 from simgap.problem import Candidate, DirectEstimate, Model
-from simgap.score import paired_p
+from simgap.score import met_p, paired_p
 
 BLOCKS = 0  # a span: stretches of one local cubic, side by side, all rows alike
 SPANS = (BLOCKS, 4, 8)  # in local cubics
@@ -73,7 +73,7 @@ def estimate(errors: Errors, base: Fit, candidate: Candidate) -> DirectEstimate 
     return DirectEstimate(
         dict(found.model[-1].values),
         {name: width / 1.96 for name, width in widths.items()},
-        paired_p(base.held_out, found.held_out),
+        (met_p if candidate.probes else paired_p)(base.held_out, found.held_out),
         len(base.losses),
         found.held_out,
     )

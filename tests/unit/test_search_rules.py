@@ -12,7 +12,7 @@ from schemas.model import FloatArray
 from sim.effects.library import effect
 from simgap.fit import Errors, Fit, extend, fit
 from simgap.numerics import Numerics
-from simgap.problem import Candidate, DirectEstimate, Model
+from simgap.problem import Candidate, DirectEstimate, Model, Term
 from simgap.rivals import as_good_together, beaten, challengers, replacement
 from simgap.score import Comparison, met_p, paired_p
 from simgap.search import (
@@ -20,7 +20,14 @@ from simgap.search import (
     _confirmed,  # pyright: ignore[reportPrivateUsage]
 )
 from simgap.tried import LEVEL, Round, Trial, round_of, tried_on
-from simgap.verdict import judge
+from simgap.verdict import (
+    _agree,  # pyright: ignore[reportPrivateUsage]
+    _even,  # pyright: ignore[reportPrivateUsage]
+    _stands,  # pyright: ignore[reportPrivateUsage]
+    _unsure,  # pyright: ignore[reportPrivateUsage]
+    _wider,  # pyright: ignore[reportPrivateUsage]
+    judge,
+)
 
 TRIALS, ROWS = 12, 40
 NAMES = {"joint.coulomb_friction": "torque_Nm", "joint.viscous_friction": "damping_Nms_per_rad"}
@@ -209,6 +216,30 @@ def test_what_may_be_nothing_by_its_own_interval_has_no_sure_name(error: float, 
     assert (verdict.status == "effect_found") == sure
     assert (low > 0.0) == sure
     assert low < 2.0 < high
+
+
+def _told(value: float, error: float, p_value: float = 1e-3, trials: int = TRIALS) -> DirectEstimate:
+    return DirectEstimate({"torque_Nm": value}, {"torque_Nm": error}, p_value, trials)
+
+
+def test_an_interval_reaches_to_what_the_other_route_says_and_no_further_the_other_way():
+    """Twice as much, said directly, is no reason to take the effect for none."""
+    term = Term(COULOMB, {"torque_Nm": 2.0})
+    sides = _unsure(term, {"torque_Nm": 0.1}, _told(3.9, 0.2), [])
+    assert sides["torque_Nm"] == pytest.approx((0.0, 1.9 + 1.96 * 0.2))
+    assert _stands(term, _wider(sides, _even({"torque_Nm": 0.1})))
+    assert not _stands(term, _unsure(term, {"torque_Nm": 0.1}, _told(0.3, 0.2), []))
+    assert _unsure(term, {"torque_Nm": 0.1}, _told(2.05, 0.2), [])["torque_Nm"] == pytest.approx((0.0, 0.05))
+
+
+def test_a_direct_estimate_is_heard_by_its_error_where_losses_drown_it():
+    """Noise times an effect stands beside its square in a loss; an estimate over its error sees twenty deviations."""
+    term, widths = Term(COULOMB, {"torque_Nm": 2.0}), {"torque_Nm": 0.1}
+    assert _agree(term, widths, _told(2.1, 0.1, p_value=0.1))
+    assert not _agree(term, widths, _told(2.1, 1.2, p_value=0.1))
+    assert not _agree(term, widths, _told(2.1, 0.1, p_value=0.1, trials=1))
+    threshold = Term(replace(COULOMB, probes=({"torque_Nm": 1.0},)), {"torque_Nm": 2.0})
+    assert not _agree(threshold, widths, _told(2.1, 0.1, p_value=0.1))
 
 
 def test_test_trials_that_stay_away_from_a_threshold_do_not_confirm_what_harms_them():
