@@ -20,6 +20,7 @@ from schemas.gap import (
     Trap,
 )
 from schemas.model import FloatArray
+from simgap.agreement import agrees
 from simgap.all_effects import all_effects_losses
 from simgap.black_box import corrected
 from simgap.fit import spread
@@ -28,7 +29,8 @@ from simgap.problem import Farsighted, Model, Problem, Timed, View, around
 from simgap.score import Comparison, compare, trial_losses
 from simgap.search import MOST_EFFECTS, Map, Selection, select
 from simgap.splits import Trials
-from simgap.verdict import NAMED, agrees, judge
+from simgap.statement import NAMED
+from simgap.verdict import judge
 
 _NOISE_LOSS = 1.3  # mean loss, in typical errors, of noise that grows along a roll-out
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from schemas.gap import GapReport, Verdict
 from simgap.find import find
 from simgap.splits import split_trials
-from simgap.verdict import NAMED
+from simgap.statement import NAMED
 from tests.gap_suite.case import Case
 from tests.gap_suite.free_body_cases import free_body_case
 from tests.gap_suite.mechanism_cases import mechanism_case

@@ -12,6 +12,7 @@ from schemas.measurement import MeasurementSpec
 from sim.effects.effect import JointTorque
 from sim.effects.library import effect
 from sim.mechanism import Law, rollout
+from simgap.intervals import pressed
 from simgap.measurement import Measurement
 from simgap.mechanism.problem import MechanismProblem
 from simgap.mechanism.starts import free_starts
@@ -20,7 +21,6 @@ from simgap.mechanism.windows import cut, windows_of
 from simgap.problem import DirectEstimate, Problem, Term, around
 from simgap.told_apart import leads
 from simgap.trial import Trial
-from simgap.verdict import _pressed  # pyright: ignore[reportPrivateUsage]
 
 ROW_S, ROWS, NOISE = 5e-3, 300, 4e-4
 STOP = {"lower_rad": -0.5, "upper_rad": 100.0, "stiffness_Nm_per_rad": 15.0, "loss_s_per_rad": 0.1}
@@ -126,7 +126,7 @@ def test_where_a_stop_begins_is_known_to_half_the_depth_at_best():
     problem = _swing(0.0, NOISE, stop=STOP)
     candidate = next(c for c in problem.candidates() if c.effect.name == "joint.hard_stop")
     deepest = min(float(np.nanmin(t.q)) for t in problem.measurement.trials)
-    half = _pressed(Term(candidate, {**STOP, "upper_rad": candidate.null["upper_rad"]}))
+    half = pressed(Term(candidate, {**STOP, "upper_rad": candidate.null["upper_rad"]}))
     assert set(half) == {"lower_rad"}
     assert half["lower_rad"] == pytest.approx(0.5 * (STOP["lower_rad"] - deepest), abs=5e-3)
 

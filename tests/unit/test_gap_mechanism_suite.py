@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from schemas.gap import EFFECT_NAMES
+from simgap.agreement import agree, of_one_shape
 from simgap.mechanism.equation_error import smooth_means
 from simgap.mechanism.problem import MechanismProblem
 from simgap.problem import Term
 from simgap.search import select
 from simgap.splits import split_trials
-from simgap.verdict import _agree, _of_one_shape  # pyright: ignore[reportPrivateUsage]
 from tests.gap_suite import mujoco_truth, truth
 from tests.gap_suite.effects import EFFECTS
 from tests.gap_suite.mechanism_cases import family_of, mechanism_case
@@ -149,12 +149,12 @@ def test_strengths_of_two_routes_are_compared_at_one_shape():
     problem = mechanism_case(1048).problem()
     rubbing = next(c for c in problem.candidates() if c.effect.name == "joint.stribeck_friction")
     rolled_out = Term(rubbing, {"torque_Nm": 27.3, "velocity_radps": 0.272})
-    freely, pinned = (problem.direct(c, (), problem.trial_ids) for c in (rubbing, _of_one_shape(rolled_out)))
+    freely, pinned = (problem.direct(c, (), problem.trial_ids) for c in (rubbing, of_one_shape(rolled_out)))
     assert freely is not None
     assert pinned is not None
     assert freely.values["torque_Nm"] > 3.0 * rolled_out.values["torque_Nm"]
-    assert not _agree(rolled_out, {}, freely)
-    assert _agree(rolled_out, {}, pinned)
+    assert not agree(rolled_out, {}, freely)
+    assert agree(rolled_out, {}, pinned)
 
 
 def test_a_lag_that_a_delay_mimics_gets_no_sure_name():

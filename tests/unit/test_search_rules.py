@@ -10,7 +10,9 @@ import pytest
 from schemas.gap import Place
 from schemas.model import FloatArray
 from sim.effects.library import effect
+from simgap.agreement import agree
 from simgap.fit import Errors, Fit, extend, fit
+from simgap.intervals import even, stands, unsure, wider
 from simgap.numerics import Numerics
 from simgap.problem import Candidate, DirectEstimate, Model, Term
 from simgap.rivals import as_good_together, beaten, challengers, replacement
@@ -20,14 +22,7 @@ from simgap.search import (
     _confirmed,  # pyright: ignore[reportPrivateUsage]
 )
 from simgap.tried import LEVEL, Round, Trial, round_of, tried_on
-from simgap.verdict import (
-    _agree,  # pyright: ignore[reportPrivateUsage]
-    _even,  # pyright: ignore[reportPrivateUsage]
-    _stands,  # pyright: ignore[reportPrivateUsage]
-    _unsure,  # pyright: ignore[reportPrivateUsage]
-    _wider,  # pyright: ignore[reportPrivateUsage]
-    judge,
-)
+from simgap.verdict import judge
 
 TRIALS, ROWS = 12, 40
 NAMES = {"joint.coulomb_friction": "torque_Nm", "joint.viscous_friction": "damping_Nms_per_rad"}
@@ -225,21 +220,21 @@ def _told(value: float, error: float, p_value: float = 1e-3, trials: int = TRIAL
 def test_an_interval_reaches_to_what_the_other_route_says_and_no_further_the_other_way():
     """Twice as much, said directly, is no reason to take the effect for none."""
     term = Term(COULOMB, {"torque_Nm": 2.0})
-    sides = _unsure(term, {"torque_Nm": 0.1}, _told(3.9, 0.2), [])
+    sides = unsure(term, {"torque_Nm": 0.1}, _told(3.9, 0.2), [])
     assert sides["torque_Nm"] == pytest.approx((0.0, 1.9 + 1.96 * 0.2))
-    assert _stands(term, _wider(sides, _even({"torque_Nm": 0.1})))
-    assert not _stands(term, _unsure(term, {"torque_Nm": 0.1}, _told(0.3, 0.2), []))
-    assert _unsure(term, {"torque_Nm": 0.1}, _told(2.05, 0.2), [])["torque_Nm"] == pytest.approx((0.0, 0.05))
+    assert stands(term, wider(sides, even({"torque_Nm": 0.1})))
+    assert not stands(term, unsure(term, {"torque_Nm": 0.1}, _told(0.3, 0.2), []))
+    assert unsure(term, {"torque_Nm": 0.1}, _told(2.05, 0.2), [])["torque_Nm"] == pytest.approx((0.0, 0.05))
 
 
 def test_a_direct_estimate_is_heard_by_its_error_where_losses_drown_it():
     """Noise times an effect stands beside its square in a loss; an estimate over its error sees twenty deviations."""
     term, widths = Term(COULOMB, {"torque_Nm": 2.0}), {"torque_Nm": 0.1}
-    assert _agree(term, widths, _told(2.1, 0.1, p_value=0.1))
-    assert not _agree(term, widths, _told(2.1, 1.2, p_value=0.1))
-    assert not _agree(term, widths, _told(2.1, 0.1, p_value=0.1, trials=1))
+    assert agree(term, widths, _told(2.1, 0.1, p_value=0.1))
+    assert not agree(term, widths, _told(2.1, 1.2, p_value=0.1))
+    assert not agree(term, widths, _told(2.1, 0.1, p_value=0.1, trials=1))
     threshold = Term(replace(COULOMB, probes=({"torque_Nm": 1.0},)), {"torque_Nm": 2.0})
-    assert not _agree(threshold, widths, _told(2.1, 0.1, p_value=0.1))
+    assert not agree(threshold, widths, _told(2.1, 0.1, p_value=0.1))
 
 
 def test_test_trials_that_stay_away_from_a_threshold_do_not_confirm_what_harms_them():
