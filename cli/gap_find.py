@@ -123,7 +123,7 @@ def _pictures(case: Case, found: Found) -> dict[str, bytes]:
         "ladder.png": ladder(found.report.ladder),
     }
     if found.selection.accepted and isinstance(problem, MechanismProblem):
-        best = found.selection.accepted[0].candidate
+        best = found.selection.accepted[0].trial.candidate
         ids = (*case.trials.train, *case.trials.test)
         picture = unexplained(problem, case.measurement, final, best.effect.name, best.where, ids)
         drawn |= {"unexplained.png": picture} if picture else {}

@@ -23,11 +23,12 @@ from schemas.model import FloatArray
 from simgap.agreement import agrees
 from simgap.all_effects import all_effects_losses
 from simgap.black_box import corrected
+from simgap.candidates import Map
 from simgap.fit import spread
 from simgap.pairing import others_inputs_trap, pairing_trap
 from simgap.problem import Farsighted, Model, Problem, Timed, View, around
 from simgap.score import Comparison, compare, trial_losses
-from simgap.search import MOST_EFFECTS, Map, Selection, select
+from simgap.search import MOST_EFFECTS, Selection, select
 from simgap.splits import Trials
 from simgap.statement import NAMED
 from simgap.verdict import judge
@@ -181,11 +182,11 @@ def _ladder(problem: Problem, selection: Selection, trials: Trials) -> tuple[Riv
         return Rival(name=name, heldout=float(np.sqrt(np.mean(squares))))
 
     final = selection.final.model
-    accepted = [t.candidate.key for t in selection.accepted]
+    accepted = [a.key for a in selection.accepted]
     steps = [step("declared", ()), step("null_refit", selection.null.model)]
     for k in range(1, len(accepted) + 1):
         kept = tuple(t for t in final if t.candidate.key not in accepted[k:])
-        found = selection.accepted[k - 1].candidate
+        found = selection.accepted[k - 1].trial.candidate
         steps.append(step(f"{found.effect.name} at {found.where}", kept))
     return (*steps, Rival(name="noise_floor", heldout=1.0))
 
@@ -193,9 +194,10 @@ def _ladder(problem: Problem, selection: Selection, trials: Trials) -> tuple[Riv
 def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
     """All candidates of the first round, and those of later rounds that were accepted there; best first."""
     rows = []
+    accepted = {id(a.trial) for a in selection.accepted}
     for number, this in enumerate(selection.rounds):
         for trial, p in zip(this.tried, this.p_adjusted, strict=True):
-            if number and trial not in selection.accepted:
+            if number and id(trial) not in accepted:
                 continue
             units = {q.name: q.unit for q in trial.candidate.effect.parameters}
             direct = trial.direct

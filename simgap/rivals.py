@@ -10,9 +10,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from simgap.fit import Errors, Fit, extend, fit
-from simgap.problem import Problem, Term
+from simgap.problem import Term
 from simgap.score import compare, paired_p
-from simgap.splits import Trials
+from simgap.standpoint import Standpoint
 from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, chance, tried_on, warm
 
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
@@ -28,20 +28,18 @@ _RICHER = 1  # parameters more that a rival of another kind may have: a spring h
 _BEATEN_TOGETHER, _TOGETHER = 0.01, 0.8
 
 
-def beside_others(
-    problem: Problem, trials: Trials, errors: Errors, base: Fit, found: Trial, others: Sequence[Trial]
-) -> tuple[Fit, Trial, list[Trial]]:
+def beside_others(here: Standpoint, found: Trial, others: Sequence[Trial]) -> tuple[Fit, Trial, list[Trial]]:
     """The model without one accepted effect, the best in its place, and it and `others` tried there, best first.
 
     Another takes the place of what was found only if it is better beyond chance, or simpler and no worse.
     """
-    kept = fit(errors, [c for c in warm(base) if c.key != found.candidate.key])
-    now = {t.candidate.key: t.values for t in base.model}
+    kept = fit(here.errors, [c for c in warm(here.base) if c.key != found.candidate.key])
+    now = {t.candidate.key: t.values for t in here.base.model}
     tried = []
     for t in (found, *others):
         starts = [now.get(t.candidate.key, t.fit.model[-1].values), t.fit.model[-1].values]
-        direct = problem.direct(t.candidate, kept.model, trials.train)
-        tried.append(tried_on(kept, extend(errors, kept, t.candidate, starts), direct))
+        direct = here.problem.direct(t.candidate, kept.model, here.trials.train)
+        tried.append(tried_on(kept, extend(here.errors, kept, t.candidate, starts), direct))
     same = next(t for t in tried if t.candidate.key == found.candidate.key)
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
     best = tried[0] if beaten(same, tried[0]) else same

@@ -11,7 +11,7 @@ from simgap.agreement import beyond, said_directly
 from simgap.intervals import even, parameters, pressed, stands, unsure, wider
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
 from simgap.score import Comparison
-from simgap.search import Selection
+from simgap.search import Accepted, Selection
 from simgap.statement import NAMED, STRANGE, experiment, statement, status
 from simgap.told_apart import leads, told_apart
 from simgap.tried import LEVEL, Trial
@@ -35,22 +35,23 @@ def judge(
     """
     unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
     nameless = max(leftover.gain if unexplained else 0.0, tails)
-    doubted = [_doubted(problem, selection, position, trials) for position in range(len(selection.accepted))]
+    doubted = [_doubted(problem, selection, found, trials) for found in selection.accepted]
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
     in_doubt: list[Candidate] = []
-    for position, (found, alike) in enumerate(zip(selection.accepted, doubted, strict=True)):
-        term, widths = _of(selection, position)
+    for position, (accepted, alike) in enumerate(zip(selection.accepted, doubted, strict=True)):
+        term, widths = _of(selection, accepted)
         if not stands(term, even(widths)):
             continue
+        found = accepted.trial
         others = _without(selection.final.model, found)
-        same = [*alike, *_preferred(problem, found, alike, others, selection.rounds[position].tried, trials)]
+        same = [*alike, *_preferred(problem, found, alike, others, accepted.round.tried, trials)]
         said, agreed = said_directly(problem, found, term, widths, others, trials, alone=len(doubted) == 1)
-        direct = agreed and said is not None and beyond(term, said, selection.numerics[position])
+        direct = agreed and said is not None and beyond(term, said, accepted.made_up)
         wide = wider(wider(even(widths), even(pressed(term))), unsure(term, widths, said, doubted))
         # What may be nothing, by the interval that is reported, has no sure name; nor has what took a place of another
         # and would not have passed among all candidates by itself.
-        p = _p_adjusted(selection, position)
+        p = _p_adjusted(accepted)
         drowned = strange or p >= LEVEL or _removed(selection, position) < nameless or not stands(term, wide)
         drowned = drowned or any(_left_by(found.candidate, other) for other in in_doubt)
         effect = NamedEffect(
@@ -74,14 +75,13 @@ def judge(
     )
 
 
-def _doubted(problem: Problem, selection: Selection, position: int, trials: Sequence[str]) -> list[Trial]:
+def _doubted(problem: Problem, selection: Selection, found: Accepted, trials: Sequence[str]) -> list[Trial]:
     """The rivals that the direct route does not tell from an accepted effect; none where later ones do its work."""
-    found = selection.accepted[position]
-    term, widths = _of(selection, position)
+    term, widths = _of(selection, found)
     if not stands(term, even(widths)):
         return []
-    others = _without(selection.final.model, found)
-    return [r for r in selection.rivals[position] if not told_apart(problem, found, r, others, trials)]
+    others = _without(selection.final.model, found.trial)
+    return [r for r in found.rivals if not told_apart(problem, found.trial, r, others, trials)]
 
 
 def _preferred(
@@ -116,16 +116,15 @@ def _removed(selection: Selection, position: int) -> float:
     Beside structure that nothing explains an effect must be the larger of the two: what is wrong with the model repeats
     from trial to trial like a cause, wherever trials move alike.
     """
-    gains = [t.comparison.gain for t in selection.accepted[position:]]
+    gains = [a.trial.comparison.gain for a in selection.accepted[position:]]
     return float(gains[0] / max(np.prod([1.0 - g for g in gains]), 1e-12))
 
 
-def _of(selection: Selection, position: int) -> tuple[Term, dict[str, float]]:
+def _of(selection: Selection, found: Accepted) -> tuple[Term, dict[str, float]]:
     """An accepted effect in the final model, and half the width of its intervals, numerics included."""
-    key = selection.accepted[position].candidate.key
-    term = next(t for t in selection.final.model if t.candidate.key == key)
-    least = selection.numerics[position].fitted
-    return term, {n: max(w, least.get(n, 0.0)) for n, w in selection.final.half_widths.get(key, {}).items()}
+    term = next(t for t in selection.final.model if t.candidate.key == found.key)
+    least = found.made_up.fitted
+    return term, {n: max(w, least.get(n, 0.0)) for n, w in selection.final.half_widths.get(found.key, {}).items()}
 
 
 def _without(model: Model, found: Trial) -> Model:
@@ -139,11 +138,9 @@ def _left_by(candidate: Candidate, earlier: Candidate) -> bool:
     return kin and candidate.where == earlier.where
 
 
-def _p_adjusted(selection: Selection, position: int) -> float:
+def _p_adjusted(found: Accepted) -> float:
     """Of an accepted effect among all candidates of its round."""
-    this = selection.rounds[position]
-    found = selection.accepted[position]
-    return min(p for t, p in zip(this.tried, this.p_adjusted, strict=True) if t is found)
+    return min(p for t, p in zip(found.round.tried, found.round.p_adjusted, strict=True) if t is found.trial)
 
 
 def _confidence(p_adjusted: float, direct: DirectEstimate | None, agreed: bool, shared: bool) -> float:

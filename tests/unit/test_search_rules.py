@@ -18,6 +18,7 @@ from simgap.problem import Candidate, DirectEstimate, Model, Term
 from simgap.rivals import as_good_together, beaten, challengers, replacement
 from simgap.score import Comparison, met_p, paired_p
 from simgap.search import (
+    Accepted,
     Selection,
     _confirmed,  # pyright: ignore[reportPrivateUsage]
 )
@@ -174,17 +175,8 @@ def test_what_took_the_place_of_another_and_may_be_chance_has_no_sure_name(p_adj
     errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
     null = fit(errors, ())
     found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
-    selection = Selection(
-        null,
-        null.losses,
-        (Round((found,), (p_adjusted,)),),
-        (found,),
-        ((),),
-        (Numerics(),),
-        found.fit,
-        found.fit.losses,
-        np.ones(1),
-    )
+    accepted = Accepted(found, Round((found,), (p_adjusted,)), (), Numerics())
+    selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
     verdict = judge(Told(), selection, ("t0",), Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
     assert verdict.status == ("effect_found" if sure else "ambiguous")
 
@@ -201,11 +193,8 @@ def test_what_may_be_nothing_by_its_own_interval_has_no_sure_name(error: float, 
     null = fit(errors, ())
     said = Told().direct(COULOMB, (), ())
     found = replace(_tried(errors, null, COULOMB), direct=said)
-    this = Round((found,), (1e-6,))
-    losses = null.losses
-    selection = Selection(
-        null, losses, (this,), (found,), ((),), (Numerics(),), found.fit, found.fit.losses, np.ones(1)
-    )
+    accepted = Accepted(found, Round((found,), (1e-6,)), (), Numerics())
+    selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
     verdict = judge(Told(), selection, ("t0",), Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
     (low, high) = verdict.effects[0].parameters["torque_Nm"].ci95
     assert (verdict.status == "effect_found") == sure
