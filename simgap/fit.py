@@ -150,7 +150,8 @@ def extend(
 def promising(errors: Errors, base: Fit, candidate: Candidate) -> list[dict[str, float]]:
     """Starts for `extend`: the candidate's own, and the best of a coarse scan of its range.
 
-    A strength whose signature has shape parameters enters linearly: its best value at each shape is a projection.
+    A strength whose signature has shape parameters enters linearly: its best value at each shape is a projection. A
+    threshold does not, and has probes instead.
     """
     shapes = [n for n in candidate.null if n in candidate.shapes]
     model = tuple(t for t in base.model if not is_twin(t.candidate, candidate))
@@ -158,7 +159,7 @@ def promising(errors: Errors, base: Fit, candidate: Candidate) -> list[dict[str,
         dict(candidate.start),
         {**candidate.start, **{n: v for n, v in candidate.null.items() if n not in shapes}},
     ]
-    if shapes:
+    if shapes and not candidate.probes:
         return [*starts, *_best_shapes(errors, base, model, candidate, shapes)]
     scanned = [(_cost(errors((*model, Term(candidate, values)))), values) for values in candidate.probes]
     for name, (low, high) in candidate.bounds.items():

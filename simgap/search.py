@@ -121,7 +121,7 @@ def select(
 
 
 def _asked_again(here: Standpoint, found: Accepted) -> tuple[Standpoint, Accepted]:
-    """What was chosen before the others were known, asked again beside them; the base follows where another is better."""
+    """What was chosen before the others were known, asked again beside them; the base follows a better one."""
     before = {r.candidate.key for r in found.rivals}
     others = challengers(found.trial, found.round, before, here.base)
     if not others:

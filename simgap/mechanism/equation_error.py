@@ -9,7 +9,7 @@ its efforts are smaller, noise and all. A parameter is tested as on roll-outs, b
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import sparse
@@ -90,6 +90,8 @@ class _Stack:
 
     spans       of the trials, in rows.
     magnified   (n, j) how much larger accelerations (and their noise) are than as read.
+    passed      by drive law, what was asked of it last, with which values, and what passed: slopes of other terms ask
+                the same again.
     """
 
     t_s: FloatArray
@@ -98,6 +100,7 @@ class _Stack:
     magnified: FloatArray
     step_s: float
     spans: tuple[tuple[int, int], ...]
+    passed: dict[int, tuple[Law, FloatArray, FloatArray]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -195,11 +198,14 @@ def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
     aux = {n[4:]: v for n, v in stack.columns.items() if n.startswith("aux:")}
     passive = -mechanism.damping * qd
     largest = {d: np.broadcast_to(mechanism.friction, q.shape).copy() for d in (-1.0, 1.0)}
-    for law in applied.laws:
+    for number, law in enumerate(applied.laws):
         one = np.s_[:, law.joint : law.joint + 1]
         state = JointState(stack.t_s[:, None], q[one], qd[one], given[one], load[one], stack.step_s, aux)
         if isinstance(law.hook, EffortMap):
-            given[one] = _mapped(law.hook, law, state, stack.spans)
+            last = stack.passed.get(number)
+            if last is None or last[0] != law or not np.array_equal(last[1], state.effort):
+                stack.passed[number] = last = law, state.effort.copy(), _mapped(law.hook, law, state, stack.spans)
+            given[one] = last[2]
         elif isinstance(law.hook, JointTorque):
             passive[one] += law.hook.torque(state, law.params, {})
         elif isinstance(law.hook, JointFriction):

@@ -27,7 +27,8 @@ _STOP_SHARES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33)
 _STIFFEST = 0.3  # of inertia over a step's square: what is stiffer would throw a joint out faster than it came
 _STEP_S = 5e-3
 _MOST_LOSS = 3.0  # of a stop's force on the way in beyond that at rest, at the speeds that were reached
-SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "nominal_V")
+SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "nominal_V", "gap_rad")
+_GAP, _LIGHT_DRIVE = (5e-3, 0.5), 0.2  # of the range that was reached; of the inertia that a drive moves
 _NOMINAL = (0.9, 1.6)  # of the supply's median: where a drive gives what it is asked for
 _WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
 
@@ -197,8 +198,8 @@ def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple
         "limit_Nm": (0.1 * max(r.effort, 1e-9), 4.0 * max(r.effort, 1e-9)),
         "band_Nm": (0.0, max(r.effort, 1e-9)),
         "count_per_rad": (_REPEATED * np.pi / max(span, 1e-6), 300.0 / max(span, 1e-6)),
-        "gap_rad": (0.0, 0.5 * span),
-        "crossing_radps": (r.speed / 30.0, 30.0 * r.speed),
+        "gap_rad": (_GAP[0] * span, _GAP[1] * span),
+        "gap_inertia_kgm2rad": (0.0, _LIGHT_DRIVE * _GAP[1] * span * r.inertia),
         "offset_rad": (-0.3 * span, 0.3 * span),
     }
     own = next(p for p in each.parameters if p.name == name)
@@ -223,11 +224,10 @@ def _probes(
     if each.name == "actuator.saturation":
         return tuple({"limit_Nm": share * r.effort} for share in (0.2, 0.35, 0.5, 0.65, 0.8, 0.95, 1.1) if r.effort)
     if each.name == "joint.backlash":
-        gaps, rates = bounds["gap_rad"], bounds["crossing_radps"]
         return tuple(
-            {"gap_rad": share * gaps[1], "crossing_radps": float(np.clip(rate * r.speed, *rates))}
-            for share in (0.02, 0.06, 0.15, 0.4)
-            for rate in (0.3, 1.0, 4.0)
+            {"gap_rad": share * bounds["gap_rad"][1], "gap_inertia_kgm2rad": part * bounds["gap_inertia_kgm2rad"][1]}
+            for share in (0.05, 0.3)
+            for part in (0.0005, 0.002, 0.008, 0.03, 0.12, 0.4)
         )
     return ()
 
@@ -255,5 +255,5 @@ def _start(name: str, each: Effect, null: float, r: Ranges) -> float:
     return {
         "velocity_radps": 0.1 * r.speed,
         "count_per_rad": 12.0 / max(span, 1e-6),
-        "crossing_radps": 2.0 * r.speed,
+        "gap_rad": 0.1 * span,
     }.get(name, null)
