@@ -56,7 +56,8 @@ Interval = tuple[float, float]
 
 
 class _Machine(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="ignore")
+    # One trial says nothing of an interval's end: infinity is written as a word and read back.
+    model_config = ConfigDict(frozen=True, extra="ignore", ser_json_inf_nan="strings")
 
 
 class Estimate(_Machine):

@@ -100,6 +100,9 @@ def of_one_shape(term: Term) -> Candidate:
 
 def _strength(term: Term, widths: dict[str, float]) -> str:
     """The parameter that says most clearly that the effect is there: a stop may be touched on one side only."""
-    fitted, null = term.values, term.candidate.null
-    names = [n for n in null if n not in term.candidate.shapes]
-    return max(names, key=lambda n: abs(fitted[n] - null[n]) / widths[n] if widths.get(n, 0.0) > 0.0 else 0.0)
+
+    def clarity(n: str) -> float:
+        width = widths.get(n, 0.0)
+        return abs(term.values[n] - term.candidate.null[n]) / width if width > 0.0 else 0.0
+
+    return max(term.candidate.strengths, key=clarity)

@@ -49,14 +49,11 @@ def _screening(here: Standpoint, errors: Errors, base: Fit) -> Callable[[Candida
         elif direct is None:
             starts = promising(errors, base, candidate)
         else:
-            starts = [direct.values, {**direct.values, **_strengths(candidate)}]
+            none = {n: candidate.null[n] for n in candidate.strengths}
+            starts = [direct.values, {**direct.values, **none}]
         return tried_on(base, extend(errors, base, candidate, starts, _SCREEN_STEPS), direct)
 
     return tried
-
-
-def _strengths(candidate: Candidate) -> dict[str, float]:
-    return {n: v for n, v in candidate.null.items() if n not in candidate.shapes}
 
 
 def _to_the_end(here: Standpoint, screened: list[Trial], farther: bool) -> Round:

@@ -199,10 +199,9 @@ def _ladder(problem: Problem, selection: Selection, trials: Trials) -> tuple[Riv
 def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
     """All candidates of the first round, and those of later rounds that were accepted there; best first."""
     rows = []
-    accepted = {id(a.trial) for a in selection.accepted}
     for number, this in enumerate(selection.rounds):
         for trial, p in zip(this.tried, this.p_adjusted, strict=True):
-            if number and id(trial) not in accepted:
+            if number and trial.candidate.key not in [a.key for a in selection.accepted[number : number + 1]]:
                 continue
             units = {q.name: q.unit for q in trial.candidate.effect.parameters}
             direct = trial.direct

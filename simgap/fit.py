@@ -59,10 +59,9 @@ class Fit:
     def stands_out(self, least: Mapping[str, float]) -> bool:
         """Whether some strength of the last term differs from none by more than its interval and than `least`."""
         term, widths = self.model[-1], self.half_widths[self.free[-1].key]
-        names = [n for n in term.values if n not in term.candidate.shapes]
         return any(
             abs(term.values[n] - term.candidate.null[n]) > max(widths[n], least.get(n, 0.0)) and widths[n] > 0.0
-            for n in names
+            for n in term.candidate.strengths
         )
 
     @property
@@ -74,7 +73,7 @@ class Fit:
         """
         candidate = self.free[-1]
         term, widths, n = self.model[-1], self.half_widths[candidate.key], len(self.losses)
-        names = [name for name in term.values if name not in candidate.shapes and widths[name] > 0.0]
+        names = [name for name in candidate.strengths if widths[name] > 0.0]
         if not names or n < 2 or candidate.probes:  # A threshold is sharp wherever it lies: that does not make it real.
             return 1.0
         most = float(stats.t.ppf(0.975, n - 1))
@@ -101,7 +100,7 @@ def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: F
 def clusters(by_trial: Sequence[FloatArray]) -> list[FloatArray]:
     """Rows (k, c) of trials as flat arrays, one per trial; few trials are cut into stretches, which stand for them."""
     parts = -(-_LEAST_CLUSTERS // len(by_trial))
-    return [part.ravel() for r in by_trial for part in (np.array_split(r, parts) if parts > 1 else (r,))]
+    return [part.ravel() for r in by_trial for part in np.array_split(r, max(1, min(parts, len(r))))]
 
 
 def spread(problem: Problem, fitted: Model, trials: Sequence[str], view: View) -> FloatArray:

@@ -54,10 +54,10 @@ def pressed(term: Term) -> dict[str, float]:
 
 def stands(term: Term, sides: Sides) -> bool:
     """Whether some strength still differs from none in the final model: whether none lies outside its interval."""
-    for n, value in term.values.items():
-        none, (below, above) = term.candidate.null[n], sides.get(n, (0.0, 0.0))
+    for n in term.candidate.strengths:
+        value, none, (below, above) = term.values[n], term.candidate.null[n], sides.get(n, (0.0, 0.0))
         least = max(below if value > none else above, 1e-9 * abs(none), 1e-12)
-        if n not in term.candidate.shapes and abs(value - none) > least:
+        if abs(value - none) > least:
             return True
     return False
 

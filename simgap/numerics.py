@@ -53,7 +53,7 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
         replace(t.candidate, start=t.values, null=t.values if t.candidate.nuisance else t.candidate.null) for t in base
     ]
     given = tuple(replace(t, candidate=c) for t, c in zip(base, known, strict=True))
-    none = {n: v for n, v in term.candidate.null.items() if n not in term.candidate.shapes}
+    none = {n: term.candidate.null[n] for n in term.candidate.strengths}
     none |= next((t.values for t in base if is_twin(t.candidate, term.candidate)), {})
     fitted: list[dict[str, float]] = []
     direct: list[dict[str, float]] = []

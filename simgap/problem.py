@@ -43,6 +43,11 @@ class Candidate:
         """Name and place as one word; a nuisance never shares that of a named effect."""
         return f"{'nuisance:' if self.nuisance else ''}{self.effect.name}@{self.where}"
 
+    @property
+    def strengths(self) -> tuple[str, ...]:
+        """Parameters that are no shapes: at their null values nothing is there."""
+        return tuple(n for n in self.null if n not in self.shapes)
+
 
 @dataclass(frozen=True)
 class Term:

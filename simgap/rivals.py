@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from simgap.fit import Errors, Fit, extend, fit
-from simgap.problem import Term
+from simgap.fit import Errors, Fit, extend, fit, is_twin
+from simgap.problem import Candidate, Term
 from simgap.score import compare, paired_p
 from simgap.standpoint import Standpoint
-from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, chance, tried_on, warm
+from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, chance, tried_on, warm_without
 
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
 AS_GOOD = 0.05  # level at which the best beats another
@@ -24,7 +24,8 @@ _LITTLE_MORE = 2.0  # times what the best leaves: what leaves more was no match 
 _MOST_RIVALS = 5  # that are asked again beside the other effects
 _REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
 _RICHER = 1  # parameters more that a rival of another kind may have: a spring has a rest beside its stiffness
-# Two causes that stand for two others have two laws' shapes to be wrong in: more is asked before they are refuted.
+# Two causes that stand for two others have two laws' shapes to be wrong in: more is asked before they are refuted; and
+# of more parameters than the best's, that they leave a quarter less.
 _BEATEN_TOGETHER, _TOGETHER = 0.01, 0.8
 
 
@@ -33,7 +34,7 @@ def beside_others(here: Standpoint, found: Trial, others: Sequence[Trial]) -> tu
 
     Another takes the place of what was found only if it is better beyond chance, or simpler and no worse.
     """
-    kept = fit(here.errors, [c for c in warm(here.base) if c.key != found.candidate.key])
+    kept = fit(here.errors, warm_without(here.base, [found.candidate], here.problem.nuisances()))
     now = {t.candidate.key: t.values for t in here.base.model}
     tried = []
     for t in (found, *others):
@@ -48,14 +49,13 @@ def beside_others(here: Standpoint, found: Trial, others: Sequence[Trial]) -> tu
 
 
 def challengers(found: Trial, this: Round, rivals: Collection[str], base: Fit) -> list[Trial]:
-    """What may stand in the place of an accepted effect: its rivals, and all that left little more than it did."""
+    """What may stand in the place of an accepted effect: its rivals, then all that left little more than it did."""
     taken = {c.key for c in base.free}
     most = _LITTLE_MORE * float(found.fit.held_out.sum())
-    free = (t for t in this.tried if t.candidate.key not in taken)
-    near = [
-        t for t in free if t.candidate.key in rivals or (t.comparison.gain > 0.0 and float(t.fit.held_out.sum()) < most)
-    ]
-    return near[:_MOST_RIVALS]
+    free = [t for t in this.tried if t.candidate.key not in taken]
+    known = [t for t in free if t.candidate.key in rivals]
+    near = (t for t in free if t.comparison.gain > 0.0 and float(t.fit.held_out.sum()) < most)
+    return [*known, *(t for t in near if t.candidate.key not in rivals)][:_MOST_RIVALS]
 
 
 def replacement(this: Round, base: Fit, accepted: Sequence[Trial]) -> tuple[int, Trial] | None:
@@ -81,8 +81,9 @@ def vanishes(term: Term, extended: Fit) -> bool:
     if now is None or term.candidate.nuisance:
         return False
     null = term.candidate.null
-    names = [n for n in term.values if n not in term.candidate.shapes]
-    return all(abs(now.values[n] - null[n]) < _REPLACED * abs(term.values[n] - null[n]) for n in names)
+    return all(
+        abs(now.values[n] - null[n]) < _REPLACED * abs(term.values[n] - null[n]) for n in term.candidate.strengths
+    )
 
 
 def in_its_place(this: Round, base: Fit, found: Trial, known: Sequence[Trial]) -> list[Trial]:
@@ -97,17 +98,24 @@ def in_its_place(this: Round, base: Fit, found: Trial, known: Sequence[Trial]) -
 
 
 def as_good_together(
-    errors: Errors, base: Fit, found: Trial, doubles: Sequence[Trial], best: Trial, others: Sequence[Trial]
+    errors: Errors,
+    base: Fit,
+    nuisances: Sequence[Candidate],
+    found: Trial,
+    doubles: Sequence[Trial],
+    best: Trial,
+    others: Sequence[Trial],
 ) -> list[Trial]:
     """Which of `others` do as well in the place of `best` once `found` gives way to one of its doubles.
 
     Two causes may stand for two others where neither does alone: friction by load and a weight for dry friction and a
     spring. Without the double the spring would look refuted.
     """
-    kept = [c for c in warm(base) if c.key not in (found.candidate.key, best.candidate.key)]
+    kept = warm_without(base, [found.candidate, best.candidate], nuisances)
     out: list[Trial] = []
     for double in doubles:
-        near = fit(errors, [*kept, replace(double.candidate, start=double.fit.model[-1].values)])
+        others_kept = [c for c in kept if not is_twin(c, double.candidate)]
+        near = fit(errors, [*others_kept, replace(double.candidate, start=double.fit.model[-1].values)])
         for other in others:
             richer = len(other.candidate.null) > len(best.candidate.null) + _RICHER
             if richer or other.candidate.key in {double.candidate.key, *(t.candidate.key for t in out)}:

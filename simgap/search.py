@@ -2,7 +2,7 @@
 
 The null is the declared model with its nuisances refitted, never the default. Every training trial is judged once by
 parameters that the others taught; gains are paired by trial, with Holm's correction over all candidates of a round.
-The test trials have the last word: an effect that makes them worse is not taken.
+The test trials have the last word: they must do better, in sum or typically.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from simgap.score import CLEAR, LITTLE, change, paired_p, trial_losses
 from simgap.splits import Trials
 from simgap.standpoint import Standpoint, stand_at
 from simgap.told_apart import told_apart
-from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial
+from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, warm_without
 
 MOST_EFFECTS = 4
 _AHEAD = 3  # candidates that are tried in pairs
@@ -43,15 +43,20 @@ _TINY = 1e-12
 
 @dataclass(frozen=True)
 class Accepted:
-    """An effect that was taken: its trial, the round in which, its inseparable rivals.
+    """An effect that was taken.
 
-    `made_up` is what the method finds of it where it is not.
+    p_adjusted   of it among all candidates of its `round`.
+    rivals       inseparable from it.
+    made_up      what the method finds of it where it is not.
+    removed      loss that comes back without it, as a share of what is left in the end.
     """
 
     trial: Trial
     round: Round
+    p_adjusted: float
     rivals: tuple[Trial, ...]
     made_up: Numerics
+    removed: float = np.inf
 
     @property
     def key(self) -> str:
@@ -113,7 +118,7 @@ def select(
             break
         accepted.append(found)
         here = stand_at(problem, trials, view, found.trial.fit)
-    accepted = _with_doubles(here, accepted)
+    accepted = [replace(a, removed=_removed(here, a)) for a in _with_doubles(here, accepted)]
     last = around(problem, here.base.model)
     scale = spread(last, null.model, trials.train, view)
     null_losses, losses = (trial_losses(last.residuals(f.model, trials.test, view), scale) for f in (null, here.base))
@@ -121,19 +126,28 @@ def select(
 
 
 def _asked_again(here: Standpoint, found: Accepted) -> tuple[Standpoint, Accepted]:
-    """What was chosen before the others were known, asked again beside them; the base follows a better one."""
+    """What was chosen before the others were known, asked again beside them; the base follows a better one.
+
+    What was accepted since is no rival any more; rivals that there is no time to ask stay.
+    """
+    taken = {c.key for c in here.base.free}
+    found = replace(found, rivals=tuple(r for r in found.rivals if r.candidate.key not in taken))
     before = {r.candidate.key for r in found.rivals}
     others = challengers(found.trial, found.round, before, here.base)
     if not others:
         return here, found
     kept, best, tried = beside_others(here, found.trial, others)
-    still = tuple(t for t in tried if t.candidate.key in before and t is not best and not beaten(t, best))
+    made_up = found.made_up
+    if best.candidate.key != found.key:
+        made_up = numerics(here.problem, here.trials.train, here.view, kept.model, best.fit.model)
+        if not _exceeds(best, made_up):
+            best = next(t for t in tried if t.candidate.key == found.key)
+    asked = {t.candidate.key for t in tried}
+    unasked = (r for r in found.rivals if r.candidate.key not in asked)
+    still = (t for t in tried if t.candidate.key in before and t is not best and not beaten(t, best))
     fresh = (t for t in inseparable(here.errors, best, tried) if t.candidate.key not in before)
-    found = replace(found, rivals=(*still, *fresh))
+    found = replace(found, rivals=(*unasked, *still, *fresh))
     if best.candidate.key == found.key:
-        return here, found
-    made_up = numerics(here.problem, here.trials.train, here.view, kept.model, best.fit.model)
-    if not _exceeds(best, made_up):
         return here, found
     return replace(here, base=best.fit), _in_place(found, best, made_up)
 
@@ -153,10 +167,16 @@ def _swapped(here: Standpoint, this: Round, accepted: Sequence[Accepted]) -> tup
 
 
 def _in_place(found: Accepted, best: Trial, made_up: Numerics) -> Accepted:
-    """Another effect in the place of an accepted one, and no longer among its rivals."""
-    tried = tuple(best if t.candidate.key == best.candidate.key else t for t in found.round.tried)
-    rivals = tuple(r for r in found.rivals if r.candidate.key != best.candidate.key)
-    return Accepted(best, replace(found.round, tried=tried), rivals, made_up)
+    """Another effect in the place of an accepted one, and no longer among its rivals.
+
+    What would not have passed in that round by itself is no surer for it.
+    """
+    key = best.candidate.key
+    judged = zip(found.round.tried, found.round.p_adjusted, strict=True)
+    p = next((p for t, p in judged if t.candidate.key == key), 1.0)
+    tried = tuple(best if t.candidate.key == key else t for t in found.round.tried)
+    rivals = tuple(r for r in found.rivals if r.candidate.key != key)
+    return Accepted(best, replace(found.round, tried=tried), p, rivals, made_up)
 
 
 def _next(here: Standpoint, this: Round) -> Accepted | None:
@@ -168,22 +188,30 @@ def _next(here: Standpoint, this: Round) -> Accepted | None:
         made_up = numerics(here.problem, here.trials.train, here.view, here.base.model, trial.fit.model)
         if _exceeds(trial, made_up):
             errors = here.seen_from(trial.fit.model) if trial.candidate.probes else here.errors
-            return Accepted(trial, this, inseparable(errors, trial, this.tried), made_up)
+            p = next(p for t, p in zip(this.tried, this.p_adjusted, strict=True) if t is trial)
+            return Accepted(trial, this, p, inseparable(errors, trial, this.tried), made_up)
     return None
+
+
+def _removed(here: Standpoint, found: Accepted) -> float:
+    without = fit(here.errors, warm_without(here.base, [found.trial.candidate], here.problem.nuisances()))
+    return float(without.held_out.sum() / max(here.base.held_out.sum(), _TINY) - 1.0)
 
 
 def _with_doubles(here: Standpoint, accepted: Sequence[Accepted]) -> list[Accepted]:
     """`accepted` with those among their rivals that become such beside a double of another accepted effect."""
     out = list(accepted)
+    nuisances = here.problem.nuisances()
     for found in accepted:
         others = tuple(t for t in here.base.model if t.candidate.key != found.key)
-        told = (r for r in found.rivals if not told_apart(here.problem, found.trial, r, others, here.trials.train))
-        doubles = list(told)
-        for k, best in enumerate(accepted) if doubles else ():
+        doubles = [r for r in found.rivals if not told_apart(here.problem, found.trial, r, others, here.trials.train)]
+        if not doubles:
+            continue
+        for k, best in enumerate(accepted):
             known = {found.key, *(t.candidate.key for t in (*out[k].rivals, *doubles))}
             fresh = [t for t in challengers(best.trial, best.round, (), here.base) if t.candidate.key not in known]
             if best is not found and fresh:
-                more = as_good_together(here.errors, here.base, found.trial, doubles, best.trial, fresh)
+                more = as_good_together(here.errors, here.base, nuisances, found.trial, doubles, best.trial, fresh)
                 out[k] = replace(out[k], rivals=(*out[k].rivals, *more))
     return out
 

@@ -21,7 +21,9 @@ class Trials:
 
 
 def split_trials(spec: MeasurementSpec, ids: Sequence[str], seed: int = 0) -> Trials:
-    """The split that the file declares, else 70:30 by whole trials; order and content do not depend on the machine.
+    """The split that the file declares, else 70:30 by whole trials, two to judge by wherever two are left to teach.
+
+    Order and content do not depend on the machine.
 
     Raises ValueError with fewer than two trials: one log cannot both teach and judge.
     """
@@ -31,6 +33,6 @@ def split_trials(spec: MeasurementSpec, ids: Sequence[str], seed: int = 0) -> Tr
     if len(ids) < 2:
         raise ValueError(f"{len(ids)} trial(s); at least 2 are needed")
     order = np.random.default_rng(seed).permutation(len(ids))
-    n_test = min(max(1, round(TEST_SHARE * len(ids))), len(ids) - 1)
+    n_test = max(round(TEST_SHARE * len(ids)), min(2, len(ids) // 2))
     test = {ids[k] for k in order[:n_test]}
     return Trials(tuple(i for i in ids if i not in test), tuple(i for i in ids if i in test))

@@ -36,13 +36,19 @@ def statement(
     share = 1.0 - np.sqrt(selection.final_losses.sum() / max(selection.null_losses.sum(), 1e-300))
     if certain:
         words = " and ".join(f"{e.name} at {e.where} ({_figures(e)})" for e in certain)
+        doubted = ", with what is in doubt beside it" if len(certain) < len(named) else ""
         tail = "; something structured is left" if unexplained else ""
-        return f"Add {words}: {share:.0%} of the held-out error goes away{tail}."
+        return f"Add {words}: {share:.0%} of the held-out error goes away{doubted}{tail}."
+    if groups and len(groups[0].effects) == 1:
+        first = named[0]
+        return (
+            f"{first.name} at {first.where} is likely ({_figures(first)}), not sure; to decide: {groups[0].experiment}."
+        )
     if groups:
         return f"These data cannot tell {' from '.join(groups[0].effects)}; to tell: {groups[0].experiment}."
     if unexplained:
         return "The error has structure that no effect of the library explains; see where it is."
-    return "No effect is needed: what is left looks like noise."
+    return "No effect is needed: nothing that is left repeats from trial to trial."
 
 
 def _figures(effect: NamedEffect) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from simgap.fit import Fit
+from simgap.fit import Fit, is_twin
 from simgap.problem import Candidate, DirectEstimate
 from simgap.score import Comparison, adjusted, compare, met_p
 
@@ -45,7 +45,7 @@ def round_of(tried: Sequence[Trial]) -> Round:
     p = [float(v) for v in adjusted([t.comparison.p_value for t in ordered])]
     told = sorted(told_loss(t) for t in ordered)
     for k, t in enumerate(ordered):
-        if t.candidate.probes and len(told) > 1 and told_loss(t) < _SINGLED_OUT * told[1]:
+        if t.candidate.probes and len(told) > 1 and told_loss(t) < _SINGLED_OUT * told[1] < np.inf:
             p[k] = t.comparison.p_value
     return Round(tuple(ordered), tuple(p))
 
@@ -85,3 +85,11 @@ def _delta_bic(base: Fit, fitted: Fit) -> float:
 def warm(found: Fit) -> list[Candidate]:
     """Terms as candidates that start at their present values."""
     return [replace(t.candidate, start=t.values) for t in found.model]
+
+
+def warm_without(found: Fit, gone: Sequence[Candidate], nuisances: Sequence[Candidate]) -> list[Candidate]:
+    """`warm` without some effects; a declared number that one of them had taken over is free in its tolerance again."""
+    keys = {c.key for c in gone}
+    kept = [c for c in warm(found) if c.key not in keys]
+    there = {c.key for c in kept}
+    return [*(n for n in nuisances if n.key not in there and any(is_twin(n, c) for c in gone)), *kept]

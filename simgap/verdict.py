@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from schemas.gap import AmbiguousGroup, NamedEffect, Verdict
 from simgap.agreement import beyond, said_directly
 from simgap.intervals import even, parameters, pressed, stands, unsure, wider
@@ -39,7 +37,7 @@ def judge(
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
     in_doubt: list[Candidate] = []
-    for position, (accepted, alike) in enumerate(zip(selection.accepted, doubted, strict=True)):
+    for accepted, alike in zip(selection.accepted, doubted, strict=True):
         term, widths = _of(selection, accepted)
         if not stands(term, even(widths)):
             continue
@@ -51,8 +49,10 @@ def judge(
         wide = wider(wider(even(widths), even(pressed(term))), unsure(term, widths, said, doubted))
         # What may be nothing, by the interval that is reported, has no sure name; nor has what took a place of another
         # and would not have passed among all candidates by itself.
-        p = _p_adjusted(accepted)
-        drowned = strange or p >= LEVEL or _removed(selection, position) < nameless or not stands(term, wide)
+        # Beside structure that nothing explains an effect must be the larger of the two: what is wrong with the model
+        # repeats from trial to trial like a cause, wherever trials move alike.
+        p = accepted.p_adjusted
+        drowned = strange or p >= LEVEL or accepted.removed < nameless or not stands(term, wide)
         drowned = drowned or any(_left_by(found.candidate, other) for other in in_doubt)
         effect = NamedEffect(
             name=found.candidate.effect.name,
@@ -110,16 +110,6 @@ def _preferred(
     return out
 
 
-def _removed(selection: Selection, position: int) -> float:
-    """Loss that an accepted effect took away, as a share of what is left in the end.
-
-    Beside structure that nothing explains an effect must be the larger of the two: what is wrong with the model repeats
-    from trial to trial like a cause, wherever trials move alike.
-    """
-    gains = [a.trial.comparison.gain for a in selection.accepted[position:]]
-    return float(gains[0] / max(np.prod([1.0 - g for g in gains]), 1e-12))
-
-
 def _of(selection: Selection, found: Accepted) -> tuple[Term, dict[str, float]]:
     """An accepted effect in the final model, and half the width of its intervals, numerics included."""
     term = next(t for t in selection.final.model if t.candidate.key == found.key)
@@ -136,11 +126,6 @@ def _left_by(candidate: Candidate, earlier: Candidate) -> bool:
     doubles = {c.effect for c in earlier.effect.confusables}
     kin = candidate.effect.name in doubles or earlier.effect.name in {c.effect for c in candidate.effect.confusables}
     return kin and candidate.where == earlier.where
-
-
-def _p_adjusted(found: Accepted) -> float:
-    """Of an accepted effect among all candidates of its round."""
-    return min(p for t, p in zip(found.round.tried, found.round.p_adjusted, strict=True) if t is found.trial)
 
 
 def _confidence(p_adjusted: float, direct: DirectEstimate | None, agreed: bool, shared: bool) -> float:

@@ -133,8 +133,8 @@ def test_two_causes_that_stand_for_two_others_are_doubles_together():
     load, dry = (_tried(errors, null, cause[k]) for k in ("load", "dry"))
     weight, spring = (_tried(errors, load.fit, cause[k]) for k in ("weight", "spring"))
     assert beaten(spring, weight)
-    assert as_good_together(errors, weight.fit, load, [], weight, [spring]) == []
-    (found,) = as_good_together(errors, weight.fit, load, [dry], weight, [spring])
+    assert as_good_together(errors, weight.fit, (), load, [], weight, [spring]) == []
+    (found,) = as_good_together(errors, weight.fit, (), load, [dry], weight, [spring])
     assert found.candidate.key == cause["spring"].key
 
 
@@ -175,7 +175,7 @@ def test_what_took_the_place_of_another_and_may_be_chance_has_no_sure_name(p_adj
     errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
     null = fit(errors, ())
     found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
-    accepted = Accepted(found, Round((found,), (p_adjusted,)), (), Numerics())
+    accepted = Accepted(found, Round((found,), (p_adjusted,)), p_adjusted, (), Numerics())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
     verdict = judge(Told(), selection, ("t0",), Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
     assert verdict.status == ("effect_found" if sure else "ambiguous")
@@ -193,7 +193,7 @@ def test_what_may_be_nothing_by_its_own_interval_has_no_sure_name(error: float, 
     null = fit(errors, ())
     said = Told().direct(COULOMB, (), ())
     found = replace(_tried(errors, null, COULOMB), direct=said)
-    accepted = Accepted(found, Round((found,), (1e-6,)), (), Numerics())
+    accepted = Accepted(found, Round((found,), (1e-6,)), 1e-6, (), Numerics())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
     verdict = judge(Told(), selection, ("t0",), Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
     (low, high) = verdict.effects[0].parameters["torque_Nm"].ci95
