@@ -49,13 +49,24 @@ def beside_others(here: Standpoint, found: Trial, others: Sequence[Trial]) -> tu
 
 
 def challengers(found: Trial, this: Round, rivals: Collection[str], base: Fit) -> list[Trial]:
-    """What may stand in the place of an accepted effect: its rivals, then all that left little more than it did."""
+    """What may stand in the place of an accepted effect: its rivals, then its doubles and all that left little more.
+
+    Two causes together may be mimicked by a double of one of them, which leaves far less than that one alone.
+    """
     taken = {c.key for c in base.free}
     most = _LITTLE_MORE * float(found.fit.held_out.sum())
     free = [t for t in this.tried if t.candidate.key not in taken]
     known = [t for t in free if t.candidate.key in rivals]
-    near = (t for t in free if t.comparison.gain > 0.0 and float(t.fit.held_out.sum()) < most)
-    return [*known, *(t for t in near if t.candidate.key not in rivals)][:_MOST_RIVALS]
+    judged = [t for t in free if t.comparison.gain > 0.0 and t.candidate.key not in rivals]
+    doubles = [t for t in judged if are_doubles(t.candidate, found.candidate)]
+    near = (t for t in judged if float(t.fit.held_out.sum()) < most and not are_doubles(t.candidate, found.candidate))
+    return [*known, *doubles, *near][:_MOST_RIVALS]
+
+
+def are_doubles(one: Candidate, other: Candidate) -> bool:
+    """Whether the library says of either that it looks like the other."""
+    named = {c.effect for c in one.effect.confusables}
+    return other.effect.name in named or one.effect.name in {c.effect for c in other.effect.confusables}
 
 
 def replacement(this: Round, base: Fit, accepted: Sequence[Trial]) -> tuple[int, Trial] | None:

@@ -100,8 +100,12 @@ def select(
     undecided: Round | None = None
     swaps = 0
     while True:
-        for place in range(len(accepted)):
-            here, accepted[place] = _asked_again(here, accepted[place])
+        for _ in accepted:  # What takes a place changes what the others stand beside.
+            before = [a.key for a in accepted]
+            for place in range(len(accepted)):
+                here, accepted[place] = _asked_again(here, accepted[place])
+            if before == [a.key for a in accepted]:
+                break
         if len(accepted) == most:
             break
         taken = {c.key for c in here.base.free}

@@ -8,6 +8,7 @@ from schemas.gap import AmbiguousGroup, NamedEffect, Verdict
 from simgap.agreement import beyond, said_directly
 from simgap.intervals import even, parameters, pressed, stands, unsure, wider
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
+from simgap.rivals import are_doubles
 from simgap.score import Comparison
 from simgap.search import Accepted, Selection
 from simgap.statement import NAMED, STRANGE, experiment, statement, status
@@ -123,9 +124,7 @@ def _without(model: Model, found: Trial) -> Model:
 
 def _left_by(candidate: Candidate, earlier: Candidate) -> bool:
     """Whether an effect may be no more than what a law in doubt leaves: one that does nearly the same, at one place."""
-    doubles = {c.effect for c in earlier.effect.confusables}
-    kin = candidate.effect.name in doubles or earlier.effect.name in {c.effect for c in candidate.effect.confusables}
-    return kin and candidate.where == earlier.where
+    return are_doubles(candidate, earlier) and candidate.where == earlier.where
 
 
 def _confidence(p_adjusted: float, direct: DirectEstimate | None, agreed: bool, shared: bool) -> float:

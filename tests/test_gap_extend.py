@@ -243,7 +243,7 @@ def test_a_mechanism_gets_friction_damping_and_limits(tmp_path: Path):
             "loss_s_per_rad": (0.1, 0.0, 0.2),
         },
         "actuator.saturation": {"limit_Nm": (4.0, 3.9, 4.1)},
-        "joint.backlash": {"gap_rad": (0.01, 0.0, 0.02), "crossing_radps": (2.0, 1.0, 3.0)},
+        "joint.backlash": {"gap_inertia_kgm2rad": (0.01, 0.0, 0.02), "gap_rad": (0.02, 0.01, 0.03)},
     }
     given = extension(tmp_path / "found.json", joint, joint="door")
     out = tmp_path / "new"

@@ -101,7 +101,8 @@ def _gravity(plant, h, q):
     level = np.sin(np.cumsum(q, axis=1) + np.max(h("tilt_rad")))
     if q.shape[1] == 1:
         return weight * level
-    carried = plant.mass[1] * GRAVITY * plant.offset_m
+    heavier = np.broadcast_to(1.0 + h("weight_share"), (2,))[1]  # all of a link's weight, where it hangs on the first
+    carried = plant.mass[1] * GRAVITY * plant.offset_m * heavier
     second = weight[1] * level[:, 1]
     return np.stack([(weight[0] + carried) * level[:, 0] + second, second], axis=1)
 
