@@ -31,10 +31,10 @@ def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> Fl
     passed = np.where(lands, inertia * (free - state.qd) / dt_s, 0.0)
     leant = state.effort * (1.0 - share)
     later = np.where(lands, (passed - leant) * share + 0.5 * leant * (1.0 + share) - 0.5 * passed, 0.0)
-    owed = memory.get("owed", 0.0)
+    owed = memory.get("owed", np.zeros_like(state.effort))
     memory["play"] = np.where(leans, play, np.clip(play + way, -half, half))
     memory["rate"] = np.where(lands, state.qd, free)
-    memory["led"] = np.where(leans, state.qd, np.nan)
+    memory["led"] = np.where(leans & (owed == 0.0), state.qd, np.nan)
     memory["owed"] = later
     return owed + np.where(leans, state.effort, passed - later)
 
