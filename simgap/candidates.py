@@ -81,9 +81,15 @@ def _shows(found: Trial) -> bool:
 
 
 def _begun(found: Trial) -> list[dict[str, float]]:
-    """Where a fit to the end begins."""
-    quick = found.fit.model[-1].values
-    return [quick] if found.direct is None or found.direct.values == quick else [quick, found.direct.values]
+    """Where a fit to the end begins: the quick fit and the direct estimate, of a threshold also halfway to none.
+
+    No descent leads far along a threshold, and a law that is nearly right asks for less on longer roll-outs.
+    """
+    quick, none = found.fit.model[-1].values, found.candidate.null
+    starts = [quick] if found.direct is None or found.direct.values == quick else [quick, found.direct.values]
+    if found.candidate.probes:
+        starts.append({**quick, **{n: 0.5 * (none[n] + quick[n]) for n in found.candidate.strengths}})
+    return starts
 
 
 def _seen_by_themselves(here: Standpoint, finalists: list[Trial]) -> list[Trial]:
