@@ -28,8 +28,8 @@ _STATUS = {"effect_found": "green", "no_effect": "blue", "ambiguous": "yellow", 
 @app.command("find")
 def find_command(
     measurement: Folder,
-    out: Annotated[Path, typer.Option("--out", help="Where report, extension and pictures go.")],
-    jobs: Annotated[int, typer.Option("--jobs", min=1, help="Candidates at a time.")] = 1,
+    out: Annotated[Path, typer.Option("--out", help="Folder for the report; made if absent.")],
+    jobs: Annotated[int, typer.Option("--jobs", min=1, help="Processes; any number gives the same answer.")] = 1,
     quick: Annotated[bool, typer.Option("--quick", help="Skip the slow baseline with all effects at once.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -37,7 +37,7 @@ def find_command(
 
     Finding no effect, or two that cannot be told apart, is an answer too; the page `report.html` explains it. The same
     command again gives the stored answer at once, or continues where it was interrupted. Exit code 1 when the folder
-    cannot be used, 2 when interrupted.
+    cannot be used, 2 when interrupted or called wrongly.
 
     Example: `mana gap find recordings/door --out door_gap`
     """
@@ -75,7 +75,7 @@ def simulate_command(
 ) -> None:
     """Replay every trial with the declared model, and with an extension, and write both beside the readings.
 
-    Mechanisms are replayed in PyBullet too, so that you see what that engine does with the same numbers.
+    Of a mechanism PyBullet replays the first 3 s of the first trial too: what that engine does with the same numbers.
 
     Example: `mana gap simulate recordings/door --extension door_gap/extension.json --out door_replay`
     """
@@ -100,7 +100,7 @@ def extend_command(
     extension: Annotated[Path, typer.Argument(help="An extension.json of `mana gap find`.", exists=True)],
     out: Annotated[Path, typer.Option("--out", help="Folder for the new package or URDF.")] = Path("extended"),
     in_place: Annotated[
-        bool, typer.Option("--in-place", help="Replace the package or URDF itself; ingest makes it anew.")
+        bool, typer.Option("--in-place", help="Replace the package or URDF itself; ingesting again undoes it.")
     ] = False,
     measurement: Annotated[
         Path | None,
@@ -210,7 +210,7 @@ def _show(report: GapReport) -> None:
         {"view": g.view, "before": g.heldout_before, "after": g.heldout_after, "gain": f"{g.reduction:.0%}"}
         for g in report.gains
     ]
-    headings = {"view": "held-out trials", "before": "error before", "after": "after (1 = noise)", "gain": "less error"}
+    headings = {"view": "held-out trials", "before": "error before (1 = noise)", "after": "after", "gain": "less error"}
     text.show_rows(rows, headings)
 
 
