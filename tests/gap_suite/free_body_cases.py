@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from simgap.measurement import Measurement
 from simgap.trial import Trial
 from tests.gap_suite.case import Case, Family
 from tests.gap_suite.free_body_truth import STEP_S, Box, Recording, toss
+from tests.gap_suite.power import ideal_gain, size_of
 
 TRIALS = 12
 
@@ -51,22 +53,28 @@ def free_body_case(number: int) -> Case:
     else:
         some = _effects(box, weight)
         name, made = list(some.items())[(number - number // 3) % len(some)]
-    recordings = [toss(box, made.hidden, rng, made.noise, made.step_s) for _ in range(TRIALS)]
-    spec, measurement = _measured(f"{number:03d} toss {name}", box, recordings)
-
-    def problem() -> FreeBodyProblem:
-        return FreeBodyProblem(measurement, RigidMover(build_body(spec, measurement.root), BulletBodyReplay()))
-
+    again = deepcopy(rng)
+    problem = _recorded(box, made, rng)
+    gain = ideal_gain(problem(), _recorded(box, replace(made, hidden={}), again)()) if made.truth else 0.0
+    size_word = size_of(gain) if made.truth else ""
     return Case(
-        name=f"{number:03d} toss {name}",
+        name=f"{number:03d} toss {name}" + (f" {size_word}" if size_word else ""),
         family="pair" if made.doubles else made.family,
         problem=problem,
-        spec=spec,
+        spec=_spec(box),
         truth=made.truth,
         doubles=made.doubles,
         checked=made.checked,
-        size="large" if made.truth else "",
+        size=size_word,
+        ideal=gain,
     )
+
+
+def _recorded(box: Box, made: Toss, rng: np.random.Generator) -> Callable[[], FreeBodyProblem]:
+    """Tosses as MuJoCo makes them, as a problem; starts and noise follow from the state of `rng`."""
+    recordings = [toss(box, made.hidden, rng, made.noise, made.step_s) for _ in range(TRIALS)]
+    measurement = _measured(_spec(box), recordings)
+    return lambda: FreeBodyProblem(measurement, RigidMover(build_body(_spec(box), Path(".")), BulletBodyReplay()))
 
 
 def _controls(box: Box, rng: np.random.Generator) -> dict[str, Toss]:
@@ -109,8 +117,8 @@ def _effects(box: Box, weight: float) -> dict[str, Toss]:
     }
 
 
-def _measured(name: str, box: Box, recordings: list[Recording]) -> tuple[MeasurementSpec, Measurement]:
-    spec = MeasurementSpec.model_validate(
+def _spec(box: Box) -> MeasurementSpec:
+    return MeasurementSpec.model_validate(
         {
             "schema_version": 1,
             "name": "case",
@@ -134,6 +142,9 @@ def _measured(name: str, box: Box, recordings: list[Recording]) -> tuple[Measure
             },
         }
     )
+
+
+def _measured(spec: MeasurementSpec, recordings: list[Recording]) -> Measurement:
     trials = []
     for k, r in enumerate(recordings):
         n = len(r.t_s)
@@ -158,4 +169,4 @@ def _measured(name: str, box: Box, recordings: list[Recording]) -> tuple[Measure
             )
         )
     noise = SensorNoise(p_m=5e-5, rotation_rad=5e-4, v_mps=4e-3, w_radps=0.04)
-    return spec, Measurement(spec, tuple(trials), Path("."), name, (), noise)
+    return Measurement(spec, tuple(trials), Path("."), "case", (), noise)
