@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import stats
 
 from schemas.gap import Interval
@@ -73,14 +74,19 @@ def change(before: FloatArray, after: FloatArray) -> FloatArray:
     return np.abs(np.log((before + _TINY) / (after + _TINY)))
 
 
+def met(before: FloatArray, after: FloatArray) -> NDArray[np.bool_]:
+    """(n,) trials whose losses differ by no small part of the largest difference: those that meet a threshold."""
+    size = change(before, after)
+    return size > LITTLE * min(float(size.max()), CLEAR)
+
+
 def met_p(before: FloatArray, after: FloatArray) -> float:
     """`paired_p` over the trials that `after` changes, for better or worse; 1 where those are fewer than three.
 
     A threshold says nothing of trials that stay away from it: by their number alone they would hide what it does to
     the others. Which trials are left out is no matter of which model does better in them.
     """
-    size = change(before, after)
-    changed = size > LITTLE * min(float(size.max()), CLEAR)
+    changed = met(before, after)
     return paired_p(before[changed], after[changed]) if changed.sum() >= _FEWEST else 1.0
 
 

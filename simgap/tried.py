@@ -9,7 +9,7 @@ import numpy as np
 
 from simgap.fit import Fit, is_twin
 from simgap.problem import Candidate, DirectEstimate
-from simgap.score import Comparison, adjusted, compare, met_p
+from simgap.score import Comparison, adjusted, compare, met, met_p
 
 LEVEL = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
 _SINGLED_OUT = 0.5  # of the loss that the direct route leaves with the next best candidate
@@ -43,11 +43,25 @@ def round_of(tried: Sequence[Trial]) -> Round:
     """
     ordered = sorted(tried, key=lambda t: (-t.comparison.gain, t.candidate.key))
     p = [float(v) for v in adjusted([t.comparison.p_value for t in ordered])]
-    told = sorted(told_loss(t) for t in ordered)
     for k, t in enumerate(ordered):
-        if t.candidate.probes and len(told) > 1 and told_loss(t) < _SINGLED_OUT * told[1] < np.inf:
+        if t.candidate.probes and _singled_out(t, ordered):
             p[k] = t.comparison.p_value
     return Round(tuple(ordered), tuple(p))
+
+
+def _singled_out(found: Trial, tried: Sequence[Trial]) -> bool:
+    """Whether the direct route leaves far less with it than with any other, of the trials that it changes.
+
+    Most others change next to nothing: their median is what is left without it.
+    """
+    left = [
+        t.direct.held_out for t in tried if t is not found and t.direct is not None and t.direct.held_out is not None
+    ]
+    if found.direct is None or found.direct.held_out is None or not left:
+        return False
+    own = found.direct.held_out
+    changed = met(np.median(left, axis=0), own)
+    return bool(own[changed].sum() < _SINGLED_OUT * min(other[changed].sum() for other in left))
 
 
 def told_loss(found: Trial) -> float:
