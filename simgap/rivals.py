@@ -18,6 +18,8 @@ from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, chance, tried_on, warm
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
 AS_GOOD = 0.05  # level at which the best beats another
 AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
+# The same of a known double: declared numbers that stay free beside one of the two, and not beside the other, do more.
+_DOUBLES_AHEAD = 0.15
 _SMOOTHED = 0.002  # share of what the best takes away by which it must be ahead
 _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
 _LITTLE_MORE = 2.0  # times what the best leaves: what leaves more was no match for it
@@ -152,6 +154,8 @@ def simpler_and_as_good(simpler: Trial, best: Trial) -> bool:
 def beaten(rival: Trial, best: Trial) -> bool:
     """Whether the best leaves less than the rival, beyond chance and by more than smoothing may do."""
     ahead = compare(rival.fit.held_out, best.fit.held_out)
+    if are_doubles(rival.candidate, best.candidate) and ahead.gain < _DOUBLES_AHEAD:
+        return False
     return ahead.p_value < AS_GOOD and clearly_less(rival.fit, best.fit, best)
 
 
@@ -184,7 +188,8 @@ def inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[Tr
             continue
         both = extend(errors, rival.fit, best.candidate, [best.fit.model[-1].values, best.candidate.start])
         over_rival = compare(rival.fit.held_out, both.held_out)
-        if chance(over_rival, both) < LEVEL and clearly_less(rival.fit, both, best):
+        little = are_doubles(rival.candidate, best.candidate) and over_rival.gain < _DOUBLES_AHEAD
+        if not little and chance(over_rival, both) < LEVEL and clearly_less(rival.fit, both, best):
             continue
         found.append(rival)
     return tuple(found)

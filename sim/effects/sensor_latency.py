@@ -51,6 +51,7 @@ EFFECT = Effect(
     confusables=(
         Confusable("actuator.delay", "read commands and motion with one clock, or log the true effort"),
         Confusable("joint.backlash", "reverse at several speeds"),
+        Confusable("actuator.lag", "step the command: a lag rounds the corner"),
     ),
     hook=SensorMap(_report, _recover),
 )
