@@ -198,6 +198,8 @@ def _read(folder: Path, quiet: bool) -> tuple[Measurement, tuple[Diagnostic, ...
 
 def _show(report: GapReport) -> None:
     """The verdict, then what speaks for it."""
+    from simgap.statement import share  # Loads scipy.
+
     style = _STATUS[report.verdict.status]
     text.console.print(f"[bold {style}]{report.verdict.status.replace('_', ' ')}[/]")
     text.console.print(escape(report.verdict.statement), soft_wrap=True)
@@ -207,7 +209,7 @@ def _show(report: GapReport) -> None:
         if trap.status != "ok":
             text.console.print(f"  convention {trap.status}: {trap.name}: {escape(trap.evidence)}", soft_wrap=True)
     rows = [
-        {"view": g.view, "before": g.heldout_before, "after": g.heldout_after, "gain": f"{g.reduction:.0%}"}
+        {"view": g.view, "before": g.heldout_before, "after": g.heldout_after, "gain": share(g.reduction, g.ci95)}
         for g in report.gains
     ]
     headings = {"view": "held-out trials", "before": "error before (1 = noise)", "after": "after", "gain": "less error"}

@@ -71,13 +71,13 @@ def find(
     timing = last.timing() if isinstance(last, Timed) else None
     traps = (*traps, *doubts, *([timing] if timing else []))
     strange = any(trap.status == "suspect" for trap in doubts)
-    verdict = judge(problem, selection, trials.train, leftover, _in_tails(last, selection, trials), strange)
+    short = _gain(last, selection, trials, "short_horizon", horizon_s)
+    verdict = judge(problem, selection, trials.train, short, leftover, _in_tails(last, selection, trials), strange)
     named = [e for e in verdict.effects if e.confidence >= NAMED]
     extension = ModelExtension(
         measurement=measurement,
         effects=tuple(AppliedEffect(name=e.name, where=e.where, parameters=e.parameters) for e in named),
     )
-    short = _gain(last, selection, trials, "short_horizon", horizon_s)
     report = GapReport(
         measurement=measurement,
         n_train=len(trials.train),
@@ -200,8 +200,9 @@ def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
     """All candidates of the first round, and those of later rounds that were accepted there; best first."""
     rows = []
     for number, this in enumerate(selection.rounds):
+        accepted = {a.key for a in selection.accepted[number : number + 1]}
         for trial, p in zip(this.tried, this.p_adjusted, strict=True):
-            if number and trial.candidate.key not in [a.key for a in selection.accepted[number : number + 1]]:
+            if number > 0 and trial.candidate.key not in accepted:
                 continue
             units = {q.name: q.unit for q in trial.candidate.effect.parameters}
             direct = trial.direct

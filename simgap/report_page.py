@@ -9,6 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from schemas.gap import GapReport
 from simgap.pictures.ladder import ladder
+from simgap.statement import share
 
 REPORT, PAGE, PICTURES = "report.json", "report.html", "pictures"
 # Order on the page; those that are absent are left out.
@@ -32,5 +33,8 @@ def render_page(report: GapReport, folder: Path) -> str:
             continue
         pictures.append((title, base64.b64encode(data).decode("ascii")))
     loader = PackageLoader("simgap", "templates")
-    page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("gap.html")
-    return page.render(report=report, pictures=pictures, name=f"measurement {report.measurement[:12]}")
+    pages = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
+    pages.globals["share"] = share
+    return pages.get_template("gap.html").render(
+        report=report, pictures=pictures, name=f"measurement {report.measurement[:12]}"
+    )

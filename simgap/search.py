@@ -176,11 +176,9 @@ def _in_place(found: Accepted, best: Trial, made_up: Numerics) -> Accepted:
     What would not have passed in that round by itself is no surer for it.
     """
     key = best.candidate.key
-    judged = zip(found.round.tried, found.round.p_adjusted, strict=True)
-    p = next((p for t, p in judged if t.candidate.key == key), 1.0)
     tried = tuple(best if t.candidate.key == key else t for t in found.round.tried)
     rivals = tuple(r for r in found.rivals if r.candidate.key != key)
-    return Accepted(best, replace(found.round, tried=tried), p, rivals, made_up)
+    return Accepted(best, replace(found.round, tried=tried), found.round.p_of(key), rivals, made_up)
 
 
 def _next(here: Standpoint, this: Round) -> Accepted | None:
@@ -192,12 +190,13 @@ def _next(here: Standpoint, this: Round) -> Accepted | None:
         made_up = numerics(here.problem, here.trials.train, here.view, here.base.model, trial.fit.model)
         if _exceeds(trial, made_up):
             errors = here.seen_from(trial.fit.model) if trial.candidate.probes else here.errors
-            p = next(p for t, p in zip(this.tried, this.p_adjusted, strict=True) if t is trial)
+            p = this.p_of(trial.candidate.key)
             return Accepted(trial, this, p, inseparable(errors, trial, this.tried), made_up)
     return None
 
 
 def _removed(here: Standpoint, found: Accepted) -> float:
+    """Held-out loss that comes back in a refit without it, as a share of what is left with it."""
     without = fit(here.errors, warm_without(here.base, [found.trial.candidate], here.problem.nuisances()))
     return float(without.held_out.sum() / max(here.base.held_out.sum(), _TINY) - 1.0)
 

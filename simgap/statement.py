@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Literal
 
-import numpy as np
-
-from schemas.gap import AmbiguousGroup, NamedEffect
-from simgap.search import Selection
+from schemas.gap import AmbiguousGroup, Gain, Interval, NamedEffect
+from simgap.checks.splits import FEWEST
 from simgap.tried import Trial
 
 NAMED = 0.8  # the confidence from which a name is sure
+_FAR = 2.0  # noise levels of error beyond which a model without effects is no good one
 STRANGE = (
     "The inputs do not belong to these motions: another trial's do as well or better. Check which file goes with which."
 )
@@ -28,17 +28,14 @@ def status(
     return "outside_model_class" if unexplained else "no_effect"
 
 
-def statement(
-    selection: Selection, named: Sequence[NamedEffect], groups: Sequence[AmbiguousGroup], unexplained: bool
-) -> str:
-    """One sentence a person can act on."""
+def statement(gain: Gain, named: Sequence[NamedEffect], groups: Sequence[AmbiguousGroup], unexplained: bool) -> str:
+    """One sentence a person can act on; `gain` is that of all effects, named or in doubt."""
     certain = [e for e in named if e.confidence >= NAMED]
-    share = 1.0 - np.sqrt(selection.final_losses.sum() / max(selection.null_losses.sum(), 1e-300))
     if certain:
         words = " and ".join(f"{e.name} at {e.where} ({_figures(e)})" for e in certain)
         doubted = ", with what is in doubt beside it" if len(certain) < len(named) else ""
         tail = "; something structured is left" if unexplained else ""
-        return f"Add {words}: {share:.0%} of the held-out error goes away{doubted}{tail}."
+        return f"Add {words}: {share(gain.reduction, gain.ci95)} less held-out error{doubted}{tail}."
     if groups and len(groups[0].effects) == 1:
         first = named[0]
         return (
@@ -48,7 +45,16 @@ def statement(
         return f"These data cannot tell {' from '.join(groups[0].effects)}; to tell: {groups[0].experiment}."
     if unexplained:
         return "The error has structure that no effect of the library explains; see where it is."
+    if gain.heldout_after > _FAR:
+        left = f"what is left is {gain.heldout_after:.2g} times the noise"
+        return f"No effect of the library takes off error that repeats from trial to trial; {left}."
     return "No effect is needed: nothing that is left repeats from trial to trial."
+
+
+def share(value: float, ci95: Interval) -> str:
+    """A share with its interval; one trial tells none, and the lower end of what it leaves open is infinite."""
+    low, high = ci95
+    return f"{value:.0%} ({low:.0%} to {high:.0%})" if math.isfinite(low) else f"{value:.0%} (one trial: no interval)"
 
 
 def _figures(effect: NamedEffect) -> str:
@@ -56,13 +62,15 @@ def _figures(effect: NamedEffect) -> str:
     return ", ".join(f"{n} = {e.value:.3g}" for n, e in seen.items())
 
 
-def experiment(found: Trial, rivals: Sequence[Trial]) -> str:
-    """What would tell the effect from its rivals, from their own files."""
+def experiment(found: Trial, rivals: Sequence[Trial], single: bool = False) -> str:
+    """What would tell the effect from its rivals, from their own files; beside a `single` trial more of them."""
     names = {r.candidate.effect.name for r in rivals}
     told = [c.experiment for c in found.candidate.effect.confusables if c.effect in names]
     told += [
         c.experiment for r in rivals for c in r.candidate.effect.confusables if c.effect == found.candidate.effect.name
     ]
+    if single:
+        told = [f"record {FEWEST} trials or more", *told]
     if not told:
         told = [c.experiment for c in found.candidate.effect.confusables[:1]]
     return "; ".join(dict.fromkeys(told)) or "more trials with larger and smaller motion"

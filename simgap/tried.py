@@ -34,6 +34,10 @@ class Round:
     tried: tuple[Trial, ...]
     p_adjusted: tuple[float, ...]
 
+    def p_of(self, key: str) -> float:
+        """Chance of that candidate's evidence, adjusted for all of the round; 1 of one that was not tried."""
+        return next((p for t, p in zip(self.tried, self.p_adjusted, strict=True) if t.candidate.key == key), 1.0)
+
 
 def round_of(tried: Sequence[Trial]) -> Round:
     """The trials of all candidates on one base, best first, with Holm's correction for their number.

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
-from schemas.gap import AmbiguousGroup, NamedEffect, Verdict
+from schemas.gap import AmbiguousGroup, Gain, NamedEffect, Verdict
 from simgap.agreement import beyond, said_directly
 from simgap.intervals import even, parameters, pressed, stands, unsure, wider
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
@@ -23,16 +24,19 @@ def judge(
     problem: Problem,
     selection: Selection,
     trials: Sequence[str],
+    gain: Gain,
     leftover: Comparison,
     tails: float = 0.0,
     strange: bool = False,
 ) -> Verdict:
-    """The verdict over all accepted effects; `leftover` compares the final model with a black box on top of it.
+    """The verdict over all accepted effects, whose `gain` it tells; `leftover` is that of a black box on top of them.
 
     `tails` is the share of its loss that lies in tails longer than noise has: what comes seldom, as play at reversals,
-    no black box finds. Where the data are `strange`, nothing is sure: the inputs may be those of other motions.
+    no black box finds. Where the data are `strange`, nothing is sure: the inputs may be those of other motions. Where a
+    single trial judges nothing is either: a gain without an interval may be chance.
     """
     unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
+    single = math.isinf(gain.ci95[0])
     nameless = max(leftover.gain if unexplained else 0.0, tails)
     doubted = [_doubted(problem, selection, found, trials) for found in selection.accepted]
     named: list[NamedEffect] = []
@@ -53,7 +57,7 @@ def judge(
         # Beside structure that nothing explains an effect must be the larger of the two: what is wrong with the model
         # repeats from trial to trial like a cause, wherever trials move alike.
         p = accepted.p_adjusted
-        drowned = strange or p >= LEVEL or accepted.removed < nameless or not stands(term, wide)
+        drowned = strange or single or p >= LEVEL or accepted.removed < nameless or not stands(term, wide)
         drowned = drowned or any(_left_by(found.candidate, other) for other in in_doubt)
         effect = NamedEffect(
             name=found.candidate.effect.name,
@@ -65,14 +69,14 @@ def judge(
         if same or drowned or not direct:
             in_doubt.append(found.candidate)
             names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
-            groups.append(AmbiguousGroup(effects=names, experiment=experiment(found, same)))
+            groups.append(AmbiguousGroup(effects=names, experiment=experiment(found, same, single)))
         named.append(effect)
     certain = [e for e in named if e.confidence >= NAMED]
     return Verdict(
         status=status(bool(certain), bool(groups), unexplained or strange),
         effects=tuple(named),
         ambiguous_groups=tuple(groups),
-        statement=statement(selection, named, groups, unexplained) if not strange else STRANGE,
+        statement=statement(gain, named, groups, unexplained) if not strange else STRANGE,
     )
 
 

@@ -53,15 +53,15 @@ def free_body_case(number: int) -> Case:
     else:
         some = _effects(box, weight)
         name, made = list(some.items())[(number - number // 3) % len(some)]
-    again = deepcopy(rng)
-    problem = _recorded(box, made, rng)
-    gain = ideal_gain(problem(), _recorded(box, replace(made, hidden={}), again)()) if made.truth else 0.0
+    spec, again = _spec(box), deepcopy(rng)
+    problem = _recorded(box, spec, made, rng)
+    gain = ideal_gain(problem(), _recorded(box, spec, replace(made, hidden={}), again)()) if made.truth else 0.0
     size_word = size_of(gain) if made.truth else ""
     return Case(
         name=f"{number:03d} toss {name}" + (f" {size_word}" if size_word else ""),
         family="pair" if made.doubles else made.family,
         problem=problem,
-        spec=_spec(box),
+        spec=spec,
         truth=made.truth,
         doubles=made.doubles,
         checked=made.checked,
@@ -70,11 +70,11 @@ def free_body_case(number: int) -> Case:
     )
 
 
-def _recorded(box: Box, made: Toss, rng: np.random.Generator) -> Callable[[], FreeBodyProblem]:
+def _recorded(box: Box, spec: MeasurementSpec, made: Toss, rng: np.random.Generator) -> Callable[[], FreeBodyProblem]:
     """Tosses as MuJoCo makes them, as a problem; starts and noise follow from the state of `rng`."""
     recordings = [toss(box, made.hidden, rng, made.noise, made.step_s) for _ in range(TRIALS)]
-    measurement = _measured(_spec(box), recordings)
-    return lambda: FreeBodyProblem(measurement, RigidMover(build_body(_spec(box), Path(".")), BulletBodyReplay()))
+    measurement = _measured(spec, recordings)
+    return lambda: FreeBodyProblem(measurement, RigidMover(build_body(spec, Path(".")), BulletBodyReplay()))
 
 
 def _controls(box: Box, rng: np.random.Generator) -> dict[str, Toss]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from schemas.gap import Place
+from schemas.gap import Gain, Place
 from schemas.model import FloatArray
 from sim.effects.library import effect
 from simgap.agreement import agree
@@ -27,6 +27,17 @@ from simgap.verdict import judge
 
 TRIALS, ROWS = 12, 40
 NAMES = {"joint.coulomb_friction": "torque_Nm", "joint.viscous_friction": "damping_Nms_per_rad"}
+GAIN = Gain(
+    view="short_horizon",
+    horizon_s=0.2,
+    metric="rms error in noise levels",
+    heldout_before=4.0,
+    heldout_after=2.0,
+    reduction=0.5,
+    ci95=(0.4, 0.6),
+    noise_floor=1.0,
+    gap_closed=0.7,
+)
 COULOMB, VISCOUS = (
     Candidate(effect(name), Place(joint="axis"), {p: 0.0}, {p: 0.0}, {p: (-10.0, 10.0)}) for name, p in NAMES.items()
 )
@@ -180,7 +191,7 @@ def test_what_took_the_place_of_another_and_may_be_chance_has_no_sure_name(p_adj
     found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
     accepted = Accepted(found, Round((found,), (p_adjusted,)), p_adjusted, (), Numerics())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
-    verdict = judge(Told(), selection, ("t0",), Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
+    verdict = judge(Told(), selection, ("t0",), GAIN, Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
     assert verdict.status == ("effect_found" if sure else "ambiguous")
 
 
@@ -198,7 +209,7 @@ def test_what_may_be_nothing_by_its_own_interval_has_no_sure_name(error: float, 
     found = replace(_tried(errors, null, COULOMB), direct=said)
     accepted = Accepted(found, Round((found,), (1e-6,)), 1e-6, (), Numerics())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
-    verdict = judge(Told(), selection, ("t0",), Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
+    verdict = judge(Told(), selection, ("t0",), GAIN, Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
     (low, high) = verdict.effects[0].parameters["torque_Nm"].ci95
     assert (verdict.status == "effect_found") == sure
     assert (low > 0.0) == sure
@@ -239,3 +250,21 @@ def test_test_trials_that_stay_away_from_a_threshold_do_not_confirm_what_harms_t
     assert not _confirmed(null, replace(found, candidate=COULOMB), still, 1.05 * still)
     assert not _confirmed(null, found, still, 1.15 * still)
     assert not _confirmed(null, found, still, 2.4 * still)
+
+
+def test_what_a_single_trial_judges_has_no_sure_name():
+    """A gain without an interval may be chance; more trials are asked for."""
+
+    class Told:
+        def direct(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate:
+            return DirectEstimate({"torque_Nm": 2.0}, {"torque_Nm": 0.05}, 1e-3, TRIALS)
+
+    errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
+    null = fit(errors, ())
+    found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
+    accepted = Accepted(found, Round((found,), (1e-6,)), 1e-6, (), Numerics())
+    selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
+    alone = GAIN.model_copy(update={"ci95": (-np.inf, 1.0)})
+    verdicts = [judge(Told(), selection, ("t0",), g, Comparison(0.0, (0.0, 0.0), 1.0)) for g in (GAIN, alone)]  # pyright: ignore[reportArgumentType]
+    assert [v.status for v in verdicts] == ["effect_found", "ambiguous"]
+    assert "record 4 trials or more" in verdicts[1].statement

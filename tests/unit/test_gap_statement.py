@@ -1,0 +1,55 @@
+"""What a report says in words: one gain everywhere, and no interval where one trial judges."""
+
+import numpy as np
+import pytest
+
+from schemas.gap import AmbiguousGroup, Estimate, Gain, NamedEffect, Place
+from simgap.statement import share, statement
+
+
+def gain(reduction: float, low: float) -> Gain:
+    """Of one view; all else is of no matter here."""
+    return Gain(
+        view="short_horizon",
+        horizon_s=0.08,
+        metric="rms error in noise levels",
+        heldout_before=4.0,
+        heldout_after=4.0 * (1.0 - reduction),
+        reduction=reduction,
+        ci95=(low, 0.7),
+        noise_floor=1.0,
+        gap_closed=0.5,
+    )
+
+
+def friction(confidence: float) -> NamedEffect:
+    return NamedEffect(
+        name="contact.friction",
+        where=Place(pair="body-support"),
+        confidence=confidence,
+        routes={"heldout": True, "direct": True},
+        parameters={"mu": Estimate(value=0.2, unit="1", ci95=(0.1, 0.3))},
+    )
+
+
+@pytest.mark.parametrize(
+    ("low", "said"), [(0.3, "50% (30% to 70%)"), (-0.1, "50% (-10% to 70%)"), (-np.inf, "50% (one trial: no interval)")]
+)
+def test_a_share_carries_its_interval_where_there_is_one(low, said):
+    assert share(0.5, (low, 0.7)) == said
+
+
+def test_an_error_far_above_the_noise_is_told_where_nothing_is_named():
+    words = statement(gain(0.0, 0.0), [], [], False)
+    assert "4 times the noise" in words
+
+
+def test_the_sentence_tells_the_gain_of_the_report():
+    words = statement(gain(0.5, 0.3), [friction(1.0)], [], False)
+    assert words == "Add contact.friction at body-support (mu = 0.2): 50% (30% to 70%) less held-out error."
+
+
+def test_what_is_in_doubt_is_told_where_its_gain_is_counted():
+    doubt = AmbiguousGroup(effects=("body.inertia",), experiment="spin it")
+    words = statement(gain(0.5, 0.3), [friction(1.0), friction(0.4)], [doubt], True)
+    assert words.endswith("less held-out error, with what is in doubt beside it; something structured is left.")
