@@ -81,6 +81,11 @@ class SeparateJoints:
     pull: FloatArray  # (3, j)
     spin: FloatArray
 
+    @cached_property
+    def turned(self) -> bool:
+        """Whether gravity asks for another effort elsewhere."""
+        return bool(self.along.any() or self.across.any())
+
     @staticmethod
     def of(tree: Tree, gravity_W: FloatArray) -> SeparateJoints:
         """The closed form: moments of the weight about the axis with the link at zero and at a quarter turn."""
@@ -121,6 +126,8 @@ class SeparatePosture:
 
     def bias(self, qd: FloatArray) -> FloatArray:
         """See `Posture`."""
+        if not self.joints.turned:
+            return self.joints.level
         return self.joints.level + self.joints.along * np.cos(self.q) + self.joints.across * np.sin(self.q)
 
     def load(self, qd: FloatArray) -> FloatArray:
@@ -209,6 +216,11 @@ class PlanarChain:
     gravity: complex
     aside: float  # gravity along y
 
+    @cached_property
+    def own(self) -> tuple[FloatArray, FloatArray]:
+        """(j, j) diagonal matrices of `turning` and `armature`."""
+        return np.diag(self.turning), np.diag(self.armature)
+
     @staticmethod
     def of(tree: Tree, gravity_W: FloatArray) -> PlanarChain:
         """Sums over the links of a tree for which `_planar` holds."""
@@ -249,8 +261,8 @@ class PlanarPosture:
     @cached_property
     def mass(self) -> FloatArray:
         """(w, j, j) mass matrix."""
-        absolute = self.between.real + np.diag(self.chain.turning)
-        return _onto_joints(_onto_joints(absolute).swapaxes(1, 2)) + np.diag(self.chain.armature)
+        turning, armature = self.chain.own
+        return _onto_joints(_onto_joints(self.between.real + turning).swapaxes(1, 2)) + armature
 
     def bias(self, qd: FloatArray) -> FloatArray:
         """See `Posture`."""
@@ -284,7 +296,12 @@ def _onto_joints(absolute: FloatArray) -> FloatArray:
 
 def _coupled_rates(M: FloatArray, qd: FloatArray, effort: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
     momentum = np.einsum("wij,wj->wi", M, qd) + h * effort
-    return _solved(M + h[:, :, None] * np.diag(damping), momentum.T).T
+    return _solved(_damped(M, damping, h), momentum.T).T
+
+
+def _damped(M: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
+    """Mass matrices with implicit damping."""
+    return M + h[:, :, None] * np.diag(damping) if damping.any() else M
 
 
 def _coupled_held(
@@ -292,7 +309,7 @@ def _coupled_held(
 ) -> FloatArray:
     """Projected Gauss-Seidel over the joints, as engines do for contacts."""
     # Joint by joint from here on, worlds side by side: (j, j, w) and (j, w).
-    A, units = M + h[:, :, None] * np.diag(damping), np.eye(M.shape[1])[:, :, None]
+    A, units = _damped(M, damping, h), np.eye(M.shape[1])[:, :, None]
     inverse = np.stack([_solved(A, unit) for unit in units], axis=1)
     most, rates = largest.T.copy(), free.T.copy()
     impulse = np.zeros_like(rates)

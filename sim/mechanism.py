@@ -68,6 +68,22 @@ class Windows:
     aux: Mapping[str, FloatArray] = field(default_factory=dict)  # (w, k) each
 
 
+def from_each(windows: Windows, q0: FloatArray, qd0: FloatArray) -> Windows:
+    """The same windows once from each of several starts (m, w, j): m * w windows, of which one step costs far less."""
+
+    def again(values: FloatArray) -> FloatArray:
+        return np.tile(values, (len(q0), *[1] * (values.ndim - 1)))
+
+    return Windows(
+        t_s=again(windows.t_s),
+        q0=q0.reshape(-1, q0.shape[2]),
+        qd0=qd0.reshape(-1, qd0.shape[2]),
+        command=None if windows.command is None else again(windows.command),
+        effort=None if windows.effort is None else again(windows.effort),
+        aux={name: again(values) for name, values in windows.aux.items()},
+    )
+
+
 def rollout(
     model: MechanismModel, windows: Windows, laws: Sequence[Law] = (), *, largest_step_s: float = 5e-3, finer: int = 1
 ) -> tuple[FloatArray, FloatArray]:
@@ -80,9 +96,9 @@ def rollout(
     q, qd = windows.q0.astype(float).copy(), windows.qd0.astype(float).copy()
     Q, QD = (np.empty((worlds, stamps, q.shape[1])) for _ in range(2))
     Q[:, 0], QD[:, 0] = q, qd
-    forces = _Forces.of(model, laws)
+    forces = _Forces.of(model, laws, worlds)
     spans = np.diff(windows.t_s, axis=1)
-    typical = np.nanmedian(spans, axis=0) if stamps > 1 else np.zeros(0)
+    typical = _medians(spans)
     gained, before = np.zeros_like(qd), np.zeros((worlds, 1))
     for k in range(stamps - 1):
         steps = max(1, int(np.ceil(typical[k] / largest_step_s - _JITTER))) * finer
@@ -108,6 +124,12 @@ def rollout(
     return Q, QD
 
 
+def _medians(spans: FloatArray) -> FloatArray:
+    """(k,) over windows; those that are no number are left out, which takes far longer."""
+    plain = np.median(spans, axis=0)
+    return np.nanmedian(spans, axis=0) if np.isnan(plain).any() else plain
+
+
 def asked_effort(drive: Drive, windows: Windows, k: int, q: FloatArray, qd: FloatArray) -> FloatArray:
     """Effort that the log or the controller asks for (w, j)."""
     if drive.type == "effort" and windows.effort is not None:
@@ -130,9 +152,10 @@ class _Forces:
     torques: tuple[tuple[Law, JointTorque, dict[str, FloatArray]], ...]
     frictions: tuple[tuple[Law, JointFriction], ...]
     rubs: bool
+    unknown: FloatArray  # (w, j) in place of loads that nobody asks for
 
     @staticmethod
-    def of(model: MechanismModel, laws: Sequence[Law]) -> _Forces:
+    def of(model: MechanismModel, laws: Sequence[Law], worlds: int) -> _Forces:
         frictions = tuple((law, law.hook) for law in laws if isinstance(law.hook, JointFriction))
         return _Forces(
             model,
@@ -141,6 +164,7 @@ class _Forces:
             tuple((law, law.hook, {}) for law in laws if isinstance(law.hook, JointTorque)),
             frictions,
             bool(frictions) or bool(model.friction.any()),
+            np.full((worlds, len(model.tree)), np.nan),
         )
 
     def with_own_memory(self) -> _Forces:
@@ -171,7 +195,7 @@ class _Forces:
             rubbing = None if friction is None else friction[one]
             return JointState(t_s, q[one], qd[one], effort[one], load[one], dt_s, aux, rubbing)
 
-        unknown = np.full(q.shape, np.nan) if self.drives or self.torques or self.frictions else q
+        unknown = self.unknown
         for law, hook, memory in self.drives:
             effort[:, law.joint, None] = hook.map(state(law.joint, unknown), law.params, memory)
         # How links whirl one another is the one smooth force that depends on rates so much that half a step matters.

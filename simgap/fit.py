@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import product
+from functools import cache, cached_property
+from itertools import accumulate, pairwise, product
 
 import numpy as np
 from scipy import stats
@@ -92,7 +92,9 @@ def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: F
 
     def errors(model: Model) -> list[FloatArray]:
         found = problem.residuals(model, trials, view)
-        return clusters([np.clip(np.nan_to_num(r / scale), -_CLIP, _CLIP) for r in found])
+        levels = np.nan_to_num(np.concatenate(found) / scale)
+        ends = np.cumsum([len(r) for r in found])[:-1]
+        return clusters(np.split(np.minimum(np.maximum(levels, -_CLIP), _CLIP), ends))
 
     return errors
 
@@ -100,7 +102,20 @@ def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: F
 def clusters(by_trial: Sequence[FloatArray]) -> list[FloatArray]:
     """Rows (k, c) of trials as flat arrays, one per trial; few trials are cut into stretches, which stand for them."""
     parts = -(-_LEAST_CLUSTERS // len(by_trial))
-    return [part.ravel() for r in by_trial for part in np.array_split(r, max(1, min(parts, len(r))))]
+    if parts <= 1:
+        return [r.ravel() for r in by_trial]
+    out = []
+    for r in by_trial:
+        ends = _ends(len(r), max(1, min(parts, len(r))))
+        out += [r[a:b].ravel() for a, b in pairwise((0, *ends))]
+    return out
+
+
+@cache
+def _ends(rows: int, parts: int) -> tuple[int, ...]:
+    """Ends of stretches of nearly equal length; the first ones are longer by what is left."""
+    each, left = divmod(rows, parts)
+    return tuple(accumulate(each + (k < left) for k in range(parts)))
 
 
 def spread(problem: Problem, fitted: Model, trials: Sequence[str], view: View) -> FloatArray:

@@ -9,7 +9,7 @@ from sim.effects.effect import Confusable, Effect, EffortMap, JointState, Parame
 
 
 def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return np.clip(state.effort, -params["limit_Nm"], params["limit_Nm"])
+    return np.minimum(np.maximum(state.effort, -params["limit_Nm"]), params["limit_Nm"])
 
 
 EFFECT = Effect(

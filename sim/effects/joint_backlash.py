@@ -19,20 +19,23 @@ def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> Fl
     """
     half, dt_s = 0.5 * params["gap_rad"], max(state.dt_s, _STANDSTILL_S)
     inertia = max(params["gap_inertia_kgm2rad"] / params["gap_rad"], _FAST)
-    play = memory.get("play", half * np.sign(state.effort))  # drive minus joint
-    rate = memory.get("rate", state.qd)
+    if not memory:
+        play = half * np.sign(state.effort)  # drive minus joint
+        memory.update(play=play, rate=state.qd, led=state.qd, owed=np.zeros_like(state.effort))
+    play, rate, owed = memory["play"], memory["rate"], memory["owed"]
     # To keep up with the joint; one that was just struck was no faster before.
-    needed = np.nan_to_num(inertia * (state.qd - memory.get("led", state.qd)) / dt_s)
+    needed = inertia * (state.qd - memory["led"]) / dt_s
+    needed = np.where(np.isnan(needed), 0.0, needed)
     leans = (np.abs(play) >= half) & (play * (state.effort - needed) >= 0.0)
     free = np.where(leans, state.qd, rate + state.effort * dt_s / inertia)
     way = (0.5 * (rate + free) - state.qd) * dt_s
     lands = (np.abs(play + way) >= half) & ~leans & (way != 0.0)
-    share = np.clip((np.copysign(half, way) - play) / np.where(lands, way, 1.0), 0.0, 1.0)  # of the step, before it
+    share = (np.copysign(half, way) - play) / np.where(lands, way, 1.0)
+    share = np.minimum(np.maximum(share, 0.0), 1.0)  # of the step, before it
     passed = np.where(lands, inertia * (free - state.qd) / dt_s, 0.0)
     leant = state.effort * (1.0 - share)
     later = np.where(lands, (passed - leant) * share + 0.5 * leant * (1.0 + share) - 0.5 * passed, 0.0)
-    owed = memory.get("owed", np.zeros_like(state.effort))
-    memory["play"] = np.where(leans, play, np.clip(play + way, -half, half))
+    memory["play"] = np.where(leans, play, np.minimum(np.maximum(play + way, -half), half))
     memory["rate"] = np.where(lands, state.qd, free)
     memory["led"] = np.where(leans & (owed == 0.0), state.qd, np.nan)
     memory["owed"] = later

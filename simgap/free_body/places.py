@@ -20,6 +20,7 @@ FRICTION_TOLERANCE = 0.15
 # Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
 STEP, _NUISANCE_STEP = 0.02, 0.2
 _COARSEST = 0.2
+_AGREED = 1.0  # share by which a fit may exceed a direct estimate with which it agrees (`simgap.agreement`)
 _SEEN, _SMALL = 0.05, 0.02  # level of "something is there"; share of the bounds that is little
 _NEED_SUPPORT = ("contact", "body.size")
 _NEED_JOINTS = ("joint", "sensor.bias")
@@ -92,11 +93,14 @@ def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
 
 
 def narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
-    """The candidate with bounds from no effect to the direct estimate, and a little beyond both."""
+    """The candidate with bounds from no effect to the direct estimate, and beyond both as far as routes may disagree.
+
+    A fit that ends at a bound is not believed: bounds closer than that would refuse what both routes see.
+    """
     bounds, step = {}, wide.step
     for name, (low, high) in wide.bounds.items():
         null, value = wide.null[name], direct.values[name]
-        beyond = 0.25 * abs(value - null) + 4.0 * direct.standard_errors[name] + 0.002 * (high - low)
+        beyond = _AGREED * abs(value - null) + 4.0 * direct.standard_errors[name] + 0.002 * (high - low)
         bounds[name] = (max(low, min(null, value) - beyond), min(high, max(null, value) + beyond))
         if bounds[name][0] >= bounds[name][1]:
             return wide

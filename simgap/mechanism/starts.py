@@ -15,7 +15,7 @@ import numpy as np
 
 from schemas.model import FloatArray
 from sim.effects.effect import Series
-from sim.mechanism import Windows, rollout
+from sim.mechanism import Windows, from_each, rollout
 from simgap.mechanism.smooth import Smooth
 from simgap.mechanism.terms import Applied
 from simgap.mechanism.windows import Cut, windows_of
@@ -120,27 +120,29 @@ class _Starts:
         )
 
     def rolled(self, begun: FloatArray, finer: int = 1) -> tuple[FloatArray, FloatArray]:
-        """Positions and rates (w, k, j) of roll-outs that begin so many deviations (w, j, 2) away from the readings."""
+        """Positions and rates (m, w, k, j) of roll-outs that begin so many deviations (m, w, j, 2) off the readings."""
         q0 = self.windows.q0 + begun[..., 0] * self.noise_q
         qd0 = self.windows.qd0 + begun[..., 1] * self.noise_qd
-        start, model = replace(self.windows, q0=q0, qd0=qd0), self.applied
-        return rollout(model.mechanism, start, model.laws, largest_step_s=self.step_s, finer=finer)
+        start, model = from_each(self.windows, q0, qd0), self.applied
+        q, qd = rollout(model.mechanism, start, model.laws, largest_step_s=self.step_s, finer=finer)
+        shape = (*q0.shape[:2], *q.shape[1:])
+        return q.reshape(shape), qd.reshape(shape)
 
     def compared(self, begun: FloatArray, finer: int = 1) -> FloatArray:
-        """(w, c, j) what is compared of those positions."""
+        """(m, w, c, j) what is compared of those positions."""
         q, _ = self.rolled(begun, finer)
-        parts = np.split(q, np.cumsum([len(c.rows) for c in self.cuts])[:-1])
-        return np.concatenate([piece.of(part) for part, piece in zip(parts, self.cuts, strict=True)])
+        ends = np.cumsum([len(c.rows) for c in self.cuts])[:-1]
+        return np.stack([_seen(np.split(one, ends), self.cuts) for one in q])
 
     def by_steps(self, begun: FloatArray) -> FloatArray:
         """(w, c, j) what steps without length would change."""
-        plain = self.compared(begun)
+        plain = self.compared(begun[None])[0]
         shares = zip(_TO_NO_STEP[1:], (2, 4), strict=True)
-        return np.sum([share * (self.compared(begun, finer) - plain) for share, finer in shares], axis=0)
+        return np.sum([share * (self.compared(begun[None], finer)[0] - plain) for share, finer in shares], axis=0)
 
     def handed_on(self, begun: FloatArray) -> tuple[FloatArray, np.ndarray]:
         """(w, j, 2) deviations at which the window before would have each begin, and (w,) whether one reaches it."""
-        q, qd = self.rolled(begun)
+        (q,), (qd,) = self.rolled(begun[None])
         out, reached = begun.copy(), np.zeros(len(begun), dtype=bool)
         first = 0
         for piece in self.cuts:
@@ -155,10 +157,15 @@ class _Starts:
 
     def around(self, begun: FloatArray) -> tuple[FloatArray, FreeStarts]:
         """What is compared, and how it follows starts about there: each joint's place and rate, one after another."""
-        plain = self.compared(begun)
-        ones = np.eye(begun[0].size).reshape(-1, *begun.shape[1:])
-        changes = np.stack([self.compared(begun + one) - plain for one in ones], axis=-1)
+        ones = np.eye(begun[0].size).reshape(-1, 1, *begun.shape[1:])
+        plain, *moved = self.compared(np.concatenate([begun[None], begun + ones]))
+        changes = np.stack(moved, axis=-1) - plain[..., None]
         return plain, free_starts(changes, self.noise, np.zeros_like(plain))
+
+
+def _seen(parts: Sequence[FloatArray], cuts: Sequence[Cut]) -> FloatArray:
+    """(w, c, j) what is compared of positions (w, k, j) of each trial."""
+    return np.concatenate([piece.of(part) for part, piece in zip(parts, cuts, strict=True)])
 
 
 def _begun(starts: _Starts, begun: FloatArray, by_steps: FloatArray) -> FloatArray:
