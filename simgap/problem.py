@@ -66,6 +66,7 @@ class DirectEstimate:
 
     values, standard_errors   per parameter; `p_value` of "no effect" over trials; `trials` that could be used.
     held_out   loss of each trial under what the others teach, where the route has one; comparable between candidates.
+    apart      what each says by itself where several readings of the motion tell the same number.
     """
 
     values: dict[str, float]
@@ -73,6 +74,7 @@ class DirectEstimate:
     p_value: float
     trials: int
     held_out: FloatArray | None = None
+    apart: tuple[DirectEstimate, ...] = ()
 
 
 @runtime_checkable

@@ -8,6 +8,7 @@ with the rest count less (Cauchy's weights).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy import stats
@@ -66,7 +67,10 @@ def estimate(
     if not routes:
         return None
     null = np.array(list(candidate.null.values()))
-    p = min(_p_value(values, errors, null, n) for values, errors, n in routes) * len(routes)
+    apart = [_estimate(names, values, errors, n, _p_value(values, errors, null, n)) for values, errors, n in routes]
+    if len(routes) == 1:
+        return apart[0]
+    p = min(one.p_value for one in apart) * len(routes)
     values, errors, trials = routes[0]
     for other, error, n in routes[1:]:
         # Two routes to one number: their mean, with their disagreement as part of its error.
@@ -74,6 +78,10 @@ def estimate(
         middle = (values / errors**2 + other / error**2) / total
         errors = np.sqrt(1.0 / total + np.maximum(0.25 * (values - other) ** 2 - 0.25 * (errors**2 + error**2), 0.0))
         values, trials = middle, min(trials, n)
+    return replace(_estimate(names, values, errors, trials, p), apart=tuple(apart))
+
+
+def _estimate(names: Sequence[str], values: FloatArray, errors: FloatArray, trials: int, p: float) -> DirectEstimate:
     named, spread = (dict(zip(names, v.tolist(), strict=True)) for v in (values, errors))
     return DirectEstimate(named, spread, min(p, 1.0), trials)
 

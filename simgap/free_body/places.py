@@ -59,7 +59,12 @@ def candidates_of(
 
 
 def absent(wide: Candidate, direct: DirectEstimate) -> bool:
-    """Whether the direct estimate sees nothing, and would see a small share of what is possible."""
+    """Whether the direct estimate sees nothing, and would see a small share of what is possible.
+
+    Of several readings of one number one is enough: what shrinks at rest and not in falls is no scale.
+    """
+    if direct.apart:
+        return any(absent(wide, one) for one in direct.apart)
     if direct.p_value < _SEEN:
         return False
     return all(

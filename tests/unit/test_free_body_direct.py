@@ -164,6 +164,15 @@ def test_a_scale_that_falls_and_heights_do_not_share_is_not_sure():
         assert abs(found.values["factor"] - told) < 3.0 * found.standard_errors["factor"]
 
 
+@pytest.mark.parametrize(("fallen", "lost"), [(1.0, "sensor.scale"), (0.95, None)])
+def test_what_shrinks_at_rest_and_not_in_falls_is_no_scale(fallen: float, lost: str | None):
+    flights = [_toss(*_flight(np.array([0.0, 0.0, -fallen * G]))[:3]) for _ in range(6)]
+    tosses = flights + [_toss(*_sliding(0.5, 0.95 * EDGE / 2.0)) for _ in range(6)]
+    tried = candidates_of(CUBE, [t.series for t in tosses], lambda candidate: estimate(candidate, tosses))
+    names = {c.effect.name for c in tried}
+    assert {"sensor.scale", "body.size"} - names == ({lost} - {None})
+
+
 def test_accepted_terms_leave_nothing_to_find():
     heavy = replace(CUBE, gravity_W=np.array([0.0, 0.0, -9.4]))
     found = _said("world.constant_force", [_toss(*_flight(heavy.gravity_W)[:3], body=heavy) for _ in range(8)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from simgap.problem import Term
 from tests.gap_suite.free_body_cases import free_body_case
 from tests.gap_suite.run import run_case
 
@@ -24,6 +25,14 @@ def test_what_another_engine_hides_is_read_off_its_motion(number, name, paramete
     assert found is not None
     assert abs(found.values[parameter]) == pytest.approx(abs(truth), abs=within)
     assert found.p_value < 1e-3
+
+
+def test_beside_a_scale_that_contacts_fitted_badly_a_box_is_no_smaller():
+    problem = free_body_case(28).problem()
+    scale, size = (next(c for c in problem.candidates() if c.effect.name == n) for n in ("sensor.scale", "body.size"))
+    beside = problem.direct(size, (Term(scale, {"factor": 0.965}),), problem.trial_ids)  # hidden: 0.95
+    assert beside is not None
+    assert beside.values["factor"] == pytest.approx(1.0, abs=0.003)
 
 
 def test_another_engine_with_nothing_hidden_gives_no_name():
