@@ -26,7 +26,7 @@ def _targets(records: Sequence[Record]) -> list[str]:
         return [r for r in of(*families, size=size) if _seen(r)]
 
     sized = of("single", "two", "pair")
-    # Tosses have no perfect model beside them: their sizes are fixed, not set by what it gains.
+    # Beside a perfect model that gains nothing there is no share of it.
     told = [r for r in sized if r["outcome"] in ("named", "pair") and _number(r["ideal"]) > 0.0]
     gains = [_number(r["reduction"]) / _number(r["ideal"]) for r in told]
     covered = [bool(c) for r in sized for c in _list(r["covered"])]
