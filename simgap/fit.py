@@ -53,7 +53,7 @@ class Fit:
         widths = half_widths(self.solution) if self.free else np.zeros(0)
         out: dict[str, dict[str, float]] = {c.key: {} for c in self.free}
         for (c, name), width in zip(_parameters(self.free), widths, strict=True):
-            out[c.key][name] = float(width * (c.bounds[name][1] - c.bounds[name][0]))
+            out[c.key][name] = max(float(width * (c.bounds[name][1] - c.bounds[name][0])), c.told.get(name, 0.0))
         return out
 
     def stands_out(self, least: Mapping[str, float]) -> bool:

@@ -35,7 +35,7 @@ def statement(gain: Gain, named: Sequence[NamedEffect], groups: Sequence[Ambiguo
         words = " and ".join(f"{e.name} at {e.where} ({_figures(e)})" for e in certain)
         doubted = ", with what is in doubt beside it" if len(certain) < len(named) else ""
         tail = "; something structured is left" if unexplained else ""
-        return f"Add {words}: {share(gain.reduction, gain.ci95)} less held-out error{doubted}{tail}."
+        return f"Add {words}: {gained(gain)}{doubted}{tail}."
     if groups and len(groups[0].effects) == 1:
         first = named[0]
         return (
@@ -49,6 +49,12 @@ def statement(gain: Gain, named: Sequence[NamedEffect], groups: Sequence[Ambiguo
         left = f"what is left is {gain.heldout_after:.2g} times the noise"
         return f"No effect of the library takes off error that repeats from trial to trial; {left}."
     return "No effect is needed: nothing that is left repeats from trial to trial."
+
+
+def gained(gain: Gain) -> str:
+    """How much error goes away; where none does, a name says what is there, not what it is worth."""
+    how_much = share(gain.reduction, gain.ci95)
+    return f"{how_much} less held-out error" if gain.reduction > 0.0 else f"no less held-out error, {how_much}"
 
 
 def share(value: float, ci95: Interval) -> str:

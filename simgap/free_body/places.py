@@ -20,7 +20,7 @@ FRICTION_TOLERANCE = 0.15
 # Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
 STEP, _NUISANCE_STEP = 0.02, 0.2
 _COARSEST = 0.2
-_AGREED = 1.0  # share by which a fit may exceed a direct estimate with which it agrees (`simgap.agreement`)
+_TOLD, _BEYOND = 0.01, 0.25  # level at which falls and rest have the last word; share beyond what they say elsewhere
 _SEEN, _SMALL = 0.05, 0.02  # level of "something is there"; share of the bounds that is little
 _NEED_SUPPORT = ("contact", "body.size")
 _NEED_JOINTS = ("joint", "sensor.bias")
@@ -98,19 +98,22 @@ def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
 
 
 def narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
-    """The candidate with bounds from no effect to the direct estimate, and beyond both as far as routes may disagree.
+    """The candidate with bounds from no effect to the direct estimate, and beyond both no further than that errs.
 
-    A fit that ends at a bound is not believed: bounds closer than that would refuse what both routes see.
+    Where that is unsure, a little further. Fits to contacts stray: one that ends at such a bound is as sure as that.
     """
-    bounds, step = {}, wide.step
+    bounds, told, step = {}, {}, wide.step
     for name, (low, high) in wide.bounds.items():
         null, value = wide.null[name], direct.values[name]
-        beyond = _AGREED * abs(value - null) + 4.0 * direct.standard_errors[name] + 0.002 * (high - low)
+        beyond = 4.0 * direct.standard_errors[name] + 0.002 * (high - low)
+        if direct.p_value > _TOLD:
+            beyond += _BEYOND * abs(value - null)
         bounds[name] = (max(low, min(null, value) - beyond), min(high, max(null, value) + beyond))
         if bounds[name][0] >= bounds[name][1]:
             return wide
+        told[name] = beyond
         step = min(_COARSEST, wide.step * (high - low) / (bounds[name][1] - bounds[name][0]))
-    return replace(wide, bounds=bounds, step=step)
+    return replace(wide, bounds=bounds, told=told, step=step)
 
 
 def _observable(each: Effect, model: BodyModel) -> bool:
