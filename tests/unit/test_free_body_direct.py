@@ -14,7 +14,7 @@ from sim.body_replay import BodyModel
 from sim.effects.effect import Series
 from simgap.free_body.direct import estimate, pooled
 from simgap.free_body.evidence import Evidence
-from simgap.free_body.places import candidates_of
+from simgap.free_body.places import candidates_of, narrowed
 from simgap.free_body.terms import AppliedBody
 from simgap.free_body.toss import Toss
 from simgap.problem import DirectEstimate
@@ -171,6 +171,17 @@ def test_what_shrinks_at_rest_and_not_in_falls_is_no_scale(fallen: float, lost: 
     tried = candidates_of(CUBE, [t.series for t in tosses], lambda candidate: estimate(candidate, tosses))
     names = {c.effect.name for c in tried}
     assert {"sensor.scale", "body.size"} - names == ({lost} - {None})
+
+
+@pytest.mark.parametrize(("p_value", "highest"), [(1e-6, 0.0038), (0.03, 0.0046)])
+def test_fits_go_no_further_than_what_motion_tells_errs(p_value: float, highest: float):
+    flight = _toss(*_flight(np.array([0.0, 0.0, -G]))[:3])
+    wide = next(c for c in candidates_of(CUBE, [flight.series]) if c.effect.name == "sensor.velocity_age")
+    low, high = wide.bounds["age_s"]
+    held = narrowed(wide, DirectEstimate({"age_s": 0.0034}, {"age_s": 1e-4}, p_value, 12))
+    span = 0.002 * (high - low)
+    assert held.bounds["age_s"] == pytest.approx((max(low, -highest + 0.0034 - span), highest + span), abs=6e-5)
+    assert held.told["age_s"] == pytest.approx(highest - 0.0034 + span, abs=6e-5)
 
 
 def test_accepted_terms_leave_nothing_to_find():

@@ -49,6 +49,11 @@ def test_the_sentence_tells_the_gain_of_the_report():
     assert words == "Add contact.friction at body-support (mu = 0.2): 50% (30% to 70%) less held-out error."
 
 
+def test_a_name_that_takes_no_error_away_is_not_sold_as_if_it_did():
+    words = statement(gain(-0.08, -0.3), [friction(1.0)], [], False)
+    assert words.endswith("no less held-out error, -8% (-30% to 70%).")
+
+
 def test_what_is_in_doubt_is_told_where_its_gain_is_counted():
     doubt = AmbiguousGroup(effects=("body.inertia",), experiment="spin it")
     words = statement(gain(0.5, 0.3), [friction(1.0), friction(0.4)], [doubt], True)

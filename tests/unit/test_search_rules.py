@@ -74,6 +74,17 @@ def _accepted_then_tried(truth: dict[str, float]) -> tuple[Trial, Trial]:
     return first, _tried(errors, first.fit, VISCOUS)
 
 
+def test_a_fit_at_the_end_of_a_range_is_as_sure_as_the_route_that_set_it():
+    errors = _errors(_columns(0.0), {COULOMB.key: 3.0})
+    wall = replace(COULOMB, bounds={"torque_Nm": (-1.0, 2.0)})
+    alone, told = (fit(errors, [c]) for c in (wall, replace(wall, told={"torque_Nm": 0.4})))
+    assert alone.model[-1].values["torque_Nm"] == told.model[-1].values["torque_Nm"] == pytest.approx(2.0)
+    assert alone.half_widths[wall.key]["torque_Nm"] == 0.0
+    assert not alone.stands_out({})
+    assert told.half_widths[wall.key]["torque_Nm"] == pytest.approx(0.4)
+    assert told.stands_out({})
+
+
 def test_what_makes_an_accepted_effect_vanish_is_tried_in_its_place():
     mimic, true = _accepted_then_tried({VISCOUS.key: 2.0})
     assert mimic.comparison.gain > 0.3
