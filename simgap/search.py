@@ -34,7 +34,7 @@ from simgap.score import CLEAR, LITTLE, change, paired_p, trial_losses
 from simgap.splits import Trials
 from simgap.standpoint import Standpoint, stand_at
 from simgap.told_apart import told_apart
-from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, warm_without
+from simgap.tried import LEVEL, Round, Trial, least_gain, warm_without
 
 MOST_EFFECTS = 4
 _AHEAD = 3  # candidates that are tried in pairs
@@ -229,7 +229,8 @@ def _worthy(this: Round, base: Fit) -> list[Trial]:
     ordered: list[Trial] = []
     for trial, p in zip(this.tried, this.p_adjusted, strict=True):
         removed = trial.comparison.gain * min(1.0, float(base.held_out.mean()))  # of what is left, or of the noise
-        if p >= LEVEL or removed <= LEAST_GAIN or not trial.fit.stands_out({}) or takes_a_place(trial.fit, base):
+        little = removed <= least_gain(trial.candidate)
+        if p >= LEVEL or little or not trial.fit.stands_out({}) or takes_a_place(trial.fit, base):
             continue
         simpler = [
             t for t in this.tried if len(t.candidate.null) < len(trial.candidate.null) and simpler_and_as_good(t, trial)
@@ -271,4 +272,4 @@ def _confirmed(base: Fit, found: Trial, before: FloatArray, after: FloatArray) -
     if found.candidate.probes and float(change(before, after).max()) < LITTLE * largest:
         return bool(after.sum() < (1.0 + LITTLE) * before.sum())
     typical = np.exp(np.mean(np.log((after + _TINY) / (before + _TINY))))
-    return bool(min(typical, after.sum() / before.sum()) < 1.0 - 0.5 * LEAST_GAIN)
+    return bool(min(typical, after.sum() / before.sum()) < 1.0 - 0.5 * least_gain(found.candidate))

@@ -100,18 +100,21 @@ def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
 def narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
     """The candidate with bounds from no effect to the direct estimate, and beyond both no further than that errs.
 
-    Where that is unsure, a little further. Fits to contacts stray: one that ends at such a bound is as sure as that.
+    Fits to contacts stray: one that ends at such a bound is as sure as the estimate that set it, if that is sure at
+    all; where it is not, bounds lie a little further.
     """
     bounds, told, step = {}, {}, wide.step
+    sure = direct.p_value < _TOLD
     for name, (low, high) in wide.bounds.items():
         null, value = wide.null[name], direct.values[name]
         beyond = 4.0 * direct.standard_errors[name] + 0.002 * (high - low)
-        if direct.p_value > _TOLD:
+        if not sure:
             beyond += _BEYOND * abs(value - null)
         bounds[name] = (max(low, min(null, value) - beyond), min(high, max(null, value) + beyond))
         if bounds[name][0] >= bounds[name][1]:
             return wide
-        told[name] = beyond
+        if sure:
+            told[name] = beyond
         step = min(_COARSEST, wide.step * (high - low) / (bounds[name][1] - bounds[name][0]))
     return replace(wide, bounds=bounds, told=told, step=step)
 
