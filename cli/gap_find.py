@@ -144,7 +144,7 @@ def _each(jobs: int, tick: Tick, store: Store) -> Callable[[Work, Iterable[Candi
             return store.part(f"{call}/{position}/{todo[position].key}", lambda: work(todo[position]))
 
         def told(done: int, verb: str, item: Candidate) -> None:
-            tick(f"round {call + 1}: {verb} {item.effect.name} at {item.where}", done, len(todo))
+            tick(f"step {call + 1}: {verb} {item.effect.name} at {item.where}", done, len(todo))
 
         if jobs == 1 or len(todo) < 2:
             for n, item in enumerate(todo):
@@ -157,7 +157,7 @@ def _each(jobs: int, tick: Tick, store: Store) -> Callable[[Work, Iterable[Candi
                 for n, trial in enumerate(pool.imap(_inherited, range(len(todo)))):
                     told(n + 1, "tried", todo[n])
                     yield trial
-        tick(f"round {call + 1}: comparing the best", len(todo), len(todo))
+        tick(f"step {call + 1}: comparing the best", len(todo), len(todo))
 
     return each
 

@@ -10,7 +10,7 @@ from simgap.problem import Candidate, Farsighted
 from simgap.rivals import RIVAL_SHARE
 from simgap.score import Comparison
 from simgap.standpoint import Standpoint
-from simgap.tried import Round, Trial, round_of, told_loss, tried_on, warm
+from simgap.tried import Map, Round, Trial, round_of, told_loss, tried_on, warm
 
 _FINALISTS = 6
 _TOLD = 3  # finalists by direct estimates
@@ -18,17 +18,16 @@ _SHOWS = 0.3  # chance below which a quick look is followed by a long one
 _SCREEN_STEPS = 2
 _SETTLING = 2  # times that a threshold's fit is taken up again with starts seen from it
 _NOT_JUDGED = Comparison(0.0, (0.0, 0.0), 1.0)
-Map = Callable[[Callable[[Candidate], Trial], Iterable[Candidate]], Iterable[Trial]]
 
 
 def try_all(here: Standpoint, free: Iterable[Candidate], each: Map) -> Round:
-    """All of `free` on top of the base, best first; `each` maps the quick trials, over processes or not.
+    """All of `free` on top of the base, best first; `each` maps trials, over processes or not.
 
     Where effects are judged on long horizons, short ones are enough to see which are worth those.
     """
     farther = here.view != "short_horizon"
     errors, base = _nearby(here) if farther else (here.errors, here.base)
-    return _to_the_end(here, list(each(_screening(here, errors, base), free)), farther)
+    return _to_the_end(here, list(each(_screening(here, errors, base), free)), farther, each)
 
 
 def _nearby(here: Standpoint) -> tuple[Errors, Fit]:
@@ -56,7 +55,7 @@ def _screening(here: Standpoint, errors: Errors, base: Fit) -> Callable[[Candida
     return tried
 
 
-def _to_the_end(here: Standpoint, screened: list[Trial], farther: bool) -> Round:
+def _to_the_end(here: Standpoint, screened: list[Trial], farther: bool, each: Map) -> Round:
     """The most promising ones, by their quick trial or by their direct estimate, fitted to the end; best first.
 
     Where both say that chance does as well, no more is asked. What was screened on shorter horizons than it is judged
@@ -64,12 +63,13 @@ def _to_the_end(here: Standpoint, screened: list[Trial], farther: bool) -> Round
     """
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
     told = sorted(order, key=told_loss)
-    finalists = {t.candidate.key for t in (*order[:_FINALISTS], *told[:_TOLD]) if _shows(t)}
-    fits = [
-        tried_on(here.base, extend(here.errors, here.base, t.candidate, _begun(t)), t.direct)
-        for t in order
-        if t.candidate.key in finalists
-    ]
+    finalists = {t.candidate.key: t for t in (*order[:_FINALISTS], *told[:_TOLD]) if _shows(t)}
+
+    def tried(candidate: Candidate) -> Trial:
+        quick = finalists[candidate.key]
+        return tried_on(here.base, extend(here.errors, here.base, candidate, _begun(quick)), quick.direct)
+
+    fits = list(each(tried, [t.candidate for t in order if t.candidate.key in finalists]))
     others = [t for t in order if t.candidate.key not in finalists]
     unjudged = [replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if farther else t for t in others]
     return round_of([*(_seen_by_themselves(here, fits) if farther else fits), *unjudged])

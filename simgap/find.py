@@ -23,7 +23,6 @@ from schemas.model import FloatArray
 from simgap.agreement import agrees
 from simgap.all_effects import all_effects_losses
 from simgap.black_box import corrected
-from simgap.candidates import Map
 from simgap.fit import spread
 from simgap.pairing import others_inputs_trap, pairing_trap
 from simgap.problem import Farsighted, Model, Problem, Timed, View, around
@@ -31,6 +30,7 @@ from simgap.score import Comparison, compare, trial_losses
 from simgap.search import MOST_EFFECTS, Selection, select
 from simgap.splits import Trials
 from simgap.statement import NAMED
+from simgap.tried import Map
 from simgap.verdict import judge
 
 _NOISE_LOSS = 1.3  # mean loss, in typical errors, of noise that grows along a roll-out

@@ -49,11 +49,16 @@ class Fit:
 
     @cached_property
     def half_widths(self) -> dict[str, dict[str, float]]:
-        """Half 95 % intervals by key and parameter, SI."""
+        """Half 95 % intervals by key and parameter, SI; at the end of a range as sure as what set it, if that is."""
+        return {c.key: {n: self._trials_say[c.key][n] or c.told.get(n, 0.0) for n in c.null} for c in self.free}
+
+    @cached_property
+    def _trials_say(self) -> dict[str, dict[str, float]]:
+        """Half widths from the trials alone: none of a value at the end of its range."""
         widths = half_widths(self.solution) if self.free else np.zeros(0)
         out: dict[str, dict[str, float]] = {c.key: {} for c in self.free}
         for (c, name), width in zip(_parameters(self.free), widths, strict=True):
-            out[c.key][name] = max(float(width * (c.bounds[name][1] - c.bounds[name][0])), c.told.get(name, 0.0))
+            out[c.key][name] = float(width * (c.bounds[name][1] - c.bounds[name][0]))
         return out
 
     def stands_out(self, least: Mapping[str, float]) -> bool:
@@ -72,7 +77,7 @@ class Fit:
         noise times effect stands beside the effect's square.
         """
         candidate = self.free[-1]
-        term, widths, n = self.model[-1], self.half_widths[candidate.key], len(self.losses)
+        term, widths, n = self.model[-1], self._trials_say[candidate.key], len(self.losses)
         names = [name for name in candidate.strengths if widths[name] > 0.0]
         if not names or n < 2 or candidate.probes:  # A threshold is sharp wherever it lies: that does not make it real.
             return 1.0

@@ -28,7 +28,8 @@ def unsure(
 ) -> Sides:
     """How far values lie from those beside rivals of the other effects, and from the direct estimate, either way.
 
-    Where that lies beyond `widths`, either route may be the right one: its own interval counts too.
+    Where that lies beyond `widths`, either route may be the right one: its own interval counts too. It does as well
+    where the direct route set the bounds of the fit.
     """
     others = [t.values for each in rivals for r in each for t in r.fit.model if t.candidate.key == term.candidate.key]
     out: Sides = {}
@@ -36,7 +37,7 @@ def unsure(
         ends = [o[n] for o in others]
         if direct is not None:
             apart = abs(direct.values[n] - value) > widths.get(n, 0.0)
-            own = 1.96 * direct.standard_errors[n] if apart else 0.0
+            own = 1.96 * direct.standard_errors[n] if apart or n in term.candidate.told else 0.0
             ends += [direct.values[n] - own, direct.values[n] + own]
         out[n] = (max([0.0, *(value - e for e in ends)]), max([0.0, *(e - value for e in ends)]))
     return out

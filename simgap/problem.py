@@ -24,7 +24,7 @@ class Candidate:
     shapes    parameters that mean nothing while the effect is absent: where on the range it acts, not how strongly.
     probes   further values to try first, where no descent finds the way: thresholds, felt only where they are.
     reached   how far motion went beyond a threshold at most, by parameter: its law there is a guess.
-    told      half width to which a route without simulator surely knows what it set bounds of: no fit is surer.
+    told      half width to which a route without simulator surely knows what it set bounds of: a fit's at their ends.
     step      share of a range over which slopes are read: more where roll-outs answer in small jumps, as contacts do.
     """
 

@@ -13,7 +13,7 @@ from simgap.fit import Errors, Fit, extend, fit, is_twin
 from simgap.problem import Candidate, Term
 from simgap.score import compare, paired_p
 from simgap.standpoint import Standpoint
-from simgap.tried import LEAST_GAIN, LEVEL, Round, Trial, chance, tried_on, warm_without
+from simgap.tried import LEVEL, Map, Round, Trial, chance, least_gain, tried_on, warm_without
 
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
 AS_GOOD = 0.05  # level at which the best beats another
@@ -31,18 +31,22 @@ _RICHER = 1  # parameters more that a rival of another kind may have: a spring h
 _BEATEN_TOGETHER, _TOGETHER = 0.01, 0.8
 
 
-def beside_others(here: Standpoint, found: Trial, others: Sequence[Trial]) -> tuple[Fit, Trial, list[Trial]]:
+def beside_others(here: Standpoint, found: Trial, others: Sequence[Trial], each: Map) -> tuple[Fit, Trial, list[Trial]]:
     """The model without one accepted effect, the best in its place, and it and `others` tried there, best first.
 
     Another takes the place of what was found only if it is better beyond chance, or simpler and no worse.
     """
     kept = fit(here.errors, warm_without(here.base, [found.candidate], here.problem.nuisances()))
     now = {t.candidate.key: t.values for t in here.base.model}
-    tried = []
-    for t in (found, *others):
-        starts = [now.get(t.candidate.key, t.fit.model[-1].values), t.fit.model[-1].values]
-        direct = here.problem.direct(t.candidate, kept.model, here.trials.train)
-        tried.append(tried_on(kept, extend(here.errors, kept, t.candidate, starts), direct))
+    before = {t.candidate.key: t.fit.model[-1].values for t in (found, *others)}
+
+    def instead(candidate: Candidate) -> Trial:
+        values = before[candidate.key]
+        starts = [now.get(candidate.key, values), values]
+        direct = here.problem.direct(candidate, kept.model, here.trials.train)
+        return tried_on(kept, extend(here.errors, kept, candidate, starts), direct)
+
+    tried = list(each(instead, [t.candidate for t in (found, *others)]))
     same = next(t for t in tried if t.candidate.key == found.candidate.key)
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
     best = tried[0] if beaten(same, tried[0]) else same
@@ -73,7 +77,11 @@ def are_doubles(one: Candidate, other: Candidate) -> bool:
 
 def replacement(this: Round, base: Fit, accepted: Sequence[Trial]) -> tuple[int, Trial] | None:
     """The best of a round where an accepted effect all but vanishes beside it, and the place of that effect."""
-    if not this.tried or this.p_adjusted[0] >= LEVEL or this.tried[0].comparison.gain <= LEAST_GAIN:
+    if (
+        not this.tried
+        or this.p_adjusted[0] >= LEVEL
+        or this.tried[0].comparison.gain <= least_gain(this.tried[0].candidate)
+    ):
         return None
     best = this.tried[0]
     for place, found in enumerate(accepted):

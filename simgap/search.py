@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from schemas.model import FloatArray
-from simgap.candidates import Map, try_all
+from simgap.candidates import try_all
 from simgap.fit import Errors, Fit, extend, fit, rollout_errors, spread
 from simgap.numerics import Numerics, numerics
 from simgap.problem import Problem, View, around
@@ -34,7 +34,7 @@ from simgap.score import CLEAR, LITTLE, change, paired_p, trial_losses
 from simgap.splits import Trials
 from simgap.standpoint import Standpoint, stand_at
 from simgap.told_apart import told_apart
-from simgap.tried import LEVEL, Round, Trial, least_gain, warm_without
+from simgap.tried import LEVEL, Map, Round, Trial, least_gain, warm_without
 
 MOST_EFFECTS = 4
 _AHEAD = 3  # candidates that are tried in pairs
@@ -103,14 +103,14 @@ def select(
         for _ in accepted:  # What takes a place changes what the others stand beside.
             before = [a.key for a in accepted]
             for place in range(len(accepted)):
-                here, accepted[place] = _asked_again(here, accepted[place])
+                here, accepted[place] = _asked_again(here, accepted[place], each)
             if before == [a.key for a in accepted]:
                 break
         if len(accepted) == most:
             break
         taken = {c.key for c in here.base.free}
         this = try_all(here, [c for c in problem.candidates() if c.key not in taken], each)
-        swapped = _swapped(here, this, accepted) if swaps < most else None
+        swapped = _swapped(here, this, accepted, each) if swaps < most else None
         if swapped is not None:
             place, accepted[place] = swapped
             here, swaps = stand_at(problem, trials, view, accepted[place].trial.fit), swaps + 1
@@ -129,7 +129,7 @@ def select(
     return Selection(null, null_losses, tuple(accepted), undecided, here.base, losses, scale)
 
 
-def _asked_again(here: Standpoint, found: Accepted) -> tuple[Standpoint, Accepted]:
+def _asked_again(here: Standpoint, found: Accepted, each: Map) -> tuple[Standpoint, Accepted]:
     """What was chosen before the others were known, asked again beside them; the base follows a better one.
 
     What was accepted since is no rival any more; rivals that there is no time to ask stay.
@@ -140,7 +140,7 @@ def _asked_again(here: Standpoint, found: Accepted) -> tuple[Standpoint, Accepte
     others = challengers(found.trial, found.round, before, here.base)
     if not others:
         return here, found
-    kept, best, tried = beside_others(here, found.trial, others)
+    kept, best, tried = beside_others(here, found.trial, others, each)
     made_up = found.made_up
     if best.candidate.key != found.key:
         made_up = numerics(here.problem, here.trials.train, here.view, kept.model, best.fit.model)
@@ -156,14 +156,14 @@ def _asked_again(here: Standpoint, found: Accepted) -> tuple[Standpoint, Accepte
     return replace(here, base=best.fit), _in_place(found, best, made_up)
 
 
-def _swapped(here: Standpoint, this: Round, accepted: Sequence[Accepted]) -> tuple[int, Accepted] | None:
+def _swapped(here: Standpoint, this: Round, accepted: Sequence[Accepted], each: Map) -> tuple[int, Accepted] | None:
     """What does the work of an accepted effect, and more, in its place: asked before anything is added."""
     instead = replacement(this, here.base, [a.trial for a in accepted])
     if instead is None:
         return None
     place, trial = instead
     found = accepted[place]
-    kept, best, _ = beside_others(here, found.trial, [trial])
+    kept, best, _ = beside_others(here, found.trial, [trial], each)
     made_up = numerics(here.problem, here.trials.train, here.view, kept.model, best.fit.model)
     if best.candidate.key != trial.candidate.key or not _exceeds(best, made_up):
         return None

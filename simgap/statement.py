@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import Literal
 
 from schemas.gap import AmbiguousGroup, Gain, Interval, NamedEffect
-from simgap.checks.splits import FEWEST
 from simgap.tried import Trial
 
 NAMED = 0.8  # the confidence from which a name is sure
+_SMALL = 0.0095  # share that whole per cent would hide
 _FAR = 2.0  # noise levels of error beyond which a model without effects is no good one
 STRANGE = (
     "The inputs do not belong to these motions: another trial's do as well or better. Check which file goes with which."
@@ -45,10 +45,11 @@ def statement(gain: Gain, named: Sequence[NamedEffect], groups: Sequence[Ambiguo
         return f"These data cannot tell {' from '.join(groups[0].effects)}; to tell: {groups[0].experiment}."
     if unexplained:
         return "The error has structure that no effect of the library explains; see where it is."
-    if gain.heldout_after > _FAR:
-        left = f"what is left is {gain.heldout_after:.2g} times the noise"
-        return f"No effect of the library takes off error that repeats from trial to trial; {left}."
-    return "No effect is needed: nothing that is left repeats from trial to trial."
+    judges = "" if math.isfinite(gain.ci95[0]) else "; a single trial judges that"
+    if not gain.heldout_after <= _FAR:
+        left = f"what is left (rms) is {gain.heldout_after:.2g} times the noise"
+        return f"No effect of the library takes off error that repeats from trial to trial; {left}{judges}."
+    return f"No effect is needed: nothing that is left repeats from trial to trial{judges}."
 
 
 def gained(gain: Gain) -> str:
@@ -60,7 +61,14 @@ def gained(gain: Gain) -> str:
 def share(value: float, ci95: Interval) -> str:
     """A share with its interval; one trial tells none, and the lower end of what it leaves open is infinite."""
     low, high = ci95
-    return f"{value:.0%} ({low:.0%} to {high:.0%})" if math.isfinite(low) else f"{value:.0%} (one trial: no interval)"
+    reach = f"{_percent(low)} to {_percent(high)}" if math.isfinite(low) else "one trial: no interval"
+    return f"{_percent(value)} ({reach})"
+
+
+def _percent(value: float) -> str:
+    """Whole, with one digit more below one; nothing has no sign."""
+    text = f"{value:.1%}" if abs(value) < _SMALL else f"{value:.0%}"
+    return text.removeprefix("-") if float(text.rstrip("%")) == 0.0 else text
 
 
 def _figures(effect: NamedEffect) -> str:
@@ -76,7 +84,7 @@ def experiment(found: Trial, rivals: Sequence[Trial], single: bool = False) -> s
         c.experiment for r in rivals for c in r.candidate.effect.confusables if c.effect == found.candidate.effect.name
     ]
     if single:
-        told = [f"record {FEWEST} trials or more", *told]
+        told = ["judge by two trials or more", *told]
     if not told:
         told = [c.experiment for c in found.candidate.effect.confusables[:1]]
     return "; ".join(dict.fromkeys(told)) or "more trials with larger and smaller motion"

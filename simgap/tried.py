@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,13 +13,14 @@ from simgap.score import Comparison, adjusted, compare, met, met_p
 
 LEVEL = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
 _SINGLED_OUT = 0.5  # of the loss that the direct route leaves with the next best candidate
-LEAST_GAIN = 0.04  # a share of the loss (half of it of the error), or of the noise, below which no effect has a name
+_LEAST_GAIN = 0.04  # a share of the loss (half of it of the error), or of the noise, below which nothing has a name
 _TOLD_GAIN = 0.01  # the same of what a route without simulator surely tells: it may hardly help beside other causes
+Map = Callable[[Callable[[Candidate], "Trial"], Iterable[Candidate]], Iterable["Trial"]]
 
 
 def least_gain(candidate: Candidate) -> float:
     """Share of the loss, or of the noise, below which the candidate has no name."""
-    return _TOLD_GAIN if candidate.told else LEAST_GAIN
+    return _TOLD_GAIN if candidate.told else _LEAST_GAIN
 
 
 @dataclass(frozen=True)

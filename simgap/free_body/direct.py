@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 from scipy import stats
@@ -26,6 +27,7 @@ _HEAVIEST = 3.0  # times the median toss
 _ROUNDS = 5
 _BLIND = 1e-6
 _KNOWN = 0.003  # share to which lengths, masses and shapes are what their file says
+_ONE_ERRORS = 3.0  # errors within which readings of one number agree
 
 # A length scale shows in falls and in the height at rest: both must tell the same.
 ESTIMATORS: Routes = {
@@ -79,6 +81,15 @@ def estimate(
         errors = np.sqrt(1.0 / total + np.maximum(0.25 * (values - other) ** 2 - 0.25 * (errors**2 + error**2), 0.0))
         values, trials = middle, min(trials, n)
     return replace(_estimate(names, values, errors, trials, p), apart=tuple(apart))
+
+
+def are_one(readings: Sequence[DirectEstimate]) -> bool:
+    """Whether readings of one number agree within their errors."""
+    return all(
+        abs(one.values[n] - other.values[n]) <= _ONE_ERRORS * np.hypot(one.standard_errors[n], other.standard_errors[n])
+        for one, other in combinations(readings, 2)
+        for n in one.values
+    )
 
 
 def _estimate(names: Sequence[str], values: FloatArray, errors: FloatArray, trials: int, p: float) -> DirectEstimate:

@@ -11,6 +11,7 @@ from schemas.gap import Place
 from sim.body_replay import BodyModel
 from sim.effects.effect import Effect, Series
 from sim.effects.library import EFFECTS, effect
+from simgap.free_body.direct import are_one
 from simgap.problem import Candidate, DirectEstimate
 
 # Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
@@ -61,10 +62,11 @@ def candidates_of(
 def absent(wide: Candidate, direct: DirectEstimate) -> bool:
     """Whether the direct estimate sees nothing, and would see a small share of what is possible.
 
-    Of several readings of one number one is enough: what shrinks at rest and not in falls is no scale.
+    Of several readings that contradict one another one is enough: what shrinks at rest and not in falls is no scale.
     """
     if direct.apart:
-        return any(absent(wide, one) for one in direct.apart)
+        unseen = [absent(wide, one) for one in direct.apart]
+        return all(unseen) or (any(unseen) and not are_one(direct.apart))
     if direct.p_value < _SEEN:
         return False
     return all(

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from schemas.model import FloatArray
 from sim.effects.effect import Series
-from simgap.free_body.direct import biases_of, estimate
+from simgap.free_body.direct import are_one, biases_of, estimate
 from simgap.free_body.mover import Columns, Mover
 from simgap.free_body.places import PLAIN
 from simgap.free_body.repeats import moved, repeated
@@ -76,11 +76,11 @@ class FreeBodyProblem:
         applied = self.mover.apply(model)
         series = [applied.recovered(self._series[trial]) for trial in trials]
         cuts = [self._cut(trial, view) for trial in trials]
-        # Windows of equal length are rolled out together, whatever trial they are of.
-        lengths = [rows.shape[1] for rows, _ in cuts]
+        # Windows that are compared at the same rows are rolled out together, whatever trial they are of.
+        kinds = [tuple(compared) for _, compared in cuts]
         out: list[FloatArray] = [np.zeros((0, len(self.mover.channels)))] * len(series)
-        for length in dict.fromkeys(lengths):
-            of = [n for n, k in enumerate(lengths) if k == length]
+        for kind in dict.fromkeys(kinds):
+            of = [n for n, k in enumerate(kinds) if k == kind]
             errors = self._rolled(applied, [series[n] for n in of], [cuts[n][0] for n in of], cuts[of[0]][1], finer)
             for n, found in zip(of, errors, strict=True):
                 out[n] = found
@@ -128,28 +128,35 @@ class FreeBodyProblem:
 
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         """See `simgap.problem.Problem`."""
+        return self._read_off(candidate, self._as_told(model, tuple(trials)), tuple(trials))
+
+    def _read_off(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate | None:
+        """What trials say of a number where the model is true of them."""
         if candidate.key not in self._biases:
             self._biases[candidate.key] = biases_of(candidate, self._simulated, self.mover.routes(candidate))
-        read = self._tosses(self._as_told(model, tuple(trials)), tuple(trials))
+        read = self._tosses(model, trials)
         return estimate(candidate, read, self._biases[candidate.key], self.mover.routes(candidate))
 
     def _as_told(self, model: Model, trials: tuple[str, ...]) -> Model:
         """The model with what falls and rest tell precisely as they tell it: fits to contacts stray from that.
 
-        Beside a scale that is off by a hundredth, a body would look too small by as much.
+        Beside a scale that is off by a hundredth, a body would look too small by as much. One after another, each
+        beside those before it: two of them must not undo the same error.
         """
         asked = _asked(model, trials)
         if asked not in self._told:
-            self._told[asked] = tuple(self._told_term(term, model, trials) for term in model)
+            told = model
+            for k, term in enumerate(model):
+                told = (*told[:k], self._told_term(term, (*told[:k], *told[k + 1 :]), trials), *told[k + 1 :])
+            self._told[asked] = told
         return self._told[asked]
 
-    def _told_term(self, term: Term, model: Model, trials: tuple[str, ...]) -> Term:
+    def _told_term(self, term: Term, others: Model, trials: tuple[str, ...]) -> Term:
         candidate = term.candidate
         if candidate.nuisance or candidate.effect.name not in PLAIN:
             return term
-        others = tuple(t for t in model if t is not term)
-        direct = estimate(candidate, self._tosses(others, trials), None, self.mover.routes(candidate))
-        if direct is None or direct.p_value > _TOLD:
+        direct = self._read_off(candidate, others, trials)
+        if direct is None or direct.p_value > _TOLD or not are_one(direct.apart):
             return term
         far = (abs(direct.values[n] - v) > _ALIKE * abs(v - candidate.null[n]) for n, v in term.values.items())
         return term if any(far) else replace(term, values=direct.values)

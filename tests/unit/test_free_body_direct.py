@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
+from scipy.stats import norm
 
 from schemas.physics import CollisionShape
 from sim.body_replay import BodyModel
 from sim.effects.effect import Series
 from simgap.free_body.direct import estimate, pooled
 from simgap.free_body.evidence import Evidence
-from simgap.free_body.places import candidates_of, narrowed
+from simgap.free_body.places import absent, candidates_of, narrowed
 from simgap.free_body.terms import AppliedBody
 from simgap.free_body.toss import Toss
 from simgap.problem import DirectEstimate
@@ -171,6 +172,21 @@ def test_what_shrinks_at_rest_and_not_in_falls_is_no_scale(fallen: float, lost: 
     tried = candidates_of(CUBE, [t.series for t in tosses], lambda candidate: estimate(candidate, tosses))
     names = {c.effect.name for c in tried}
     assert {"sensor.scale", "body.size"} - names == ({lost} - {None})
+
+
+def _reading(value: float, error: float) -> DirectEstimate:
+    return DirectEstimate({"factor": value}, {"factor": error}, 2.0 * norm.sf(abs(value - 1.0) / error), 12)
+
+
+@pytest.mark.parametrize(
+    ("falls", "missing"),
+    [(_reading(0.996, 0.004), False), (_reading(0.999, 0.001), True), (_reading(0.97, 0.02), False)],
+)
+def test_a_reading_that_sees_nothing_is_enough_only_where_it_contradicts_the_other(falls, missing):
+    """A real scale of 0.99 may be lost in the noise of falls, and still be there at rest."""
+    wide = next(c for c in candidates_of(CUBE, [_toss(*_sliding(0.5)).series]) if c.effect.name == "sensor.scale")
+    rest = _reading(0.99, 0.0005)
+    assert absent(wide, replace(rest, apart=(falls, rest))) == missing
 
 
 @pytest.mark.parametrize(("p_value", "highest"), [(1e-6, 0.0038), (0.03, 0.0046)])

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
+from simgap.free_body.problem import FreeBodyProblem
 from simgap.problem import Term
 from tests.gap_suite.free_body_cases import free_body_case
 from tests.gap_suite.run import run_case
@@ -33,6 +37,35 @@ def test_beside_a_scale_that_contacts_fitted_badly_a_box_is_no_smaller():
     beside = problem.direct(size, (Term(scale, {"factor": 0.965}),), problem.trial_ids)  # hidden: 0.95
     assert beside is not None
     assert beside.values["factor"] == pytest.approx(1.0, abs=0.003)
+
+
+def test_a_scale_on_which_falls_and_rest_differ_is_left_as_it_was_fitted():
+    """What rest tells beside a scale is no scale: replaced by the mean of both, it would vanish."""
+    problem = free_body_case(28).problem()
+    assert isinstance(problem, FreeBodyProblem)
+    scale, size = (next(c for c in problem.candidates() if c.effect.name == n) for n in ("sensor.scale", "body.size"))
+    shrunk = Term(size, {"factor": 0.95})  # Not told yet where the scale is asked: then rest says another scale.
+    alone, both = ((Term(scale, {"factor": 0.95}),), (Term(scale, {"factor": 0.95}), shrunk))
+    told = [problem._as_told(model, problem.trial_ids) for model in (alone, both)]  # pyright: ignore[reportPrivateUsage]
+    assert told[0][0].values["factor"] == pytest.approx(0.95, abs=0.002)
+    assert told[0][0].values["factor"] != 0.95
+    assert told[1][0].values["factor"] == 0.95
+
+
+def test_a_trial_as_long_as_a_window_leaves_the_others_as_they_are():
+    problem = free_body_case(2).problem()
+    assert isinstance(problem, FreeBodyProblem)
+    trials, rows = problem.measurement.trials, problem._rows  # pyright: ignore[reportPrivateUsage]
+    short = trials[0].rows(np.arange(rows))
+    mixed = FreeBodyProblem(replace(problem.measurement, trials=(short, *trials[1:3])), problem.mover)
+    for of in (slice(0, 3), slice(1, 3)):
+        ids = problem.trial_ids[of]
+        assert len(mixed.residuals((), ids, "short_horizon")) == len(ids)
+    alone = mixed.residuals((), problem.trial_ids[1:3], "short_horizon")
+    beside = mixed.residuals((), problem.trial_ids[:3], "short_horizon")
+    assert len(beside[0]) == rows - 1
+    for one, other in zip(alone, beside[1:], strict=True):
+        assert np.array_equal(one, other)
 
 
 def test_another_engine_with_nothing_hidden_gives_no_name():

@@ -44,6 +44,23 @@ def test_an_error_far_above_the_noise_is_told_where_nothing_is_named():
     assert "4 times the noise" in words
 
 
+@pytest.mark.parametrize(("value", "said"), [(0.004, "0.4%"), (-0.004, "-0.4%"), (-1e-5, "0.0%"), (0.013, "1%")])
+def test_small_shares_keep_a_digit_and_nothing_has_no_sign(value, said):
+    assert share(value, (-np.inf, 1.0)).split(" (")[0] == said
+
+
+@pytest.mark.parametrize("after", [1.0, 4.0])
+def test_a_single_trial_that_finds_nothing_says_so(after):
+    alone = gain(0.0, -np.inf).model_copy(update={"heldout_after": after})
+    assert "a single trial judges that" in statement(alone, [], [], False)
+    assert "single" not in statement(alone.model_copy(update={"ci95": (-0.1, 0.1)}), [], [], False)
+
+
+def test_an_error_that_is_no_number_is_not_called_fine():
+    unknown = gain(0.0, -0.1).model_copy(update={"heldout_after": float("nan")})
+    assert not statement(unknown, [], [], False).startswith("No effect is needed")
+
+
 def test_the_sentence_tells_the_gain_of_the_report():
     words = statement(gain(0.5, 0.3), [friction(1.0)], [], False)
     assert words == "Add contact.friction at body-support (mu = 0.2): 50% (30% to 70%) less held-out error."

@@ -72,14 +72,14 @@ def _search(count: int, alike: float) -> tuple[Standpoint, Accepted, list[Trial]
 def test_rivals_that_there_is_no_time_to_ask_stay():
     here, found, others = _search(8, alike=0.999)
     assert len(others) == 7
-    _, again = _asked_again(here, found)
+    _, again = _asked_again(here, found, map)
     assert {r.candidate.key for r in again.rivals} == {t.candidate.key for t in others}
 
 
 def test_a_rival_that_was_accepted_since_is_none_any_more():
     here, found, (rival, *others) = _search(3, alike=0.999)
     both = extend(here.errors, found.trial.fit, rival.candidate, [rival.candidate.start])
-    _, again = _asked_again(replace(here, base=both), found)
+    _, again = _asked_again(replace(here, base=both), found, map)
     assert {r.candidate.key for r in again.rivals} <= {t.candidate.key for t in others}
 
 

@@ -83,6 +83,14 @@ def test_a_fit_at_the_end_of_a_range_is_as_sure_as_the_route_that_set_it():
     assert not alone.stands_out({})
     assert told.half_widths[wall.key]["torque_Nm"] == pytest.approx(0.4)
     assert told.stands_out({})
+    assert told.p_value == 1.0  # Trials have not been asked: an end of a range is no agreement.
+    free = fit(errors, [replace(COULOMB, told={"torque_Nm": 0.4})])
+    assert free.half_widths == fit(errors, [COULOMB]).half_widths
+
+
+def test_an_interval_of_a_fit_at_an_end_that_was_told_covers_what_tells_it():
+    told = Term(replace(COULOMB, told={"torque_Nm": 0.4}), {"torque_Nm": 2.0})
+    assert unsure(told, {"torque_Nm": 0.4}, _told(1.6, 0.1), [])["torque_Nm"] == pytest.approx((0.4 + 0.196, 0.0))
 
 
 def test_what_makes_an_accepted_effect_vanish_is_tried_in_its_place():
@@ -278,4 +286,4 @@ def test_what_a_single_trial_judges_has_no_sure_name():
     alone = GAIN.model_copy(update={"ci95": (-np.inf, 1.0)})
     verdicts = [judge(Told(), selection, ("t0",), g, Comparison(0.0, (0.0, 0.0), 1.0)) for g in (GAIN, alone)]  # pyright: ignore[reportArgumentType]
     assert [v.status for v in verdicts] == ["effect_found", "ambiguous"]
-    assert "record 4 trials or more" in verdicts[1].statement
+    assert "judge by two trials or more" in verdicts[1].statement
