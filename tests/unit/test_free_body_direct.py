@@ -175,7 +175,7 @@ def test_what_shrinks_at_rest_and_not_in_falls_is_no_scale(fallen: float, lost: 
 
 
 def _reading(value: float, error: float) -> DirectEstimate:
-    return DirectEstimate({"factor": value}, {"factor": error}, 2.0 * norm.sf(abs(value - 1.0) / error), 12)
+    return DirectEstimate({"factor": value}, {"factor": error}, float(2.0 * norm.sf(abs(value - 1.0) / error)), 12)
 
 
 @pytest.mark.parametrize(
