@@ -72,7 +72,8 @@ def find(
     traps = (*traps, *doubts, *([timing] if timing else []))
     strange = any(trap.status == "suspect" for trap in doubts)
     short = _gain(last, selection, trials, "short_horizon", horizon_s)
-    verdict = judge(problem, selection, trials.train, short, leftover, _in_tails(last, selection, trials), strange)
+    gains = (short, _gain(last, selection, trials, "full_rollout", 0.0))
+    verdict = judge(problem, selection, trials.train, gains, leftover, _in_tails(last, selection, trials), strange)
     named = [e for e in verdict.effects if e.confidence >= NAMED]
     extension = ModelExtension(
         measurement=measurement,
@@ -88,7 +89,7 @@ def find(
         localisation=localisation,
         hypotheses=_hypotheses(selection),
         verdict=verdict,
-        gains=(short, _gain(last, selection, trials, "full_rollout", 0.0)),
+        gains=gains,
         gain=short,
         baselines=(
             Rival(name="null_refit", heldout=float(selection.null_losses.mean())),

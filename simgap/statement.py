@@ -10,6 +10,7 @@ from schemas.gap import AmbiguousGroup, Gain, Interval, NamedEffect
 from simgap.tried import Trial
 
 NAMED = 0.8  # the confidence from which a name is sure
+_VIEWS = {"short_horizon": "short roll-outs", "full_rollout": "whole roll-outs"}
 _SMALL = 0.0095  # share that whole per cent would hide
 _FAR = 2.0  # noise levels of error beyond which a model without effects is no good one
 STRANGE = (
@@ -28,14 +29,18 @@ def status(
     return "outside_model_class" if unexplained else "no_effect"
 
 
-def statement(gain: Gain, named: Sequence[NamedEffect], groups: Sequence[AmbiguousGroup], unexplained: bool) -> str:
-    """One sentence a person can act on; `gain` is that of all effects, named or in doubt."""
+def statement(
+    gains: Sequence[Gain], named: Sequence[NamedEffect], groups: Sequence[AmbiguousGroup], unexplained: bool
+) -> str:
+    """One sentence a person can act on; `gains` are those of all effects, named or in doubt, the one to tell first."""
+    gain = gains[0]
     certain = [e for e in named if e.confidence >= NAMED]
     if certain:
         words = " and ".join(f"{e.name} at {e.where} ({_figures(e)})" for e in certain)
         doubted = ", with what is in doubt beside it" if len(certain) < len(named) else ""
+        worse = [f"; {_VIEWS[g.view]} get worse, {share(g.reduction, g.ci95)}" for g in gains[1:] if g.ci95[1] < 0.0]
         tail = "; something structured is left" if unexplained else ""
-        return f"Add {words}: {gained(gain)}{doubted}{tail}."
+        return f"Add {words}: {gained(gain)}{doubted}{''.join(worse)}{tail}."
     if groups and len(groups[0].effects) == 1:
         first = named[0]
         return (

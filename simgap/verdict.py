@@ -24,19 +24,20 @@ def judge(
     problem: Problem,
     selection: Selection,
     trials: Sequence[str],
-    gain: Gain,
+    gains: Sequence[Gain],
     leftover: Comparison,
     tails: float = 0.0,
     strange: bool = False,
 ) -> Verdict:
-    """The verdict over all accepted effects, whose `gain` it tells; `leftover` is that of a black box on top of them.
+    """The verdict over all accepted effects, whose `gains` it tells, that of short horizons first.
 
-    `tails` is the share of its loss that lies in tails longer than noise has: what comes seldom, as play at reversals,
-    no black box finds. Where the data are `strange`, nothing is sure: the inputs may be those of other motions. Where a
-    single trial judges nothing is either: a gain without an interval may be chance.
+    `leftover` is what a black box gains on top of them; `tails` is the share of its loss that lies in tails longer than
+    noise has: what comes seldom, as play at reversals, no black box finds. Where the data are `strange`, nothing is
+    sure: the inputs may be those of other motions. Where a single trial judges nothing is either: a gain without an
+    interval may be chance.
     """
     unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
-    single = math.isinf(gain.ci95[0])
+    single = math.isinf(gains[0].ci95[0])
     nameless = max(leftover.gain if unexplained else 0.0, tails)
     doubted = [_doubted(problem, selection, found, trials) for found in selection.accepted]
     named: list[NamedEffect] = []
@@ -76,7 +77,7 @@ def judge(
         status=status(bool(certain), bool(groups), unexplained or strange),
         effects=tuple(named),
         ambiguous_groups=tuple(groups),
-        statement=statement(gain, named, groups, unexplained) if not strange else STRANGE,
+        statement=statement(gains, named, groups, unexplained) if not strange else STRANGE,
     )
 
 

@@ -210,7 +210,7 @@ def test_what_took_the_place_of_another_and_may_be_chance_has_no_sure_name(p_adj
     found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
     accepted = Accepted(found, Round((found,), (p_adjusted,)), p_adjusted, (), Numerics())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
-    verdict = judge(Told(), selection, ("t0",), GAIN, Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
+    verdict = judge(Told(), selection, ("t0",), [GAIN], Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
     assert verdict.status == ("effect_found" if sure else "ambiguous")
 
 
@@ -228,7 +228,7 @@ def test_what_may_be_nothing_by_its_own_interval_has_no_sure_name(error: float, 
     found = replace(_tried(errors, null, COULOMB), direct=said)
     accepted = Accepted(found, Round((found,), (1e-6,)), 1e-6, (), Numerics())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
-    verdict = judge(Told(), selection, ("t0",), GAIN, Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
+    verdict = judge(Told(), selection, ("t0",), [GAIN], Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
     (low, high) = verdict.effects[0].parameters["torque_Nm"].ci95
     assert (verdict.status == "effect_found") == sure
     assert (low > 0.0) == sure
@@ -284,6 +284,6 @@ def test_what_a_single_trial_judges_has_no_sure_name():
     accepted = Accepted(found, Round((found,), (1e-6,)), 1e-6, (), Numerics())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
     alone = GAIN.model_copy(update={"ci95": (-np.inf, 1.0)})
-    verdicts = [judge(Told(), selection, ("t0",), g, Comparison(0.0, (0.0, 0.0), 1.0)) for g in (GAIN, alone)]  # pyright: ignore[reportArgumentType]
+    verdicts = [judge(Told(), selection, ("t0",), [g], Comparison(0.0, (0.0, 0.0), 1.0)) for g in (GAIN, alone)]  # pyright: ignore[reportArgumentType]
     assert [v.status for v in verdicts] == ["effect_found", "ambiguous"]
     assert "judge by two trials or more" in verdicts[1].statement
