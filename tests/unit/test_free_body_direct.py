@@ -200,6 +200,15 @@ def test_fits_go_no_further_than_what_motion_tells_errs(p_value: float, highest:
     assert held.told == ({"age_s": pytest.approx(0.0004 + span, abs=6e-5)} if p_value < 0.01 else {})
 
 
+@pytest.mark.parametrize(("p_value", "highest"), [(1e-6, 1.0), (0.03, 1.0 + 0.0144 + 0.25 * 0.021 + 0.0014)])
+def test_fits_do_not_contradict_what_motion_surely_tells(p_value: float, highest: float):
+    """Where falls see less than the declared length, contacts may not ask for more."""
+    wide = next(c for c in candidates_of(CUBE, [_toss(*_sliding(0.5)).series]) if c.effect.name == "sensor.scale")
+    held = narrowed(wide, DirectEstimate({"factor": 0.979}, {"factor": 0.0036}, p_value, 12))
+    assert held.bounds["factor"][1] == pytest.approx(highest)
+    assert held.bounds["factor"][0] < 0.979 - 2.0 * 0.0036
+
+
 def test_accepted_terms_leave_nothing_to_find():
     heavy = replace(CUBE, gravity_W=np.array([0.0, 0.0, -9.4]))
     found = _said("world.constant_force", [_toss(*_flight(heavy.gravity_W)[:3], body=heavy) for _ in range(8)])
