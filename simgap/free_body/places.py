@@ -100,10 +100,10 @@ def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
 
 
 def narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
-    """The candidate with bounds from no effect to the direct estimate, and beyond that no further than it errs.
+    """The candidate with bounds from no effect to the direct estimate, and beyond both no further than that errs.
 
     Fits to contacts stray: one that ends at such a bound is as sure as the estimate that set it, if that is sure at
-    all; where it is not, bounds lie a little further, to both sides.
+    all; where it is not, bounds lie a little further.
     """
     bounds, told, step = {}, {}, wide.step
     sure = direct.p_value < _TOLD
@@ -112,11 +112,7 @@ def narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
         beyond = 4.0 * direct.standard_errors[name] + 0.002 * (high - low)
         if not sure:
             beyond += _BEYOND * abs(value - null)
-        beyond_null = 0.0 if sure else beyond
-        bounds[name] = (
-            max(low, min(null - beyond_null, value - beyond)),
-            min(high, max(null + beyond_null, value + beyond)),
-        )
+        bounds[name] = (max(low, min(null, value) - beyond), min(high, max(null, value) + beyond))
         if bounds[name][0] >= bounds[name][1]:
             return wide
         if sure:
