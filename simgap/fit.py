@@ -15,6 +15,7 @@ from simgap.descent import KNEE, Prior, Solution, descend, half_widths, left_out
 from simgap.problem import Candidate, Model, Problem, Term, View
 
 Errors = Callable[[Model], Sequence[FloatArray]]  # one array per trial, in noise levels
+BEYOND = 1.0 + 1e-9  # an end of a range lies as far from none as it is known: rounding must not decide
 _FEW = 9  # values of a strength tried before the local search
 _MANY = 24  # values of one shape parameter; of two: _GRID
 _GRID = (48, 6)
@@ -65,7 +66,8 @@ class Fit:
         """Whether some strength of the last term differs from none by more than its interval and than `least`."""
         term, widths = self.model[-1], self.half_widths[self.free[-1].key]
         return any(
-            abs(term.values[n] - term.candidate.null[n]) > max(widths[n], least.get(n, 0.0)) and widths[n] > 0.0
+            abs(term.values[n] - term.candidate.null[n]) > BEYOND * max(widths[n], least.get(n, 0.0))
+            and widths[n] > 0.0
             for n in term.candidate.strengths
         )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from schemas.gap import Estimate
+from simgap.fit import BEYOND
 from simgap.problem import DirectEstimate, Term
 from simgap.tried import Trial
 
@@ -58,7 +59,7 @@ def stands(term: Term, sides: Sides) -> bool:
     for n in term.candidate.strengths:
         value, none, (below, above) = term.values[n], term.candidate.null[n], sides.get(n, (0.0, 0.0))
         least = max(below if value > none else above, 1e-9 * abs(none), 1e-12)
-        if abs(value - none) > least:
+        if abs(value - none) > BEYOND * least:
             return True
     return False
 

@@ -50,7 +50,7 @@ def statement(
         return f"These data cannot tell {' from '.join(groups[0].effects)}; to tell: {groups[0].experiment}."
     if unexplained:
         return "The error has structure that no effect of the library explains; see where it is."
-    judges = "" if math.isfinite(gain.ci95[0]) else "; a single trial judges that"
+    judges = "" if not math.isinf(gain.ci95[0]) else "; a single trial judges that"
     if not gain.heldout_after <= _FAR:
         left = f"what is left (rms) is {gain.heldout_after:.2g} times the noise"
         return f"No effect of the library takes off error that repeats from trial to trial; {left}{judges}."
@@ -66,7 +66,7 @@ def gained(gain: Gain) -> str:
 def share(value: float, ci95: Interval) -> str:
     """A share with its interval; one trial tells none, and the lower end of what it leaves open is infinite."""
     low, high = ci95
-    reach = f"{_percent(low)} to {_percent(high)}" if math.isfinite(low) else "one trial: no interval"
+    reach = f"{_percent(low)} to {_percent(high)}" if not math.isinf(low) else "one trial: no interval"
     return f"{_percent(value)} ({reach})"
 
 

@@ -84,9 +84,10 @@ def estimate(
 
 
 def are_one(readings: Sequence[DirectEstimate]) -> bool:
-    """Whether readings of one number agree within their errors."""
+    """Whether readings of one number agree within their errors; each knows what is declared to `_KNOWN` only."""
     return all(
-        abs(one.values[n] - other.values[n]) <= _ONE_ERRORS * np.hypot(one.standard_errors[n], other.standard_errors[n])
+        abs(one.values[n] - other.values[n])
+        <= _ONE_ERRORS * np.hypot(one.standard_errors[n], other.standard_errors[n]) + _KNOWN * abs(one.values[n])
         for one, other in combinations(readings, 2)
         for n in one.values
     )

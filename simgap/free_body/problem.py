@@ -141,7 +141,7 @@ class FreeBodyProblem:
         """The model with what falls and rest tell precisely as they tell it: fits to contacts stray from that.
 
         Beside a scale that is off by a hundredth, a body would look too small by as much. One after another, each
-        beside those before it: two of them must not undo the same error.
+        beside all others, those before it as told: two of them must not undo the same error.
         """
         asked = _asked(model, trials)
         if asked not in self._told:

@@ -88,6 +88,23 @@ def test_a_fit_at_the_end_of_a_range_is_as_sure_as_the_route_that_set_it():
     assert free.half_widths == fit(errors, [COULOMB]).half_widths
 
 
+@pytest.mark.parametrize("known", [0.4, 0.3, 0.1, 0.7])
+def test_a_fit_at_the_far_end_of_a_told_range_does_not_stand_out_by_rounding(known: float):
+    none = 1.0
+    errors = _errors(_columns(0.0), {COULOMB.key: -3.0})
+    candidate = replace(
+        COULOMB,
+        null={"torque_Nm": none},
+        start={"torque_Nm": none},
+        bounds={"torque_Nm": (none - known, 2.0)},
+        told={"torque_Nm": known},
+    )
+    found = fit(errors, [candidate])
+    assert found.model[-1].values["torque_Nm"] == pytest.approx(none - known)
+    assert not found.stands_out({})
+    assert not stands(found.model[-1], even(found.half_widths[candidate.key]))
+
+
 def test_an_interval_of_a_fit_at_an_end_that_was_told_covers_what_tells_it():
     told = Term(replace(COULOMB, told={"torque_Nm": 0.4}), {"torque_Nm": 2.0})
     assert unsure(told, {"torque_Nm": 0.4}, _told(1.6, 0.1), [])["torque_Nm"] == pytest.approx((0.4 + 0.196, 0.0))
