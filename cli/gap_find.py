@@ -28,7 +28,7 @@ from simgap.pictures.unexplained import unexplained
 from simgap.problem import Candidate
 from simgap.replays import most_telling, replay
 from simgap.report_page import PAGE, PICTURES, REPORT, render_page
-from simgap.tried import Trial
+from simgap.tried import Map, Trial
 
 Work = Callable[[Candidate], Trial]
 _MOST_REPLAYED = 12  # held-out trials among which the most telling one is looked for
@@ -130,7 +130,7 @@ def _pictures(case: Case, found: Found) -> dict[str, bytes]:
     return drawn
 
 
-def _each(jobs: int, tick: Tick, store: Store) -> Callable[[Work, Iterable[Candidate]], Iterator[Trial]]:
+def _each(jobs: int, tick: Tick, store: Store) -> Map:
     """Candidates one after another, or in forked processes that inherit the problem; order and results are the same.
 
     Each is stored as soon as it is done. Calls are told apart by their number: equal keys make equal calls.

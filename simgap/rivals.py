@@ -77,13 +77,11 @@ def are_doubles(one: Candidate, other: Candidate) -> bool:
 
 def replacement(this: Round, base: Fit, accepted: Sequence[Trial]) -> tuple[int, Trial] | None:
     """The best of a round where an accepted effect all but vanishes beside it, and the place of that effect."""
-    if (
-        not this.tried
-        or this.p_adjusted[0] >= LEVEL
-        or this.tried[0].comparison.gain <= least_gain(this.tried[0].candidate)
-    ):
+    if not this.tried:
         return None
     best = this.tried[0]
+    if this.p_adjusted[0] >= LEVEL or best.comparison.gain <= least_gain(best.candidate):
+        return None
     for place, found in enumerate(accepted):
         term = next(t for t in base.model if t.candidate.key == found.candidate.key)
         if best.fit.stands_out({}) and vanishes(term, best.fit):

@@ -10,7 +10,6 @@ from schemas.gap import AmbiguousGroup, Gain, Interval, NamedEffect
 from simgap.tried import Trial
 
 NAMED = 0.8  # the confidence from which a name is sure
-_VIEWS = {"short_horizon": "short roll-outs", "full_rollout": "whole roll-outs"}
 _SMALL = 0.0095  # share that whole per cent would hide
 _FAR = 2.0  # noise levels of error beyond which a model without effects is no good one
 STRANGE = (
@@ -32,13 +31,13 @@ def status(
 def statement(
     gains: Sequence[Gain], named: Sequence[NamedEffect], groups: Sequence[AmbiguousGroup], unexplained: bool
 ) -> str:
-    """One sentence a person can act on; `gains` are those of all effects, named or in doubt, the one to tell first."""
+    """One sentence a person can act on; `gains` (short roll-outs, whole ones) are of all effects, named or in doubt."""
     gain = gains[0]
     certain = [e for e in named if e.confidence >= NAMED]
     if certain:
         words = " and ".join(f"{e.name} at {e.where} ({_figures(e)})" for e in certain)
         doubted = ", with what is in doubt beside it" if len(certain) < len(named) else ""
-        worse = [f"; {_VIEWS[g.view]} get worse, {share(g.reduction, g.ci95)}" for g in gains[1:] if g.ci95[1] < 0.0]
+        worse = [f"; whole roll-outs get worse, {share(g.reduction, g.ci95)}" for g in gains[1:] if g.ci95[1] < 0.0]
         tail = "; something structured is left" if unexplained else ""
         return f"Add {words}: {gained(gain)}{doubted}{''.join(worse)}{tail}."
     if groups and len(groups[0].effects) == 1:
@@ -50,7 +49,7 @@ def statement(
         return f"These data cannot tell {' from '.join(groups[0].effects)}; to tell: {groups[0].experiment}."
     if unexplained:
         return "The error has structure that no effect of the library explains; see where it is."
-    judges = "" if not math.isinf(gain.ci95[0]) else "; a single trial judges that"
+    judges = "; a single trial judges that" if math.isinf(gain.ci95[0]) else ""
     if not gain.heldout_after <= _FAR:
         left = f"what is left (rms) is {gain.heldout_after:.2g} times the noise"
         return f"No effect of the library takes off error that repeats from trial to trial; {left}{judges}."
@@ -66,7 +65,7 @@ def gained(gain: Gain) -> str:
 def share(value: float, ci95: Interval) -> str:
     """A share with its interval; one trial tells none, and the lower end of what it leaves open is infinite."""
     low, high = ci95
-    reach = f"{_percent(low)} to {_percent(high)}" if not math.isinf(low) else "one trial: no interval"
+    reach = "one trial: no interval" if math.isinf(low) else f"{_percent(low)} to {_percent(high)}"
     return f"{_percent(value)} ({reach})"
 
 

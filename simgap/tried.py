@@ -15,7 +15,6 @@ LEVEL = 0.05  # chance of one false name per round; the direct route and the tes
 _SINGLED_OUT = 0.5  # of the loss that the direct route leaves with the next best candidate
 _LEAST_GAIN = 0.04  # a share of the loss (half of it of the error), or of the noise, below which nothing has a name
 _TOLD_GAIN = 0.01  # the same of what a route without simulator surely tells: it may hardly help beside other causes
-Map = Callable[[Callable[[Candidate], "Trial"], Iterable[Candidate]], Iterable["Trial"]]
 
 
 def least_gain(candidate: Candidate) -> float:
@@ -32,6 +31,9 @@ class Trial:
     comparison: Comparison
     direct: DirectEstimate | None
     delta_bic: float
+
+
+Map = Callable[[Callable[[Candidate], Trial], Iterable[Candidate]], Iterable[Trial]]
 
 
 @dataclass(frozen=True)
