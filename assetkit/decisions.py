@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
@@ -64,15 +65,18 @@ def check_value(field: str, value: str) -> None:
 
 
 def record_decision(decision: Decision, out: Path) -> None:
-    """Append one decision. It is one write at the end of the file, so that two people can decide at the same time.
+    """Append one decision. It is one write at the end of the file, under a lock on that file: people may decide at the
+    same time, and while an ingest is at work, which reads the decisions when it starts.
 
     A file whose last line was left open, as by an editor, gets its line break first.
     """
     path = out / DECISIONS
     line = decision.model_dump_json(exclude_defaults=True).encode() + b"\n"
-    held = path.read_bytes() if path.is_file() else b""
-    torn = bool(held) and not held.endswith(b"\n")
-    with path.open("ab", buffering=0) as file:
+    with path.open("a+b", buffering=0) as file:
+        fcntl.flock(file, fcntl.LOCK_EX)  # For one read and one write; closing the file releases it.
+        file.seek(0)
+        held = file.read()
+        torn = bool(held) and not held.endswith(b"\n")
         file.write(b"\n" + line if torn else line)
 
 

@@ -20,6 +20,7 @@ from typing import Literal
 import numpy as np
 from manifold3d import Manifold
 
+from assetkit.storage import require_storage
 from geom.cavity import Cavity
 from geom.convex_parts import convex_parts
 from geom.hull import thickness, volume
@@ -94,6 +95,7 @@ def decompose(
 
     None reaches through a plane that the body rests on. At most `settings.max_hulls`, and never across one of
     `cavities`. Never raises for what the mesh is or the library does: the reason says it. Same input, same hulls.
+    Raises OSError when files on the way could not be written or read.
     """
     seeds = body.light.decompose()
     if len(seeds) > MOST_PARTS:
@@ -132,6 +134,7 @@ def _in_cell(light: Manifold, settings: Settings, work_dir: Path, limits: Limits
         np.savez(source, allow_pickle=False, points=points, triangles=triangles.astype(np.int32), **options)
         argv = [sys.executable, "-P", "-m", "assetkit.coacd_worker", str(source), str(target), str(CPU_SECONDS)]
         cell = run_cell(argv, limits, env={"OMP_NUM_THREADS": "1"})
+        require_storage(cell)
         if cell.status != "ok":
             return f"{settings.method} {_ending(cell, limits)}"
         with np.load(target) as result:

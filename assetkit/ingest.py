@@ -14,6 +14,7 @@ from assetkit.decisions import read_decisions, with_decisions
 from assetkit.discover import Candidate
 from assetkit.options import Options
 from assetkit.source import SourceFile, refusal
+from assetkit.storage import finding_of, may_be_stored, storage_failed
 from jobs.cache import content_key, file_sha256, write_atomically
 from jobs.cell import CellResult, Limits, run_cell
 from jobs.schedule import run_all
@@ -59,9 +60,11 @@ def ingest(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem
     """Yield one report item per source as it finishes; every item is on disk before it is yielded.
 
     A source whose files, options, libraries and code are unchanged and whose packages are intact is taken from the
-    store (`cached = ("item",)`). Crashes and time-outs are tried again unless `resume` is set. Stopping the iteration
-    (Ctrl-C) ends the running cells and stores nothing of them. Decisions of people in the output folder are replayed.
-    Raises InvalidInput when their file cannot be read.
+    store (`cached = ("item",)`). Crashes and time-outs are tried again unless `resume` is set. Verdicts that do not
+    follow from the source (`assetkit.storage.NEVER_STORED`) are never stored: the next run tries again. Stopping the
+    iteration (Ctrl-C) ends the running cells and stores nothing of them. Decisions of people in the output folder are
+    replayed. The caller holds the lock of the output folder (`jobs.lock`). Raises InvalidInput when the file of
+    decisions cannot be read.
     """
     batch.out.mkdir(parents=True, exist_ok=True)
     decisions = read_decisions(batch.out)
@@ -75,18 +78,17 @@ def _one(candidate: Candidate, batch: Batch, decisions: Sequence[Decision]) -> R
     """The item of one source: remembered, or made in a cell. Whatever goes wrong costs this item only."""
     try:
         if (unusable := refusal(candidate.file)) is not None:
-            return _rejected(candidate, unusable)
+            return rejected(candidate, unusable)
         batch = replace(batch, options=with_decisions(batch.options, candidate, decisions))
         note = memory.file_of(candidate, batch.out, batch.options)
         stored = None if batch.fresh else memory.recall(note)
         if stored is not None and memory.is_current(stored, candidate, batch.out):
-            transient = set(stored.item.codes) & {*LOST_CODES.values(), "asset/internal-error", *ENDPOINT_CODES}
+            transient = set(stored.item.codes) & {*LOST_CODES.values(), *ENDPOINT_CODES}
             if batch.resume or not transient:
                 return stored.item.model_copy(update={"cached": ("item",)})
         return _in_cell(candidate, batch, note)
     except OSError as error:
-        unreadable = finding("asset/parse-error", f"the file cannot be read: {error.strerror}", value=error.errno)
-        return _rejected(candidate, unreadable)
+        return rejected(candidate, finding_of(error, candidate.file, (batch.out,)))
 
 
 def _in_cell(candidate: Candidate, batch: Batch, note: Path) -> ReportItem:
@@ -95,16 +97,19 @@ def _in_cell(candidate: Candidate, batch: Batch, note: Path) -> ReportItem:
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
     request = work / "request.json"
-    write_atomically(request, json.dumps(_request(candidate, batch, note, work)).encode())
+    handed_over = work / "note.json"  # Where the worker leaves its note; only this process writes into the store.
+    write_atomically(request, json.dumps(_request(candidate, batch, handed_over, work)).encode())
     note.unlink(missing_ok=True)
     result = _run_worker(batch, request)
-    stored = memory.recall(note)
+    stored = memory.recall(handed_over)
     if stored is None:
         stored = memory.Stored(item=_lost(candidate, result, batch.limits), main_sha256=main_sha256)
-        if result.status != "cancelled":
-            memory.remember(note, stored)
     if result.status != "cancelled":
-        ownership.claim(candidate, stored.item.packages, batch.out)
+        follows = may_be_stored(stored.item)
+        ownership.claim(candidate, stored.item.packages, batch.out, complete=follows)
+        # A source that was written to meanwhile has another hash, and which content was read is not known.
+        if follows and stored.main_sha256 == main_sha256:
+            memory.remember(note, stored)
     shutil.rmtree(work, ignore_errors=True)
     return stored.item
 
@@ -140,6 +145,8 @@ def _lost(candidate: Candidate, result: CellResult, limits: Limits) -> ReportIte
     """The item of a worker that died without a word."""
     bound = {"timeout": (result.seconds, limits.seconds, "s"), "out_of_memory": (None, limits.memory_mb, "MiB")}
     value, limit, unit = bound.get(result.status, (result.returncode, 0, "exit status"))
+    if result.os_error is not None:
+        return _with_output(rejected(candidate, storage_failed(f"worker failed: {result.os_error[:200]}")), result)
     said = [line for line in result.output.strip().splitlines() if not line.startswith(_CHATTER)]
     tail = said[-1:] or ["no output"]
     diagnostic = finding(
@@ -149,11 +156,15 @@ def _lost(candidate: Candidate, result: CellResult, limits: Limits) -> ReportIte
         bound=limit,
         unit=unit,
     )
-    lost = _rejected(candidate, diagnostic)
-    return lost.model_copy(update={"seconds": {"cell": round(result.seconds, 3)}, "traceback": result.output[-2000:]})
+    return _with_output(rejected(candidate, diagnostic), result)
 
 
-def _rejected(candidate: Candidate, diagnostic: Diagnostic) -> ReportItem:
+def _with_output(item: ReportItem, result: CellResult) -> ReportItem:
+    return item.model_copy(update={"seconds": {"cell": round(result.seconds, 3)}, "traceback": result.output[-2000:]})
+
+
+def rejected(candidate: Candidate, diagnostic: Diagnostic) -> ReportItem:
+    """The item of a source that one finding rejects."""
     return ReportItem(
         source=candidate.given, outcome=ItemOutcome.REJECTED, codes=(diagnostic.code,), diagnostics=(diagnostic,)
     )

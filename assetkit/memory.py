@@ -53,7 +53,7 @@ def remember(note: Path, stored: Stored) -> None:
 
 
 def stored_from(item: ReportItem, candidate: Candidate, out: Path) -> Stored:
-    """The note for an item that has just been made."""
+    """The note for an item that has just been made. Raises OSError when its files have vanished since."""
     root = candidate.file.root.resolve()
     visited = {p for p in candidate.file.visited if p != candidate.file.path.resolve()}
     return Stored(

@@ -22,13 +22,18 @@ def settle(candidate: Candidate, out: Path) -> Candidate:
     return replace(candidate, asset_id=f"{slug(candidate.file.path.stem)}-{suffix}")
 
 
-def claim(candidate: Candidate, packages: Sequence[str], out: Path) -> None:
-    """Note which packages this source made, and remove those it made before and no longer makes."""
+def claim(candidate: Candidate, packages: Sequence[str], out: Path, *, complete: bool = True) -> None:
+    """Note which packages this source made, and remove those it made before and no longer makes.
+
+    Not `complete`: something else than the source ended the work, so packages made before stay and stay its own.
+    """
     source = str(candidate.file.path.absolute())
     for package in packages:
         write_atomically(_owner_note(package, out), os.fsencode(source))
     made = out / ".cache" / "made" / content_key(source)[:24]
     before = made.read_text().splitlines() if made.is_file() else []
+    if not complete:
+        packages = tuple(dict.fromkeys([*before, *packages]))
     for package in set(before) - set(packages):
         if _owner(package, out) == Path(source) and read_record(out / package) is not None:
             shutil.rmtree(out / package)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import time
 import traceback
 from dataclasses import dataclass, replace
@@ -25,11 +26,12 @@ from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.previews import RenderPreviews
 from assetkit.stages.semantics import DescribeObject
+from assetkit.storage import finding_of, storage_failed
 from assetkit.targeted_repair import repair_until_accepted
 from assetkit.versions import library_versions
-from jobs.cache import Cache, content_key
+from jobs.cache import Cache, content_key, write_atomically
 from schemas import arrays
-from schemas.diagnostics import Diagnostic, finding
+from schemas.diagnostics import Diagnostic
 from schemas.outcome import EndpointUse, ItemOutcome, Outcome, Repair
 from schemas.report import ReportItem
 from sim.port import Simulator
@@ -46,6 +48,10 @@ STAGES: tuple[Stage, ...] = (
 )
 
 
+_MARK = "in-work"  # A file in the work folder; when it is gone, others may be gone too.
+_LOST = "the work folder was removed while the asset was made"
+
+
 @dataclass(frozen=True)
 class Noted:
     """What is stored beside a stage's value."""
@@ -60,17 +66,20 @@ def process_source(
 ) -> ReportItem:
     """Take one source through every stage and publish its packages in `out`.
 
-    With `fresh` stored stage results are ignored. Never raises for what the file holds, except MemoryError. Any other
-    exception in a stage is a bug: it becomes `asset/internal-error` with its traceback in the report.
+    With `fresh` stored stage results are ignored. Never raises for what the file holds, except MemoryError. Files of
+    Mana's own that vanish or cannot be written become `asset/storage-failed`, and nothing made from then on is stored.
+    Any other exception in a stage is a bug: it becomes `asset/internal-error` with its traceback in the report.
     """
     started = time.monotonic()
+    mark = work_dir / _MARK
+    write_atomically(mark, b"")
     trace = ""
     try:
         taken = intake.take_in(candidate, options.of_object(0))
     except MemoryError:
         raise  # The cell reports it as what it is.
     except Exception as error:  # A reader's bug; everything a file can do wrong comes back as findings.
-        taken = intake.IntakeResult((), (_bug(error),), (), review=False)
+        taken = intake.IntakeResult((), (finding_of(error, candidate.file, (work_dir, out)),), (), review=False)
         trace = traceback.format_exc()
     entry = Entry(taken.diagnostics, taken.repairs, taken.review, time.monotonic() - started)
     journals: list[Journal] = []
@@ -80,7 +89,7 @@ def process_source(
         journal = Journal({intake.NAME: replace(entry, seconds=entry.seconds if number == 1 else 0.0)})
         if told := decision_findings(options, number):
             journal.entries["decisions"] = Entry(told)
-        tools = Tools(simulator, work_dir / asset_id, options.of_object(number))
+        tools = Tools(simulator, work_dir / asset_id, options.of_object(number), mark=mark)
         try:
             lost = any(d.code == UNREACHABLE for j in journals for d in j.diagnostics)
             tools = replace(tools, endpoint_lost=lost)
@@ -95,14 +104,18 @@ def process_source(
         except MemoryError:
             raise
         except Exception as error:  # A bug must not take the batch down; it is reported as what it is.
-            journal.entries["bug"] = Entry((_bug(error),))
+            known = finding_of(error, candidate.file, (work_dir, out))
+            unexpected = known if mark.is_file() else storage_failed(_LOST)
+            journal.entries["bug"] = Entry((unexpected,))
             trace = traceback.format_exc()
         journals.append(journal)
     return _report(candidate, journals or [Journal({intake.NAME: entry})], packages, trace)
 
 
-def _bug(error: Exception) -> Diagnostic:
-    return finding("asset/internal-error", f"{type(error).__name__}: {error}")
+def _require_intact(tools: Tools) -> None:
+    """Raises FileNotFoundError when files have been removed from the work folder: no result made there counts then."""
+    if tools.mark is not None and not tools.mark.is_file():
+        raise FileNotFoundError(errno.ENOENT, _LOST, str(tools.mark))
 
 
 def _process_object(draft: Draft, tools: Tools, journal: Journal, out: Path, store: Path) -> tuple[Journal, list[str]]:
@@ -124,6 +137,7 @@ def _process_object(draft: Draft, tools: Tools, journal: Journal, out: Path, sto
     if finished is None or journal.rejected:
         return journal, []
     folder = release.finish(finished, journal, tools.work_dir)
+    _require_intact(tools)
     occupied = release.publish(folder, out / draft.asset_id)
     if occupied is not None:
         journal.entries["release"] = Entry((occupied,))
@@ -187,6 +201,7 @@ def _from_store_or_made(stage: Stage, draft: Draft, tools: Tools, cache: Cache, 
             return Outcome(value, note.diagnostics, note.repairs, note.review), True
     findings = stage.accepts(draft)
     outcome = stage.run(draft, tools) if not findings else Outcome(None, tuple(findings))
+    _require_intact(tools)
     if outcome.value is not None and outcome.outside is None:
         arrays.save(outcome.value, stage.result, value_file)
         arrays.save(Noted(outcome.diagnostics, outcome.repairs, outcome.review), Noted, note_file)

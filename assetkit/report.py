@@ -51,7 +51,8 @@ def _write_html(report: IngestReport, out: Path) -> None:
     """Written as it is made: neither the page nor the records of ten thousand packages are ever all in memory."""
     loader = PackageLoader("assetkit", "templates")
     page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("report.html")
-    rows = ((item, [_card(out, name) for name in item.packages]) for item in report.items)
+    there = ((item, [name for name in item.packages if (out / name / RECORD).is_file()]) for item in report.items)
+    rows = ((item, [_card(out, name) for name in names]) for item, names in there)
     temporary = out / ".report.html"
     text = page.stream(report=report, rows=rows, outcomes=[o.value for o in ItemOutcome])
     text.enable_buffering(1000)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from assetkit.storage import require_storage
 from geom.resolve_bodies import Resolved
 from geom.weld import weld_points
 from jobs.cell import Limits, run_cell
@@ -22,6 +23,7 @@ def self_union(points: FloatArray, triangles: IntArray) -> Resolved | None:
     """The closed outward surface around everything that `points`, `triangles` wind about at least once.
 
     None when the exact union fails or takes longer than `CPU_SECONDS`. Deterministic.
+    Raises OSError when files on the way could not be written or read.
     """
     low, high = points.min(axis=0), points.max(axis=0)
     centre, scale = 0.5 * (low + high), float((high - low).max()) or 1.0
@@ -29,7 +31,9 @@ def self_union(points: FloatArray, triangles: IntArray) -> Resolved | None:
         source, target = Path(folder, "in.npz"), Path(folder, "out.npz")
         np.savez(source, points=(points - centre) / scale, triangles=triangles)
         argv = [sys.executable, "-P", "-m", "assetkit.self_union_worker", str(source), str(target), str(CPU_SECONDS)]
-        if run_cell(argv, CELL, env={"OMP_NUM_THREADS": "1"}).status != "ok":
+        result = run_cell(argv, CELL, env={"OMP_NUM_THREADS": "1"})
+        require_storage(result)
+        if result.status != "ok":
             return None
         with np.load(target) as made:
             united = weld_points(made["points"] * scale + centre, made["triangles"], 0.0)

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import stat
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.references import expected_path, resolve_reference
+
+_KINDS = {
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFDIR: "a folder",
+}
 
 
 @dataclass(frozen=True)
@@ -39,11 +48,22 @@ class SourceFile:
 
 
 def refusal(source: SourceFile) -> Diagnostic | None:
-    """Why a source cannot even be opened: it is no regular file, or its path is no text; None when it can."""
+    """Why a source cannot even be opened: it is missing, no regular file, or its path is no text; None when it can."""
     try:
         str(source.path.absolute()).encode()
     except UnicodeEncodeError:
         return finding("asset/parse-error", "the path of the file is not UTF-8 text, which packages need; rename it")
-    if not source.path.is_file():
-        return finding("asset/parse-error", "this is no regular file that can be read")
+    try:
+        mode = source.path.stat().st_mode
+    except OSError as error:
+        return unreadable(error)
+    if not stat.S_ISREG(mode):
+        return finding("asset/source-unreadable", f"this is {_KINDS.get(stat.S_IFMT(mode), 'no regular file')}")
     return None
+
+
+def unreadable(error: OSError, file: str = "the file") -> Diagnostic:
+    """Why the operating system does not give `file`: it is not there, or must not or cannot be read."""
+    if isinstance(error, FileNotFoundError | NotADirectoryError):
+        return finding("asset/source-missing", f"{file} is not there", value=error.strerror)
+    return finding("asset/source-unreadable", f"{file} cannot be read: {error.strerror}", value=error.errno)

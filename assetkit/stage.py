@@ -191,7 +191,8 @@ class Draft:
 class Tools:
     """What stages may use: the simulator, a scratch folder, the user's statements, a store of models' answers.
 
-    With `endpoint_lost` the endpoint was out of reach for another object of the file and is left alone.
+    With `endpoint_lost` the endpoint was out of reach for another object of the file and is left alone. `mark` is a
+    file beside the scratch folder; results are stored only while it is there.
     """
 
     simulator: Simulator
@@ -199,6 +200,7 @@ class Tools:
     options: Options
     answers: Cache | None = None
     endpoint_lost: bool = False
+    mark: Path | None = None
 
 
 class Stage(Protocol):

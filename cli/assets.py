@@ -27,6 +27,7 @@ from cli.assets_search import search_command
 from cli.findings import show_findings
 from jobs.cache import content_key, file_sha256
 from jobs.cell import Limits
+from jobs.lock import exclusive
 from schemas.asset import Role
 from schemas.diagnostics import Severity
 from schemas.outcome import ItemOutcome
@@ -84,7 +85,8 @@ def ingest_command(
     """Take files through every stage and release a package for each object.
 
     Unchanged sources are not made again, so an interrupted run simply continues. Exit code 1 when an asset was
-    rejected, 2 when the command could not run.
+    rejected, 2 when the command could not run. One ingest at a time writes into an output folder: a second one ends at
+    once with exit code 2 and names the process that is at work; a killed one blocks nobody.
 
     Example: `mana assets ingest scans/ extra/mug.glb --out library --jobs 4 --license CC-BY-4.0`
     """
@@ -124,7 +126,8 @@ def ingest_command(
         resume=resume,
         fresh=fresh,
     )
-    report = run_batch(discover(sources, root=root, out=out), batch, quiet=as_json)
+    with exclusive(out):
+        report = run_batch(discover(sources, root=root, out=out), batch, quiet=as_json)
     if as_json:
         print(report.model_dump_json(indent=1))
     else:
@@ -167,7 +170,9 @@ def segmenter_stated(command: str, seconds: float, timeout: float) -> SegmenterC
 
 
 def run_batch(candidates: tuple[Candidate, ...], batch: Batch, *, quiet: bool) -> IngestReport:
-    """Ingest with a progress bar, then write report and catalog, also after Ctrl-C."""
+    """Ingest with a progress bar, then write report and catalog, also after Ctrl-C. The caller holds the lock of the
+    output folder (`jobs.lock`).
+    """
     started = time.monotonic()
     interrupted = False
     with text.progress(TextColumn("{task.fields[tally]}"), quiet=quiet) as progress:

@@ -7,9 +7,10 @@ import sys
 from pathlib import Path
 
 from assetkit import memory
-from assetkit.ingest import candidate_of
+from assetkit.ingest import candidate_of, rejected
 from assetkit.options import Options
 from assetkit.pipeline import process_source
+from assetkit.storage import finding_of
 from jobs.cell import peak_memory_mb
 from sim.bullet import BulletSimulator
 
@@ -29,7 +30,12 @@ def main(request_file: str) -> None:
             fresh=request["fresh"],
         )
     item = item.model_copy(update={"peak_memory_mb": round(peak_memory_mb(), 1)})
-    memory.remember(Path(request["note"]), memory.stored_from(item, candidate, out))
+    try:
+        stored = memory.stored_from(item, candidate, out)
+    except OSError as error:  # A file that the verdict rests on has vanished: it is no verdict on the source.
+        cause = finding_of(error, candidate.file, (out,))
+        stored = memory.Stored(item=rejected(candidate, cause), main_sha256="")
+    memory.remember(Path(request["note"]), stored)
 
 
 if __name__ == "__main__":

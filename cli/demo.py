@@ -15,6 +15,7 @@ from assetkit.ingest import Batch, default_jobs
 from assetkit.options import Options
 from cli import text
 from cli.assets import PRELOAD, WORKER, AsJson, run_batch
+from jobs.lock import exclusive
 from schemas.diagnostics import Severity
 
 # Real meshes of two formats; the mug and the tray must keep their cavity, the torus its hole.
@@ -62,7 +63,8 @@ def demo(
         preload=PRELOAD,
         jobs=jobs,
     )
-    report = run_batch(discover(found, root=data), batch, quiet=as_json)
+    with exclusive(batch.out):
+        report = run_batch(discover(found, root=data), batch, quiet=as_json)
     verdicts = {file: judge(file) for file in main_usd_files(batch.out)}
     made = next((p for item in report.items for p in item.packages), None)
     spoiled = spoil_package(batch.out / made) if made else ()

@@ -112,7 +112,8 @@ def extend_command(
 
     A package gets friction, restitution, mass, mass centre and inertia in USD, URDF and record (`measured`, with
     interval); a URDF gets joint friction, damping and limits. The rest is listed and stays in `extension.json`, which
-    goes along. Nothing is replaced unless acceptance passes; exit code 1 when it does not.
+    goes along. Nothing is replaced unless acceptance passes; exit code 1 when it does not, 2 while an ingest is at
+    work in the folder of the new package.
 
     Example: `mana gap extend library/mug mug_gap/extension.json --out measured`
     """

@@ -13,6 +13,7 @@ from assetkit.extend import EXTENSION, extend_package, main_file_of, record_of
 from assetkit.extend_urdf import extend_urdf
 from geom.support import bounds
 from jobs.cache import write_atomically
+from jobs.lock import exclusive
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.gap import ModelExtension
@@ -47,20 +48,25 @@ class Answer:
 def extend(target: Path, extension_file: Path, measurement: Path | None, out: Path | None) -> Answer:
     """Extend a package folder or a URDF file; `out` None replaces it.
 
-    Raises InvalidInput for an extension, package, URDF or measurement that cannot be used.
+    Raises InvalidInput for an extension, package, URDF or measurement that cannot be used, and FolderInUse while
+    another command, such as `mana assets ingest`, writes into the folder of the new package.
     """
     extension = read_extension(extension_file)
     terms_of(extension)  # Refuses unknown effects and parameters.
     refuse_impossible(extension)
     if target.suffix.lower() == ".urdf":
         return _urdf(target, extension, extension_file.read_bytes(), out)
+    folder = out or target.absolute().parent
+    with exclusive(folder):
+        return _package(target, extension, extension_file.read_bytes(), measurement, folder)
+
+
+def _package(target: Path, extension: ModelExtension, given: bytes, measurement: Path | None, folder: Path) -> Answer:
     record = record_of(target)
     body, reason = _body(target, record, extension, measurement)
-    given = extension_file.read_bytes()
     physics, rows = package_physics(extension, given, record.physics, body, reason)
     from sim.bullet import BulletSimulator  # Loads the engine.
 
-    folder = out or target.absolute().parent
     with BulletSimulator() as simulator:
         extended = extend_package(target, physics, folder, simulator)
     if extended.package is not None and (folder / catalog.CATALOG).is_file():

@@ -8,6 +8,7 @@ import traceback
 import typer
 
 from cli import assets, demo, gap, plan, replay, scene, schema
+from jobs.lock import FolderUnusable
 from schemas.diagnostics import InvalidInput
 
 app = typer.Typer(
@@ -32,6 +33,9 @@ def run() -> None:
         app()
     except FileNotFoundError as missing:
         print(f"mana: not found: {missing.filename or missing}", file=sys.stderr)
+        raise SystemExit(2) from None
+    except FolderUnusable as unusable:
+        print(f"mana: {unusable}", file=sys.stderr)
         raise SystemExit(2) from None
     except InvalidInput as refused:
         print(f"mana: {refused.diagnostic.code}: {refused.diagnostic.headline}", file=sys.stderr)

@@ -9,10 +9,10 @@ import manifold3d
 import numpy as np
 
 from geom.inertia import mass_properties, of_closed_surface, of_sheet, scaled
-from geom.mesh_edit import keep_faces, merge_surfaces
+from geom.mesh_edit import merge_surfaces
 from geom.open_parts import wall_bodies
-from geom.repair_holes import cap_openings
-from geom.solid_bodies import Bodies, Surface, as_manifold, signed_volume, sort_bodies
+from geom.repair_holes import capped_body
+from geom.solid_bodies import Bodies, Surface, as_manifold, outward, sort_bodies
 from geom.surface_distance import triangle_areas
 from schemas.model import FloatArray, Mesh
 from schemas.physics import MassProperties, Solid
@@ -127,10 +127,7 @@ def _capped_sheets(bodies: Bodies) -> Iterator[Surface]:
     """Each open surface with all its loops capped, outward."""
     for part in bodies.verdicts:
         if part.openings and part.complete:
-            points, triangles = bodies.open_surface
-            sheet = keep_faces(Mesh("part", points, triangles), part.faces)
-            points, triangles, _ = cap_openings(sheet.points, sheet.triangles, part.openings)
-            yield points, triangles if signed_volume(points, triangles) >= 0.0 else triangles[:, ::-1]
+            yield outward(*capped_body(*bodies.open_surface, part))
 
 
 def _sheet(bodies: Bodies, wall_m: float) -> MassProperties:

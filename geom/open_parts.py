@@ -11,13 +11,12 @@ from manifold3d import Manifold
 from geom.decimate import decimate
 from geom.hull import convex_hull
 from geom.inertia import of_closed_surface
-from geom.mesh_edit import keep_faces
 from geom.openings import OpenBody
-from geom.repair_holes import cap_openings
-from geom.solid_bodies import Bodies, Surface, as_manifold, in_own_faces, outward
+from geom.repair_holes import capped_body
+from geom.solid_bodies import Bodies, Surface, as_manifold, outward
 from geom.surface_distance import NearestOnSurface, triangle_areas
 from geom.thicken import thicken
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.model import FloatArray, IntArray
 from schemas.physics import MassProperties
 
 # Open parts that reach no further out of the bodies, as a share of the diagonal, are decoration: labels, decals, trim.
@@ -95,8 +94,7 @@ def _with_hidden_faces(bodies: Bodies, part: OpenBody, nearest: NearestOnSurface
     """The `part` capped, when other bodies hide every cap of it; else None."""
     if not part.openings or not part.complete or part.capped_volume == 0.0:
         return None
-    shell = keep_faces(Mesh("part", *bodies.open_surface), part.faces)
-    points, triangles, _ = cap_openings(shell.points, shell.triangles, in_own_faces(part).openings)
+    points, triangles = capped_body(*bodies.open_surface, part)
     caps = np.arange(len(part.faces), len(triangles))
     if _outside(nearest, _spread((points, triangles), caps), slack).any():
         return None

@@ -15,7 +15,7 @@ from geom.edges import edges_of
 from geom.fair_patch import fair_patch
 from geom.loop_triangulation import MOST_POINTS, triangulate_loop, unit_normals
 from geom.mesh_edit import append_faces
-from geom.openings import Opening
+from geom.openings import OpenBody, Opening
 from geom.surface_distance import triangle_areas
 from geom.weld import diagonal
 from schemas.model import FloatArray, IntArray, Mesh
@@ -92,20 +92,21 @@ def _with_smooth_patches(mesh: Mesh, near: IntArray, faces: IntArray) -> Mesh:
     return replace(mesh, normals=normals)
 
 
-def cap_openings(
-    points: FloatArray, triangles: IntArray, openings: Sequence[Opening]
-) -> tuple[FloatArray, IntArray, float]:
-    """Points and triangles with a cap appended for each loop (`caps_of`), and the area of the caps."""
-    points, caps = caps_of(points, triangles, openings)
-    new = np.concatenate([*caps, np.zeros((0, 3), dtype=np.int64)])
-    area = float(triangle_areas(points[new]).sum())
-    return points, np.concatenate([triangles, new]).astype(triangles.dtype), area
+def capped_body(points: FloatArray, triangles: IntArray, body: OpenBody) -> tuple[FloatArray, IntArray]:
+    """The faces of one `body` of a surface, then a cap for each of its loops (`caps_of`); points may be unused.
+
+    `body` numbers the faces of the whole surface; what comes out numbers its own.
+    """
+    own = triangles[body.faces]
+    openings = [replace(o, faces=np.searchsorted(body.faces, o.faces)) for o in body.openings]
+    points, caps = caps_of(points, own, openings)
+    return points, np.concatenate([own, *caps]).astype(triangles.dtype)
 
 
 def caps_of(
     points: FloatArray, triangles: IntArray, openings: Sequence[Opening]
 ) -> tuple[FloatArray, tuple[IntArray, ...]]:
-    """Points and one cap (k, 3) for each loop.
+    """Points and one cap (k, 3) for each loop; `openings` number the points and faces of this very surface.
 
     A loop of at most 150 points is triangulated in space with the least bending (`loop_triangulation`), a longer one in
     its mean plane (ear clipping, manifold3d), neither with new points. Where that would repeat an edge the mesh has, or

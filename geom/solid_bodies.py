@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import manifold3d
 import numpy as np
@@ -14,7 +14,7 @@ from geom.edges import edges_of
 from geom.mesh_edit import keep_faces, merge_surfaces
 from geom.openings import OpenBody, judge_open_bodies
 from geom.repair_faces import drop_fins, drop_surplus_faces
-from geom.repair_holes import cap_openings
+from geom.repair_holes import capped_body
 from geom.repair_shells import drop_duplicate_shells, drop_fragments
 from geom.repair_winding import orient
 from geom.weld import weld
@@ -78,9 +78,7 @@ def sort_bodies(meshes: Sequence[Mesh]) -> Bodies:
     kept = np.ones(len(rest.triangles), dtype=bool)
     capped = tuple(v for v in verdicts if _is_body(v, total))
     for body in capped:
-        shell = keep_faces(rest, body.faces)
-        local = in_own_faces(body)
-        closed.append(outward(*cap_openings(shell.points, shell.triangles, local.openings)[:2]))
+        closed.append(outward(*capped_body(rest.points, rest.triangles, body)))
         closed_area += body.area
         kept[body.faces] = False
     return Bodies(
@@ -168,11 +166,6 @@ def _is_body(body: OpenBody, total_area: float) -> bool:
     looped = bool(body.openings) and body.complete and body.capped_volume != 0.0
     minor = body.area <= LEADING_PART_SHARE * total_area
     return looped and minor and closed_area - body.area <= HIDDEN_FACE_SHARE * closed_area
-
-
-def in_own_faces(body: OpenBody) -> OpenBody:
-    """The same loops with face numbers that count from the body's first face."""
-    return replace(body, openings=tuple(replace(o, faces=np.searchsorted(body.faces, o.faces)) for o in body.openings))
 
 
 def outward(points: FloatArray, triangles: IntArray) -> Surface:

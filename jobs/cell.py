@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -20,6 +21,7 @@ from typing import IO, Literal
 
 Status = Literal["ok", "failed", "crashed", "timeout", "out_of_memory", "cancelled"]
 _PR_SET_PDEATHSIG = 1
+_OS_ERROR = re.compile(r"\w*Error: \[Errno \d+\] ")  # How Python prints OSError and its subclasses.
 _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
 _STOPPING = threading.Event()
 _LIVE: set[int] = set()
@@ -46,6 +48,12 @@ class CellResult:
     returncode: int
     output: str
     seconds: float
+
+    @property
+    def os_error(self) -> str | None:
+        """The last line of a Python program that ended with a numbered OSError, None for other endings."""
+        last = (self.output.strip().splitlines() or [""])[-1]
+        return last if self.status == "failed" and _OS_ERROR.match(last) else None
 
 
 CANCELLED = CellResult("cancelled", 0, "", 0.0)

@@ -8,6 +8,7 @@ from typing import get_args
 from scenec.assets import AssetLibrary
 from scenec.ir import Path
 from scenec.source.hint import did_you_mean
+from scenec.source.listing import written_assets
 from scenec.source.tree import Spans
 from scenec.variants import singles
 from schemas.asset import Role
@@ -20,7 +21,7 @@ ROLES: tuple[str, ...] = get_args(Role)
 def check_assets(program: SceneProgram, library: AssetLibrary, spans: Spans) -> tuple[Diagnostic, ...]:
     """Findings about assets and roles, each where the asset is named."""
     found: dict[tuple[str, Path], Diagnostic] = {}
-    for path, asset, scale, role in _named(program):
+    for path, asset, scale, role, _ in written_assets(program):
         for at, diagnostic in _check(path, asset, scale, role, library):
             found.setdefault((diagnostic.code, at), diagnostic.model_copy(update={"where": spans.place(at)}))
     return (*_roles(program, spans), *found.values())
@@ -32,21 +33,6 @@ def _roles(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
             headline = f"there is no role `{thing.role}`{did_you_mean(thing.role, ROLES)}"
             where = spans.place(("objects", i, "role"))
             yield finding("scene/unknown-name", headline, where=where, bound=", ".join(ROLES))
-
-
-def _named(program: SceneProgram) -> Iterator[tuple[Path, Asset | str, float, str | None]]:
-    """Path, asset, scale and role of each place where the program names an asset."""
-    for i, thing in enumerate(program.objects):
-        yield ("objects", i, "asset"), thing.asset, thing.scale, thing.role
-    if program.background is not None:
-        yield ("background", "asset"), program.background.asset, program.background.scale, None
-    objects = {thing.id: thing for thing in program.objects}
-    for i, variant in enumerate(program.variants.assets):
-        for name, asset in variant.objects.items():
-            yield ("variants", "assets", i, "objects", name), asset, objects[name].scale, objects[name].role
-    for i, variant in enumerate(program.variants.backgrounds):
-        path = ("variants", "backgrounds", i, "background", "asset")
-        yield path, variant.background.asset, variant.background.scale, None
 
 
 def _check(

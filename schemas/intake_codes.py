@@ -96,6 +96,26 @@ INTAKE_CODES: dict[str, CodeInfo] = {
         "Decompression, entity and texture bombs take the whole batch down; limits stop them.",
         "make the named item smaller, or raise the limit if you trust the source",
     ),
+    "asset/source-missing": CodeInfo(
+        "error",
+        "The source is not there",
+        "The file was removed or renamed after it was found, or it is a link to nothing; nothing can be known of it.",
+        "put the file back, or mend the link, and run the same command again",
+    ),
+    "asset/source-unreadable": CodeInfo(
+        "error",
+        "The source is nothing that can be read",
+        "A pipe, a device or a folder has no end or no content, so it is never opened; and a file that the operating "
+        "system keeps from this user is unknown, not damaged.",
+        "give a regular file that this user may read",
+    ),
+    "asset/storage-failed": CodeInfo(
+        "error",
+        "A file of Mana's own could not be written or read",
+        "The disk is full, or the output folder was removed, replaced or changed while the asset was made. That says "
+        "nothing about the source, so it is not remembered: the next run makes the asset anew.",
+        "see that the output folder is there, writable and has room, then run the same command again",
+    ),
     "asset/worker-crashed": CodeInfo(
         "error",
         "The worker process died",

@@ -73,6 +73,22 @@ SCENE_CODES: dict[str, CodeInfo] = {
         "No value lies in it.",
         "write the smaller number first; a range of headings across the half turn goes on past it, as in [170, 190]",
     ),
+    "scene/degrees-suspected": CodeInfo(
+        "error",
+        "An angle in radians looks like one in degrees",
+        "Angles are radians unless the key ends in `_deg`. More than a full turn either way is most likely meant in "
+        "degrees; read as radians it leaves every heading free, or gives one that nobody meant. Within a full turn "
+        "only whole numbers from 4 on are doubted (from 2 on for the tolerance of `facing`), as a warning.",
+        "write degrees with the key that ends in `_deg`, or radians within a full turn either way",
+    ),
+    "scene/size-implausible": CodeInfo(
+        "warning",
+        "An inline size can hardly be in metres",
+        "Sizes are metres. An object of more than 3 m is most likely written in centimetres or millimetres; so is a "
+        "background (or an object with the role `support` or `fixture`) that is 10 m long and nowhere thinner than "
+        "1 m. A thin floor or wall may have any size.",
+        "write the size in metres; a warning about something that really is so large can be left as it is",
+    ),
     # Names and ownership.
     "scene/duplicate-id": CodeInfo(
         "error",

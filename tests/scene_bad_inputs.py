@@ -63,6 +63,8 @@ SAMPLES: dict[str, Text] = {
     "scene/invalid-value": SOUND.replace("0.05]", "-0.05]"),
     "scene/given-twice": placed(a="{yaw: [0, 1], yaw_deg: [0, 90]}"),
     "scene/range-reversed": placed(a="{x: [0.2, 0.1]}"),
+    "scene/degrees-suspected": placed(a="{yaw: [-90, 90]}"),
+    "scene/size-implausible": SOUND.replace("[0.1, 0.1, 0.1]", "[21, 15, 3]", 1),
     "scene/duplicate-id": SOUND.replace("]\nlayout", f", {{id: a, asset: {BOX}}}]\nlayout"),
     "scene/unknown-name": SOUND + "relations: [{left_of: [a, d]}]\n",
     "scene/ambiguous-name": SOUND.replace("anchors: {", "anchors: {lid: {object: a, surface: auto}, ").replace(

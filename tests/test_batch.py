@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
+import shutil
 import sys
 from collections.abc import Generator
 from pathlib import Path
@@ -17,11 +20,16 @@ from assetkit.journal import Entry, Journal
 from assetkit.options import Options
 from assetkit.pipeline import process_source
 from assetkit.report import build_report, write_report
+from assetkit.stage import Appearance, Draft, Tools
+from assetkit.stages import accept_package
+from assetkit.stages.appearance import NormalizeAppearance
+from cli import cell
 from jobs.cell import Limits
-from schemas.diagnostics import finding
-from schemas.outcome import ItemOutcome, Repair
+from schemas.diagnostics import Diagnostic, finding
+from schemas.outcome import ItemOutcome, Outcome, Repair
 from schemas.report import ReportItem
 from sim.fake import FakeSimulator
+from usdio.gate import gate
 
 GOOD = """
 import json, sys
@@ -40,7 +48,12 @@ if 'abort' in text: import os; os.abort()
 if 'hang' in text: import time; time.sleep(60)
 if 'memory' in text: x = bytearray(8 * 2**30)
 if 'exit' in text: raise SystemExit('gave up')
+full = Path(request['out']) / 'full'
+if 'storage' in text and count.read_text() == '1': full.touch()
+if full.exists() and 'storage' in text: raise OSError(28, 'No space left on device')
 item = ReportItem(source=candidate.given, outcome='accepted', seconds={'intake': 0.1})
+if 'verdict' in text: item = ReportItem(source=candidate.given, outcome='rejected', codes=(text.split()[1],))
+if 'grows' in text: candidate.file.path.write_text('good')
 memory.remember(Path(request['note']), memory.stored_from(item, candidate, Path(request['out'])))
 """
 
@@ -110,6 +123,151 @@ def test_crashed_items_are_tried_again_unless_resumed(sources: Path, tmp_path: P
     assert runs(tmp_path / "out")["crash"] == 2
 
 
+def test_an_error_of_the_storage_is_not_stored(sources: Path, tmp_path: Path):
+    """The worker of `a` ends with an OSError, as where the disk is full: the next run makes it, resumed or not."""
+    (sources / "a.obj").write_text("storage")
+    items = run(sources, batch(tmp_path / "out"))
+    assert items["a"].outcome is ItemOutcome.REJECTED
+    assert items["a"].codes == ("asset/storage-failed",)
+    assert "No space left" in items["a"].diagnostics[0].headline
+    assert {items[n].outcome for n in "bc"} == {ItemOutcome.ACCEPTED}
+    (tmp_path / "out" / "full").unlink()
+    again = run(sources, batch(tmp_path / "out", resume=True))
+    assert {n: i.cached for n, i in again.items()} == {"a": (), "b": ("item",), "c": ("item",)}
+    assert again["a"].outcome is ItemOutcome.ACCEPTED
+
+
+def test_an_unwritable_store_is_no_verdict_on_the_source(
+    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Errors of this process: the note of `a` cannot be written once."""
+    this, written = batch(tmp_path / "out"), memory.remember
+
+    def full(note: Path, stored: memory.Stored) -> None:
+        if Path(stored.item.source).stem == "a":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        written(note, stored)
+
+    monkeypatch.setattr(memory, "remember", full)
+    assert run(sources, this)["a"].codes == ("asset/storage-failed",)
+    monkeypatch.setattr(memory, "remember", written)
+    again = run(sources, batch(tmp_path / "out", resume=True))
+    assert {n: (i.outcome, i.cached) for n, i in again.items()} == {
+        "a": (ItemOutcome.ACCEPTED, ()),
+        "b": (ItemOutcome.ACCEPTED, ("item",)),
+        "c": (ItemOutcome.ACCEPTED, ("item",)),
+    }
+
+
+@pytest.mark.parametrize(
+    "code", ["asset/storage-failed", "asset/internal-error", "asset/output-occupied", "asset/source-missing"]
+)
+def test_verdicts_that_do_not_follow_from_the_source_are_never_stored(code: str, sources: Path, tmp_path: Path):
+    (sources / "a.obj").write_text(f"verdict {code}")
+    this = batch(tmp_path / "out", resume=True)
+    assert run(sources, this)["a"].codes == (code,)
+    assert run(sources, this)["a"].cached == ()
+    assert runs(this.out) == {"a": 2, "b": 1, "c": 1}
+
+
+def test_a_source_written_to_while_it_is_read_is_read_again(sources: Path, tmp_path: Path):
+    """Half a file may have been read, whatever its hash is now."""
+    (sources / "a.obj").write_text("grows")
+    run(sources, batch(tmp_path / "out"))
+    assert (sources / "a.obj").read_text() == "good"
+    assert run(sources, batch(tmp_path / "out"))["a"].cached == ()
+    assert run(sources, batch(tmp_path / "out"))["a"].cached == ("item",)
+
+
+def test_packages_survive_an_error_of_the_storage(tmp_path: Path):
+    (tmp_path / "mug.obj").write_text("mug")
+    [mug] = discover([tmp_path / "mug.obj"])
+    release.publish(package(tmp_path, "mug"), tmp_path / "mug")
+    ownership.claim(mug, ["mug"], tmp_path)
+    ownership.claim(mug, [], tmp_path, complete=False)
+    assert (tmp_path / "mug").exists()
+    ownership.claim(mug, [], tmp_path)
+    assert not (tmp_path / "mug").exists()
+
+
+CUBE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n" + (
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+)
+
+
+@pytest.mark.parametrize("removed", ["package", "work"])
+def test_a_package_removed_while_it_is_judged_is_no_verdict(
+    removed: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The gate finds no file, which is no property of the source: neither the item nor the stage keeps that."""
+    (tmp_path / "cube.obj").write_text(CUBE)
+    [cube] = discover([tmp_path / "cube.obj"])
+    work, out = tmp_path / "out" / ".work" / "cube", tmp_path / "out"
+
+    def process() -> ReportItem:
+        options = Options(units="cm")
+        return process_source(cube, options=options, simulator=FakeSimulator(), out=out, work_dir=work)
+
+    def gate_without_files(main_file: Path) -> tuple[Diagnostic, ...]:
+        shutil.rmtree(work if removed == "work" else main_file.parent.parent)
+        return gate(main_file)
+
+    monkeypatch.setattr(accept_package, "gate", gate_without_files)
+    lost = process()
+    assert lost.outcome is ItemOutcome.REJECTED
+    assert lost.codes[-1] == "asset/storage-failed"
+    assert "asset/package-invalid" not in lost.codes
+    monkeypatch.setattr(accept_package, "gate", gate)
+    made = process()
+    assert made.packages == ("cube",)
+    assert "acceptance" not in made.cached
+
+
+def test_no_stage_stores_a_result_made_without_the_work_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    [cube] = discover([tmp_path / "cube.obj"])
+    work, out, run_stage = tmp_path / "out" / ".work" / "cube", tmp_path / "out", NormalizeAppearance.run
+
+    def process() -> ReportItem:
+        options = Options(units="cm")
+        return process_source(cube, options=options, simulator=FakeSimulator(), out=out, work_dir=work)
+
+    def work_removed(stage: NormalizeAppearance, draft: Draft, tools: Tools) -> Outcome[Appearance]:
+        shutil.rmtree(work)
+        return run_stage(stage, draft, tools)
+
+    monkeypatch.setattr(NormalizeAppearance, "run", work_removed)
+    lost = process()
+    assert lost.codes[-1] == "asset/storage-failed"
+    assert not list((out / ".cache" / "stages" / "appearance").rglob("*.npz"))
+
+
+def test_a_source_removed_while_it_is_read_is_missing(sources: Path, tmp_path: Path):
+    """The real worker: whatever a reader makes of a file that is gone, the item says that it is gone."""
+    source = sources / "a.obj"
+    [candidate] = discover([source])
+    request = tmp_path / "request.json"
+    asked = {
+        "given": candidate.given,
+        "path": str(source),
+        "root": str(sources),
+        "format": "obj",
+        "asset_id": "a",
+        "options": Options().model_dump(),
+        "out": str(tmp_path / "out"),
+        "fresh": False,
+        "work_dir": str(tmp_path / "work"),
+        "note": str(tmp_path / "note.json"),
+    }
+    request.write_text(json.dumps(asked))
+    source.unlink()
+    cell.main(str(request))
+    stored = memory.recall(tmp_path / "note.json")
+    assert stored is not None
+    assert stored.item.codes == ("asset/source-missing",)
+    assert "export" not in stored.item.diagnostics[0].help
+
+
 def test_ctrl_c_stores_finished_items_and_nothing_of_running_ones(sources: Path, tmp_path: Path):
     for name in ("x", "y"):
         (sources / f"{name}.obj").write_text("hang")
@@ -130,7 +288,7 @@ def test_ctrl_c_stores_finished_items_and_nothing_of_running_ones(sources: Path,
 def test_an_unreadable_source_costs_only_its_own_item(sources: Path, tmp_path: Path):
     (sources / "broken.obj").symlink_to(sources / "nowhere.obj")
     items = run(sources, batch(tmp_path / "out"))
-    assert items["broken"].codes == ("asset/parse-error",)
+    assert items["broken"].codes == ("asset/source-missing",)
     assert {items[n].outcome for n in "abc"} == {ItemOutcome.ACCEPTED}
 
 

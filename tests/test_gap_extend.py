@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -13,9 +14,10 @@ from typer.testing import CliRunner
 
 from assetkit.judge import judge
 from assetkit.record import read_record
-from cli.gap_extend import _body
+from cli.gap_extend import _body, extend
 from cli.main import app
 from jobs.cache import file_sha256
+from jobs.lock import FolderInUse, exclusive
 from schemas.asset import AssetRecord
 from schemas.diagnostics import InvalidInput, Severity
 from schemas.gap import AppliedEffect, Estimate, ModelExtension, Place
@@ -261,3 +263,13 @@ def test_a_mechanism_gets_friction_damping_and_limits(tmp_path: Path):
     refused = RUN.invoke(app, ["gap", "extend", str(tmp_path / "door.urdf"), str(strange), "--in-place"]).exception
     assert isinstance(refused, InvalidInput)
     assert refused.diagnostic.code == "gap/unknown-place"
+
+
+def test_a_folder_that_an_ingest_holds_is_left_alone(package: Path, tmp_path: Path):
+    given = extension(tmp_path / "given.json", {"contact.friction": {"mu": (0.21, 0.19, 0.23)}})
+    library = tmp_path / "library"
+    with exclusive(library):
+        with pytest.raises(FolderInUse, match=f"process {os.getpid()};"):
+            extend(package, given, None, library)
+        assert not (library / package.name).exists()
+    assert extend(package, given, None, library).path == library / package.name

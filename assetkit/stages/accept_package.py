@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -55,9 +57,23 @@ class AcceptPackage(Stage):
         found = Acceptance(simulated.section, anchors.anchors, offered.affordances, images)
         if grasp_lines(offered.affordances):
             main_file = release.author(replace(draft, acceptance=found), tools.work_dir)
+        written = package_files(main_file)
         judged = judge_bytes(main_file, simulated, stands_in)
+        require_files(written)
         diagnostics = (*names, *judged.diagnostics, *anchors.diagnostics, *offered.diagnostics)
         return Outcome(replace(found, section=judged.section), diagnostics, review=judged.review)
+
+
+def package_files(main_file: Path) -> tuple[Path, ...]:
+    """The files of the package with this main file, as they are on disk."""
+    return tuple(sorted(p for p in main_file.parent.parent.rglob("*") if p.is_file()))
+
+
+def require_files(paths: tuple[Path, ...]) -> None:
+    """Raises FileNotFoundError for the first that has vanished: a verdict on what is left would be about nothing."""
+    for path in paths:
+        if not path.is_file():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
 
 
 @dataclass(frozen=True)

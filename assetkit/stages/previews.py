@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from assetkit.stage import Draft, Previews, Stage, Tools, need
+from assetkit.storage import require_storage
 from jobs.cell import Limits
 from jobs.warm import run_module
 from render.drawn_grasp import DrawnGrasp
@@ -45,7 +46,8 @@ def render(
 ) -> dict[str, bytes]:
     """PNG bytes by name, of a canonical model, its collision shapes and its parts; with `grasps` only one of those.
 
-    Raises RuntimeError when the renderer fails: a broken environment, not a bad asset.
+    Raises RuntimeError when the renderer fails, OSError when files could not be written or read: a broken environment,
+    not a bad asset.
     """
     work_dir.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work_dir) as place:
@@ -54,6 +56,7 @@ def render(
         asked = RenderRequest(model, shapes, place, grasps=grasps, parts=legend, part_of=part_of)
         arrays.save(asked, RenderRequest, request)
         result = run_module("render", [str(request)], LIMITS)
+        require_storage(result)
         if result.status != "ok":
             raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
         return {p.stem: p.read_bytes() for p in sorted(Path(place).glob("*.png"))}

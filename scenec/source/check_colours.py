@@ -6,16 +6,16 @@ from collections.abc import Iterator
 
 from PIL import ImageColor
 
-from scenec.ir import Path
 from scenec.source.hint import did_you_mean
+from scenec.source.listing import written_assets
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, finding
-from schemas.scene_program import Asset, BoxAsset, CylinderAsset, SceneProgram, SphereAsset
+from schemas.scene_program import BoxAsset, CylinderAsset, SceneProgram, SphereAsset
 
 
 def check_colours(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
     """A finding (`scene/invalid-value`) for each colour that is none; it would be drawn grey."""
-    for path, asset in _assets(program):
+    for path, asset, *_ in written_assets(program):
         if not isinstance(asset, BoxAsset | CylinderAsset | SphereAsset) or asset.color is None:
             continue
         at = (*path, "color")
@@ -25,16 +25,3 @@ def check_colours(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
             hint = did_you_mean(asset.color.lower(), list(ImageColor.colormap))
             headline = f"`{written(at)}` is no colour: a name such as `teal` or a code such as `#2a9d8f`{hint}"
             yield finding("scene/invalid-value", headline, where=spans.place(at), value=asset.color)
-
-
-def _assets(program: SceneProgram) -> Iterator[tuple[Path, Asset | str]]:
-    """Every asset that the program writes, with its path."""
-    if program.background is not None:
-        yield ("background", "asset"), program.background.asset
-    for i, thing in enumerate(program.objects):
-        yield ("objects", i, "asset"), thing.asset
-    for i, variant in enumerate(program.variants.assets):
-        for name, asset in variant.objects.items():
-            yield ("variants", "assets", i, "objects", name), asset
-    for i, variant in enumerate(program.variants.backgrounds):
-        yield ("variants", "backgrounds", i, "background", "asset"), variant.background.asset

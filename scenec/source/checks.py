@@ -11,21 +11,20 @@ from scenec.names import MAX_THINGS, Names
 from scenec.source.check_colours import check_colours
 from scenec.source.check_ownership import check_ownership
 from scenec.source.check_relations import check_relations
+from scenec.source.check_units import check_units
 from scenec.source.hint import did_you_mean
+from scenec.source.listing import written_assets, written_headings, written_placings
 from scenec.source.tree import Spans, written
 from scenec.variants import singles
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
 from schemas.scene_program import (
     BACKGROUND,
-    Asset,
     AuthoredPolygon,
-    Background,
     DiscretePlacement,
     FixedAsset,
     Pose,
     Ranges,
     SceneProgram,
-    Slot,
     SlotGroup,
 )
 
@@ -44,6 +43,7 @@ def check_program(program: SceneProgram, spans: Spans) -> tuple[Diagnostic, ...]
         *_polygons(program, spans),
         *_splits(program, spans),
         *check_colours(program, spans),
+        *check_units(program, spans),
         *check_ownership(names, spans),
         *check_relations(names, spans),
     )
@@ -134,27 +134,11 @@ def _assignment(group: SlotGroup, assign: dict[str, str], spans: Spans, path: Pa
 
 def _numbers(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
     """Angles said twice, ranges that end before they begin, orientations that are none."""
-    layout = program.layout
-    headings: list[tuple[Path, Background | Ranges | Pose | Slot]] = []
-    if program.background is not None:
-        headings.append((("background",), program.background))
-    for i, variant in enumerate(program.variants.backgrounds):
-        headings.append((("variants", "backgrounds", i, "background"), variant.background))
-    placings = [(("layout", "nodes", n, "placement"), node.placement) for n, node in layout.nodes.items()]
-    placings += [(("layout", "groups", n), group) for n, group in layout.groups.items()]
-    for path, placing in placings:
-        if isinstance(placing, SlotGroup):
-            headings += [((*path, "slots", i), slot) for i, slot in enumerate(placing.slots)]
-        elif isinstance(placing, DiscretePlacement):
-            headings += [((*path, "poses", i), pose) for i, pose in enumerate(placing.poses)]
-        elif placing is not None:
-            headings.append(((*path, "ranges"), placing.ranges))
-            quats = placing.orientation if isinstance(placing.orientation, tuple) else ()
-            yield from _orientations([((*path, "orientation", i), q) for i, q in enumerate(quats)], spans)
-    for i, keep_out in enumerate(program.keep_outs):
-        if keep_out.ranges is not None:
-            headings.append((("keep_outs", i, "ranges"), keep_out.ranges))
-    for path, heading in headings:
+    for path, placing in written_placings(program):
+        if not isinstance(placing, SlotGroup | DiscretePlacement) and isinstance(placing.orientation, tuple):
+            quats = [((*path, "orientation", i), quat) for i, quat in enumerate(placing.orientation)]
+            yield from _orientations(quats, spans)
+    for path, heading in written_headings(program):
         if not heading.model_fields_set:
             continue
         turned = isinstance(heading, Pose) and heading.quat_wxyz is not None
@@ -220,7 +204,8 @@ def _polygon(polygon: shapely.Polygon, spans: Spans, path: Path) -> Iterator[Dia
 
 
 def _splits(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
-    named = sorted({one.id for asset in _assets(program) for one in singles(asset) if isinstance(one, FixedAsset)})
+    candidates = (one for item in written_assets(program) for one in singles(item.asset))
+    named = sorted({one.id for one in candidates if isinstance(one, FixedAsset)})
     for side, assets in (("train", program.split.train), ("eval", program.split.eval)):
         for i, asset in enumerate(assets):  # A split may be that of many programs: only what looks like a slip is said.
             if asset not in named and (hint := did_you_mean(asset, named)):
@@ -236,10 +221,3 @@ def _splits(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
                 where=spans.place(("split", "eval", i)),
                 labels=(Label(where=first, text="for training here"),),
             )
-
-
-def _assets(program: SceneProgram) -> Iterator[Asset | str]:
-    yield from (thing.asset for thing in program.objects)
-    yield from (asset for variant in program.variants.assets for asset in variant.objects.values())
-    backgrounds = (program.background, *(variant.background for variant in program.variants.backgrounds))
-    yield from (background.asset for background in backgrounds if background is not None)

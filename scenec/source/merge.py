@@ -26,7 +26,9 @@ def merge(base: Tree, over: Tree, found: list[Diagnostic]) -> Tree:
             if items.pop(key, None) is None:
                 found.append(_nothing(f"`{key}` is not in what this overrides", item.at, key, list(base.items)))
         elif key in items:
-            items[key] = Item(items[key].at, merge(items[key].value, item.value, found))
+            value = merge(items[key].value, item.value, found)
+            replaced = value.at != items[key].value.at
+            items[key] = Item(item.at if replaced else items[key].at, value)
         else:
             items[key] = Item(item.at, settled(item.value, found))
     return Block(items, base.at)

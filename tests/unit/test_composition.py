@@ -157,6 +157,18 @@ def test_one_skin_in_two_paints_is_cut_along_the_paint():
     assert_same(total, combine([wood, steel]))
 
 
+def test_a_paint_of_several_open_skins_caps_each_of_them():
+    """A bar with both ends in steel. Each end has one mouth, whose faces are numbered over both ends."""
+    steel = [without_face(box((0.1, 0.1, 0.1), (x, 0, 0)), -0.1 if x < 0 else 0.1) for x in (-0.15, 0.15)]
+    wood = without_face(without_face(box((0.2, 0.1, 0.1)), -0.1), 0.1)
+    bodies, total, exact = weighed([steel, [wood]], [7850.0, 650.0])
+    assert exact
+    ends = combine([at((0.1, 0.1, 0.1), 7850, (x, 0, 0)) for x in (-0.15, 0.15)])
+    assert_same(bodies[0], ends)
+    assert_same(bodies[1], of_box((0.2, 0.1, 0.1), 650.0))
+    assert_same(total, combine([ends, of_box((0.2, 0.1, 0.1), 650.0)]))
+
+
 def test_the_glaze_inside_a_cup_has_no_volume_of_its_own():
     """The inner skin, capped, would be the drink: shares by visible area instead, spread evenly."""
     cup = trimesh.creation.revolve([[0, 0], [0.04, 0], [0.04, 0.1], [0.036, 0.1], [0.036, 0.004], [0, 0.004]])

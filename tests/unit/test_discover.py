@@ -92,10 +92,21 @@ def test_odd_kinds_of_files_are_listed_but_not_opened(tmp_path: Path):
     (tmp_path / "folder.obj").mkdir()
     candidates = discover([tmp_path])
     assert [Path(c.given).name for c in candidates] == ["gone.obj", "loop.obj", "pipe.gltf"]
-    for candidate in candidates:
-        found = refusal(candidate.file)
-        assert found is not None
-        assert found.code == "asset/parse-error"
+    refused = {Path(c.given).name: refusal(c.file) for c in candidates}
+    assert {name: found.code for name, found in refused.items() if found is not None} == {
+        "gone.obj": "asset/source-missing",
+        "loop.obj": "asset/source-unreadable",
+        "pipe.gltf": "asset/source-unreadable",
+    }
+
+
+def test_a_device_is_refused_before_it_is_opened(tmp_path: Path):
+    (tmp_path / "zero.obj").symlink_to("/dev/zero")
+    [candidate] = discover([tmp_path / "zero.obj"])
+    found = refusal(candidate.file)
+    assert found is not None
+    assert (found.code, found.headline) == ("asset/source-unreadable", "this is a device")
+    assert found.help == "give a regular file that this user may read"
 
 
 def test_a_name_that_is_no_text_can_still_be_reported(tmp_path: Path):

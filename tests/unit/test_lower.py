@@ -69,7 +69,7 @@ def test_an_assigned_slot_is_left_to_its_member(tmp_path: Path):
 
 def test_degrees_and_full_turns(tmp_path: Path):
     head = "a: {object: a, placement: {type: surface, surface: tabletop"
-    for ranges, expected in (("yaw_deg: [170, 190]", (170.0, 190.0)), ("yaw: [0, 7]", (-180.0, 180.0))):
+    for ranges, expected in (("yaw_deg: [170, 190]", (170.0, 190.0)), ("yaw: [-4.2, 2.8]", (-180.0, 180.0))):
         text = SOUND.replace(head, f"{head}, ranges: {{{ranges}}}")
         (problem,) = lowered(text, tmp_path).problems
         assert np.allclose(np.degrees(problem.things[0].domain.yaw_rad), expected)

@@ -12,7 +12,7 @@ from geom.components import components_of
 from geom.edges import edges_of
 from geom.openings import judge_open_bodies
 from geom.repair_faces import drop_backs_of_solids, drop_fins, drop_surplus_faces, true_degenerates
-from geom.repair_holes import fill_openings
+from geom.repair_holes import capped_body, fill_openings
 from geom.repair_shells import drop_duplicate_shells, drop_fragments
 from geom.repair_vertices import split_bow_ties, touching_points
 from geom.repair_winding import orient
@@ -299,6 +299,19 @@ def test_a_cap_takes_the_attributes_of_its_rim() -> None:
     (body,) = bodies_of((mesh.points, mesh.triangles))
     filled, _, _ = fill_openings(mesh, body.openings)
     assert_attributes_follow(filled)
+
+
+def test_each_of_several_open_bodies_is_capped_by_itself() -> None:
+    """The faces of two boxes without a face take turns in the surface, and a loose card ends it."""
+    points, triangles = together(box(), box((1, 2, 3), at=(5, 0, 0)), OPENINGS["card"][0])
+    turns = np.arange(24).reshape(2, 12).T.reshape(-1)
+    triangles = np.concatenate([triangles[turns][2:], triangles[24:]])
+    *boxes, card = bodies_of((points, triangles))
+    for body, volume in zip(boxes, (1.0, 6.0), strict=True):
+        closed = observe(*capped_body(points, triangles, body), "")
+        assert closed.watertight
+        assert closed.volume == pytest.approx(volume)
+    assert len(capped_body(points, triangles, card)[1]) == 4
 
 
 def test_openings_do_not_depend_on_scale_or_place() -> None:

@@ -1,0 +1,114 @@
+"""Numbers that are plausible in another unit only: degrees where radians are read, centimetres where metres are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import pi, radians
+
+from scenec.ir import Path
+from scenec.source.check_relations import words_of
+from scenec.source.listing import WrittenAsset, written_assets, written_headings
+from scenec.source.tree import Spans, written
+from schemas.diagnostics import Diagnostic, Severity, finding
+from schemas.scene_program import BoxAsset, CylinderAsset, Range, SceneProgram, SphereAsset
+
+# A full turn with its digits rounded up (6.2832, 6.29, 6.3) is still one.
+MOST_ANGLE_RAD = 6.3
+# Within a full turn only whole numbers are doubted: beyond half a turn nobody gives headings in whole radians (4, 5,
+# 6), and a thing that may look more than a quarter turn away (2, 3) faces nothing.
+WHOLE_HEADING_RAD, WHOLE_TOLERANCE_RAD = pi, pi / 2
+# Doors, shelves and people are shorter than this; in centimetres, few things that are placed are so short.
+LARGEST_OBJECT_M = 3.0
+# What is built in may be any number of metres wide, as floors and walls are; those are thin. What is also this thick
+# everywhere is a table or a shelf in centimetres (nothing of less than 10 cm carries a scene).
+WIDE_FIXED_M, THICK_FIXED_M = 10.0, 1.0
+FIXED_ROLES = ("support", "fixture")
+# Numbers beyond these are too large even for centimetres (an object of 1 m, a table of 3 m): then they are millimetres.
+MOST_OBJECT_CM, MOST_FIXED_CM = 100.0, 300.0
+
+
+def check_units(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
+    """A finding for each angle (`scene/degrees-suspected`) and inline size (`scene/size-implausible`) in doubt."""
+    for path, heading in written_headings(program):
+        if path[0] != "keep_outs" and heading.yaw is not None:  # A keep-out has no heading in any unit.
+            yield from _angle((*path, "yaw"), heading.yaw, WHOLE_HEADING_RAD, spans)
+    for i, lighting in enumerate(program.variants.lighting):
+        if lighting.rotation is not None:
+            path = ("variants", "lighting", i, "rotation")
+            yield from _angle(path, lighting.rotation, WHOLE_HEADING_RAD, spans, in_degrees=False)
+    for i, relation in enumerate(program.relations):
+        if relation.tolerance is not None and words_of(relation) == ["facing"]:
+            yield from _angle(("relations", i, "tolerance"), relation.tolerance, WHOLE_TOLERANCE_RAD, spans)
+    for asset in written_assets(program):
+        yield from _size(asset, spans)
+
+
+def _angle(
+    path: Path, angle_rad: float | Range, whole_rad: float, spans: Spans, *, in_degrees: bool = True
+) -> Iterator[Diagnostic]:
+    """An error beyond a full turn, a warning for whole numbers beyond `whole_rad`; `in_degrees`: a key takes them."""
+    angles = [float(angle) for angle in (angle_rad if isinstance(angle_rad, tuple) else (angle_rad,))]
+    largest = max(angles, key=abs)
+    beyond = abs(largest) > MOST_ANGLE_RAD
+    if not beyond and not (abs(largest) > whole_rad and all(angle.is_integer() for angle in angles)):
+        return
+    key = f"{path[-1]}_deg" if in_degrees else f"{path[-1]}"
+    meant = _text(angles if in_degrees else [radians(angle) for angle in angles])
+    why = "more than a full turn" if beyond else "a round number of radians"
+    yield finding(
+        "scene/degrees-suspected",
+        f"`{written(path)}` reaches {largest:g} rad, {why}; did you mean `{key}: {meant}`?",
+        where=spans.place(path),
+        value=largest,
+        bound=2.0 * pi if beyond else whole_rad,
+        unit="rad",
+        severity=None if beyond else Severity.WARNING,
+    )
+
+
+def _size(item: WrittenAsset, spans: Spans) -> Iterator[Diagnostic]:
+    """A warning when lengths of an inline asset can hardly be metres, scale or no scale."""
+    lengths = _lengths(item.asset)
+    if not lengths:
+        return
+    # A scale below one may be the very conversion into metres; one above does not make the lengths another unit.
+    factor = min(item.scale, 1.0)
+    extents = {key: [factor * (2.0 if key == "radius_m" else 1.0) * v for v in of] for key, of in lengths.items()}
+    key = max(extents, key=lambda name: max(extents[name]))
+    largest, least = max(extents[key]), min(min(of) for of in extents.values())
+    if item.background or item.role in FIXED_ROLES:
+        bound, most_cm = WIDE_FIXED_M, MOST_FIXED_CM
+        plausible = largest < bound or least < THICK_FIXED_M
+    else:
+        bound, most_cm = LARGEST_OBJECT_M, MOST_OBJECT_CM
+        plausible = largest <= bound
+    if plausible:
+        return
+    unit, per_metre = ("centimetres", 100.0) if largest <= most_cm else ("millimetres", 1000.0)
+    meant = ", ".join(f"{name}: {_text([v / per_metre for v in of])}" for name, of in lengths.items())
+    yield finding(
+        "scene/size-implausible",
+        f"`{written((*item.path, key))}` makes it {largest:g} m in size; {unit}? Then write `{meant}`",
+        where=spans.place((*item.path, key)),
+        value=largest,
+        bound=bound,
+        unit="m",
+    )
+
+
+def _lengths(asset: object) -> dict[str, Sequence[float]]:
+    match asset:
+        case BoxAsset():
+            return {"size_m": asset.size_m}
+        case CylinderAsset():
+            return {"radius_m": (asset.radius_m,), "height_m": (asset.height_m,)}
+        case SphereAsset():
+            return {"radius_m": (asset.radius_m,)}
+        case _:
+            return {}
+
+
+def _text(numbers: Sequence[float]) -> str:
+    """Numbers as a program has them: `[-90, 90]`, or `90` where it is one."""
+    texts = [f"{number:.4g}" for number in numbers]
+    return texts[0] if len(texts) == 1 else f"[{', '.join(texts)}]"
