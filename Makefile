@@ -34,14 +34,14 @@ layers: $(STAMP)
 	$(BIN)/lint-imports
 
 bench: $(STAMP)
-	$(BIN)/python -m benchmarks.ingest
+	$(BIN)/python -m benchmarks.assets.ingest
 
 # About 500 cases; stops and goes on where it stopped. Records in GAP_OUT, one JSON per case.
 gap-suite: $(STAMP)
-	$(BIN)/python -m tests.gap_suite.run --resume $(GAP_OUT)
+	$(BIN)/python -m tests.suites.gap.run --resume $(GAP_OUT)
 
 docs: $(STAMP)
-	$(BIN)/python -m cli.docs docs/diagnostics
+	$(BIN)/python -m cli.docs.diagnostics docs/diagnostics
 
 system:
 	@sh tools/system-packages.sh

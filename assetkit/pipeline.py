@@ -9,28 +9,28 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from assetkit import release
-from assetkit.acceptance_by_person import accepted_by_person
+from assetkit.acceptance.targeted_repair import repair_until_accepted
 from assetkit.annotate.multimodal import UNREACHABLE
-from assetkit.decisions import decision_findings
-from assetkit.discover import Candidate
-from assetkit.journal import Entry, Journal
+from assetkit.batch.decisions import decision_findings
+from assetkit.batch.human_acceptance import accepted_by_person
+from assetkit.geometry.reference_frame import frame_to_front
 from assetkit.options import Options
-from assetkit.reference_frame import frame_to_front
+from assetkit.package import release
+from assetkit.sources.discover import Candidate
 from assetkit.stage import Draft, Intake, Stage, Tools
+from assetkit.stage_log import Entry, Journal
 from assetkit.stages import intake
-from assetkit.stages.accept_package import AcceptPackage
+from assetkit.stages.acceptance import AcceptPackage
 from assetkit.stages.appearance import NormalizeAppearance
-from assetkit.stages.author_physics import AuthorPhysics
 from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.interaction import ProposeParts
+from assetkit.stages.physics import AuthorPhysics
 from assetkit.stages.previews import RenderPreviews
 from assetkit.stages.semantics import DescribeObject
 from assetkit.storage import finding_of, storage_failed
-from assetkit.targeted_repair import repair_until_accepted
 from assetkit.versions import library_versions
 from jobs.cache import Cache, content_key, write_atomically
-from schemas import arrays
+from schemas import array_files
 from schemas.diagnostics import Diagnostic
 from schemas.outcome import EndpointUse, ItemOutcome, Outcome, Repair
 from schemas.report import ReportItem
@@ -193,8 +193,8 @@ def _from_store_or_made(stage: Stage, draft: Draft, tools: Tools, cache: Cache, 
     value_file, note_file = (cache.path(stage.name, key, suffix) for suffix in (".npz", ".note.npz"))
     if value_file.exists() and note_file.exists():
         try:
-            note = arrays.load(Noted, note_file)
-            value = arrays.load(stage.result, value_file)
+            note = array_files.load(Noted, note_file)
+            value = array_files.load(stage.result, value_file)
         except (OSError, ValueError, KeyError):
             value_file.unlink(missing_ok=True)
         else:
@@ -203,8 +203,8 @@ def _from_store_or_made(stage: Stage, draft: Draft, tools: Tools, cache: Cache, 
     outcome = stage.run(draft, tools) if not findings else Outcome(None, tuple(findings))
     _require_intact(tools)
     if outcome.value is not None and outcome.outside is None:
-        arrays.save(outcome.value, stage.result, value_file)
-        arrays.save(Noted(outcome.diagnostics, outcome.repairs, outcome.review), Noted, note_file)
+        array_files.save(outcome.value, stage.result, value_file)
+        array_files.save(Noted(outcome.diagnostics, outcome.repairs, outcome.review), Noted, note_file)
     return outcome, False
 
 

@@ -8,10 +8,10 @@ from typing import Any, Protocol
 
 from pydantic import ConfigDict
 
-from assetkit.front import Front
 from assetkit.options import Options
-from assetkit.units import UnitDecision
-from geom.cavity import Cavity
+from assetkit.pose.front import Front
+from assetkit.scale.declared_units import UnitDecision
+from geom.features.cavities import Cavity
 from jobs.cache import Cache
 from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor

@@ -11,7 +11,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from assetkit.source import SourceFile, unreadable
+from assetkit.sources.source_file import SourceFile, unreadable
 from jobs.cell import CellResult
 from schemas.diagnostics import Diagnostic, finding
 from schemas.report import ReportItem

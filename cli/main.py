@@ -7,7 +7,13 @@ import traceback
 
 import typer
 
-from cli import assets, demo, gap, plan, replay, scene, schema
+from cli import schema
+from cli.assets import app as assets
+from cli.demo import app as demo
+from cli.gap import app as gap
+from cli.plan import app as plan
+from cli.replay import app as replay
+from cli.scene import app as scene
 from jobs.lock import FolderUnusable
 from schemas.diagnostics import InvalidInput
 

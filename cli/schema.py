@@ -13,8 +13,8 @@ from schemas.asset import AssetRecord
 from schemas.episode import EpisodeDescription
 from schemas.measurement import MeasurementSpec
 from schemas.report import IngestReport
-from schemas.runtime_plan import RuntimePlan
-from schemas.scene_samples import SceneSamples
+from schemas.scene.runtime_plan import RuntimePlan
+from schemas.scene.samples import SceneSamples
 
 app = typer.Typer(help="Print the JSON Schema of a file Mana reads or writes.", no_args_is_help=True)
 _MODELS: dict[str, type[BaseModel]] = {

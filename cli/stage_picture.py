@@ -5,13 +5,13 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from assetkit.readers.images import load_texture
+from assetkit.readers.common.images import load_texture
 from jobs.cell import Limits
 from jobs.warm import run_module
 from render.camera import View
 from render.request import RenderRequest
-from schemas import arrays
-from usdio.read import read_stage
+from schemas import array_files
+from usdio.read.asset import read_stage
 
 _LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
@@ -26,7 +26,7 @@ def stage_picture(stage: Path, view: View, size_px: int) -> bytes:
     with tempfile.TemporaryDirectory(prefix="mana") as place:
         request = Path(place) / "request.npz"
         asked = RenderRequest(model=outcome.value, shapes=(), out_dir=place, size_px=size_px, views=(view,))
-        arrays.save(asked, RenderRequest, request)
+        array_files.save(asked, RenderRequest, request)
         result = run_module("render", [str(request)], _LIMITS)
         if result.status != "ok":
             raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")

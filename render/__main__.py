@@ -33,13 +33,13 @@ def one_thread() -> None:
 def draw_saved(argv: list[str], kind: type[T], draw: Callable[[T], object]) -> int:
     """Draw the request of this kind at `argv[0]`; returns the exit code."""
     from render.window import NoOpenGL
-    from schemas import arrays
+    from schemas import array_files
 
     if len(argv) != 1:
         sys.stderr.write("usage: python -m render REQUEST.npz\n")
         return 2
     try:
-        request = arrays.load(kind, Path(argv[0]))
+        request = array_files.load(kind, Path(argv[0]))
     except (OSError, ValueError) as error:
         sys.stderr.write(f"cannot read {argv[0]}: {error}\n")
         return 2

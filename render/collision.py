@@ -10,7 +10,7 @@ import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-from geom.gprims import capsule, cube, cylinder, sphere
+from geom.mesh.primitives import capsule, cube, cylinder, sphere
 from render.camera import AnnotationFrame
 from render.polydata import line_segments, triangle_soup
 from schemas.model import FloatArray, IntArray

@@ -17,8 +17,8 @@ from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkMapper, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderer
 
-from geom.corner_normals import corner_normals
-from geom.support import surface
+from geom.convex.support_function import surface
+from geom.mesh.corner_normals import corner_normals
 from render.camera import AnnotationFrame
 from render.frames_request import DrawnBody, FramesRequest
 from render.polydata import triangle_soup

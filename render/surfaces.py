@@ -132,7 +132,7 @@ def _normals(mesh: Mesh, points: FloatArray) -> FloatArray:
     Corners whose own normal is missing (zero or not finite) take that of their face.
     """
     if mesh.normals is None:
-        from geom.corner_normals import corner_normals  # Loads scipy; most assets bring normals.
+        from geom.mesh.corner_normals import corner_normals  # Loads scipy; most assets bring normals.
 
         return corner_normals(mesh.points, mesh.triangles)
     face = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from runtime_plan.words import uniforms
+from runtime_plan.counter_rng import uniforms
 
 Array = Any
 
@@ -18,7 +18,7 @@ class Backend(Protocol):
     xp: ModuleType
 
     def uniforms(self, seed: int, start: int, n: int, blocks: int) -> Array:
-        """(n, 4 * blocks) numbers in [0, 1); the same as `runtime_plan.words.uniforms`."""
+        """(n, 4 * blocks) numbers in [0, 1); the same as `runtime_plan.counter_rng.uniforms`."""
         ...
 
     def full(self, shape: tuple[int, ...], value: float | int | bool) -> Array:
@@ -36,7 +36,7 @@ class Numpy:
     xp: ModuleType = np
 
     def uniforms(self, seed: int, start: int, n: int, blocks: int) -> Array:
-        """See `runtime_plan.words`."""
+        """See `runtime_plan.counter_rng`."""
         return uniforms(seed, start, n, blocks)
 
     def full(self, shape: tuple[int, ...], value: float | int | bool) -> Array:

@@ -7,17 +7,17 @@ from pathlib import Path
 
 import numpy as np
 
+from geom.convex.scaling import scaled_body
 from geom.pose import pose
-from geom.scaling import scaled_body
 from runtime_plan.package_files import changed_physics
 from schemas.asset import RECORD, AssetRecord
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.physics import CollisionShape, MassProperties, RigidBody
-from schemas.runtime_plan import PlanBody
-from schemas.scene_program import BoxAsset, CylinderAsset, Inline
-from usdio.reread import reread_body
-from usdio.write_package import USD_FOLDER
-from usdio.write_primitive import CONTACT, DENSITY_KGM3, primitive_mass
+from schemas.scene.program import BoxAsset, CylinderAsset, Inline
+from schemas.scene.runtime_plan import PlanBody
+from usdio.reread.body import reread_body
+from usdio.write.package import USD_FOLDER
+from usdio.write.primitive import CONTACT, DENSITY_KGM3, primitive_mass
 
 
 @dataclass(frozen=True)

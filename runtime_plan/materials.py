@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from schemas.physics import MassProperties, RigidBody
-from schemas.scene_program import PairedMaterial
+from schemas.scene.program import PairedMaterial
 
 
 def is_paired(material: PairedMaterial) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from runtime_plan.consistency import faults
 from runtime_plan.tables import PlanTables, tables_of
 from schemas.diagnostics import InvalidInput
-from schemas.runtime_plan import RuntimePlan
+from schemas.scene.runtime_plan import RuntimePlan
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
 from runtime_plan.tables import ABSENT, AUTHORED, BACKGROUND, WORLD
 from schemas.diagnostics import InvalidInput, Location, finding
-from schemas.runtime_plan import PlanCombination
-from schemas.scene_samples import SampledLighting, SampledObject, SceneSample, SceneSamples
+from schemas.scene.runtime_plan import PlanCombination
+from schemas.scene.samples import SampledLighting, SampledObject, SceneSample, SceneSamples
 
 UNIT = 1e-6  # how far the norm of a quaternion may be from 1
 _CHANNELS = ("intensity", "exposure", "temperature_K", "rotation")

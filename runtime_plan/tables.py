@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from schemas.runtime_plan import PlanCase, PlanCombination, PlanStance, RuntimePlan
+from schemas.scene.runtime_plan import PlanCase, PlanCombination, PlanStance, RuntimePlan
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

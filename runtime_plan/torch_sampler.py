@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 import torch
 
+from runtime_plan.counter_rng import UNIT
 from runtime_plan.philox import philox
 from runtime_plan.plan import Plan
-from runtime_plan.sample import sample_with
+from runtime_plan.sampler import sample_with
 from runtime_plan.samples import Samples
-from runtime_plan.words import UNIT
 
 
 class Torch:
@@ -50,7 +50,7 @@ class Torch:
 
 
 class TorchSampler:
-    """A plan on a device. `sample` returns the `Samples` of `runtime_plan.sample` as tensors there."""
+    """A plan on a device. `sample` returns the `Samples` of `runtime_plan.sampler` as tensors there."""
 
     def __init__(self, plan: Plan, device: str = "cpu") -> None:
         self._backend = Torch(device)

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from geom.many_scenes import SceneRules, Stands
-from geom.plan_rules import rules_of
-from geom.scene_check.model import TOLERANCE_M
-from geom.scene_check_many import check_many
 from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
-from schemas.runtime_plan import PlanCombination, RuntimePlan
+from scene_check.batch import SceneRules, Stands
+from scene_check.check_batch import check_many
+from scene_check.from_plan import rules_of
+from scene_check.model import TOLERANCE_M
+from schemas.scene.runtime_plan import PlanCombination, RuntimePlan
 
 Row = dict[str, Any]  # index, kind, things, value, bound, unit, label
 

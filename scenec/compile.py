@@ -9,27 +9,27 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path as FilePath
 
-from scenec import verify
-from scenec.assets import AssetLibrary
-from scenec.choice_places import chosen_paths
-from scenec.conflicts import minimal_conflict
-from scenec.drop_choices import dropped_choices
-from scenec.emit import compiled_scene
-from scenec.graph import Graph, interaction_graph
-from scenec.ir import Exhausted, Infeasible, Path, Placement, Problem, Proof, Result, Solved
-from scenec.memo import Memo
-from scenec.parts import lower
-from scenec.plan import runtime_plan
-from scenec.report import conflict_members, verdict_of, why
+from scenec.analyse.interaction_graph import Graph, interaction_graph
+from scenec.bind.asset_library import AssetLibrary
+from scenec.bind.choice_spans import chosen_paths
+from scenec.bind.components import lower
+from scenec.bind.variants import Combination
+from scenec.check import between_phases
+from scenec.emit.scene import compiled_scene
+from scenec.explain.drop_choices import dropped_choices
+from scenec.explain.minimal_conflict import minimal_conflict
+from scenec.explain.report import conflict_members, verdict_of, why
+from scenec.explain.suggestions import MOST_SUGGESTIONS, suggestions
+from scenec.explain.verdicts import verdicts
+from scenec.ir.derivation_cache import Memo
+from scenec.ir.problem import Exhausted, Infeasible, Path, Placement, Problem, Proof, Result, Solved
+from scenec.plan.document import runtime_plan
 from scenec.solve import DEFAULT_BUDGET, ComponentCache, solve
-from scenec.source.pieces import Pieces
+from scenec.source.incremental_parse import Pieces
 from scenec.source.read import Read, read_program
-from scenec.suggest import MOST_SUGGESTIONS, suggestions
-from scenec.variants import Combination
-from scenec.verdicts import verdicts
-from schemas.compiled_scene import CompiledScene, CompileReport, Suggestion
 from schemas.diagnostics import Diagnostic, any_error
-from schemas.runtime_plan import RuntimePlan
+from schemas.scene.compiled import CompiledScene, CompileReport, Suggestion
+from schemas.scene.runtime_plan import RuntimePlan
 
 EXPLAIN_BUDGET = 2_000  # the same for each question asked while explaining why there is no scene
 
@@ -37,7 +37,7 @@ EXPLAIN_BUDGET = 2_000  # the same for each question asked while explaining why 
 @dataclass(frozen=True)
 class Compiled:
     """What came of a program. `problems` and `results` have one entry for each combination of all variants that is
-    shown (see `scenec.verdicts`), `scenes` as many or none.
+    shown (see `scenec.explain.verdicts`), `scenes` as many or none.
 
     `failed` is the index of the combination that the report explains, None when every one gave a scene; `chosen` are
     those of its choices that reach what failed.
@@ -118,7 +118,8 @@ def compile_program(
     them compiled. `budget` bounds the steps of the search of each combination. Placements of `previous` are repaired
     before anything is searched anew; `cache`, `library`, `pieces` and `memo` keep components, assets, text and what was
     derived for single things in earlier compiles (`scenec.session` holds all five). With `explain`, a failure comes
-    with conflict and suggestions; with `diversity`, success comes with a plan of many scenes (see scenec.plan). Raises
+    with conflict and suggestions; with `diversity`, success comes with a plan of many scenes (see
+    scenec.plan.document). Raises
     RuntimeError when the independent checker refuses what was made: a defect of ours, not of the program.
     """
     clock = Clock()
@@ -134,7 +135,7 @@ def compile_program(
         return Compiled(_invalid(found, clock))
     with clock.phase("bind"):
         for problem in lowered.problems:
-            verify.after_binding(problem, memo)
+            between_phases.after_binding(problem, memo)
     cache = cache or ComponentCache()
 
     def solved(problem: Problem) -> Result:
@@ -143,7 +144,7 @@ def compile_program(
             result = solve(problem, seed, budget, previous=known, cache=cache)
         if isinstance(result, Solved):
             with clock.phase("check"):
-                verify.after_solving(problem, result.placements, memo)
+                between_phases.after_solving(problem, result.placements, memo)
         return result
 
     tried = verdicts(lowered, solved)
@@ -177,8 +178,8 @@ def compile_program(
         with clock.phase("check"):
             for problem, result in zip(problems, results, strict=True):
                 assert isinstance(result, Solved), "all parts compiled"
-                verify.after_binding(problem, memo)
-                verify.after_solving(problem, result.placements, memo)
+                between_phases.after_binding(problem, memo)
+                between_phases.after_solving(problem, result.placements, memo)
     with clock.phase("emit"):
         scenes = tuple(_emit(p, r, seed, memo) for p, r in zip(problems, results, strict=True))
     plan = None
@@ -208,7 +209,7 @@ def _invalid(diagnostics: tuple[Diagnostic, ...], clock: Clock) -> CompileReport
 def _emit(problem: Problem, result: Result, seed: int, memo: Memo) -> CompiledScene:
     assert isinstance(result, Solved), "no combination failed"
     scene = compiled_scene(problem, result.placements, seed, memo)
-    verify.after_emission(problem, scene)
+    between_phases.after_emission(problem, scene)
     return scene
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scenec.assets import AssetLibrary
+from scenec.bind.asset_library import AssetLibrary
 from scenec.compile import Compiled, compile_program
-from scenec.memo import Memo
+from scenec.ir.derivation_cache import Memo
 from scenec.solve import DEFAULT_BUDGET, ComponentCache
-from scenec.source.pieces import Pieces
+from scenec.source.incremental_parse import Pieces
 
 
 class Session:

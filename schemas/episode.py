@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveFloat
 
-from schemas.compiled_scene import Point3, Quat_wxyz
+from schemas.scene.compiled import Point3, Quat_wxyz
 
 SCHEMA_VERSION = "1.0"
 EPISODE_FILE = "episode.json"

@@ -9,8 +9,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from schemas.compiled_scene import Point3, Quat_wxyz
-from schemas.scene_program import Inline, PairedMaterial
+from schemas.scene.compiled import Point3, Quat_wxyz
+from schemas.scene.program import Inline, PairedMaterial
 
 SCHEMA_VERSION = "1.0"
 VARIANT_FILE = "variant.json"

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from geom.convex.support_function import centre_heights, facet_directions, heights, support, surface
+from geom.mesh.rays import Rays
 from geom.pose import quat_of, shortest_rotation
-from geom.rays import Rays
-from geom.support import centre_heights, facet_directions, heights, support, surface
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape, RigidBody
 from sim.port import DropResult, DropSettings, GraspOutcome, GraspTask, ProbesAtEnd, World

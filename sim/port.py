@@ -1,4 +1,6 @@
-"""What the rest of Mana asks of a rigid-body simulator. Implementations: `sim.bullet`, and `sim.fake` for tests."""
+"""What the rest of Mana asks of a rigid-body simulator. Implementations: `sim.bullet.simulator`, and `sim.fake` for
+tests.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from geom.gripper import Gripper
+from geom.grasp.gripper import Gripper
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 
@@ -121,7 +123,8 @@ class Standing:
 
 @dataclass(frozen=True)
 class GraspTask:
-    """A gripper whose pads are to close on a body: its pose X_AG (4, 4) in the frame of the body (`geom.gripper`), how
+    """A gripper whose pads are to close on a body: its pose X_AG (4, 4) in the frame of the body
+    (`geom.grasp.gripper`), how
     far the pads are apart before, what each presses with, and the friction between pads and body.
     """
 

@@ -8,7 +8,7 @@ from typing import Literal, Protocol, runtime_checkable
 
 from schemas.gap import Place, Trap
 from schemas.model import FloatArray
-from sim.effects.effect import Effect
+from sim.dynamics.hooks import Effect
 
 View = Literal["short_horizon", "long_horizon", "full_rollout"]
 

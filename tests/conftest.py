@@ -18,25 +18,25 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 # Files that take longest, in seconds of CPU: a minute of tests that starts last would leave the other workers idle.
 LONGEST = (
-    "unit/test_gap_mechanism_suite.py",  # 170
-    "test_pipeline.py",  # 160
-    "test_gap_cli.py",  # 100
-    "second_engine/test_second_engine.py",  # 100
-    "test_scene_examples.py",  # 100
-    "test_review.py",  # 50
-    "unit/test_plan_cases.py",  # 50
-    "test_annotator_batch.py",
-    "test_codes.py",
-    "test_replay_recordings.py",
-    "test_batch.py",
-    "unit/test_free_body_suite.py",
-    "unit/test_mass_table.py",
-    "unit/test_collision_robustness.py",
-    "unit/test_bullet_mechanism.py",
-    "test_warm_ingest.py",
-    "test_segmented.py",
-    "test_part_review.py",
-    "test_scene_cli.py",
+    "suites/gap/test_mechanism.py",  # 170
+    "acceptance/test_pipeline.py",  # 160
+    "acceptance/test_gap.py",  # 100
+    "suites/second_engine/test_second_engine.py",  # 100
+    "acceptance/test_scene_examples.py",  # 100
+    "assetkit/batch/test_decisions.py",  # 50
+    "laws/test_plan_cases.py",  # 50
+    "acceptance/test_annotator_batch.py",
+    "schemas/test_codes.py",
+    "acceptance/test_replay_recordings.py",
+    "assetkit/test_batch.py",
+    "suites/gap/test_free_body.py",
+    "assetkit/mass/test_estimate.py",
+    "laws/test_collision_robustness.py",
+    "sim/bullet/test_mechanism.py",
+    "acceptance/test_warm_ingest.py",
+    "acceptance/test_segmenter.py",
+    "assetkit/parts/test_decided.py",
+    "acceptance/test_scene.py",
 )
 
 SHARED = Path(__file__).parents[1].parent / "shared" / "data"

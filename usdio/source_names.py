@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 from schemas.diagnostics import Diagnostic, finding
 from schemas.model import Model
-from usdio.looks import material_prim_names
-from usdio.write_meshes import mesh_prim_names
+from usdio.write.mesh_materials import material_prim_names
+from usdio.write.meshes import mesh_prim_names
 
 
 def source_names(model: Model) -> dict[str, str]:

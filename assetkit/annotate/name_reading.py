@@ -10,12 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from assetkit.annotate.words import singulars, words_of
-from assetkit.materials import materials
+from assetkit.taxonomy.material_classes import materials
 from assetkit.taxonomy.tables import Category, categories, file_jargon, fillers, other_things
+from assetkit.taxonomy.words import singulars, words_of
 
 # How much a name counts: chance that the thing is what it says, before its shape is looked at (a judgement, checked by
-# `benchmarks.semantics`). `CLEAR`: its last noun, unmistakable. `LIKELY`: unknown words follow, or the noun means other
+# `benchmarks.assets.semantics`). `CLEAR`: its last noun, unmistakable. `LIKELY`: unknown words follow, or the noun
+# means other
 # things as well, is a plural, or not the only thing named. `FAINT`: two of these.
 CLEAR, LIKELY, FAINT = 0.75, 0.5, 0.2
 _PREPOSITIONS = frozenset(("of", "with", "for", "in", "on", "and", "from", "without"))

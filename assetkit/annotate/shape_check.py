@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from assetkit.annotate.annotator import Shape
 from assetkit.taxonomy.tables import Category, Range
-from geom.fits import fit_box
-from geom.hull import convex_hull, volume
+from geom.convex.hull import convex_hull, volume
+from geom.convex.primitive_fits import fit_box
 from schemas.model import FloatArray
 from schemas.physics import Solid
 

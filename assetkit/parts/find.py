@@ -11,8 +11,8 @@ import numpy as np
 from assetkit.parts.proposals import Segmented, Segmenter, joined, propose
 from assetkit.parts.reconcile import Piece, reconcile
 from assetkit.taxonomy.tables import categories
-from geom.cavity import Cavity
-from geom.shape_regions import Faces
+from geom.features.cavities import Cavity
+from geom.features.regions import Faces
 from schemas.asset import vec3
 from schemas.evidence import Evidence, default, inferred, measured
 from schemas.model import Material, Mesh

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from assetkit.annotate.words import singulars, words_of
+from assetkit.taxonomy.words import singulars, words_of
 from schemas.parts import ProposalSource
 
 if TYPE_CHECKING:  # It brings all that finds regions, which `mana review` only names.

@@ -8,11 +8,11 @@ from typing import Protocol
 
 import numpy as np
 
-from geom.edges import edges_of, face_components
-from geom.limb_regions import limb_regions
-from geom.long_regions import broad_regions, end_regions, stem_regions, stout_regions
-from geom.shape_regions import Faces, Region, boss_regions, faces_of, plate_regions, side_regions
-from geom.topology import repeats_point
+from geom.features.axial_regions import broad_regions, end_regions, stem_regions, stout_regions
+from geom.features.protrusions import limb_regions
+from geom.features.regions import Faces, Region, boss_regions, faces_of, plate_regions, side_regions
+from geom.mesh.edges import edges_of, face_components
+from geom.mesh.topology import repeats_point
 from schemas.model import FloatArray, IntArray, Material, Mesh
 from schemas.parts import ProposalSource
 

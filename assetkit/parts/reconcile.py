@@ -9,7 +9,7 @@ import numpy as np
 
 from assetkit.parts.labels import Vote, votes
 from assetkit.parts.proposals import LEAST_SHARE, Proposal
-from geom.shape_regions import Faces
+from geom.features.regions import Faces
 from schemas.model import FloatArray, IntArray
 from schemas.parts import UNLABELLED, ProposalSource
 

@@ -18,7 +18,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from assetkit.parts.proposals import Proposal, Segmented
-from geom.shape_regions import Faces
+from geom.features.regions import Faces
 from jobs.cell import Limits, run_cell
 
 MOST_BYTES = 16 * 2**20

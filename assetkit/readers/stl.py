@@ -8,10 +8,10 @@ from typing import NoReturn
 
 import numpy as np
 
-from assetkit.readers.corners import Notes, repaired
-from assetkit.readers.screen import screen
-from assetkit.source import SourceFile
-from geom.finite import require_finite
+from assetkit.readers.common.corners import Notes, repaired
+from assetkit.readers.common.sniff import screen
+from assetkit.sources.source_file import SourceFile
+from geom.mesh.finite import require_finite
 from schemas.diagnostics import InvalidInput, Location, Severity, finding
 from schemas.evidence import default
 from schemas.model import Mesh, Model, Node

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from assetkit.readers.images import load_texture
-from assetkit.source import SourceFile
+from assetkit.readers.common.images import load_texture
+from assetkit.sources.source_file import SourceFile
 from schemas.model import Model
 from schemas.outcome import Outcome
-from usdio.read import read_stage
+from usdio.read.asset import read_stage
 
 
 def read_usd(source: SourceFile) -> Outcome[Model]:
-    """The model in a USD file; see `usdio.read.read_stage` for what is read and for the InvalidInput it raises."""
+    """The model in a USD file; see `usdio.read.asset.read_stage` for what is read and for the InvalidInput it
+    raises.
+    """
     return read_stage(
         source.path, source.root, load_texture=load_texture, visited=source.visited, missing=source.missing
     )

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import fields, replace
 
+from assetkit.materials.surface_colours import surface_colours
 from assetkit.stage import Appearance, Draft, Stage, Tools
-from assetkit.surface_colours import surface_colours
 from schemas.asset import AppearanceSection
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Material, Model, TextureUse

@@ -8,18 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
+from assetkit.colliders.self_union import self_union
+from assetkit.geometry.distortion import Distortion, distortion_finding
+from assetkit.geometry.physical_surface import at_origin, physical_surface
+from assetkit.geometry.record_section import geometry_section
+from assetkit.geometry.repair import repair_geometry
+from assetkit.geometry.triangle_budget import within_budget
 from assetkit.options import Options
-from assetkit.self_union import self_union
+from assetkit.pose.up_axis import TO_Z_UP, decide_up_axis
+from assetkit.scale.declared_units import decide_unit
 from assetkit.stage import Canonical, Draft, Frame, Intake, Stage, Tools
-from assetkit.stages.distortion import Distortion, distortion_finding
-from assetkit.stages.geometry_section import geometry_section
-from assetkit.stages.physical_surface import at_origin, physical_surface
-from assetkit.stages.repair_geometry import repair_geometry
-from assetkit.stages.triangle_budget import within_budget
-from assetkit.units import decide_unit
-from assetkit.up_axis import TO_Z_UP, decide_up_axis
-from geom.mesh_edit import only_used_points
-from geom.resolve_bodies import MISCOUNTED_SHARE, SelfCrossing
+from geom.mesh.edit import only_used_points
+from geom.solid.self_intersections import MISCOUNTED_SHARE, SelfCrossing
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.model import FloatArray, Mesh
 from schemas.outcome import Outcome, Repair

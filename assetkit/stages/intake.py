@@ -7,19 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assetkit.discover import PLANNED_FORMATS, Candidate
 from assetkit.options import Options
-from assetkit.readers.dae import read_dae
-from assetkit.readers.gltf import read_gltf
-from assetkit.readers.obj import read_obj
-from assetkit.readers.ply import read_ply
+from assetkit.readers.collada.read import read_dae
+from assetkit.readers.gltf.read import read_gltf
+from assetkit.readers.obj.read import read_obj
+from assetkit.readers.ply.read import read_ply
 from assetkit.readers.stl import read_stl
 from assetkit.readers.usd import read_usd
-from assetkit.siblings import sibling_statements
-from assetkit.source import SourceFile, refusal
-from assetkit.split import split_objects
+from assetkit.sources.discover import PLANNED_FORMATS, Candidate
+from assetkit.sources.sibling_files import sibling_statements
+from assetkit.sources.source_file import SourceFile, refusal
+from assetkit.sources.split_objects import split_objects
 from assetkit.stage import Intake
-from geom.topology import is_all_degenerate, is_triangle_soup, observe
+from geom.mesh.topology import is_all_degenerate, is_triangle_soup, observe
 from jobs.cache import file_sha256
 from schemas import asset
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from assetkit.anchors import propose_anchors
-from assetkit.front import front_of
+from assetkit.affordances.anchors import propose_anchors
+from assetkit.materials.part_materials import part_materials
 from assetkit.options import Options
-from assetkit.part_materials import part_materials
 from assetkit.parts.decided import in_doubt, lost, with_decided
 from assetkit.parts.find import find_parts
 from assetkit.parts.segmenter import MEMORY_MB, CommandSegmenter
+from assetkit.pose.front import front_of
 from assetkit.stage import Canonical, Draft, Interaction, Stage, Tools, need
-from geom.cavity import find_cavities
+from geom.features.cavities import find_cavities
 from jobs.cell import Limits
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence
 from schemas.outcome import Outcome
 from schemas.parts import Part
-from usdio.write_meshes import mesh_prim_names
+from usdio.write.meshes import mesh_prim_names
 
 
 class ProposeParts(Stage):

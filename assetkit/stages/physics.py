@@ -1,81 +1,72 @@
-"""From the physical surface to collision shapes, mass properties and contact parameters."""
+"""Stage 6, physics: collision, mass, inertia and contact material of the physical surface."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
-
-from assetkit.collider_materials import touches
-from assetkit.colliders import choose_colliders
-from assetkit.mass import mass_evidence
-from assetkit.mass_parts import Clues
-from geom.cavity import Cavity
-from schemas.asset import PhysicsSection
-from schemas.diagnostics import Diagnostic
-from schemas.outcome import Repair
-from schemas.physics import CollisionShape, Contact, MassProperties, Solid, SurfaceMaterial
-from schemas.stated_physics import StatedContact
+from assetkit.annotate.name_reading import category_called
+from assetkit.mass.parts import Clues
+from assetkit.mass.source_inertials import in_asset_frame
+from assetkit.mass.unknown_density import dense_look
+from assetkit.materials.part_materials import face_materials
+from assetkit.physics.build import build_physics
+from assetkit.stage import Canonical, Draft, Physics, Stage, Tools, need
+from schemas.evidence import Evidence
+from schemas.model import IntArray
+from schemas.outcome import Outcome
+from usdio.write.meshes import mesh_prim_names
 
 
-@dataclass(frozen=True)
-class PhysicsResult:
-    """What the simulator gets (`shapes`, `mass`, `contact` against any counterpart) and what the record says about it.
+class AuthorPhysics(Stage):
+    """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
-    All in the asset frame, metres and kilograms. For `surfaces` and `shape_surfaces` see `PackageContent`.
-    """
+    name = "physics"
+    version = 8
+    result = Physics
 
-    shapes: tuple[CollisionShape, ...]
-    mass: MassProperties
-    contact: Contact
-    section: PhysicsSection
-    diagnostics: tuple[Diagnostic, ...] = ()
-    repairs: tuple[Repair, ...] = ()
-    surfaces: tuple[SurfaceMaterial, ...] = ()
-    shape_surfaces: tuple[int, ...] = ()
+    def run(self, draft: Draft, tools: Tools) -> Outcome[Physics]:
+        """Shapes, mass and contact in the asset frame; colliders that failed acceptance are left out."""
+        canonical: Canonical = need(draft.canonicalize, "canonicalize")
+        folder = tools.work_dir / "physics"
+        folder.mkdir(parents=True, exist_ok=True)
+        built = build_physics(
+            canonical.solid,
+            [draft.source_name],
+            work_dir=folder,
+            exclude=frozenset(draft.excluded_colliders),
+            clues=clues_of(draft, canonical),
+            contacts=draft.intake.model.contacts,
+            cavities=draft.interaction.cavities if draft.interaction else None,
+        )
+        physics = Physics(built.shapes, built.mass, built.contact, built.section, built.surfaces, built.shape_surfaces)
+        return Outcome(physics, built.diagnostics, built.repairs, review=built.section.stands_in)
 
 
-def build_physics(
-    solid: Solid,
-    names: Sequence[str],
-    *,
-    work_dir: Path,
-    exclude: frozenset[str] = frozenset(),
-    clues: Clues | None = None,
-    contacts: Sequence[StatedContact] = (),
-    cavities: tuple[Cavity, ...] | None = None,
-) -> PhysicsResult:
-    """Physics of one rigid body.
-
-    `names` of the whole (file) may mention its material, `clues` hold what is known about its parts, `contacts` what
-    the source states about friction; `exclude` holds collision methods that must not be chosen again because
-    acceptance rejected them; `cavities` are those of the solid where they are known. Deterministic, except that a
-    decomposition that runs into its time limit falls to the next rung. Raises ValueError when all points of `solid`
-    coincide.
-    """
-    clues = clues or Clues()
-    colliders = choose_colliders(solid, work_dir, exclude, cavities)
-    mass = mass_evidence(solid, names, replace(clues, cavities=colliders.cavities))
-    touched = touches(colliders.shapes, solid, mass, clues, contacts)
-    section = PhysicsSection(
-        material=touched.material,
-        density_kgm3=mass.density_kgm3,
-        mass_kg=mass.mass_kg,
-        centre_of_mass_m=mass.centre_of_mass_m,
-        inertia_kgm2=mass.inertia_kgm2,
-        mass_parts=touched.parts,
-        contacts=touched.contacts,
-        collision_method=colliders.method,
-        candidates=colliders.candidates,
-        collider_materials=touched.colliders,
+def clues_of(draft: Draft, canonical: Canonical) -> Clues:
+    """What is known about the parts of the object and their masses, in its asset frame."""
+    R_AM, origin_m = canonical.R_AS, canonical.section.origin_offset_m
+    scale = canonical.meters_per_unit.value
+    section = draft.semantics.section if draft.semantics else None
+    category = category_called(section.category.value) if section else None
+    touch, of_face = _touch(draft, canonical)
+    return Clues(
+        meshes=canonical.meshes,
+        as_read=draft.intake.model.meshes,
+        render_materials=tuple(m.name for m in draft.model.materials),
+        masses=tuple(in_asset_frame(stated, R_AM, scale, origin_m) for stated in draft.intake.model.masses),
+        unit=canonical.meters_per_unit,
+        wall=canonical.section.wall_thickness_m,
+        dense=dense_look(draft.intake.format, canonical.meshes, draft.model.materials),
+        category=category.id if category else "",
+        usual_kg=category.mass_kg if category else None,
+        category_confidence=section.category.confidence if section else 0.0,
+        names=(section.name, *draft.intake.folders, *section.source_texts) if section else (),
+        touch=touch,
+        of_face=of_face,
     )
-    return PhysicsResult(
-        shapes=colliders.shapes,
-        mass=mass.properties,
-        contact=touched.contacts[0].value,
-        section=section,
-        diagnostics=(*colliders.diagnostics, *mass.diagnostics, *touched.diagnostics),
-        repairs=(*mass.repairs, *touched.repairs),
-        surfaces=touched.surfaces,
-        shape_surfaces=touched.shape_surfaces,
-    )
+
+
+def _touch(draft: Draft, canonical: Canonical) -> tuple[tuple[Evidence[str], ...], tuple[IntArray, ...]]:
+    """Materials of the visible surface and per mesh those of its triangles; none before the interaction stage."""
+    if draft.interaction is None:
+        return (), ()
+    meshes = dict(zip(mesh_prim_names(draft.model), canonical.meshes, strict=True))
+    return face_materials(meshes, draft.interaction.parts, draft.interaction.material)

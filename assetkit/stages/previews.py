@@ -14,12 +14,12 @@ from jobs.cell import Limits
 from jobs.warm import run_module
 from render.drawn_grasp import DrawnGrasp
 from render.request import RenderRequest
-from schemas import arrays
+from schemas import array_files
 from schemas.model import IntArray, Model
 from schemas.outcome import Outcome
 from schemas.parts import Part
 from schemas.physics import CollisionShape
-from usdio.write_meshes import mesh_prim_names
+from usdio.write.meshes import mesh_prim_names
 
 LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
@@ -54,7 +54,7 @@ def render(
         request = Path(place) / "request.npz"
         legend, part_of = _shown(model, parts)
         asked = RenderRequest(model, shapes, place, grasps=grasps, parts=legend, part_of=part_of)
-        arrays.save(asked, RenderRequest, request)
+        array_files.save(asked, RenderRequest, request)
         result = run_module("render", [str(request)], LIMITS)
         require_storage(result)
         if result.status != "ok":

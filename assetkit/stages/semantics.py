@@ -16,12 +16,12 @@ from assetkit.annotate.multimodal import MultimodalAnnotator
 from assetkit.annotate.name_reading import category_called
 from assetkit.annotate.shape_check import compare, shape_of
 from assetkit.annotate.weigh import SEEN
+from assetkit.geometry.reference_frame import reference_frame
 from assetkit.options import Options
-from assetkit.reference_frame import reference_frame
+from assetkit.scale.declared_units import is_reliable
 from assetkit.stage import Draft, Semantics, Stage, Tools, need
 from assetkit.stages.previews import render
 from assetkit.taxonomy.tables import OBJECT_QCODE, Category
-from assetkit.units import is_reliable
 from jobs.cache import content_key
 from render.camera import STANDARD_VIEWS
 from schemas.asset import CategoryHypothesis, EndpointAnswer, SemanticsSection

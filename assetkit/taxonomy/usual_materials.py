@@ -15,8 +15,8 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
-from assetkit.annotate.words import singulars
 from assetkit.taxonomy.tables import Words, rows_of
+from assetkit.taxonomy.words import singulars
 from schemas.model import FloatArray
 
 ANY = "any"

@@ -15,7 +15,7 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from render.figure import figure
-from scenec.ir import FloatArray
+from scenec.ir.problem import FloatArray
 
 INK, PAPER, SUPPORT, EDGE, CLEAR, WRONG, FREE = (
     "#1b1f24",

@@ -13,7 +13,7 @@ from shapely.affinity import translate
 from shapely.geometry.base import BaseGeometry
 
 from render.figure import png
-from scenec.ir import Exhausted, FloatArray, Infeasible, Path, Problem, RelationIR, Result, Surface, Thing
+from scenec.ir.problem import Exhausted, FloatArray, Infeasible, Path, Problem, RelationIR, Result, Surface, Thing
 from scenec.pictures.blockers import footprint, owner_parts, seen_from_above, standing
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from matplotlib.axes import Axes
 
-from scenec.ir import FloatArray, RelationIR
+from scenec.ir.problem import FloatArray, RelationIR
 from scenec.pictures.canvas import arrow
 
 

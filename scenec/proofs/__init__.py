@@ -11,15 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from scenec.ir import Problem, Proof, Volume
+from scenec.explain.relaxed import relaxed
+from scenec.ir.problem import Problem, Proof, Volume
 from scenec.proofs.apart import near_and_far
 from scenec.proofs.areas import more_area_than_there_is
 from scenec.proofs.axes import too_long_along_an_axis
 from scenec.proofs.exhaustive import no_arrangement
 from scenec.proofs.fits import no_place_of_its_own
+from scenec.proofs.fixed_poses import more_things_than_spots
 from scenec.proofs.owners import no_first_owner
-from scenec.proofs.spots import more_things_than_spots
-from scenec.relaxed import relaxed
 
 Argument = Callable[[Problem], Proof | None]
 CHEAP: tuple[Argument, ...] = (

@@ -12,7 +12,7 @@ import networkx as nx
 import numpy as np
 from scipy.spatial.distance import pdist
 
-from scenec.ir import FloatArray, Problem, Proof, RelationIR, Thing
+from scenec.ir.problem import FloatArray, Problem, Proof, RelationIR, Thing
 from scenec.proofs.outlines import SLACK_M, hull, stances
 from scenec.proofs.places import area_hull
 

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.ir import Problem, Proof, Thing, Volume
+from scenec.ir.problem import Problem, Proof, Thing, Volume
 from scenec.proofs.outlines import hull, reach_bounds
 from scenec.proofs.places import area, headroom
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from geom.seen_from_above import turned
-from scenec.ir import WORLD_PARENT, FloatArray, Path, Problem, Proof, RelationIR, Thing
+from geom.planar import turned
+from scenec.ir.problem import WORLD_PARENT, FloatArray, Path, Problem, Proof, RelationIR, Thing
 from scenec.proofs.outlines import SLACK_M, YawCell, hull, least_width, reach_bounds, stances
 from scenec.proofs.places import area_hull, background_yaw
 

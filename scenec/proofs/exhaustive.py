@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 from scipy.optimize import linprog
 
-from scenec.ir import FloatArray, Problem, Proof, Stance, Thing
+from scenec.ir.problem import FloatArray, Problem, Proof, Stance, Thing
 from scenec.proofs.fits import spot_usable
 from scenec.proofs.node_conditions import FAR_M, Conditions, Either, Node, Pose, Row
 from scenec.proofs.outlines import SLACK_M, YawCell, hull, period

@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from geom.seen_from_above import turned
-from scenec.ir import Path, Problem, Proof, Spot, Stance, Surface, Thing
+from geom.planar import turned
+from scenec.ir.problem import Path, Problem, Proof, Spot, Stance, Surface, Thing
 from scenec.proofs.outlines import SLACK_M, YawCell, hull
 from scenec.proofs.places import Room, area, fits_height, free_region, headroom, room
 

@@ -16,8 +16,8 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from geom.seen_from_above import turned
-from scenec.ir import FloatArray, Problem, RelationIR, Stance, Thing
+from geom.planar import turned
+from scenec.ir.problem import FloatArray, Problem, RelationIR, Stance, Thing
 from scenec.proofs.outlines import SLACK_M, TURN, YawCell, half_planes, hull, kernel, reach_bounds
 from scenec.proofs.places import Room, forbidden, linear_bounds, minkowski, ring_of
 

@@ -12,8 +12,8 @@ import numpy as np
 import shapely
 from shapely import MultiPoint
 
-from geom.seen_from_above import inner_radius, turned
-from scenec.ir import FloatArray, Slab, Stance, Thing
+from geom.planar import inner_radius, turned
+from scenec.ir.problem import FloatArray, Slab, Stance, Thing
 
 TURN = 2.0 * np.pi
 SLACK_M = 2e-6

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import networkx as nx
 
-from scenec.ir import WORLD_PARENT, Problem, Proof
+from scenec.ir.problem import WORLD_PARENT, Problem, Proof
 
 
 def no_first_owner(problem: Problem) -> Proof | None:

@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from geom.seen_from_above import turned
-from scenec.ir import WORLD_PARENT, FloatArray, Problem, Stance, Surface, Thing, Volume
+from geom.planar import turned
+from scenec.ir.problem import WORLD_PARENT, FloatArray, Problem, Stance, Surface, Thing, Volume
 from scenec.proofs.outlines import SLACK_M, YawCell, half_planes, hull, kernel, reach_bounds
 
 RING_SIDES = 24

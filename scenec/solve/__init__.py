@@ -1,6 +1,6 @@
 """The solver: transactional search for a whole assignment."""
 
 from scenec.solve.cache import ComponentCache
-from scenec.solve.solve import DEFAULT_BUDGET, solve
+from scenec.solve.solver import DEFAULT_BUDGET, solve
 
 __all__ = ["DEFAULT_BUDGET", "ComponentCache", "solve"]

@@ -9,7 +9,7 @@ from hashlib import blake2b
 import numpy as np
 from shapely import Polygon
 
-from scenec.ir import Body, Placement, RelationIR, Surface, Thing, Volume
+from scenec.ir.problem import Body, Placement, RelationIR, Surface, Thing, Volume
 from scenec.solve.model import Model
 
 Digest = bytes

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
-from scenec.ir import Placement
+from scenec.ir.problem import Placement
+from scenec.solve.fixed_poses import match_spots
 from scenec.solve.grid import spread_grid
 from scenec.solve.loosen import loosened
 from scenec.solve.model import Model
@@ -13,7 +14,6 @@ from scenec.solve.placed import Placed
 from scenec.solve.repair import repaired
 from scenec.solve.search import Effort, is_dense
 from scenec.solve.shelf import pack_shelves
-from scenec.solve.spots import match_spots
 
 FAMILY_SHARE = 0.3  # of the steps; the rest is for exact search
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from scenec.ir import WORLD_PARENT, RelationIR, Volume
+from scenec.ir.problem import WORLD_PARENT, RelationIR, Volume
 from scenec.solve.model import Limit, Model
 
 YAW_SAMPLES = 64

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import cos, sin
 from typing import NamedTuple
 
-from scenec.ir import WORLD_PARENT
+from scenec.ir.problem import WORLD_PARENT
 from scenec.solve.placed import Placed
 
 

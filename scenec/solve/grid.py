@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir import Placement
+from scenec.ir.problem import Placement
 from scenec.solve.model import Model, Site
 from scenec.solve.placed import Placed
 from scenec.solve.planar import ROUND_OUT

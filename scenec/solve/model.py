@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.ir import WORLD_PARENT, Placement, Problem, RelationIR, Surface, Thing, Volume
+from scenec.ir.problem import WORLD_PARENT, Placement, Problem, RelationIR, Surface, Thing, Volume
 from scenec.solve.placed import Placed
 from scenec.solve.planar import polygon
 from scenec.solve.shapes import Shape, carried_slabs, shape_of, tallest

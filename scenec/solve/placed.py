@@ -7,7 +7,7 @@ from functools import cached_property
 import shapely
 from shapely import Polygon
 
-from scenec.ir import FloatArray, Placement
+from scenec.ir.problem import FloatArray, Placement
 from scenec.solve.planar import ROUND_OUT, SEGMENTS, outline_of, polygon
 from scenec.solve.resting import Resting
 from scenec.solve.shapes import Turned

@@ -11,7 +11,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir import FloatArray
+from scenec.ir.problem import FloatArray
 
 SEGMENTS = 6  # sides to a quarter turn where corners are round
 ROUND_OUT = 1.0 / cos(pi / (4 * SEGMENTS))  # a polygon of this radius holds the circle

@@ -17,7 +17,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir import WORLD_PARENT, FloatArray, RelationIR, Slab
+from scenec.ir.problem import WORLD_PARENT, FloatArray, RelationIR, Slab
 from scenec.solve.check import Assignment
 from scenec.solve.frames import Pose2, pose_of, turned_direction
 from scenec.solve.model import SLACK_M, Model, Site

@@ -7,7 +7,7 @@ from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 
-from scenec.ir import FloatArray, RelationIR
+from scenec.ir.problem import FloatArray, RelationIR
 from scenec.solve.frames import pose_of, turned_direction
 from scenec.solve.placed import Placed, footprint_distance
 from scenec.solve.planar import polygon

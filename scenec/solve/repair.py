@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
-from scenec.ir import Placement
+from scenec.ir.problem import Placement
 from scenec.solve.check import faulty
 from scenec.solve.model import Model
 from scenec.solve.placed import Placed

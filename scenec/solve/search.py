@@ -18,7 +18,7 @@ from numpy.random import Generator
 from shapely.affinity import translate
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir import Placement, Thing
+from scenec.ir.problem import Placement, Thing
 from scenec.solve.check import Assignment, blockers
 from scenec.solve.model import Model, yaw_allowed
 from scenec.solve.placed import Placed

@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.ir import FloatArray, Slab, Stance, Surface, Thing, Volume
+from scenec.ir.problem import FloatArray, Slab, Stance, Surface, Thing, Volume
 from scenec.solve.planar import hull_of, outline_of
 
 AREA_NOISE = 1e-7  # share of a hull's area by which a union may miss it and still count as convex

@@ -18,7 +18,7 @@ from numpy.random import Generator
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir import Placement, RelationIR, Thing
+from scenec.ir.problem import Placement, RelationIR, Thing
 from scenec.solve.model import Model, Site, is_box, yaw_allowed
 from scenec.solve.placed import Placed
 from scenec.solve.streams import stream

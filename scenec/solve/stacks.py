@@ -15,7 +15,7 @@ from typing import NamedTuple
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir import Volume
+from scenec.ir.problem import Volume
 from scenec.solve.model import SLACK_M, Model
 from scenec.solve.placed import Placed, bounds_gap
 from scenec.solve.resting import CONTACT_M, GRAIN_M, Resting

@@ -10,7 +10,7 @@ from scenec.source.hint import did_you_mean
 from scenec.source.listing import written_assets
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, finding
-from schemas.scene_program import BoxAsset, CylinderAsset, SceneProgram, SphereAsset
+from schemas.scene.program import BoxAsset, CylinderAsset, SceneProgram, SphereAsset
 
 
 def check_colours(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:

@@ -6,18 +6,12 @@ from collections.abc import Iterator
 
 import networkx as nx
 
-from scenec.ir import Path
-from scenec.names import Names, anchor_named, kind_of, upright
+from scenec.ir.names import Names, anchor_named, kind_of, upright
+from scenec.ir.problem import Path
 from scenec.source.hint import did_you_mean
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, finding
-from schemas.scene_program import (
-    BACKGROUND,
-    DiscretePlacement,
-    Group,
-    Placement,
-    SlotGroup,
-)
+from schemas.scene.program import BACKGROUND, DiscretePlacement, Group, Placement, SlotGroup
 
 
 def check_ownership(names: Names, spans: Spans) -> Iterator[Diagnostic]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scenec.ir import Path
-from scenec.names import WORLD, Names
+from scenec.ir.names import WORLD, Names
+from scenec.ir.problem import Path
 from scenec.source.hint import did_you_mean
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, finding
-from schemas.scene_program import BACKGROUND, Relation
+from schemas.scene.program import BACKGROUND, Relation
 
 DIRECTIONS = ("left_of", "right_of", "front_of", "behind")
 WORDS = (*DIRECTIONS, "near", "far_from", "aligned", "facing", "between")

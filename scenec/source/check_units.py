@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import pi, radians
 
-from scenec.ir import Path
+from scenec.ir.problem import Path
 from scenec.source.check_relations import words_of
 from scenec.source.listing import WrittenAsset, written_assets, written_headings
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Severity, finding
-from schemas.scene_program import BoxAsset, CylinderAsset, Range, SceneProgram, SphereAsset
+from schemas.scene.program import BoxAsset, CylinderAsset, Range, SceneProgram, SphereAsset
 
 # A full turn with its digits rounded up (6.2832, 6.29, 6.3) is still one.
 MOST_ANGLE_RAD = 6.3

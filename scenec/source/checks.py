@@ -6,8 +6,9 @@ from collections.abc import Iterable, Iterator
 
 import shapely
 
-from scenec.ir import Path
-from scenec.names import MAX_THINGS, Names
+from scenec.bind.variants import singles
+from scenec.ir.names import MAX_THINGS, Names
+from scenec.ir.problem import Path
 from scenec.source.check_colours import check_colours
 from scenec.source.check_ownership import check_ownership
 from scenec.source.check_relations import check_relations
@@ -15,9 +16,8 @@ from scenec.source.check_units import check_units
 from scenec.source.hint import did_you_mean
 from scenec.source.listing import written_assets, written_headings, written_placings
 from scenec.source.tree import Spans, written
-from scenec.variants import singles
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
-from schemas.scene_program import (
+from schemas.scene.program import (
     BACKGROUND,
     AuthoredPolygon,
     DiscretePlacement,

@@ -13,7 +13,7 @@ from scenec.source.merge import merge, settled
 from scenec.source.parse import MAX_VALUES, Parsed, parse, too_large
 from scenec.source.tree import Block, Item, Row, Scalar, Tree
 from schemas.diagnostics import Diagnostic, InvalidInput, Label, Location, finding
-from schemas.scene_program import SceneProgram
+from schemas.scene.program import SceneProgram
 
 MAX_FILES = 1000  # each time that one is included counts
 INCLUDE, DEFINITION = "include", "definition"

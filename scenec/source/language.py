@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from scenec.ir import Path
+from scenec.ir.problem import Path
 from scenec.source.tree import Block, Row, Scalar, Tree, child
-from schemas.scene_program import SceneProgram
+from schemas.scene.program import SceneProgram
 
 JsonSchema = dict[str, Any]
 _RULES: JsonSchema = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple, TypeAlias
 
-from scenec.ir import Path
-from schemas.scene_program import (
+from scenec.ir.problem import Path
+from schemas.scene.program import (
     Asset,
     Background,
     DiscretePlacement,

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
-from scenec.memo import Memo
+from scenec.ir.derivation_cache import Memo
 from scenec.source.checks import check_program
 from scenec.source.include import load
+from scenec.source.incremental_parse import Pieces
 from scenec.source.merge import settled
-from scenec.source.pieces import Pieces
 from scenec.source.tree import Spans
 from scenec.source.validate import validate
 from schemas.diagnostics import Diagnostic, any_error
-from schemas.scene_program import SceneProgram
+from schemas.scene.program import SceneProgram
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeAlias
 
-from scenec.ir import Path
+from scenec.ir.problem import Path
 from schemas.diagnostics import Location
 
 
@@ -30,7 +30,9 @@ class Item:
 
 @dataclass(frozen=True)
 class Block:
-    """A mapping, in the order of the text. `like` is the same elsewhere in a text (see `scenec.source.moved`)."""
+    """A mapping, in the order of the text. `like` is the same elsewhere in a text (see
+    `scenec.source.line_shifted`).
+    """
 
     items: Mapping[str, Item]
     at: Location
@@ -53,7 +55,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Row:
-    """A list. `like` is the same elsewhere in a text (see `scenec.source.moved`)."""
+    """A list. `like` is the same elsewhere in a text (see `scenec.source.line_shifted`)."""
 
     items: Sequence[Tree]
     at: Location

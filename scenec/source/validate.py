@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from scenec.ir import Path
-from scenec.memo import Memo
+from scenec.ir.derivation_cache import Memo
+from scenec.ir.problem import Path
 from scenec.source.hint import did_you_mean
 from scenec.source.language import keys_at
 from scenec.source.tree import Block, Row, Scalar, Spans, Tree, child, plain, written
 from schemas.diagnostics import Diagnostic, finding
-from schemas.scene_program import LayoutNode, SceneObject, SceneProgram
+from schemas.scene.program import LayoutNode, SceneObject, SceneProgram
 
 LONGEST_TEXT = 60
 MOST_KEYS = 16  # are listed where none is near the one written

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from schemas.model import FloatArray
-from sim.mechanism import MechanismModel
-from sim.tree import Link
+from sim.dynamics.mechanism import MechanismModel
+from sim.dynamics.tree import Link
 
 
 def joint_index(model: MechanismModel, where: Place) -> int:

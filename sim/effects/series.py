@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.model import FloatArray
-from sim.effects.effect import Series
+from sim.dynamics.hooks import Series
 
 
 def with_columns(series: Series, names: Iterable[str], change: Callable[[FloatArray], FloatArray]) -> Series:

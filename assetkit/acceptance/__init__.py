@@ -1,0 +1,1 @@
+"""Acceptance of one released body: settling trials, checks against the record, stable poses, targeted repair."""

@@ -1,0 +1,114 @@
+"""Judge a written package, as re-read from disk: frame, colliders, mass, settling, stable poses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from assetkit.acceptance.body_checks import alignment_checks, body_checks, frame_checks
+from assetkit.acceptance.settling import Settling, settle_and_drop
+from assetkit.acceptance.stable_poses import StablePoses, find_stable_poses
+from schemas.asset import AcceptanceSection, Check, StablePose, Vec3
+from schemas.diagnostics import Diagnostic, Location, finding
+from schemas.evidence import Evidence, measured
+from schemas.model import FloatArray, IntArray
+from schemas.physics import RigidBody
+from sim.port import Simulator
+
+
+@dataclass(frozen=True)
+class AcceptanceResult:
+    """The record's section, what is to be told, and whether every check passed."""
+
+    section: AcceptanceSection
+    diagnostics: tuple[Diagnostic, ...]
+    passed: bool
+
+
+def accept(
+    main_file: Path,
+    simulator: Simulator,
+    *,
+    body: RigidBody,
+    visual: tuple[FloatArray, IntArray],
+    extent_m: Vec3 | None = None,
+) -> AcceptanceResult:
+    """Check `body` and `visual` (points (n, 3), triangles (m, 3)), both re-read from `main_file`, in its asset frame.
+
+    `extent_m` is the extent on record, checked if given. Findings, by cause: `asset/package-invalid` (frame, shapes or
+    mass make no sense; nothing is simulated then), `asset/render-collision-misaligned`, `asset/unstable-settling`, and
+    for information `asset/reference-pose-topples` and `asset/no-stable-pose`.
+    """
+    where = Location(file=main_file.name)
+    static = frame_checks(visual[0], extent_m) + body_checks(body)
+    refused = _failures("asset/package-invalid", "the body as written", static, where)
+    if refused:
+        return _result(simulator, static, (), refused)
+
+    aligned = alignment_checks(body, *visual)
+    settling = settle_and_drop(body, simulator)
+    found = find_stable_poses(body, simulator)
+    diagnostics = [
+        *_failures("asset/render-collision-misaligned", "colliders against the visible surface", aligned, where),
+        *_failures("asset/unstable-settling", "set down and dropped", settling.checks, where),
+        *_remarks(settling, found, where),
+    ]
+    checks = [*static, *aligned, *settling.checks, *_pose_checks(found)]
+    method = f"{found.trials} drop-settle trials in {simulator.name}"
+    poses = tuple(measured(p, method, confidence=found.at_rest / found.trials) for p in found.poses)
+    return _result(simulator, checks, poses, diagnostics)
+
+
+def _result(
+    simulator: Simulator,
+    checks: Sequence[Check],
+    poses: tuple[Evidence[StablePose], ...],
+    diagnostics: Sequence[Diagnostic],
+) -> AcceptanceResult:
+    section = AcceptanceSection(simulator=simulator.name, checks=tuple(checks), stable_poses=poses)
+    return AcceptanceResult(section, tuple(diagnostics), all(check.passed for check in checks))
+
+
+def _failures(code: str, what: str, checks: Sequence[Check], where: Location) -> list[Diagnostic]:
+    """One finding for all failed checks of a kind: the first one's figures, the others as causes."""
+    failed = [check for check in checks if not check.passed]
+    if not failed:
+        return []
+    each = [
+        finding(
+            code,
+            f"{what}: {check.name.replace('_', ' ')} is {check.value:.4g}, not {check.bound:.4g} {check.unit}".rstrip(),
+            where=where,
+            value=check.value,
+            bound=check.bound,
+            unit=check.unit,
+        )
+        for check in failed
+    ]
+    return [each[0].model_copy(update={"because": tuple(each[1:])})]
+
+
+def _remarks(settling: Settling, found: StablePoses, where: Location) -> list[Diagnostic]:
+    """What is physics rather than a defect."""
+    remarks = []
+    if settling.toppled:
+        tilt_deg = float(np.degrees(settling.tilt_rad))
+        headline = f"set down as authored, the object leans by {tilt_deg:.0f} deg and comes to rest elsewhere"
+        remarks.append(finding("asset/reference-pose-topples", headline, where=where, value=tilt_deg, unit="deg"))
+    if not found.poses:
+        headline = f"{found.at_rest} of {found.trials} drops came to rest, none in a pose that holds"
+        remarks.append(finding("asset/no-stable-pose", headline, where=where, value=found.at_rest, unit="drops"))
+    return remarks
+
+
+def _pose_checks(found: StablePoses) -> list[Check]:
+    """Figures for the record; they have no wrong value."""
+    figures = {
+        "stable_poses": float(len(found.poses)),
+        "stable_poses_refuted": float(found.refuted),
+        "trials_at_rest": float(found.at_rest),
+    }
+    return [Check(name=name, value=value, bound=found.trials, unit="", passed=True) for name, value in figures.items()]

@@ -1,0 +1,64 @@
+"""What to do when acceptance fails: a closed table from failure to one bounded edit (design: stages)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from assetkit.stage import Draft
+from assetkit.stage_log import Entry, Journal
+from schemas.outcome import Repair
+
+# Failure -> the stage that runs again with the failed collider left out; the stages after it follow.
+REPAIRS: dict[str, str] = {
+    "asset/render-collision-misaligned": "physics",
+    "asset/gate-collider-displaced": "physics",
+    "asset/unstable-settling": "physics",
+}
+ROUNDS = 2
+Rerun = Callable[[Draft, Journal, str], Draft | None]
+
+
+def repair_until_accepted(draft: Draft, journal: Journal, rerun: Rerun) -> tuple[Draft, Journal]:
+    """The draft that acceptance passes after at most `ROUNDS` edits, or the first one, marked for review.
+
+    `rerun(draft, journal, stage)` runs `stage` and all after it, writing to the journal given.
+    """
+    first, attempt, notes = (draft, journal), draft, journal
+    original = draft.physics.section.collision_method if draft.physics else ""
+    before = _figures(draft)
+    for _ in range(ROUNDS):
+        code = failure(notes)
+        if code is None or attempt.physics is None:
+            break
+        failed = attempt.physics.section.collision_method
+        attempt = replace(attempt, excluded_colliders=(*attempt.excluded_colliders, failed))
+        notes = journal.copy()
+        again = rerun(attempt, notes, REPAIRS[code])
+        if again is None or again.physics is None:
+            break
+        attempt = again
+        if failure(notes) is None and not notes.rejected and again.acceptance is not None:
+            after = _figures(again)
+            chosen = again.physics.section.collision_method
+            repair = Repair(
+                name=f"collider_{chosen}",
+                code=code,
+                stage=REPAIRS[code],
+                before={"collider": original, **{k: v for k, v in before.items() if k in after}},
+                after={"collider": chosen, **{k: v for k, v in after.items() if k in before}},
+            )
+            notes.entries["repair"] = Entry(repairs=(repair,))
+            return again, notes
+    if failure(journal) is not None:
+        journal.entries["repair"] = Entry(review=True)
+    return first
+
+
+def failure(journal: Journal) -> str | None:
+    """The first finding that a repair exists for."""
+    return next((d.code for d in journal.diagnostics if d.code in REPAIRS), None)
+
+
+def _figures(draft: Draft) -> dict[str, float | int | str]:
+    return {c.name: c.value for c in draft.acceptance.section.checks} if draft.acceptance else {}

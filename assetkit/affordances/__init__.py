@@ -1,0 +1,1 @@
+"""Anchors, graspable regions and grasps of one object: proposed from its shape, tried in the simulator."""

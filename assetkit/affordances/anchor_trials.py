@@ -1,0 +1,131 @@
+"""Proposed anchors put to the test: what is set down on a surface stays there, what is dropped into a volume stays in.
+
+Small boxes are released over places spread over each surface, small balls over those of each opening, above the
+colliders as released. An anchor holds when most of them end where they should.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from assetkit.affordances.anchors import shape_of
+from geom.convex.support_function import diagonal
+from geom.pose import pose
+from schemas.anchors import Anchor, ContainmentVolume, SupportSurface
+from schemas.diagnostics import Diagnostic, finding
+from schemas.evidence import Evidence, measured
+from schemas.model import FloatArray
+from schemas.physics import CollisionShape
+from sim.port import ProbesAtEnd, Simulator, natural_time_s
+
+# Edge of a box as a share of the diagonal of the object, of the disc that fits the surface, and of its clearance; it is
+# half as high and let go half an edge above.
+BOX_OF_DIAGONAL, BOX_OF_DISC, BOX_OF_CLEARANCE = 0.05, 0.7, 0.5
+# Radius of a ball as a share of the one that is sure to get in and of the usable height.
+BALL_OF_PASSING, BALL_OF_HEIGHT = 0.4, 0.35
+PLACES, GRID = 9, 16
+# Colliders follow the visible surface to this share of the diagonal.
+OFF_SHARE = 0.02
+STAY_SHARE = 0.8
+DURATION = 5.0  # natural times of the object
+SLOW = 0.1  # of its natural speed: it is about to rest; a ball in a bowl may still roll
+
+
+@dataclass(frozen=True)
+class Verified:
+    """The anchors that hold, and what is to be told about the others."""
+
+    anchors: tuple[Evidence[Anchor], ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+
+def verify_anchors(proposed: Sequence[Anchor], fixed: Sequence[CollisionShape], simulator: Simulator) -> Verified:
+    """Each proposed anchor of an object with the collision shapes `fixed` (asset frame), tried in one simulation."""
+    if not proposed:
+        return Verified((), ())
+    size = diagonal(fixed)
+    probes = [_probes(anchor, size) for anchor in proposed]
+    ended = simulator.drop_probes(fixed, [p for own in probes for p in own], DURATION * natural_time_s(size))
+    kept, failed = list[Evidence[Anchor]](), list[Diagnostic]()
+    first = 0
+    for anchor, own in zip(proposed, probes, strict=True):
+        part = slice(first, first + len(own))
+        end = ProbesAtEnd(ended.centres_m[part], ended.lowest_m[part], ended.speeds_mps[part])
+        stays = _stays(anchor, end, size)
+        first += len(own)
+        share, said = float(stays.mean()), f"{int(stays.sum())} of {len(stays)} probes"
+        if share >= STAY_SHARE:
+            kept.append(measured(anchor, f"geometry; {said} stay in {simulator.name}", confidence=share))
+        else:
+            what = "on" if anchor.kind == "surface" else "in"
+            headline = f"{anchor.anchor_id}: {said} stay {what} it, so it is left out"
+            failed.append(
+                finding("asset/anchor-unverified", headline, value=share, bound=STAY_SHARE, unit="of the probes")
+            )
+    return Verified(tuple(kept), tuple(failed))
+
+
+def _probes(anchor: Anchor, size: float) -> list[CollisionShape]:
+    return _boxes(anchor, size) if anchor.kind == "surface" else _balls(anchor)
+
+
+def _boxes(surface: SupportSurface, size: float) -> list[CollisionShape]:
+    x, y, z = surface.position_m
+    polygon = shape_of(surface.polygon, x, y)
+    edge = min(BOX_OF_DIAGONAL * size, BOX_OF_DISC * 2.0 * _inscribed_radius(polygon))
+    if surface.clearance_m is not None:
+        edge = min(edge, BOX_OF_CLEARANCE * surface.clearance_m)
+    places = _places(polygon, np.sqrt(0.5) * edge)
+    return [CollisionShape("box", (edge, edge, 0.5 * edge), pose(None, (px, py, z + 0.75 * edge))) for px, py in places]
+
+
+def _balls(volume: ContainmentVolume) -> list[CollisionShape]:
+    x, y, z = volume.position_m
+    radius = min(BALL_OF_PASSING * 0.5 * volume.passes_m, BALL_OF_HEIGHT * volume.height_m)
+    places = _places(shape_of(volume.opening, x, y), 1.5 * radius)
+    return [
+        CollisionShape("sphere", (radius,), pose(None, (px, py, z + volume.height_m + 1.2 * radius)))
+        for px, py in places
+    ]
+
+
+def _stays(anchor: Anchor, end: ProbesAtEnd, size: float) -> FloatArray:
+    """(k,) whether each probe ended on or in the anchor, and slow."""
+    off = OFF_SHARE * size
+    x, y, z = anchor.position_m
+    if anchor.kind == "surface":
+        region = shape_of(anchor.polygon, x, y)
+        level = np.abs(end.lowest_m - z) <= off
+    else:
+        region = shapely.union_all([shape_of(p, x, y) for cut in anchor.slices for p in cut.polygons])
+        level = (end.lowest_m >= z - off) & (end.centres_m[:, 2] <= z + anchor.height_m)
+    there = shapely.contains_xy(region.buffer(off), end.centres_m[:, 0], end.centres_m[:, 1])
+    return level & there & (end.speeds_mps <= SLOW * size / natural_time_s(size))
+
+
+def _places(polygon: shapely.Polygon, margin_m: float) -> FloatArray:
+    """(k, 2) up to nine places at least `margin_m` from the edge, far from one another; the innermost one at least.
+
+    Farthest-point sampling (Gonzalez 1985) of a grid, from the innermost place on.
+    """
+    circle = shapely.maximum_inscribed_circle(polygon)
+    middle = np.asarray(circle.coords[0])
+    low, high = np.array(polygon.bounds).reshape(2, 2)
+    shares = (np.arange(GRID) + 0.5) / GRID
+    grid = low + np.stack(np.meshgrid(shares, shares, indexing="ij"), axis=-1).reshape(-1, 2) * (high - low)
+    inner = polygon.buffer(-margin_m)
+    grid = grid[shapely.contains_xy(inner, grid[:, 0], grid[:, 1])]
+    chosen = [middle]
+    apart = np.linalg.norm(grid - middle, axis=1)
+    while len(chosen) < PLACES and len(grid) and apart.max() > margin_m:
+        chosen.append(grid[int(apart.argmax())])
+        apart = np.minimum(apart, np.linalg.norm(grid - chosen[-1], axis=1))
+    return np.array(chosen)
+
+
+def _inscribed_radius(polygon: shapely.Polygon) -> float:
+    return float(shapely.maximum_inscribed_circle(polygon).length)

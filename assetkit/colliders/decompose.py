@@ -1,0 +1,177 @@
+"""Approximate convex decomposition: by plane cuts, by CoACD (Wei et al. 2022) or by V-HACD (Mamou 2016).
+
+CoACD on a raw mesh takes 7 to 90 seconds and aborts or hangs on some. Here it gets what it is good at, a closed
+manifold of unit size with few faces, in a process of its own with limits. What either library returns is taken as
+advice where to cut: the body inside each of its hulls goes on as a piece, so that every method ends with hulls that
+fill the body, of which there are few enough.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from manifold3d import Manifold
+
+from assetkit.storage import require_storage
+from geom.convex.hull import thickness, volume
+from geom.decomposition.decompose import convex_parts
+from geom.decomposition.plane_cuts import CRUMB_SHARE, cut_around
+from geom.decomposition.simplified_body import Body, arrays
+from geom.features.cavities import Cavity
+from geom.features.resting_planes import resting_planes, standing_hull
+from jobs.cell import CellResult, Limits, run_cell
+from schemas.model import FloatArray
+from schemas.physics import CollisionShape
+
+# Hulls below these shares of the diagonal (and of its cube) are slivers: engines reject or mishandle them.
+LEAST_THICKNESS, LEAST_VOLUME = 2e-4, 1e-7
+# More bodies than this are no object that 32 hulls could stand for; CoACD is not asked about so many faces.
+MOST_PARTS, MOST_FACES = 200, 6000
+# The work is bounded in processor time, so that a busy machine gives the same answer as an idle one.
+CPU_SECONDS = 20  # twice what the dev assets need alone on a machine: a busy one must not change the outcome
+CELL = Limits(seconds=10.0 * CPU_SECONDS, memory_mb=4096)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """One way to decompose; lengths are shares of half the largest extent.
+
+    threshold          CoACD's concavity at which a piece counts as convex.
+    max_hulls          join neighbours beyond this number.
+    max_pieces         cut no further than into so many before joining.
+    sector_planes      first cut by so many planes through the axis of the opening that holds most.
+    balance            how much cuts prefer many small excesses to one large (`geom.decomposition.plane_cuts.Goal`).
+    resolution         CoACD's samples per concavity measure (default 2000); 500 changes the result little.
+    search_*           CoACD's tree search; its defaults 20, 150, 3 give the same hulls in three times the time.
+    voxels             V-HACD's voxel budget.
+    """
+
+    method: Literal["cuts", "coacd", "vhacd"] = "coacd"
+    threshold: float = 0.05
+    max_hulls: int = 32
+    max_pieces: int = 80
+    sector_planes: int = 0
+    balance: float = 1.25
+    resolution: int = 500
+    search_nodes: int = 15
+    search_iterations: int = 60
+    search_depth: int = 2
+    voxels: int = 400_000
+    seed: int = 0
+
+    def __str__(self) -> str:
+        """Library, version and what decides the result, as it stands in records."""
+        if self.method == "coacd":
+            search = f"search {self.search_nodes}/{self.search_iterations}/{self.search_depth}"
+            return f"coacd {version('coacd')}, threshold {self.threshold:g}, {search}, seed {self.seed}"
+        if self.method == "vhacd":
+            return f"vhacdx {version('vhacdx')}, {self.voxels} voxels"
+        first = f"{2 * self.sector_planes} sectors, " if self.sector_planes else ""
+        fine = f"{self.max_pieces} pieces, " if self.max_pieces != Settings.max_pieces else ""
+        return f"plane cuts, {first}{fine}balance {self.balance:g}, manifold3d {version('manifold3d')}"
+
+
+@dataclass(frozen=True)
+class Decomposition:
+    """Convex hulls in the frame of the input, or none and the reason; `dropped` counts slivers left out."""
+
+    shapes: tuple[CollisionShape, ...]
+    reason: str = ""
+    dropped: int = 0
+
+
+def decompose(
+    body: Body, settings: Settings, work_dir: Path, cavities: Sequence[Cavity] = (), limits: Limits = CELL
+) -> Decomposition:
+    """Hulls of at most 64 points each that fill `body` (`geom.decomposition.simplified_body.prepare`), in metres.
+
+    None reaches through a plane that the body rests on. At most `settings.max_hulls`, and never across one of
+    `cavities`. Never raises for what the mesh is or the library does: the reason says it. Same input, same hulls.
+    Raises OSError when files on the way could not be written or read.
+    """
+    seeds = body.light.decompose()
+    if len(seeds) > MOST_PARTS:
+        return Decomposition((), f"{len(seeds)} separate parts, more than {MOST_PARTS}")
+    if settings.method != "cuts":
+        found = _in_cell(body.light, settings, work_dir, limits)
+        if isinstance(found, str):
+            return Decomposition((), found)
+        seeds = _inside(body.light, found)
+        if not seeds or len(seeds) > MOST_PARTS:
+            return Decomposition((), f"{settings.method} left {len(seeds)} parts")
+    if settings.sector_planes and cavities:
+        main = max(cavities, key=lambda cavity: cavity.volume_m3)
+        place = (main.opening_m - body.centre_m) / body.scale_m
+        seeds = [piece for seed in seeds for piece in cut_around(seed, main.direction, place, settings.sector_planes)]
+    parts = convex_parts(body, seeds, cavities, settings.max_hulls, settings.max_pieces, settings.balance)
+    if len(parts) > settings.max_hulls:
+        return Decomposition((), f"{len(parts)} hulls, more than {settings.max_hulls}")
+    size = body.size * body.scale_m
+    ground = resting_planes(body.in_metres(arrays(body.whole)[0]))
+    hulls = [standing_hull(part, ground) for part in parts]
+    shapes = [shape for shape in hulls if shape is not None and _is_sound(shape, size)]
+    reason = "" if shapes else "all hulls are slivers"
+    return Decomposition(tuple(shapes), reason, len(parts) - len(shapes))
+
+
+def _in_cell(light: Manifold, settings: Settings, work_dir: Path, limits: Limits) -> list[FloatArray] | str:
+    """Corners of the hulls that the library found, or the reason why there are none."""
+    if light.num_tri() > MOST_FACES:
+        return f"{light.num_tri()} faces, more than {MOST_FACES}"
+    points, triangles = arrays(light)
+    work_dir.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=work_dir) as folder:
+        source, target = Path(folder) / "in.npz", Path(folder) / "out.npz"
+        options = {key: np.array(value) for key, value in asdict(settings).items()}
+        np.savez(source, allow_pickle=False, points=points, triangles=triangles.astype(np.int32), **options)
+        argv = [
+            sys.executable,
+            "-P",
+            "-m",
+            "assetkit.colliders.coacd_worker",
+            str(source),
+            str(target),
+            str(CPU_SECONDS),
+        ]
+        cell = run_cell(argv, limits, env={"OMP_NUM_THREADS": "1"})
+        require_storage(cell)
+        if cell.status != "ok":
+            return f"{settings.method} {_ending(cell, limits)}"
+        with np.load(target) as result:
+            parts = np.split(result["points"], np.cumsum(result["counts"])[:-1])
+    if not all(len(part) and np.isfinite(part).all() for part in parts):
+        return f"{settings.method} returned no finite hulls"
+    return parts
+
+
+def _ending(cell: CellResult, limits: Limits) -> str:
+    """How a cell ended that gave nothing."""
+    if cell.returncode == -signal.SIGXCPU:
+        return f"took more than {CPU_SECONDS} s of processor time"
+    return f"timeout after {limits.seconds:g} s" if cell.status == "timeout" else cell.status.replace("_", " ")
+
+
+def _inside(light: Manifold, hulls: Sequence[FloatArray]) -> list[Manifold]:
+    """The body within each hull, less what lies in one before."""
+    left, pieces = light, list[Manifold]()
+    for corners in hulls:
+        hull = Manifold.hull_points(np.ascontiguousarray(corners))
+        pieces.append(left ^ hull)
+        left -= hull
+    crumb = CRUMB_SHARE * light.volume()
+    return [part for piece in pieces for part in piece.decompose() if part.volume() > crumb]
+
+
+def _is_sound(shape: CollisionShape, size: float) -> bool:
+    if shape.points is None or shape.triangles is None:
+        return False
+    thick = thickness(shape.points, shape.triangles) >= LEAST_THICKNESS * size
+    return thick and volume(shape.points, shape.triangles) >= LEAST_VOLUME * size**3

@@ -1,0 +1,101 @@
+"""Whether a repair keeps the shape: how far it may have taken a surface from the true one, and when a person decides.
+
+The two-way Hausdorff distance before and after is recorded for every repair, but it is not what is judged where the
+defect itself explains it: the middle of a filled hole is far from the rim, the tip of a removed fin far from the solid,
+however right both edits are. Judged is what is left in doubt (`Edit.doubt`): the bulge a cap may be lacking, a removed
+sheet too large to be a stray. Where an edit states no doubt, the whole distance counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from assetkit.geometry.edit import Counts, Edit
+from geom.mesh.edit import merge_surfaces
+from geom.mesh.hausdorff import NO_REACH, reach
+from geom.mesh.weld import diagonal
+from geom.repair.shape_change import TOLERANCE_SHARE, changed_faces, shape_change
+from geom.solid.self_intersections import SelfCrossing
+from schemas.diagnostics import Diagnostic, Location, finding
+from schemas.model import FloatArray, Mesh
+
+# A repair that may have moved the surface by more than this share of the diagonal goes to review.
+DISTORTION_BOUND = 0.01
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """What one repair did to the shape, lengths in metres.
+
+    hausdorff  two-way distance between all meshes before and after, attained by some point.
+    length     what counts of it, largest at the point `at` (3,) of mesh `mesh` where these are known.
+    diagonal   of all meshes before.
+    """
+
+    repair: str
+    hausdorff: float
+    length: float
+    diagonal: float
+    mesh: str | None = None
+    at: FloatArray | None = None
+
+    @property
+    def share(self) -> float:
+        """`length` as a share of the diagonal."""
+        return self.length / self.diagonal if self.diagonal > 0.0 else 0.0
+
+    def figures(self) -> tuple[Counts, Counts]:
+        """Figures before and after for the `Repair`."""
+        after = {
+            "hausdorff_m": self.hausdorff,
+            "hausdorff_share": self.hausdorff / self.diagonal if self.diagonal > 0.0 else 0.0,
+            "distortion_m": self.length,
+            "distortion_share": self.share,
+        }
+        return dict.fromkeys(after, 0.0), after
+
+
+def distortion(repair: str, before: Sequence[Mesh], after: Sequence[Mesh], edits: Sequence[Edit]) -> Distortion:
+    """What the reported `edits`, one per mesh, did on the way from meshes `before` to `after`."""
+    change = shape_change(merge_surfaces(before)[:2], merge_surfaces(after)[:2])
+    reported = [i for i, edit in enumerate(edits) if edit.before is not None]
+    doubts = [(doubt, before[i].name) for i in reported if (doubt := edits[i].doubt) is not None]
+    if len(doubts) == len(reported):
+        doubt, mesh = max(doubts, key=lambda pair: pair[0].length)
+        return Distortion(repair, change.hausdorff, doubt.length, change.diagonal, mesh, doubt.at)
+    furthest = max(change.removed, change.added, key=lambda way: way.attained)
+    mesh = before[reported[0]].name if len(reported) == 1 else None
+    return Distortion(repair, change.hausdorff, change.hausdorff, change.diagonal, mesh, furthest.at)
+
+
+def crossing_distortion(crossings: Sequence[SelfCrossing], meshes: Sequence[Mesh]) -> Distortion:
+    """What resolving bodies did to the physical surface: how far what was dropped reached out of what was kept."""
+    size = diagonal(merge_surfaces(meshes)[0])
+    worst = NO_REACH
+    for crossing in crossings:
+        if crossing.resolved is not None:
+            (points, triangles), kept = crossing.body, crossing.resolved.surface
+            gone = changed_faces(crossing.body, kept)[0]
+            dropped = reach(points[triangles[gone]], *kept, TOLERANCE_SHARE * size, solid=True)
+            worst = max(worst, dropped, key=lambda found: found.attained)
+    return Distortion("self_intersection", worst.attained, worst.attained, size, None, worst.at)
+
+
+def distortion_finding(found: Distortion, p_origin: FloatArray) -> Diagnostic | None:
+    """What a person must look at, None within the bound; `p_origin` (3,) is where the asset frame's origin lies."""
+    if found.share <= DISTORTION_BOUND:
+        return None
+    place = ""
+    if found.at is not None:
+        place = " near ({:g}, {:g}, {:g})".format(*np.round(found.at - p_origin, 4))
+    return finding(
+        "asset/repair-distorts",
+        f"'{found.repair}' may have moved the surface by {found.length:.3g} m{place}",
+        where=Location(mesh=found.mesh),
+        value=found.share,
+        bound=DISTORTION_BOUND,
+        unit="diagonals",
+    )

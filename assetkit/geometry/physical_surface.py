@@ -1,0 +1,146 @@
+"""The physical surface of mended meshes, and how far it lies from the visible one; part of stage 2, canonicalize."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from assetkit.colliders.self_union import self_union
+from assetkit.geometry.distortion import Distortion
+from assetkit.geometry.repair import RepairResult
+from assetkit.geometry.triangle_budget import Budgeted
+from assetkit.mass.wall_thickness import wall_evidence
+from assetkit.options import Options
+from geom.mesh.hausdorff import Reach
+from geom.mesh.surface_distance import closest_on_surface, triangle_areas
+from geom.mesh.weld import diagonal
+from geom.solid.closed_bodies import sort_bodies
+from geom.solid.self_intersections import resolve_bodies
+from geom.solid.solid_distance import SolidDistance, solid_distance
+from geom.solid.solidify import solidify
+from schemas.diagnostics import Diagnostic, finding
+from schemas.evidence import Evidence
+from schemas.model import FloatArray, Material, Mesh
+from schemas.outcome import Repair
+from schemas.physics import Solid
+
+# Repairs that leave the visible surface alone and change the physical one instead.
+PHYSICAL_REPAIRS = ("asset/overlapping-bodies", "asset/self-intersection", "asset/dirty-mesh")
+# What stands in for a surface instead of following it.
+STAND_INS = ("voxel", "union_and_hulls", "hull")
+
+
+@dataclass(frozen=True)
+class PhysicalSurface:
+    """The solid in the asset frame (metres), how it came about, and its wall where sheets are in it.
+
+    `repairs` are those of the mended meshes, with the distance of the solid where they changed only that;
+    `distortions` holds how far it departs from what is seen.
+    """
+
+    solid: Solid
+    method: str
+    volume_m3: float
+    area_m2: float
+    wall: Evidence[float] | None
+    distance: SolidDistance
+    repairs: tuple[Repair, ...]
+    distortions: tuple[Distortion, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+
+def physical_surface(
+    mended: RepairResult,
+    light: Budgeted,
+    p_origin: FloatArray,
+    *,
+    options: Options,
+    materials: Sequence[Material],
+    meters_per_unit: float,
+) -> PhysicalSurface:
+    """The physical surface of the meshes in `light`, whose asset frame has its origin at `p_origin` (3,)."""
+    bodies = resolve_bodies(sort_bodies(light.meshes), self_union)[0] if light.repairs else mended.bodies
+    rebuild = any(r.code == "asset/dirty-mesh" for r in mended.repairs)
+    homed = at_origin(light.meshes, p_origin)
+    size = diagonal(np.concatenate([m.points for m in homed]))
+    wall = wall_evidence(size, stated_m=options.shell_thickness_m, materials=materials, meters_per_unit=meters_per_unit)
+    made, figures = solidify(
+        light.meshes, bodies, rebuild=rebuild, wall_m=wall.value, sheets=options.shell_thickness_m is not None
+    )
+    solid, method, volume = _moved(made, -p_origin), str(figures["method"]), float(figures["volume_m3"])
+    distance = solid_distance(homed, solid)
+    departed = _departure(distance, method)
+    told = {"shell": f"{wall.source}_shell", "union_and_walls": f"union_and_{wall.source}_walls"}
+    lost = Distortion(
+        "mesh_repair" if rebuild else method,
+        departed.attained,
+        departed.attained,
+        size,
+        _nearest_mesh(homed, departed.at),
+        departed.at + p_origin,
+    )
+    return PhysicalSurface(
+        solid,
+        method=told.get(method, method),
+        volume_m3=volume,
+        area_m2=float(triangle_areas(solid.points[solid.triangles]).sum()),
+        wall=wall if solid.wall_thickness_m is not None else None,
+        distance=distance,
+        repairs=tuple(_with_distance(r, distance, size) for r in mended.repairs),
+        distortions=(lost,),
+        diagnostics=_sheets_found(solid, wall, volume),
+    )
+
+
+def _departure(distance: SolidDistance, method: str) -> Reach:
+    """The reach that a person must judge when it is far: visible parts outside the solid; and, where voxels or hulls
+    stand in, matter that nothing shows. Caps and walls add matter too, but are judged on their own.
+    """
+    if method in STAND_INS:
+        return max(distance.added, distance.missing, key=lambda way: way.attained)
+    return distance.missing
+
+
+def _nearest_mesh(meshes: Sequence[Mesh], place: FloatArray) -> str | None:
+    """The name of the mesh nearest to `place` (3,); None where that is nowhere."""
+    if not np.isfinite(place).all():
+        return None
+    solid = [m for m in meshes if triangle_areas(m.points[m.triangles]).any()]
+    away = [np.linalg.norm(closest_on_surface(place[None], m.points, m.triangles)[0] - place) for m in solid]
+    return solid[int(np.argmin(away))].name
+
+
+def _sheets_found(solid: Solid, wall: Evidence[float], volume_m3: float) -> tuple[Diagnostic, ...]:
+    """What is told when sheets stand beside closed bodies."""
+    if solid.walls is None:
+        return ()
+    share = solid.walls.mass_kg / volume_m3
+    headline = (
+        f"open sheets beside closed bodies count as walls of {1e3 * wall.value:.3g} mm ({wall.source}), "
+        f"{share:.0%} of the volume"
+    )
+    return (finding("asset/open-shell", headline, value=wall.value, unit="m"),)
+
+
+def _moved(solid: Solid, shift: FloatArray) -> Solid:
+    core, walls = (
+        None if held is None else replace(held, centre_of_mass_m=held.centre_of_mass_m + shift)
+        for held in (solid.core, solid.walls)
+    )
+    return replace(solid, points=solid.points + shift, core=core, walls=walls)
+
+
+def at_origin(meshes: Sequence[Mesh], p_origin: FloatArray) -> tuple[Mesh, ...]:
+    """The meshes moved so that `p_origin` (3,) becomes the origin."""
+    return tuple(replace(m, points=m.points - p_origin) for m in meshes)
+
+
+def _with_distance(repair: Repair, distance: SolidDistance, size: float) -> Repair:
+    if repair.code not in PHYSICAL_REPAIRS:
+        return repair
+    now = {"solid_distance_m": distance.attained, "solid_distance_share": distance.attained / size}
+    return repair.model_copy(
+        update={"before": {**repair.before, **dict.fromkeys(now, 0.0)}, "after": {**repair.after, **now}}
+    )

@@ -1,0 +1,185 @@
+"""The scale and the pose that meaning gives an object: what `semantics`, and then `interaction`, tell `canonicalize`,
+each once.
+
+What somebody says stands: a reliable unit is never changed, and an up axis from the user neither.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from assetkit.options import METERS_PER_UNIT, Options
+from assetkit.pose.front import turn_to_front
+from assetkit.pose.upright import Upright, least_chance, uprights
+from assetkit.scale.declared_units import UnitDecision, is_reliable, with_repair
+from assetkit.scale.metric_scale import Scale, is_normalised, scale_of
+from assetkit.scale.size_prior import CATEGORY_HOLDS
+from assetkit.stage import Canonical, Draft, Frame, need
+from assetkit.taxonomy.tables import Category
+from geom.features.upright_directions import stands
+from geom.pose import shortest_rotation
+from schemas.asset import UprightHypothesis, vec3
+from schemas.diagnostics import Diagnostic, finding
+from schemas.evidence import Evidence, default, inferred
+from schemas.model import FloatArray
+from schemas.outcome import Repair
+
+Z = np.array([0.0, 0.0, 1.0])
+DOUBTED = 0.2  # The source's own way up is doubted below this chance, although no other one is sure.
+MOST_UPRIGHTS = 4
+
+
+@dataclass(frozen=True)
+class Grounded:
+    """What the record says of scale and pose, the frame that follows (None: that of the file stands), and doubts."""
+
+    scale: Evidence[float] | None
+    upright: Evidence[tuple[float, float, float]]
+    hypotheses: tuple[UprightHypothesis, ...]
+    frame: Frame | None
+    doubts: tuple[Diagnostic, ...] = ()
+
+
+def reference_frame(
+    draft: Draft, category: Category | None, edges_m: tuple[float, float, float], options: Options
+) -> Grounded:
+    """Scale and way up of a canonical object whose smallest box has sorted `edges_m`; `category` None when unknown."""
+    canonical: Canonical = need(draft.canonicalize, "canonicalize")
+    scale = _scale(draft, canonical, category, edges_m)
+    unit = _decision(scale, draft, known=category is not None) if scale is not None else None
+    found = uprights(stands(canonical.solid), category, canonical.up_axis)
+    best = found[0] if found else None
+    least = 1.0 if best is None else least_chance(best, category, canonical.up_axis)
+    turns = best is not None and best.chance >= least and not best.keeps_z and options.up_axis == "auto"
+    R, told = np.eye(3), ((), ())
+    if best is not None and turns:
+        R, told = _turn(best), _told(best, least, canonical)
+    frame = Frame(R @ canonical.R_AS, unit, *told) if turns or unit is not None else None
+    upright = _evidence(found, canonical, options, turned=turns)
+    listed = tuple(
+        UprightHypothesis(
+            up=_in_source(h.up, canonical),
+            chance=h.chance,
+            signs=h.signs,
+            alike=tuple(_in_source(other, canonical) for other in h.alike),
+        )
+        for h in found[:MOST_UPRIGHTS]
+    )
+    doubts = () if turns or best is None else _doubts(found, options)
+    return Grounded(scale.meters_per_unit if scale else None, upright, listed, frame, doubts)
+
+
+def frame_to_front(draft: Draft) -> Frame | None:
+    """The frame in which the front that the interaction stage found is +x; None when it is, or nothing tells it."""
+    canonical: Canonical = need(draft.canonicalize, "canonicalize")
+    front = need(draft.interaction, "interaction").front
+    turned = None if front is None else turn_to_front(front)
+    if turned is None:
+        return None
+    R, front = turned
+    return replace(draft.frame or Frame(canonical.R_AS), R_AS=R @ canonical.R_AS, front=front)
+
+
+def _scale(
+    draft: Draft, canonical: Canonical, category: Category | None, edges_m: tuple[float, float, float]
+) -> Scale | None:
+    """None where the unit is reliable, where several objects share it, and where nothing but habit is known."""
+    unit, item = canonical.meters_per_unit, draft.intake
+    if is_reliable(unit, item.model.meters_per_unit) or item.siblings:
+        return None
+    if category is None and not is_normalised(item.file_extent):
+        return None
+    stated = item.model.meters_per_unit
+    implied = next((u for u, s in METERS_PER_UNIT.items() if s == stated.value), None)
+    return scale_of(
+        item.file_extent,
+        [edge / unit.value for edge in edges_m],
+        category,
+        CATEGORY_HOLDS,
+        format_=item.format,
+        hints=item.model.hints,
+        implied=implied if stated.source != "default" else None,
+    )
+
+
+def _decision(scale: Scale, draft: Draft, *, known: bool) -> UnitDecision:
+    """The unit by what the thing is; with a repair where it is not what the numbers imply as they stand."""
+    evidence, implied = scale.meters_per_unit, draft.intake.model.meters_per_unit.value
+    largest = max(draft.intake.file_extent)
+    if not known:  # A size that nobody knows is no reason to change the numbers.
+        evidence = default(implied, evidence.method, bounds=evidence.bounds)
+    sizes = [largest * s for s in (evidence.bounds or (evidence.value, evidence.value))]
+    headline = f"no unit is declared; {scale.reading}" + ("; a person must say it with --units" if scale.review else "")
+    note = finding(
+        "asset/scale-unverified",
+        headline,
+        value=largest * evidence.value,
+        bound=f"{sizes[0]:.3g}..{sizes[1]:.3g}",
+        unit="m",
+    )
+    if abs(evidence.value / implied - 1.0) < 1e-6:
+        return UnitDecision(evidence, (note,), review=scale.review)
+    changed = with_repair(evidence, implied, draft.intake.file_extent, (note,))
+    return UnitDecision(evidence, changed.diagnostics, changed.repairs, review=scale.review)
+
+
+def _turn(best: Upright) -> FloatArray:
+    """The least rotation (3, 3) that brings the way up to +z, exact for quarter turns."""
+    R = shortest_rotation(np.array(best.up), Z)
+    whole = np.rint(R)
+    return whole if np.allclose(R, whole, atol=1e-9) else R
+
+
+def _told(best: Upright, least: float, canonical: Canonical) -> tuple[tuple[Diagnostic, ...], tuple[Repair, ...]]:
+    degrees = float(np.degrees(np.arccos(np.clip(best.up[2], -1.0, 1.0))))
+    said = "; ".join(best.signs[:3])
+    note = finding(
+        "asset/turned-upright",
+        f"the object lay by {degrees:.0f} degrees from its upright pose: standing, it {said}",
+        value=best.chance,
+        bound=least,
+        unit="probability of this way up",
+    )
+    size = canonical.section.extent_m.value
+    repair = Repair(
+        name="turn_upright",
+        code="asset/turned-upright",
+        stage="canonicalize",
+        before={"degrees_from_upright": round(degrees, 3), "height_m": size[2]},
+        after={"degrees_from_upright": 0.0, "height_m": _height(best, canonical)},
+    )
+    return (note,), (repair,)
+
+
+def _height(best: Upright, canonical: Canonical) -> float:
+    return float(np.ptp(np.concatenate([m.points for m in canonical.meshes]) @ np.array(best.up)))
+
+
+def _evidence(
+    found: tuple[Upright, ...], canonical: Canonical, options: Options, *, turned: bool
+) -> Evidence[tuple[float, float, float]]:
+    """Which direction of the source is up in the reference pose."""
+    given = _in_source((0.0, 0.0, 1.0), canonical)
+    if options.up_axis != "auto":
+        return Evidence(value=given, source="declared", method=options.origin("up_axis"), confidence=1.0)
+    if not found:
+        return default(given, "no way up is meant, or the form tells none")
+    chosen = found[0] if turned else next(h for h in found if h.keeps_z)
+    value = _in_source(chosen.up, canonical) if turned else given
+    return inferred(value, "up axis of the source, form and reference pose", chosen.chance, inputs=chosen.signs)
+
+
+def _doubts(found: tuple[Upright, ...], options: Options) -> tuple[Diagnostic, ...]:
+    """A warning where the way up of the source is improbable, but no other one is sure enough to turn the object."""
+    own = sum(h.chance for h in found if h.keeps_z)
+    if own >= DOUBTED or found[0].chance <= 2.0 * own:
+        return ()
+    where = "stated" if options.up_axis != "auto" else "of the file"
+    headline = f"the way up {where} is improbable: another one would mean that it {'; '.join(found[0].signs[:3])}"
+    return (finding("asset/upright-uncertain", headline, value=own, bound=DOUBTED, unit="probability of this way up"),)
+
+
+def _in_source(up: tuple[float, float, float], canonical: Canonical) -> tuple[float, float, float]:
+    return vec3(np.round(canonical.R_AS.T @ np.array(up), 9) + 0.0)

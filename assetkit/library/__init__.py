@@ -1,0 +1,1 @@
+"""A folder of released packages: catalogue, search, review, validation and previews."""

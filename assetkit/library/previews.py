@@ -1,0 +1,37 @@
+"""Pictures of any readable file or released package, without making a package."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from pathlib import Path
+
+from assetkit.batch.ingest import DEFAULT_LIMITS, ENVIRONMENT, LOST_CODES
+from assetkit.library.validate import main_usd_files
+from jobs.cell import Limits
+from jobs.warm import run_module
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
+
+
+def picture(path: Path, out: Path, *, limits: Limits = DEFAULT_LIMITS) -> list[Path]:
+    """Draw the first object of a source file, or a package with its collision shapes; returns the PNGs written.
+
+    Reading and drawing run in a cell, because the file may be anything. Raises InvalidInput when the file cannot be
+    read or takes its cell down, and FileNotFoundError when a folder holds no USD file.
+    """
+    if path.is_dir() and not main_usd_files(path):
+        raise FileNotFoundError(path)
+    with tempfile.TemporaryDirectory(prefix="mana") as folder:
+        note = Path(folder) / "note.json"
+        arguments = [os.fspath(path.absolute()), os.fspath(out), os.fspath(note)]
+        result = run_module("assetkit.library.preview_worker", arguments, limits, env=ENVIRONMENT)
+        said = json.loads(note.read_text()) if note.is_file() else {}
+    if "refused" in said:
+        raise InvalidInput(Diagnostic.model_validate(said["refused"]))
+    if "written" not in said:
+        code = LOST_CODES.get(result.status, "asset/worker-crashed")
+        last = (result.output.strip().splitlines() or ["no output"])[-1]
+        headline = f"drawing {result.status.replace('_', ' ')}: {last[:200]}"
+        raise InvalidInput(finding(code, headline, where=Location(file=path.name), value=result.returncode))
+    return [Path(p) for p in said["written"]]

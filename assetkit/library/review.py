@@ -1,0 +1,217 @@
+"""What needs a person: items in review, their findings, the values nobody is sure of, and what these could be."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import takewhile
+from pathlib import Path, PurePosixPath
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from assetkit.batch.decisions import date_of_decision
+from assetkit.options import METERS_PER_UNIT
+from assetkit.package.record import RECORD, read_record
+from assetkit.parts.decided import names_for, region_of
+from schemas.asset import AssetRecord
+from schemas.asset import SourceFile as FileRead
+from schemas.decision import DecidedField, Decision, PartLabel
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
+from schemas.outcome import ItemOutcome
+from schemas.parts import UNLABELLED, by_id
+from schemas.report import IngestReport, ReportItem
+
+REPORT = "report.json"
+DOUBTFUL = 0.5  # Evidence below this confidence is shown.
+_TURNS = {"x": "x is up", "y": "y is up, as in glTF and most OBJ files", "z": "z is up, as in most CAD and robot files"}
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True)
+
+
+class Candidate(_Model):
+    """A value that could be set, what it would mean, and its chance where one is known."""
+
+    value: str
+    means: str
+    confidence: float | None = None
+
+
+class Doubt(_Model):
+    """A value of low confidence in one package, by what it was told, and its candidates. `field` can be set with the
+    `flag`: one of the fields of a decision, or a part by its id.
+    """
+
+    package: str
+    flag: Literal["set", "part"] = "set"
+    field: str
+    value: str
+    confidence: float
+    evidence: str
+    candidates: tuple[Candidate, ...]
+
+
+class Question(_Model):
+    """One source with all that a person needs to decide about it; `pictures` are relative to the library."""
+
+    source: str
+    outcome: ItemOutcome
+    packages: tuple[str, ...]
+    findings: tuple[Diagnostic, ...]
+    doubts: tuple[Doubt, ...]
+    pictures: tuple[str, ...]
+    decisions: tuple[Decision, ...]
+
+
+def read_report(out: Path) -> IngestReport:
+    """The report of the last run.
+
+    Raises FileNotFoundError when there is none, InvalidInput (`asset/report-unreadable`) when it is damaged.
+    """
+    data = (out / REPORT).read_bytes()
+    try:
+        return IngestReport.model_validate_json(data)
+    except ValidationError as error:
+        headline = f"{REPORT} cannot be read; `mana assets ingest` writes it anew"
+        raise InvalidInput(finding("asset/report-unreadable", headline, where=Location(file=REPORT))) from error
+
+
+def questions(out: Path, items: Sequence[ReportItem], decisions: Sequence[Decision]) -> Iterator[Question]:
+    """The question of each item, in their order."""
+    for item in items:
+        records = _records(out, item)
+        yield Question(
+            source=item.source,
+            outcome=item.outcome,
+            packages=item.packages,
+            findings=tuple(d for d in item.diagnostics if d.severity is not Severity.INFO),
+            doubts=tuple(doubt for record in records for doubt in doubts(record)),
+            pictures=tuple(
+                path.relative_to(out).as_posix()
+                for record in records
+                for path in sorted((out / record.asset_id / "previews").glob("*.png"))
+            ),
+            decisions=tuple(d for d in decisions if d.source == item.source),
+        )
+
+
+def doubts(record: AssetRecord) -> tuple[Doubt, ...]:
+    """The unit, up axis, category and parts of a record, as far as they are doubtful."""
+    source, semantics = record.source, record.semantics
+    longest_units = max(record.geometry.extent_m.value) / source.meters_per_unit.value
+    sizes = [Candidate(value=u, means=f"longest edge {_length(longest_units * s)}") for u, s in METERS_PER_UNIT.items()]
+    turns = [Candidate(value=axis, means=text) for axis, text in _TURNS.items()]
+    kinds = [Candidate(value=h.category, means="; ".join(h.clues), confidence=h.score) for h in semantics.hypotheses]
+    unit = next((u for u, s in METERS_PER_UNIT.items() if s == source.meters_per_unit.value), "other")
+    looked_at: tuple[tuple[DecidedField, str, float, str, list[Candidate]], ...] = (
+        ("units", unit, source.meters_per_unit.confidence, source.meters_per_unit.method, sizes),
+        ("up_axis", source.up_axis.value, source.up_axis.confidence, source.up_axis.method, turns),
+        ("category", semantics.category.value, semantics.category.confidence, semantics.category.method, kinds),
+    )
+    values = tuple(
+        Doubt(package=record.asset_id, field=f, value=v, confidence=sure, evidence=method, candidates=tuple(could_be))
+        for f, v, sure, method, could_be in looked_at
+        if sure < DOUBTFUL
+    )
+    return (*values, *_part_doubts(record))
+
+
+def _part_doubts(record: AssetRecord) -> Iterator[Doubt]:
+    """Parts that clues disagree about; of the labels that they speak for each is a candidate, and none of them."""
+    for part in (p.value for p in record.parts if p.value.may_be):
+        where = f"one of {len(record.parts)} parts, {_length(max(np.subtract(part.high_m, part.low_m)))} long"
+        yield Doubt(
+            package=record.asset_id,
+            flag="part",
+            field=part.part_id,
+            value=part.label.value,
+            confidence=part.label.confidence,
+            evidence=f"{part.label.method}; {where}",
+            candidates=tuple(
+                Candidate(value=label, means=meaning)
+                for label, meaning in (*((m, f"it is the {m}") for m in part.may_be), (UNLABELLED, "it is neither"))
+            ),
+        )
+
+
+def items_called(report: IngestReport, name: str) -> list[ReportItem]:
+    """The items that a name means: the source as given or one of its packages; else all whose file is called so."""
+    exact = [i for i in report.items if i.source == name or name in i.packages]
+    return exact or [i for i in report.items if PurePosixPath(i.source).name == name]
+
+
+def decision_about(
+    out: Path,
+    item: ReportItem,
+    name: str,
+    *,
+    set_: dict[DecidedField, str],
+    accept: bool | None,
+    parts: Mapping[str, str] = {},
+    by: str,
+    reason: str,
+) -> Decision:
+    """The decision on an item, bound to the content that it was made from. `name` says which object is meant where a
+    file holds several: a package means one, the source all of them.
+
+    Raises LookupError when there is no package of what is meant, or no such part in it: nothing was made that could be
+    decided about. Raises ValueError when its category knows no part of that name.
+    """
+    one = name in item.packages
+    about = [r for r in _records(out, item) if not one or r.asset_id == name]
+    if not about:
+        raise LookupError(f"'{name}' is {item.outcome.value}: there is no package to decide about")
+    main = main_file(about[0].source.files, item.source)
+    return Decision(
+        source=item.source,
+        source_sha256=main.sha256,
+        references={
+            posixpath.relpath(f.path, posixpath.dirname(main.path)): f.sha256
+            for f in about[0].source.files
+            if f != main
+        },
+        object=int(name.rpartition("-")[2]) if one and len(item.packages) > 1 else 0,
+        set=set_,
+        parts=_part_labels(about, parts),
+        accept=accept,
+        known=tuple(sorted({d.code for r in about for d in r.diagnostics})) if accept else (),
+        by=by,
+        reason=reason,
+        date=date_of_decision(),
+    )
+
+
+def _part_labels(about: Sequence[AssetRecord], parts: Mapping[str, str]) -> dict[str, PartLabel]:
+    if not parts:
+        return {}
+    if len(about) > 1:
+        raise LookupError("the file holds several objects: name the package whose part is meant")
+    known, names = by_id(about[0].parts), names_for(about[0].semantics.category.value)
+    for part, label in parts.items():
+        if part not in known:
+            raise LookupError(f"{about[0].asset_id} has no part '{part}', only {', '.join(known) or 'the whole'}")
+        if label and label not in names:
+            raise ValueError(f"a part of it is one of {', '.join(names)}, not '{label}'")
+    return {part: PartLabel(label=label, region=region_of(known[part])) for part, label in parts.items()}
+
+
+def main_file(files: Sequence[FileRead], source: str) -> FileRead:
+    """The file that `source` names, of all that were read: the one whose path ends as `source` does for longest."""
+
+    def shared(file: FileRead) -> int:
+        pairs = zip(reversed(PurePosixPath(file.path).parts), reversed(PurePosixPath(source).parts), strict=False)
+        return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+
+    return max(files, key=lambda file: (shared(file), -len(PurePosixPath(file.path).parts)))
+
+
+def _records(out: Path, item: ReportItem) -> list[AssetRecord]:
+    found = (read_record(out / package) for package in item.packages if (out / package / RECORD).is_file())
+    return [record for record in found if record is not None]
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.3g} m" if metres >= 1.0 else f"{1000 * metres:.3g} mm"

@@ -1,0 +1,117 @@
+"""The mass of a thing from its size and what it is: densities of its kinds, mixed in the logarithm of mass."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from assetkit.mass.bounds import mean_thickness
+from assetkit.mass.normal_mixture import Mixture
+from assetkit.taxonomy.usual_masses import Basis, UsualMass, kinds_of
+from assetkit.taxonomy.words import singulars, words_of
+from geom.convex.hull import convex_hull, volume
+from geom.convex.primitive_fits import fit_box
+from geom.mesh.surface_distance import triangle_areas
+from geom.mesh.weld import diagonal
+from schemas.physics import Solid
+
+# The bounds hold this share of the mixture at most; what is left is as likely below as above.
+COVERAGE = 0.95
+# Bounds further apart than this tell a planner little: they hold less of the mixture instead, and say how much.
+MAX_SPAN = 10.0
+# A range of the table holds 95 % of its kind, so that it is this many standard deviations wide.
+RANGE_SIGMAS = 3.92
+# Standard deviations in ln(mass): how well a size on a basis is known, scans being larger than the thing, and how much
+# another thing of the same kind differs from a single measured one.
+SIZE_SIGMA: dict[Basis, float] = {"hull": 0.1, "wall": 0.15, "length": 0.1}
+SINGLE_SIGMA = 0.25
+# A surface this much larger than its hull has an inside too; a vessel without has about this share of its hull's area.
+TWO_SIDED, VESSEL_SHARE = 1.25, 0.75
+THIN_SHARE = 0.06
+
+
+@dataclass(frozen=True)
+class Usual:
+    """Mass of the usual thing (kg): bounds that hold the share `coverage`, the middle, by which rows of the table."""
+
+    coverage: float
+    low_kg: float
+    value_kg: float
+    high_kg: float
+    category: str
+    kinds: tuple[UsualMass, ...]
+
+    @property
+    def text(self) -> str:
+        """What was compared, in words."""
+        states = sorted({kind.state for kind in self.kinds} - {"solid"})
+        state = f", {' or '.join(states)}" if states else ""
+        told = dict.fromkeys(kind.source for kind in self.kinds)
+        share = f"{100.0 * self.coverage:.0f} % of things of category {self.category} and this size{state}"
+        return f"{share} weigh {self.low_kg:.3g} to {self.high_kg:.3g} kg: {'; '.join(told)}"
+
+
+def usual_mass(solid: Solid, category: str, names: Sequence[str], without: str = "") -> Usual | None:
+    """What a thing of `category` with the surface of `solid` weighs; None for a category outside the table.
+
+    `names`, the most telling first, may tell the kind (`soup` can, `paper` cup). Each kind is log-normal in mass, its
+    variance that of its range and of the size; the bounds are quantiles of the mixture of kinds. `without` leaves out
+    the row written from that object.
+    """
+    kinds = kinds_of(category, [spoken(name) for name in names], without)
+    mixed = mixture_of(solid, kinds)
+    if mixed is None:
+        return None
+    coverage = mixed.coverage_within(math.log(MAX_SPAN), COVERAGE)
+    low, high = mixed.central(coverage)
+    return Usual(coverage, math.exp(low), math.exp(mixed.quantile(0.5)), math.exp(high), category, kinds)
+
+
+def mixture_of(solid: Solid, kinds: Sequence[UsualMass]) -> Mixture | None:
+    """ln(mass in kg) of things of these kinds with the surface of `solid`; None without kinds or size."""
+    bases: set[Basis] = {kind.basis for kind in kinds}
+    try:
+        sizes = {basis: size(solid, basis) for basis in bases}
+    except ValueError:  # Flat: it has no hull.
+        return None
+    if not sizes or min(sizes.values()) <= 0.0:
+        return None
+    ranges = np.log([kind.range for kind in kinds])
+    middles = ranges.mean(axis=1) + np.log([sizes[kind.basis] for kind in kinds])
+    spreads = np.array([_sigma(kind, width) for kind, width in zip(kinds, np.ptp(ranges, axis=1), strict=True)])
+    return Mixture(middles, spreads, np.array([kind.weight for kind in kinds]))
+
+
+def spoken(name: str) -> frozenset[str]:
+    """The words of a name, and what they may be plurals of."""
+    words = words_of(name)
+    return frozenset((*words, *(form for word in words for form in singulars(word))))
+
+
+def size(solid: Solid, basis: Basis) -> float:
+    """Volume of the hull (m3), one-sided area of the walls (m2) or the cube of the length (m3)."""
+    if basis == "length":
+        box = fit_box(solid.points)
+        return float(max(box.size_m if box is not None else np.ptp(solid.points, axis=0))) ** 3
+    hull = convex_hull(solid.points)
+    return volume(*hull) if basis == "hull" else _wall_area(solid, float(triangle_areas(hull[0][hull[1]]).sum()))
+
+
+def _sigma(kind: UsualMass, width: float) -> float:
+    own = width / RANGE_SIGMAS if width > 0.0 else SINGLE_SIGMA
+    return math.hypot(own, SIZE_SIGMA[kind.basis])
+
+
+def _wall_area(solid: Solid, hull_m2: float) -> float:
+    """Area of one side of the walls of a vessel (m2): of its sheets, or half of a surface that has an inside."""
+    area = float(triangle_areas(solid.points[solid.triangles]).sum())
+    if solid.kind == "shell":
+        return area / 2.0 if area > TWO_SIDED * hull_m2 else area
+    if solid.kind == "closed" and (
+        area > TWO_SIDED * hull_m2 or mean_thickness(solid) <= THIN_SHARE * diagonal(solid.points)
+    ):
+        return area / 2.0
+    return VESSEL_SHARE * hull_m2

@@ -1,0 +1,126 @@
+"""A released package with measured physics: the same writers, the same judges, a record that says `measured`."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from assetkit.affordances.grasp_trials import untried_again
+from assetkit.measured.extend_record import extended_section
+from assetkit.package.record import RECORD, read_record
+from assetkit.package.release import publish
+from assetkit.package.write_urdf import rewrite_urdf
+from assetkit.stages.acceptance import Judged, judge_package
+from jobs.cache import content_key, file_sha256
+from schemas.asset import AssetRecord, PhysicsSection, StageEntry
+from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
+from schemas.measured_physics import MeasuredPhysics
+from schemas.outcome import ItemOutcome
+from schemas.physics import MassProperties
+from sim.port import Simulator
+from usdio.reread.body import reread_body, reread_shape_contacts
+from usdio.write.rewrite_physics import rewrite_physics
+
+NAME, VERSION = "extend", 1
+EXTENSION = "extension.json"
+# Findings of acceptance; they are made anew.
+_JUDGEMENTS = (
+    "asset/gate-",
+    "asset/package-invalid",
+    "asset/render-collision-misaligned",
+    "asset/unstable-settling",
+    "asset/reference-pose-topples",
+    "asset/no-stable-pose",
+)
+
+
+@dataclass(frozen=True)
+class Extended:
+    """The new package (None when the judges refuse it), its record, and what acceptance found."""
+
+    package: Path | None
+    record: AssetRecord
+    diagnostics: tuple[Diagnostic, ...]
+
+
+def record_of(package: Path) -> AssetRecord:
+    """The record of a package that can be extended. Raises InvalidInput (`asset/package-invalid`)."""
+    record = read_record(package)
+    if record is None:
+        raise InvalidInput(finding("asset/package-invalid", f"'{package.name}' is no package of Mana"))
+    missing = [p for p in (main_file_of(package, record), _twin(package, record)) if not p.is_file()]
+    if missing:
+        raise InvalidInput(finding("asset/package-invalid", f"'{package.name}' has no {missing[0].name}"))
+    return record
+
+
+def extend_package(package: Path, measured: MeasuredPhysics, out: Path, simulator: Simulator) -> Extended:
+    """Publish `<out>/<asset_id>`: the package with `measured` in USD, URDF twin and record, judged like any other.
+
+    It is prepared beside its target and moved there in one step; a package that fails acceptance is not published, and
+    what was there stays. `out` may be the folder that holds `package`: then it is replaced.
+    """
+    record = record_of(package)
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=out, prefix=".extend") as place:
+        folder = Path(place) / record.asset_id
+        shutil.copytree(package, folder)
+        (folder / RECORD).unlink()
+        main_file = main_file_of(folder, record)
+        section = extended_section(record.physics, measured)
+        mass = MassProperties(
+            section.mass_kg.value, np.array(section.centre_of_mass_m.value), np.array(section.inertia_kgm2.value)
+        )
+        contact = section.contacts[0].value
+        changed = contact if contact != record.physics.contacts[0].value else None
+        rewrite_physics(main_file, mass, changed, section.density_kgm3.value / record.physics.density_kgm3.value)
+        rewrite_urdf(
+            reread_body(main_file),
+            _twin(folder, record),
+            measured.urdf_contact,
+            reread_shape_contacts(main_file),
+        )
+        (folder / EXTENSION).write_bytes(measured.extension_json)
+        judged = judge_package(main_file, simulator, record.geometry.extent_m.value, record.physics.stands_in)
+        made = _record(record, section, judged, measured, folder)
+        (folder / RECORD).write_text(made.model_dump_json(indent=1) + "\n")
+        occupied = None if made.outcome is ItemOutcome.REJECTED else publish(folder, out / record.asset_id)
+    diagnostics = (*judged.diagnostics, *((occupied,) if occupied else ()))
+    refused = occupied is not None or made.outcome is ItemOutcome.REJECTED
+    return Extended(None if refused else out / record.asset_id, made, diagnostics)
+
+
+def _record(
+    record: AssetRecord, section: PhysicsSection, judged: Judged, measured: MeasuredPhysics, folder: Path
+) -> AssetRecord:
+    """The old record with the new physics, judgement, history and hashes; an object under review stays there."""
+    outcome = ItemOutcome.REVIEW if judged.review else record.outcome
+    if any(d.severity is Severity.ERROR for d in judged.diagnostics):
+        outcome = ItemOutcome.REJECTED
+    key = content_key(NAME, VERSION, [e.key for e in record.history], measured.extension_json.decode())
+    hashes = {p.relative_to(folder).as_posix(): file_sha256(p) for p in sorted(folder.rglob("*")) if p.is_file()}
+    kept = tuple(d for d in record.diagnostics if not d.code.startswith(_JUDGEMENTS))
+    return record.model_copy(
+        update={
+            "outcome": outcome,
+            "physics": section,
+            "acceptance": judged.section,
+            "affordances": tuple(untried_again(e) for e in record.affordances),
+            "diagnostics": (*kept, *judged.diagnostics),
+            "history": (*record.history, StageEntry(name=NAME, version=VERSION, key=key[:16])),
+            "hashes": hashes,
+        }
+    )
+
+
+def main_file_of(package: Path, record: AssetRecord) -> Path:
+    """Where the main USD file of a package lies."""
+    return package / "usd" / f"{record.asset_id}.usda"
+
+
+def _twin(package: Path, record: AssetRecord) -> Path:
+    return package / "export" / f"{record.asset_id}.urdf"

@@ -1,0 +1,148 @@
+"""From a finished draft to a self-contained package folder (design: asset package)."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from assetkit.affordances.grasp_trials import grasp_lines
+from assetkit.package.record import RECORD, read_record
+from assetkit.package.write_urdf import write_urdf
+from assetkit.stage import Draft, need
+from assetkit.stage_log import Journal
+from jobs.cache import file_sha256
+from schemas.asset import AssetRecord, SemanticsSection, SourceSection
+from schemas.diagnostics import Diagnostic, finding
+from schemas.evidence import Evidence, declared, default
+from schemas.package import PackageContent
+from usdio.reread.body import reread_body, reread_shape_contacts
+from usdio.source_names import source_names
+from usdio.write.package import write_package
+
+UNKNOWN = "unknown"
+
+
+def author(draft: Draft, work_dir: Path) -> Path:
+    """Write USD and the URDF twin of a draft below `work_dir` and return the main USD file.
+
+    The twin is made from the body as re-read from the USD, so both hold the same numbers.
+    """
+    folder = package_folder(draft, work_dir)
+    shutil.rmtree(folder, ignore_errors=True)
+    content = _content(draft)
+    main_file = write_package(content, folder)
+    write_urdf(reread_body(main_file), content, folder, reread_shape_contacts(main_file))
+    return main_file
+
+
+def package_folder(draft: Draft, work_dir: Path) -> Path:
+    """Where the package of a draft is prepared."""
+    return work_dir / "package" / draft.asset_id
+
+
+def finish(draft: Draft, journal: Journal, work_dir: Path) -> Path:
+    """Write the package with previews and record; returns its folder.
+
+    It is written anew, because acceptance may have come from the store or judged another attempt last: same draft,
+    same bytes.
+    """
+    folder = package_folder(draft, work_dir)
+    author(draft, work_dir)
+    previews = folder / "previews"
+    previews.mkdir(exist_ok=True)
+    images = need(draft.previews, "previews").images | need(draft.acceptance, "acceptance").images
+    for name, data in sorted(images.items()):
+        (previews / f"{name}.png").write_bytes(data)
+    hashes = {p.relative_to(folder).as_posix(): file_sha256(p) for p in sorted(folder.rglob("*")) if p.is_file()}
+    record = _record(draft, journal, hashes)
+    (folder / RECORD).write_text(record.model_dump_json(indent=1) + "\n")
+    return folder
+
+
+def publish(folder: Path, target: Path) -> Diagnostic | None:
+    """Move a finished package into place, or say what stands in its way: only an older package is ever replaced.
+
+    A process that ends in between leaves the old package as a hidden `.old` folder.
+    """
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if target.exists() and read_record(target) is None:
+        return finding("asset/output-occupied", f"'{target.name}' in the output folder is not a package of Mana")
+    old = target.with_name(f".{target.name}.old")
+    shutil.rmtree(old, ignore_errors=True)
+    if target.exists():
+        target.rename(old)
+    folder.rename(target)
+    shutil.rmtree(old, ignore_errors=True)
+    return None
+
+
+def _content(draft: Draft) -> PackageContent:
+    physics = need(draft.physics, "physics")
+    semantics = need(draft.semantics, "semantics").section
+    stated = draft.intake.model.metadata
+    return PackageContent(
+        asset_id=draft.asset_id,
+        model=draft.model,
+        shapes=physics.shapes,
+        mass=physics.mass,
+        contact=physics.contact,
+        physical_material=physics.section.material.value,
+        density_kgm3=physics.section.density_kgm3.value,
+        category=semantics.category.value,
+        qcode=semantics.qcode.value,
+        license=stated.get("license", UNKNOWN),
+        author=stated.get("author", UNKNOWN),
+        source_file=draft.source_name,
+        thumbnail_png=need(draft.previews, "previews").images["thumbnail"],
+        surfaces=physics.surfaces,
+        shape_surfaces=physics.shape_surfaces,
+        grasp_lines_m=grasp_lines(draft.acceptance.affordances) if draft.acceptance else (),
+        parts=tuple(p.value for p in draft.interaction.parts) if draft.interaction else (),
+    )
+
+
+def _record(draft: Draft, journal: Journal, hashes: dict[str, str]) -> AssetRecord:
+    source = draft.intake.model
+    canonical = need(draft.canonicalize, "canonicalize")
+    return AssetRecord(
+        asset_id=draft.asset_id,
+        outcome=journal.outcome,
+        source=SourceSection(
+            format=draft.intake.format,
+            files=draft.intake.files,
+            meters_per_unit=canonical.meters_per_unit,
+            up_axis=canonical.up_axis,
+            license=_stated(source.metadata, "license"),
+            author=_stated(source.metadata, "author"),
+            generator=source.metadata.get("generator", ""),
+            nodes=len(source.nodes),
+            source_names=source_names(draft.model),
+        ),
+        geometry=canonical.section,
+        appearance=need(draft.appearance, "appearance").section,
+        semantics=_with_front(draft),
+        parts=need(draft.interaction, "interaction").parts,
+        affordances=need(draft.acceptance, "acceptance").affordances,
+        anchors=need(draft.acceptance, "acceptance").anchors,
+        physics=need(draft.physics, "physics").section,
+        acceptance=need(draft.acceptance, "acceptance").section,
+        diagnostics=journal.diagnostics,
+        repairs=journal.repairs,
+        history=journal.history,
+        hashes=hashes,
+    )
+
+
+def _with_front(draft: Draft) -> SemanticsSection:
+    """What the object is, with the side that its parts tell to be the front."""
+    section, front = need(draft.semantics, "semantics").section, need(draft.interaction, "interaction").front
+    if front is None:
+        return section
+    return section.model_copy(update={"front": front.direction, "heading_symmetry": front.symmetry})
+
+
+def _stated(metadata: dict[str, str], key: str) -> Evidence[str]:
+    """What the file or the user says about its origin; silence stays unknown."""
+    return (
+        declared(metadata[key], metadata.get(f"{key}_from", "source file")) if metadata.get(key) else default(UNKNOWN)
+    )

@@ -1,0 +1,34 @@
+"""Phong-era material values (MTL, COLLADA) as metallic-roughness ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from assetkit.readers.common.corners import srgb_to_linear
+
+
+def roughness_from_exponent(exponent: float) -> float:
+    """UsdPreviewSurface roughness in 0..1 for a Blinn-Phong exponent; negative exponents count as 0.
+
+    Exponent n matches a Beckmann lobe of width a = sqrt(2 / (n + 2)) (Walter et al., "Microfacet Models for
+    Refraction through Rough Surfaces", EGSR 2007), and UsdPreviewSurface squares roughness to get a.
+    """
+    return (2.0 / (max(exponent, 0.0) + 2.0)) ** 0.25
+
+
+def linear_rgb(display: Sequence[float]) -> tuple[float, float, float]:
+    """Linear RGB of a display colour; both formats leave the space open, and tools show the values as they are."""
+    r, g, b = (float(c) for c in srgb_to_linear(np.asarray(display[:3])))
+    return r, g, b
+
+
+def ior_or_default(ior: float | None) -> float:
+    """`ior` where it can be a solid's, else 1.5: exporters write 1 or 0 for "not set"."""
+    return ior if ior is not None and 1.0 < ior <= 4.0 else 1.5
+
+
+def unit_interval(value: float) -> float:
+    """`value` clamped to 0..1."""
+    return min(max(value, 0.0), 1.0)

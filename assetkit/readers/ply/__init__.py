@@ -1,0 +1,1 @@
+"""Reader of PLY files, text and binary, into a source model."""

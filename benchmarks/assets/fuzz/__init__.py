@@ -1,0 +1,1 @@
+"""Random damage to real files: no crash, no hang, a code for each."""

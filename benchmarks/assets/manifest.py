@@ -1,0 +1,101 @@
+"""Ingest every asset of a manifest and compare outcomes with what the manifest expects.
+
+    python -m benchmarks.assets.manifest ASSETS_DIR OUT_DIR [--jobs N] [--only TEXT]
+
+Prints the rows that differ and a summary; writes `OUT_DIR/table.json`. A row's asset folder is its root.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import time
+from collections import Counter
+from pathlib import Path
+from statistics import median
+
+from assetkit.batch.ingest import Batch, default_jobs, ingest
+from assetkit.options import Options
+from assetkit.sources.discover import Candidate, discover
+from cli.assets.app import PRELOAD, WORKER
+from schemas.report import ReportItem
+
+PLANNED = {"urdf", "mjcf", "blend"}
+EXPECTED = {"accept": {"accepted", "repaired"}, "repair": {"repaired"}, "reject": {"rejected"}}
+
+
+def verdict(row: dict[str, str], item: ReportItem) -> str:
+    """`ok`, `reason` (right outcome, other reason) or `differs`. `review` is right where the row itself asks for it."""
+    if row["format"] in PLANNED:
+        return "ok" if "asset/format-unsupported-yet" in item.codes else "differs"
+    asks_review = any(word.endswith("_review") for word in row["reason"].split(";"))
+    if item.outcome.value not in EXPECTED[row["outcome"]] and not (asks_review and item.outcome.value == "review"):
+        return "differs"
+    if row["outcome"] == "accept":
+        return "ok"
+    said = {r.name.replace("_", "-") for r in item.repairs} | {c.split("/")[1] for c in item.codes}
+    wanted = {w.replace("_", "-") for w in row["reason"].split(";")}
+    return "ok" if said & wanted else "reason"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("assets", type=Path)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--jobs", type=int, default=default_jobs())
+    parser.add_argument("--only", default="")
+    arguments = parser.parse_args()
+    with (arguments.assets / "manifest.csv").open() as file:
+        rows = {str(arguments.assets / r["path"]): r for r in csv.DictReader(file) if arguments.only in r["id"]}
+    found = {c.given: c for c in discover([arguments.assets])}
+    candidates: tuple[Candidate, ...] = tuple(found[path] for path in rows)
+    started = time.monotonic()
+    table = []
+    batch = Batch(out=arguments.out, options=Options(), worker=WORKER, preload=PRELOAD, jobs=arguments.jobs)
+    for item in ingest(candidates, batch):
+        row = rows[item.source]
+        line = {
+            "id": row["id"],
+            "format": row["format"],
+            "expected": row["outcome"],
+            "reason": row["reason"],
+            "outcome": item.outcome.value,
+            "codes": item.codes,
+            "repairs": [r.name for r in item.repairs],
+            "packages": item.packages,
+            "verdict": verdict(row, item),
+            "seconds": item.seconds,
+            "cached": item.cached,
+        }
+        table.append(line)
+        if line["verdict"] != "ok":
+            errors = [d.headline for d in item.diagnostics if d.severity == "error"]
+            wanted = f"expected {row['outcome']} ({row['reason']})"
+            got = f"got {item.outcome.value} {list(item.codes)} {line['repairs']} {errors} {item.traceback[-300:]}"
+            print(f"{line['verdict']:8} {row['id']:34} {wanted}, {got}", flush=True)
+    summary(table, time.monotonic() - started)
+    (arguments.out / "table.json").write_text(json.dumps(table, indent=1))
+
+
+def summary(table: list[dict], wall_s: float) -> None:
+    """Print counts per expectation, seconds per stage and the wall time."""
+    named = [t for t in table if t["format"] not in PLANNED]
+    for expected in EXPECTED:
+        group = [t for t in named if t["expected"] == expected]
+        print(expected, dict(Counter(t["verdict"] for t in group)), dict(Counter(t["outcome"] for t in group)))
+    print("planned formats", dict(Counter(t["verdict"] for t in table if t["format"] in PLANNED)))
+    print("review", sum(t["outcome"] == "review" for t in named), "of", len(named))
+    made = [t for t in named if t["packages"]]
+    stages = sorted({s for t in made for s in t["seconds"]})
+    for stage in stages:
+        spent = [t["seconds"].get(stage, 0.0) for t in made]
+        print(f"  {stage:14} median {median(spent):6.2f} s  sum {sum(spent):8.1f} s")
+    if made:
+        totals = [sum(t["seconds"].values()) for t in made]
+        print(f"  asset          median {median(totals):6.2f} s  max {max(totals):.1f} s")
+    print(f"wall {wall_s:.1f} s, {len(table)} rows, {sum(bool(t['cached']) for t in table)} cached")
+
+
+if __name__ == "__main__":
+    main()

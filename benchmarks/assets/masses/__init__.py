@@ -1,0 +1,1 @@
+"""Benchmarks of mass estimates against stated and published masses."""

@@ -1,0 +1,1 @@
+"""Comparison of the pipeline with obj2mjcf on the same files."""

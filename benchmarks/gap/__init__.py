@@ -1,0 +1,1 @@
+"""Benchmarks of the sim gap on public recordings."""

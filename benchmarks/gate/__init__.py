@@ -1,0 +1,1 @@
+"""Benchmarks of the plausibility gate: seeded defects and mutations."""

@@ -1,0 +1,1 @@
+"""Benchmarks of sampling plans against rejection samplers."""

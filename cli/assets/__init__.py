@@ -1,0 +1,1 @@
+"""`mana assets`: ingest, list, search, show, review, validate and render packages."""

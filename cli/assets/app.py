@@ -1,0 +1,300 @@
+"""`mana assets`: ingest files, look at the result."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import shutil
+import time
+from pathlib import Path
+from typing import Annotated, cast, get_args
+
+import typer
+from pydantic import ValidationError
+from rich.markup import escape
+from rich.progress import TextColumn
+
+from assetkit.annotate.exchange import worst_seconds
+from assetkit.batch.ingest import Batch, default_jobs, ingest
+from assetkit.batch.report import build_report, write_report
+from assetkit.library import catalog
+from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
+from assetkit.package.record import RECORD
+from assetkit.sources.discover import Candidate, discover
+from cli import text
+from cli.assets.review import review_command
+from cli.assets.search import search_command
+from cli.findings import show_findings
+from jobs.cache import content_key, file_sha256
+from jobs.cell import Limits
+from jobs.lock import exclusive
+from schemas.asset import Role
+from schemas.diagnostics import Severity
+from schemas.outcome import ItemOutcome
+from schemas.report import IngestReport, ReportItem
+
+app = typer.Typer(help="Raw asset files in, accepted simulation packages out.", no_args_is_help=True)
+WORKER, PRELOAD = "cli.assets.cell", "cli.assets.preload"
+AsJson = Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")]
+Library = Annotated[Path, typer.Argument(help="An output folder of `mana assets ingest`.", exists=True)]
+
+
+@app.command("ingest")
+def ingest_command(
+    sources: Annotated[list[Path], typer.Argument(help="Files, or folders that are walked.")],
+    out: Annotated[Path, typer.Option("--out", help="Where packages, report and catalog go.")],
+    jobs: Annotated[int, typer.Option("--jobs", min=1, help="Assets at a time.")] = default_jobs(),
+    root: Annotated[Path | None, typer.Option("--root", help="Folder that references may not leave.")] = None,
+    role: Annotated[str | None, typer.Option(help="Declared role, e.g. manipulated or receptacle.")] = None,
+    category: Annotated[str | None, typer.Option(help="Declared category, e.g. mug.")] = None,
+    require_category: Annotated[
+        bool, typer.Option("--require-category", help="Send objects of unknown category to review.")
+    ] = False,
+    units: Annotated[str, typer.Option(help="mm, cm, m, in or auto.")] = "auto",
+    up_axis: Annotated[str, typer.Option("--up-axis", help="x, y, z or auto.")] = "auto",
+    license_: Annotated[str | None, typer.Option("--license", help="Licence, e.g. CC-BY-4.0.")] = None,
+    author: Annotated[str | None, typer.Option(help="Author of the source assets.")] = None,
+    shell_thickness: Annotated[
+        float | None, typer.Option("--shell-thickness", help="Wall thickness of open surfaces in millimetres.")
+    ] = None,
+    annotator_url: Annotated[
+        str | None,
+        typer.Option(help="Base address of a model that is shown the pictures, e.g. https://api.openai.com/v1."),
+    ] = None,
+    annotator_model: Annotated[
+        str | None, typer.Option(help="Its name. Its key is read from MANA_ANNOTATOR_KEY.")
+    ] = None,
+    annotator_kind: Annotated[str, typer.Option(help="openai (and compatible) or gemini.")] = "openai",
+    annotator_timeout: Annotated[float, typer.Option(help="Seconds one request may take; it is tried 3 times.")] = 40.0,
+    annotator_price: Annotated[
+        tuple[float, float] | None, typer.Option(help="USD per million input and output tokens.")
+    ] = None,
+    segmenter: Annotated[
+        str | None,
+        typer.Option(help="A program of yours that proposes parts, as one would type it; docs/how-to/segmenter.md."),
+    ] = None,
+    segmenter_timeout: Annotated[float, typer.Option(help="Seconds it may take for one object.")] = 60.0,
+    timeout: Annotated[float, typer.Option(help="Seconds one asset may take.")] = 300.0,
+    memory: Annotated[int, typer.Option(help="Address space of one worker in MiB.")] = 8192,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Also keep crashed and timed-out items as they are.")
+    ] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Make every item anew.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Take files through every stage and release a package for each object.
+
+    Unchanged sources are not made again, so an interrupted run simply continues. Exit code 1 when an asset was
+    rejected, 2 when the command could not run. One ingest at a time writes into an output folder: a second one ends at
+    once with exit code 2 and names the process that is at work; a killed one blocks nobody.
+
+    Example: `mana assets ingest scans/ extra/mug.glb --out library --jobs 4 --license CC-BY-4.0`
+    """
+    if units not in get_args(UnitName):
+        raise typer.BadParameter(f"must be one of {', '.join(get_args(UnitName))}", param_hint="--units")
+    if up_axis not in get_args(UpAxisName):
+        raise typer.BadParameter(f"must be one of {', '.join(get_args(UpAxisName))}", param_hint="--up-axis")
+    if shell_thickness is not None and not shell_thickness > 0.0:
+        raise typer.BadParameter("must be above zero", param_hint="--shell-thickness")
+    if role is not None and role not in get_args(Role):
+        raise typer.BadParameter(f"must be one of {', '.join(get_args(Role))}", param_hint="--role")
+    endpoint = None
+    if annotator_url is not None or annotator_model is not None:
+        endpoint = endpoint_stated(annotator_url, annotator_model, annotator_kind, annotator_timeout, annotator_price)
+        if (longest := worst_seconds(annotator_timeout)) >= timeout:
+            said = f"must exceed the {longest:g} s that asking the annotator may take"
+            raise typer.BadParameter(said, param_hint="--timeout")
+    options = Options(
+        units=cast(UnitName, units),
+        up_axis=cast(UpAxisName, up_axis),
+        role=role,
+        category=category,
+        require_category=require_category,
+        endpoint=endpoint,
+        segmenter=None if segmenter is None else segmenter_stated(segmenter, segmenter_timeout, timeout),
+        license=license_,
+        author=author,
+        shell_thickness_m=None if shell_thickness is None else shell_thickness / 1000.0,
+    )
+    batch = Batch(
+        out=out,
+        options=options,
+        worker=WORKER,
+        preload=PRELOAD,
+        jobs=jobs,
+        limits=Limits(timeout, memory),
+        resume=resume,
+        fresh=fresh,
+    )
+    with exclusive(out):
+        report = run_batch(discover(sources, root=root, out=out), batch, quiet=as_json)
+    if as_json:
+        print(report.model_dump_json(indent=1))
+    else:
+        text.show_summary(report)
+        text.console.print(f"report: {escape(str(out / 'report.html'))}", soft_wrap=True)
+    if report.interrupted:
+        if not as_json:
+            text.console.print(f"interrupted after {len(report.items)} items; the same command continues")
+        raise typer.Exit(2)
+    raise typer.Exit(1 if report.totals[ItemOutcome.REJECTED.value] else 0)
+
+
+def endpoint_stated(
+    url: str | None, model: str | None, kind: str, seconds: float, usd_per_million: tuple[float, float] | None
+) -> Endpoint:
+    """The endpoint that the `--annotator-*` flags name. Raises typer.BadParameter for what cannot be asked."""
+    said = {"kind": kind, "url": url, "model": model, "seconds": seconds, "usd_per_million": usd_per_million}
+    try:
+        return Endpoint.model_validate(said)
+    except ValidationError as error:
+        first = error.errors()[0]
+        flag = {"seconds": "timeout", "usd_per_million": "price"}.get(str(first["loc"][0]), first["loc"][0])
+        raise typer.BadParameter(first["msg"], param_hint=f"--annotator-{flag}") from None
+
+
+def segmenter_stated(command: str, seconds: float, timeout: float) -> SegmenterCommand:
+    """The program that `--segmenter` names. Raises typer.BadParameter for what cannot run or may outlive its asset."""
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--segmenter") from None
+    if not words or shutil.which(words[0]) is None:
+        raise typer.BadParameter("names no program that can be run", param_hint="--segmenter")
+    if not 0.0 < seconds < timeout:
+        raise typer.BadParameter("must be above zero and below --timeout", param_hint="--segmenter-timeout")
+    # The worker may stand in another folder than the user.
+    whole = tuple(str(Path(word).absolute()) if Path(word).is_file() else word for word in words)
+    digest = content_key([file_sha256(Path(word)) for word in whole if Path(word).is_file()])
+    return SegmenterCommand(command=whole, seconds=seconds, digest=digest)
+
+
+def run_batch(candidates: tuple[Candidate, ...], batch: Batch, *, quiet: bool) -> IngestReport:
+    """Ingest with a progress bar, then write report and catalog, also after Ctrl-C. The caller holds the lock of the
+    output folder (`jobs.lock`).
+    """
+    started = time.monotonic()
+    interrupted = False
+    with text.progress(TextColumn("{task.fields[tally]}"), quiet=quiet) as progress:
+        task = progress.add_task("ingest", total=len(candidates), tally="")
+        tally = dict.fromkeys(ItemOutcome, 0)
+        finished: dict[str, ReportItem] = {}
+        try:
+            for item in ingest(candidates, batch):
+                tally[item.outcome] += 1
+                finished[item.source] = item
+                shown = " ".join(f"[{text.STYLE[o]}]{n} {o.value}[/]" for o, n in tally.items() if n)
+                progress.update(task, advance=1, tally=shown)
+        except KeyboardInterrupt:
+            interrupted = True
+    items = [finished[c.given] for c in candidates if c.given in finished]
+    report = build_report(items, wall_seconds=time.monotonic() - started, interrupted=interrupted)
+    write_report(report, batch.out)
+    catalog.rebuild(batch.out)
+    return report
+
+
+@app.command("list")
+def list_command(library: Library, as_json: AsJson = False) -> None:
+    """List the packages of a library.
+
+    Example: `mana assets list library`
+    """
+    _rows(catalog.listing(library), as_json)
+
+
+app.command("search")(search_command)
+app.command("review")(review_command)
+
+
+@app.command("show")
+def show_command(
+    package: Annotated[Path, typer.Argument(help="A package folder.", exists=True)], as_json: AsJson = False
+) -> None:
+    """Show what is known about one package and how sure it is.
+
+    Example: `mana assets show library/mug`
+    """
+    record = json.loads((package / RECORD).read_text())
+    if as_json:
+        print(json.dumps(record, indent=1))
+        return
+    text.console.print(f"[bold]{record['asset_id']}[/bold]  {record['outcome']}")
+    text.show_rows(_evidence_rows(record), {"what": "what", "value": "value", "source": "source", "sure": "sure"})
+
+
+@app.command("validate")
+def validate_command(
+    path: Annotated[Path, typer.Argument(help="A USD file, a folder, a package or a library.", exists=True)],
+    gate_only: Annotated[bool, typer.Option("--gate-only", help="Skip SimReady and UsdValidation.")] = False,
+    timeout: Annotated[float, typer.Option(help="Seconds one file may take.")] = 120.0,
+    as_json: AsJson = False,
+) -> None:
+    """Judge any USD asset: SimReady Robotics-Prop 4.0.0, OpenUSD's validators and Mana's plausibility gate.
+
+    Errors are wrong in any file, or in a package that claims to be SimReady. Warnings are suspicious. Remarks say what
+    keeps a file of somebody else from being such a package. Every finding names its prim; `docs/reference/gate.md` has
+    all rules with their bounds. Exit code 1 when there is an error, 2 when nothing could be judged.
+
+    Examples: `mana assets validate library`, `mana assets validate robot.usd --gate-only --json`
+    """
+    from assetkit.library.validate import main_usd_files, validate_files  # Loads USD, which most commands do not need.
+
+    files = main_usd_files(path)
+    if not files:
+        raise FileNotFoundError(f"no USD file in {path}")
+    results: dict[str, list[dict]] = {}
+    failed = False
+    for file, found in validate_files(files, outside=not gate_only, limits=Limits(seconds=timeout)):
+        failed = failed or any(d.severity is Severity.ERROR for d in found)
+        results[str(file)] = [d.model_dump(mode="json") for d in found]
+        if not as_json:
+            show_findings(file, found)
+    if as_json:
+        print(json.dumps(results, indent=1))
+    raise typer.Exit(1 if failed else 0)
+
+
+@app.command("render")
+def render_command(
+    path: Annotated[Path, typer.Argument(help="A source file or a package.", exists=True)],
+    out: Annotated[Path, typer.Option("--out", help="Where the pictures go.")] = Path("pictures"),
+    as_json: AsJson = False,
+) -> None:
+    """Render four standard views, a thumbnail and, for a package, its collision shapes.
+
+    Example: `mana assets render library/mug --out pictures`
+    """
+    from assetkit.library.previews import picture
+
+    written = picture(path, out)
+    if as_json:
+        print(json.dumps([str(p) for p in written]))
+    else:
+        text.console.print("\n".join(str(p) for p in written), soft_wrap=True)
+
+
+def _rows(rows: list[dict[str, object]], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(rows, indent=1))
+        return
+    columns = ("asset_id", "outcome", "category", "size_x_m", "size_y_m", "size_z_m", "mass_kg", "material", "collider")
+    text.show_rows(rows, {c: c.replace("_", " ") for c in columns})
+
+
+def _evidence_rows(record: dict) -> list[dict[str, object]]:
+    """The headline values of a record, one row each."""
+    found: list[dict[str, object]] = []
+    for section in ("geometry", "semantics", "physics", "source"):
+        for key, value in record[section].items():
+            if isinstance(value, dict) and "confidence" in value:
+                sure = f"{100 * value['confidence']:.0f} %"
+                source = f"{value['source']}: {value['method']}"
+                found.append({"what": key, "value": _short(value["value"]), "source": source, "sure": sure})
+    return found
+
+
+def _short(value: object) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(_short(v) for v in value) + "]"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,1 @@
+"""`mana demo`: the main job end to end on meshes of the installed packages, and its page."""

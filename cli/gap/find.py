@@ -1,0 +1,170 @@
+"""The work of `mana gap find`: traps, search, pictures, files."""
+
+from __future__ import annotations
+
+import multiprocessing
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import count
+from pathlib import Path
+from typing import Protocol
+
+from assetkit.versions import code_hash, library_versions
+from cli.gap.problem import Case, case_of, traps_of
+from cli.gap.store import Store
+from jobs.cache import content_key, write_atomically
+from schemas.diagnostics import Diagnostic
+from schemas.gap import GapReport
+from simgap.extension.extension import terms_of
+from simgap.find_gap import Found, find
+from simgap.inference.candidate_fit import Map, Trial
+from simgap.kinds.event_problem import EventProblem
+from simgap.kinds.mechanism.problem import MechanismProblem
+from simgap.problem import Candidate
+from simgap.recording.read import Measurement
+from simgap.report.html import PAGE, PICTURES, REPORT, render_page
+from simgap.report.localise import localise
+from simgap.report.pictures.ablation import ladder
+from simgap.report.pictures.events import outcomes
+from simgap.report.pictures.overlay import overlay
+from simgap.report.pictures.unexplained import unexplained
+from simgap.report.side_by_side import most_telling, replay
+
+Work = Callable[[Candidate], Trial]
+_MOST_REPLAYED = 12  # held-out trials among which the most telling one is looked for
+
+
+class Tick(Protocol):
+    """Hears what is being done, and how much of how much is done where that is known."""
+
+    def __call__(self, words: str, done: int = 0, total: int | None = None) -> None:
+        """Called whenever something begins or ends."""
+        ...
+
+
+def search(
+    measurement: Measurement,
+    findings: Sequence[Diagnostic],
+    out: Path,
+    *,
+    jobs: int,
+    tick: Tick,
+    since: float,
+    quick: bool = False,
+) -> GapReport:
+    """The report, after writing it with extension, page and pictures into `out`.
+
+    An answer that `out` already holds is not worked out again; an interrupted run continues with what it had finished.
+    """
+    store = Store(out, answer_key(measurement, quick))
+    if store.answered():
+        return GapReport.model_validate_json((out / REPORT).read_bytes())
+    case = case_of(measurement)
+    tick("checking the simulator's conventions")
+    traps = store.part("traps", lambda: traps_of(case, findings))
+    tick("localising the error")
+    ids = (*case.trials.train, *case.trials.test)
+    where = store.part("localise", lambda: localise(case.problem, (), ids, case.joints))
+    found = find(
+        case.problem,
+        case.trials,
+        measurement=measurement.content_hash,
+        horizon_s=case.problem.horizon_s,
+        traps=traps,
+        localisation=where,
+        each=_each(jobs, tick, store),
+        quick=quick,
+    )
+    tick("drawing")
+    pictures = _pictures(case, found)
+    extension = found.extension.model_copy(update={"target": _target(measurement)})
+    report = found.report.model_copy(update={"wall_s": round(time.monotonic() - since, 1)})
+    files = {f"{PICTURES}/{name}": data for name, data in pictures.items()}
+    for stale in (p for p in (out / PICTURES).glob("*.png") if p.name not in pictures):
+        stale.unlink()
+    for name, data in files.items():  # The page holds them.
+        write_atomically(out / name, data)
+    files |= {report.extension: extension.model_dump_json(indent=1).encode()}
+    files |= {REPORT: report.model_dump_json(indent=1).encode(), PAGE: render_page(report, out).encode()}
+    store.finish(files)
+    return report
+
+
+def answer_key(measurement: Measurement, quick: bool) -> str:
+    """What an answer depends on: the measurement, the options, our code and the libraries below it."""
+    return content_key("gap find", measurement.content_hash, quick, library_versions(), code_hash(("simgap", "cli")))
+
+
+def _target(measurement: Measurement) -> dict[str, str]:
+    """What the extension is for, as the subject names it."""
+    subject = measurement.spec.subject
+    given = {"package": subject.package, "urdf": subject.urdf}
+    return {key: path for key, path in given.items() if path is not None}
+
+
+def _pictures(case: Case, found: Found) -> dict[str, bytes]:
+    """PNG files by name."""
+    problem, final = case.problem, found.selection.final.model
+    if isinstance(problem, EventProblem):
+        drawn = outcomes(problem, case.trials.test, terms_of(found.extension))
+        return {"overlay.png": drawn, "ladder.png": ladder(found.report.ladder)}
+    judged = [t for t in case.measurement.trials if t.id in set(case.trials.test)][:_MOST_REPLAYED]
+    declared = [replay(problem, t, ()) for t in judged]
+    added = terms_of(found.extension)
+    extended = [replay(problem, t, added) for t in judged] if added else None
+    floor = problem.noise_floor(case.trials.test, "full_rollout")
+    at, channel = most_telling(declared, extended or declared, floor)
+    sliding = (
+        case.joints and problem.declared.tree[channel].prismatic if isinstance(problem, MechanismProblem) else True
+    )
+    unit = "m" if sliding else "rad"
+    drawn = {
+        "overlay.png": overlay(declared[at], extended[at] if extended else None, channel, unit),
+        "ladder.png": ladder(found.report.ladder),
+    }
+    if found.selection.accepted and isinstance(problem, MechanismProblem):
+        best = found.selection.accepted[0].trial.candidate
+        ids = (*case.trials.train, *case.trials.test)
+        picture = unexplained(problem, case.measurement, final, best.effect.name, best.where, ids)
+        drawn |= {"unexplained.png": picture} if picture else {}
+    return drawn
+
+
+def _each(jobs: int, tick: Tick, store: Store) -> Map:
+    """Candidates one after another, or in forked processes that inherit the problem; order and results are the same.
+
+    Each is stored as soon as it is done. Calls are told apart by their number: equal keys make equal calls.
+    """
+    calls = count()
+
+    def each(work: Work, items: Iterable[Candidate]) -> Iterator[Trial]:
+        call, todo = next(calls), list(items)
+
+        def kept(position: int) -> Trial:
+            return store.part(f"{call}/{position}/{todo[position].key}", lambda: work(todo[position]))
+
+        def told(done: int, verb: str, item: Candidate) -> None:
+            tick(f"step {call + 1}: {verb} {item.effect.name} at {item.where}", done, len(todo))
+
+        if jobs == 1 or len(todo) < 2:
+            for n, item in enumerate(todo):
+                told(n, "trying", item)
+                yield kept(n)
+        else:
+            global _work
+            _work = kept
+            with multiprocessing.get_context("fork").Pool(jobs) as pool:
+                for n, trial in enumerate(pool.imap(_inherited, range(len(todo)))):
+                    told(n + 1, "tried", todo[n])
+                    yield trial
+        tick(f"step {call + 1}: comparing the best", len(todo), len(todo))
+
+    return each
+
+
+_work: Callable[[int], Trial] | None = None  # What forked processes inherit; functions with state cannot be sent.
+
+
+def _inherited(position: int) -> Trial:
+    assert _work is not None
+    return _work(position)

@@ -1,0 +1,135 @@
+"""A measurement folder as a problem with its simulator; the only place of `gap` that chooses one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
+from schemas.gap import Trap
+from sim.dynamics.mechanism import MechanismModel, Windows, rollout
+from sim.dynamics.tree import Tree
+from simgap.kinds.event_problem import EventProblem
+from simgap.kinds.free_body.declared_model import build_body
+from simgap.kinds.free_body.problem import FreeBodyProblem
+from simgap.kinds.free_body.rigid import RigidMover
+from simgap.kinds.impact.problem import ImpactProblem
+from simgap.kinds.linkage.convention_checks import linkage_engine_traps
+from simgap.kinds.linkage.declared_model import build_linkage
+from simgap.kinds.linkage.tossed_body import LinkageMover
+from simgap.kinds.mechanism.apply_model import apply_terms
+from simgap.kinds.mechanism.problem import MechanismProblem
+from simgap.kinds.push.problem import PushProblem
+from simgap.recording.read import Measurement
+from simgap.recording.train_test_split import Trials, split_trials
+from simgap.report.side_by_side import joint_windows
+from simgap.sanity import convention_checks
+
+_FINER = 4.0  # the step size trap divides steps by this
+
+
+@dataclass(frozen=True)
+class Case:
+    """A measurement ready for the search; `joints` are those of a mechanism."""
+
+    measurement: Measurement
+    problem: MechanismProblem | FreeBodyProblem | ImpactProblem | PushProblem
+    trials: Trials
+    joints: tuple[str, ...]
+
+
+def case_of(measurement: Measurement) -> Case:
+    """The problem of a measurement. Raises InvalidInput for kinds, subjects and sizes that cannot be searched."""
+    if measurement.spec.kind == "tracking":
+        text = f"measurements of kind '{measurement.spec.kind}' are read and checked, but no search explains them yet"
+        raise InvalidInput(finding("gap/kind-unsupported-yet", text, value=measurement.spec.kind))
+    try:
+        trials = split_trials(measurement.spec, measurement.trial_ids)
+    except ValueError as few:
+        raise InvalidInput(finding("gap/too-few-trials", str(few), severity=Severity.ERROR)) from None
+    try:
+        if measurement.spec.kind == "mechanism":
+            return Case(measurement, MechanismProblem(measurement), trials, measurement.joints)
+        if measurement.spec.kind == "impact":
+            impact = ImpactProblem(measurement, trials)
+            return Case(measurement, impact, impact.trials, ())
+        if measurement.spec.kind == "push":
+            return Case(measurement, PushProblem(measurement), trials, ())
+        return Case(measurement, FreeBodyProblem(measurement, mover_of(measurement)), trials, ())
+    except ValueError as refused:
+        raise InvalidInput(finding("gap/subject-unsupported-yet", str(refused))) from None
+
+
+def mover_of(measurement: Measurement, finer: float = 1.0) -> RigidMover | LinkageMover:
+    """The declared body with an engine in steps so many times finer. Raises ValueError for a subject it cannot hold."""
+    from sim.bullet.windows import LARGEST_STEP_S  # Loads the engine, which mechanisms do not need.
+
+    step_s, spec, root = LARGEST_STEP_S / finer, measurement.spec, measurement.root
+    if measurement.joints:
+        from sim.bullet.linkage import BulletLinkageReplay
+
+        return LinkageMover(build_linkage(spec, root), BulletLinkageReplay(step_s))
+    from sim.bullet.body import BulletBodyReplay
+
+    return RigidMover(build_body(spec, root), BulletBodyReplay(step_s))
+
+
+def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
+    """All conventions that were checked, by reading and by experiment."""
+    found = list(convention_checks.reader_traps(case.measurement, findings))
+    problem = case.problem
+    if isinstance(problem, EventProblem):
+        return (*found, *problem.traps)  # No engine: the law is in closed form.
+    if isinstance(problem, MechanismProblem):
+        from sim.bullet import mechanism  # Loads the engine.
+
+        found += convention_checks.joint_engine_traps(mechanism.rollout, without_armature(problem.declared))
+        found.append(_joint_step_trap(case, problem))
+        return tuple(found)
+    rate = convention_checks.rate_frame_trap(case.measurement)
+    found += [rate] if rate else []
+    # At small steps, so that a wrong convention is not confused with the error of a step.
+    finer = mover_of(case.measurement, _FINER)
+    if isinstance(finer, LinkageMover):
+        found += linkage_engine_traps(finer)
+    else:
+        found += convention_checks.body_engine_traps(finer.engine, finer.declared)
+    found.append(convention_checks.step_trap(problem, FreeBodyProblem(case.measurement, finer), case.trials.train))
+    finer.engine.close()
+    return tuple(found)
+
+
+def without_armature(model: MechanismModel) -> MechanismModel:
+    """The mechanism with links that a rigid-body engine can hold."""
+    tree: Tree = tuple(replace(link, armature=0.0) for link in model.tree)
+    return replace(model, tree=tree)
+
+
+def _joint_step_trap(case: Case, problem: MechanismProblem) -> Trap:
+    """Our own roll-outs at steps four times smaller, against the readings' noise, over one second."""
+    applied = apply_terms(problem.declared, ())
+    trial = next(t for t in case.measurement.trials if t.id in case.trials.train)
+    windows = cut_windows(joint_windows(trial, applied), 1.0)
+    plain, fine = (rollout(applied.mechanism, windows, largest_step_s=5e-3 / k)[0] for k in (1.0, _FINER))
+    span = max(float(np.ptp(windows.q0)), float(np.ptp(trial.q)), 1e-9)
+    moved = float(np.abs(plain - fine).max()) / span
+    return Trap(
+        name="step_size",
+        status="ok" if moved < 0.01 else "suspect",
+        evidence=f"steps four times smaller move the first second by {moved:.2%} of the range",
+    )
+
+
+def cut_windows(windows: Windows, span_s: float) -> Windows:
+    """The first seconds of one window."""
+    rows = np.s_[:, : max(2, int(np.searchsorted(windows.t_s[0], windows.t_s[0, 0] + span_s)))]
+    return Windows(
+        windows.t_s[rows],
+        windows.q0,
+        windows.qd0,
+        None if windows.command is None else windows.command[rows],
+        None if windows.effort is None else windows.effort[rows],
+        {name: values[rows] for name, values in windows.aux.items()},
+    )

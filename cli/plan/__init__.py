@@ -1,0 +1,1 @@
+"""`mana plan`: sample, inspect, verify, restrict, realise and draw sampling plans."""

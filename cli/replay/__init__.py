@@ -1,0 +1,1 @@
+"""`mana replay`: augment, verify, render recorded episodes and draw their envelopes."""

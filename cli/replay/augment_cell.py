@@ -1,0 +1,113 @@
+"""Augment the recordings of one source in a process of its own: the entry point of a cell."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from cli.cell_answer import answer
+from cli.replay.candidates import candidates
+from jobs.cache import content_key, file_sha256, write_atomically
+from replay.augmentation import Prepared, no_room, prepare, variants
+from replay.envelope.envelope import Settings
+from replay.recording.formats.digests import stream_digests
+from replay.recording.formats.write import write_variant
+from replay.recording.read import read_episodes
+from replay.recording.recorded_numbers import stop
+from schemas.replay import VARIANT_FILE, Variant
+from usdio.write.scene import PACKAGES, copy_package
+
+DONE = "augmented.json"
+
+
+def augment(given: dict[str, Any]) -> dict[str, Any]:
+    """`rows`, one for each episode of the source. What was finished before with the same options is left as it is."""
+    paths = {key: Path(given[key]) if given[key] else None for key in ("meshes", "scene", "plan", "assets")}
+    out = Path(given["out"])
+    draw, left_out = candidates(paths["plan"], paths["assets"])
+    digests, rows = _digests(paths["plan"], paths["assets"], paths["scene"]), []
+    for episode in read_episodes(Path(given["source"]), paths["meshes"], paths["scene"]):
+        folder = out / (given["prefix"] + episode.name)
+        key = content_key(given["options"], digests, sorted(stream_digests(episode.source, episode.part).items()))
+        row = _finished(folder, given["source"], key)
+        if row is None:
+            started = time.process_time()
+            prepared = prepare(episode, Settings(clearance_m=given["options"]["clearance_m"]), given["supports"])
+            cpu_s = time.process_time() - started
+            row = _written(prepared, draw, given, folder)
+            row |= {"packages_left_out": left_out, "key": key, "envelope_cpu_s": round(cpu_s, 3)}
+            write_atomically(folder / DONE, json.dumps(row, indent=1).encode())
+        rows.append(row)
+    return {"rows": rows}
+
+
+def _digests(plan: Path | None, assets: Path | None, scene: Path | None) -> list[str]:
+    """What a job is made of beside the recording: a changed plan, package or scene is another job."""
+    records = [] if assets is None else sorted(assets.glob("*/record.json"))
+    return [file_sha256(file) for file in (plan, scene, *records) if file is not None]
+
+
+def _finished(folder: Path, source: str, key: str) -> dict[str, Any] | None:
+    """The row of a finished job, None where it is to be done; only what Mana made of this source is ever replaced.
+
+    Raises InvalidInput (`replay/out-taken`).
+    """
+    note = folder / DONE
+    if not note.is_file():
+        strange = [p.name for p in folder.iterdir() if not (p / VARIANT_FILE).is_file()] if folder.is_dir() else []
+        if strange:
+            raise stop("replay/out-taken", f"'{folder.name}' below --out holds '{sorted(strange)[0]}'", folder.name)
+        return None
+    try:
+        row = json.loads(note.read_bytes())
+        of, made_as = row["source"], row["key"]
+    except (ValueError, KeyError, TypeError):
+        raise stop("replay/out-taken", f"'{folder.name}/{DONE}' below --out is not ours", folder.name) from None
+    if of != source:
+        raise stop("replay/out-taken", f"'{folder.name}' below --out has variants of {of}", folder.name)
+    return row if made_as == key else None
+
+
+def _written(prepared: Prepared, draw: Any, given: dict[str, Any], folder: Path) -> dict[str, Any]:
+    options, episode = given["options"], prepared.episode
+    assets = Path(given["assets"]) if given["assets"] else None
+    for old in folder.glob("variant_*"):
+        shutil.rmtree(old)
+    made: list[Variant] = []
+    for variant in variants(
+        prepared, draw, range(options["variants"]), options["objects"], options["seed"], assets, options["most_hidden"]
+    ):
+        stated = variant.model_copy(
+            update={"source": str(episode.source), "provenance": _provenance(given), "meshes": given["meshes"] or ""}
+        )
+        made.append(write_variant(episode, stated, folder / f"variant_{variant.number:04d}"))
+    for package in sorted({one.package for variant in made for one in variant.inserted if one.package}):
+        copy_package(Path(given["assets"]) / package, Path(given["out"]) / PACKAGES / package)
+    return {"episode": episode.name, "source": given["source"], **_figures(prepared, made)}
+
+
+def _figures(prepared: Prepared, made: list[Variant]) -> dict[str, Any]:
+    counts = sorted(len(variant.inserted) for variant in made)
+    short = [d.model_dump(mode="json") for variant in made if (d := no_room(prepared, variant)) is not None]
+    return {
+        "variants": len(made),
+        "objects_requested": made[0].objects_requested if made else 0,
+        "objects_inserted": {"min": counts[0], "median": counts[len(counts) // 2]} if counts else {},
+        "most_hidden": max((max(v.camera_hidden.values(), default=0.0) for v in made), default=0.0),
+        "capsules": len(prepared.envelope.body),
+        "supports": {site.room.support.name: round(site.room.support.area.area, 4) for site in prepared.sites},
+        "diagnostics": short[:3],
+        "short_variants": len(short),
+    }
+
+
+def _provenance(given: dict[str, Any]) -> dict[str, str]:
+    return {key: Path(given[key]).name for key in ("plan", "assets") if given[key]}
+
+
+if __name__ == "__main__":
+    answer(augment, *sys.argv[1:3])

@@ -1,0 +1,1 @@
+"""`mana scene`: compile, diagnose, explain, edit and render scene programs."""

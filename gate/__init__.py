@@ -1,0 +1,1 @@
+"""Plausibility rules over released USD packages, and the outside validators that judge the same files."""

@@ -1,0 +1,1 @@
+"""Gate rules on the whole asset: metadata, units, files, extent, labels, record."""

@@ -1,0 +1,48 @@
+"""Rule: one root prim, which is the default prim, a component and transformable."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pxr import Kind, Usd, UsdGeom
+
+from gate.rule import Rule
+from gate.subject import Subject
+from gate.subject.values import at
+from schemas.diagnostics import Diagnostic, Severity, finding
+
+CODE = "asset/gate-default-prim"
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding for a missing default prim, further root prims, a wrong kind or a prim that cannot be placed."""
+    stage = subject.stage
+    prim = stage.GetDefaultPrim()
+    if not prim:
+        named = stage.GetRootLayer().defaultPrim
+        headline = f"the default prim '{named}' does not exist" if named else "there is no default prim"
+        yield finding(CODE, headline, severity=Severity.ERROR if named else subject.suspect)
+        return
+    if not prim.IsActive() or prim.IsAbstract():
+        yield finding(CODE, "the default prim is inactive or abstract", where=at(prim))
+    roots = stage.GetPseudoRoot().GetChildren()
+    if len(roots) > 1:
+        yield finding(CODE, "there are several root prims", value=len(roots), bound=1, severity=subject.required)
+    if not prim.IsA(UsdGeom.Xformable):
+        yield finding(CODE, "the default prim has no transform", where=at(prim), severity=subject.suspect)
+    kind = str(Usd.ModelAPI(prim).GetKind())
+    if kind != Kind.Tokens.component:
+        yield finding(
+            CODE,
+            "the default prim is no component",
+            where=at(prim),
+            value=kind,
+            bound="component",
+            severity=subject.required,
+        )
+
+
+RULE = Rule(CODE, "one root Xform of kind component", "SimReady HI.001, HI.003, HI.004; UsdModelAPI", check)

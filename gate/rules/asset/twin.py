@@ -1,0 +1,85 @@
+"""Rule: the USD states the mass properties that the package's URDF twin states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from gate.rule import Rule
+from gate.subject import Subject
+from gate.subject.inertial import mass_centre, stated_inertia
+from gate.subject.values import at, figure
+from schemas.diagnostics import Diagnostic, Location, finding
+from schemas.model import FloatArray
+
+CODE = "asset/gate-twin"
+RELATIVE = 1e-3  # USD keeps single precision.
+
+
+class Twin(NamedTuple):
+    """The one link of a URDF file: mass (kg), mass centre (3,) m, tensor (3, 3) kg m2 about it, collision shapes."""
+
+    mass_kg: float
+    centre_m: FloatArray
+    inertia_kgm2: FloatArray
+    shapes: int
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """In a package of one body with one URDF file of one link below `export`: a finding per figure that differs."""
+    files = sorted((subject.package_folder / "export").glob("*.urdf")) if subject.released else []
+    if len(files) != 1 or len(subject.active_bodies) != 1:
+        return
+    body = subject.active_bodies[0]
+    try:
+        twin = _read(files[0])
+    except (OSError, ValueError, AttributeError, TypeError, ElementTree.ParseError) as error:
+        where = Location(file=f"export/{files[0].name}")
+        yield finding(CODE, "the URDF twin cannot be read", where=where, value=f"{error}"[:200])
+        return
+    if twin is None:
+        return
+    centre, inertia = mass_centre(body, subject), stated_inertia(body, subject)
+    rows = (
+        ("mass", "kg", body.mass_kg, twin.mass_kg, twin.mass_kg),
+        ("mass centre", "m", centre, twin.centre_m, body.diagonal_m),
+        ("inertia", "kg m2", inertia, twin.inertia_kgm2, float(np.abs(twin.inertia_kgm2).max())),
+        ("number of colliders", "", len(body.active_colliders), twin.shapes, 1.0),
+    )
+    for what, unit, value, bound, scale in rows:
+        if value is None:
+            continue  # The mass and inertia rules say so.
+        found, stated = np.asarray(value, dtype=np.float64), np.asarray(bound, dtype=np.float64)
+        if not float(np.abs(found - stated).max()) <= RELATIVE * scale:
+            headline = f"the {what} is not that of the URDF twin"
+            yield finding(CODE, headline, where=at(body.prim), value=figure(found), bound=figure(stated), unit=unit)
+
+
+def _read(file: Path) -> Twin | None:
+    """The inertial of the only link; None for a file of several links. Raises what malformed numbers raise."""
+    links = ElementTree.parse(file).getroot().findall("link")
+    if len(links) != 1:
+        return None
+    inertial = links[0].find("inertial")
+    origin, mass, entries = (None,) * 3 if inertial is None else map(inertial.find, ("origin", "mass", "inertia"))
+    if mass is None or entries is None:
+        raise ValueError("the link has no mass or inertia")
+    xyz, rpy = (np.zeros(3) if origin is None else _floats(origin.get(key, "0 0 0")) for key in ("xyz", "rpy"))
+    rows = [[float(entries.get(f"i{min(i, j)}{max(i, j)}", "nan")) for j in "xyz"] for i in "xyz"]
+    R = Rotation.from_euler("xyz", rpy).as_matrix()  # URDF: fixed axes x, y, z
+    return Twin(float(mass.get("value", "nan")), xyz, R @ np.array(rows) @ R.T, len(links[0].findall("collision")))
+
+
+def _floats(text: str) -> FloatArray:
+    numbers = np.array([float(word) for word in text.split()])
+    if numbers.shape != (3,):
+        raise ValueError(f"'{text[:60]}' is not three numbers")
+    return numbers
+
+
+RULE = Rule(CODE, "mass, mass centre, inertia to 0.1 %; number of colliders", "URDF `<inertial>`", check)

@@ -1,0 +1,39 @@
+"""Rule: a word of a closed vocabulary is one of its words."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pxr import Sdf
+
+from gate.rule import Rule
+from gate.subject import Subject
+from gate.subject.values import TIME, at
+from schemas.diagnostics import Diagnostic, finding
+
+CODE = "asset/gate-unknown-token"
+# Vocabularies that engines extend in schemas of their own.
+EXTENDED = {"physics:approximation": ("sdf", "sphereFill")}
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per attribute whose schema lists the allowed tokens and whose value is none of them.
+
+    Readers then fall back to whatever they like: a purpose nobody knows is drawn by one and hidden by the next.
+    """
+    for attribute in subject.attributes:
+        if attribute.GetTypeName() != Sdf.ValueTypeNames.Token:
+            continue
+        stated: Any = attribute.GetMetadata("allowedTokens")
+        allowed = tuple(stated) if stated else ()
+        value, name = attribute.Get(TIME), attribute.GetName()
+        if allowed and value is not None and value not in (*allowed, *EXTENDED.get(name, ())):
+            where, bound = at(attribute.GetPrim()), ", ".join(allowed)
+            yield finding(CODE, f"{name} has an unknown value", where=where, value=str(value), bound=bound)
+
+
+RULE = Rule(CODE, "one of the tokens that the schema allows", "allowedTokens of the USD schemas", check)

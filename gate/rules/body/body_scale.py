@@ -1,0 +1,35 @@
+"""Rule: bodies stand unscaled and unmirrored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from gate.rule import Rule
+from gate.subject import Subject
+from gate.subject.values import at, figure
+from schemas.diagnostics import Diagnostic, finding
+
+CODE = "asset/gate-body-scale"
+_TOLERANCE = 1e-4
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per body whose transform, ancestors included, is no rigid motion: engines drop or misread the rest."""
+    for body in subject.bodies:
+        if not np.all(np.isfinite(body.linear)):
+            continue  # The transform rule says so.
+        deviation = float(np.abs(body.linear.T @ body.linear - np.eye(3)).max())
+        if deviation > _TOLERANCE or np.linalg.det(body.linear) < 0.0:
+            yield finding(
+                CODE,
+                "the body is scaled, sheared or mirrored",
+                where=at(body.prim),
+                value=figure(np.linalg.norm(body.linear, axis=0)),
+                bound="(1, 1, 1)",
+                severity=subject.suspect,
+            )
+
+
+RULE = Rule(CODE, "scale 1, no shear, no mirror, to 1e-4", "SimReady RB.007, RB.009, RB.010", check)

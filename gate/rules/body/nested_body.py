@@ -1,0 +1,27 @@
+"""Rule: a body below another body is joined to something, and no body sits inside an instance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from gate.rule import Rule
+from gate.subject import Subject
+from gate.subject.values import at
+from schemas.diagnostics import Diagnostic, finding
+
+CODE = "asset/gate-nested-body"
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per body under another one that no joint holds, and per body inside an instance."""
+    joined = {body.path for joint in subject.joints for body in joint.bodies}
+    for body in subject.bodies:
+        if body.prim.IsInstanceProxy():
+            yield finding(CODE, "the body lies inside an instance", where=at(body.prim))
+        outer = subject.body_of(body.prim.GetParent())
+        if outer is not None and body.path not in joined:
+            headline = f"the body lies below the body {outer.path} and nothing joins them"
+            yield finding(CODE, headline, where=at(body.prim), severity=subject.suspect)
+
+
+RULE = Rule(CODE, "bodies side by side, or nested and joined; none in an instance", "SimReady RB.006, RB.012", check)

@@ -1,0 +1,32 @@
+"""Rule: physics relationships lead to prims."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from gate.rule import Rule
+from gate.subject import Subject
+from gate.subject.values import at
+from schemas.diagnostics import Diagnostic, finding
+
+CODE = "asset/gate-dangling-target"
+PREFIXES = ("physics:", "physx", "newton:", "mjc:", "collection:colliders:")
+ELSEWHERE = ("physics:body0", "physics:body1")  # the joint-bodies rule
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per filtered pair, collision group or scene that a relationship names and that is not there."""
+    for prim in subject.prims:
+        if prim.IsInstanceProxy():
+            continue
+        for relationship in prim.GetAuthoredRelationships():
+            name = relationship.GetName()
+            if not name.startswith(PREFIXES) or name in ELSEWHERE:
+                continue
+            for target in relationship.GetForwardedTargets():
+                if not subject.stage.GetObjectAtPath(target):
+                    headline = f"{name} names a prim that does not exist"
+                    yield finding(CODE, headline, where=at(prim), value=str(target), severity=subject.suspect)
+
+
+RULE = Rule(CODE, "every target exists", "UsdPhysics: filtered pairs, collision groups, simulation owner", check)

@@ -1,0 +1,1 @@
+"""Gate rules on joints and articulations: frames, axes, limits, drives, motion ranges, overlap of links."""

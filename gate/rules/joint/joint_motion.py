@@ -1,0 +1,56 @@
+"""Rule: a joint can leave its rest pose without driving its links through each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from gate.rule import Rule
+from gate.subject import Joint, Subject
+from gate.subject.joint import FREE
+from gate.subject.overlap import along, deepest, hulls_of
+from gate.subject.values import at
+from schemas.diagnostics import Diagnostic, Severity, finding
+
+CODE = "asset/gate-joint-motion"
+LEAST_M, LEAST_SHARE = 0.01, 0.05  # of the smaller diagonal
+THROUGH = 0.9  # of the thinner hull
+_SHARES = (0.1, 0.25)  # of the way to each limit; near its limits many a robot can touch itself
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per joint that pushes one link through the other, from a rest pose in which they are apart.
+
+    The axis, the place of the joint or a limit is then wrong: a drawer that leaves through the side of its cabinet.
+    """
+    for joint in subject.joints:
+        if joint.enabled and joint.kind in FREE and len(joint.bodies) == 2:
+            yield from _moved(joint)
+
+
+def _moved(joint: Joint) -> Iterator[Diagnostic]:
+    first, second = joint.bodies
+    hulls_a, hulls_b = hulls_of(first), hulls_of(second)
+    bound_m = max(LEAST_M, LEAST_SHARE * min(first.diagonal_m, second.diagonal_m))
+    if deepest(hulls_a, hulls_b)[0] > 0.1 * bound_m:
+        return  # The links-overlap rule looks at these.
+    for coordinate, moved in along(joint, second, hulls_b, _SHARES):
+        depth_m, thickness_m = deepest(hulls_a, moved)
+        if depth_m > min(bound_m, THROUGH * thickness_m) and depth_m > LEAST_M:
+            yield finding(
+                CODE,
+                f"the joint drives {second.path} through {first.path} at {coordinate:.3g} {joint.unit}",
+                where=at(joint.prim),
+                value=depth_m,
+                bound=bound_m,
+                unit="m",
+                severity=Severity.WARNING,
+            )
+            return
+
+
+RULE = Rule(
+    CODE,
+    "no overlap over 1 cm and 5 % of the smaller link (or 90 % of the thinner hull) in the first quarter of the way",
+    "exact penetration depth at a tenth and a quarter of the way to each limit",
+    check,
+)

@@ -1,0 +1,1 @@
+"""Gate rules on what is seen: meshes, normals, texture coordinates, materials, shaders, images."""

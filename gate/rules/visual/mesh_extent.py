@@ -1,0 +1,37 @@
+"""Rule: the stated bounds of a mesh are its bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from gate.rule import Rule
+from gate.subject import Subject
+from gate.subject.values import at, figure, rows
+from schemas.diagnostics import Diagnostic, finding
+
+CODE = "asset/gate-mesh-extent"
+_RELATIVE = 0.01
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per mesh whose `extent` is off by more than 1 % of its size; viewers and culling trust it blindly."""
+    for prim in subject.meshes:
+        points, extent = rows(prim, "points", 3), rows(prim, "extent", 3)
+        if len(extent) == 0 or len(points) == 0 or not np.all(np.isfinite(points)):
+            continue
+        bounds = np.stack([points.min(axis=0), points.max(axis=0)])
+        tolerance = _RELATIVE * float(np.linalg.norm(bounds[1] - bounds[0]))
+        if extent.shape != (2, 3) or not float(np.abs(extent - bounds).max()) <= tolerance:
+            yield finding(
+                CODE,
+                "the stated extent is not that of the points",
+                where=at(prim),
+                value=figure(extent),
+                bound=figure(bounds),
+                severity=subject.suspect,
+            )
+
+
+RULE = Rule(CODE, "bounds of the points, to 1 % of the diagonal", "UsdGeomBoundable; SimReady VG.002", check)

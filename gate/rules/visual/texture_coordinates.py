@@ -1,0 +1,52 @@
+"""Rule: a textured mesh has the texture coordinates its material reads."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pxr import Usd, UsdGeom, UsdShade
+
+from gate.rule import Rule
+from gate.subject import Subject
+from gate.subject.shading import shader_id
+from gate.subject.values import TIME, at
+from schemas.diagnostics import Diagnostic, Severity, finding
+
+CODE = "asset/gate-texture-coordinates"
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """A finding per visible mesh that lacks a primvar which its material's UsdPrimvarReader_float2 nodes read."""
+    wanted: dict[str, set[str]] = {}
+    for prim in subject.visible_prims:
+        material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
+        if not material:
+            continue
+        path = str(material.GetPath())
+        if path not in wanted:
+            wanted[path] = _names(material.GetPrim())
+        for name in sorted(wanted[path]):
+            primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
+            if not primvar or not primvar.HasValue():
+                headline = f"the mesh lacks primvar {name}, which its material reads"
+                severity = Severity.WARNING  # Sources come like that; the surface keeps one colour of its picture.
+                yield finding(CODE, headline, where=at(prim), value="absent", bound=name, severity=severity)
+
+
+def _names(material: Any) -> set[str]:
+    """Primvars read by the texture-coordinate readers of a material."""
+    found: set[str] = set()
+    for prim in Usd.PrimRange(material, Usd.TraverseInstanceProxies()):
+        if prim.IsA(UsdShade.Shader) and shader_id(prim) == "UsdPrimvarReader_float2":
+            attributes = UsdShade.Utils.GetValueProducingAttributes(UsdShade.Shader(prim).GetInput("varname"))
+            found.update(str(value) for a in attributes if (value := a.Get(TIME)))
+    return found
+
+
+RULE = Rule(
+    CODE, "every primvar that the bound material reads", "UsdPreviewSurface specification: UsdPrimvarReader", check
+)

@@ -1,0 +1,50 @@
+"""Mass centre and inertia as a file states them, and how many materials a body shows."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import UsdGeom, UsdShade
+
+from gate.subject.body import Body
+from gate.subject.subject import Subject
+from gate.subject.values import quaternion, vector
+from geom.mass.principal_axes import inertia_from_principal
+from schemas.model import FloatArray
+
+
+def stated_inertia(body: Body, subject: Subject) -> FloatArray | None:
+    """(3, 3) the stated tensor in kg m2 along the body's axes, or None where the inertia rule speaks."""
+    moments = vector(body.prim, "physics:diagonalInertia", (0.0, 0.0, 0.0))
+    quat_wxyz = quaternion(body.prim, "physics:principalAxes")
+    if not (np.all(moments > 0.0) and np.all(np.isfinite(moments)) and np.all(np.isfinite(quat_wxyz))):
+        return None
+    to_si = subject.kilograms_per_unit * subject.frames.meters_per_unit**2
+    turned = quat_wxyz if np.any(quat_wxyz) else np.array([1.0, 0.0, 0.0, 0.0])
+    return inertia_from_principal(moments * to_si, turned)
+
+
+def mass_centre(body: Body, subject: Subject) -> FloatArray | None:
+    """(3,) the stated mass centre in the body frame, metres; None when it is left to the engine or not finite."""
+    centre = vector(body.prim, "physics:centerOfMass", (np.nan,) * 3)
+    if not np.all(np.isfinite(centre)):
+        return None
+    matrix = subject.frames.matrix(body.prim)
+    return body.in_body((matrix[:3, :3] @ centre + matrix[:3, 3])[None])[0]
+
+
+def shows_one_material(body: Body) -> bool:
+    """True iff all visible surfaces of a body are bound to one material: little speaks for uneven density."""
+    looks = {look for surface in body.surfaces for look in _looks(surface.prim)}
+    return len(looks) == 1
+
+
+def _looks(prim: UsdGeom.Imageable) -> set[str]:
+    """Paths of the materials bound to a mesh and its subsets; "" for none."""
+    prims = [prim]
+    if prim.IsA(UsdGeom.Mesh):
+        prims += [subset.GetPrim() for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()]
+    bound = [UsdShade.MaterialBindingAPI(p).ComputeBoundMaterial()[0] for p in prims]
+    return {str(material.GetPath()) if material else "" for material in bound}

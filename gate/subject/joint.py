@@ -1,0 +1,101 @@
+"""A joint between two bodies as both sides see it at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from gate.subject.body import Body
+from geom.pose import shortest_rotation
+from schemas.model import FloatArray
+
+AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
+FREE = ("revolute", "prismatic")
+
+
+@dataclass(frozen=True)
+class Side:
+    """One end of a joint: the prim named (None = the world), the body that prim belongs to (None = static).
+
+    `X_WJ` (4, 4) is the joint frame in the world as this side states it; NaN when it cannot be computed.
+    """
+
+    targets: tuple[str, ...]
+    prim: Any
+    body: Body | None
+    X_WJ: FloatArray
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint prim.
+
+    kind    revolute, prismatic, spherical, fixed, distance or generic.
+    limits  (lower, upper) of a revolute (degrees) or prismatic (metres) joint; infinite where there is none.
+    stated  for each limit, whether the file states it.
+    """
+
+    prim: Any
+    kind: str
+    enabled: bool
+    axis: str
+    sides: tuple[Side, Side]
+    limits: tuple[float, float]
+    stated: tuple[bool, bool]
+    collides: bool
+    in_articulation: bool
+
+    @property
+    def path(self) -> str:
+        """The prim path."""
+        return str(self.prim.GetPath())
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The bodies it joins: two, or one that is held by the world."""
+        return tuple(s.body for s in self.sides if s.body is not None)
+
+    @property
+    def size_m(self) -> float:
+        """Diagonal of the larger of the joined bodies."""
+        return max((b.diagonal_m for b in self.bodies), default=0.0)
+
+    @property
+    def unit(self) -> str:
+        """Unit of its coordinate and limits."""
+        return "deg" if self.kind == "revolute" else "m"
+
+    def rest(self) -> Rest | None:
+        """How the two frames lie to each other in the rest pose; None when a frame is not finite."""
+        X_W0, X_W1 = (side.X_WJ for side in self.sides)
+        if not (np.all(np.isfinite(X_W0)) and np.all(np.isfinite(X_W1))):
+            return None
+        R_W0 = X_W0[:3, :3]
+        shift = R_W0.T @ (X_W1[:3, 3] - X_W0[:3, 3])
+        turn = R_W0.T @ X_W1[:3, :3]
+        axis = AXES.get(self.axis, AXES["X"])
+        if self.kind == "prismatic":
+            along = float(axis @ shift)
+            return Rest(along, float(np.linalg.norm(shift - along * axis)), _degrees(turn))
+        gap_m = 0.0 if self.kind in ("distance", "generic") else float(np.linalg.norm(shift))
+        if self.kind == "revolute":
+            swing = shortest_rotation(axis, turn @ axis)
+            twist = Rotation.from_matrix(swing.T @ turn).as_rotvec()
+            return Rest(float(np.rad2deg(axis @ twist)), gap_m, _degrees(swing))
+        return Rest(0.0, gap_m, _degrees(turn) if self.kind == "fixed" else 0.0)
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Joint coordinate (degrees or metres), and what the joint forbids yet is there: a gap (m) and a tilt (degrees)."""
+
+    coordinate: float
+    gap_m: float
+    tilt_deg: float
+
+
+def _degrees(turn: FloatArray) -> float:
+    return float(np.rad2deg(Rotation.from_matrix(turn).magnitude()))

@@ -1,0 +1,1 @@
+"""Convex shapes: hulls, support functions, primitive fits, unions, penetration depth, scaling."""

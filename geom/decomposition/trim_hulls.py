@@ -1,0 +1,95 @@
+"""Hulls of curved walls made as thin as the wall: cut off on both sides.
+
+The hull of a bent plate is a lens: full between the plate and its chord. A convex shape can only be as thin as the
+plate when it gives up part of the plate. So the empty side goes, less than half a wall deep, and the bulge of the
+outer side, never deeper than a bound: the slab that stays still meets its neighbours, edge to edge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from manifold3d import Manifold
+
+from geom.decomposition.simplified_body import arrays
+from geom.mesh.surface_distance import SolidDistance, triangle_areas
+from schemas.model import FloatArray
+
+SIDES, BISECTIONS = 8, 7
+# Faces within this cosine of each other are one side.
+SAME_SIDE = 0.9
+# The upper half of a cap's height holds at most this share of its volume; a flat end (one half) is form, not bulge.
+BULGE = 0.42
+# A face is a joint when it lies deeper inside the body than this share of the bound, empty when as far outside.
+FAR = 0.2
+# A side is a joint with more than this share of joints, empty with more than that share of empty area.
+JOINT_AREA, EMPTY_AREA = 0.2, 0.5
+EMPTY_DEPTH = 0.4  # of the wall's thickness
+LEAST_CAP = 0.005
+BROAD = 0.1  # share of the largest face's area from which a face counts for a side's direction
+KEPT = 1.02  # Each hull keeps the body's volume within it and this little more.
+
+
+def trim_hulls(hulls: Sequence[Manifold], body: Manifold, distance: SolidDistance, depth: float) -> list[Manifold]:
+    """The hulls with empty sides and outer bulges cut off, each at most `depth` deep.
+
+    No hull gets smaller than the part of `body` inside it; `distance` is that to the surface of `body`.
+    """
+    return [_trimmed(hull, hull ^ body, distance, depth) for hull in hulls]
+
+
+def _trimmed(hull: Manifold, inside: Manifold, distance: SolidDistance, depth: float) -> Manifold:
+    least = KEPT * inside.volume()
+    if hull.volume() * (1.0 - LEAST_CAP) <= least:
+        return hull
+    wall = 2.0 * inside.volume() / max(inside.surface_area(), np.finfo(float).tiny)
+    cuts = []
+    for normal, is_empty in outer_sides(hull, distance, FAR * depth):
+        most = min(depth, EMPTY_DEPTH * wall) if is_empty else depth
+        reach = _depth_for(hull, normal, least, most)
+        cap, upper_half = (hull.volume() - _cut(hull, normal, d).volume() for d in (reach, 0.5 * reach))
+        if cap >= LEAST_CAP * hull.volume() and (is_empty or upper_half <= BULGE * cap):
+            cuts.append((cap, most, normal))
+    for _, most, normal in sorted(cuts, key=lambda c: -c[0]):
+        hull = _cut(hull, normal, _depth_for(hull, normal, least, most))
+    return hull
+
+
+def _depth_for(hull: Manifold, normal: FloatArray, least: float, depth: float) -> float:
+    """The depth up to `depth` that leaves at least the volume `least`."""
+    if _cut(hull, normal, depth).volume() >= least:
+        return depth
+    low, high = 0.0, depth
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _cut(hull, normal, middle).volume() >= least else (low, middle)
+    return low
+
+
+def _cut(hull: Manifold, normal: FloatArray, depth: float) -> Manifold:
+    """The hull without what lies less than `depth` below its highest point along `normal`."""
+    if depth <= 0.0:
+        return hull
+    top = float((arrays(hull)[0] @ normal).max())
+    return hull.trim_by_plane((-normal[0], -normal[1], -normal[2]), depth - top)
+
+
+def outer_sides(hull: Manifold, distance: SolidDistance, far: float) -> list[tuple[FloatArray, bool]]:
+    """The hull's largest sides but for joints to other pieces: the normal of a face in the middle, and is it empty."""
+    points, triangles = arrays(hull)
+    a, b, c = np.moveaxis(points[triangles], 1, 0)
+    areas = triangle_areas(points[triangles])
+    normals = np.cross(b - a, c - a) / np.maximum(2.0 * areas, np.finfo(float).tiny)[:, None]
+    beyond = distance((a + b + c) / 3.0)
+    left, sides = areas > 0.0, []
+    while left.any() and len(sides) < SIDES:
+        side = normals @ normals[np.where(left, areas, 0.0).argmax()] > SAME_SIDE
+        left &= ~side
+        area = areas[side].sum()
+        if areas[side & (beyond < -far)].sum() <= JOINT_AREA * area:
+            # A face, not the mean itself: between two flat faces lies an edge, which is no bulge.
+            broad = side & (areas >= BROAD * areas[side].max())
+            middle = np.where(broad, normals @ (areas[side] @ normals[side]), -np.inf).argmax()
+            sides.append((normals[middle], bool(areas[side & (beyond > far)].sum() > EMPTY_AREA * area)))
+    return sides

@@ -1,0 +1,1 @@
+"""Shape features of a solid: cavities, openings, support surfaces, resting planes, protrusions, symmetry."""

@@ -1,0 +1,148 @@
+"""Insides of upright receptacles as stacks of cross-sections: mugs, bowls, boxes, bins, drawers. Lengths in metres.
+
+The openings are those of `geom.features.cavities`. Below the rim each horizontal cut through the solid leaves free
+regions; those
+that the region above looks down into belong to the inside. Where it leaks, as through the slots of a basket, the region
+above bounds it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from geom.features.cavities import Cavity
+from geom.mesh.cross_sections import Sections
+from geom.mesh.rays import Rays
+from schemas.model import FloatArray
+from schemas.physics import Solid
+
+# An opening looks up within 25 degrees.
+UPRIGHT = 0.9
+LAYERS = 12
+# The rim is known to a grid cell: the topmost closed cut is looked for from there down, by these shares of the depth.
+RIM_STEPS = (0.005, 0.02, 0.05, 0.1, 0.2, 0.3)
+# The opening is at least this share of the largest disc that fits, as the grid of `geom.features.cavities` sees it.
+LEAST_OPENING = 0.5
+GRID = 24
+DOWN = np.array([0.0, 0.0, -1.0])
+DETAIL_SHARE = 2e-3  # of the diameter of the opening, simplified away
+
+
+@dataclass(frozen=True)
+class Containment:
+    """One inside in the asset frame.
+
+    opening        x and y of the free cross-section just below the rim.
+    floor_m, rim_m heights of its lowest point and of the rim, or of the topmost cut that is closed.
+    heights_m      (k,) middles of equally high layers from the floor up; `layers` what is free there.
+    volume_m3      what the layers hold.
+    """
+
+    cavity: Cavity
+    opening: shapely.Polygon
+    floor_m: float
+    rim_m: float
+    heights_m: FloatArray
+    layers: tuple[BaseGeometry, ...]
+    volume_m3: float
+
+
+def find_containments(solid: Solid, cavities: Sequence[Cavity]) -> tuple[Containment, ...]:
+    """The insides behind those `cavities` that look up, the largest first."""
+    upright = [c for c in cavities if not c.through and c.direction[2] >= UPRIGHT]
+    if not upright:
+        return ()
+    cuts, rays = Sections(solid), Rays(solid.points, solid.triangles)
+    found = [inside for c in upright if (inside := _inside(cuts, rays, c)) is not None]
+    return tuple(sorted(found, key=lambda c: (-c.volume_m3, *c.cavity.opening_m.tolist())))
+
+
+def _inside(cuts: Sections, rays: Rays, cavity: Cavity) -> Containment | None:
+    """None where no cut near the rim is closed."""
+    solid = cuts.solid
+    top, depth_m = float(cavity.opening_m[2]), cavity.depth_m * float(cavity.direction[2])
+    least = LEAST_OPENING * np.pi * (0.5 * cavity.diameter_m) ** 2
+    rims = ((step, _opening_at(cuts, top - step * depth_m, cavity)) for step in RIM_STEPS)
+    closed = next(((step, cut) for step, cut in rims if cut is not None and cut.area >= least), None)
+    if closed is None:
+        return None
+    step, opening = closed
+    rim_m = top if step == RIM_STEPS[0] else top - step * depth_m
+    floor_m = _floor(rays, opening, top - step * depth_m)
+    if floor_m is None:
+        return None
+    floor_m += 0.5 * (solid.wall_thickness_m or 0.0)
+    thickness = (rim_m - floor_m) / LAYERS
+    heights = floor_m + thickness * (np.arange(LAYERS) + 0.5)
+    layers, before = list[BaseGeometry]([opening]), top - step * depth_m
+    for height_m in heights[::-1].tolist():
+        layers.append(_free_below(cuts, rays, height_m, layers[-1], max(before - height_m, 0.0)))
+        before = height_m
+    layers = [_simple(layer, cavity) for layer in reversed(layers[1:])]
+    volume = float(thickness * sum(layer.area for layer in layers))
+    outline = _simple(opening, cavity)
+    assert isinstance(outline, shapely.Polygon), "what is simple stays a polygon"
+    return Containment(cavity, outline, floor_m, rim_m, heights, tuple(layers), volume)
+
+
+def _opening_at(cuts: Sections, height_m: float, cavity: Cavity) -> shapely.Polygon | None:
+    """The free region around the middle of the opening; None where it is not closed all around."""
+    middle = shapely.Point(cavity.opening_m[:2])
+    closed, _ = _free(cuts, height_m)
+    return next((part for part in closed if part.contains(middle)), None)
+
+
+def _free_below(cuts: Sections, rays: Rays, height_m: float, above: BaseGeometry, drop_m: float) -> BaseGeometry:
+    """What is free at a height below the region `above`, which lies `drop_m` higher: closed regions whole, open ones as
+    far as they lie under it; only those that are in sight from there, not behind a wall.
+    """
+    closed, opened = _free(cuts, height_m)
+    under = [above.intersection(part) for part in opened]
+    regions = [r for r in (*closed, *(p for piece in under for p in shapely.get_parts(piece))) if r.intersects(above)]
+    return shapely.union_all([r for r in regions if _in_sight(rays, above.intersection(r), height_m, drop_m)])
+
+
+def _in_sight(rays: Rays, region: BaseGeometry, height_m: float, drop_m: float) -> bool:
+    """Whether any place of a region at a height can be seen from `drop_m` above."""
+    places = _places(region)
+    starts = np.column_stack([places, np.full(len(places), height_m + drop_m)])
+    return bool((rays.reach(starts, DOWN) >= drop_m).any())
+
+
+def _free(cuts: Sections, height_m: float) -> tuple[list[shapely.Polygon], list[shapely.Polygon]]:
+    """The free regions of a horizontal cut: those that matter closes all around, and the others."""
+    points = cuts.solid.points
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    sheet = shapely.box(*(low - 0.1 * (high - low)), *(high + 0.1 * (high - low)))
+    free = shapely.get_parts(sheet.difference(cuts.matter_at(height_m)))
+    closed, opened = list[shapely.Polygon](), list[shapely.Polygon]()
+    for part in free:
+        (opened if part.intersects(sheet.exterior) else closed).append(part)
+    return closed, opened
+
+
+def _floor(rays: Rays, opening: shapely.Polygon, height_m: float) -> float | None:
+    """Height of the lowest ground seen straight down through the opening; None where there is no ground."""
+    places = _places(opening)
+    starts = np.column_stack([places, np.full(len(places), height_m)])
+    reach = rays.reach(starts, DOWN)
+    ground = height_m - reach[np.isfinite(reach)]
+    return float(ground.min()) if len(ground) else None
+
+
+def _places(region: BaseGeometry) -> FloatArray:
+    """x and y (k, 2) of places spread over a region, at least one."""
+    low, high = np.array(region.bounds).reshape(2, 2)
+    shares = (np.arange(GRID) + 0.5) / GRID
+    grid = low + np.stack(np.meshgrid(shares, shares, indexing="ij"), axis=-1).reshape(-1, 2) * (high - low)
+    within = grid[shapely.contains_xy(region, grid[:, 0], grid[:, 1])]
+    return np.concatenate([within, shapely.get_coordinates(region.point_on_surface())])
+
+
+def _simple(region: BaseGeometry, cavity: Cavity) -> BaseGeometry:
+    return region.simplify(DETAIL_SHARE * cavity.diameter_m)

@@ -1,0 +1,96 @@
+"""Whether a ball in a vessel gets out otherwise than through the mouth: between shapes that leave a gap, say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy import ndimage, sparse
+
+from geom.features.clearance_grid import ClearanceGrid, clearance_grid
+from schemas.model import FloatArray, IntArray
+
+# The grid sees a gap only where nodes lie in it: a ball this much smaller stands for the ball.
+SMALLER = 0.9
+# Half a cell is the least distance from a wall that no step between two nodes crosses.
+LEAST_CELLS = 0.5
+
+
+def leaks(
+    points: FloatArray,
+    triangles: IntArray,
+    inside_m: FloatArray,
+    mouth_m: FloatArray,
+    outward: FloatArray,
+    radius_m: float,
+) -> bool:
+    """True iff a ball of `radius_m` can roll from `inside_m` (3,) to the outside without rising above the mouth.
+
+    Surface: points (n, 3), triangles (m, 3), closed or not; above is along `outward` (3,) from `mouth_m` (3,). The
+    ball's centre moves over a grid. A ball too small for the grid counts as the smallest that the grid can tell. False
+    where the ball has no place at `inside_m`: what does not go in cannot come out.
+    """
+    return _gets_out(_below(clearance_grid(points, triangles), mouth_m, outward), inside_m, radius_m)
+
+
+def widest_second_way(
+    around: ClearanceGrid,
+    last_m: FloatArray,
+    mouth_m: FloatArray,
+    outward: FloatArray,
+    probe_m: float,
+    least_m: float,
+) -> tuple[float, FloatArray]:
+    """Radius in metres, to 1 part in 30, of the widest ball that leaks, and places (k, 3) of its centre on its way.
+
+    0 and no place where even a ball of `least_m` does not. `last_m` (3,) is the last place of the probe ball on its
+    way in: no ball wider than that of `probe_m` is asked for, and a smaller one starts at its bottom, to which it
+    rolls. `around` is the grid of the surface; mouth as for `leaks`.
+    """
+    clearance = _below(around, mouth_m, outward)
+
+    def start(radius_m: float) -> FloatArray:
+        return last_m - max(probe_m - radius_m, 0.0) * outward
+
+    if not _gets_out(clearance, start(least_m), least_m):
+        return 0.0, np.empty((0, 3))
+    low, high = least_m, max(probe_m, least_m)
+    while high - low > low / 30.0:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _gets_out(clearance, start(middle), middle) else (low, middle)
+    return low, _way_out(clearance, start(low), low)
+
+
+def _below(around: ClearanceGrid, mouth_m: FloatArray, outward: FloatArray) -> ClearanceGrid:
+    """The grid without the room above the mouth."""
+    return replace(around, distance=np.where((around.nodes - mouth_m) @ outward < 0.0, around.distance, 0.0))
+
+
+def _free(clearance: ClearanceGrid, radius_m: float) -> FloatArray:
+    """(n,) True where a ball of that radius may be."""
+    return clearance.distance >= max(SMALLER * radius_m, LEAST_CELLS * clearance.cell)
+
+
+def _gets_out(clearance: ClearanceGrid, inside_m: FloatArray, radius_m: float) -> bool:
+    """Whether the free nodes of such a ball lead from `inside_m` to the grid's border."""
+    free = _free(clearance, radius_m)
+    labels = np.asarray(ndimage.label(free.reshape(clearance.shape))[0]).reshape(-1)  # pyright: ignore[reportIndexIssue]
+    away = np.where(free & ~clearance.border, np.linalg.norm(clearance.nodes - inside_m, axis=1), np.inf)
+    start = int(away.argmin())
+    return bool(away[start] <= 2.0 * clearance.cell and (labels[clearance.border] == labels[start]).any())
+
+
+def _way_out(clearance: ClearanceGrid, inside_m: FloatArray, radius_m: float) -> FloatArray:
+    """Nodes (k, 3) on the shortest way from `inside_m` to the grid's border; there is one."""
+    free = _free(clearance, radius_m)
+    index = np.where(free, np.arange(len(free)), -1).reshape(clearance.shape)
+    pairs = [(np.delete(index, -1, axis), np.delete(index, 0, axis)) for axis in range(3)]
+    edges = np.concatenate([np.stack([a, b])[:, (a >= 0) & (b >= 0)] for a, b in pairs], axis=1)
+    graph = sparse.coo_array((np.ones(edges.shape[1]), (edges[0], edges[1])), shape=(len(free), len(free))).tocsr()
+    away = np.where(free & ~clearance.border, np.linalg.norm(clearance.nodes - inside_m, axis=1), np.inf)
+    start = int(away.argmin())
+    order, before = sparse.csgraph.breadth_first_order(graph, start, directed=False)
+    way = [int(order[clearance.border[order]][0])]
+    while way[-1] != start:
+        way.append(int(before[way[-1]]))
+    return clearance.nodes[way[::-1]]

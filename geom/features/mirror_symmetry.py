@@ -1,0 +1,40 @@
+"""The upright mirror plane of a surface near a heading: most things that have a front look alike on its two sides."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from geom.mesh.surface_distance import NearestOnSurface, sample_surface
+from schemas.model import FloatArray, IntArray
+
+_SAMPLES = 600
+_STEP_RAD = np.radians(3.0)
+_XATOL_RAD = np.radians(0.02)
+
+
+def mirror_heading(
+    points: FloatArray, triangles: IntArray, centre: FloatArray, near_rad: float, within_rad: float
+) -> tuple[float, float] | None:
+    """Heading (rad about z, from x) of the upright plane through `centre` (3,) in which the surface, points (n, 3) and
+    triangles (m, 3), is its own mirror image best, and how far the image then lies off in the mean.
+
+    Only headings within `within_rad` of `near_rad` are looked at; None when the best of them is at the border.
+    """
+    places, _ = sample_surface(points, triangles, _SAMPLES, 0)
+    places = places - centre
+    nearest = NearestOnSurface(points - centre, triangles)
+
+    def off(heading: float) -> float:
+        side = np.array([-np.sin(heading), np.cos(heading), 0.0])
+        image = places - 2.0 * (places @ side)[:, None] * side
+        return float(np.linalg.norm(nearest(image)[0] - image, axis=1).mean())
+
+    steps = round(within_rad / _STEP_RAD)
+    headings = near_rad + _STEP_RAD * np.arange(-steps, steps + 1)
+    best = int(np.argmin([off(h) for h in headings]))
+    if best in (0, len(headings) - 1):
+        return None
+    bracket = (float(headings[best - 1]), float(headings[best + 1]))
+    found = minimize_scalar(off, bounds=bracket, method="bounded", options={"xatol": _XATOL_RAD})
+    return float(found.x), float(found.fun)

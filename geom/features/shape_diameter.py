@@ -1,0 +1,64 @@
+"""How thick a body is below each triangle: the shape diameter function of Shapira, Shamir and Cohen-Or 2008.
+
+The inside of a vessel counts as full, so that a mug is as thick as it is wide and its handle stays thin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from geom.features.heightfield import landscape, wall_points, water_level
+from geom.features.regions import Faces
+from geom.mesh.rays import Rays
+from geom.pose import rotation_to_z
+from schemas.model import FloatArray, IntArray
+
+_RAYS, _CONE_RAD = 24, np.radians(45.0)
+_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
+
+
+def shape_diameter(surface: Faces, inner: IntArray) -> FloatArray:
+    """(m,) lengths from each triangle inward to the far side: median over a cone, the diagonal where nothing is hit.
+
+    Triangles where `inner` (m,) is True are no far side; they get the diagonal. Directions follow each triangle's own
+    edges, so a turned surface has the same values.
+    """
+    diagonal = float(np.linalg.norm(surface.extent))
+    asked = np.flatnonzero(~inner & (surface.area > 0.0))
+    result = np.full(len(surface.triangles), diagonal)
+    if len(asked) == 0:
+        return result
+    rays = Rays(surface.points, surface.triangles[asked])
+    inward = -surface.normal[asked]
+    corners = surface.points[surface.triangles[asked]]
+    side = corners[:, 1] - corners[:, 0]
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    across = np.cross(inward, side)
+    lean = _CONE_RAD * np.sqrt((np.arange(_RAYS) + 0.5) / _RAYS)
+    turn = _GOLDEN * np.arange(_RAYS)
+    starts = surface.middle[asked] + 1e-4 * diagonal * inward
+    lengths = np.empty((_RAYS, len(asked)))
+    for k in range(_RAYS):
+        aim = np.cos(lean[k]) * inward + np.sin(lean[k]) * (np.cos(turn[k]) * side + np.sin(turn[k]) * across)
+        lengths[k] = rays.reach(starts, aim)
+    result[asked] = np.minimum(np.median(lengths, axis=0), diagonal)
+    return result
+
+
+def wet(surface: Faces, directions: Sequence[FloatArray]) -> IntArray:
+    """(m,) True at the triangles that water covers when the object stands with one of `directions` (3,) up."""
+    result = np.zeros(len(surface.triangles), dtype=bool)
+    rays = Rays(surface.points, surface.triangles)
+    walls = wall_points(surface.points, surface.triangles)
+    for up in directions:
+        frame = rotation_to_z(up)
+        ground, _, step, corner = landscape(rays, surface.points, walls, frame)
+        level = water_level(ground)
+        for away in (1.0, 2.0):  # A wall may fill the cell it stands in, and hides the water there.
+            place = (surface.middle + away * step * surface.normal) @ frame.T
+            cell = np.rint((place[:, :2] - corner) / step).astype(int)
+            x, y = np.clip(cell[:, 0], 0, ground.shape[0] - 1), np.clip(cell[:, 1], 0, ground.shape[1] - 1)
+            result |= (place[:, 2] > ground[x, y]) & (place[:, 2] < level[x, y])
+    return result

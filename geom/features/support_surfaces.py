@@ -1,0 +1,324 @@
+"""Faces that things can stand on: table tops, shelf boards, seats, tray floors. z is up; lengths in metres.
+
+All rules are shares of the object's own size, so that a doll's table has the anchors of a table. A surface is a level
+at which much near-horizontal area lies, what of it is connected, broad and flat, cut where something stands on it or
+where the clearance above it changes, and kept where something can be brought from above or from a side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from shapely.geometry.base import BaseGeometry
+
+from geom.mesh.cross_sections import Sections
+from geom.mesh.rays import Rays
+from schemas.model import FloatArray, IntArray
+from schemas.physics import Solid
+
+# A face counts from this steepness on; a whole surface leans by no more than the second.
+STEEPEST_RAD, TILT_RAD = np.radians(12.0), np.radians(4.0)
+LEVEL_RAD = np.radians(0.2)  # what leans less is level
+# Bumps, planks and seams within this share of the diagonal are one level, also gaps of twice the share of the breadth,
+# the root of the area of the hull of the footprint.
+STEP_SHARE, GAP_SHARE = 0.008, 0.01
+# What is broad: a disc of this radius fits (share of the breadth), and the area is this share of the footprint.
+DISC_SHARE, AREA_SHARE = 0.06, 0.04
+# What is flat: the median distance from the plane, as a share of the radius of the largest disc that fits; lips, dents
+# and the noise of scans count little. Round things have 0.026, from their top down to where they get too steep.
+ROUGH_SHARE = 0.016
+# Neighbouring places belong together while the clearances differ by less than this share.
+SAME_CLEARANCE = 0.2
+# A side is open if this share of the places sees out of it.
+OPEN_SHARE = 0.6
+# What is simplified away of outlines, as a share of the breadth.
+DETAIL_SHARE = 2e-3
+MAIN_SHARE = 0.5
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class Support:
+    """One surface in the asset frame.
+
+    polygon     x and y of its outline and holes.
+    height_m    z of what a thing stands on: of the higher parts where it is uneven.
+    normal      (3,) upward unit normal of the plane through it.
+    clearance_m least free height over it, None where the sky is free.
+    loads       (k, 3) unit vectors out of it along which a thing can leave: up, over the sides of the box around it.
+    """
+
+    polygon: shapely.Polygon
+    height_m: float
+    normal: FloatArray
+    clearance_m: float | None
+    loads: FloatArray
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """What is small and what is broad on one object, in metres."""
+
+    step: float
+    gap: float
+    disc: float
+    area: float
+    detail: float
+
+
+def find_supports(solid: Solid) -> tuple[Support, ...]:
+    """Surfaces of a solid that stands upright, the main one first: the highest of those of at least half the largest
+    area, then these from top to bottom, then the others likewise. Both sides of a sheet (kind `shell`) may carry.
+    """
+    points, triangles = solid.points, solid.triangles
+    scale = _scale_of(points[np.unique(triangles)])
+    if scale is None:
+        return ()
+    rays, cuts = Rays(points, triangles), Sections(solid)
+    found = []
+    for corners, polygon in _levels(points[triangles], scale, sheet=solid.kind != "closed"):
+        plane = _plane_of(corners, polygon)
+        if plane is None or plane.tilt_rad > TILT_RAD:
+            continue
+        if plane.rough_m > ROUGH_SHARE * shapely.maximum_inscribed_circle(polygon).length:
+            continue
+        standing = cuts.matter_at(plane.upper_m + 1.5 * scale.step)
+        for free in _parts(polygon.difference(standing), scale):
+            found += _clear_parts(free, plane, rays, scale)
+    return _in_order(found)
+
+
+def _scale_of(points: FloatArray) -> _Scale | None:
+    """None for what has no footprint."""
+    footprint = float(shapely.area(shapely.convex_hull(shapely.multipoints(points[:, :2]))))
+    breadth, diagonal = float(np.sqrt(footprint)), float(np.linalg.norm(np.ptp(points, axis=0)))
+    if breadth <= 1e-6 * diagonal:
+        return None
+    detail = DETAIL_SHARE * breadth
+    return _Scale(STEP_SHARE * diagonal, GAP_SHARE * breadth, DISC_SHARE * breadth, AREA_SHARE * footprint, detail)
+
+
+def _levels(corners: FloatArray, scale: _Scale, *, sheet: bool) -> Iterator[tuple[FloatArray, shapely.Polygon]]:
+    """Corners (k, 3, 3) of the near-horizontal faces of each level, and each broad polygon of theirs.
+
+    A level is the window of two steps of height that holds most area, then what lies within a step of the plane through
+    the largest polygon there: a large face may lean by more than the window. It is taken out, and so on.
+    """
+    left = _carrying(corners, sheet=sheet)
+    while len(left):
+        heights = left[:, :, 2].mean(axis=1)
+        covered = np.concatenate([[0.0], np.cumsum(_plan_areas(left))])
+        ends = np.searchsorted(heights, heights + 2.0 * scale.step, side="right")
+        held = covered[ends] - covered[:-1]
+        start = int(held.argmax())
+        if held[start] < 0.5 * scale.area:  # Gaps are closed later: half of the area may do.
+            return
+        taken = np.zeros(len(left), dtype=bool)
+        taken[start : ends[start]] = True
+        polygons = _parts(_closed_union(left[taken], scale.gap), scale, least_hole=scale.disc**2)
+        plane = _plane_of(left[taken], polygons[0]) if polygons else None
+        if plane is not None and LEVEL_RAD < plane.tilt_rad <= TILT_RAD:
+            near = np.abs(plane.heights_over(left.mean(axis=1))) <= scale.step
+            if near[taken].any():
+                polygons = _parts(_closed_union(left[near], scale.gap), scale, least_hole=scale.disc**2)
+                taken = near
+        for polygon in polygons:
+            yield left[taken], polygon
+        left = left[~taken]
+
+
+def _carrying(corners: FloatArray, *, sheet: bool) -> FloatArray:
+    """The near-horizontal upward faces (k, 3, 3) from the bottom up, of sheets also the downward ones."""
+    vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.maximum(np.linalg.norm(vectors, axis=1), np.finfo(float).tiny)
+    upward = (np.abs(vectors[:, 2]) if sheet else vectors[:, 2]) / length
+    carrying = corners[upward >= np.cos(STEEPEST_RAD)]
+    return carrying[np.argsort(carrying[:, :, 2].mean(axis=1), kind="stable")]
+
+
+def _closed_union(corners: FloatArray, gap: float) -> BaseGeometry:
+    """The union of faces (k, 3, 3) seen from above, gaps up to twice `gap` closed."""
+    faces = np.atleast_1d(np.asarray(shapely.polygons(corners[:, :, :2]), dtype=object))
+    merged = _side_by_side(faces)
+    if merged is None:
+        merged = shapely.union_all(faces, grid_size=1e-4 * gap)
+    return merged.buffer(gap, join_style="mitre").buffer(-gap, join_style="mitre")
+
+
+def _side_by_side(faces: NDArray[np.object_]) -> BaseGeometry | None:
+    """The union of faces of which no two overlap, which is quick to find; None where some do.
+
+    GEOS refuses most faces that overlap, and what it makes of others is invalid or of another area.
+    """
+    try:
+        merged = shapely.coverage_union_all(faces)
+    except shapely.errors.GEOSException:
+        return None
+    sound = merged.is_valid and abs(merged.area - float(shapely.area(faces).sum())) <= 1e-9 * merged.area
+    return merged if sound else None
+
+
+def _parts(geometry: BaseGeometry, scale: _Scale, *, least_hole: float = 0.0) -> list[shapely.Polygon]:
+    """The broad polygons of a geometry, in a fixed order, without detail that nobody can stand on and without holes
+    that are smaller than `least_hole` (area).
+    """
+    filled = [
+        shapely.Polygon(p.exterior, [ring for ring in p.interiors if shapely.Polygon(ring).area > least_hole])
+        for p in shapely.get_parts(geometry)
+        if isinstance(p, shapely.Polygon)
+    ]
+    simple = [s for p in filled if isinstance(s := p.simplify(scale.detail), shapely.Polygon)]
+    broad = [p for p in simple if p.area >= scale.area and not p.buffer(-scale.disc).is_empty]
+    return sorted(broad, key=lambda p: (-p.area, p.centroid.x, p.centroid.y))
+
+
+@dataclass(frozen=True)
+class _Plane:
+    """The plane `z = middle z + slopes . (x, y)` through faces, their median distance from it, and their height."""
+
+    middle: FloatArray
+    slopes: FloatArray
+    rough_m: float
+    upper_m: float
+
+    @property
+    def tilt_rad(self) -> float:
+        return float(np.arctan(np.linalg.norm(self.slopes)))
+
+    @property
+    def normal(self) -> FloatArray:
+        up = np.array([*-self.slopes, 1.0])
+        return up / np.linalg.norm(up) + 0.0
+
+    def heights_over(self, points: FloatArray) -> FloatArray:
+        """(k,) heights of points (k, 3) over the plane."""
+        local = points - self.middle
+        return local[:, 2] - local[:, :2] @ self.slopes
+
+
+def _plane_of(corners: FloatArray, polygon: shapely.Polygon) -> _Plane | None:
+    """Least-squares plane, by area, through the faces (k, 3, 3) whose middles lie in `polygon`; None where none do.
+
+    Quadrature over a face: three quarters in its middle, the rest in its corners, exact for quadratic integrands.
+    `upper_m` is the height that nine tenths of the area stay below: what a thing stands on where it is uneven.
+    """
+    centres = corners.mean(axis=1)
+    areas = _plan_areas(corners) * shapely.contains_xy(polygon, centres[:, 0], centres[:, 1])
+    total = float(areas.sum())
+    if total <= 0.0:
+        return None
+    places = np.concatenate([corners.reshape(-1, 3), centres])
+    weights = np.concatenate([np.repeat(areas / 12.0, 3), 0.75 * areas]) / total
+    middle = weights @ places
+    local = places - middle
+    weighted = local[:, :2] * weights[:, None]
+    slopes = np.linalg.lstsq(weighted.T @ local[:, :2], weighted.T @ local[:, 2], rcond=None)[0]
+    over = local[:, 2] - local[:, :2] @ slopes
+    rough_m = _quantile(np.abs(over - _quantile(over, weights, 0.5)), weights, 0.5)
+    return _Plane(middle, slopes, rough_m, _quantile(centres[:, 2], areas, 0.9))
+
+
+def _quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
+    """The least of `values` (k,) that at least this share of the weight does not exceed."""
+    order = np.argsort(values, kind="stable")
+    held = np.cumsum(weights[order])
+    return float(values[order[np.searchsorted(held, share * held[-1] * (1.0 - 1e-9))]])
+
+
+def _clear_parts(polygon: shapely.Polygon, plane: _Plane, rays: Rays, scale: _Scale) -> Iterator[Support]:
+    """`polygon` cut where the clearance changes; what is too low or out of reach is left out."""
+    axes = _box_axes(polygon)
+    cells = _cells(polygon, axes, 0.5 * scale.disc)
+    inside = shapely.get_coordinates(shapely.point_on_surface(cells.geometries))
+    starts = np.column_stack([inside, np.full(len(inside), plane.upper_m + scale.step)])
+    clearance = rays.reach(starts, UP) + scale.step
+    count, label = _patches(cells.index, clearance, clearance > scale.disc)
+    for k in range(count):
+        own = label == k
+        whole = own.all()
+        for part in [polygon] if whole else _parts(shapely.union_all(cells.geometries[own]), scale):
+            here = own if whole else own & shapely.contains_xy(part.buffer(scale.gap), inside[:, 0], inside[:, 1])
+            least = float(clearance[here].min()) if here.any() else 0.0
+            levels = starts[here] + [0.0, 0.0, 0.5 * min(least, 2.0 * scale.disc) - scale.step]
+            sides = [side for side in axes if np.isinf(rays.reach(levels, side)).mean() >= OPEN_SHARE]
+            loads = np.array([UP, *sides] if np.isinf(least) else sides)
+            if len(loads):
+                yield Support(part, plane.upper_m, plane.normal, None if np.isinf(least) else least, loads)
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Pieces of a polygon on a square grid, and the grid index (k, 2) of each."""
+
+    geometries: FloatArray
+    index: IntArray
+
+
+def _cells(polygon: shapely.Polygon, axes: FloatArray, edge: float) -> _Cells:
+    """The polygon cut into squares of `edge` along its own box, so that turning it turns them along."""
+    R_BA = axes[:2, :2]
+    low, high = (f(shapely.get_coordinates(polygon.exterior) @ R_BA.T, axis=0) for f in (np.min, np.max))
+    count = np.maximum(np.ceil((high - low) / edge - 1e-9).astype(int), 1)
+    index = np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 2)
+    corners = low + (index[:, None] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])) * (high - low) / count
+    pieces = shapely.intersection(shapely.polygons(corners @ R_BA), polygon)
+    kept = shapely.area(pieces) > 1e-6 * edge**2
+    return _Cells(pieces[kept], index[kept])
+
+
+def _box_axes(polygon: shapely.Polygon) -> FloatArray:
+    """(4, 3) horizontal unit vectors along the narrowest box around a polygon: two right-handed axes, their opposites.
+
+    The first lies within 45 degrees of +x.
+    """
+    corners = shapely.get_coordinates(polygon.minimum_rotated_rectangle)
+    along = max((corners[1] - corners[0], corners[2] - corners[1]), key=lambda v: (abs(v[0]) - abs(v[1]), v[0]))
+    x = along / np.linalg.norm(along) * (1.0 if along[0] > 0.0 else -1.0)
+    x = np.array([*np.where(np.abs(x) < 1e-9, 0.0, x), 0.0])
+    y = np.array([-x[1], x[0], 0.0])
+    return np.array([x, y, -x, -y])
+
+
+def _patches(index: IntArray, clearance: FloatArray, is_clear: FloatArray) -> tuple[int, IntArray]:
+    """Number of patches of like clearance, and each cell's (k,), -1 where it is not clear."""
+    number = {(i, j): k for k, (i, j) in enumerate(index.tolist()) if is_clear[k]}
+    pairs = [
+        (k, other)
+        for (i, j), k in number.items()
+        for other in (number.get((i + 1, j)), number.get((i, j + 1)))
+        if other is not None and _alike(clearance[k], clearance[other])
+    ]
+    a, b = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    graph = coo_array((np.ones(len(a)), (a, b)), shape=(len(index), len(index)))
+    label = connected_components(graph, directed=False)[1]
+    kept, renumbered = np.unique(label[is_clear], return_inverse=True)
+    result = np.full(len(index), -1)
+    result[is_clear] = renumbered
+    return len(kept), result
+
+
+def _alike(a: float, b: float) -> bool:
+    return a == b or abs(a - b) <= SAME_CLEARANCE * min(a, b)
+
+
+def _plan_areas(corners: FloatArray) -> FloatArray:
+    """Areas (k,) of triangles (k, 3, 3) seen from above."""
+    u, v = corners[:, 1, :2] - corners[:, 0, :2], corners[:, 2, :2] - corners[:, 0, :2]
+    return 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+
+
+def _in_order(found: Sequence[Support]) -> tuple[Support, ...]:
+    largest = max((s.polygon.area for s in found), default=0.0)
+
+    def place(s: Support) -> tuple[float | bool, ...]:
+        centre = s.polygon.centroid
+        is_small = s.polygon.area < MAIN_SHARE * largest
+        return is_small, -s.height_m, -s.polygon.area, centre.x, centre.y
+
+    return tuple(sorted(found, key=place))

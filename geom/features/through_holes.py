@@ -1,0 +1,188 @@
+"""Through-holes: tunnels through a solid that a hook, a finger or a peg goes through. Lengths in metres.
+
+A tunnel that can be seen through is a hole in the silhouette along some direction; and a surface without handles in
+the sense of topology (genus 0) has none, however its silhouette looks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from geom.mesh.rays import Rays
+from schemas.model import FloatArray, IntArray
+from schemas.physics import Solid
+
+CELLS = 144
+# The 13 directions through the faces, edges and corners of a cube, one of each pair.
+DIRECTIONS = np.array(
+    [
+        *([1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, -1, 0], [1, 0, 1], [1, 0, -1], [0, 1, 1], [0, 1, -1]),
+        *([1, 1, 1], [1, 1, -1], [1, -1, 1], [-1, 1, 1]),
+    ],
+    dtype=np.float64,
+)
+LEAST_CELLS = 1.0  # inscribed radius of a hole, in cells
+
+
+@dataclass(frozen=True)
+class ThroughHole:
+    """One tunnel as seen along a direction.
+
+    centre_m    (3,) middle of the largest circle that goes through, at the depth of the matter around it.
+    direction   (3,) unit vector through it; diameter_m of that circle.
+    outline_m   (k, 3) the loop around it.
+    bar_m       thickness of the matter on the side away from the mass of the object, in the plane of the loop; inf
+                where there is none.
+    bar_at_m    (3,) middle of that bar; bar_depth_m its thickness along the direction.
+    offset      distance of the hole from the middle of the silhouette, as a share of the silhouette's radius.
+    """
+
+    centre_m: FloatArray
+    direction: FloatArray
+    diameter_m: float
+    outline_m: FloatArray
+    bar_m: float
+    bar_at_m: FloatArray
+    bar_depth_m: float
+    offset: float
+
+
+def find_through_holes(solid: Solid) -> tuple[ThroughHole, ...]:
+    """Tunnels that can be seen through along 13 directions, the widest first; none for a solid of kind `hull`.
+
+    One that is seen along several directions counts once, as it looks widest.
+    """
+    if solid.kind == "hull" or (solid.kind == "closed" and genus(solid.triangles) == 0):
+        return ()
+    rays = Rays(solid.points, solid.triangles)
+    directions = DIRECTIONS / np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
+    seen = [hole for direction in directions for hole in _holes_along(solid.points, rays, direction)]
+    seen.sort(key=lambda h: (-round(h.diameter_m, 9), *np.round(h.centre_m, 9).tolist()))
+    kept: list[ThroughHole] = []
+    for hole in seen:
+        if all(np.linalg.norm(hole.centre_m - other.centre_m) > 0.75 * other.diameter_m for other in kept):
+            kept.append(hole)
+    return tuple(kept)
+
+
+def genus(triangles: IntArray) -> int:
+    """Handles of a closed surface, summed over its connected pieces: 0 for a ball, 1 for a ring; Euler's formula."""
+    corners = np.unique(triangles)
+    edges = np.unique(np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    count = int(corners.max()) + 1
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    _, labels = connected_components(graph, directed=False)
+    pieces = len(np.unique(labels[corners]))
+    return pieces - (len(corners) - len(edges) + len(triangles)) // 2
+
+
+def _holes_along(points: FloatArray, rays: Rays, direction: FloatArray) -> list[ThroughHole]:
+    axis = int(np.abs(direction).argmin())
+    u = np.eye(3)[axis] - direction[axis] * direction
+    u /= np.linalg.norm(u)
+    R_VA = np.stack([u, np.cross(direction, u), direction])
+    local = points @ R_VA.T
+    low, high = local.min(axis=0), local.max(axis=0)
+    step = float((high - low)[:2].max()) / CELLS or 1.0
+    cells = np.ceil((high - low)[:2] / step).astype(int) + 2
+    corner = 0.5 * (low + high)[:2] - 0.5 * (cells - 1) * step
+    x, y = (corner[i] + step * np.arange(cells[i]) for i in range(2))
+    grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    starts = np.column_stack([grid, np.full(len(grid), low[2] - step)]) @ R_VA
+    front = rays.reach(starts, direction).reshape(cells[0], cells[1])
+    empty = np.isinf(front)
+    labels, count = _label(empty)
+    outside = set(np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])).tolist())
+    found = []
+    for k in range(1, count + 1):
+        hole = labels == k
+        if k in outside or hole.sum() < LEAST_CELLS**2 * np.pi:
+            continue
+        clearance = np.asarray(ndimage.distance_transform_edt(hole))
+        row, column = np.unravel_index(int(clearance.argmax()), hole.shape)
+        radius = float(clearance[row, column]) - 0.5
+        if radius < LEAST_CELLS:
+            continue
+        found.append(_hole(hole, empty, (int(row), int(column)), radius, (corner, step, low[2] - step), rays, R_VA))
+    return found
+
+
+def _hole(
+    hole: FloatArray,
+    empty: FloatArray,
+    middle: tuple[int, int],
+    radius: float,
+    place: tuple[FloatArray, float, float],
+    rays: Rays,
+    R_VA: FloatArray,
+) -> ThroughHole:
+    """One hole of a silhouette with its loop and the bar on its outer side."""
+    corner, step, start = place
+    matter = np.argwhere(~empty)
+    centre = matter.mean(axis=0)
+    spread = float(np.sqrt(((matter - centre) ** 2).sum(axis=1).mean())) * np.sqrt(2.0)
+    away = np.array(middle) - centre
+    offset = float(np.linalg.norm(away))
+    away = away / offset if offset > 1e-9 else np.array([1.0, 0.0])
+    inner, outer = _bar(hole, empty, np.array(middle), away)
+
+    def depths(cells: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Where matter begins along the view, and how thick it is there."""
+        from_ = np.column_stack([corner + step * cells, np.full(len(cells), start)]) @ R_VA
+        first = rays.reach(from_, R_VA[2])
+        within = from_ + (first + 1e-4 * step)[:, None] * R_VA[2]
+        return start + first, rays.reach(np.where(np.isfinite(within), within, 0.0), R_VA[2])
+
+    ring = np.argwhere(ndimage.binary_dilation(hole, iterations=2) & ~empty).astype(float)
+    begin, thick = depths(ring)
+    solid_there = np.isfinite(begin) & np.isfinite(thick)
+    mids = (begin + 0.5 * thick)[solid_there]
+    depth = float(np.median(mids)) if len(mids) else start
+    bar, bar_depth, bar_at = np.inf, np.inf, np.array(middle, dtype=float)
+    if np.isfinite(outer):
+        bar, bar_at = (outer - inner) * step, np.array(middle) + 0.5 * (inner + outer) * away
+        begin, thick = depths(bar_at[None])
+        if np.isfinite(begin[0]) and np.isfinite(thick[0]):
+            bar_depth, depth = float(thick[0]), float(begin[0] + 0.5 * thick[0])
+
+    def place_of(cells: FloatArray) -> FloatArray:
+        return np.column_stack([corner + step * cells, np.full(len(cells), depth)]) @ R_VA
+
+    turn = np.argsort(np.arctan2(*(ring - np.array(middle)).T), kind="stable")
+    loop = ring[turn][:: max(1, len(ring) // 24)]
+    return ThroughHole(
+        place_of(np.array([middle], dtype=float))[0],
+        R_VA[2],
+        2.0 * radius * step,
+        place_of(loop),
+        float(bar),
+        place_of(bar_at[None])[0],
+        bar_depth,
+        offset / max(spread, 1e-9),
+    )
+
+
+def _bar(hole: FloatArray, empty: FloatArray, middle: FloatArray, away: FloatArray) -> tuple[float, float]:
+    """Where matter begins and ends, in cells from the middle of a hole on the way out of the silhouette."""
+    reach = np.arange(0.0, float(np.hypot(*empty.shape)), 0.5)
+    cells = np.rint(middle + reach[:, None] * away).astype(int)
+    inside = ((cells >= 0) & (cells < np.array(empty.shape))).all(axis=1)
+    cells, reach = cells[inside], reach[inside]
+    matter = ~empty[cells[:, 0], cells[:, 1]]
+    if not matter.any():
+        return 0.0, np.inf
+    first = int(matter.argmax())
+    after = np.flatnonzero(~matter[first:])
+    if not len(after) or matter[first + int(after[0]) :].any():  # The outer side must be free.
+        return float(reach[first]), np.inf
+    return float(reach[first]), float(reach[first + int(after[0])])
+
+
+def _label(mask: FloatArray) -> tuple[IntArray, int]:
+    labels = np.zeros(mask.shape, dtype=np.int32)
+    return labels, int(ndimage.label(mask, output=labels))  # pyright: ignore[reportArgumentType]  # an int with `output`

@@ -1,0 +1,1 @@
+"""Parallel-jaw grasps on a surface: gripper model, antipodal pairs, contact patches."""

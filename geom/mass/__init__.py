@@ -1,0 +1,1 @@
+"""Mass properties of solids: volume, centre of mass, inertia, principal axes and bounds on them."""

@@ -1,0 +1,1 @@
+"""Triangle meshes as arrays: topology, edges, components, welding, editing, decimation, distances, rays, sections."""

@@ -1,0 +1,137 @@
+"""The edge-connected components of a mesh, measured: area, volume, extent, closedness, nesting."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geom.mesh.edges import Edges, edges_of, face_components
+from geom.mesh.surface_distance import NearestOnSurface, triangle_areas
+from geom.mesh.winding_number import winding_numbers
+from schemas.model import FloatArray, IntArray
+
+INSIDE_PROBES = 8
+MOST_SOLID_ANGLES = 20_000_000
+# Volume over area ** 1.5 below which a closed surface encloses nothing but rounding; a ball has 0.094.
+LEAST_COMPACTNESS = 1e-7
+
+
+@dataclass(frozen=True)
+class Components:
+    """`k` components of a triangle mesh, in order of their first face.
+
+    label      (m,) component of each face.
+    faces      (k,) number of faces.
+    area       (k,) surface area.
+    volume     (k,) signed volume about the component's own centre; meaningful where `closed` and `consistent`.
+    low, high  (k, 3) bounding boxes.
+    closed     (k,) every edge has an even number of faces.
+    consistent (k,) no edge with two faces is run through twice in the same direction, and closed ones cancel.
+    boundary   (k,) boundary edges.
+    """
+
+    label: IntArray
+    faces: IntArray
+    area: FloatArray
+    volume: FloatArray
+    low: FloatArray
+    high: FloatArray
+    closed: FloatArray
+    consistent: FloatArray
+    boundary: IntArray
+
+    @property
+    def count(self) -> int:
+        """Number of components."""
+        return len(self.faces)
+
+    @property
+    def solid(self) -> FloatArray:
+        """(k,) closed and consistently wound, so that `volume` has a meaning."""
+        return self.closed & self.consistent
+
+    @property
+    def turned_in(self) -> FloatArray:
+        """(k,) solid with a negative volume beyond rounding; a double-sided sheet encloses none."""
+        return self.solid & (self.volume < -LEAST_COMPACTNESS * self.area**1.5)
+
+    @property
+    def extent(self) -> FloatArray:
+        """(k,) bounding-box diagonals."""
+        return np.linalg.norm(self.high - self.low, axis=1)
+
+
+def components_of(points: FloatArray, triangles: IntArray, edges: Edges | None = None) -> Components:
+    """Measure the components of welded triangles, none of which may repeat an index."""
+    edges = edges or edges_of(triangles)
+    count, label = face_components(edges)
+    edge_label = np.zeros(len(edges.uses), dtype=np.int64)
+    edge_label[edges.of_face.reshape(-1)] = np.repeat(label, 3)
+    corners = points[triangles]
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, label, corners.min(axis=1))
+    np.maximum.at(high, label, corners.max(axis=1))
+    centred = corners - (0.5 * (low + high))[label][:, None, :]
+    volumes = np.einsum("ij,ij->i", centred[:, 0], np.cross(centred[:, 1], centred[:, 2])) / 6.0
+
+    def per_component(marked_edges: FloatArray) -> IntArray:
+        return np.bincount(edge_label[marked_edges], minlength=count)
+
+    closed = per_component(edges.uses % 2 == 1) == 0
+    crossed = (edges.uses == 2) & (edges.net != 0)
+    unbalanced = (edges.uses % 2 == 0) & (edges.net != 0)
+    return Components(
+        label=label,
+        faces=np.bincount(label, minlength=count),
+        area=np.bincount(label, triangle_areas(corners), count),
+        volume=np.bincount(label, volumes, count),
+        low=low,
+        high=high,
+        closed=closed,
+        consistent=np.where(closed, per_component(unbalanced) == 0, per_component(crossed) == 0),
+        boundary=per_component(edges.uses == 1),
+    )
+
+
+def opposite_container(
+    points: FloatArray, triangles: IntArray, parts: Components, volume: FloatArray | None = None
+) -> IntArray:
+    """For each component (k,): the smallest closed component that contains it and is oppositely wound, or -1.
+
+    This is what makes an inner shell a cavity: solid outside, turned-in inside. Containment is bounding box first, then
+    the winding number of up to eight of its points. `volume` (k,) are signed volumes, zero where a component encloses
+    none; by default those of the solid ones. A surface with small holes still winds about what is inside.
+    """
+    volume = np.where(parts.solid, parts.volume, 0.0) if volume is None else volume
+    parent = np.full(parts.count, -1, dtype=np.int64)
+    inward, outward = np.flatnonzero(volume < 0.0), np.flatnonzero(volume > 0.0)
+    few, many = sorted((inward, outward), key=len)  # Pairs are sought from the rarer side: most files have no cavity.
+    pairs = [np.zeros((0, 2), dtype=np.int64)]
+    for part in few:
+        around = (parts.low[many] < parts.low[part]).all(axis=1) & (parts.high[many] > parts.high[part]).all(axis=1)
+        within = (parts.low[many] > parts.low[part]).all(axis=1) & (parts.high[many] < parts.high[part]).all(axis=1)
+        pairs += [np.stack(np.broadcast_arrays(many[around], part), axis=1)]
+        pairs += [np.stack(np.broadcast_arrays(part, many[within]), axis=1)]
+    found = np.concatenate(pairs)
+    outers = np.unique(found[:, 0])
+    groups = np.split(np.argsort(parts.label, kind="stable"), np.cumsum(parts.faces)[:-1])
+    for outer in outers[np.argsort(-np.abs(volume[outers]), kind="stable")]:
+        inners = np.sort(found[found[:, 0] == outer, 1])
+        probes = [_spread(np.unique(triangles[groups[inner]])) for inner in inners]
+        inside = _inside(points[np.concatenate(probes)], points, triangles[groups[outer]])
+        first = np.cumsum([0, *(len(p) for p in probes)])[:-1]
+        parent[inners[np.logical_and.reduceat(inside, first)]] = outer
+    return parent
+
+
+def _spread(own: IntArray) -> IntArray:
+    """Up to eight of the points `own` (k,), evenly spread over their numbers."""
+    return own[np.linspace(0, len(own) - 1, min(INSIDE_PROBES, len(own))).astype(np.int64)]
+
+
+def _inside(probes: FloatArray, points: FloatArray, triangles: IntArray) -> FloatArray:
+    """(k,) True for probes (k, 3) that the surface winds about; by the parity of rays where that costs too much."""
+    if len(probes) * len(triangles) <= MOST_SOLID_ANGLES:
+        return np.abs(winding_numbers(probes, points[triangles])) > 0.5
+    return NearestOnSurface(points, triangles).inside(probes)

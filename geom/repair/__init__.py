@@ -1,0 +1,3 @@
+"""Repairs of triangle meshes: boundary loops, holes, T-junctions, winding, duplicate shells, and the change they
+make.
+"""

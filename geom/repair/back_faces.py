@@ -1,0 +1,29 @@
+"""Faces drawn a second time from behind, for renderers that cull: looks, not matter."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geom.mesh.components import components_of
+from geom.mesh.duplicate_shells import later_copies
+from geom.mesh.edit import keep_faces
+from schemas.model import FloatArray, IntArray, Mesh
+
+# A component is double-sided when at least this share of its faces are reversed copies of others (half at most).
+DOUBLE_SIDED_SHARE = 0.4
+
+
+def drop_back_faces(mesh: Mesh) -> Mesh:
+    """`mesh` (welded, no repeated points) with one side of each double-sided component, the first in file order.
+
+    Single reversed copies elsewhere stay: two solids in contact share such a pair.
+    """
+    parts = components_of(mesh.points, mesh.triangles)
+    back = reversed_copies(mesh.triangles)
+    share = np.bincount(parts.label[back], minlength=parts.count) / np.maximum(parts.faces, 1)
+    return keep_faces(mesh, ~(back & (share >= DOUBLE_SIDED_SHARE)[parts.label]))
+
+
+def reversed_copies(triangles: IntArray) -> FloatArray:
+    """(m,) True where an earlier face has the same points; copies with the same winding are gone beforehand."""
+    return later_copies(np.sort(triangles, axis=1))

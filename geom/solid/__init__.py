@@ -1,0 +1,1 @@
+"""Solids from surfaces: closed bodies, open parts, shells with thickness, self-intersections, volume shares."""

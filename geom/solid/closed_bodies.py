@@ -1,0 +1,179 @@
+"""Split visual surfaces into closed bodies and what stays open; unite the bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import manifold3d
+import numpy as np
+
+from geom.mesh.components import components_of, opposite_container
+from geom.mesh.edges import edges_of
+from geom.mesh.edit import keep_faces, merge_surfaces
+from geom.mesh.weld import weld
+from geom.repair.back_faces import drop_back_faces
+from geom.repair.boundary_loops import OpenBody, judge_open_bodies
+from geom.repair.faces import drop_fins, drop_surplus_faces
+from geom.repair.holes import capped_body
+from geom.repair.shells import drop_duplicate_shells, drop_fragments
+from geom.repair.winding import orient
+from schemas.model import FloatArray, IntArray, Mesh
+
+Surface = tuple[FloatArray, IntArray]
+# In an asset of several parts, a part with at most half the area whose caps are at most this share of its closed area
+# is a body whose hidden faces were left out (a board's end, the underside of a cushion).
+HIDDEN_FACE_SHARE = 0.13
+LEADING_PART_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """What the visual surfaces hold.
+
+    tidied       each mesh, cleaned (`tidy`).
+    by_mesh      closed bodies of each mesh that leaves nothing open, else ().
+    closed       closed outward bodies over all meshes, each with its inward cavity shells.
+    open         the components that stay open, welded together, and the verdicts on them; the faces of a verdict
+                 index into `open_surface`, which still holds the capped bodies.
+    cavities     cavity shells in `closed`.
+    filled       loops capped to close a body.
+    closed_area, open_area  visible area of either, caps not counted.
+    """
+
+    tidied: tuple[Mesh, ...]
+    by_mesh: tuple[tuple[Surface, ...], ...]
+    closed: tuple[Surface, ...]
+    open: Mesh
+    open_surface: Surface
+    verdicts: tuple[OpenBody, ...]
+    cavities: int
+    filled: int
+    closed_area: float
+    open_area: float
+
+
+def sort_bodies(meshes: Sequence[Mesh]) -> Bodies:
+    """Weld, drop surplus faces and back faces, orient; first each mesh alone, then what is open over all meshes.
+
+    Parts of different meshes are welded only where they are open, so that bodies in contact stay apart.
+    """
+    closed: list[Surface] = []
+    cavities, closed_area = 0, 0.0
+    leftovers: list[Mesh] = []
+    by_mesh: list[tuple[Surface, ...]] = []
+    tidied = tuple(tidy(mesh) for mesh in meshes)
+    for mesh in tidied:
+        solids, rest, inner, area = _closed_parts(mesh)
+        closed, cavities, closed_area = closed + solids, cavities + inner, closed_area + area
+        leftovers.append(rest)
+        by_mesh.append(() if len(rest.triangles) else tuple(solids))
+    points, triangles, _ = merge_surfaces(leftovers)
+    solids, rest, inner, area = _closed_parts(tidy(Mesh("open", points, triangles)))
+    closed, cavities, closed_area = closed + solids, cavities + inner, closed_area + area
+    edges = edges_of(rest.triangles)
+    parts = components_of(rest.points, rest.triangles, edges)
+    verdicts = judge_open_bodies(rest.points, rest.triangles, edges, parts)
+    total = closed_area + float(parts.area.sum())
+    kept = np.ones(len(rest.triangles), dtype=bool)
+    capped = tuple(v for v in verdicts if _is_body(v, total))
+    for body in capped:
+        closed.append(outward(*capped_body(rest.points, rest.triangles, body)))
+        closed_area += body.area
+        kept[body.faces] = False
+    return Bodies(
+        tidied=tidied,
+        by_mesh=tuple(by_mesh),
+        closed=tuple(closed),
+        open=keep_faces(rest, kept),
+        open_surface=(rest.points, rest.triangles),
+        verdicts=tuple(v for v in verdicts if not _is_body(v, total)),
+        cavities=cavities,
+        filled=sum(len(v.openings) for v in capped),
+        closed_area=closed_area,
+        open_area=max(0.0, total - closed_area),
+    )
+
+
+def tidy(mesh: Mesh) -> Mesh:
+    """The bare surface of `mesh`: welded, outward, without surplus, back and fin faces, copies and fragments."""
+    bare = weld(Mesh(mesh.name, mesh.points, mesh.triangles))
+    if len(bare.triangles) == 0:
+        return bare
+    bare = drop_surplus_faces(bare)[0]
+    bare = drop_back_faces(bare)
+    bare = drop_duplicate_shells(bare)[0]
+    bare = drop_fins(bare)[0]
+    bare = drop_fragments(bare)[0]
+    return orient(bare)[0]
+
+
+def unite(bodies: Sequence[Surface]) -> Surface | None:
+    """The union of closed bodies as one closed outward surface, or None when a body is not an oriented manifold.
+
+    Source: manifold3d, guaranteed-manifold booleans. Points are centred meanwhile; a single body is returned as it is.
+    """
+    centre = np.mean([points.mean(axis=0) for points, _ in bodies], axis=0)
+    solids = [as_manifold(points - centre, triangles) for points, triangles in bodies]
+    if any(solid.status() != manifold3d.Error.NoError for solid in solids):
+        return None
+    if len(bodies) == 1:
+        return _compact(*bodies[0])
+    union = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
+    if union.status() != manifold3d.Error.NoError or union.is_empty():
+        return None
+    mesh = union.to_mesh64()
+    points, triangles = np.array(mesh.vert_properties)[:, :3] + centre, np.array(mesh.tri_verts).astype(np.int32)
+    return points, triangles
+
+
+def as_manifold(points: FloatArray, triangles: IntArray) -> manifold3d.Manifold:
+    """A manifold3d body; its `status()` tells whether the surface is an oriented manifold."""
+    points, triangles = _compact(points, triangles)
+    return manifold3d.Manifold(
+        manifold3d.Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(triangles, dtype=np.uint64))
+    )
+
+
+def signed_volume(points: FloatArray, triangles: IntArray) -> float:
+    """Volume enclosed by a closed surface, about its own centre, so that its place does not matter."""
+    if len(triangles) == 0:
+        return 0.0
+    corners = points[triangles]
+    corners = corners - corners.reshape(-1, 3).mean(axis=0)
+    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
+
+
+def _closed_parts(mesh: Mesh) -> tuple[list[Surface], Mesh, int, float]:
+    """Closed bodies with their cavities, the remaining faces, the number of cavities and the closed area."""
+    if len(mesh.triangles) == 0:
+        return [], mesh, 0, 0.0
+    parts = components_of(mesh.points, mesh.triangles)
+    parent = opposite_container(mesh.points, mesh.triangles, parts)
+    cavity = parts.solid & (parts.volume < 0.0) & (parent >= 0)
+    body = parts.solid & (parts.volume > 0.0)
+    owner = np.where(cavity, parent, np.arange(parts.count))
+    face_owner = np.where((body | cavity)[parts.label], owner[parts.label], -1)
+    bodies = [_compact(mesh.points, mesh.triangles[face_owner == k]) for k in np.flatnonzero(body)]
+    rest = keep_faces(mesh, face_owner < 0)
+    return bodies, rest, int(cavity.sum()), float(parts.area[body | cavity].sum())
+
+
+def _is_body(body: OpenBody, total_area: float) -> bool:
+    if body.kind == "holes":
+        return True
+    closed_area = body.area + sum(o.area for o in body.openings)
+    looped = bool(body.openings) and body.complete and body.capped_volume != 0.0
+    minor = body.area <= LEADING_PART_SHARE * total_area
+    return looped and minor and closed_area - body.area <= HIDDEN_FACE_SHARE * closed_area
+
+
+def outward(points: FloatArray, triangles: IntArray) -> Surface:
+    """A closed surface without unused points, turned outward when it holds a negative volume."""
+    points, triangles = _compact(points, triangles)
+    return points, triangles if signed_volume(points, triangles) >= 0.0 else triangles[:, [0, 2, 1]]
+
+
+def _compact(points: FloatArray, triangles: IntArray) -> Surface:
+    used, index = np.unique(triangles, return_inverse=True)
+    return points[used], index.reshape(-1, 3).astype(np.int32)

@@ -1,0 +1,41 @@
+"""Closed bodies that lie wholly inside the matter of others: a core, or a cavity whose shell lost its winding."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from geom.mass.inertia import of_closed_surface
+from geom.solid.closed_bodies import Surface, as_manifold, signed_volume, unite
+from schemas.physics import MassProperties
+
+# Bodies below this share of the largest matter to nothing; this also bounds their number.
+LEAST_SHARE = 1e-3
+# What may stand out of the body around it by rounding, as a share of the inner body.
+SLACK_SHARE = 1e-6
+
+
+def enclosed_matter(bodies: Sequence[Surface]) -> MassProperties | None:
+    """What `bodies` (closed, outward) hold that lie wholly inside another one of them, at 1 kg/m3, counted once.
+
+    None when there are none. Inside means inside matter: a ball in the cavity of a hollow box is not.
+    """
+    volumes = np.array([signed_volume(*body) for body in bodies])
+    free: list[Surface] = []
+    cores: list[Surface] = []
+    for k in np.argsort(-volumes, kind="stable"):
+        if volumes[k] < LEAST_SHARE * volumes.max() or any(_lies_within(bodies[k], core) for core in cores):
+            continue
+        (cores if any(_lies_within(bodies[k], other) for other in free) else free).append(bodies[k])
+    together = unite(cores) if cores else None
+    return None if together is None else of_closed_surface(*together, 1.0)
+
+
+def _lies_within(inner: Surface, outer: Surface) -> bool:
+    low, high = outer[0].min(axis=0), outer[0].max(axis=0)
+    if (inner[0] <= low).any() or (inner[0] >= high).any():
+        return False
+    centre = 0.5 * (low + high)
+    own, around = (as_manifold(points - centre, triangles) for points, triangles in (inner, outer))
+    return not own.is_empty() and (own - around).volume() <= SLACK_SHARE * own.volume()

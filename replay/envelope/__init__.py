@@ -1,0 +1,1 @@
+"""The swept volume of all that moves in an episode, as capsules with proven bounds."""

@@ -1,0 +1,104 @@
+"""How far points of links may be from the chord between two states: a bound that holds, not a probe.
+
+Along a joint-linear motion by dq a point's position p has d2p/ds2 = sum_ij dq_i dq_j d2p/dq_i dq_j. For joint i nearer
+to the base than j the last factor is at most the point's distance from the axis of j (1 if j slides and i turns, 0 if
+i slides). A curve strays from its chord by at most an eighth of its largest second derivative. Distances from axes are
+bounded over the interval: twice the distance is at most those at both ends and the way that the point makes between,
+relative to the axis. A base that turns counts as one more joint, nearest to the root; its translation is linear.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from replay.envelope.trajectory import Course
+from replay.recording.episode import Robot
+from replay.recording.kinematics import link_poses
+from schemas.model import FloatArray
+
+
+@dataclass(frozen=True)
+class Paths:
+    """Points of a link along a course: points_W (k, m, 3).
+
+    beyond_m  (k, m-1) how far a point may be from the chord between two states: `curve_m`, which falls as intervals are
+              divided, and `stray_m`, what the course leaves to joints besides.
+    """
+
+    points_W: FloatArray
+    curve_m: FloatArray
+    stray_m: FloatArray
+
+    @property
+    def beyond_m(self) -> FloatArray:
+        """(k, m-1)."""
+        return self.curve_m + self.stray_m
+
+
+def paths(robot: Robot, course: Course, centres: list[FloatArray]) -> list[Paths]:
+    """Paths of points centres[l] (k, 3) of every link l along a course."""
+    poses = link_poses(robot, course.q, course.X_WR)
+    turned = np.abs(turns(course.X_WR))
+    moved = np.abs(np.diff(course.q, axis=0))
+    return [_link_paths(robot, number, course, poses, moved, turned, points) for number, points in enumerate(centres)]
+
+
+def _link_paths(
+    robot: Robot,
+    number: int,
+    course: Course,
+    poses: FloatArray,
+    moved: FloatArray,
+    turned: FloatArray,
+    points_L: FloatArray,
+) -> Paths:
+    X = poses[:, number]
+    points_W = np.einsum("mij,kj->kmi", X[:, :3, :3], points_L) + X[:, :3, 3]
+    steps = len(poses) - 1
+    way = np.zeros((len(points_L), steps))  # of the point relative to the joint in hand, from the link to the root
+    curve, stray = np.zeros_like(way), np.zeros_like(way)
+    chain = _chain(robot, number)
+    amounts = [abs(robot.links[j].gain) * moved[:, robot.links[j].coordinate] for j in chain]
+    turning = [a if robot.links[j].kind == "revolute" else np.zeros(steps) for j, a in zip(chain, amounts, strict=True)]
+    for place, j in enumerate(chain):
+        link = robot.links[j]
+        strays = abs(link.gain) * course.stray[:, link.coordinate]
+        nearer = sum(turning[place + 1 :], turned)  # what turns nearer to the root
+        if link.kind == "prismatic":
+            curve += amounts[place] * 2.0 * nearer / 8.0
+            stray += strays
+            way += amounts[place] + 2.0 * strays
+        else:
+            axis_W = poses[:, j, :3, :3] @ link.axis_L
+            reach = _reach(np.linalg.norm(np.cross(points_W - poses[:, j, :3, 3], axis_W), axis=2), way)
+            curve += amounts[place] * reach * (amounts[place] + 2.0 * nearer) / 8.0
+            stray += strays * reach
+            way += (amounts[place] + 2.0 * strays) * reach
+    from_base = _reach(np.linalg.norm(points_W - course.X_WR[:, :3, 3], axis=2), way)
+    curve += turned**2 * from_base / 8.0
+    return Paths(points_W, curve, stray)
+
+
+def _reach(ends: FloatArray, way: FloatArray) -> FloatArray:
+    """(k, m-1) bound on a distance over each interval, from its values at the states (k, m) and the way between."""
+    return 0.5 * (ends[:, :-1] + ends[:, 1:] + way)
+
+
+def _chain(robot: Robot, number: int) -> list[int]:
+    """The moving joints from a link to the root."""
+    found = []
+    while number >= 0:
+        if robot.links[number].coordinate >= 0:
+            found.append(number)
+        number = robot.links[number].parent
+    return found
+
+
+def turns(X_WR: FloatArray) -> FloatArray:
+    """(m-1,) angles between successive base orientations, at most half a turn."""
+    relative = np.einsum("mji,mjk->mik", X_WR[:-1, :3, :3], X_WR[1:, :3, :3])
+    skew = relative - relative.transpose(0, 2, 1)
+    sine = 0.5 * np.linalg.norm([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=0)
+    return np.arctan2(sine, 0.5 * (np.trace(relative, axis1=1, axis2=2) - 1.0))

@@ -1,0 +1,1 @@
+"""Insertion of new objects: free space outside the envelope, supports, candidates, placement."""

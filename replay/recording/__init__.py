@@ -1,0 +1,1 @@
+"""Recorded episodes: reading of formats, kinematics, shapes of links, camera views."""

@@ -1,0 +1,1 @@
+"""File-level access for episode formats: HDF5, Parquet tables, archives."""

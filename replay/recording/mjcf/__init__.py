@@ -1,0 +1,1 @@
+"""MuJoCo MJCF models of recorded episodes: bodies, meshes, cameras."""

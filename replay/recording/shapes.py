@@ -1,0 +1,80 @@
+"""Convex collision shapes of a recording's bodies: hulls are exact, so that a shape contains what it stands for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from geom.convex.hull import convex_hull
+from geom.pose import apply, pose
+from replay.recording.recorded_numbers import stop
+from schemas.model import FloatArray
+from schemas.physics import CollisionShape
+
+MESH_FILES = (".obj", ".stl", ".ply", ".dae", ".glb")
+PLANE_THICKNESS_M, PLANE_HALF_M = 0.1, 10.0
+
+
+def hull(points: FloatArray, name: str, file: str) -> CollisionShape:
+    """The convex hull of points (n, 3) as a shape in their frame. Raises InvalidInput where they span no volume."""
+    try:
+        return CollisionShape("hull", (), np.eye(4), *convex_hull(np.asarray(points, dtype=np.float64)))
+    except ValueError as error:
+        raise stop("replay/bad-mesh", f"mesh of '{name}': {error}", file) from None
+
+
+def ellipsoid(half_m: tuple[float, ...], X_BG: FloatArray) -> CollisionShape:
+    """A hull around an ellipsoid: a subdivided icosahedron whose faces touch it from outside."""
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    inner = float(np.einsum("ij,ij->i", ball.face_normals, ball.triangles[:, 0]).min())
+    points, triangles = convex_hull(np.asarray(ball.vertices) / inner * np.asarray(half_m))
+    return CollisionShape("hull", (), np.eye(4), apply(X_BG, points), triangles)
+
+
+def plane(half_m: tuple[float, ...], X_BG: FloatArray) -> CollisionShape:
+    """A plane as a slab below its surface; an infinite one ends 10 m from its origin."""
+    x, y = (2.0 * (h if h > 0.0 else PLANE_HALF_M) for h in half_m[:2])
+    down = pose(None, (0.0, 0.0, -PLANE_THICKNESS_M / 2.0))
+    return CollisionShape("box", (x, y, PLANE_THICKNESS_M), X_BG @ down)
+
+
+def mesh_points(path: Path, scale: tuple[float, ...], file: str) -> FloatArray:
+    """Vertices (n, 3) of a mesh file, scaled. Raises InvalidInput."""
+    try:
+        mesh = trimesh.load(path, force="mesh", process=False, skip_materials=True)
+        points = np.asarray(mesh.vertices, dtype=np.float64) * scale  # pyright: ignore[reportAttributeAccessIssue]
+    except Exception as error:  # Readers of foreign formats raise what they like.
+        raise stop("replay/bad-mesh", f"'{path.name}' cannot be read: {error}", file) from None
+    if not len(points) or not np.isfinite(points).all():
+        raise stop("replay/bad-mesh", f"'{path.name}' has no finite vertices", file)
+    return points
+
+
+def found_mesh(name: str, folder: Path, meshes: Path | None, file: str) -> Path:
+    """The file that a model names: inside `folder`, else the one in `meshes` that shares the longest end of its path.
+
+    Raises InvalidInput.
+    """
+    words = [word for word in name.replace("\\", "/").removeprefix("package://").split("/") if word not in ("", ".")]
+    if not words or Path(words[-1]).suffix.lower() not in MESH_FILES:
+        raise stop("replay/missing-mesh", f"'{name}' is no mesh file that Mana reads", file)
+    inside = (folder / "/".join(words)).resolve()
+    if ".." not in words and inside.is_relative_to(folder.resolve()) and inside.is_file():
+        return inside
+    if meshes is None:
+        relative = not name.startswith(("/", "package:")) and ":" not in name
+        code = (
+            "replay/path-escape" if relative and not inside.is_relative_to(folder.resolve()) else "replay/missing-mesh"
+        )
+        raise stop(code, f"mesh '{name}' is not in the folder of the recording; name its folder with --meshes", file)
+    words = [word for word in words if word != ".."]
+    for start in range(len(words)):
+        end = "/".join(words[start:])
+        hits = sorted(p for p in meshes.rglob(words[-1]) if p.is_file() and ("/" + p.as_posix()).endswith("/" + end))
+        if len(hits) == 1:
+            return hits[0]
+        if hits:
+            raise stop("replay/missing-mesh", f"'{name}': {len(hits)} files in the folder of meshes fit", file)
+    raise stop("replay/missing-mesh", f"'{name}' is not in the folder of meshes", file)

@@ -1,0 +1,88 @@
+"""Variants judged by their poses alone: is every inserted object clear of all that moved, stood or was put in?
+
+Shares nothing with the code that chose the poses: no envelope, no capsules, no feasible regions. The recording is
+replayed densely (`replay.verification.dense`), and exact distances between convex shapes decide
+(`replay.verification.separation`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from replay.recording.episode import Episode
+from replay.verification.dense import SUB_TIMES, dense_motion
+from replay.verification.inserted_bodies import InsertedBody
+from replay.verification.nearest import Standing, least_distance, path, standing
+from replay.verification.separation import separation_m, solid
+from schemas.replay import Near
+
+UNDERNEATH_M = 1e-3  # A shape whose top is no higher than this over the lowest point of an object lies under it.
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """An inserted object with its shapes where they stand."""
+
+    name: str
+    shapes: tuple[Standing, ...]
+    lowest_m: float
+
+
+def near_pairs(
+    episode: Episode, variants: Sequence[Sequence[InsertedBody]], clearance_m: float, sub_times: int = SUB_TIMES
+) -> list[list[Near]]:
+    """For each variant, pairs of an inserted object and something else, with their least distance.
+
+    Every pair that comes nearer than `clearance_m` is there, and the nearest pair of all; distances are never more than
+    the true ones.
+    """
+    placed = [[_placed(body) for body in variant] for variant in variants]
+    found = [_still_pairs(episode, objects) for objects in placed]
+    for stretch in dense_motion(episode, sub_times):
+        for body in stretch.bodies:
+            for shape in body.shapes:
+                moving = path(solid(shape), body.X_WB)
+                for objects, near in zip(placed, found, strict=True):
+                    for thing in objects:
+                        for still in thing.shapes:
+                            best = min((pair.distance_m for pair in near.values()), default=float("inf"))
+                            known = near.get((thing.name, body.name))
+                            at_most = max(best, clearance_m)
+                            if known and known.distance_m < clearance_m:
+                                at_most = known.distance_m
+                            distance, row = least_distance(moving, still, at_most)
+                            if row >= 0:
+                                pair = (thing.name, body.name)
+                                t_s = float(stretch.t_s[row])
+                                near[pair] = Near(inserted=pair[0], other=pair[1], distance_m=distance, t_s=t_s)
+    rows = [sorted(near.values(), key=lambda pair: pair.distance_m) for near in found]
+    return [[pair for k, pair in enumerate(row) if k == 0 or pair.distance_m < clearance_m] for row in rows]
+
+
+def _placed(inserted: InsertedBody) -> _Placed:
+    shapes = tuple(standing(solid(shape), inserted.X_WA) for shape in inserted.body.shapes)
+    lowest = min(float(shape.low_W[2]) for shape in shapes)
+    return _Placed(inserted.stated.name, shapes, lowest)
+
+
+def _still_pairs(episode: Episode, objects: Sequence[_Placed]) -> dict[tuple[str, str], Near]:
+    """Least distances between inserted objects, and from each to what stands, save for what lies under it.
+
+    Names do not tell what lies under it: several fixtures may have a shape of one name.
+    """
+    fixed = [
+        (name, standing(solid(shape), fixture.X_WB))
+        for fixture in episode.fixtures
+        for name, shape in zip(fixture.shape_names, fixture.shapes, strict=True)
+    ]
+    pairs = {}
+    for number, thing in enumerate(objects):
+        others = [(o.name, s) for o in objects[number + 1 :] for s in o.shapes]
+        others += [(name, s) for name, s in fixed if s.high_W[2] > thing.lowest_m + UNDERNEATH_M]
+        for name, other in others:
+            distance = min(separation_m(s.solid, s.X_WA, other.solid, other.X_WA) for s in thing.shapes)
+            known = pairs.get((thing.name, name))
+            if known is None or distance < known.distance_m:
+                pairs[thing.name, name] = Near(inserted=thing.name, other=name, distance_m=distance)
+    return pairs

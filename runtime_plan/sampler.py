@@ -1,0 +1,246 @@
+"""Draw scenes from a plan, many at once. Needs numpy and `schemas` alone.
+
+A sample's numbers depend on seed and index alone (`runtime_plan.counter_rng`), in this order: combination, case of
+each pool,
+body of each thing, yaw, x and y of each thing, a material of each group, lighting and its channels.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from runtime_plan.backend import NUMPY, Backend
+from runtime_plan.plan import Plan
+from runtime_plan.portable_trig import half_turns
+from runtime_plan.samples import Samples
+from runtime_plan.tables import ABSENT, AUTHORED, Forms, Layout, PlanTables, Pool, Reaches, Tables
+
+Array = Any
+CHUNK = 512  # samples worked on at once, so that their numbers stay in the processor's cache
+
+
+def sample(plan: Plan, n: int, seed: int, start: int = 0) -> Samples:
+    """Samples `start` to `start + n - 1` of the stream `seed`, valid by construction; any split gives the same."""
+    return sample_with(NUMPY, plan.tables, n, seed, start, CHUNK)
+
+
+def sample_with(backend: Backend, tables: PlanTables, n: int, seed: int, start: int, chunk: int) -> Samples:
+    """The same with the arrays of another library, of which `tables` are as well."""
+    if n < 0 or start < 0 or not 0 <= seed < 2**64:
+        raise ValueError(f"n and start are at least 0, seed is from 0 to 2**64 - 1: {n}, {start}, {seed}")
+    made = _empty(backend, tables, n, seed, start)
+    for low in range(0, n, chunk):
+        high = min(n, low + chunk)
+        u = backend.uniforms(seed, start + low, high - low, tables.layout.blocks)
+        _fill(backend, made, slice(low, high), tables, u)
+    return made
+
+
+def _empty(backend: Backend, tables: PlanTables, n: int, seed: int, start: int) -> Samples:
+    things, pools, full = len(tables.names), tables.layout.bodies - tables.layout.cases, backend.full
+    return Samples(
+        seed=seed,
+        start=start,
+        names=tables.names,
+        combination=full((n,), 0),
+        case=full((n, pools), -1),
+        present=full((n, things), False),
+        asset_index=full((n, things), -1),
+        stance=full((n, things), 0),
+        support=full((n, things), ABSENT),
+        position_m=full((n, things, 3), np.nan),
+        quat_wxyz=full((n, things, 4), np.nan),
+        yaw_rad=full((n, things), np.nan),
+        material=full((n, things), AUTHORED),
+        background_material=full((n,), AUTHORED),
+        background=full((n,), -1),
+        lighting=full((n,), -1),
+        channels=full((n, 4), np.nan),
+    )
+
+
+def _fill(backend: Backend, made: Samples, chunk: slice, tables: PlanTables, u: Array) -> None:
+    """Draw the samples of a chunk, one combination after the other."""
+    if len(tables.combinations) == 1:
+        _draw(backend, made, chunk, tables, 0, u)
+        return
+    chosen = backend.xp.searchsorted(tables.shares, u[:, 0], side="right")
+    made.combination[chunk] = chosen
+    for index in range(len(tables.combinations)):
+        rows = (chosen == index).nonzero()
+        rows = rows[0] if isinstance(rows, tuple) else rows[:, 0]
+        if len(rows):
+            _draw(backend, made, rows + chunk.start, tables, index, u[rows])
+
+
+def _draw(backend: Backend, made: Samples, rows: Any, plan: PlanTables, index: int, u: Array) -> None:
+    """Draw `rows`, all of one combination, into `made`."""
+    tables, layout, forms = plan.combinations[index], plan.layout, plan.forms
+    things = len(tables.things)
+    columns = slice(None) if tables.all_things else tables.things
+    at = rows if isinstance(rows, slice) or tables.all_things else rows[:, None]  # rows x columns of the result
+    cases = _cases(backend, tables.pools, u[:, layout.cases :])
+    table_rows = (cases if tables.one_each else cases[:, tables.pool_of]) + tables.first_row
+    bodies, stance, form = _forms(backend, tables, layout, forms, table_rows, u)
+    yaw = _yaw(backend, tables, table_rows, u[:, layout.yaws : layout.yaws + things])
+    c, s = half_turns(backend.xp, yaw)
+    x, y = _place(backend, tables, table_rows, form, c, s, u[:, layout.xs :], u[:, layout.ys :])
+    z = _pick(backend, tables.height_m, table_rows) + _pick(backend, forms.origin_height_m, form)
+    _to_world(tables, x, y, z, c, s)
+    made.case[rows, : len(tables.pools)] = cases
+    made.present[at, columns] = True
+    made.asset_index[at, columns] = bodies
+    made.stance[at, columns] = stance
+    made.support[at, columns] = tables.support
+    made.yaw_rad[at, columns] = yaw
+    for axis, values in enumerate((x, y, z)):
+        made.position_m[at, columns, axis] = values
+    for axis, values in enumerate(_quaternion(backend, forms, form, c, s)):
+        made.quat_wxyz[at, columns, axis] = values
+    made.background[rows] = tables.background_body
+    _looks(backend, made, rows, at, columns, plan, tables, u)
+
+
+def _pick(backend: Backend, values: Array, index: Array) -> Array:
+    return backend.xp.take(values, index)
+
+
+def _cases(backend: Backend, pools: tuple[Pool, ...], u: Array) -> Array:
+    """(m, P) case of each pool."""
+    cases = backend.full((len(u), len(pools)), 0)
+    for p, pool in enumerate(pools):
+        if pool.shares is not None:
+            cases[:, p] = backend.xp.searchsorted(pool.shares, u[:, p], side="right")
+        elif pool.count > 1:
+            cases[:, p] = backend.whole(u[:, p] * pool.count)
+    return cases
+
+
+def _forms(
+    backend: Backend, tables: Tables, layout: Layout, forms: Forms, rows: Array, u: Array
+) -> tuple[Array, Array, Array]:
+    """Body, stance and form of each thing: (m, T), or (T,) where they never change."""
+    if tables.form is not None:
+        return tables.bodies[:, 0], tables.stance_of, tables.form
+    stance = _pick(backend, tables.stance, rows)
+    if tables.bodies.shape[1] == 1:
+        bodies = tables.bodies[:, 0]
+    else:
+        drawn = backend.whole(u[:, layout.bodies : layout.bodies + len(tables.things)] * tables.body_count)
+        bodies = _pick(backend, tables.bodies, drawn + tables.body_row)
+    return bodies, stance, _pick(backend, forms.start, bodies) + stance
+
+
+def _yaw(backend: Backend, tables: Tables, rows: Array, u: Array) -> Array:
+    """(m, T) uniform over the intervals of each row."""
+    along = u * _pick(backend, tables.turn[1], rows)
+    yaw = along + _pick(backend, tables.turn[0], rows)
+    for past, jump in zip(tables.turn_past, tables.turn_jump, strict=True):
+        yaw += (along >= _pick(backend, past, rows)) * _pick(backend, jump, rows)
+    return yaw
+
+
+def _place(
+    backend: Backend, tables: Tables, rows: Array, form: Array, c: Array, s: Array, ux: Array, uy: Array
+) -> tuple[Array, Array]:
+    """x and y (m, T) of the asset origin in A: uniform where the footprint at its yaw stays in its cell."""
+    things = c.shape[1]
+    cosine = 1.0 - 2.0 * s * s
+    sine = 2.0 * s * c
+    ends = _ends(backend, tables.reaches, form, cosine, sine)
+    made = []
+    for axis, u in enumerate((ux, uy)):
+        bounds, (least, most) = tables.bounds_m[2 * axis :], ends[axis]
+        low = _pick(backend, bounds[0], rows) - least
+        high = _pick(backend, bounds[1], rows) - most
+        if tables.boxed:
+            low = backend.xp.maximum(low, _pick(backend, bounds[4], rows))
+            high = backend.xp.minimum(high, _pick(backend, bounds[5], rows))
+        high -= low
+        high *= u[:, :things]
+        low += high
+        made.append(low)
+    return made[0], made[1]
+
+
+def _ends(
+    backend: Backend, reaches: tuple[Reaches, ...], form: Array, cosine: Array, sine: Array
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Least and most x, least and most y (m, T) of the outlines, turned about the asset origin."""
+    xp = backend.xp
+    if len(reaches) == 1:
+        return _ends_of(xp, reaches[0], form, cosine, sine)
+    found = backend.full((4, *cosine.shape), 0.0)
+    for reach in reaches:
+        columns = reach.columns
+        of = form if form.ndim == 1 else form[:, columns]
+        ends = _ends_of(xp, reach, of, cosine[:, columns], sine[:, columns])
+        for k, values in enumerate((*ends[0], *ends[1])):
+            found[k][:, columns] = values
+    return (found[0], found[1]), (found[2], found[3])
+
+
+def _ends_of(
+    xp: Any, reach: Reaches, form: Array, cosine: Array, sine: Array
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    least = most = back = front = None
+    for corner_x, corner_y in zip(reach.x_m, reach.y_m, strict=True):
+        px = corner_x if reach.fixed else xp.take(corner_x, form)
+        py = corner_y if reach.fixed else xp.take(corner_y, form)
+        x = cosine * px
+        x -= sine * py
+        y = sine * px
+        y += cosine * py
+        if least is None:
+            least, most, back, front = x, x, y, y
+        else:
+            least, most = xp.minimum(least, x), xp.maximum(most, x)
+            back, front = xp.minimum(back, y), xp.maximum(front, y)
+    return (least, most), (back, front)
+
+
+def _to_world(tables: Tables, x: Array, y: Array, z: Array, c: Array, s: Array) -> None:
+    """Turn poses (m, T) in A of each thing's place into those in W, in place; owners stand level.
+
+    `c`, `s` are cosine and sine of half the yaw; `z` counts from U of the owner already.
+    """
+    x += tables.place_m[0]
+    y += tables.place_m[1]
+    for level in tables.levels:
+        if level.owners is None:
+            at_x, at_y, at_z, c_W, s_W = tables.background
+        else:
+            owners = level.owners
+            at_x, at_y, at_z, c_W, s_W = x[:, owners], y[:, owners], z[:, owners], c[:, owners], s[:, owners]
+        columns = slice(None) if level.columns is None else level.columns
+        if level.owners is None and tables.background == (0.0, 0.0, 0.0, 1.0, 0.0):
+            continue
+        cosine, sine = 1.0 - 2.0 * s_W * s_W, 2.0 * s_W * c_W
+        x_U, y_U, c_U, s_U = x[:, columns], y[:, columns], c[:, columns], s[:, columns]
+        x[:, columns], y[:, columns] = at_x + cosine * x_U - sine * y_U, at_y + sine * x_U + cosine * y_U
+        c[:, columns], s[:, columns] = c_W * c_U - s_W * s_U, s_W * c_U + c_W * s_U
+        z[:, columns] += at_z
+
+
+def _quaternion(backend: Backend, forms: Forms, form: Array, c: Array, s: Array) -> tuple[Array, Array, Array, Array]:
+    """The yaw after the orientation of the stance, (m, T) each of w, x, y, z."""
+    w, x, y, z = (_pick(backend, part, form) for part in forms.quat_wxyz)
+    return c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w
+
+
+def _looks(
+    backend: Backend, made: Samples, rows: Any, at: Any, columns: Any, plan: PlanTables, tables: Tables, u: Array
+) -> None:
+    """Materials and lighting of `rows`."""
+    for k, group in enumerate(tables.groups):
+        worn = group.worn[backend.whole(u[:, plan.layout.materials + k] * len(group.worn))]
+        made.material[at, columns] = backend.xp.maximum(made.material[at, columns], worn[:, :-1])
+        made.background_material[rows] = backend.xp.maximum(made.background_material[rows], worn[:, -1])
+    if len(tables.lighting):
+        lighting = tables.lighting[backend.whole(u[:, plan.layout.lighting] * len(tables.lighting))]
+        bounds = plan.channels[lighting]
+        drawn = u[:, plan.layout.lighting + 1 : plan.layout.lighting + 5]
+        made.lighting[rows] = lighting
+        made.channels[rows] = bounds[..., 0] + drawn * (bounds[..., 1] - bounds[..., 0])

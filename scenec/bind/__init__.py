@@ -1,0 +1,1 @@
+"""Binding of a scene program to packages: assets, anchors, variants and relations become a placement problem."""

@@ -1,0 +1,117 @@
+"""Surfaces and volumes of an asset as scenes use them: from its record, or drawn in the program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from shapely.affinity import scale as stretch
+from shapely.affinity import translate
+
+from scenec.bind.prisms import slabs_between
+from scenec.ir.problem import Slab, Surface, Volume
+from schemas.anchors import AnchorPolygon, ContainmentVolume, SupportSurface
+from schemas.physics import CollisionShape
+from schemas.scene.program import AuthoredPolygon
+
+# Collision shapes differ a little from what is seen: what rises over a floor by no more than this is part of it.
+STEP_M = 0.004
+UP = np.array([0.0, 0.0, 1.0])
+DRAWN_LAYERS = 8  # of a volume drawn by hand, so that what its owner has inside counts at its heights only
+
+
+def recorded_surface(anchor: SupportSurface, shapes: Sequence[CollisionShape], scale: float) -> Surface:
+    """A surface of a record, enlarged by `scale`; `shapes` of the owner are so already."""
+    polygon, origin = _polygon(anchor.polygon, scale), np.asarray(anchor.position_m) * scale
+    clearance = np.inf if anchor.clearance_m is None else anchor.clearance_m * scale
+    return with_owner(Surface(anchor.anchor_id, polygon, origin, clearance), shapes)
+
+
+def drawn_surface(name: str, drawn: AuthoredPolygon, shapes: Sequence[CollisionShape]) -> Surface:
+    """A surface drawn in the asset frame, in metres as written."""
+    polygon, origin = _centred(shapely.Polygon(drawn.outline, drawn.holes), drawn.z)
+    clearance = np.inf if drawn.height is None else drawn.height
+    return with_owner(Surface(name, polygon, origin, clearance), shapes)
+
+
+def with_owner(surface: Surface, shapes: Sequence[CollisionShape]) -> Surface:
+    """The surface with what its owner has over it. It is raised to what collision shapes really carry there."""
+    above = _over(shapes, surface.origin_P_m)
+    rise = _rise(above, surface.polygon)
+    above = tuple(_lowered(slab, rise) for slab in above if slab.high_m > max(STEP_M, rise))
+    origin = surface.origin_P_m + rise * UP
+    return replace(surface, origin_P_m=origin, clearance_m=surface.clearance_m - rise, above=above)
+
+
+def recorded_volume(anchor: ContainmentVolume, shapes: Sequence[CollisionShape], scale: float) -> Volume:
+    """A volume of a record: layers of equal height about its slices, of each the largest piece."""
+    step = anchor.height_m * scale / max(len(anchor.slices), 1)
+    layers = tuple(
+        (i * step, (i + 1) * step, max((_polygon(p, scale) for p in part.polygons), key=shapely.area))
+        for i, part in enumerate(anchor.slices)
+        if part.polygons
+    )
+    origin = np.asarray(anchor.position_m) * scale
+    return _carved(Volume(anchor.anchor_id, layers, _polygon(anchor.opening, scale), origin), shapes)
+
+
+def drawn_volume(name: str, drawn: AuthoredPolygon, shapes: Sequence[CollisionShape]) -> Volume:
+    """A volume drawn in the asset frame: upright walls, less what its owner has inside."""
+    polygon, origin = _centred(shapely.Polygon(drawn.outline, drawn.holes), drawn.z)
+    assert drawn.height is not None, "the checks of the text ask for it"
+    heights = np.linspace(0.0, drawn.height, DRAWN_LAYERS + 1)
+    layers = tuple((float(low), float(high), polygon) for low, high in pairwise(heights))
+    return _carved(Volume(name, layers, polygon, origin), shapes)
+
+
+def _carved(volume: Volume, shapes: Sequence[CollisionShape]) -> Volume:
+    """The volume without what collision shapes of its owner fill, its floor raised to what they carry there.
+
+    Walls are approximated by convex pieces that reach a little further in than what is seen. Layers above the first
+    that is filled are out of reach from the floor and are left out.
+    """
+    if not volume.layers:
+        return volume
+    rise = _rise(_over(shapes, volume.origin_P_m), volume.layers[0][2])
+    layers = []
+    for low, high, polygon in volume.layers:
+        base = max(low, rise)
+        if high <= base:
+            continue
+        filled = _over(shapes, volume.origin_P_m + base * UP, high - base)
+        free = polygon.difference(shapely.union_all([shapely.Polygon(slab.outline_m) for slab in filled]))
+        largest = max(shapely.get_parts(free), key=shapely.area, default=shapely.Polygon())
+        if not isinstance(largest, shapely.Polygon) or largest.is_empty:
+            break
+        layers.append((base - rise, high - rise, largest))
+    return replace(volume, layers=tuple(layers), origin_P_m=volume.origin_P_m + rise * UP)
+
+
+def _over(shapes: Sequence[CollisionShape], origin_P_m: np.ndarray, height_m: float = np.inf) -> tuple[Slab, ...]:
+    """What shapes hold over the origin of an anchor, up to a height: outlines in the anchor frame, heights from it."""
+    x, y, z = (float(v) for v in origin_P_m)
+    return tuple(replace(s, outline_m=s.outline_m - [x, y]) for s in slabs_between(shapes, z, z + height_m))
+
+
+def _rise(over: Sequence[Slab], polygon: shapely.Polygon) -> float:
+    """How far collision shapes that belong to the floor reach over it."""
+    floor = [s.high_m for s in over if s.high_m <= STEP_M and shapely.Polygon(s.outline_m).intersects(polygon)]
+    return max(floor, default=0.0)
+
+
+def _lowered(slab: Slab, rise: float) -> Slab:
+    return replace(slab, low_m=max(slab.low_m - rise, 0.0), high_m=slab.high_m - rise)
+
+
+def _polygon(anchor: AnchorPolygon, scale: float) -> shapely.Polygon:
+    return stretch(shapely.Polygon(anchor.outline_m, anchor.holes_m), scale, scale, origin=(0.0, 0.0))
+
+
+def _centred(polygon: shapely.Polygon, z: float) -> tuple[shapely.Polygon, np.ndarray]:
+    """The polygon in the anchor frame, and the origin of that in the asset frame."""
+    x0, y0, x1, y1 = polygon.bounds
+    x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
+    return translate(polygon, -x, -y), np.array([x, y, z])

@@ -1,0 +1,225 @@
+"""The asset library: packages and inline primitives as bodies for scenes. Nothing else reads packages."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from shapely.affinity import scale as stretch
+
+from runtime_plan.package_files import changed_physics
+from scenec.bind.anchors import drawn_surface, drawn_volume, recorded_surface, recorded_volume
+from scenec.bind.primitives import UPRIGHT, shape_of, stable_quats_wxyz, top_of
+from scenec.bind.prisms import scaled, stance_of
+from scenec.ir.problem import Body, Stance, Surface, Volume
+from scenec.source.hint import did_you_mean
+from schemas.anchors import ContainmentVolume, SupportSurface
+from schemas.asset import AssetRecord
+from schemas.diagnostics import InvalidInput, Severity, finding
+from schemas.outcome import ItemOutcome
+from schemas.physics import CollisionShape
+from schemas.scene.program import AuthoredPolygon, FixedAsset, Inline, Orientation
+from usdio.reread.body import reread_body
+
+MOST_SEEN = 5_000
+Quat_wxyz = tuple[float, float, float, float]
+Single = Inline | FixedAsset  # an asset that is no pool
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What an asset offers to scenes, scale applied: collision shapes, places, orientations, in its asset frame."""
+
+    asset_id: str
+    shapes: tuple[CollisionShape, ...]
+    surfaces: tuple[Surface, ...]
+    volumes: tuple[Volume, ...]
+    stable_quats_wxyz: tuple[Quat_wxyz, ...]
+    roles: frozenset[str]
+    mass_kg: float | None
+    package: str | None
+    inline: Inline | None = None
+    doubts: tuple[str, ...] | None = None  # codes of the warnings of a package in review; None for any other
+
+    @cached_property
+    def lean_deg(self) -> float:
+        """How far the stable pose nearest to upright leans (degrees), 0 where no stable pose is known."""
+        return min(
+            (float(np.degrees(2.0 * np.arccos(min(abs(w), 1.0)))) for w, *_ in self.stable_quats_wxyz), default=0.0
+        )
+
+
+class AssetLibrary:
+    """A folder of packages (`mana assets ingest --out`); with None only inline primitives are known."""
+
+    def __init__(self, folder: Path | None) -> None:
+        self.folder = folder
+        self._geometries: dict[tuple[str, float], Geometry] = {}
+        self._bodies: dict[tuple[str, float, Orientation, bool], Body] = {}
+        self._records: dict[str, bytes] = {}
+        self._seen: dict[tuple[int, float], tuple[Single, Geometry]] = {}  # by object, for one that is asked for again
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The ids of all packages."""
+        if self.folder is None:
+            return ()
+        return tuple(sorted(record.parent.name for record in self.folder.glob("*/record.json")))
+
+    def refresh(self) -> None:
+        """Forget which packages there are, and everything read when one that was used is another by now, or is gone."""
+        if any(self._record(asset_id) != record for asset_id, record in self._records.items()):
+            for known in (self._geometries, self._bodies, self._records, self._seen):
+                known.clear()
+        self.__dict__.pop("names", None)
+
+    def body(
+        self, asset: Single, scale: float = 1.0, orientation: Orientation = "upright", sections: bool = False
+    ) -> Body:
+        """The asset in each way it may stand, what tapers cut into `sections` (see scenec.bind.prisms).
+
+        Raises InvalidInput (`scene/unknown-asset`, `scene/unusable-asset`)."""
+        key = (asset.model_dump_json(), scale, orientation, sections)
+        if key not in self._bodies:
+            geometry = self.geometry(asset, scale)
+            stances = [_stance(geometry, i, q, sections) for i, q in enumerate(_orientations(geometry, orientation))]
+            self._bodies[key] = Body(
+                geometry.asset_id,
+                tuple(stances),
+                geometry.surfaces,
+                geometry.volumes,
+                geometry.mass_kg,
+                geometry.package,
+                scale,
+                geometry.inline,
+            )
+        return self._bodies[key]
+
+    def geometry(self, asset: Single, scale: float = 1.0) -> Geometry:
+        """All that the asset offers. Raises InvalidInput as `body` does."""
+        seen = self._seen.get((id(asset), scale))
+        if seen is not None and seen[0] is asset:
+            return seen[1]
+        key = (asset.model_dump_json(), scale)
+        if key not in self._geometries:
+            package = isinstance(asset, FixedAsset)
+            self._geometries[key] = self._package(asset.id, scale) if package else _primitive(asset, scale)
+        if len(self._seen) >= MOST_SEEN:
+            self._seen.clear()
+        self._seen[id(asset), scale] = asset, self._geometries[key]
+        return self._geometries[key]
+
+    def surface(self, asset: Single, scale: float, wanted: str | AuthoredPolygon, name: str) -> Surface | None:
+        """The surface `wanted` (`auto` for the main one); a drawn one is called `name`. None when there is none."""
+        geometry = self.geometry(asset, scale)
+        if isinstance(wanted, AuthoredPolygon):
+            return drawn_surface(name, wanted, geometry.shapes)
+        return next((s for s in geometry.surfaces if wanted in ("auto", s.name)), None)
+
+    def volume(self, asset: Single, scale: float, wanted: str | AuthoredPolygon, name: str) -> Volume | None:
+        """The volume `wanted` (`auto` for the main one); a drawn one is called `name`. None when there is none."""
+        geometry = self.geometry(asset, scale)
+        if isinstance(wanted, AuthoredPolygon):
+            return drawn_volume(name, wanted, geometry.shapes)
+        return next((v for v in geometry.volumes if wanted in ("auto", v.name)), None)
+
+    def _record(self, asset_id: str) -> bytes:
+        """The bytes of a record, none where it cannot be read."""
+        assert self.folder is not None, "only packages have records"
+        try:
+            return (self.folder / asset_id / "record.json").read_bytes()
+        except OSError:
+            return b""
+
+    def _package(self, asset_id: str, scale: float) -> Geometry:
+        if asset_id not in self.names:
+            said = "there is no asset library" if self.folder is None else "the library has none of that name"
+            headline = f"no asset `{asset_id}`: {said}{did_you_mean(asset_id, self.names)}"
+            raise InvalidInput(finding("scene/unknown-asset", headline))
+        assert self.folder is not None, "it holds the package"
+        folder = self.folder / asset_id
+        self._records[asset_id] = self._record(asset_id)
+        try:
+            record = AssetRecord.model_validate_json(self._records[asset_id])
+        except ValueError:
+            raise _unusable(asset_id, "its record.json is not the record of an asset") from None
+        changed = changed_physics(folder, record.hashes)
+        if changed:
+            said = f"'{changed[0]}' is not the file that was tried in simulation: ingest the asset again"
+            raise _unusable(asset_id, said)
+        try:
+            rigid = reread_body(folder / "usd" / f"{asset_id}.usda")
+        except InvalidInput as error:
+            raise _unusable(asset_id, error.diagnostic.headline) from None
+        if record.outcome is ItemOutcome.REJECTED:
+            raise _unusable(asset_id, "it was rejected")
+        if not rigid.shapes:
+            raise _unusable(asset_id, "it has no collision shape")
+        shapes = tuple(scaled(shape, scale) for shape in rigid.shapes)
+        anchors = [evidence.value for evidence in record.anchors]
+        poses = sorted((p.value for p in record.acceptance.stable_poses), key=lambda p: -p.probability)
+        return Geometry(
+            asset_id,
+            shapes,
+            tuple(recorded_surface(a, shapes, scale) for a in anchors if isinstance(a, SupportSurface)),
+            tuple(recorded_volume(a, shapes, scale) for a in anchors if isinstance(a, ContainmentVolume)),
+            tuple(swing_and_yaw(p.quat_wxyz)[0] for p in poses),
+            frozenset(role.value for role in record.semantics.roles if role.confidence > 0.0),
+            record.physics.mass_kg.value * scale**3,
+            asset_id,
+            doubts=_doubts(record),
+        )
+
+
+def _doubts(record: AssetRecord) -> tuple[str, ...] | None:
+    if record.outcome is not ItemOutcome.REVIEW:
+        return None
+    return tuple(dict.fromkeys(d.code for d in record.diagnostics if d.severity is Severity.WARNING))
+
+
+def _primitive(asset: Inline, scale: float) -> Geometry:
+    tops = tuple(_enlarged(top, scale) for top in top_of(asset))
+    mass_kg = None if asset.mass_kg is None else asset.mass_kg * scale**3
+    shapes = (scaled(shape_of(asset), scale),)
+    return Geometry(asset.type, shapes, tops, (), stable_quats_wxyz(asset), frozenset(), mass_kg, None, asset)
+
+
+def swing_and_yaw(quat_wxyz: Sequence[float]) -> tuple[Quat_wxyz, float]:
+    """An orientation as a turn that leaves no heading, and the heading (rad) about the vertical that follows it."""
+    w, x, y, z = np.asarray(quat_wxyz, dtype=np.float64) / np.linalg.norm(quat_wxyz)
+    half = np.arctan2(z, w) if np.hypot(w, z) > 1e-9 else 0.0
+    c, s = np.cos(half), np.sin(half)  # the turn back about z is (c, 0, 0, -s), multiplied from the left
+    swing = (c * w + s * z, c * x + s * y, c * y - s * x, c * z - s * w)
+    a, b, d, e = (round(float(q), 12) + 0.0 for q in swing)
+    return (a, b, d, e), float(2.0 * half)
+
+
+def _orientations(geometry: Geometry, orientation: Orientation) -> tuple[Quat_wxyz, ...]:
+    if orientation == "upright":
+        return (UPRIGHT,)
+    if orientation == "stable":
+        return geometry.stable_quats_wxyz or (UPRIGHT,)
+    return tuple(_unit(quat) for quat in orientation)
+
+
+def _unit(quat_wxyz: Quat_wxyz) -> Quat_wxyz:
+    w, x, y, z = (float(q) for q in np.asarray(quat_wxyz) / np.linalg.norm(quat_wxyz))
+    return w, x, y, z
+
+
+def _stance(geometry: Geometry, index: int, quat_wxyz: Quat_wxyz, sections: bool) -> Stance:
+    return stance_of(geometry.shapes, quat_wxyz, "upright" if quat_wxyz == UPRIGHT else f"pose_{index}", sections)
+
+
+def _enlarged(surface: Surface, scale: float) -> Surface:
+    if scale == 1.0:
+        return surface
+    polygon = stretch(surface.polygon, scale, scale, origin=(0.0, 0.0))
+    return Surface(surface.name, polygon, surface.origin_P_m * scale)
+
+
+def _unusable(asset_id: str, why: str) -> InvalidInput:
+    return InvalidInput(finding("scene/unusable-asset", f"the package `{asset_id}` cannot be used: {why}"))

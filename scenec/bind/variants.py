@@ -1,0 +1,178 @@
+"""What a program leaves open, by keys such as `objects.mug` or `variants.backgrounds`, each with its values.
+
+Variants that change geometry are resolved before anything is placed: a combination gives every key one value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import product
+from math import prod
+
+from scenec.bind.asset_library import Single
+from scenec.ir.names import Names, upright
+from schemas.scene.program import Asset, AssetVariant, Background, FixedAsset, PoolAsset, SlotGroup
+
+MAX_COMBINATIONS = 256
+AS_WRITTEN = "as_written"
+ASSETS, BACKGROUNDS, BACKGROUND_POOL = "variants.assets", "variants.backgrounds", "background"
+Combination = dict[str, str]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One combination: which assets each object may have (several: their union), background and slots."""
+
+    combination: Combination
+    objects: Mapping[str, tuple[Single, ...]]
+    background: Background | None
+    background_asset: Single | None
+    assign: dict[str, dict[str, str]] = field(default_factory=dict)
+
+
+def singles(asset: Asset | str) -> tuple[Single, ...]:
+    """The assets that an authored asset may be, each once, in order."""
+    if isinstance(asset, str):
+        return (FixedAsset(type="fixed", id=asset),)
+    if isinstance(asset, PoolAsset):
+        ids = dict.fromkeys(one for candidates in asset.candidates for one in candidates.assets)
+        return tuple(FixedAsset(type="fixed", id=one) for one in ids)
+    return (asset,)
+
+
+class Variety:
+    """The keys of a program. Objects in `together` are not taken apart: they have all their candidates at once.
+
+    A pool is a key of its own only under those asset variants that leave the object a pool.
+    """
+
+    def __init__(self, names: Names) -> None:
+        program, variants = names.program, names.program.variants
+        self.names = names
+        self.assets: dict[str, AssetVariant | None] = {AS_WRITTEN: None, **{v.id: v for v in variants.assets}}
+        self.backgrounds: dict[str, Background | None] = {v.id: v.background for v in variants.backgrounds}
+        if program.background is not None or not self.backgrounds:
+            self.backgrounds = {AS_WRITTEN: program.background, **self.backgrounds}
+        self.slots: dict[str, dict[str, dict[str, str]]] = {v.group: {AS_WRITTEN: {}} for v in variants.slots}
+        for variant in variants.slots:
+            self.slots[variant.group][variant.id] = variant.assign
+        self.written = {thing.id: singles(thing.asset) for thing in program.objects}
+        self.together: frozenset[str] = frozenset()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the program leaves anything open that could reach a thing."""
+        pools = any(len(found) > 1 for found in self.written.values())
+        return pools or len(self.assets) > 1 or bool(self.slots) or bool(self.background_keys())
+
+    def candidates(self, name: str, variant: str) -> tuple[Single, ...]:
+        """What an object may be under an asset variant."""
+        changed = self.assets[variant]
+        asset = None if changed is None else changed.objects.get(name)
+        return self.written[name] if asset is None else singles(asset)
+
+    def background_keys(self) -> frozenset[str]:
+        """Keys of the background: they reach everything."""
+        pool = any(b is not None and len(singles(b.asset)) > 1 for b in self.backgrounds.values())
+        return frozenset([*([BACKGROUNDS] if len(self.backgrounds) > 1 else []), *([BACKGROUND_POOL] if pool else [])])
+
+    def keys_of(self, node: str) -> frozenset[str]:
+        """Keys that reach a node by itself: its asset, its slots."""
+        name = self.names.program.layout.nodes[node].object
+        pool = any(len(self.candidates(name, variant)) > 1 for variant in self.assets)
+        changed = any(variant is not None and name in variant.objects for variant in self.assets.values())
+        groups = [group for group in self.names.groups_of.get(node, ()) if group in self.slots]
+        slots = [slot_key(g) for g in groups if isinstance(self.names.program.layout.groups[g], SlotGroup)]
+        own = [f"objects.{name}"] if pool and name not in self.together else []
+        return frozenset([*own, *([ASSETS] if changed else []), *slots])
+
+    def count(self, keys: Collection[str]) -> int:
+        """How many combinations of the values of some keys there are, without listing them."""
+        slots = prod(len(found) for group, found in self.slots.items() if slot_key(group) in keys)
+        others = [key for key in keys if key not in map(slot_key, self.slots)]
+        return slots * sum(self._size(variant, background, keys) for variant, background, _ in self._settings(others))
+
+    def combinations(self, keys: Collection[str]) -> Iterator[Combination]:
+        """Every combination of the values of some keys, what the program says without variants first."""
+        for variant, background, assigned in self._settings(keys):
+            declared = {ASSETS: variant, BACKGROUNDS: background, **assigned}
+            pools = {f"objects.{name}": found for name, found in self._pools(variant, keys)}
+            behind = self._behind(background, keys)
+            for at, *chosen in product(behind, *pools.values()):
+                picked = {key: one.id for key, one in zip(pools, chosen, strict=True) if isinstance(one, FixedAsset)}
+                last = {BACKGROUND_POOL: at.id} if len(behind) > 1 and isinstance(at, FixedAsset) else {}
+                yield {**{key: value for key, value in declared.items() if key in keys}, **picked, **last}
+
+    def probes(self) -> Iterator[Combination]:
+        """Combinations of all keys in which each candidate of each thing meets each background and each assignment of
+        its own slot group."""
+        declared = frozenset([ASSETS, *self.background_keys()])
+        every = declared | {f"objects.{name}" for name in self.written}
+        assignments = range(max(map(len, self.slots.values()), default=1))
+        for one, n in product(self.combinations(declared), assignments):
+            slots = {slot_key(group): [*found][min(n, len(found) - 1)] for group, found in self.slots.items()}
+            pools = dict(self._pools(one.get(ASSETS, AS_WRITTEN), every))
+            for k in range(max(map(len, pools.values()), default=1)):
+                picked = {f"objects.{name}": found[min(k, len(found) - 1)] for name, found in pools.items()}
+                named = {key: single.id for key, single in picked.items() if isinstance(single, FixedAsset)}
+                yield one | slots | named
+
+    def choice(self, combination: Mapping[str, str]) -> Choice:
+        """What a combination means; a key that it leaves out has its first value, or all where taken together."""
+        variant = combination.get(ASSETS, AS_WRITTEN)
+        background = self.backgrounds[combination.get(BACKGROUNDS, next(iter(self.backgrounds)))]
+        objects = {}
+        for name in self.written:
+            found = self.candidates(name, variant)
+            one = combination.get(f"objects.{name}")
+            objects[name] = found if name in self.together and one is None else (_named(found, one),)
+        behind = None
+        if background is not None:
+            behind = _named(singles(background.asset), combination.get(BACKGROUND_POOL))
+        assign = {group: found[combination.get(slot_key(group), AS_WRITTEN)] for group, found in self.slots.items()}
+        return Choice(dict(combination), objects, background, behind, assign)
+
+    def apart(self) -> frozenset[str]:
+        """Objects whose candidates must be solved one by one: something stands on them, or they may be turned over."""
+        names = self.names
+        nodes = names.program.layout.nodes
+        used = {anchor for node in nodes if (anchor := names.anchor_of(node)) is not None}
+        owners = {names.owner(anchor) for anchor in used}
+        carriers = (node.object for name, node in nodes.items() if not owners.isdisjoint(names.copies[name]))
+        turned = (node.object for name, node in nodes.items() if not upright(names.placing(name)))
+        return frozenset((*carriers, *turned))
+
+    def _settings(self, keys: Collection[str]) -> Iterator[tuple[str, str, Combination]]:
+        # Asset variant, background and slot assignments of each choice of the declared variants among `keys`.
+        variants = [*self.assets] if ASSETS in keys else [AS_WRITTEN]
+        backgrounds = [*self.backgrounds] if BACKGROUNDS in keys else [next(iter(self.backgrounds))]
+        groups = [group for group in self.slots if slot_key(group) in keys]
+        for variant, background, *assigned in product(variants, backgrounds, *(self.slots[group] for group in groups)):
+            yield variant, background, dict(zip(map(slot_key, groups), assigned, strict=True))
+
+    def _pools(self, variant: str, keys: Collection[str]) -> Iterator[tuple[str, tuple[Single, ...]]]:
+        for name in self.written:
+            found = self.candidates(name, variant)
+            if len(found) > 1 and name not in self.together and f"objects.{name}" in keys:
+                yield name, found
+
+    def _behind(self, background: str, keys: Collection[str]) -> tuple[Single | None, ...]:
+        made = self.backgrounds[background]
+        found = () if made is None else singles(made.asset)
+        return found if BACKGROUND_POOL in keys and found else found[:1] or (None,)
+
+    def _size(self, variant: str, background: str, keys: Collection[str]) -> int:
+        count = len(self._behind(background, keys))
+        for _, found in self._pools(variant, keys):
+            count *= len(found)
+        return count
+
+
+def slot_key(group: str) -> str:
+    """The key of a slot group's assignments."""
+    return f"variants.slots.{group}"
+
+
+def _named(found: tuple[Single, ...], name: str | None) -> Single:
+    return next((one for one in found if isinstance(one, FixedAsset) and one.id == name), found[0])

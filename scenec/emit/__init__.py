@@ -1,0 +1,1 @@
+"""Emission of a compiled scene: the saved scene document and what USD writers need."""

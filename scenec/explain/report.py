@@ -1,0 +1,72 @@
+"""What became of a combination, in the words of the program: verdict, place in the text, what conflicts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from scenec.ir.problem import Infeasible, Path, Problem, Result, Solved
+from scenec.source.tree import Spans, written
+from schemas.codes import CODES
+from schemas.diagnostics import Diagnostic, Label, finding
+from schemas.scene.compiled import ConflictMember, Suggestion, Verdict
+
+_MOST_CHOICES = 4  # whose lines are shown
+
+
+def verdict_of(result: Result) -> Verdict:
+    """The verdict in one word."""
+    if isinstance(result, Solved):
+        return "compiled"
+    return "infeasible" if isinstance(result, Infeasible) else "budget_exhausted"
+
+
+def why(
+    problem: Problem,
+    result: Result,
+    paths: tuple[Path, ...],
+    edits: tuple[Suggestion, ...],
+    spans: Spans,
+    chosen: Mapping[str, Path | None],
+) -> Diagnostic:
+    """The finding for a combination without a scene, at the first of `paths`, the constraints that conflict. `chosen`
+    are the choices to which it is due, in words, and where the text makes them."""
+    among = f" (with {', '.join(chosen)})" if chosen else ""
+    choices = tuple(Label(where=spans.place(at), text=words) for words, at in chosen.items() if at is not None)
+    if isinstance(result, Infeasible):
+        proof = result.proof
+        code = f"scene/{proof.kind}" if f"scene/{proof.kind}" in CODES else "scene/infeasible"
+        made = finding(
+            code,
+            proof.text + among,
+            where=spans.place(paths[0] if paths else ()),
+            value=proof.value,
+            bound=proof.bound,
+            unit=proof.unit,
+            labels=(*(Label(where=spans.place(path), text=written(path)) for path in paths), *choices[:_MOST_CHOICES]),
+        )
+    else:
+        assert not isinstance(result, Solved), "a scene needs no excuse"
+        blocking = next((thing for thing in problem.things if thing.name == result.blocking), None)
+        said = f"no scene was found in {result.steps} steps, which proves nothing; `{result.blocking}` failed most"
+        if result.note:
+            said = f"{result.note}, which proves nothing of one at a time"
+        made = finding(
+            "scene/budget-exhausted",
+            said + among,
+            where=spans.place(blocking.path if blocking else ()),
+            value=None if result.note else result.placed,
+            bound=None if result.note else result.of,
+            unit="" if result.note else "things placed at best",
+            labels=choices[:_MOST_CHOICES],
+        )
+    tried = [edit.edit for edit in edits if edit.verified]
+    return made if not tried else made.model_copy(update={"help": "; or ".join(tried)})
+
+
+def conflict_members(paths: tuple[Path, ...], spans: Spans) -> tuple[ConflictMember, ...]:
+    """The authored constraints of a conflict with their places in the text."""
+    members = []
+    for path in paths:
+        at = spans.place(path)
+        members.append(ConflictMember(path=written(path), file=at.file, line=at.line, column=at.column))
+    return tuple(members)

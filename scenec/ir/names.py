@@ -1,0 +1,130 @@
+"""What the names of a program stand for: nodes, their copies, groups, owners of anchors."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Literal
+
+from schemas.scene.program import (
+    BACKGROUND,
+    DiscretePlacement,
+    Group,
+    Placement,
+    ScatterGroup,
+    SceneProgram,
+    SlotGroup,
+    VolumeGroup,
+    VolumePlacement,
+)
+
+MAX_THINGS = 2000
+WORLD = "world"
+
+
+class Names:
+    """Look-ups over a program whose keys and values are valid; names need not be."""
+
+    def __init__(self, program: SceneProgram) -> None:
+        self.program = program
+
+    @cached_property
+    def objects(self) -> dict[str, int]:
+        """Index of each object by id."""
+        return {o.id: i for i, o in enumerate(self.program.objects)}
+
+    @cached_property
+    def groups_of(self) -> dict[str, tuple[str, ...]]:
+        """The groups that each node is a member of."""
+        found: dict[str, tuple[str, ...]] = {}
+        for name, group in self.program.layout.groups.items():
+            for member in dict.fromkeys(group.members):
+                found[member] = (*found.get(member, ()), name)
+        return found
+
+    @cached_property
+    def copies(self) -> dict[str, tuple[str, ...]]:
+        """The placed things of each node: itself, or `name-1 ... name-count` in a scatter group with a count."""
+        return {node: self._copies(node) for node in self.program.layout.nodes}
+
+    @cached_property
+    def things(self) -> frozenset[str]:
+        """All placed things."""
+        return frozenset(thing for copies in self.copies.values() for thing in copies)
+
+    def count(self) -> int:
+        """How many things are placed, without listing them."""
+        return sum(self._count(node) for node in self.program.layout.nodes)
+
+    def stand_for(self, name: str) -> tuple[str, ...]:
+        """The things that a relation or a list of members means by a name; none when it is unknown."""
+        if name in self.copies:
+            return self.copies[name]
+        group = self.program.layout.groups.get(name)
+        if group is not None:
+            return tuple(t for member in dict.fromkeys(group.members) for t in self.copies.get(member, ()))
+        return (name,) if name in self.things else ()
+
+    def placed(self, name: str) -> tuple[str, ...]:
+        """The things that an anchor's `object` may mean: a node by its name, else the nodes of an object."""
+        if name == BACKGROUND:
+            return (BACKGROUND,)
+        if name in self.copies:
+            return self.copies[name]
+        nodes = [node for node, written in self.program.layout.nodes.items() if written.object == name]
+        return tuple(t for node in nodes for t in self.copies[node]) or ((name,) if name in self.things else ())
+
+    def owner(self, anchor: str) -> str | None:
+        """The one thing, or `background`, that an anchor belongs to; None when there is not exactly one."""
+        return self._owners.get(anchor)
+
+    @cached_property
+    def _owners(self) -> dict[str, str]:
+        placed = {anchor: self.placed(reference.object) for anchor, reference in self.program.anchors.items()}
+        return {anchor: things[0] for anchor, things in placed.items() if len(things) == 1}
+
+    def placing(self, node: str) -> Placement | Group | None:
+        """What places a node: its own placement, or the group that owns it."""
+        groups = self.groups_of.get(node, ())
+        return self.program.layout.nodes[node].placement or (self.program.layout.groups[groups[0]] if groups else None)
+
+    def anchor_of(self, node: str) -> str | None:
+        """The anchor on which a node is placed."""
+        placing = self.placing(node)
+        return anchor_named(placing) if placing is not None else None
+
+    def _count(self, node: str) -> int:
+        if node not in self.groups_of:
+            return 1
+        groups = (self.program.layout.groups[name] for name in self.groups_of[node])
+        return max((group.count for group in groups if isinstance(group, ScatterGroup)), default=1)
+
+    def _copies(self, node: str) -> tuple[str, ...]:
+        count = self._count(node)
+        return (node,) if count == 1 else tuple(f"{node}-{i}" for i in range(1, count + 1))
+
+
+def anchor_named(placing: Placement | Group) -> str:
+    """The anchor that a placement or group names, empty where it names none."""
+    if isinstance(placing, DiscretePlacement | SlotGroup):
+        return placing.surface or placing.volume or ""
+    return placing.volume if isinstance(placing, VolumePlacement | VolumeGroup) else placing.surface
+
+
+def kind_of(placing: Placement | Group) -> Literal["surface", "volume"]:
+    """Whether it places on a surface or in a volume."""
+    if isinstance(placing, DiscretePlacement | SlotGroup):
+        return "surface" if placing.surface is not None else "volume"
+    return "volume" if isinstance(placing, VolumePlacement | VolumeGroup) else "surface"
+
+
+def upright(placing: Placement | Group | None) -> bool:
+    """Whether what it places can only turn about the vertical."""
+    if isinstance(placing, DiscretePlacement):
+        quats = [pose.quat_wxyz for pose in placing.poses if pose.quat_wxyz is not None]
+    elif placing is None or isinstance(placing, SlotGroup) or placing.orientation == "upright":
+        return True
+    elif placing.orientation == "stable":
+        return False
+    else:
+        quats = list(placing.orientation)
+    return all(abs(x) < 1e-6 and abs(y) < 1e-6 for _, x, y, _ in quats)

@@ -1,0 +1,43 @@
+"""Two cells are apart when their rectangles are, along x or y: then so are the footprints, wherever they lie inside."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scenec.ir.problem import FloatArray
+from scenec.plan.cases.feasible import BoolArray
+from scenec.plan.cases.pool_model import Layouts, Scope
+
+ROUNDING_M = 1e-9
+
+
+def apart(one_m: FloatArray, two_m: FloatArray, gap_m: FloatArray | float) -> BoolArray:
+    """Whether rectangles (..., 4) keep a gap along x or y."""
+    gap = np.asarray(gap_m) - ROUNDING_M
+    return (
+        (one_m[..., 1] + gap <= two_m[..., 0])
+        | (two_m[..., 1] + gap <= one_m[..., 0])
+        | (one_m[..., 3] + gap <= two_m[..., 2])
+        | (two_m[..., 3] + gap <= one_m[..., 2])
+    )
+
+
+def meeting(scope: Scope, layouts: Layouts) -> BoolArray:
+    """(l, n, n) whether two members share some height in each layout, and so must keep apart."""
+    count, n = layouts.option.shape
+    if scope.level:
+        return np.broadcast_to(~np.eye(n, dtype=bool), (count, n, n))
+    low, high = np.empty((count, n)), np.empty((count, n))
+    for i, member in enumerate(scope.members):
+        low[:, i] = member.base_m[layouts.option[:, i]] + float(member.thing.place.origin_P_m[2])
+        high[:, i] = low[:, i] + member.height_m[layouts.option[:, i]]
+    meet = np.minimum(high[:, :, None], high[:, None]) - np.maximum(low[:, :, None], low[:, None]) > ROUNDING_M
+    meet[:, np.arange(n), np.arange(n)] = False
+    # `far_from` counts seen from above, whatever the heights.
+    return meet | (scope.least_gap_m > scope.clearance_m)
+
+
+def clashes(scope: Scope, layouts: Layouts) -> BoolArray:
+    """(l, n, n) pairs whose rectangles are too close."""
+    rect = layouts.rect_m
+    return meeting(scope, layouts) & ~apart(rect[:, :, None], rect[:, None], scope.least_gap_m)

@@ -1,0 +1,151 @@
+"""Layouts made into cases: cells grown, clipped by relations, with the yaws at which footprints fit them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.random import Generator
+
+from scenec.ir.problem import FloatArray, ReachIR
+from scenec.plan.cases.apart import clashes
+from scenec.plan.cases.clip_cells import Freedom, clip, freedom_of
+from scenec.plan.cases.feasible import BoolArray
+from scenec.plan.cases.grow_cells import grow
+from scenec.plan.cases.pool_model import GRAIN_M, IntArray, Layouts, Member, Scope
+from scenec.plan.cases.yaws import fitting, intervals
+from schemas.scene.runtime_plan import Bounds_um, Interval_urad, PlanCase
+
+SPARE_M = 3 * GRAIN_M  # around the footprint of what is pinned, so that rounding never empties its cell
+
+
+@dataclass(frozen=True)
+class Grown:
+    """Layouts of a scope, which things are `free` (l, n) to move, their cells `rect_m` (l, n, 4), and how far."""
+
+    scope: Scope
+    layouts: Layouts
+    free: BoolArray
+    rect_m: FloatArray
+    freedom: Freedom
+
+
+def cases_of(
+    scope: Scope,
+    layouts: Layouts,
+    rng: Generator,
+    reach: ReachIR | None = None,
+    base_P_m: FloatArray | None = None,
+    sure: int = 0,
+) -> list[PlanCase]:
+    """A case for each layout that keeps its relations, in their order; the first `sure` are known to be valid and stay
+    where no other does.
+
+    What cannot have a cell of its own (it meets another's rectangle, or fills a round place) is pinned where the layout
+    has it; such a layout must be known to be valid.
+    """
+    made = grown(scope, layouts, rng)
+    kept = clip(scope, layouts, made.freedom, reach, np.zeros(2) if base_P_m is None else base_P_m)
+    if not kept.any():  # A relation that a layout just meets leaves no slack, and none is needed where all is pinned.
+        kept[:sure] = True
+    return written(made, kept)
+
+
+def grown(scope: Scope, layouts: Layouts, rng: Generator) -> Grown:
+    """The layouts with cells as large as they can be, before relations limit poses inside."""
+    free = _free(scope, layouts)
+    rect = grow(scope, layouts, free, rng)
+    return Grown(scope, layouts, free, rect, freedom_of(scope, layouts, rect, free))
+
+
+def written(made: Grown, kept: BoolArray) -> list[PlanCase]:
+    """A case for each of the layouts that are kept (l,), with what its freedom leaves."""
+    scope, layouts, free = made.scope, made.layouts, made.free
+    columns = [_cells(m, i, layouts, made.rect_m, made.freedom, free) for i, m in enumerate(scope.members)]
+    return [
+        PlanCase(
+            family="point" if not free[k].any() else layouts.family[k],  # pyright: ignore[reportArgumentType]
+            cells_um=tuple(column[k][0] for column in columns),
+            origins_um=tuple(column[k][1] for column in columns),
+            yaws_urad=tuple(column[k][2] for column in columns),
+            stances=tuple(int(m.stance[layouts.option[k, i]]) for i, m in enumerate(scope.members)),
+            base_um=tuple(_um(float(m.base_m[layouts.option[k, i]])) for i, m in enumerate(scope.members)),
+        )
+        for k in np.flatnonzero(kept).tolist()
+    ]
+
+
+def _free(scope: Scope, layouts: Layouts) -> BoolArray:
+    # (l, n) things that may have a cell of their own.
+    free = np.logical_not(np.asarray(clashes(scope, layouts)).any(axis=2))
+    for i, member in enumerate(scope.members):
+        stance = member.stance[layouts.option[:, i]]
+        for s, room in member.room.items():
+            rows = stance == s
+            free[rows, i] &= room.holds(layouts.rect_m[rows, i])
+        free[:, i] &= (not member.pinned) & (member.base_m[layouts.option[:, i]] == 0.0)
+    return free
+
+
+def _cells(
+    member: Member, i: int, layouts: Layouts, rect_m: FloatArray, freedom: Freedom, free: BoolArray
+) -> list[tuple[Bounds_um, Bounds_um | None, tuple[Interval_urad, ...]]]:
+    # (cell, origins, yaws) of one member in each layout, in A.
+    option, shift = layouts.option[:, i], np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
+    stance, yaw = member.stance[option], member.yaw_rad[option]
+    turns_left = freedom.turned()[:, i]
+    clipped = np.any(turns_left < freedom.turn_rad[:, i], axis=1)
+    cell = _inward(rect_m[:, i] - shift[[0, 0, 1, 1]])
+    box = _inward(freedom.moved(layouts)[:, i] - shift[[0, 0, 1, 1]])
+    at = np.round((layouts.origin_m[:, i] - shift) / GRAIN_M).astype(np.int64)
+    for low, high, axis in ((0, 1, 0), (2, 3, 1)):
+        crossed = box[:, low] > box[:, high]
+        box[crossed, low] = box[crossed, high] = at[crossed, axis]
+    limited = np.any(np.isfinite(freedom.step_m[:, i]), axis=1)
+    ranged = bool(np.isfinite(member.origin_m).any())
+    fits = {
+        s: fitting(turns, cell * GRAIN_M + shift[[0, 0, 1, 1]], box * GRAIN_M + shift[[0, 0, 1, 1]])
+        for s, turns in member.turns.items()
+    }
+    out = np.round(member.overhang_m / GRAIN_M + 0.499).astype(np.int64)
+    found = []
+    for k in range(len(layouts)):
+        s, turned = int(stance[k]), round(float(yaw[k]) / GRAIN_M)
+        if not free[k, i]:
+            found.append((_outward(layouts.rect_m[k, i] - shift[[0, 0, 1, 1]]), _point(at[k]), ((turned, turned),)))
+            continue
+        low, high = member.thing.domain.yaw_rad
+        if clipped[k]:
+            low, high = float(yaw[k] - turns_left[k, 0]), float(yaw[k] + turns_left[k, 1])
+        runs = intervals(member.turns[s], fits[s][k], (low, high))
+        yaws = tuple((round(a / GRAIN_M), round(b / GRAIN_M)) for a, b in runs) or ((turned, turned),)
+        x0, x1, y0, y1 = (int(v) for v in cell[k] + np.array([1, -1, 1, -1]) * out[s])
+        origins = tuple(int(v) for v in box[k]) if ranged or limited[k] else None
+        if yaws == ((turned, turned),) and origins is not None:
+            px, _, py, _ = _point(at[k])
+            origins = (min(origins[0], px), max(origins[1], px), min(origins[2], py), max(origins[3], py))
+        found.append(((x0, x1, y0, y1), origins, yaws))
+    return found
+
+
+def _inward(rect_m: FloatArray) -> IntArray:
+    # Rectangles (m, 4) on whole micrometres, never larger.
+    low = np.ceil(rect_m[:, [0, 2]] / GRAIN_M - 1e-3)
+    high = np.floor(rect_m[:, [1, 3]] / GRAIN_M + 1e-3)
+    return np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], axis=1).astype(np.int64)
+
+
+def _outward(rect_m: FloatArray) -> Bounds_um:
+    # A rectangle (4,) with something to spare.
+    low = np.floor((rect_m[[0, 2]] - SPARE_M) / GRAIN_M)
+    high = np.ceil((rect_m[[1, 3]] + SPARE_M) / GRAIN_M)
+    return int(low[0]), int(high[0]), int(low[1]), int(high[1])
+
+
+def _point(at_um: IntArray) -> Bounds_um:
+    x, y = (int(v) for v in at_um)
+    return x, x, y, y
+
+
+def _um(length_m: float) -> int:
+    return round(length_m / GRAIN_M)

@@ -1,0 +1,258 @@
+"""Relations that rectangles alone do not keep: by how much must poses stay near those of the layout?
+
+Each thing may move from its seed pose so far that neither its origin nor, by turning, its footprint gets farther than a
+step; that bounds what the relation measures (a distance of two sets changes by no more than they move). Frame P,
+metres, radians.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from geom.planar import inner_radius
+from scenec.ir.problem import FloatArray, ReachIR, RelationIR
+from scenec.plan.cases.batch_relations import axis_of, wrapped_all
+from scenec.plan.cases.feasible import BoolArray
+from scenec.plan.cases.pool_model import Layouts, Scope
+from scenec.plan.cases.rejection import front_of
+from scenec.solve.planar import polygon
+from scenec.solve.shapes import Shape
+
+STEPS_M = (
+    np.inf,
+    0.4,
+    0.25,
+    0.16,
+    0.11,
+    0.08,
+    0.06,
+    0.045,
+    0.033,
+    0.024,
+    0.017,
+    0.012,
+    0.008,
+    0.005,
+    0.003,
+    0.002,
+    0.001,
+    0.0,
+)
+ROUND_M = 1e-3  # a footprint whose border lies in so narrow a ring may turn freely
+ROUNDING = 2e-6  # of what is written, metres and radians
+
+
+@dataclass
+class Freedom:
+    """How far things may move: `origin_m` (l, n, 4) boxes and `turn_rad` (l, n, 2) down and up from the yaw as far as
+    cells allow, `radius_m` (l, n) of footprints about their origins, and what relations leave of it: at most `step_m`
+    (l, n, 2) along x and y, and turns that move no point of the footprint farther than `spin_m` (l, n)."""
+
+    origin_m: FloatArray
+    turn_rad: FloatArray
+    radius_m: FloatArray
+    step_m: FloatArray
+    spin_m: FloatArray
+
+    def moved(self, layouts: Layouts) -> FloatArray:
+        """(l, n, 4) the boxes that are left."""
+        at = layouts.origin_m[..., [0, 0, 1, 1]]
+        step = self.step_m[..., [0, 0, 1, 1]]
+        return at + np.clip(self.origin_m - at, -step, step)
+
+    def turned(self) -> FloatArray:
+        """(l, n, 2) turns down and up that are left."""
+        return np.minimum(self.turn_rad, (self.spin_m / np.maximum(self.radius_m, 1e-9))[..., None])
+
+
+def freedom_of(scope: Scope, layouts: Layouts, rect_m: FloatArray, free: BoolArray) -> Freedom:
+    """All that cells allow, for free things; nothing for the others."""
+    count, n = layouts.option.shape
+    at = layouts.origin_m[..., [0, 0, 1, 1]]
+    origin, turn, radius = at.copy(), np.zeros((count, n, 2)), np.zeros((count, n))
+    for i, member in enumerate(scope.members):
+        radius[:, i] = np.array([shape.radius_m for shape in member.shapes])[member.stance[layouts.option[:, i]]]
+        if member.pinned:
+            continue
+        yaw = member.yaw_rad[layouts.option[:, i]]
+        low, high = member.thing.domain.yaw_rad
+        whole = high - low > 2.0 * np.pi - 1e-9
+        spans = np.stack([np.full(count, np.pi), np.full(count, np.pi)] if whole else [yaw - low, high - yaw], axis=1)
+        stance = member.stance[layouts.option[:, i]]
+        least = np.stack([t.reach_m.min(axis=0) for t in (member.turns[s] for s in sorted(member.turns))])
+        least = least[np.searchsorted(sorted(member.turns), stance)]
+        sign = np.array([1.0, -1.0, 1.0, -1.0])
+        box = rect_m[:, i] + sign * least
+        box[:, [0, 2]] = np.maximum(box[:, [0, 2]], member.origin_m[[0, 2]])
+        box[:, [1, 3]] = np.minimum(box[:, [1, 3]], member.origin_m[[1, 3]])
+        origin[:, i] = np.where(free[:, i, None], box, at[:, i])
+        turn[:, i] = np.where(free[:, i, None], spans, 0.0)
+    return Freedom(origin, turn, radius, np.full((count, n, 2), np.inf), np.full((count, n), np.inf))
+
+
+def clip(scope: Scope, layouts: Layouts, freedom: Freedom, reach: ReachIR | None, base_P_m: FloatArray) -> BoolArray:
+    """Shortens steps until every relation and the reach (base (2,) in P) hold for all that is left.
+
+    Returns which layouts (l,) can be kept: in the others something fails even at the seed pose.
+    """
+    kept = np.ones(len(layouts), dtype=bool)
+    for rule in scope.rules:
+        numbers = [scope.index[name] for name in rule.things]
+        if rule.kind == "far_from" or (rule.kind == "before" and axis_of(rule.direction) is not None):
+            continue  # kept by the rectangles
+        seed = _measure(scope, rule, layouts, numbers)
+        spins = [i for i in numbers if _turns_matter(scope, rule, i)]
+        test = partial(_holds, scope, rule, layouts, freedom, numbers, seed)
+        kept &= _lower(freedom, numbers, _axes(rule), spins, test)
+    if reach is not None:
+        for name in reach.members:
+            if name in scope.index:
+                i = scope.index[name]
+                kept &= _lower(freedom, [i], slice(None), [], partial(_reached, layouts, freedom, i, reach, base_P_m))
+    return kept
+
+
+def _turns_matter(scope: Scope, rule: RelationIR, i: int) -> bool:
+    # Whether a relation may cease to hold when a thing turns on the spot.
+    if rule.kind == "facing":
+        return scope.index[rule.things[0]] == i
+    return rule.kind in ("near", "before") and max(map(unevenness, scope.members[i].shapes)) > ROUND_M
+
+
+def _axes(rule: RelationIR) -> slice:
+    # The axes along which steps matter: across its own for what is aligned along one.
+    along = axis_of(rule.direction)
+    if rule.kind != "aligned" or along is None:
+        return slice(None)
+    return slice(1 - along, 2 - along)
+
+
+def _lower(
+    freedom: Freedom, numbers: list[int], axes: slice, spins: list[int], holds: Callable[[], BoolArray]
+) -> BoolArray:
+    # The largest of STEPS_M with which a test holds, row by row; whether there is any.
+    steps, turns = freedom.step_m[:, numbers].copy(), freedom.spin_m[:, spins].copy()
+    best = np.full(len(steps), -1.0)
+    for step in STEPS_M:
+        limited = steps.copy()
+        limited[:, :, axes] = np.minimum(steps[:, :, axes], step)
+        freedom.step_m[:, numbers] = limited
+        freedom.spin_m[:, spins] = np.minimum(turns, step)
+        best = np.where((best < 0.0) & holds(), step, best)
+        if (best >= 0.0).all():
+            break
+    steps[:, :, axes] = np.minimum(steps[:, :, axes], np.maximum(best, 0.0)[:, None, None])
+    freedom.step_m[:, numbers] = steps
+    freedom.spin_m[:, spins] = np.minimum(turns, np.maximum(best, 0.0)[:, None])
+    return best >= 0.0
+
+
+def shift_of(scope: Scope, layouts: Layouts, freedom: Freedom, i: int) -> tuple[FloatArray, FloatArray]:
+    """(l,) how far the origin, and any point of the footprint, may get from where the layout has it, in P."""
+    box, at = freedom.moved(layouts)[:, i], layouts.origin_m[:, i]
+    dx = np.maximum(at[:, 0] - box[:, 0], box[:, 1] - at[:, 0])
+    dy = np.maximum(at[:, 1] - box[:, 2], box[:, 3] - at[:, 1])
+    origin = np.hypot(dx, dy)
+    member = scope.members[i]
+    stance = member.stance[layouts.option[:, i]]
+    uneven = np.array([unevenness(shape) for shape in member.shapes])[stance]
+    turn = np.minimum(freedom.turned()[:, i].max(axis=1), np.pi)
+    return origin, origin + np.minimum(2.0 * freedom.radius_m[:, i] * np.sin(turn / 2.0), uneven)
+
+
+def unevenness(shape: Shape) -> float:
+    """How far a footprint may miss itself when turned about its origin: width of the ring its border lies in."""
+    if len(shape.pieces) > 1:
+        return np.inf
+    inner = inner_radius(shape.hull)
+    return shape.radius_m - inner if inner > 0.0 else np.inf
+
+
+def _measure(scope: Scope, rule: RelationIR, layouts: Layouts, numbers: list[int]) -> FloatArray:
+    # What a relation measures at the seed poses, (l,): distance of footprints, or the room before the second begins.
+    if rule.kind == "near":
+        return np.array([_apart(scope, layouts, k, *numbers) for k in range(len(layouts))])
+    if rule.kind == "before":
+        d = np.asarray(rule.direction)
+        ends = [[(_hull(scope, layouts, k, i) @ d) for i in numbers] for k in range(len(layouts))]
+        return np.array([float(two.min() - one.max()) for one, two in ends])
+    return np.zeros(len(layouts))
+
+
+def _hull(scope: Scope, layouts: Layouts, k: int, i: int) -> FloatArray:
+    member, option = scope.members[i], int(layouts.option[k, i])
+    turned = member.shapes[int(member.stance[option])].turned(float(member.yaw_rad[option]))
+    return turned.hull + layouts.origin_m[k, i]
+
+
+def _apart(scope: Scope, layouts: Layouts, k: int, i: int, j: int) -> float:
+    pieces = []
+    for number in (i, j):
+        member, option = scope.members[number], int(layouts.option[k, number])
+        turned = member.shapes[int(member.stance[option])].turned(float(member.yaw_rad[option]))
+        pieces.append([polygon(piece + layouts.origin_m[k, number]) for piece in turned.pieces])
+    return min(one.distance(two) for one in pieces[0] for two in pieces[1])
+
+
+def _holds(
+    scope: Scope, rule: RelationIR, layouts: Layouts, freedom: Freedom, numbers: list[int], seed: FloatArray
+) -> BoolArray:
+    shifts = [shift_of(scope, layouts, freedom, i) for i in numbers]
+    if rule.kind in ("near", "before"):
+        moved = shifts[0][1] + shifts[1][1] + ROUNDING
+        return seed + moved <= rule.gap_m if rule.kind == "near" else seed - moved >= rule.gap_m
+    boxes = freedom.moved(layouts)[:, numbers]
+    if rule.kind == "aligned":
+        dx, dy = rule.direction
+        low = np.minimum(-dy * boxes[..., 0], -dy * boxes[..., 1]) + np.minimum(dx * boxes[..., 2], dx * boxes[..., 3])
+        high = np.maximum(-dy * boxes[..., 0], -dy * boxes[..., 1]) + np.maximum(dx * boxes[..., 2], dx * boxes[..., 3])
+        return high.max(axis=1) - low.min(axis=1) <= rule.tolerance
+    at = layouts.origin_m[:, numbers]
+    origins = [shift[0] + ROUNDING / 2 for shift in shifts]
+    if rule.kind == "facing":
+        turn = freedom.turned()[:, numbers[0]].max(axis=1)
+        heading = front_of(scope.members[numbers[0]], layouts.option[:, numbers[0]])
+        return facing_kept(at, heading, origins[0] + origins[1], turn, rule.tolerance)
+    return between_kept(at, origins, rule.tolerance)
+
+
+def facing_kept(
+    at_m: FloatArray, heading_rad: FloatArray, moved_m: FloatArray, turn_rad: FloatArray, tolerance_rad: float
+) -> BoolArray:
+    """(l,) whether the first of origins (l, 2, 2) faces the second, however they move together and the first turns."""
+    toward = at_m[:, 1] - at_m[:, 0]
+    length = np.hypot(*toward.T)
+    away = np.abs(wrapped_all(np.arctan2(toward[:, 1], toward[:, 0]) - heading_rad))
+    sway = np.arcsin(np.clip(moved_m / np.maximum(length, 1e-9), 0.0, 1.0))
+    return (away + sway + turn_rad + ROUNDING <= tolerance_rad) & (moved_m < length)
+
+
+def between_kept(at_m: FloatArray, moved_m: list[FloatArray], tolerance_m: float) -> BoolArray:
+    """(l,) whether the first of origins (l, 3, 2) stays between the others when each moves as far as given.
+
+    The foot of the perpendicular keeps its share of the line; all is bounded by how far the ends move.
+    """
+    line, step = at_m[:, 2] - at_m[:, 1], at_m[:, 0] - at_m[:, 1]
+    length = np.maximum(np.hypot(*line.T), 1e-9)
+    along, beside = (
+        (step * line).sum(axis=1) / length,
+        np.abs(step[:, 0] * line[:, 1] - step[:, 1] * line[:, 0]) / length,
+    )
+    moved = moved_m[0] + np.maximum(moved_m[1], moved_m[2])
+    spread = moved_m[1] + moved_m[2]
+    lean = np.clip(spread / np.maximum(length - spread, 1e-9), 0.0, 1.0)
+    rest = np.minimum(along, length - along) * np.maximum(1.0 - spread / length, 0.0)
+    return (beside + moved <= tolerance_m) & (rest >= moved + beside * lean)
+
+
+def _reached(layouts: Layouts, freedom: Freedom, i: int, reach: ReachIR, base_P_m: FloatArray) -> BoolArray:
+    box = freedom.moved(layouts)[:, i]
+    far_x = np.maximum(np.abs(box[:, 0] - base_P_m[0]), np.abs(box[:, 1] - base_P_m[0]))
+    far_y = np.maximum(np.abs(box[:, 2] - base_P_m[1]), np.abs(box[:, 3] - base_P_m[1]))
+    near_x = np.maximum(np.maximum(box[:, 0] - base_P_m[0], base_P_m[0] - box[:, 1]), 0.0)
+    near_y = np.maximum(np.maximum(box[:, 2] - base_P_m[1], base_P_m[1] - box[:, 3]), 0.0)
+    return (np.hypot(far_x, far_y) <= reach.most_m - ROUNDING) & (np.hypot(near_x, near_y) >= reach.least_m + ROUNDING)

@@ -1,0 +1,76 @@
+"""Which things must be chosen together: pools of one owner, and pools that relations across owners tie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import networkx as nx
+
+from scenec.ir.problem import WORLD_PARENT, RelationIR
+from scenec.plan.cases.cross_owner_relations import view_of
+from scenec.solve.coupling import lifted, overlapping
+from scenec.solve.model import Model
+
+
+@dataclass(frozen=True)
+class Tied:
+    """Things chosen together: `groups` of one owner each, and the relations that are measured across owners."""
+
+    groups: tuple[tuple[str, ...], ...]
+    rules: tuple[RelationIR, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All of them, sorted."""
+        return tuple(sorted(name for group in self.groups for name in group))
+
+
+@dataclass(frozen=True)
+class Pools:
+    """`tied` things by their first; `frozen` things keep the solved pose; `model` has rules as pools keep them.
+
+    Pools are independent: their things stand on different owners, or can never meet. What stands on an owner is inside
+    its footprint, so that owners apart are enough.
+    """
+
+    tied: tuple[Tied, ...]
+    frozen: frozenset[str]
+    model: Model
+
+
+def pools_of(base: Model) -> Pools:
+    """Things of one owner that may meet or that a relation ties are one group.
+
+    A relation across owners is lifted to these where that is stricter (what stands on a tray is left of a box when the
+    tray is). Otherwise the groups of all that its truth depends on are one pool. A chain of owners within a robot's
+    reach is frozen.
+    """
+    model = replace(base, rules=tuple(lifted(base, rule) for rule in base.rules))
+    graph: nx.Graph[str] = nx.Graph()
+    graph.add_nodes_from(model.things)
+    graph.add_edges_from(overlapping(model))
+    across = [rule for rule in model.rules if not model.in_one_frame(rule)]
+    for rule in model.rules:
+        if model.in_one_frame(rule):
+            graph.add_edges_from(pairwise(rule.things))
+    groups = sorted(tuple(sorted(part)) for part in nx.connected_components(graph))
+    home = {name: k for k, names in enumerate(groups) for name in names}
+    pools: nx.Graph[int] = nx.Graph()
+    pools.add_nodes_from(range(len(groups)))
+    links = [[home[name] for name in view_of(model, rule).links] for rule in across]
+    for numbers in links:
+        pools.add_edges_from(pairwise(numbers))
+    tied = [
+        Tied(
+            tuple(groups[k] for k in sorted(numbers)),
+            tuple(rule for rule, at in zip(across, links, strict=True) if at[0] in numbers),
+        )
+        for numbers in nx.connected_components(pools)
+    ]
+    frozen: set[str] = set()
+    if model.problem.reach is not None:
+        for name in model.problem.reach.members:
+            if model.things[name].parent != WORLD_PARENT:
+                frozen |= set(model.chains[name])
+    return Pools(tuple(sorted(tied, key=lambda one: one.names)), frozenset(frozen), model)

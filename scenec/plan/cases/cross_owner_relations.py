@@ -1,0 +1,208 @@
+"""Relations measured across owners, for many layouts at once: do they hold wherever things may still move?
+
+Things are seen from a *base*: the innermost owner that carries all that a relation speaks of, so that what moves all of
+them alike does not count. A thing on a tray gets as far as the tray does, farther by the turning of the tray the
+farther out it stands, and as far again as it may move on the tray itself. Metres, radians.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import shapely
+
+from scenec.ir.problem import WORLD_PARENT, FloatArray, RelationIR
+from scenec.plan.cases.clip_cells import ROUND_M, ROUNDING, Freedom, between_kept, facing_kept, shift_of, unevenness
+from scenec.plan.cases.feasible import BoolArray
+from scenec.plan.cases.pool_model import IntArray, Layouts, Scope
+from scenec.solve.model import Model
+from scenec.solve.shapes import Shape
+
+
+@dataclass(frozen=True)
+class Part:
+    """Things of one owner in l layouts, with how far they may move (None: not at all)."""
+
+    scope: Scope
+    layouts: Layouts
+    freedom: Freedom | None = None
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A thing seen from a base: `at_m` (l, 2) and `yaw_rad` (l,) in the layouts; how far its origin, any point of its
+    footprint and its heading may get from there, each (l,)."""
+
+    at_m: FloatArray
+    yaw_rad: FloatArray
+    stance: IntArray
+    origin_m: FloatArray
+    outline_m: FloatArray
+    turn_rad: FloatArray
+    shapes: tuple[Shape, ...] = ()
+
+
+@dataclass(frozen=True)
+class View:
+    """A relation, the base it is measured from, and the links that decide it: things between the base and its members
+    or its frame. `turning` are those whose turning counts."""
+
+    rule: RelationIR
+    base: str
+    links: tuple[str, ...]
+    turning: tuple[str, ...]
+
+
+def view_of(model: Model, rule: RelationIR) -> View:
+    """How a relation across owners is measured."""
+    chains = [model.chains[name] for name in rule.things]
+    if rule.kind in ("before", "aligned"):
+        chains.append(() if rule.frame == WORLD_PARENT else model.chains[rule.frame])
+    depth = 0
+    while all(len(chain) > depth for chain in chains) and len({chain[depth] for chain in chains}) == 1:
+        depth += 1
+    base = chains[0][depth - 1] if depth else WORLD_PARENT
+    links = tuple(sorted({link for chain in chains for link in chain[depth:]}))
+    turning = {name for chain in chains for name, _ in pairwise(chain[depth:])}  # owners on the way
+    turning |= set(chains[-1][depth:]) if len(chains) > len(rule.things) else set()
+    if rule.kind == "facing":
+        turning |= {rule.things[0]}
+    elif rule.kind in ("near", "far_from", "before"):
+        turning |= {name for name in rule.things if max(map(unevenness, model.shapes[name])) > ROUND_M}
+    return View(rule, base, links, tuple(sorted(turning & set(links))))
+
+
+def kept_across(view: View, parts: Mapping[str, Part], measure: FloatArray) -> BoolArray:
+    """(l,) whether a relation holds for every pose that is left to its links; `measure` as in `measured`."""
+    rule = view.rule
+    seen = _seen_by_rule(view, parts)
+    if rule.kind in ("near", "far_from", "before"):
+        moved = seen[0].outline_m + seen[1].outline_m + len(view.links) * ROUNDING
+        if rule.kind == "near":
+            return measure + moved <= rule.gap_m
+        if rule.kind == "before":
+            span = np.hypot(*(seen[1].at_m - seen[0].at_m).T) + sum(_radius(one) + one.outline_m for one in seen[:2])
+            moved = moved + _sway(seen[-1].turn_rad) * span
+        return measure - moved >= rule.gap_m
+    at = np.stack([one.at_m for one in seen[: len(rule.things)]], axis=1)
+    moved = [one.origin_m + len(view.links) * ROUNDING for one in seen[: len(rule.things)]]
+    if rule.kind == "facing":
+        front = np.array([shape.front_rad for shape in seen[0].shapes])[seen[0].stance]
+        return facing_kept(at, seen[0].yaw_rad + front, moved[0] + moved[1], seen[0].turn_rad, rule.tolerance)
+    if rule.kind == "between":
+        return between_kept(at, moved, rule.tolerance)
+    dx, dy = rule.direction
+    across = -dy * at[..., 0] + dx * at[..., 1]
+    most = np.max(moved, axis=0)
+    middle = at.mean(axis=1, keepdims=True)
+    span = 2.0 * (np.hypot(*np.moveaxis(at - middle, -1, 0)).max(axis=1) + most)
+    return np.ptp(across, axis=1) + 2.0 * most + _sway(seen[-1].turn_rad) * span <= rule.tolerance
+
+
+def measured(view: View, parts: Mapping[str, Part]) -> FloatArray:
+    """What a relation measures in each layout (l,): the distance of footprints, or the room before the second begins;
+    0 for those that origins and headings decide."""
+    rule = view.rule
+    seen = _seen_by_rule(view, parts)
+    if rule.kind == "before":
+        ends = [_hull_along(one, rule.direction) for one in seen[:2]]
+        return ends[1].min(axis=1) - ends[0].max(axis=1)
+    if rule.kind in ("near", "far_from"):
+        gap = np.hypot(*(seen[1].at_m - seen[0].at_m).T) - _radius(seen[0]) - _radius(seen[1])
+        rows = np.flatnonzero(gap <= rule.gap_m) if rule.kind == "near" else np.arange(len(gap))
+        pieces = [_pieces(one, rows) for one in seen[:2]]  # Those too far for circles around them are too far.
+        gaps = [shapely.distance(one, two) for one in pieces[0] for two in pieces[1]]
+        gap[rows] = np.nanmin(np.stack(gaps), axis=0)
+        return gap
+    return np.zeros(len(seen[0].yaw_rad))
+
+
+def _seen_by_rule(view: View, parts: Mapping[str, Part]) -> list[Seen]:
+    # The members of a rule along the axes of its frame, and that frame last.
+    rule, known = view.rule, dict[str, Seen]()
+    frame = rule.frame if rule.kind in ("before", "aligned") and rule.frame != WORLD_PARENT else view.base
+    axes = _seen(frame, view.base, parts, known)
+    c, s = np.cos(axes.yaw_rad), np.sin(axes.yaw_rad)
+    found = []
+    for name in rule.things:
+        one = _seen(name, view.base, parts, known)
+        x, y = one.at_m.T
+        at = np.stack([c * x + s * y, c * y - s * x], axis=1)
+        shapes = _shapes(name, view, parts)
+        stance = one.stance
+        found.append(Seen(at, one.yaw_rad - axes.yaw_rad, stance, one.origin_m, one.outline_m, one.turn_rad, shapes))
+    return [*found, axes]
+
+
+def _shapes(name: str, view: View, parts: Mapping[str, Part]) -> tuple[Shape, ...]:
+    # Of a base the upright stance alone: it carries the others, seen along its own axes.
+    shapes = next(iter(parts.values())).scope.model.shapes[name]
+    return shapes if name != view.base else tuple(shape for shape in shapes if shape.upright)
+
+
+def _seen(name: str, base: str, parts: Mapping[str, Part], known: dict[str, Seen]) -> Seen:
+    if name in known:
+        return known[name]
+    if name == base:
+        count = len(next(iter(parts.values())).layouts)
+        none = np.zeros(count)
+        known[name] = Seen(np.zeros((count, 2)), none, np.zeros(count, dtype=np.int64), none, none, none)
+        return known[name]
+    part = parts[name]
+    i = part.scope.index[name]
+    member, option, p = part.scope.members[i], part.layouts.option[:, i], part.layouts.origin_m[:, i]
+    owner = _seen(member.thing.parent, base, parts, known)
+    c, s = np.cos(owner.yaw_rad), np.sin(owner.yaw_rad)
+    at = owner.at_m + np.stack([c * p[:, 0] - s * p[:, 1], s * p[:, 0] + c * p[:, 1]], axis=1)
+    radius = np.array([shape.radius_m for shape in member.shapes])[member.stance[option]]
+    own, outline, turn = (np.zeros(len(at)),) * 3
+    if part.freedom is not None:
+        own, outline = shift_of(part.scope, part.layouts, part.freedom, i)
+        turn = part.freedom.turned()[:, i].max(axis=1)
+    sway, out = _sway(owner.turn_rad), np.hypot(*p.T)
+    known[name] = Seen(
+        at,
+        owner.yaw_rad + member.yaw_rad[option],
+        member.stance[option],
+        owner.origin_m + sway * out + own,
+        owner.origin_m + sway * (out + radius) + outline,
+        owner.turn_rad + turn,
+    )
+    return known[name]
+
+
+def _sway(turn_rad: FloatArray) -> FloatArray:
+    # How far a point one metre out gets when what carries it turns.
+    return 2.0 * np.sin(np.minimum(turn_rad, np.pi) / 2.0)
+
+
+def _radius(one: Seen) -> FloatArray:
+    return np.array([shape.radius_m for shape in one.shapes])[one.stance]
+
+
+def _hull_along(one: Seen, direction: tuple[float, float]) -> FloatArray:
+    # (l, v) corners of the footprint's hull along a direction; repeated where a stance has fewer.
+    most = max(len(shape.hull) for shape in one.shapes)
+    hulls = np.stack([np.resize(shape.hull, (most, 2)) for shape in one.shapes])[one.stance]
+    dx, dy = direction
+    c, s = np.cos(one.yaw_rad), np.sin(one.yaw_rad)
+    ahead, beside = (c * dx + s * dy)[:, None], (c * dy - s * dx)[:, None]
+    return ahead * hulls[..., 0] + beside * hulls[..., 1] + (one.at_m @ np.array(direction))[:, None]
+
+
+def _pieces(one: Seen, rows: IntArray) -> Sequence[np.ndarray]:
+    # Polygons in some layouts (r,), an array for each piece that any stance has; None where a stance has fewer.
+    most = max(len(shape.pieces) for shape in one.shapes)
+    found = [np.full(len(rows), None, dtype=object) for _ in range(most)]
+    for stance, shape in enumerate(one.shapes):
+        mine = np.flatnonzero(one.stance[rows] == stance)
+        yaw, at = one.yaw_rad[rows[mine]], one.at_m[rows[mine]]
+        c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
+        for made, piece in zip(found, shape.pieces, strict=False):
+            x, y = piece.T
+            if len(mine):
+                made[mine] = shapely.polygons(np.stack([c * x - s * y, s * x + c * y], axis=-1) + at[:, None])
+    return found

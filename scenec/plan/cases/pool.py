@@ -1,0 +1,133 @@
+"""The cases of one pool: random layouts first, structured families where these run dry, solved layouts in any case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.random import Generator
+
+from scenec.ir.problem import WORLD_PARENT, FloatArray, Placement, ReachIR
+from scenec.plan.cases.cells import cases_of
+from scenec.plan.cases.free_rectangle import free_rectangle
+from scenec.plan.cases.grid import grid
+from scenec.plan.cases.guillotine import guillotine
+from scenec.plan.cases.pool_model import GRAIN_M, Layouts, Member, Scope, around, joined, scope_of
+from scenec.plan.cases.quality import quality
+from scenec.plan.cases.rejection import TRIES, seeded
+from scenec.plan.cases.select import FEW, selected
+from scenec.plan.cases.shelf import shelf
+from scenec.plan.cases.signature import distinct
+from scenec.plan.cases.slots import seated, ways_of
+from scenec.plan.cases.strip import strips
+from scenec.solve.model import Model
+from scenec.solve.streams import stream
+from schemas.scene.runtime_plan import PlanCase
+
+FAMILIES = (("grid", grid), ("guillotine", guillotine), ("free_rectangle", free_rectangle), ("shelf", shelf))
+MISSES = 24  # partitions that may fail before a family is given up
+STRUCTURED = 0.2  # of the cases that plain rejection does not find
+SURPLUS_OF_FEW, SURPLUS = 3.0, 1.3  # layouts made for each case wanted
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a pool is made from: its things, poses that are frozen, the solved assignment, how many cases, the seed."""
+
+    names: tuple[str, ...]
+    frozen: Mapping[str, Placement]
+    solved: Mapping[str, Placement]
+    want: int
+    seed: int
+
+
+def pool_cases(model: Model, asked: Asked) -> list[PlanCase]:
+    """Cases for the things of a pool in the order of their names; at least the solved layout as it is."""
+    scope = scope_of(model, asked.names, asked.frozen, asked.solved)
+    reach, base = reach_P(model, scope)
+    rng = stream(asked.seed, "cases", *asked.names)
+    if len(scope.members) == 1 and not scope.members[0].pinned:
+        alone = _alone(scope, asked, reach, base)
+        if alone:
+            return [case.model_copy(update={"quality": quality(scope, case)}) for case in alone]
+    surplus = int((SURPLUS_OF_FEW if len(scope.members) <= FEW else SURPLUS) * asked.want)
+    parts = [solved_layout(scope, asked.solved)]
+    parts.append(seeded(scope, surplus - 1, rng, 1))
+    if (missing := surplus - sum(map(len, parts))) > 0:
+        # Crowded, or tied by relations: no exact shares to keep, and more variety by structure.
+        orderly = structured(scope, round(STRUCTURED * missing), rng) if len(scope.members) > 2 else []
+        parts.append(seeded(scope, missing - sum(map(len, orderly)), rng, TRIES))
+        missing = surplus - sum(map(len, [*parts, *orderly]))
+        parts += orderly if missing <= 0 else [*orderly, *structured(scope, missing, rng)]
+    cases = cases_of(scope, joined(parts), rng, reach, base, sure=1)
+    judged = [case.model_copy(update={"quality": quality(scope, case)}) for case in distinct(asked.names, cases)]
+    return selected(scope, judged, asked.want)
+
+
+def structured(scope: Scope, want: int, rng: Generator) -> list[Layouts]:
+    """Layouts of the four structured families on the place that all members share, `want` or fewer in all."""
+    box, ways = _shared_box(scope), ways_of(scope)
+    if box is None:
+        return []
+    found: list[Layouts] = []
+    for number, (name, family) in enumerate(FAMILIES):
+        share = -(-(want - sum(map(len, found))) // (len(FAMILIES) - number))
+        slots, misses = [], 0
+        while len(slots) < share and misses < MISSES + 4 * len(slots):
+            cut = family(box, ways, scope.clearance_m + 2 * GRAIN_M, rng)
+            misses += cut is None
+            slots += [] if cut is None else [cut]
+        if slots:
+            found.append(seated(scope, ways, np.array(slots), name, rng))
+    return found
+
+
+def _shared_box(scope: Scope) -> FloatArray | None:
+    # The box of the one place on which all free members are; None where they are on several.
+    boxes = [room.box_m for m in scope.members if not m.pinned for room in m.room.values()]
+    same = boxes and all(np.array_equal(box, boxes[0]) for box in boxes)
+    return boxes[0] + GRAIN_M * np.array([1.0, -1.0, 1.0, -1.0]) if same else None
+
+
+def _alone(scope: Scope, asked: Asked, reach: ReachIR | None, base_P_m: np.ndarray) -> list[PlanCase]:
+    # A cell that is the whole of a plain rectangle, or strips.
+    (member,) = scope.members
+    plain = not any(len(room.ends_m) or room.blocks for room in member.room.values())
+    if not plain or (reach is not None and member.name in reach.members):
+        return strips(scope, reach, base_P_m)
+    rng = stream(asked.seed, "alone", member.name)
+    found = seeded(scope, 64, rng, TRIES)
+    stances = member.stance[found.option[:, 0]]
+    first = [int(np.flatnonzero(stances == s)[0]) for s in sorted(set(stances.tolist()))]
+    return cases_of(scope, found.take(first), rng) if first else []
+
+
+def solved_layout(scope: Scope, solved: Mapping[str, Placement]) -> Layouts:
+    """The solver's assignment as the only layout; the option of a free member follows its grid."""
+    n = len(scope.members)
+    option, origin, rect = np.zeros((1, n), dtype=np.int64), np.zeros((1, n, 2)), np.zeros((1, n, 4))
+    for i, member in enumerate(scope.members):
+        placement = solved[member.name]
+        shift = np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
+        origin[0, i] = placement.x_m + shift[0], placement.y_m + shift[1]
+        option[0, i] = _nearest(member, placement) if member.pinned else member.grid
+        rect[:, i] = around(member, option[:, i], origin[:, i])
+    return Layouts(option, origin, rect, ["seeded"])
+
+
+def _nearest(member: Member, placement: Placement) -> int:
+    shift = np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
+    off = np.hypot(*(member.at_m - shift - (placement.x_m, placement.y_m)).T) + np.abs(member.base_m - placement.base_m)
+    off += np.abs((member.yaw_rad - placement.yaw_rad + np.pi) % (2 * np.pi) - np.pi) + (
+        member.stance != placement.stance
+    )
+    return int(off.argmin())
+
+
+def reach_P(model: Model, scope: Scope) -> tuple[ReachIR | None, np.ndarray]:
+    """The reach and its base in the background's frame; None for things on movable owners, which are frozen."""
+    reach = model.problem.reach
+    if reach is None or scope.members[0].thing.parent != WORLD_PARENT:
+        return None, np.zeros(2)
+    return reach, (np.linalg.inv(model.problem.X_WB) @ (*reach.base_m, 1.0))[:2]

@@ -1,0 +1,262 @@
+"""What is chosen together: the things of a pool as tables, in the owner's frame P. Metres, radians.
+
+A thing's *options* are its stances at the yaws of a fine grid, or the spots that were written for it. A *layout* picks
+an option and an origin for each thing and holds a rectangle around its footprint; layouts are kept many at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, cos, inf, pi
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from scenec.ir.problem import FloatArray, Placement, RelationIR, Thing
+from scenec.plan.cases.feasible import Feasible, feasible_on
+from scenec.solve.model import SLACK_M, Model, Site
+from scenec.solve.planar import hull_of, polygon
+from scenec.solve.search import spot_placements
+from scenec.solve.shapes import Shape
+
+IntArray = NDArray[np.int64]
+YAW_STEP = pi / 360.0
+GRAIN_M, GRAIN_RAD = 1e-6, 1e-6  # cells are kept in whole micrometres and microradians (schemas.scene.runtime_plan)
+
+
+@dataclass(frozen=True)
+class Turns:
+    """A stance turned: `edges` (k + 1,) yaws, `reach` (k + 1, 4) at these, `most` (k, 4) between two of them.
+
+    Reach is how far the footprint extends from the asset origin towards -x, +x, -y, +y of P. `most` is an upper bound:
+    a support function is the largest of sinusoids of amplitude `radius`, which rise little between close yaws.
+    """
+
+    edges: FloatArray
+    reach_m: FloatArray
+    most_m: FloatArray
+
+
+def turns_of(shape: Shape, low: float, high: float) -> Turns:
+    """The turns of a shape, with what it carries, over a span of yaws."""
+    count = max(1, ceil((high - low) / YAW_STEP - 1e-9))
+    edges = np.linspace(low, high, count + 1) if high > low else np.array([low, low])
+    reach = reach_at(shape, edges)
+    rise = shape.radius_m * (1.0 - cos((edges[1] - edges[0]) / 2.0))
+    return Turns(edges, reach, np.maximum(reach[:-1], reach[1:]) + rise)
+
+
+def reach_at(shape: Shape, yaw_rad: FloatArray) -> FloatArray:
+    """Reach (k, 4), as in `Turns`, at yaws (k,)."""
+    beyond = overhang_m(shape)
+    x, y = (own_hull(shape) if beyond > 0.0 else shape.hull).T
+    cosine, sine = np.cos(yaw_rad)[:, None], np.sin(yaw_rad)[:, None]
+    px, py = cosine * x - sine * y, sine * x + cosine * y
+    reach = np.stack([-px.min(axis=1), px.max(axis=1), -py.min(axis=1), py.max(axis=1)], axis=1)
+    return reach + shape.radius_m * GRAIN_RAD + beyond  # a yaw may be rounded
+
+
+def own_hull(shape: Shape) -> FloatArray:
+    """Convex hull (n, 2) of the body alone, without what it carries."""
+    return hull_of(np.concatenate([slab.outline_m for slab in shape.slabs[: shape.own]]))
+
+
+def overhang_m(shape: Shape) -> float:
+    """How far what a body carries may stick out of its own footprint: 0 unless a place was drawn beyond it."""
+    if shape.own == len(shape.slabs):
+        return 0.0
+    own = polygon(own_hull(shape))
+    out = float(shapely.distance(shapely.points(shape.hull), own).max())
+    return out if out > GRAIN_M else 0.0
+
+
+@dataclass(frozen=True)
+class Member:
+    """One thing of a scope. Options (m,): `stance`, `yaw_rad`, `base_m`, `height_m`; `reach_m` (m, 4) as in `Turns`;
+    `at_m` (m, 2) their origins in P, NaN where these are free. Only the first `grid` are drawn, the other is the
+    pose that the solver found. `origin_m` (4,) bounds the origin in P; `overhang_m` by stance: see there."""
+
+    thing: Thing
+    shapes: tuple[Shape, ...]
+    turns: Mapping[int, Turns]
+    room: Mapping[int, Feasible]
+    stance: IntArray
+    yaw_rad: FloatArray
+    base_m: FloatArray
+    height_m: FloatArray
+    reach_m: FloatArray
+    at_m: FloatArray
+    origin_m: FloatArray
+    overhang_m: FloatArray
+    grid: int
+    pinned: bool
+
+    @property
+    def name(self) -> str:
+        """The thing's name."""
+        return self.thing.name
+
+    @cached_property
+    def footprint_m2(self) -> FloatArray:
+        """Area (m,) of the rectangle around the footprint, by option."""
+        return (self.reach_m[:, 0] + self.reach_m[:, 1]) * (self.reach_m[:, 2] + self.reach_m[:, 3])
+
+
+@dataclass(frozen=True)
+class Scope:
+    """Members in the order of their names, the clearance between them, rules among them (frame P)."""
+
+    members: tuple[Member, ...]
+    clearance_m: float
+    rules: tuple[RelationIR, ...]
+    model: Model
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the members."""
+        return tuple(member.name for member in self.members)
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Number of a member by name."""
+        return {name: k for k, name in enumerate(self.names)}
+
+    @cached_property
+    def least_gap_m(self) -> FloatArray:
+        """(n, n) distance that two members must keep: the clearance, more for `far_from`."""
+        gap = np.full((len(self.members),) * 2, self.clearance_m)
+        for rule in self.rules:
+            if rule.kind == "far_from":
+                a, b = (self.index[name] for name in rule.things)
+                gap[a, b] = gap[b, a] = max(gap[a, b], rule.gap_m)
+        return gap
+
+    @cached_property
+    def level(self) -> bool:
+        """Whether all members stand side by side, so that any two share some height in every option."""
+        bases = [(m.base_m + float(m.thing.place.origin_P_m[2])) for m in self.members]
+        low = max(float(base.max()) for base in bases)
+        high = min(float((base + m.height_m).min()) for base, m in zip(bases, self.members, strict=True))
+        return high > low + 1e-9
+
+
+@dataclass
+class Layouts:
+    """`option` (l, n), `origin_m` (l, n, 2) and `rect_m` (l, n, 4) of l layouts, by family."""
+
+    option: IntArray
+    origin_m: FloatArray
+    rect_m: FloatArray
+    family: list[str]
+
+    def __len__(self) -> int:
+        return len(self.option)
+
+    def take(self, rows: NDArray[np.generic] | Sequence[int]) -> Layouts:
+        """Some of the layouts."""
+        picked = np.asarray(rows)
+        picked = np.flatnonzero(picked) if picked.dtype == bool else picked.astype(np.int64)
+        family = [self.family[k] for k in picked.tolist()]
+        return Layouts(self.option[picked], self.origin_m[picked], self.rect_m[picked], family)
+
+
+def joined(parts: Sequence[Layouts]) -> Layouts:
+    """Several lots of layouts as one."""
+    return Layouts(
+        np.concatenate([p.option for p in parts]),
+        np.concatenate([p.origin_m for p in parts]),
+        np.concatenate([p.rect_m for p in parts]),
+        [family for p in parts for family in p.family],
+    )
+
+
+def scope_of(
+    model: Model,
+    names: Sequence[str],
+    fixed: Mapping[str, Placement],
+    solved: Mapping[str, Placement],
+) -> Scope:
+    """The scope of some things of one owner; those in `fixed` have one pose only. The `solved` assignment adds an
+    option to each of the others."""
+    inside = set(names)
+    rules = tuple(rule for rule in model.rules if inside.issuperset(rule.things) and model.in_one_frame(rule))
+    members = tuple(_member(model, name, fixed.get(name), solved[name]) for name in sorted(names))
+    return Scope(members, model.problem.clearance_m, rules, model)
+
+
+def _member(model: Model, name: str, fixed: Placement | None, solved: Placement) -> Member:
+    thing, shapes = model.things[name], model.shapes[name]
+    domain, site = thing.domain, model.site(thing)
+    (xa, xb), (ya, yb) = domain.x_m, domain.y_m
+    ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
+    origin = np.array([xa + ox, xb + ox, ya + oy, yb + oy])
+    poses: list[Placement] = []
+    if fixed is not None:
+        poses = [fixed]
+    elif domain.spots:
+        poses = [pose for k in range(len(domain.spots)) for pose in spot_placements(model, thing, k)]
+    overhang = np.array([overhang_m(shape) for shape in shapes])
+    if poses:
+        used = sorted({pose.stance for pose in poses})
+        return Member(
+            thing,
+            shapes,
+            {},
+            {s: feasible_on(site, shapes[s].height_m) for s in used},
+            *_options(poses, shapes),
+            np.array([(p.x_m + ox, p.y_m + oy) for p in poses]),
+            np.array([-inf, inf, -inf, inf]),
+            overhang,
+            len(poses),
+            True,
+        )
+    stances = [s for s in model.stances(thing) if _stands(shapes[s], site) <= site.top_m + SLACK_M]
+    low, high = domain.yaw_rad
+    turns = {s: turns_of(shapes[s], low, high) for s in stances}
+    drop = 1 if high - low > 2 * pi - 1e-9 or high == low else 0  # a full turn ends where it began
+    grid = [
+        Placement(0.0, 0.0, yaw, s) for s in stances for yaw in turns[s].edges[: len(turns[s].edges) - drop].tolist()
+    ]
+    return Member(
+        thing,
+        shapes,
+        turns,
+        {s: feasible_on(site, shapes[s].height_m) for s in stances},
+        *_options([*grid, solved], shapes),
+        np.full((len(grid) + 1, 2), np.nan),
+        origin,
+        overhang,
+        len(grid),
+        False,
+    )
+
+
+def _stands(shape: Shape, site: Site) -> float:
+    # What must stay under the top of a place: what a thing in a receptacle carries may rise over the rim.
+    return shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
+
+
+def _options(
+    poses: Sequence[Placement], shapes: Sequence[Shape]
+) -> tuple[IntArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    # Stance, yaw, base, height (m,) and reach (m, 4) of poses.
+    stance, yaw = np.array([p.stance for p in poses]), np.array([p.yaw_rad for p in poses])
+    reach = np.zeros((len(poses), 4))
+    for s in sorted(set(stance.tolist())):
+        rows = stance == s
+        reach[rows] = reach_at(shapes[s], yaw[rows])
+    height = np.array([shapes[s].height_m for s in stance.tolist()])
+    return stance, yaw, np.array([p.base_m for p in poses]), height, reach
+
+
+def around(member: Member, option: IntArray, origin_m: FloatArray) -> FloatArray:
+    """Rectangles (m, 4) around the footprint at options (m,) and origins (m, 2), on whole grains of A."""
+    reach = member.reach_m[option]
+    shift = np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
+    x, y = (origin_m - shift).T
+    low = np.floor(np.stack([x - reach[:, 0], y - reach[:, 2]], axis=1) / GRAIN_M + 1e-4) * GRAIN_M + shift
+    high = np.ceil(np.stack([x + reach[:, 1], y + reach[:, 3]], axis=1) / GRAIN_M - 1e-4) * GRAIN_M + shift
+    return np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], axis=1)

@@ -1,0 +1,200 @@
+"""Random layouts by rejection, many at once: the family whose shares come nearest to uniform chance.
+
+With one try for each thing this is plain rejection: whatever survives is drawn from the exact conditional distribution
+(of footprints whose bounding rectangles are apart). With more, things are seated one after another, the largest first
+(random sequential placement), and in crowded scenes at yaws whose rectangle wastes little.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil
+
+import numpy as np
+from numpy.random import Generator
+
+from scenec.ir.problem import FloatArray
+from scenec.plan.cases.apart import apart
+from scenec.plan.cases.batch_relations import may_hold
+from scenec.plan.cases.pool_model import IntArray, Layouts, Member, Scope, around, joined
+
+LOT = 4096  # layouts or candidates looked at together
+MOST_LOTS = 48
+SHARE_M2 = 0.38  # of a place that rectangles may take before yaws are held near quarter turns
+TRIES = 96
+ROUNDS = 4
+
+
+def seeded(scope: Scope, want: int, rng: Generator, tries: int) -> Layouts:
+    """Up to `want` random layouts that hold as far as rectangles can tell, each thing drawn `tries` times."""
+    order = sized(scope)
+    allowed = [_frugal(member, _thrift(scope)) for member in scope.members]
+    found: list[Layouts] = []
+    count, lots = 0, 0
+    lot = LOT if tries == 1 else max(64, LOT // tries)
+    while count < want and lots < MOST_LOTS:
+        part = _lot(scope, order, allowed, lot, rng, tries)
+        lots += 1
+        if len(part):
+            found.append(part)
+            count += len(part)
+        if lots == 4 and count * MOST_LOTS / lots < want / 8:
+            break
+    return _first(scope, found, want)
+
+
+def _first(scope: Scope, found: list[Layouts], want: int) -> Layouts:
+    n = len(scope.members)
+    none = Layouts(np.zeros((0, n), dtype=np.int64), np.zeros((0, n, 2)), np.zeros((0, n, 4)), [])
+    if not found:
+        return none
+    whole = joined(found)
+    return whole.take(np.arange(min(want, len(whole))))
+
+
+def sized(scope: Scope) -> list[int]:
+    """Numbers of the members: those with written poses first, then the largest."""
+    return sorted(
+        range(len(scope.members)),
+        key=lambda i: (not scope.members[i].pinned, -float(scope.members[i].footprint_m2.min())),
+    )
+
+
+def _thrift(scope: Scope) -> float:
+    # 1 where any yaw may be drawn, towards 0 as rectangles at random yaws would take more than SHARE_M2 of the room.
+    free = [m for m in scope.members if not m.pinned]
+    if not free:
+        return 1.0
+    gap = scope.clearance_m
+    room = float(np.prod(_size(free[0])))
+    least = sum((float(np.sqrt(m.footprint_m2.min())) + gap) ** 2 for m in free) / max(room, 1e-9)
+    usual = sum((float(np.sqrt(m.footprint_m2.mean())) + gap) ** 2 for m in free) / max(room, 1e-9)
+    return float(np.clip((SHARE_M2 - least) / max(usual - least, 1e-9), 0.0, 1.0))
+
+
+def _size(member: Member) -> FloatArray:
+    x0, x1, y0, y1 = next(iter(member.room.values())).box_m
+    return np.array([x1 - x0, y1 - y0])
+
+
+def _frugal(member: Member, thrift: float) -> IntArray:
+    # Options whose rectangle is small enough; all of them when there is room.
+    area = member.footprint_m2
+    if member.pinned or thrift >= 1.0:
+        return np.arange(member.grid)
+    area = area[: member.grid]
+    stance = member.stance[: member.grid]
+    least, most = np.empty(len(area)), np.empty(len(area))
+    for s in set(stance.tolist()):
+        least[stance == s], most[stance == s] = area[stance == s].min(), area[stance == s].max()
+    return np.flatnonzero(area <= least + thrift * (most - least) + 1e-12)
+
+
+def _lot(
+    scope: Scope, order: Sequence[int], allowed: list[IntArray], count: int, rng: Generator, tries: int
+) -> Layouts:
+    n = len(scope.members)
+    option = np.zeros((count, n), dtype=np.int64)
+    origin, rect = np.zeros((count, n, 2)), np.zeros((count, n, 4))
+    placed: list[int] = []
+    for i in order:
+        pending = np.arange(len(option))
+        seated = np.zeros(len(option), dtype=bool)
+        rounds = 1 if tries == 1 else ROUNDS
+        for _ in range(rounds):
+            step = max(1, ceil(2 * LOT * TRIES / max(tries * (len(placed) + 1), 1)))
+            for begin in range(0, len(pending), step):
+                rows = pending[begin : begin + step]
+                picked, at, around_m, good = _candidates(
+                    scope, i, placed, (option, origin, rect), rows, allowed, rng, tries
+                )
+                first = good.argmax(axis=1)
+                won = good[np.arange(len(rows)), first]
+                to, pick = rows[won], (np.flatnonzero(won), first[won])
+                option[to, i], origin[to, i], rect[to, i] = picked[pick], at[pick], around_m[pick]
+                seated[to] = True
+            pending = pending[~seated[pending]]
+            if not len(pending):
+                break
+        option, origin, rect = option[seated], origin[seated], rect[seated]
+        placed.append(i)
+        if not len(option):
+            break
+    return Layouts(option, origin, rect, ["seeded"] * len(option))
+
+
+def _candidates(
+    scope: Scope,
+    i: int,
+    placed: list[int],
+    state: tuple[IntArray, FloatArray, FloatArray],
+    rows: IntArray,
+    allowed: list[IntArray],
+    rng: Generator,
+    tries: int,
+) -> tuple[IntArray, FloatArray, FloatArray, np.ndarray]:
+    # Options, origins, rectangles (r, tries, ...) drawn for member i in some layouts, and which of them are good.
+    option, origin, rect = state
+    member = scope.members[i]
+    picked = allowed[i][rng.integers(len(allowed[i]), size=(len(rows), tries))]
+    at = drawn(member, picked, rng)
+    around_m = around(member, picked.ravel(), at.reshape(-1, 2)).reshape(len(rows), tries, 4)
+    good = inside(member, picked, at, around_m)
+    level = scope.level
+    for j in placed:
+        clear = apart(around_m, rect[rows, j][:, None], scope.least_gap_m[i, j])
+        if not level and scope.least_gap_m[i, j] <= scope.clearance_m:
+            other = scope.members[j]
+            low = member.base_m[picked] + float(member.thing.place.origin_P_m[2])
+            base = (other.base_m[option[rows, j]] + float(other.thing.place.origin_P_m[2]))[:, None]
+            top = base + other.height_m[option[rows, j]][:, None]
+            clear |= (low >= top - 1e-9) | (low + member.height_m[picked] <= base + 1e-9)
+        good &= clear
+    known = {*placed, i}
+    for rule in scope.rules:
+        numbers = [scope.index[name] for name in rule.things]
+        if i not in numbers or not known.issuperset(numbers):
+            continue
+        shape = (len(rows), tries)
+        rects, origins, fronts = [], [], []
+        for k in numbers:
+            mate = scope.members[k]
+            chosen = picked if k == i else np.broadcast_to(option[rows, k][:, None], shape)
+            rects.append(around_m if k == i else np.broadcast_to(rect[rows, k][:, None], (*shape, 4)))
+            origins.append(at if k == i else np.broadcast_to(origin[rows, k][:, None], (*shape, 2)))
+            fronts.append(front_of(mate, chosen))
+        good &= may_hold(rule, rects, origins, fronts)
+    return picked, at, around_m, good
+
+
+def front_of(member: Member, option: IntArray) -> FloatArray:
+    """Heading in P of the front (+x of the asset frame) by option."""
+    fronts = np.array([shape.front_rad for shape in member.shapes])
+    return member.yaw_rad[option] + fronts[member.stance[option]]
+
+
+def drawn(member: Member, option: IntArray, rng: Generator) -> FloatArray:
+    """Origins (..., 2) in P for options (...): as written, or uniform over the box of the place and the range."""
+    share = rng.random((*option.shape, 2))
+    if member.pinned:
+        return member.at_m[option]
+    box = np.stack([member.room[s].box_m if s in member.room else np.zeros(4) for s in range(len(member.shapes))])
+    place, reach = box[member.stance[option]], member.reach_m[option]
+    low = np.maximum(place[..., [0, 2]] + reach[..., [0, 2]], member.origin_m[[0, 2]])
+    high = np.minimum(place[..., [1, 3]] - reach[..., [1, 3]], member.origin_m[[1, 3]])
+    return low + share * (high - low)
+
+
+def inside(member: Member, option: IntArray, origin_m: FloatArray, rect_m: FloatArray) -> np.ndarray:
+    """Whether candidates (...) lie in the place and their origins in range; written poses are taken at their word."""
+    if member.pinned:
+        return np.ones(option.shape, dtype=bool)
+    good = np.ones(option.size, dtype=bool)
+    flat, stance = rect_m.reshape(-1, 4), member.stance[option].ravel()
+    for s, room in member.room.items():
+        rows = np.flatnonzero(stance == s) if len(member.room) > 1 else slice(None)
+        good[rows] = room.holds(flat[rows])
+    x, y = origin_m[..., 0], origin_m[..., 1]
+    x0, x1, y0, y1 = member.origin_m
+    within = (x >= x0 - 1e-9) & (x <= x1 + 1e-9) & (y >= y0 - 1e-9) & (y <= y1 + 1e-9)
+    return good.reshape(option.shape) & within

@@ -1,0 +1,158 @@
+"""Structured layouts: a family cuts the place into slots, one for each thing; here things are seated in them.
+
+Things of a slot lie at quarter turns (or whatever of their yaws takes least room). Slots are exchanged while
+directional relations are broken, and then some more, so that one partition serves many arrangements. P frame, metres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.random import Generator
+
+from scenec.ir.problem import FloatArray
+from scenec.plan.cases.apart import clashes
+from scenec.plan.cases.batch_relations import ahead, may_hold
+from scenec.plan.cases.feasible import BoolArray
+from scenec.plan.cases.pool_model import GRAIN_M, IntArray, Layouts, Scope, around
+from scenec.plan.cases.rejection import front_of, inside
+
+WAYS = 4  # at least: two for each stance
+SWAY = 0.4  # how much chance disturbs the order that relations want
+REPAIRS = 2000  # exchanges tried while relations are broken
+MIXING = 3  # exchanges tried for each thing once they hold
+
+
+@dataclass(frozen=True)
+class Ways:
+    """`option` (n, w) ways in which each thing takes little room, and `size_m` (n, w, 2) of the rectangles around it.
+
+    `lean` (n, 2) says where directional relations want it: -1 at low x or y, 1 at high, 0 anywhere.
+    """
+
+    option: IntArray
+    size_m: FloatArray
+    lean: FloatArray
+
+    @property
+    def least_m(self) -> FloatArray:
+        """(n, 2) the first way of each thing: the least deep one."""
+        return self.size_m[:, 0]
+
+
+def ways_of(scope: Scope) -> Ways:
+    """For each member the options of least area in each quarter of a turn, the least deep first."""
+    options, sizes = [], []
+    width = max(WAYS, *(2 * len(set(member.stance[: member.grid].tolist())) for member in scope.members))
+    for member in scope.members:
+        area = member.footprint_m2[: member.grid]
+        found: list[int] = []
+        for stance in sorted(set(member.stance[: member.grid].tolist())):
+            for quarter in (0, 1):
+                of = np.floor((member.yaw_rad[: member.grid] + np.pi / 4) / (np.pi / 2)).astype(int) % 2 == quarter
+                rows = np.flatnonzero(of & (member.stance[: member.grid] == stance))
+                if len(rows):
+                    found.append(int(rows[area[rows].argmin()]))
+        found = (found * width)[:width]
+        reach = member.reach_m[found] + GRAIN_M
+        size = np.stack([reach[:, 0] + reach[:, 1], reach[:, 2] + reach[:, 3]], axis=1)
+        order = np.argsort(size[:, 1], kind="stable")
+        options.append(np.array(found)[order])
+        sizes.append(size[order])
+    lean = np.zeros((len(options), 2))
+    for first, second, along in _axial(scope)[:, :3].astype(np.int64).tolist():
+        lean[first, along] -= 1.0
+        lean[second, along] += 1.0
+    return Ways(np.array(options), np.array(sizes), lean)
+
+
+def leaning(ways: Ways, members: IntArray, along: int, rng: Generator) -> IntArray:
+    """Members in a random order in which those that lean to low values tend to come first."""
+    return members[np.argsort(ways.lean[members, along] + SWAY * rng.standard_normal(len(members)), kind="stable")]
+
+
+def seated(scope: Scope, ways: Ways, slots_m: FloatArray, family: str, rng: Generator) -> Layouts:
+    """Layouts that hold, from slots (l, n, 4): slot i belongs to member i at first and must fit it."""
+    slots = slots_m.copy()
+    _exchange(scope, ways, slots, rng)
+    count, n = slots.shape[:2]
+    option, origin, rect = np.zeros((count, n), dtype=np.int64), np.zeros((count, n, 2)), np.zeros((count, n, 4))
+    good = np.ones(count, dtype=bool)
+    for i, member in enumerate(scope.members):
+        if member.pinned:
+            option[:, i], origin[:, i] = 0, member.at_m[0]
+            rect[:, i] = around(member, option[:, i], origin[:, i])
+            continue
+        fits = _fits(ways.size_m[i][None], _size(slots[:, i])[:, None])
+        option[:, i] = ways.option[i][(fits * (1.0 + rng.random(fits.shape))).argmax(axis=1)]
+        reach = member.reach_m[option[:, i]]
+        low = np.maximum(slots[:, i][:, [0, 2]] + reach[:, [0, 2]], member.origin_m[[0, 2]])
+        high = np.minimum(slots[:, i][:, [1, 3]] - reach[:, [1, 3]], member.origin_m[[1, 3]])
+        good &= fits.any(axis=1) & (low <= high + 1e-9).all(axis=1)
+        origin[:, i] = low + rng.random((count, 2)) * np.maximum(high - low, 0.0)
+        rect[:, i] = around(member, option[:, i], origin[:, i])
+        good &= inside(member, option[:, i], origin[:, i], rect[:, i])
+    layouts = Layouts(option, origin, rect, [family] * count)
+    good &= np.logical_not(np.asarray(clashes(scope, layouts)).any(axis=(1, 2)))
+    for rule in scope.rules:
+        numbers = [scope.index[name] for name in rule.things]
+        fronts = [front_of(scope.members[k], option[:, k]) for k in numbers]
+        good &= may_hold(rule, [rect[:, k] for k in numbers], [origin[:, k] for k in numbers], fronts)
+    return layouts.take(good)
+
+
+def _exchange(scope: Scope, ways: Ways, slots: FloatArray, rng: Generator) -> None:
+    # Exchanges slots in place: first those of broken directional relations, then any that keep all of them.
+    count, n = slots.shape[:2]
+    rules = _axial(scope)
+    is_free = np.array([not member.pinned for member in scope.members])
+    free = np.flatnonzero(is_free)
+    if len(free) < 2 or not count:
+        return
+    rows = np.arange(count)
+    seat = np.tile(np.arange(n), (count, 1))  # the slot of each member, by its number at first
+    fits = np.asarray(_fits(ways.size_m[:, None], _size(slots)[:, None, :, None]).any(axis=-1))  # (l, member, slot)
+    broken = _broken(slots, seat, rules)
+    cost = broken.sum(axis=1)
+    for step in range((REPAIRS if len(rules) else 0) + MIXING * len(free)):
+        i, j = free[rng.integers(len(free), size=(2, count))]
+        if len(rules) and step < REPAIRS:
+            if not cost.any():
+                continue
+            rng.random(broken.shape)  # unused: it keeps the plans of earlier versions
+            pick = rng.random(broken.shape) * (broken > 0.0)
+            ends = rules[pick.argmax(axis=1), rng.integers(2, size=count)].astype(np.int64)
+            i = np.where((cost > 0.0) & is_free[ends], ends, i)
+        one, two = seat[rows, i], seat[rows, j]
+        may = (i != j) & fits[rows, i, two] & fits[rows, j, one]
+        if not may.any():
+            continue
+        trial = seat.copy()
+        trial[rows, i], trial[rows, j] = two, one
+        then = _broken(slots, trial, rules)
+        now = then.sum(axis=1)
+        may &= now <= cost + 1e-12
+        seat[may], broken[may], cost[may] = trial[may], then[may], now[may]
+    slots[:] = slots[rows[:, None], seat]
+
+
+def _axial(scope: Scope) -> FloatArray:
+    # (r, 4) rows of `scenec.plan.cases.batch_relations.Ahead`.
+    return np.array(ahead(scope.rules, scope.index)).reshape(-1, 4)
+
+
+def _broken(slots: FloatArray, seat: IntArray, rules: FloatArray) -> FloatArray:
+    # (l, r) by how much each relation is broken when members sit at these slots (l, n).
+    first, second, along = rules[:, :3].astype(np.int64).T
+    rows = np.arange(len(slots))[:, None]
+    ends, begins = slots[rows, seat[:, first], 2 * along + 1], slots[rows, seat[:, second], 2 * along]
+    return np.maximum(ends + rules[:, 3] - begins, 0.0)
+
+
+def _fits(size_m: FloatArray, room_m: FloatArray) -> BoolArray:
+    return np.asarray((size_m <= room_m + 1e-9).all(axis=-1))
+
+
+def _size(rect_m: FloatArray) -> FloatArray:
+    return np.stack([rect_m[..., 1] - rect_m[..., 0], rect_m[..., 3] - rect_m[..., 2]], axis=-1)

@@ -1,0 +1,280 @@
+"""Problems and their solved scenes made into a RuntimeSamplingPlan: pools of checked cases for each combination."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Collection, Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from math import inf, isfinite
+from pathlib import Path
+
+import numpy as np
+import shapely
+from shapely import Polygon
+
+from scenec.check.judge_plan import judge
+from scenec.ir.names import Names
+from scenec.ir.problem import Body, Problem, Slab, Solved, Stance, Surface, Thing, Volume
+from scenec.plan.pools import Alike, plan_pools
+from scenec.solve.model import Model, model_of, owner_first
+from schemas.scene.compiled import Prism
+from schemas.scene.program import PairedMaterial, SceneProgram
+from schemas.scene.runtime_plan import (
+    PlanBody,
+    PlanCombination,
+    PlanKeepOut,
+    PlanLayer,
+    PlanPlace,
+    PlanPolygon,
+    PlanPool,
+    PlanProvenance,
+    PlanReach,
+    PlanRelation,
+    PlanSpot,
+    PlanStance,
+    PlanThing,
+    RuntimePlan,
+)
+
+_DIGITS = 9  # nanometres
+_MARK = "\x01"  # no name holds it
+
+
+def runtime_plan(
+    program: SceneProgram,
+    problems: Sequence[Problem],
+    results: Sequence[Solved],
+    packages: Path | None = None,
+    *,
+    file: str = "",
+    seed: int = 0,
+    diversity: float = 1.0,
+    reached_by: Mapping[str, Collection[str]] | None = None,
+) -> RuntimePlan:
+    """The plan of a compiled program; `diversity` trades its size for coverage (1: some hundred cases a pool).
+
+    `reached_by` are the keys of combinations by thing that decide anything of it (all, when None): pools that these
+    leave alike are made once.
+
+    Every case is judged by the independent checker at extreme poses; RuntimeError when one is refused, a defect of
+    ours. Deterministic in program, packages, seed and diversity.
+    """
+    bodies = PlanBodies(packages)
+    made: dict[Alike, tuple[PlanPool, ...]] = {}
+    share = diversity / max(1.0, len(problems) ** 0.5)
+    combinations = []
+    for problem, result in zip(problems, results, strict=True):
+        base = model_of(problem)
+        pools = plan_pools(base, result, seed, share, made, reached_by)
+        combinations.append(_combination(program, base, pools, bodies))
+    plan = RuntimePlan(
+        scene=program.scene,
+        clearance_m=program.clearance,
+        bodies=tuple(bodies.found),
+        combinations=tuple(combinations),
+        materials=_materials(program),
+        lighting=program.variants.lighting,
+        split={"train": program.split.train, "eval": program.split.eval}
+        if program.split.train or program.split.eval
+        else {},
+        provenance=PlanProvenance(
+            program=file,
+            program_hash=hashlib.sha256(program.model_dump_json().encode()).hexdigest(),
+            compiler=_version(),
+            seed=seed,
+            diversity=diversity,
+        ),
+    )
+    judge(plan)
+    return plan
+
+
+def plan_text(plan: RuntimePlan) -> str:
+    """The plan as JSON with one line for each case, so that two plans can be compared line by line."""
+    tree = plan.model_dump(mode="json")
+    lines: list[str] = []
+    for combination in tree["combinations"]:
+        for pool in combination["pools"]:
+            for k, case in enumerate(pool["cases"]):
+                pool["cases"][k] = f"{_MARK}{len(lines)}{_MARK}"
+                lines.append(json.dumps(case, separators=(",", ":")))
+    quoted = json.dumps(_MARK)[1:-1]
+    parts = json.dumps(tree, indent=1).split(f'"{quoted}')
+    whole = [parts[0]]
+    for part in parts[1:]:
+        number, rest = part.split(f'{quoted}"', 1)
+        whole += [lines[int(number)], rest]
+    return "".join(whole) + "\n"
+
+
+def _combination(
+    program: SceneProgram, base: Model, pools: tuple[PlanPool, ...], bodies: PlanBodies
+) -> PlanCombination:
+    problem = base.problem
+    places = _places(problem, base)
+    number = {key: k for k, key in enumerate(places)}
+    things = [base.things[name] for name in owner_first(base.things)]
+    reach = problem.reach
+    return PlanCombination(
+        combination=problem.combination,
+        background=None if problem.background is None else bodies.number(problem.background),
+        X_WB=tuple(tuple(float(v) for v in row) for row in problem.X_WB),  # pyright: ignore[reportArgumentType]
+        places=tuple((owner, _place(place)) for (owner, _), place in places.items()),
+        things=tuple(_thing(thing, number[thing.parent, thing.place.name], bodies) for thing in things),
+        pools=pools,
+        relations=tuple(
+            PlanRelation(
+                kind=rule.kind,
+                things=rule.things,
+                direction=rule.direction,
+                gap_m=rule.gap_m,
+                tolerance=rule.tolerance,
+                frame=rule.frame,
+                word=rule.word,
+            )
+            for rule in problem.relations
+        ),
+        keep_outs=tuple(
+            PlanKeepOut(
+                place=number[k.parent, k.place.name], polygon=_polygon(k.polygon), height_m=_finite(k.height_m) or 1e3
+            )
+            for k in problem.keep_outs
+        ),
+        reach=None
+        if reach is None
+        else PlanReach(base_m=_three(reach.base_m), least_m=reach.least_m, most_m=reach.most_m, members=reach.members),
+        materials=tuple(material.id for material in program.variants.materials),
+        lighting=tuple(lighting.id for lighting in program.variants.lighting),
+    )
+
+
+def _materials(program: SceneProgram) -> tuple[PairedMaterial, ...]:
+    # With the things of the plan in place of the program's objects.
+    names = Names(program)
+    nodes = program.layout.nodes.items()
+    things = {
+        thing.id: tuple(copy for node, written in nodes if written.object == thing.id for copy in names.copies[node])
+        for thing in program.objects
+    }
+    return tuple(
+        material.model_copy(update={"objects": tuple(t for o in material.objects for t in things.get(o, (o,)))})
+        for material in program.variants.materials
+    )
+
+
+class PlanBodies:
+    """Bodies by number, each once."""
+
+    def __init__(self, packages: Path | None) -> None:
+        self.packages = packages
+        self.found: list[PlanBody] = []
+        self._number: dict[PlanBody, int] = {}
+
+    def number(self, body: Body) -> int:
+        """The number of a body."""
+        made = PlanBody(
+            asset_id=body.asset_id,
+            package=body.package,
+            package_hash=self._hash(body.package),
+            scale=body.scale,
+            mass_kg=body.mass_kg,
+            primitive=body.inline,  # pyright: ignore[reportArgumentType]
+            stances=tuple(_stance(stance) for stance in body.stances),
+        )
+        if made not in self._number:
+            self._number[made] = len(self.found)
+            self.found.append(made)
+        return self._number[made]
+
+    def _hash(self, package: str | None) -> str | None:
+        if package is None or self.packages is None:
+            return None
+        return hashlib.sha256((self.packages / package / "record.json").read_bytes()).hexdigest()
+
+
+def _stance(stance: Stance) -> PlanStance:
+    return PlanStance(
+        name=stance.name,
+        quat_wxyz=stance.quat_wxyz,
+        origin_height_m=round(stance.origin_height_m, _DIGITS),
+        prisms=tuple(_prism(slab) for slab in stance.slabs),
+    )
+
+
+def _prism(slab: Slab) -> Prism:
+    return Prism(
+        outline_m=_points(slab.outline_m), low_m=round(slab.low_m, _DIGITS), high_m=round(slab.high_m, _DIGITS)
+    )
+
+
+def _points(points: np.ndarray) -> tuple[tuple[float, float], ...]:
+    return tuple((round(float(x), _DIGITS) + 0.0, round(float(y), _DIGITS) + 0.0) for x, y in points)
+
+
+def _three(point: np.ndarray) -> tuple[float, float, float]:
+    x, y, z = (float(v) for v in point)
+    return x, y, z
+
+
+def _polygon(area: Polygon) -> PlanPolygon:
+    area = shapely.orient_polygons(area)
+    rings = [_points(np.asarray(ring.coords)[:-1]) for ring in (area.exterior, *area.interiors)]
+    return PlanPolygon(outline_m=rings[0], holes_m=tuple(rings[1:]))
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if isfinite(value) else None
+
+
+def _place(place: Surface | Volume) -> PlanPlace:
+    if isinstance(place, Volume):
+        layers = tuple(PlanLayer(low_m=low, high_m=high, polygon=_polygon(area)) for low, high, area in place.layers)
+        return PlanPlace(
+            name=place.name, kind="volume", origin_m=_three(place.origin_P_m), layers=layers, height_m=place.height_m
+        )
+    return PlanPlace(
+        name=place.name,
+        kind="surface",
+        origin_m=_three(place.origin_P_m),
+        polygon=_polygon(place.polygon),
+        height_m=_finite(place.clearance_m),
+        above=tuple(_prism(slab) for slab in place.above),
+    )
+
+
+def _places(problem: Problem, model: Model) -> dict[tuple[str, str], Surface | Volume]:
+    things = (model.things[name] for name in owner_first(model.things))
+    used = {(thing.parent, thing.place.name): thing.place for thing in things}
+    return used | {(k.parent, k.place.name): k.place for k in problem.keep_outs if (k.parent, k.place.name) not in used}
+
+
+def _thing(thing: Thing, place: int, bodies: PlanBodies) -> PlanThing:
+    domain = thing.domain
+    return PlanThing(
+        id=thing.name,
+        bodies=tuple(bodies.number(body) for body in thing.body.candidates or (thing.body,)),
+        parent=thing.parent,
+        place=place,
+        x_m=_range(domain.x_m),
+        y_m=_range(domain.y_m),
+        yaw_rad=_range(domain.yaw_rad),
+        stances=domain.stances,
+        spots=tuple(
+            PlanSpot(position_m=(spot.x_m, spot.y_m, spot.z_m), yaw_rad=spot.yaw_rad, stance=spot.stance)
+            for spot in domain.spots
+        ),
+        semantic_tags=thing.tags,
+    )
+
+
+def _range(span: tuple[float, float]) -> tuple[float, float] | None:
+    low, high = span
+    return None if low == -inf and high == inf else (max(low, -1e3), min(high, 1e3))
+
+
+def _version() -> str:
+    try:
+        return version("mana-sim")
+    except PackageNotFoundError:
+        return "unknown"

@@ -1,0 +1,99 @@
+"""Written poses: more things than poses.
+
+Theorem (Hall 1935): things that exclude each other from the same poses can all be placed iff every set of them has as
+many usable poses as members; a set with fewer is a proof.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import networkx as nx
+import numpy as np
+
+from geom.planar import turned
+from scenec.ir.problem import Problem, Proof, Spot, Thing
+from scenec.proofs.fits import spot_usable
+from scenec.proofs.outlines import SLACK_M, hull, stances
+
+Position = tuple[str, str, float, float, float]
+
+
+def more_things_than_spots(problem: Problem) -> Proof | None:
+    """A proof that names a set of things with fewer usable poses than members (maximum bipartite matching)."""
+    things = [thing for thing in problem.things if thing.domain.spots]
+    usable = {thing.name: _positions(problem, thing) for thing in things}
+    exclusive = _exclusive_positions(things, usable)
+    bound = [thing for thing in things if usable[thing.name] and set(usable[thing.name]) <= exclusive]
+    if not bound:
+        return None
+    graph = nx.Graph()
+    graph.add_nodes_from(thing.name for thing in bound)
+    graph.add_edges_from((thing.name, position) for thing in bound for position in sorted(usable[thing.name]))
+    matching = nx.bipartite.hopcroft_karp_matching(graph, [thing.name for thing in bound])
+    alone = next((thing.name for thing in bound if thing.name not in matching), None)
+    if alone is None:
+        return None
+    crowd = _alternating(graph, matching, alone)
+    members = [thing for thing in bound if thing.name in crowd]
+    poses = {position for thing in members for position in usable[thing.name]}
+    text = f"{', '.join(thing.name for thing in members)} share {len(poses)} usable places, {len(members)} are needed"
+    paths = tuple(dict.fromkeys(thing.path for thing in members))
+    return Proof("empty-domain", text, float(len(members)), float(len(poses)), "places", paths)
+
+
+def _positions(problem: Problem, thing: Thing) -> dict[Position, list[Spot]]:
+    found: dict[Position, list[Spot]] = {}
+    for spot in thing.domain.spots:
+        if spot_usable(problem, thing, spot):
+            key = (thing.parent, thing.place.name, spot.x_m, spot.y_m, spot.z_m)
+            found.setdefault(key, []).append(spot)
+    return found
+
+
+def _exclusive_positions(things: list[Thing], usable: dict[str, dict[Position, list[Spot]]]) -> set[Position]:
+    """Positions at which any two things that may use them would overlap."""
+    users: dict[Position, list[Thing]] = {}
+    for thing in things:
+        for position in usable[thing.name]:
+            users.setdefault(position, []).append(thing)
+    return {
+        position
+        for position, those in users.items()
+        if all(_overlap(one, two, position, usable) for one, two in combinations(those, 2))
+    }
+
+
+def _overlap(one: Thing, two: Thing, position: Position, usable: dict[str, dict[Position, list[Spot]]]) -> bool:
+    """Whether both footprints cover the origin of the position, hence one another, whatever stance and heading."""
+    spans = [
+        (-stance.origin_height_m, stance.height_m - stance.origin_height_m)
+        for thing in (one, two)
+        for stance in stances(thing)
+    ]
+    if min(high for _, high in spans) - max(low for low, _ in spans) <= SLACK_M:
+        return False
+    return all(
+        _covers_origin(hull(thing.body.stances[k].slabs), spot.yaw_rad) and len(thing.body.stances[k].slabs) == 1
+        for thing in (one, two)
+        for k in thing.domain.stances
+        for spot in usable[thing.name][position]
+    )
+
+
+def _covers_origin(outline: np.ndarray, yaw_rad: float) -> bool:
+    ring = turned(outline, yaw_rad)
+    edges = np.roll(ring, -1, axis=0) - ring
+    return bool((edges[:, 1] * ring[:, 0] - edges[:, 0] * ring[:, 1] > SLACK_M * np.hypot(*edges.T)).all())
+
+
+def _alternating(graph: nx.Graph, matching: dict, start: str) -> set[str]:
+    """Things reached from an unmatched one by alternating paths: with their poses they break Hall's condition."""
+    seen, waiting = {start}, [start]
+    while waiting:
+        for position in graph[waiting.pop()]:
+            other = matching[position]
+            if other not in seen:
+                seen.add(other)
+                waiting.append(other)
+    return seen

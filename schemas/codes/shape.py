@@ -1,0 +1,166 @@
+"""Diagnostic codes of geometry and appearance; part of the table in `schemas.codes`."""
+
+from __future__ import annotations
+
+from schemas.codes.code_info import CodeInfo
+
+SHAPE_CODES: dict[str, CodeInfo] = {
+    # Geometry, repaired.
+    "asset/far-from-origin": CodeInfo(
+        "warning",
+        "The object lies far from its origin",
+        "In single precision its shape would be rounded away; it was moved home in double precision.",
+        "nothing; the frame now sits at the object's bottom centre",
+    ),
+    "asset/inverted-winding": CodeInfo(
+        "warning",
+        "Faces are wound inside out",
+        "Volume, mass and lighting come out wrong.",
+        "nothing; the faces were turned to point outwards",
+    ),
+    "asset/degenerate-faces": CodeInfo(
+        "warning",
+        "Faces have zero area or occur twice",
+        "They break normals, volume and collision libraries.",
+        "nothing; they were removed",
+    ),
+    "asset/small-holes": CodeInfo(
+        "warning",
+        "A nearly closed surface has holes",
+        "An open surface has no volume, so mass and collision would be guesses.",
+        "nothing; the holes were filled, compare the pictures",
+    ),
+    "asset/non-manifold-edge": CodeInfo(
+        "warning",
+        "More than two faces share an edge",
+        "Inside and outside are undefined there.",
+        "nothing; the surplus faces were removed from the physical surface",
+    ),
+    "asset/non-manifold-left": CodeInfo(
+        "info",
+        "Edges with more than two faces are left",
+        "Boards that meet and sheets drawn from both sides look so by design; tools for closed surfaces refuse them.",
+        "separate the parts, or draw each surface once, if the render mesh itself is to be manifold",
+    ),
+    "asset/non-manifold-vertex": CodeInfo(
+        "warning",
+        "Two surfaces touch in a single point",
+        "The point belongs to two solids, which topology tools reject.",
+        "nothing; the point was split",
+    ),
+    "asset/duplicate-shell": CodeInfo(
+        "warning",
+        "The same closed surface occurs more than once",
+        "Volume and mass would count it each time.",
+        "nothing; the copies were removed",
+    ),
+    "asset/overlapping-bodies": CodeInfo(
+        "warning",
+        "Closed parts overlap",
+        "The shared volume would be counted twice.",
+        "nothing; mass uses the union of the parts",
+    ),
+    "asset/open-shell": CodeInfo(
+        "warning",
+        "The surface is a thin sheet with a large opening",
+        "Closing it would turn a container into a block, so it stays a shell of assumed wall thickness.",
+        "state the wall with --shell-thickness, give it a thickness in the source, or accept the assumed one",
+    ),
+    "asset/dirty-mesh": CodeInfo(
+        "warning",
+        "The mesh has several topological defects at once",
+        "Duplicate, degenerate or crossing faces together make single repairs meaningless; it was rebuilt.",
+        "nothing; compare the distance figures in the record",
+    ),
+    "asset/loose-fragments": CodeInfo(
+        "warning",
+        "Tiny pieces float beside the object",
+        "Debris of scanning or modelling stretches the bounding box and becomes matter that is not there.",
+        "nothing; they were removed, count, area and largest size are in the record",
+    ),
+    "asset/self-intersection": CodeInfo(
+        "warning",
+        "A closed surface passes through itself",
+        "Volume, mass centre and inertia count the doubled parts twice and the inverted ones as holes.",
+        "nothing; the physical surface was resolved, the visible one is as it was",
+    ),
+    "asset/repair-distorts": CodeInfo(
+        "warning",
+        "A repair may have changed the shape",
+        "The surface may lie more than 1 % of the diagonal from the true one, and no figure can tell which is right.",
+        "compare source and package at the place named: accept the repaired shape, or mend the source and ingest again",
+    ),
+    "asset/too-many-triangles": CodeInfo(
+        "warning",
+        "The mesh is heavier than the budget",
+        "Simulators and viewers slow down far below this size.",
+        "nothing; it was reduced, the surface error is in the record",
+    ),
+    "asset/bad-normals": CodeInfo(
+        "warning",
+        "Normals are zero, not unit length, not finite, or look inwards",
+        "Shading would be black or random.",
+        "nothing; normals were recomputed from the faces or turned",
+    ),
+    "asset/empty-face": CodeInfo(
+        "warning",
+        "A face record has fewer than three corners",
+        "The face was meant to exist, so the surface has a gap there.",
+        "export the mesh again; check the line named",
+    ),
+    "asset/nonfinite-colors": CodeInfo(
+        "warning",
+        "A vertex colour is NaN or infinite",
+        "Renderers show it as black or noise.",
+        "nothing; vertex colours were dropped or replaced",
+    ),
+    # Appearance.
+    "asset/missing-texture": CodeInfo(
+        "warning",
+        "A texture file is absent",
+        "The surface loses its picture; its scalar colour is used instead.",
+        "put the file named beside the asset",
+    ),
+    "asset/corrupt-texture": CodeInfo(
+        "warning",
+        "A texture cannot be decoded",
+        "The surface loses its picture; its scalar colour is used instead.",
+        "replace the image named",
+    ),
+    "asset/unsupported-texture": CodeInfo(
+        "warning",
+        "A texture is in a format that cannot be decoded here",
+        "KTX2 and similar containers need a GPU transcoder; a fallback image or the scalar colour is used.",
+        "add a PNG or JPEG fallback",
+    ),
+    "asset/missing-material": CodeInfo(
+        "warning",
+        "A material library or material is absent",
+        "The surface has no stated look; a neutral grey is used.",
+        "put the .mtl file beside the asset",
+    ),
+    "asset/invalid-material-value": CodeInfo(
+        "warning",
+        "A material value cannot be read or is out of range",
+        "Shaders give undefined results outside the allowed range.",
+        "nothing; the value was replaced by the default or clamped",
+    ),
+    "asset/material-extension-fallback": CodeInfo(
+        "info",
+        "A material feature has no counterpart in UsdPreviewSurface",
+        "The look may differ; the source values are kept in the record.",
+        "nothing; see `appearance.unmapped` in the record",
+    ),
+    "asset/name-sanitised": CodeInfo(
+        "info",
+        "Names were changed to be valid identifiers",
+        "USD prim names allow letters, digits and underscores only, each once per parent.",
+        "nothing; the source names are kept beside the new ones",
+    ),
+    "asset/animation-dropped": CodeInfo(
+        "info",
+        "The source is animated",
+        "An asset is static; its first frame was taken.",
+        "nothing, or export the pose you want",
+    ),
+}

@@ -1,0 +1,1 @@
+"""Scene programs, compiled scenes, sampling plans and samples as data."""

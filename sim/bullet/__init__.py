@@ -1,0 +1,1 @@
+"""The PyBullet implementation of the simulator port; the only importer of pybullet."""

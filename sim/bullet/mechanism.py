@@ -1,0 +1,202 @@
+"""PyBullet as a second opinion on `sim.dynamics.mechanism.rollout`: the same mechanism as a multibody, the same
+effects.
+
+Joint motors are off unless they stand for dry friction (a motor that asks for rest within a limit of effort is exactly
+that), damping is zero, effects act as efforts in each step. Slow: one world at a time.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pybullet
+from scipy.spatial.transform import Rotation
+
+from geom.mass.principal_axes import principal_axes
+from schemas.model import FloatArray
+from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque
+from sim.dynamics.joint_dynamics import joint_dynamics
+from sim.dynamics.mechanism import Law, MechanismModel, Windows, asked_effort
+from sim.dynamics.tree import Link, Tree
+
+LARGEST_STEP_S = 1e-3
+_BASE = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+
+def rollout(
+    model: MechanismModel, windows: Windows, laws: Sequence[Law] = (), *, largest_step_s: float = LARGEST_STEP_S
+) -> tuple[FloatArray, FloatArray]:
+    """Joint positions and rates (w, k, j) at the stamps of `windows`, as `sim.dynamics.mechanism.rollout`.
+
+    Raises ValueError for an armature inside a chain, which a rigid link cannot stand for.
+    """
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        body = _load(model, client)
+        worlds, stamps = windows.t_s.shape
+        out = np.empty((2, worlds, stamps, len(model.tree)))
+        for w in range(worlds):
+            out[:, w] = _one(model, _only(windows, w), laws, body, client, largest_step_s)
+        return out[0], out[1]
+    finally:
+        pybullet.disconnect(physicsClientId=client)
+
+
+def _only(windows: Windows, w: int) -> Windows:
+    """One world of all windows."""
+    one = np.s_[w : w + 1]
+    return Windows(
+        windows.t_s[one],
+        windows.q0[one],
+        windows.qd0[one],
+        None if windows.command is None else windows.command[one],
+        None if windows.effort is None else windows.effort[one],
+        {name: values[one] for name, values in windows.aux.items()},
+    )
+
+
+def _one(
+    model: MechanismModel, windows: Windows, laws: Sequence[Law], body: int, client: int, largest_step_s: float
+) -> FloatArray:
+    """(2, k, j) positions and rates of one world."""
+    joints = range(len(model.tree))
+    for j in joints:
+        pybullet.resetJointState(body, j, windows.q0[0, j], windows.qd0[0, j], physicsClientId=client)
+    memory: list[dict[str, FloatArray]] = [{} for _ in laws]
+    out = [_state(body, joints, client)]
+    for k in range(windows.t_s.shape[1] - 1):
+        span = float(windows.t_s[0, k + 1] - windows.t_s[0, k])
+        steps = max(1, int(np.ceil(span / largest_step_s - 1e-9)))
+        aux = {name: values[:, k, None] for name, values in windows.aux.items()}
+        for s in range(steps if span > 0.0 else 0):
+            h = span / steps
+            # Before the motors: the engine turns their limits of effort into impulses when it is told them.
+            pybullet.setTimeStep(h, physicsClientId=client)
+            q, qd = _state(body, joints, client)[:, None]
+            t = windows.t_s[:, k, None] + s * h
+            asked = asked_effort(model.drive, windows, k, q, qd)
+            effort, largest = _efforts(model, laws, memory, JointState(t, q, qd, asked, asked, h, aux))
+            _drive(body, effort[0], largest[0], client)
+            pybullet.stepSimulation(physicsClientId=client)
+        out.append(_state(body, joints, client))
+    return np.stack(out, axis=1)
+
+
+def _efforts(
+    model: MechanismModel, laws: Sequence[Law], memory: Sequence[dict[str, FloatArray]], state: JointState
+) -> tuple[FloatArray, FloatArray]:
+    """Net effort beside gravity and inertia (1, j), and the largest dry friction (1, j)."""
+    load = joint_dynamics(model.tree, model.gravity_W).at(state.q).load(state.qd)
+    effort, largest = state.effort.copy(), np.broadcast_to(model.friction, state.q.shape).copy()
+
+    def at(j: int) -> JointState:
+        one = np.s_[:, j : j + 1]
+        return JointState(state.t_s, state.q[one], state.qd[one], effort[one], load[one], state.dt_s, state.aux)
+
+    for law, kept in zip(laws, memory, strict=True):
+        if isinstance(law.hook, EffortMap):
+            effort[:, law.joint, None] = law.hook.map(at(law.joint), law.params, kept)
+    passive = -model.damping * state.qd
+    for law, kept in zip(laws, memory, strict=True):
+        if isinstance(law.hook, JointTorque):
+            passive[:, law.joint, None] += law.hook.torque(at(law.joint), law.params, kept)
+        elif isinstance(law.hook, JointFriction):
+            direction = np.where(state.qd[:, law.joint, None] < 0.0, -1.0, 1.0)
+            now = replace(at(law.joint), friction=largest[:, law.joint, None].copy())
+            largest[:, law.joint, None] += law.hook.limit(now, law.params, direction)
+    # Gravity acts on the rigid links alone; the model may weigh otherwise.
+    zero = np.zeros_like(state.q)
+    weight, meant = (
+        joint_dynamics(tree, model.gravity_W).at(state.q).bias(zero) for tree in (rigid(model.tree), model.tree)
+    )
+    return effort + passive + weight - meant, np.maximum(largest, 0.0)
+
+
+def _drive(body: int, effort: FloatArray, largest: FloatArray, client: int) -> None:
+    for j in range(len(effort)):
+        # The default gain of 0.1 would stop a tenth of the rate per step: stiction would creep.
+        friction = {"targetVelocity": 0.0, "velocityGain": 1.0, "force": float(largest[j]), "physicsClientId": client}
+        pybullet.setJointMotorControl2(body, j, pybullet.VELOCITY_CONTROL, **friction)
+        given = {"force": float(effort[j]), "physicsClientId": client}
+        pybullet.setJointMotorControl2(body, j, pybullet.TORQUE_CONTROL, **given)
+
+
+def _state(body: int, joints: Sequence[int], client: int) -> FloatArray:
+    """(2, j) positions and rates."""
+    states = pybullet.getJointStates(body, joints, physicsClientId=client)
+    return np.array([[s[0] for s in states], [s[1] for s in states]])
+
+
+def _load(model: MechanismModel, client: int) -> int:
+    pybullet.setGravity(*model.gravity_W.tolist(), physicsClientId=client)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "mechanism.urdf"
+        file.write_text(urdf(rigid(model.tree)), encoding="utf-8")
+        flags = pybullet.URDF_USE_INERTIA_FROM_FILE  # Else the engine makes up its own.
+        body = pybullet.loadURDF(str(file), useFixedBase=True, flags=flags, physicsClientId=client)
+    off = {"linearDamping": 0.0, "angularDamping": 0.0, "physicsClientId": client}
+    for j in range(-1, len(model.tree)):
+        pybullet.changeDynamics(body, j, **off)
+    for j in range(len(model.tree)):
+        # Set here: a file's tensor that breaks the triangle inequality is silently taken as zero.
+        moments, _ = principal_axes(rigid(model.tree)[j].inertia_J)
+        held = {"localInertiaDiagonal": moments.tolist(), "jointDamping": 0.0, "physicsClientId": client}
+        pybullet.changeDynamics(body, j, **held)
+        # Revolute joints come with a motor that holds them.
+        pybullet.setJointMotorControl2(body, j, pybullet.VELOCITY_CONTROL, force=0.0, physicsClientId=client)
+    return body
+
+
+def rigid(tree: Tree) -> Tree:
+    """The tree without armatures and doubtful weights: an armature becomes inertia of its link.
+
+    Raises ValueError for an armature inside a chain, which other joints would feel.
+    """
+    return tuple(_rigid(tree, i) for i in range(len(tree)))
+
+
+def _rigid(tree: Tree, i: int) -> Link:
+    link = tree[i]
+    if link.armature != 0.0 and (link.parent >= 0 or any(other.parent == i for other in tree)):
+        raise ValueError(f"joint '{link.name}': an armature inside a chain has no rigid link that stands for it")
+    plain = replace(link, armature=0.0, gravity_factor=1.0)
+    if link.prismatic:
+        return replace(plain, mass_kg=link.mass_kg + link.armature)
+    return replace(plain, inertia_J=link.inertia_J + link.armature * np.eye(3))
+
+
+def urdf(tree: Tree) -> str:
+    """The tree as URDF text: a massless base, a link per joint, no shapes."""
+    parts = [f'<robot name="mechanism"><link name="base">{_BASE}</link>']
+    for i, link in enumerate(tree):
+        parts.append(_link(link, i) + _joint(link, "base" if link.parent < 0 else f"link_{link.parent}", i))
+    return "".join([*parts, "</robot>"])
+
+
+def _link(link: Link, i: int) -> str:
+    """The link with its inertial frame along the principal axes; `_load` sets the moments."""
+    moments, quat_wxyz = principal_axes(link.inertia_J)
+    rpy = Rotation.from_quat(np.roll(quat_wxyz, -1)).as_euler("xyz")
+    tensor = " ".join(f'{n}="{float(m)!r}"' for n, m in zip(("ixx", "iyy", "izz"), moments, strict=True))
+    return (
+        f'<link name="link_{i}"><inertial><origin xyz="{_text(link.com_J)}" rpy="{_text(rpy)}"/>'
+        f'<mass value="{float(link.mass_kg)!r}"/><inertia {tensor} ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    )
+
+
+def _joint(link: Link, parent: str, i: int) -> str:
+    kind = "prismatic" if link.prismatic else "continuous"
+    rpy = Rotation.from_matrix(link.X_PJ[:3, :3]).as_euler("xyz")
+    limit = '<limit lower="1" upper="-1" effort="1e9" velocity="1e9"/>'  # upside down: none
+    return (
+        f'<joint name="{i}" type="{kind}"><parent link="{parent}"/><child link="link_{i}"/>'
+        f'<origin xyz="{_text(link.X_PJ[:3, 3])}" rpy="{_text(rpy)}"/><axis xyz="{_text(link.axis_J)}"/>{limit}</joint>'
+    )
+
+
+def _text(values: FloatArray) -> str:
+    return " ".join(repr(float(v)) for v in values)

@@ -1,0 +1,219 @@
+"""Roll-outs of jointed mechanisms from measured states, all windows of all trials in one call.
+
+One step of length h (kick, drift, kick: second order, and energy keeps its mean without friction): half a drift, one
+velocity update at the middle, half a drift. In the update smooth forces are explicit (what links do to one another by
+their rates, at rates carried on to the middle), viscous damping is implicit, and dry friction is the impulse within
+its limit that comes nearest to stopping the joint (projected Gauss-Seidel, as engines do for contacts), so that a
+joint can stick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import EffortMap, Hook, JointFriction, JointState, JointTorque, Params
+from sim.dynamics.joint_dynamics import JointDynamics, joint_dynamics
+from sim.dynamics.tree import Tree
+
+_JITTER = 0.1  # steps by which an interval may be longer: else half the rows of a jittery clock would take one more.
+_LARGEST_RATE = 1e4  # rad/s or m/s: beyond, a roll-out has diverged and is held there.
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What turns commands or logged efforts into joint effort; all (j,)."""
+
+    type: Literal["none", "effort", "position_pd"] = "none"
+    kp: FloatArray = field(default_factory=lambda: np.zeros(1))
+    kd: FloatArray = field(default_factory=lambda: np.zeros(1))
+    effort_limit: float | None = None
+    effort_per_unit: float = 1.0
+
+
+@dataclass(frozen=True)
+class MechanismModel:
+    """Numbers of a mechanism: the tree, gravity in the world, dry friction and damping per joint (j,), drive."""
+
+    tree: Tree
+    gravity_W: FloatArray
+    friction: FloatArray
+    damping: FloatArray
+    drive: Drive = Drive()
+    limits: FloatArray | None = None  # (j, 2)
+
+
+@dataclass(frozen=True)
+class Law:
+    """An effect's hook with values, on one joint."""
+
+    hook: Hook
+    params: Params
+    joint: int
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Where roll-outs start and what drives them: t_s (w, k), q0, qd0 (w, j), inputs (w, k, j) held from row to row."""
+
+    t_s: FloatArray
+    q0: FloatArray
+    qd0: FloatArray
+    command: FloatArray | None = None
+    effort: FloatArray | None = None
+    aux: Mapping[str, FloatArray] = field(default_factory=dict)  # (w, k) each
+
+
+def from_each(windows: Windows, q0: FloatArray, qd0: FloatArray) -> Windows:
+    """The same windows once from each of several starts (m, w, j): m * w windows, of which one step costs far less."""
+
+    def again(values: FloatArray) -> FloatArray:
+        return np.tile(values, (len(q0), *[1] * (values.ndim - 1)))
+
+    return Windows(
+        t_s=again(windows.t_s),
+        q0=q0.reshape(-1, q0.shape[2]),
+        qd0=qd0.reshape(-1, qd0.shape[2]),
+        command=None if windows.command is None else again(windows.command),
+        effort=None if windows.effort is None else again(windows.effort),
+        aux={name: again(values) for name, values in windows.aux.items()},
+    )
+
+
+def rollout(
+    model: MechanismModel, windows: Windows, laws: Sequence[Law] = (), *, largest_step_s: float = 5e-3, finer: int = 1
+) -> tuple[FloatArray, FloatArray]:
+    """Joint positions and rates (w, k, j) at the stamps of `windows`; row 0 is the start.
+
+    Each interval between stamps is divided into equal steps of about `largest_step_s` at most (by its median over
+    windows), each of these into `finer`.
+    """
+    worlds, stamps = windows.t_s.shape
+    q, qd = windows.q0.astype(float).copy(), windows.qd0.astype(float).copy()
+    Q, QD = (np.empty((worlds, stamps, q.shape[1])) for _ in range(2))
+    Q[:, 0], QD[:, 0] = q, qd
+    forces = _Forces.of(model, laws, worlds)
+    spans = np.diff(windows.t_s, axis=1)
+    typical = _medians(spans)
+    gained, before = np.zeros_like(qd), np.zeros((worlds, 1))
+    for k in range(stamps - 1):
+        steps = max(1, int(np.ceil(typical[k] / largest_step_s - _JITTER))) * finer
+        h = spans[:, k, None] / steps
+        dt_s = float(typical[k]) / steps
+        aux = {name: values[:, k, None] for name, values in windows.aux.items()}
+        half = 0.5 * h
+        if k and len(model.tree) > 1:
+            gained = gained * np.divide(h, before, out=np.zeros_like(h), where=before > 0.0)
+        before = h
+        for s in range(steps):
+            q = q + half * qd
+            asked = asked_effort(model.drive, windows, k, q, qd)
+            t = windows.t_s[:, k, None] + (s + 0.5) * h if laws else half
+            if model.drive.type == "position_pd":
+                # The rate at the middle of the step, not at its start: half a step's delay would look like inertia.
+                ahead = forces.with_own_memory().kick(q, qd, gained, asked, t, h, dt_s, aux)
+                asked = asked_effort(model.drive, windows, k, q, 0.5 * (qd + ahead))
+            after = forces.kick(q, qd, gained, asked, t, h, dt_s, aux)
+            qd, gained = after, after - qd
+            q = q + half * qd
+        Q[:, k + 1], QD[:, k + 1] = q, qd
+    return Q, QD
+
+
+def _medians(spans: FloatArray) -> FloatArray:
+    """(k,) over windows; those that are no number are left out, which takes far longer."""
+    plain = np.median(spans, axis=0)
+    return np.nanmedian(spans, axis=0) if np.isnan(plain).any() else plain
+
+
+def asked_effort(drive: Drive, windows: Windows, k: int, q: FloatArray, qd: FloatArray) -> FloatArray:
+    """Effort that the log or the controller asks for (w, j)."""
+    if drive.type == "effort" and windows.effort is not None:
+        asked = windows.effort[:, k] * drive.effort_per_unit
+    elif drive.type == "position_pd" and windows.command is not None:
+        asked = (drive.kp * (windows.command[:, k] - q) - drive.kd * qd) * drive.effort_per_unit
+    else:
+        return np.zeros_like(q)
+    limit = drive.effort_limit
+    return asked if limit is None else np.minimum(np.maximum(asked, -limit), limit)
+
+
+@dataclass(frozen=True)
+class _Forces:
+    """What acts on a mechanism in every step: its own forces, and laws by kind, in order, each with its memory."""
+
+    model: MechanismModel
+    dynamics: JointDynamics
+    drives: tuple[tuple[Law, EffortMap, dict[str, FloatArray]], ...]
+    torques: tuple[tuple[Law, JointTorque, dict[str, FloatArray]], ...]
+    frictions: tuple[tuple[Law, JointFriction], ...]
+    rubs: bool
+    unknown: FloatArray  # (w, j) in place of loads that nobody asks for
+
+    @staticmethod
+    def of(model: MechanismModel, laws: Sequence[Law], worlds: int) -> _Forces:
+        frictions = tuple((law, law.hook) for law in laws if isinstance(law.hook, JointFriction))
+        return _Forces(
+            model,
+            joint_dynamics(model.tree, model.gravity_W),
+            tuple((law, law.hook, {}) for law in laws if isinstance(law.hook, EffortMap)),
+            tuple((law, law.hook, {}) for law in laws if isinstance(law.hook, JointTorque)),
+            frictions,
+            bool(frictions) or bool(model.friction.any()),
+            np.full((worlds, len(model.tree)), np.nan),
+        )
+
+    def with_own_memory(self) -> _Forces:
+        """The same forces; what they remember from here on they keep to themselves."""
+        if not self.drives and not self.torques:
+            return self
+        drives = tuple((law, hook, dict(memory)) for law, hook, memory in self.drives)
+        torques = tuple((law, hook, dict(memory)) for law, hook, memory in self.torques)
+        return replace(self, drives=drives, torques=torques)
+
+    def kick(
+        self,
+        q: FloatArray,
+        qd: FloatArray,
+        gained: FloatArray,
+        asked: FloatArray,
+        t_s: FloatArray,
+        h: FloatArray,
+        dt_s: float,
+        aux: Mapping[str, FloatArray],
+    ) -> FloatArray:
+        """Joint rates after one step of length `h` (w, 1), typically `dt_s`; the step before `gained` so much."""
+        model, posture = self.model, self.dynamics.at(q)
+        effort = asked.copy() if self.drives else asked
+
+        def state(j: int, load: FloatArray, friction: FloatArray | None = None) -> JointState:
+            one = np.s_[:, j : j + 1]
+            rubbing = None if friction is None else friction[one]
+            return JointState(t_s, q[one], qd[one], effort[one], load[one], dt_s, aux, rubbing)
+
+        unknown = self.unknown
+        for law, hook, memory in self.drives:
+            effort[:, law.joint, None] = hook.map(state(law.joint, unknown), law.params, memory)
+        # How links whirl one another is the one smooth force that depends on rates so much that half a step matters.
+        net = effort - posture.bias(qd + 0.5 * gained if len(model.tree) > 1 else qd)
+        for law, hook, memory in self.torques:
+            net[:, law.joint, None] += hook.torque(state(law.joint, unknown), law.params, memory)
+        free = posture.free_rates(qd, net, model.damping, h)
+        if self.rubs:
+            largest: FloatArray = model.friction
+            if self.frictions:
+                # Bearings' loads cost as much as all else: only laws that ask for them get them.
+                load = posture.load(qd) if any(hook.by_load for _, hook in self.frictions) else unknown
+                direction = np.where(free < -1e-9, -1.0, 1.0)
+                largest = model.friction + np.zeros(q.shape)
+                for law, hook in self.frictions:
+                    one = np.s_[:, law.joint : law.joint + 1]
+                    now = state(law.joint, load, largest.copy())
+                    largest[one] += hook.limit(now, law.params, direction[one])
+            free = posture.held(free, h * np.maximum(largest, 0.0), model.damping, h)
+        # Not a number is beyond, too.
+        return np.fmin(np.fmax(free, -_LARGEST_RATE), _LARGEST_RATE)

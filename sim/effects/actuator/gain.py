@@ -1,0 +1,26 @@
+"""A drive that gives more or less than asked for."""
+
+from __future__ import annotations
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+
+
+def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
+    return params["gain"] * state.effort
+
+
+EFFECT = Effect(
+    name="actuator.gain",
+    kinds=("mechanism", "tracking"),
+    formula="effort = gain * asked effort",
+    source="motor constant or calibration error",
+    reveals="unexplained torque in proportion to the effort",
+    parameters=(Parameter("gain", "1", 0.05, 5.0, 1.0),),
+    confusables=(
+        Confusable("joint.armature", "hang a known load on the joint: gravity is a reference for effort"),
+        Confusable("joint.spring", "let the joint swing with the drive off"),
+        Confusable("actuator.supply_sag", "log the supply voltage"),
+    ),
+    hook=EffortMap(_map),
+)

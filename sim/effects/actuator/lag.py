@@ -1,0 +1,44 @@
+"""A drive that follows slowly."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import solve_banded
+
+from schemas.gap import Place
+from schemas.model import FloatArray
+from sim.dynamics.hooks import CommandMap, Confusable, Effect, Parameter, Params, Series
+from sim.effects.series import with_columns
+
+
+def _map(series: Series, params: Params, where: Place) -> Series:
+    return with_columns(series, ("command", "effort"), lambda sent: _followed(series.t_s, sent, params["lag_s"]))
+
+
+def _followed(t_s: FloatArray, sent: FloatArray, lag_s: float) -> FloatArray:
+    """First-order answer to inputs (n, k) that are held from row to row: its mean from each stamp to the next."""
+    if lag_s <= 0.0:
+        return sent
+    keep = np.exp(-np.diff(t_s) / lag_s)
+    # answer[i + 1] - keep[i] answer[i] = (1 - keep[i]) sent[i], all rows at once.
+    rows = np.concatenate([sent[:1], (1.0 - keep)[:, None] * sent[:-1]])
+    bands = np.stack([np.ones(len(t_s)), np.append(-keep, 0.0)])
+    at_stamps = np.asarray(solve_banded((1, 0), bands, rows))
+    # Inputs are held until the next stamp, so what counts is the mean of the answer until then.
+    span = np.append(np.diff(t_s), np.median(np.diff(t_s)))[:, None] / lag_s
+    return sent + (at_stamps - sent) * -np.expm1(-span) / span
+
+
+EFFECT = Effect(
+    name="actuator.lag",
+    kinds=("mechanism", "tracking"),
+    formula="lag_s * d(effort)/dt = asked - effort",
+    source="first-order motor electrics or low-pass of the drive",
+    reveals="steps are rounded; fast commands are weakened and late",
+    parameters=(Parameter("lag_s", "s", 0.0, 0.5, 0.0),),
+    confusables=(
+        Confusable("actuator.delay", "command steps: a lag rounds the corner"),
+        Confusable("joint.armature", "accelerate at several frequencies"),
+    ),
+    hook=CommandMap(_map),
+)

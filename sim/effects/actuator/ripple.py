@@ -1,0 +1,29 @@
+"""Effort that varies with the position of the rotor."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+
+
+def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
+    wave = np.sin(params["count_per_rad"] * state.q - params["phase_rad"])
+    return state.effort * (1.0 + params["share"] * wave)
+
+
+EFFECT = Effect(
+    name="actuator.ripple",
+    kinds=("mechanism", "tracking"),
+    formula="effort = asked * (1 + share * sin(count_per_rad * q - phase_rad))",
+    source="torque ripple: Hanselman, Brushless Permanent Magnet Motor Design, 2006, ch. 7",
+    reveals="unexplained torque repeats over position and grows with effort",
+    parameters=(
+        Parameter("share", "1", 0.0, 1.0, 0.0),
+        Parameter("count_per_rad", "1/rad (1/m)", 0.5, 1e3, 6.0),
+        Parameter("phase_rad", "rad", -np.pi, np.pi, 0.0),
+    ),
+    confusables=(Confusable("joint.detent", "let the joint swing with the drive off"),),
+    hook=EffortMap(_map),
+)

@@ -1,0 +1,26 @@
+"""A drive that cannot give more than a limit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+
+
+def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
+    return np.minimum(np.maximum(state.effort, -params["limit_Nm"]), params["limit_Nm"])
+
+
+EFFECT = Effect(
+    name="actuator.saturation",
+    kinds=("mechanism", "tracking"),
+    formula="|effort| <= limit_Nm",
+    source="current limit of the drive",
+    reveals="large efforts have no more effect than a certain one",
+    parameters=(Parameter("limit_Nm", "N m (N)", 1e-4, 1e6, 1e6),),
+    confusables=(Confusable("actuator.gain", "command small and large efforts: a gain scales both"),),
+    hook=EffortMap(_map),
+    usd="drive:angular:physics:maxForce",
+    urdf="limit/@effort",
+)

@@ -1,0 +1,27 @@
+"""A drive that weakens with its supply."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+
+
+def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
+    volts = state.aux.get("supply_V")
+    if volts is None:
+        return state.effort
+    return state.effort * np.maximum(0.0, 1.0 + params["sag"] * (volts / params["nominal_V"] - 1.0))
+
+
+EFFECT = Effect(
+    name="actuator.supply_sag",
+    kinds=("mechanism",),
+    formula="effort = asked * (1 + sag * (supply_V / nominal_V - 1))",
+    source="voltage-driven DC motor; needs the side channel supply_V",
+    reveals="the same command gives less when the logged supply is low",
+    parameters=(Parameter("sag", "1", 0.0, 5.0, 0.0), Parameter("nominal_V", "V", 0.1, 1e3, 12.0)),
+    confusables=(Confusable("actuator.gain", "let the supply vary at equal commands"),),
+    hook=EffortMap(_map),
+)

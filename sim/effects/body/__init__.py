@@ -1,0 +1,1 @@
+"""Effects on a body's mass properties and size."""

@@ -1,0 +1,1 @@
+"""Effects on contact: friction, restitution, compliance, rolling and spinning friction, anisotropy."""

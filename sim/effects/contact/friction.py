@@ -1,0 +1,31 @@
+"""Sliding friction of the pair."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from schemas.gap import Place
+from sim.dynamics.body_rollout import BodyModel
+from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+
+
+def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
+    return replace(model, friction=params["mu"])
+
+
+EFFECT = Effect(
+    name="contact.friction",
+    kinds=("free_body", "impact", "push"),
+    formula="|tangential force| <= mu * normal force",
+    source="Coulomb 1785; Amontons 1699",
+    reveals="sliding stops earlier or later than simulated; impacts turn the body differently",
+    parameters=(Parameter("mu", "1", 0.0, 2.0, 0.5),),
+    confusables=(
+        Confusable("contact.restitution", "slide without bouncing; bounce without sliding"),
+        Confusable("world.gravity_tilt", "slide in opposite directions"),
+        Confusable("contact.anisotropic_friction", "slide along several directions of the body"),
+    ),
+    hook=Numbers(_change),
+    usd="physics:dynamicFriction, physics:staticFriction",
+    urdf="contact/lateral_friction",
+)

@@ -1,0 +1,29 @@
+"""A moment that opposes rolling."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from schemas.gap import Place
+from sim.dynamics.body_rollout import BodyModel
+from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+
+
+def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
+    return replace(model, rolling_friction_m=params["lever_m"])
+
+
+EFFECT = Effect(
+    name="contact.rolling_friction",
+    kinds=("free_body",),
+    formula="moment <= lever_m * normal force, against rolling",
+    source="Coulomb 1785; Dupuit 1837",
+    reveals="round bodies come to rest though nothing slides",
+    parameters=(Parameter("lever_m", "m", 0.0, 0.1, 0.0),),
+    confusables=(
+        Confusable("world.linear_drag", "roll at several speeds: drag grows with speed"),
+        Confusable("contact.spinning_friction", "roll without spin"),
+    ),
+    hook=Numbers(_change),
+    urdf="contact/rolling_friction",
+)

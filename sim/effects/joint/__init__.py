@@ -1,0 +1,1 @@
+"""Effects at joints: friction laws, springs, backlash, stops, armature, detents, tilted axes."""

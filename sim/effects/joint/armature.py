@@ -1,0 +1,31 @@
+"""Inertia of rotor and gears, felt at the joint."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from schemas.gap import Place
+from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.mechanism import MechanismModel
+from sim.effects.numbers import with_link
+
+
+def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
+    return with_link(model, where, lambda link: replace(link, armature=params["inertia_kgm2"]))
+
+
+EFFECT = Effect(
+    name="joint.armature",
+    kinds=("mechanism", "tracking"),
+    formula="tau = inertia_kgm2 * qdd in addition to the links' own; negative: the declared inertia is too great",
+    source="Featherstone, Rigid Body Dynamics Algorithms, 2008, section 9.6",
+    reveals="unexplained torque in proportion to acceleration; free swings are slower than modelled",
+    parameters=(Parameter("inertia_kgm2", "kg m2 (kg for sliding joints)", -1e3, 1e3, 0.0),),
+    confusables=(
+        Confusable("actuator.lag", "accelerate at several frequencies: a lag delays, inertia does not"),
+        Confusable("joint.gravity_load", "move with the axis turned upright, so that gravity has no lever"),
+        Confusable("actuator.gain", "hang a known load on the joint"),
+    ),
+    hook=Numbers(_change),
+    usd="physxJoint:armature",
+)

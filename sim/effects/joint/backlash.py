@@ -1,0 +1,63 @@
+"""Play between drive and joint."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+
+_FAST = 1e-9  # kg m2 (kg): a drive so light crosses at once
+_STANDSTILL_S = 1e-9  # rows may share a stamp
+
+
+def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
+    """Effort passes while the drive leans on a flank; across the gap it gathers way, and gives it up where it lands.
+
+    Landing is plastic and may be anywhere in a step: what passes is divided between this step and the next so that
+    momentum and its mean time are right.
+    """
+    half, dt_s = 0.5 * params["gap_rad"], max(state.dt_s, _STANDSTILL_S)
+    inertia = max(params["gap_inertia_kgm2rad"] / params["gap_rad"], _FAST)
+    if not memory:
+        play = half * np.sign(state.effort)  # drive minus joint
+        memory.update(play=play, rate=state.qd, led=state.qd, owed=np.zeros_like(state.effort))
+    play, rate, owed = memory["play"], memory["rate"], memory["owed"]
+    # To keep up with the joint; one that was just struck was no faster before.
+    needed = inertia * (state.qd - memory["led"]) / dt_s
+    needed = np.where(np.isnan(needed), 0.0, needed)
+    leans = (np.abs(play) >= half) & (play * (state.effort - needed) >= 0.0)
+    free = np.where(leans, state.qd, rate + state.effort * dt_s / inertia)
+    way = (0.5 * (rate + free) - state.qd) * dt_s
+    lands = (np.abs(play + way) >= half) & ~leans & (way != 0.0)
+    share = (np.copysign(half, way) - play) / np.where(lands, way, 1.0)
+    share = np.minimum(np.maximum(share, 0.0), 1.0)  # of the step, before it
+    passed = np.where(lands, inertia * (free - state.qd) / dt_s, 0.0)
+    leant = state.effort * (1.0 - share)
+    later = np.where(lands, (passed - leant) * share + 0.5 * leant * (1.0 + share) - 0.5 * passed, 0.0)
+    memory["play"] = np.where(leans, play, np.minimum(np.maximum(play + way, -half), half))
+    memory["rate"] = np.where(lands, state.qd, free)
+    memory["led"] = np.where(leans & (owed == 0.0), state.qd, np.nan)
+    memory["owed"] = later
+    return owed + np.where(leans, state.effort, passed - later)
+
+
+EFFECT = Effect(
+    name="joint.backlash",
+    kinds=("mechanism",),
+    formula="after a reversal the drive crosses gap_rad by itself, of inertia gap_inertia_kgm2rad / gap_rad",
+    source="Nordin and Gutman, Automatica 38(10), 2002 (two masses and a gap); plastic landing as in Moreau's stepping",
+    reveals="after a reversal the joint waits, longest where effort is small, and is then struck",
+    parameters=(
+        # What a crossing costs: the joint lags by this over its inertia, however fast. Rebounds make it look smaller.
+        Parameter("gap_inertia_kgm2rad", "kg m2 rad (kg m)", 0.0, 100.0, 0.0),
+        Parameter("gap_rad", "rad (m)", 1e-6, 1.0, 0.01),
+    ),
+    confusables=(
+        Confusable("actuator.delay", "reverse at several speeds: a delay is a time, play is an angle"),
+        Confusable("actuator.deadband", "hold a small steady effort: play passes it, a dead band does not"),
+        Confusable("sensor.latency", "reverse at several speeds"),
+        Confusable("actuator.lag", "reverse at several speeds: a lag is a time, play is an angle"),
+    ),
+    hook=EffortMap(_map),
+)

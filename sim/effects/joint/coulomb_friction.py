@@ -1,0 +1,32 @@
+"""Dry friction of a joint that does not depend on speed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from schemas.gap import Place
+from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.mechanism import MechanismModel
+from sim.effects.numbers import with_joint_value
+
+
+def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
+    return replace(model, friction=with_joint_value(model, model.friction, where, params["torque_Nm"]))
+
+
+EFFECT = Effect(
+    name="joint.coulomb_friction",
+    kinds=("mechanism", "free_body", "tracking"),
+    formula="tau = -torque_Nm * sign(qd); at rest any value up to torque_Nm",
+    source="C. A. Coulomb, Theorie des machines simples, 1785",
+    reveals="equal loss of amplitude per swing; rest away from equilibrium; a step in torque at reversal",
+    parameters=(Parameter("torque_Nm", "N m (N for sliding joints)", 0.0, 1e3, 0.0),),
+    confusables=(
+        Confusable("joint.viscous_friction", "move at speeds that differ by a factor of three or more"),
+        Confusable("joint.load_dependent_friction", "move with two different loads on the joint"),
+        Confusable("actuator.deadband", "let the joint swing with the drive off"),
+    ),
+    hook=Numbers(_change),
+    usd="physxJoint:jointFriction",
+    urdf="dynamics/@friction",
+)

@@ -1,0 +1,30 @@
+"""A moment of gravity that differs from the declared one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from schemas.gap import Place
+from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.mechanism import MechanismModel
+from sim.effects.numbers import with_link
+
+
+def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
+    return with_link(model, where, lambda link: replace(link, gravity_factor=params["factor"]))
+
+
+EFFECT = Effect(
+    name="joint.gravity_load",
+    kinds=("mechanism", "tracking"),
+    formula="gravity on the link times factor; its inertia stays",
+    source="statics",
+    reveals="unexplained torque is the sine of the position; free swings have another frequency",
+    parameters=(Parameter("factor", "1", 0.0, 10.0, 1.0),),
+    confusables=(
+        Confusable("joint.armature", "measure the torque that holds it at rest; a free swing shows the ratio only"),
+        Confusable("joint.spring", "move through a quarter turn or more"),
+        Confusable("world.gravity_magnitude", "weigh the load"),
+    ),
+    hook=Numbers(_change),
+)

@@ -1,0 +1,41 @@
+"""A mechanical end of travel that the model does not know."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter, Params
+
+
+def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
+    above = np.maximum(state.q - params["upper_rad"], 0.0) * _resists(params, state.qd)
+    below = np.maximum(params["lower_rad"] - state.q, 0.0) * _resists(params, -state.qd)
+    return params["stiffness_Nm_per_rad"] * (below - above)
+
+
+def _resists(params: Params, inwards: FloatArray) -> FloatArray:
+    """More on the way in than on the way out, so that a blow loses energy; a stop never pulls."""
+    return np.maximum(1.0 + params["loss_s_per_rad"] * inwards, 0.0)
+
+
+EFFECT = Effect(
+    name="joint.hard_stop",
+    kinds=("mechanism",),
+    formula=(
+        "tau = stiffness_Nm_per_rad * (max(lower_rad - q, 0) * max(1 - loss_s_per_rad * qd, 0)"
+        " - max(q - upper_rad, 0) * max(1 + loss_s_per_rad * qd, 0))"
+    ),
+    source="Hunt and Crossley, J. Appl. Mech. 42 (1975), with a force in proportion to the depth",
+    reveals="motion turns back at the same position every time, with a short large torque",
+    parameters=(
+        Parameter("lower_rad", "rad (m)", -100.0, 100.0, -100.0),
+        Parameter("upper_rad", "rad (m)", -100.0, 100.0, 100.0),
+        Parameter("stiffness_Nm_per_rad", "N m/rad (N/m)", 1e-3, 1e6, 100.0),
+        Parameter("loss_s_per_rad", "s/rad (s/m)", 0.0, 1000.0, 0.0),
+    ),
+    confusables=(Confusable("joint.spring", "approach the end slowly: a spring acts over the whole range"),),
+    hook=JointTorque(_torque),
+    usd="physics:lowerLimit, physics:upperLimit",
+    urdf="limit/@lower, limit/@upper",
+)

@@ -1,0 +1,24 @@
+"""Resistance of the air to a turning link."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter, Params
+
+
+def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
+    return -params["drag_Nms2_per_rad2"] * state.qd * np.abs(state.qd)
+
+
+EFFECT = Effect(
+    name="joint.quadratic_drag",
+    kinds=("mechanism",),
+    formula="tau = -drag_Nms2_per_rad2 * qd * |qd|",
+    source="Lord Rayleigh, Phil. Mag. 2, 1876",
+    reveals="large swings lose amplitude faster, in proportion to its square",
+    parameters=(Parameter("drag_Nms2_per_rad2", "N m s2/rad2 (N s2/m2)", 0.0, 1e3, 0.0),),
+    confusables=(Confusable("joint.viscous_friction", "move at speeds that differ by a factor of three or more"),),
+    hook=JointTorque(_torque),
+)

@@ -1,0 +1,28 @@
+"""A spring that returns the joint."""
+
+from __future__ import annotations
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter, Params
+
+
+def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
+    return -params["stiffness_Nm_per_rad"] * (state.q - params["rest_rad"])
+
+
+EFFECT = Effect(
+    name="joint.spring",
+    kinds=("mechanism", "free_body", "tracking"),
+    formula="tau = -stiffness_Nm_per_rad * (q - rest_rad)",
+    source="R. Hooke, De potentia restitutiva, 1678",
+    reveals="unexplained torque is a straight line over position",
+    parameters=(
+        Parameter("stiffness_Nm_per_rad", "N m/rad (N/m)", 0.0, 1e5, 0.0),
+        Parameter("rest_rad", "rad (m)", -10.0, 10.0, 0.0),
+    ),
+    confusables=(
+        Confusable("joint.gravity_load", "move through a quarter turn or more: a spring is straight, gravity a sine"),
+        Confusable("actuator.gain", "let the joint swing with the drive off"),
+    ),
+    hook=JointTorque(_torque),
+)

@@ -1,0 +1,32 @@
+"""Readings in a wrong measure."""
+
+from __future__ import annotations
+
+from schemas.gap import Place
+from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
+from sim.effects.series import with_columns
+
+_READ = ("q", "reading", "qd", "qdd", "p", "v_W")
+
+
+def _report(series: Series, params: Params, where: Place) -> Series:
+    return with_columns(series, _READ, lambda true: true * params["factor"])
+
+
+def _recover(series: Series, params: Params, where: Place) -> Series:
+    return with_columns(series, _READ, lambda read: read / params["factor"])
+
+
+EFFECT = Effect(
+    name="sensor.scale",
+    kinds=("mechanism", "free_body", "tracking"),
+    formula="reading = factor * truth, of positions and their rates",
+    source="calibration",
+    reveals="free fall is not at g; contact heights are off in proportion",
+    parameters=(Parameter("factor", "1", 0.5, 2.0, 1.0),),
+    confusables=(
+        Confusable("world.gravity_magnitude", "measure a known length: contact heights tell the scale"),
+        Confusable("joint.gravity_load", "swing at small and large amplitudes"),
+    ),
+    hook=SensorMap(_report, _recover),
+)

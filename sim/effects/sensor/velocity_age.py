@@ -1,0 +1,31 @@
+"""Rates that belong to an earlier moment than the positions beside them."""
+
+from __future__ import annotations
+
+from schemas.gap import Place
+from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
+from sim.effects.series import read_at, with_columns
+
+_RATES = ("qd", "v_W", "w_B")
+
+
+def _report(series: Series, params: Params, where: Place) -> Series:
+    old = series.t_s - params["age_s"]
+    return with_columns(series, _RATES, lambda true: read_at(series.t_s, true, old))
+
+
+def _recover(series: Series, params: Params, where: Place) -> Series:
+    later = series.t_s + params["age_s"]
+    return with_columns(series, _RATES, lambda read: read_at(series.t_s, read, later))
+
+
+EFFECT = Effect(
+    name="sensor.velocity_age",
+    kinds=("mechanism", "free_body", "tracking"),
+    formula="reported rate(t) = true rate(t - age_s); a backward difference has half a frame",
+    source="finite differences and filters have a group delay",
+    reveals="integrated rates run behind the positions by a constant time",
+    parameters=(Parameter("age_s", "s", -0.05, 0.1, 0.0),),
+    confusables=(Confusable("world.gravity_magnitude", "compare rates with differences of the positions"),),
+    hook=SensorMap(_report, _recover),
+)

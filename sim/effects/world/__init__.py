@@ -1,0 +1,1 @@
+"""Effects of the surroundings: gravity, constant forces, drag."""

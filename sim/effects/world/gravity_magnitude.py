@@ -1,0 +1,33 @@
+"""Another pull of gravity."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from schemas.gap import Place
+from sim.dynamics.body_rollout import BodyModel
+from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+
+
+def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
+    down = model.gravity_W / np.linalg.norm(model.gravity_W)
+    return replace(model, gravity_W=params["gravity_mps2"] * down)
+
+
+EFFECT = Effect(
+    name="world.gravity_magnitude",
+    kinds=("free_body",),
+    formula="|g| = gravity_mps2",
+    source="free fall",
+    reveals="free fall is too fast or too slow",
+    parameters=(Parameter("gravity_mps2", "m/s2", 0.1, 30.0, 9.81),),
+    confusables=(
+        Confusable("sensor.scale", "measure a known length"),
+        Confusable("sensor.clock_skew", "time the log with a second clock"),
+        Confusable("world.linear_drag", "fall longer: drag grows with speed"),
+    ),
+    hook=Numbers(_change),
+    usd="physics:gravityMagnitude",
+)

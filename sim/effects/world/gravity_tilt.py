@@ -1,0 +1,35 @@
+"""A support or camera frame that is not level."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from scipy.spatial.transform import Rotation
+
+from schemas.gap import Place
+from sim.dynamics.body_rollout import BodyModel
+from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+
+
+def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
+    turn = Rotation.from_rotvec([params["about_x_rad"], params["about_y_rad"], 0.0])
+    return replace(model, gravity_W=turn.apply(model.gravity_W))
+
+
+EFFECT = Effect(
+    name="world.gravity_tilt",
+    kinds=("free_body",),
+    formula="gravity turned by about_x_rad and about_y_rad in the world frame",
+    source="statics",
+    reveals="free fall drifts sideways; sliding prefers one direction of the world",
+    parameters=(
+        Parameter("about_x_rad", "rad", -0.5, 0.5, 0.0),
+        Parameter("about_y_rad", "rad", -0.5, 0.5, 0.0),
+    ),
+    confusables=(
+        Confusable("contact.anisotropic_friction", "turn the body by a quarter"),
+        Confusable("world.constant_force", "change the mass"),
+    ),
+    hook=Numbers(_change),
+    usd="physics:gravityDirection",
+)

@@ -1,0 +1,1 @@
+"""Model extensions: accepted effects as data that packages and simulators can apply."""

@@ -1,0 +1,231 @@
+"""From a measurement to a report: show the gap, name its causes, extend the model, measure the gain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from schemas.gap import (
+    AppliedEffect,
+    Baseline,
+    Estimate,
+    Gain,
+    GapReport,
+    Hypothesis,
+    Localisation,
+    ModelExtension,
+    Rival,
+    Trap,
+)
+from schemas.model import FloatArray
+from simgap.baselines.all_effects import all_effects_losses
+from simgap.baselines.residual_regression import corrected
+from simgap.inference.agreement import agrees
+from simgap.inference.candidate_fit import Map
+from simgap.inference.fit import spread
+from simgap.inference.forward_selection import MOST_EFFECTS, Selection, select
+from simgap.inference.losses import Comparison, compare, trial_losses
+from simgap.inference.verdict import judge
+from simgap.inference.verdict_text import NAMED
+from simgap.problem import Farsighted, Model, Problem, Timed, View, around
+from simgap.recording.train_test_split import Trials
+from simgap.sanity.input_pairing import others_inputs_trap, pairing_trap
+
+_NOISE_LOSS = 1.3  # mean loss, in typical errors, of noise that grows along a roll-out
+
+
+@dataclass(frozen=True)
+class Found:
+    """The report, the extension, and the selection behind them (for pictures)."""
+
+    report: GapReport
+    extension: ModelExtension
+    selection: Selection
+
+
+def find(
+    problem: Problem,
+    trials: Trials,
+    *,
+    measurement: str,
+    horizon_s: float,
+    traps: tuple[Trap, ...] = (),
+    localisation: tuple[Localisation, ...] = (),
+    each: Map | None = None,
+    quick: bool = False,
+) -> Found:
+    """What `mana gap find` reports; `measurement` is its content hash. Deterministic: wall time is 0 here.
+
+    `quick` leaves out the baseline with all effects at once.
+    """
+    others = others_inputs_trap(problem, search_view(problem))
+    mixed_up = others is not None and others.status == "suspect"
+    selection = select(problem, trials, search_view(problem), each, 0 if mixed_up else MOST_EFFECTS)
+    last = around(problem, selection.final.model)
+    box = _black_box(last, selection, trials)
+    leftover = compare(selection.final_losses, box)
+    pairing = pairing_trap(last, selection.final.model, trials.train, search_view(problem))
+    doubts = [trap for trap in (others, pairing) if trap is not None]
+    timing = last.timing() if isinstance(last, Timed) else None
+    traps = (*traps, *doubts, *([timing] if timing else []))
+    strange = any(trap.status == "suspect" for trap in doubts)
+    short = _gain(last, selection, trials, "short_horizon", horizon_s)
+    gains = (short, _gain(last, selection, trials, "full_rollout", 0.0))
+    verdict = judge(problem, selection, trials.train, gains, leftover, _in_tails(last, selection, trials), strange)
+    named = [e for e in verdict.effects if e.confidence >= NAMED]
+    extension = ModelExtension(
+        measurement=measurement,
+        effects=tuple(AppliedEffect(name=e.name, where=e.where, parameters=e.parameters) for e in named),
+    )
+    report = GapReport(
+        measurement=measurement,
+        n_train=len(trials.train),
+        n_test=len(trials.test),
+        wall_s=0.0,
+        traps=traps,
+        baseline=_baseline(problem, trials),
+        localisation=localisation,
+        hypotheses=_hypotheses(selection),
+        verdict=verdict,
+        gains=gains,
+        gain=short,
+        baselines=(
+            Rival(name="null_refit", heldout=float(selection.null_losses.mean())),
+            *(() if quick else (_all_effects(problem, selection, trials),)),
+            Rival(name="black_box", heldout=float(box.mean())),
+        ),
+        ladder=_ladder(last, selection, trials),
+    )
+    return Found(report, extension, selection)
+
+
+def search_view(problem: Problem) -> View:
+    """The roll-outs on which effects are chosen."""
+    return problem.search_view if isinstance(problem, Farsighted) else "short_horizon"
+
+
+def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
+    seen = around(problem, selection.null.model)
+    losses = all_effects_losses(seen, selection.null.model, trials, search_view(problem), selection.scale)
+    return Rival(name="all_effects", heldout=float(losses.mean()))
+
+
+def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatArray:
+    """Held-out losses of the final model with a black box on top of it."""
+    model, view = selection.final.model, search_view(problem)
+    teach = problem.residuals(model, trials.train, view)
+    judged = problem.residuals(model, trials.test, view)
+    better = corrected(problem.features(trials.train, view), teach, problem.features(trials.test, view), judged)
+    return trial_losses(better, selection.scale)
+
+
+def _in_tails(problem: Problem, selection: Selection, trials: Trials) -> float:
+    """Share of the final model's held-out loss that lies in tails longer than noise has; 0 where bodies touch.
+
+    Contacts make roll-outs part ways for no cause: there a model that is right has long tails, too.
+    """
+    if not isinstance(problem, Farsighted):
+        return 0.0
+    model, view = selection.final.model, search_view(problem)
+    level = spread(problem, model, trials.train, view)
+    loss = float(trial_losses(problem.residuals(model, trials.test, view), level).mean())
+    return max(0.0, 1.0 - _NOISE_LOSS / max(loss, 1e-12))
+
+
+def _baseline(problem: Problem, trials: Trials) -> Baseline:
+    """Root mean square error of the declared model per channel over all trials, with intervals over trials."""
+    residuals = problem.residuals((), (*trials.train, *trials.test), "short_horizon")
+    squares = np.array([np.nanmean(r**2, axis=0) for r in residuals])
+    draws = np.random.default_rng(0).integers(0, len(squares), (1000, len(squares)))
+    spread = np.quantile(np.sqrt(squares[draws].mean(axis=1)), [0.025, 0.975], axis=0)
+    metrics = {
+        f"{name}_rmse": Estimate(
+            value=float(np.sqrt(squares[:, c].mean())), unit="SI", ci95=(float(spread[0, c]), float(spread[1, c]))
+        )
+        for c, name in enumerate(problem.channels())
+    }
+    return Baseline(metrics=metrics)
+
+
+def _gain(
+    problem: Problem,
+    selection: Selection,
+    trials: Trials,
+    view: Literal["short_horizon", "full_rollout"],
+    horizon_s: float,
+) -> Gain:
+    """Held-out root mean square error, in noise levels, of the null refit and of the extended model."""
+    floor = problem.noise_floor(trials.test, view)
+    before, after = (
+        np.array([np.nanmean((r / floor) ** 2) for r in problem.residuals(model, trials.test, view)])
+        for model in (selection.null.model, selection.final.model)
+    )
+    comparison: Comparison = compare(before, after)
+    was, now = float(np.sqrt(before.mean())), float(np.sqrt(after.mean()))
+    root = [1.0 - np.sqrt(max(1.0 - g, 0.0)) for g in (comparison.gain, *comparison.ci95)]
+    return Gain(
+        view=view,
+        horizon_s=horizon_s,
+        metric="rms error in noise levels",
+        heldout_before=was,
+        heldout_after=now,
+        reduction=float(root[0]),
+        ci95=(float(root[1]), float(root[2])),
+        noise_floor=1.0,
+        gap_closed=float(np.clip((was - now) / (was - 1.0), 0.0, 1.0)) if was > 1.0 else 1.0,
+    )
+
+
+def _ladder(problem: Problem, selection: Selection, trials: Trials) -> tuple[Rival, ...]:
+    """Held-out rms error in noise levels: declared, null refit, each accepted effect added, noise."""
+    floor = problem.noise_floor(trials.test, "short_horizon")
+
+    def step(name: str, model: Model) -> Rival:
+        errors = problem.residuals(model, trials.test, "short_horizon")
+        squares = [np.nanmean((e / floor) ** 2) for e in errors]
+        return Rival(name=name, heldout=float(np.sqrt(np.mean(squares))))
+
+    final = selection.final.model
+    accepted = [a.key for a in selection.accepted]
+    steps = [step("declared", ()), step("null_refit", selection.null.model)]
+    for k in range(1, len(accepted) + 1):
+        kept = tuple(t for t in final if t.candidate.key not in accepted[k:])
+        found = selection.accepted[k - 1].trial.candidate
+        steps.append(step(f"{found.effect.name} at {found.where}", kept))
+    return (*steps, Rival(name="noise_floor", heldout=1.0))
+
+
+def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
+    """All candidates of the first round, and those of later rounds that were accepted there; best first."""
+    rows = []
+    for number, this in enumerate(selection.rounds):
+        accepted = {a.key for a in selection.accepted[number : number + 1]}
+        for trial, p in zip(this.tried, this.p_adjusted, strict=True):
+            if number > 0 and trial.candidate.key not in accepted:
+                continue
+            units = {q.name: q.unit for q in trial.candidate.effect.parameters}
+            direct = trial.direct
+            rows.append(
+                Hypothesis(
+                    name=trial.candidate.effect.name,
+                    where=trial.candidate.where,
+                    heldout_gain=trial.comparison.gain,
+                    ci95=trial.comparison.ci95,
+                    p_adjusted=p,
+                    delta_bic=trial.delta_bic,
+                    direct={
+                        n: Estimate(
+                            value=v,
+                            unit=units[n],
+                            ci95=(v - 1.96 * direct.standard_errors[n], v + 1.96 * direct.standard_errors[n]),
+                        )
+                        for n, v in direct.values.items()
+                    }
+                    if direct
+                    else {},
+                    direct_agrees=agrees(trial),
+                )
+            )
+    return tuple(rows)

@@ -1,0 +1,1 @@
+"""Inference of missing effects: fits, screening, forward selection, competing hypotheses, intervals, verdict."""

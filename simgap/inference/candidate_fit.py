@@ -1,0 +1,122 @@
+"""One candidate tried on top of a model: its fit, and how it does on training trials held out in turn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from simgap.inference.fit import Fit, is_twin
+from simgap.inference.losses import Comparison, adjusted, compare, met, met_p
+from simgap.problem import Candidate, DirectEstimate
+
+LEVEL = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
+_SINGLED_OUT = 0.5  # of the loss that the direct route leaves with the next best candidate
+_LEAST_GAIN = 0.04  # a share of the loss (half of it of the error), or of the noise, below which nothing has a name
+_TOLD_GAIN = 0.01  # the same of what a route without simulator surely tells: it may hardly help beside other causes
+
+
+def least_gain(candidate: Candidate) -> float:
+    """Share of the loss, or of the noise, below which the candidate has no name."""
+    return _TOLD_GAIN if candidate.told else _LEAST_GAIN
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One candidate tried on top of a base model: its fit, and how it does on training trials held out in turn."""
+
+    candidate: Candidate
+    fit: Fit
+    comparison: Comparison
+    direct: DirectEstimate | None
+    delta_bic: float
+
+
+Map = Callable[[Callable[[Candidate], Trial], Iterable[Candidate]], Iterable[Trial]]
+
+
+@dataclass(frozen=True)
+class Round:
+    """All candidates tried on one base, best first; `p_adjusted` beside them."""
+
+    tried: tuple[Trial, ...]
+    p_adjusted: tuple[float, ...]
+
+    def p_of(self, key: str) -> float:
+        """Chance of that candidate's evidence, adjusted for all of the round; 1 of one that was not tried."""
+        return next((p for t, p in zip(self.tried, self.p_adjusted, strict=True) if t.candidate.key == key), 1.0)
+
+
+def round_of(tried: Sequence[Trial]) -> Round:
+    """The trials of all candidates on one base, best first, with Holm's correction for their number.
+
+    Three or four trials that meet a threshold cannot speak below a hundredth, however clearly each of them does. Where
+    the direct route singles one out it was chosen by other means than it is judged by, and is asked once.
+    """
+    ordered = sorted(tried, key=lambda t: (-t.comparison.gain, t.candidate.key))
+    p = [float(v) for v in adjusted([t.comparison.p_value for t in ordered])]
+    for k, t in enumerate(ordered):
+        if t.candidate.probes and _singled_out(t, ordered):
+            p[k] = t.comparison.p_value
+    return Round(tuple(ordered), tuple(p))
+
+
+def _singled_out(found: Trial, tried: Sequence[Trial]) -> bool:
+    """Whether the direct route leaves far less with it than with any other, of the trials that it changes.
+
+    Most others change next to nothing: their median is what is left without it.
+    """
+    left = [
+        t.direct.held_out for t in tried if t is not found and t.direct is not None and t.direct.held_out is not None
+    ]
+    if found.direct is None or found.direct.held_out is None or not left:
+        return False
+    own = found.direct.held_out
+    changed = met(np.median(left, axis=0), own)
+    return bool(own[changed].sum() < _SINGLED_OUT * min(other[changed].sum() for other in left))
+
+
+def told_loss(found: Trial) -> float:
+    """What the direct estimate leaves of the loss, by trials held out in turn; infinite where there is none."""
+    direct = found.direct
+    return np.inf if direct is None or direct.held_out is None else float(direct.held_out.sum())
+
+
+def tried_on(base: Fit, extended: Fit, direct: DirectEstimate | None) -> Trial:
+    """The last term of `extended` as a candidate on top of `base`; both fitted to errors of the same trials."""
+    comparison = compare(base.held_out, extended.held_out)
+    if extended.free[-1].probes:
+        comparison = replace(comparison, p_value=met_p(base.held_out, extended.held_out))
+    comparison = replace(comparison, p_value=chance(comparison, extended))
+    return Trial(extended.free[-1], extended, comparison, direct, _delta_bic(base, extended))
+
+
+def chance(comparison: Comparison, extended: Fit) -> float:
+    """Chance of such evidence without the effect, by held-out losses or by the strength itself: two looks, so twice.
+
+    The strength of a threshold says nothing: there it is one look.
+    """
+    if extended.free[-1].probes:
+        return comparison.p_value
+    return min(1.0, 2.0 * min(comparison.p_value, extended.p_value))
+
+
+def _delta_bic(base: Fit, fitted: Fit) -> float:
+    """BIC of the base minus BIC with the effect; trials are the samples."""
+    n = len(base.losses)
+    extra = len(fitted.free[-1].null)
+    return float(n * np.log(max(base.losses.mean(), 1e-12) / max(fitted.losses.mean(), 1e-12)) - extra * np.log(n))
+
+
+def warm(found: Fit) -> list[Candidate]:
+    """Terms as candidates that start at their present values."""
+    return [replace(t.candidate, start=t.values) for t in found.model]
+
+
+def warm_without(found: Fit, gone: Sequence[Candidate], nuisances: Sequence[Candidate]) -> list[Candidate]:
+    """`warm` without some effects; a declared number that one of them had taken over is free in its tolerance again."""
+    keys = {c.key for c in gone}
+    kept = [c for c in warm(found) if c.key not in keys]
+    there = {c.key for c in kept}
+    return [*(n for n in nuisances if n.key not in there and any(is_twin(n, c) for c in gone)), *kept]

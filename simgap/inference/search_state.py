@@ -1,0 +1,54 @@
+"""Where a search stands: a fitted model, the problem as seen from it, and how what is left is measured there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from schemas.model import FloatArray
+from simgap.inference.candidate_fit import warm
+from simgap.inference.fit import Errors, Fit, fit, rollout_errors, spread
+from simgap.inference.losses import trial_losses
+from simgap.problem import Model, Problem, View, around
+from simgap.recording.train_test_split import Trials
+
+
+@dataclass(frozen=True)
+class Standpoint:
+    """A base model and what further effects are judged by beside it.
+
+    problem   with what starts do taken at the model where the search came to stand here.
+    level     (c,) typical error per channel of that model, SI; errors and losses are in these.
+    errors    of the training trials.
+    base      the model and its fit; accepted effects may have changed since.
+    """
+
+    problem: Problem
+    trials: Trials
+    view: View
+    level: FloatArray
+    errors: Errors
+    base: Fit
+
+    def seen_from(self, model: Model) -> Errors:
+        """Errors of roll-outs whose starts are taken at another model."""
+        return rollout_errors(around(self.problem, model), self.trials.train, self.view, self.level)
+
+    def judged(self, found: Fit) -> FloatArray:
+        """(n,) losses of the test trials."""
+        return trial_losses(self.problem.residuals(found.model, self.trials.test, self.view), self.level)
+
+    def judged_by_itself(self, found: Fit) -> FloatArray:
+        """(n,) losses of the test trials, seen from the fit's own model."""
+        seen = around(self.problem, found.model)
+        return trial_losses(seen.residuals(found.model, self.trials.test, self.view), self.level)
+
+
+def stand_at(problem: Problem, trials: Trials, view: View, base: Fit) -> Standpoint:
+    """The search at `base`, which is fitted again there.
+
+    What was an outlier to a poor model is evidence to a better one: the level follows the base.
+    """
+    here = around(problem, base.model)
+    level = spread(here, base.model, trials.train, view)
+    errors = rollout_errors(here, trials.train, view, level)
+    return Standpoint(here, trials, view, level, errors, fit(errors, warm(base)))

@@ -1,0 +1,94 @@
+"""What a verdict says in words: its status, one sentence a person can act on, and the experiment that would tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal
+
+from schemas.gap import AmbiguousGroup, Gain, Interval, NamedEffect
+from simgap.inference.candidate_fit import Trial
+
+NAMED = 0.8  # the confidence from which a name is sure
+_SMALL = 0.0095  # share that whole per cent would hide
+_FAR = 2.0  # noise levels of error beyond which a model without effects is no good one
+STRANGE = (
+    "The inputs do not belong to these motions: another trial's do as well or better. Check which file goes with which."
+)
+
+
+def status(
+    certain: bool, groups: bool, unexplained: bool
+) -> Literal["effect_found", "ambiguous", "outside_model_class", "no_effect"]:
+    """The first that holds, in this order."""
+    if certain:
+        return "effect_found"
+    if groups:
+        return "ambiguous"
+    return "outside_model_class" if unexplained else "no_effect"
+
+
+def statement(
+    gains: Sequence[Gain], named: Sequence[NamedEffect], groups: Sequence[AmbiguousGroup], unexplained: bool
+) -> str:
+    """One sentence a person can act on; `gains` (short roll-outs, whole ones) are of all effects, named or in doubt."""
+    gain = gains[0]
+    certain = [e for e in named if e.confidence >= NAMED]
+    if certain:
+        words = " and ".join(f"{e.name} at {e.where} ({_figures(e)})" for e in certain)
+        doubted = ", with what is in doubt beside it" if len(certain) < len(named) else ""
+        worse = [f"; whole roll-outs get worse, {share(g.reduction, g.ci95)}" for g in gains[1:] if g.ci95[1] < 0.0]
+        tail = "; something structured is left" if unexplained else ""
+        return f"Add {words}: {gained(gain)}{doubted}{''.join(worse)}{tail}."
+    if groups and len(groups[0].effects) == 1:
+        first = named[0]
+        return (
+            f"{first.name} at {first.where} is likely ({_figures(first)}), not sure; to decide: {groups[0].experiment}."
+        )
+    if groups:
+        return f"These data cannot tell {' from '.join(groups[0].effects)}; to tell: {groups[0].experiment}."
+    if unexplained:
+        return "The error has structure that no effect of the library explains; see where it is."
+    judges = "; a single trial judges that" if math.isinf(gain.ci95[0]) else ""
+    if not gain.heldout_after <= _FAR:
+        left = f"what is left (rms) is {gain.heldout_after:.2g} times the noise"
+        return f"No effect of the library takes off error that repeats from trial to trial; {left}{judges}."
+    return f"No effect is needed: nothing that is left repeats from trial to trial{judges}."
+
+
+def gained(gain: Gain) -> str:
+    """How much error goes away; where none does, a name says what is there, not what it is worth."""
+    how_much = share(gain.reduction, gain.ci95)
+    return f"{how_much} less held-out error" if gain.reduction > 0.0 else f"no less held-out error, {how_much}"
+
+
+def share(value: float, ci95: Interval) -> str:
+    """A share with its interval; one trial tells none, and the lower end of what it leaves open is infinite."""
+    low, high = ci95
+    reach = "one trial: no interval" if math.isinf(low) else f"{_percent(low)} to {_percent(high)}"
+    return f"{_percent(value)} ({reach})"
+
+
+def _percent(value: float) -> str:
+    """Whole, with one digit more below one; nothing has no sign."""
+    text = f"{value:.1%}" if abs(value) < _SMALL else f"{value:.0%}"
+    return text.removeprefix("-") if float(text.rstrip("%")) == 0.0 else text
+
+
+def _figures(effect: NamedEffect) -> str:
+    seen = {n: e for n, e in effect.parameters.items() if e.ci95[0] < e.ci95[1]} or effect.parameters
+    return ", ".join(f"{n} = {e.value:.3g}" for n, e in seen.items())
+
+
+def experiment(found: Trial, rivals: Sequence[Trial], single: bool = False) -> str:
+    """What would tell the effect from its rivals, from their own files; beside a `single` trial more of them."""
+    names = {r.candidate.effect.name for r in rivals}
+    told = [c.experiment for c in found.candidate.effect.confusables if c.effect in names]
+    told += [
+        c.experiment for r in rivals for c in r.candidate.effect.confusables if c.effect == found.candidate.effect.name
+    ]
+    if single:
+        told = ["judge by two trials or more", *told]
+    if not told:
+        told = [c.experiment for c in found.candidate.effect.confusables[:1]]
+    return "; ".join(dict.fromkeys(told)) or "more trials with larger and smaller motion"

@@ -1,0 +1,268 @@
+"""A `free_body` measurement as a problem for the statistics (`simgap.problem.Problem`)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import Series
+from simgap.kinds.free_body.apply_model import AppliedBody
+from simgap.kinds.free_body.bootstrap import moved, repeated
+from simgap.kinds.free_body.candidates import PLAIN
+from simgap.kinds.free_body.direct_estimates import are_one, biases_of, estimate
+from simgap.kinds.free_body.toss import Toss
+from simgap.kinds.free_body.tossed_body import Columns, Mover
+from simgap.problem import Candidate, DirectEstimate, Model, Term, View
+from simgap.recording.read import Measurement
+from simgap.recording.recording import Trial
+from simgap.recording.train_test_split import split_trials
+
+HORIZON_S = 0.081
+_COMPARED = 4  # rows per short window that are compared
+_IN_FLIGHT, _AT_REST, _IN_CONTACT = 3, 1, 6  # most windows per trial; where nothing is met, few tell all
+_FEW, _FINER = 12, 4.0  # trials that tell the error of a step; how much finer steps must be
+_TOLD, _ALIKE = 0.01, 0.5  # a number is as falls and rest tell it if they are so sure, and so near to the fit
+_CLEAR, _MOVED = 0.1, 0.01  # shares of the body's size: this far from the support all along, moved less than this
+
+
+class FreeBodyProblem:
+    """Engine roll-outs against poses; direct estimates from flight, impacts, sliding and rest."""
+
+    def __init__(self, measurement: Measurement, mover: Mover, horizon_s: float = HORIZON_S) -> None:
+        self.measurement = measurement
+        self.mover = mover
+        self.horizon_s = horizon_s
+        self._series = {t.id: _series(t) for t in measurement.trials}
+        step = float(np.median(np.concatenate([np.diff(s.t_s) for s in self._series.values()])))
+        self._rows = max(4, round(horizon_s / step) + 1)
+        self._step_s = step
+        self._read: tuple[object, list[Toss]] = (None, [])
+        self._told: dict[object, Model] = {}
+        self._biases: dict[str, tuple[FloatArray, ...]] = {}
+        self._numeric: dict[tuple[tuple[str, ...], View], FloatArray] = {}
+
+    @property
+    def trial_ids(self) -> tuple[str, ...]:
+        """All trials, in file order."""
+        return tuple(self._series)
+
+    @cached_property
+    def _candidates(self) -> tuple[Candidate, ...]:
+        taught = split_trials(self.measurement.spec, self.trial_ids).train
+        return self.mover.candidates([self._series[t] for t in taught], lambda c: self.direct(c, (), taught))
+
+    def channels(self) -> tuple[str, ...]:
+        """Position and the rotation vector between simulated and measured, world axes; then joints."""
+        return self.mover.channels
+
+    def candidates(self) -> tuple[Candidate, ...]:
+        """See `simgap.problem.Problem`."""
+        return self._candidates
+
+    def nuisances(self) -> tuple[Candidate, ...]:
+        """See `simgap.problem.Problem`."""
+        return self.mover.nuisances()
+
+    def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
+        """See `simgap.problem.Problem`; m and rad."""
+        return self._errors(model, trials, view, 1.0)
+
+    def _errors(self, model: Model, trials: Sequence[str], view: View, finer: float) -> list[FloatArray]:
+        applied = self.mover.apply(model)
+        series = [applied.recovered(self._series[trial]) for trial in trials]
+        cuts = [self._cut(trial, view) for trial in trials]
+        # Windows that are compared at the same rows are rolled out together, whatever trial they are of.
+        kinds = [tuple(compared) for _, compared in cuts]
+        out: list[FloatArray] = [np.zeros((0, len(self.mover.channels)))] * len(series)
+        for kind in dict.fromkeys(kinds):
+            of = [n for n, k in enumerate(kinds) if k == kind]
+            errors = self._rolled(applied, [series[n] for n in of], [cuts[n][0] for n in of], cuts[of[0]][1], finer)
+            for n, found in zip(of, errors, strict=True):
+                out[n] = found
+        return out
+
+    def _rolled(
+        self,
+        applied: AppliedBody,
+        series: Sequence[Series],
+        rows: Sequence[np.ndarray],
+        compared: np.ndarray,
+        finer: float,
+    ) -> list[FloatArray]:
+        """Errors (w * c, channels) per series from windows of equally many rows (w, k) each."""
+
+        def picked(name: str, first_only: bool) -> FloatArray:
+            parts = zip(series, rows, strict=True)
+            return np.concatenate([s.columns[name][r[:, 0] if first_only else r] for s, r in parts])
+
+        # Rows that are not compared need not be stopped at.
+        rows, compared = [r[:, [0, *compared]] for r in rows], np.arange(1, len(compared) + 1)
+        t_s = np.concatenate([s.t_s[r] for s, r in zip(series, rows, strict=True)])
+        start = {name: picked(name, True) for name in self.mover.state}
+        motion = self.mover.roll(applied, t_s, start, finer)
+        simulated = _reported(applied, t_s, {name: motion[name] for name in self.mover.read})
+        measured = _reported(applied, t_s, {name: picked(name, False) for name in self.mover.read})
+        errors = self.mover.errors(*({n: v[:, compared] for n, v in c.items()} for c in (simulated, measured)))
+        return np.split(errors, np.cumsum([len(r) * len(compared) for r in rows])[:-1])
+
+    def features(self, trials: Sequence[str], view: View) -> list[FloatArray]:
+        """Velocity, turning rate (world), height of the lowest point and joints at the start, and the time since."""
+        out = []
+        for trial in trials:
+            series = self._series[trial]
+            rows, compared = self._cut(trial, view)
+            first = rows[:, 0]
+            R = Rotation.from_quat(np.roll(series.columns["quat_wxyz"][first], -1, axis=1))
+            gap = self.mover.gaps(series)[first, None]
+            joints = [series.columns[n][first] for n in ("q", "qd") if n in self.mover.state]
+            rates = [series.columns["v_W"][first], R.apply(series.columns["w_B"][first])]
+            start = np.concatenate([*rates, gap, *joints], axis=1)
+            since = series.t_s[rows[:, compared]] - series.t_s[first][:, None]
+            out.append(np.concatenate([np.repeat(start, len(compared), axis=0), since.reshape(-1, 1)], axis=1))
+        return out
+
+    def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
+        """See `simgap.problem.Problem`."""
+        return self._read_off(candidate, self._as_told(model, tuple(trials)), tuple(trials))
+
+    def _read_off(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate | None:
+        """What trials say of a number where the model is true of them."""
+        if candidate.key not in self._biases:
+            self._biases[candidate.key] = biases_of(candidate, self._simulated, self.mover.routes(candidate))
+        read = self._tosses(model, trials)
+        return estimate(candidate, read, self._biases[candidate.key], self.mover.routes(candidate))
+
+    def _as_told(self, model: Model, trials: tuple[str, ...]) -> Model:
+        """The model with what falls and rest tell precisely as they tell it: fits to contacts stray from that.
+
+        Beside a scale that is off by a hundredth, a body would look too small by as much. One after another, each
+        beside all others, those before it as told: two of them must not undo the same error.
+        """
+        asked = _asked(model, trials)
+        if asked not in self._told:
+            told = model
+            for k, term in enumerate(model):
+                told = (*told[:k], self._told_term(term, (*told[:k], *told[k + 1 :]), trials), *told[k + 1 :])
+            self._told[asked] = told
+        return self._told[asked]
+
+    def _told_term(self, term: Term, others: Model, trials: tuple[str, ...]) -> Term:
+        candidate = term.candidate
+        if candidate.nuisance or candidate.effect.name not in PLAIN:
+            return term
+        direct = self._read_off(candidate, others, trials)
+        if direct is None or direct.p_value > _TOLD or not are_one(direct.apart):
+            return term
+        far = (abs(direct.values[n] - v) > _ALIKE * abs(v - candidate.null[n]) for n, v in term.values.items())
+        return term if any(far) else replace(term, values=direct.values)
+
+    def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
+        """See `simgap.problem.Problem`: reading noise twice, the start's velocity noise carried along, and numerics.
+
+        Numerics: what steps four times finer change. Nothing smaller than that is physics.
+        """
+        of_readings = self.mover.reading_noise(self.measurement.noise, self._step_s, self.horizon_s)
+        few = tuple(trials)[:_FEW]
+        if (few, view) not in self._numeric:
+            usual, fine = (np.concatenate(self._errors((), few, view, finer)) for finer in (1.0, _FINER))
+            self._numeric[few, view] = ((fine - usual) ** 2).mean(axis=0)
+        return np.sqrt(of_readings + self._numeric[few, view])
+
+    @cached_property
+    def _simulated(self) -> list[list[Toss]]:
+        """Full roll-outs of the declared model from the first rows of training trials, at two step sizes."""
+        few = split_trials(self.measurement.spec, self.trial_ids).train[:_FEW]
+        declared = self.mover.apply(())
+        return [
+            [self.mover.toss(declared, moved(self.mover, declared, self._series[t], finer)) for t in few]
+            for finer in (1.0, _FINER)
+        ]
+
+    def repeated(self, model: Model, seed: int) -> FreeBodyProblem:
+        """See `simgap.inference.parametric_bootstrap.Repeatable`; in finer steps, so that their error shows."""
+        here = self.measurement
+        trials = repeated(
+            self.mover,
+            self.mover.apply(model),
+            here.trials,
+            [self._series[t.id] for t in here.trials],
+            here.noise,
+            _FINER,
+            seed,
+        )
+        return FreeBodyProblem(replace(here, trials=trials), self.mover, self.horizon_s)
+
+    def _tosses(self, model: Model, trials: tuple[str, ...]) -> list[Toss]:
+        """Trials as they truly are under the model; those of the last call are kept."""
+        asked = _asked(model, trials)
+        if self._read[0] != asked:
+            applied = self.mover.apply(model)
+            self._read = (asked, [self.mover.toss(applied, applied.recovered(self._series[t])) for t in trials])
+        return self._read[1]
+
+    def _cut(self, trial: str, view: View) -> tuple[np.ndarray, np.ndarray]:
+        """Rows (w, k) of the windows of a trial, and the positions in a window that are compared."""
+        length = len(self._series[trial].t_s)
+        if view == "full_rollout" or self._rows >= length:
+            return np.arange(length)[None], np.arange(1, length)
+        k = self._rows
+        compared = np.unique(np.linspace(1, k - 1, _COMPARED).round().astype(int))
+        return self._starts[trial][:, None] + np.arange(k), compared
+
+    @cached_property
+    def _starts(self) -> dict[str, np.ndarray]:
+        """First rows of the short windows of each trial."""
+        return {trial: self._windows(series) for trial, series in self._series.items()}
+
+    def _windows(self, series: Series) -> np.ndarray:
+        """First rows of windows side by side: a few in flight and at rest, most where something is met."""
+        k, p = self._rows, series.columns["p"]
+        starts = np.arange(0, len(p) - k + 1, k - 1)
+        rows = starts[:, None] + np.arange(k)
+        flying = np.ones(len(starts), dtype=bool)
+        resting = np.ptp(p[rows], axis=1).max(axis=1) < _MOVED * self.mover.size_m
+        if self.mover.has_support:
+            flying = self.mover.gaps(series)[rows].min(axis=1) > _CLEAR * self.mover.size_m
+        kinds = ((flying, _IN_FLIGHT), (~flying & resting, _AT_REST), (~flying & ~resting, _IN_CONTACT))
+        return np.sort(np.concatenate([_spread(starts[of], most) for of, most in kinds]))
+
+
+def _asked(model: Model, trials: tuple[str, ...]) -> object:
+    return tuple((t.candidate.key, tuple(t.values.items())) for t in model), trials
+
+
+def _spread(items: np.ndarray, most: int) -> np.ndarray:
+    """At most so many of the items, evenly."""
+    return items[np.unique(np.linspace(0, len(items) - 1, min(most, len(items))).round().astype(int))]
+
+
+def _reported(applied: AppliedBody, t_s: FloatArray, columns: Columns) -> Columns:
+    """Columns (w, k, n) as the sensor reports them; what it does to poses it does row by row."""
+    if not applied.sensors:
+        return columns
+    said = applied.reported(Series(t_s.ravel(), {n: v.reshape(-1, v.shape[2]) for n, v in columns.items()})).columns
+    return {n: said[n].reshape(v.shape) for n, v in columns.items()}
+
+
+def _series(trial: Trial) -> Series:
+    """Pose and rates of a trial; rates that were not measured are central differences of the poses."""
+    quats = trial.quat_wxyz
+    v = trial.v_W if trial.has("v_W") else np.gradient(trial.p, trial.t_s, axis=0)
+    w = trial.w_B if trial.has("w_B") else _rates(trial.t_s, quats)
+    columns = {"p": trial.p, "quat_wxyz": quats, "v_W": v, "w_B": w}
+    if trial.has("q"):
+        qd = trial.qd if trial.has("qd") else np.gradient(trial.q, trial.t_s, axis=0)
+        columns |= {"q": trial.q, "qd": qd}
+    return Series(trial.t_s, columns)
+
+
+def _rates(t_s: FloatArray, quat_wxyz: FloatArray) -> FloatArray:
+    """(n, 3) body rates from orientations, central differences."""
+    R = Rotation.from_quat(np.roll(quat_wxyz, -1, axis=1))
+    between = (R[:-1].inv() * R[1:]).as_rotvec() / np.diff(t_s)[:, None]
+    return np.concatenate([between[:1], 0.5 * (between[:-1] + between[1:]), between[-1:]])

@@ -1,0 +1,101 @@
+"""One rigid body as something that is tossed (`simgap.kinds.free_body.tossed_body.Mover`)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from geom.convex.support_function import heights
+from schemas.measurement import SensorNoise
+from schemas.model import FloatArray
+from sim.dynamics.body_rollout import BodyModel, BodyReplay, BodyWindows
+from sim.dynamics.hooks import Series
+from simgap.kinds.free_body.apply_model import AppliedBody, apply_terms
+from simgap.kinds.free_body.candidates import candidates_of, nuisances_of
+from simgap.kinds.free_body.direct_estimates import ESTIMATORS, Routes
+from simgap.kinds.free_body.toss import Toss, corners
+from simgap.kinds.free_body.tossed_body import Columns, Told
+from simgap.problem import Candidate, Model
+
+_LARGEST_M = 1e3
+
+
+class RigidMover:
+    """See `simgap.kinds.free_body.tossed_body.Mover`."""
+
+    state = ("p", "quat_wxyz", "v_W", "w_B")
+    read = ("p", "quat_wxyz")
+    channels = ("position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z")
+
+    def __init__(self, declared: BodyModel, engine: BodyReplay) -> None:
+        self.declared, self.engine = declared, engine
+        self.has_support = declared.has_support
+        self.size_m = float(np.ptp(corners(declared.shapes), axis=0).max())
+
+    def routes(self, candidate: Candidate) -> Routes:
+        """See `Mover`."""
+        return ESTIMATORS
+
+    def apply(self, model: Model) -> AppliedBody:
+        """See `Mover`."""
+        return apply_terms(self.declared, model)
+
+    def roll(self, applied: AppliedBody, t_s: FloatArray, start: Columns, finer: float) -> Columns:
+        """See `Mover`."""
+        motion = self.engine.rollout(applied.body, BodyWindows(t_s=t_s, **start), applied.wrenches, finer)
+        return {name: getattr(motion, name) for name in self.state}
+
+    def errors(self, simulated: Columns, measured: Columns) -> FloatArray:
+        """See `Mover`; m and rad."""
+        return pose_errors(simulated, measured)
+
+    def gaps(self, series: Series) -> FloatArray:
+        """See `Mover`."""
+        body = self.declared
+        origins, R = level_poses(body, series)
+        return heights(body.shapes, origins, R)
+
+    def toss(self, applied: AppliedBody, series: Series) -> Toss:
+        """See `Mover`."""
+        return Toss(applied, series)
+
+    def candidates(self, series: Sequence[Series], told: Told) -> tuple[Candidate, ...]:
+        """See `Mover`."""
+        return candidates_of(self.declared, series, told)
+
+    def nuisances(self) -> tuple[Candidate, ...]:
+        """See `Mover`."""
+        return nuisances_of(self.declared)
+
+    def reading_noise(self, noise: SensorNoise, step_s: float, horizon_s: float) -> FloatArray:
+        """See `Mover`: readings twice, and the start's velocity carried along."""
+        return pose_noise(noise, step_s, horizon_s)
+
+
+def level_poses(body: BodyModel, series: Series) -> tuple[FloatArray, FloatArray]:
+    """Positions (n, 3) and rotations (n, 3, 3) in the axes of the support, its surface at 0."""
+    R = Rotation.from_quat(np.roll(series.columns["quat_wxyz"], -1, axis=1)).as_matrix()
+    level = Rotation.align_vectors([[0.0, 0.0, 1.0]], [body.plane_normal_W])[0].as_matrix()
+    return series.columns["p"] @ level.T - np.array([0.0, 0.0, body.plane_height_m]), level @ R
+
+
+def pose_errors(simulated: Columns, measured: Columns) -> FloatArray:
+    """(w * k, 6) simulated minus measured; rotation as a vector in world axes."""
+    position = np.clip(simulated["p"] - measured["p"], -_LARGEST_M, _LARGEST_M).reshape(-1, 3)
+    turned, truth = (
+        Rotation.from_quat(np.roll(columns["quat_wxyz"].reshape(-1, 4), -1, axis=1))
+        for columns in (simulated, measured)
+    )
+    return np.concatenate([position, (turned * truth.inv()).as_rotvec()], axis=1)
+
+
+def pose_noise(noise: SensorNoise, step_s: float, horizon_s: float) -> FloatArray:
+    """(6,) mean square errors of position and rotation."""
+    p, turn = noise.p_m or 1e-4, noise.rotation_rad or 1e-3
+    v = noise.v_mps or p / step_s
+    w = noise.w_radps or turn / step_s
+    position = 2.0 * p**2 + (v * horizon_s) ** 2 / 3.0
+    rotation = 2.0 * turn**2 + (w * horizon_s) ** 2 / 3.0
+    return np.array([position] * 3 + [rotation] * 3)

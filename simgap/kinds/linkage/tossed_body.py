@@ -1,0 +1,95 @@
+"""A body with joints as something that is tossed (`simgap.kinds.free_body.tossed_body.Mover`)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from geom.convex.support_function import heights
+from schemas.measurement import SensorNoise
+from schemas.model import FloatArray
+from sim.dynamics.body_rollout import BodyWindows
+from sim.dynamics.hooks import Series
+from sim.dynamics.linkage_rollout import LinkageModel, LinkageReplay, LinkageWindows, link_body, link_poses
+from simgap.kinds.free_body.apply_model import AppliedBody
+from simgap.kinds.free_body.candidates import nuisances_of
+from simgap.kinds.free_body.direct_estimates import Routes
+from simgap.kinds.free_body.rigid import RigidMover, level_poses, pose_errors, pose_noise
+from simgap.kinds.free_body.toss import Toss, corners
+from simgap.kinds.free_body.tossed_body import Columns, Told
+from simgap.kinds.linkage.apply_model import AppliedLinkage, apply_terms
+from simgap.kinds.linkage.candidates import candidates_of
+from simgap.kinds.linkage.direct_estimates import routes_to
+from simgap.kinds.linkage.toss import LinkageToss
+from simgap.problem import Candidate, Model
+
+_NOISE_RAD, _LARGEST = 1e-3, 1e3
+
+
+class LinkageMover:
+    """See `simgap.kinds.free_body.tossed_body.Mover`."""
+
+    state = (*RigidMover.state, "q", "qd")
+    read = (*RigidMover.read, "q")
+
+    def __init__(self, declared: LinkageModel, engine: LinkageReplay) -> None:
+        self.declared, self.engine = declared, engine
+        self.has_support = declared.base.has_support
+        self.channels = (*RigidMover.channels, *(f"q_{link.name}" for link in declared.joints.tree))
+        self.size_m = max(
+            float(np.ptp(corners(s), axis=0).max()) for s in (declared.base.shapes, *declared.shapes) if s
+        )
+
+    def routes(self, candidate: Candidate) -> Routes:
+        """See `Mover`."""
+        return routes_to(candidate)
+
+    def apply(self, model: Model) -> AppliedLinkage:
+        """See `Mover`."""
+        return apply_terms(self.declared, model)
+
+    def roll(self, applied: AppliedBody, t_s: FloatArray, start: Columns, finer: float) -> Columns:
+        """See `Mover`."""
+        assert isinstance(applied, AppliedLinkage)
+        base = BodyWindows(t_s=t_s, **{name: start[name] for name in RigidMover.state})
+        windows = LinkageWindows(base, start["q"], start["qd"])
+        motion = self.engine.rollout(applied.linkage, windows, applied.wrenches, applied.laws, finer)
+        return {n: getattr(motion.base, n) for n in RigidMover.state} | {"q": motion.q, "qd": motion.qd}
+
+    def errors(self, simulated: Columns, measured: Columns) -> FloatArray:
+        """See `Mover`; joints by the shorter way round."""
+        turning = np.array([not link.prismatic for link in self.declared.joints.tree])
+        apart = np.clip((simulated["q"] - measured["q"]).reshape(-1, len(turning)), -_LARGEST, _LARGEST)
+        apart[:, turning] = (apart[:, turning] + np.pi) % (2.0 * np.pi) - np.pi
+        return np.concatenate([pose_errors(simulated, measured), apart], axis=1)
+
+    def gaps(self, series: Series) -> FloatArray:
+        """See `Mover`."""
+        origins, R = level_poses(self.declared.base, series)
+        lowest = []
+        for name, (R_BL, p_BL) in zip(self.declared.names, link_poses(self.declared, series.columns["q"]), strict=True):
+            shapes = link_body(self.declared, name).shapes
+            if shapes:
+                lowest.append(heights(shapes, origins + np.einsum("nab,nb->na", R, p_BL), R @ R_BL))
+        return np.min(lowest, axis=0)
+
+    def toss(self, applied: AppliedBody, series: Series) -> Toss:
+        """See `Mover`."""
+        assert isinstance(applied, AppliedLinkage)
+        return LinkageToss(applied, series)
+
+    def candidates(self, series: Sequence[Series], told: Told) -> tuple[Candidate, ...]:
+        """See `Mover`."""
+        return candidates_of(self.declared, series, told)
+
+    def nuisances(self) -> tuple[Candidate, ...]:
+        """See `Mover`."""
+        return nuisances_of(self.declared.base)
+
+    def reading_noise(self, noise: SensorNoise, step_s: float, horizon_s: float) -> FloatArray:
+        """See `Mover`."""
+        q = noise.q or _NOISE_RAD
+        qd = noise.qd or q / step_s
+        joint = 2.0 * q**2 + (qd * horizon_s) ** 2 / 3.0
+        return np.concatenate([pose_noise(noise, step_s, horizon_s), np.full(len(self.channels) - 6, joint)])

@@ -1,0 +1,62 @@
+"""The declared mechanism with terms applied: changed numbers, laws for the steps, maps of inputs and readings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from schemas.gap import Place
+from sim.dynamics.hooks import CommandMap, Numbers, Params, SensorMap, Series
+from sim.dynamics.mechanism import Law, MechanismModel
+from sim.effects.numbers import joint_index
+from simgap.problem import Model
+
+SensorTerm = tuple[SensorMap, Params, Place]
+
+
+@dataclass(frozen=True)
+class Applied:
+    """What a roll-out needs of a model."""
+
+    mechanism: MechanismModel
+    laws: tuple[Law, ...]
+    inputs: tuple[tuple[CommandMap, Params, Place], ...]
+    sensors: tuple[SensorTerm, ...]
+
+    @property
+    def maps(self) -> tuple[object, ...]:
+        """Equal where inputs and readings are mapped in the same way."""
+        return tuple((h, tuple(p.items()), w.joint) for h, p, w in (*self.inputs, *self.sensors))
+
+    def sent(self, series: Series) -> Series:
+        """Inputs as they reach the drive."""
+        for hook, params, where in self.inputs:
+            series = hook.map(series, params, where)
+        return series
+
+    def recovered(self, series: Series) -> Series:
+        """Readings as the truth they stand for."""
+        for hook, params, where in reversed(self.sensors):
+            series = hook.recover(series, params, where)
+        return series
+
+    def reported(self, series: Series) -> Series:
+        """Truth as it would be read."""
+        for hook, params, where in self.sensors:
+            series = hook.report(series, params, where)
+        return series
+
+
+def apply_terms(declared: MechanismModel, model: Model) -> Applied:
+    """`declared` with the terms of `model` in their order; a later term of the same number replaces an earlier one."""
+    mechanism, laws, inputs, sensors = declared, [], [], []
+    for term in model:
+        hook, where = term.candidate.effect.hook, term.candidate.where
+        if isinstance(hook, Numbers):
+            mechanism = hook.change(mechanism, term.values, where)
+        elif isinstance(hook, CommandMap):
+            inputs.append((hook, term.values, where))
+        elif isinstance(hook, SensorMap):
+            sensors.append((hook, term.values, where))
+        else:
+            laws.append(Law(hook, term.values, joint_index(declared, where)))
+    return Applied(mechanism, tuple(laws), tuple(inputs), tuple(sensors))

@@ -1,0 +1,53 @@
+"""A trial as the statistics use it: smoothed motion beside its inputs, at no more rows than roll-outs need."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.model import FloatArray
+from sim.dynamics.hooks import Series
+from simgap.kinds.mechanism.smooth import Smooth, smooth
+from simgap.recording.recording import Trial
+
+_ROW_S = 4e-3  # rows closer than this are thinned
+
+
+@dataclass(frozen=True)
+class Log:
+    """One trial: inputs, side channels, the position as read, and smoothed q, qd, qdd as columns.
+
+    smooth   of the full readings, for their noise; `block` rows span one local cubic; the first and last half of that
+             are worth less.
+    """
+
+    series: Series
+    smooth: Smooth
+    block: int
+
+    @property
+    def margin(self) -> int:
+        """Rows at either end whose derivatives are one-sided."""
+        return self.block // 2 + 1
+
+
+def log_of(trial: Trial, known: Smooth | None = None) -> Log:
+    """The trial smoothed, then thinned; inputs, which are held from row to row, are averaged over the rows left out.
+
+    `known` is what smoothing gave before, of the same motion.
+    """
+    smoothed = known or smooth(trial.t_s, trial.q)
+    every = max(1, int(_ROW_S / float(np.median(np.diff(trial.t_s))) + 1e-6))
+    rows = np.arange(0, len(trial.t_s), every)
+    columns = {"reading": trial.q[rows], "q": smoothed.q[rows], "qd": smoothed.qd[rows], "qdd": smoothed.qdd[rows]}
+    for name in ("effort", "command"):
+        if trial.has(name):
+            columns[name] = _held(np.nan_to_num(getattr(trial, name)), rows)
+    columns |= {f"aux:{n}": _held(np.asarray(v, dtype=float)[:, None], rows) for n, v in trial.aux.items()}
+    return Log(Series(trial.t_s[rows], columns), smoothed, max(1, round(smoothed.rows / every)))
+
+
+def _held(values: FloatArray, rows: FloatArray) -> FloatArray:
+    counts = np.diff(np.append(rows, len(values)))
+    return np.add.reduceat(values, rows, axis=0) / counts[:, None]

@@ -1,0 +1,204 @@
+"""A `push` measurement as a problem for the statistics (`simgap.problem.Problem`).
+
+Poses are known before and after only: short horizon and full roll-out are the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields, replace
+
+import numpy as np
+
+from schemas.gap import Place, Trap
+from schemas.model import FloatArray
+from sim.dynamics.body_rollout import BodyModel
+from sim.effects.library import effect
+from simgap.kinds.push.direct_estimates import estimate
+from simgap.kinds.push.footprint import even_points, outlines, vertices_of
+from simgap.kinds.push.model import PUSHER, SUPPORT, PushModel, changed
+from simgap.kinds.push.records import STEADY, STEPS, Records, end_distance, record, upright
+from simgap.kinds.push.sliding import pushed, turns
+from simgap.problem import Candidate, DirectEstimate, Model, View
+from simgap.recording.read import Measurement
+
+PRESSURE = 0.15  # share within which an even pressure is believed: it is assumed, and no limit surface is an ellipsoid
+_PUSHER_FRICTION = (0.02, 1.2)
+_LEAST_M, _LEAST_N = 1e-5, 1e-3
+_WORKS = 0.8  # least share of pushes whose force must do work
+_LEVEL = 0.02  # largest slope of the support, rad
+_TILTED = 0.2  # largest tilt of the tracked axes, rad
+
+
+class PushProblem:
+    """Quasi-static pushing against the pose after and the steady force; direct estimates from forces and moves."""
+
+    horizon_s = 0.0
+
+    def __init__(self, measurement: Measurement) -> None:
+        self.measurement = measurement
+        self._records = {p.id: record([p]) for p in measurement.pushes}
+        whole = record(measurement.pushes)
+        self.declared = _declared(measurement, whole)
+        self._has_force = bool(np.isfinite(whole.force).any())
+        self._floor = self._noise(whole)
+
+    @property
+    def trial_ids(self) -> tuple[str, ...]:
+        """All pushes, in file order."""
+        return tuple(self._records)
+
+    @property
+    def traps(self) -> tuple[Trap, ...]:
+        """What was checked of the forces."""
+        return (self._force_trap(),)
+
+    def channels(self) -> tuple[str, ...]:
+        """Move and turn by the push and mean steady force, axes of the body before the push."""
+        pose = ("position_x", "position_y", "rotation")
+        return (*pose, "force_x", "force_y") if self._has_force else pose
+
+    def candidates(self) -> tuple[Candidate, ...]:
+        """See `simgap.problem.Problem`. Without forces nothing tells how hard the support resists."""
+        body = self.declared.body
+        lever = self.declared.lever_m
+        pair, whole = Place(pair=SUPPORT), Place(body="body")
+        found: list[Candidate] = []
+        if self._has_force:
+            found.append(_single("contact.friction", pair, "mu", body.friction, (0.0, 1.5)))
+        # What resists spinning follows from the pressure under the body, which is only assumed to be even.
+        spin = self.declared.reference_friction * lever
+        found.append(_single("contact.spinning_friction", pair, "lever_m", spin, (0.2 * spin, 3.0 * spin)))
+        found.append(_single("contact.anisotropic_friction", pair, "ratio", 1.0, (0.25, 4.0)))
+        if self._has_force:
+            mass = body.mass_kg
+            found.append(_single("body.mass", whole, "mass_kg", mass, (0.2 * mass, 5.0 * mass)))
+        com = {f"{axis}_m": float(v) for axis, v in zip("xyz", body.com_B, strict=True)}
+        low, high = self.declared.points.min(axis=0), self.declared.points.max(axis=0)
+        bounds = {"x_m": (float(low[0]), float(high[0])), "y_m": (float(low[1]), float(high[1]))}
+        bounds["z_m"] = (com["z_m"], com["z_m"] + 1e-12)
+        found.append(Candidate(effect("body.com_offset"), whole, com, com, bounds))
+        return tuple(found)
+
+    def nuisances(self) -> tuple[Candidate, ...]:
+        """The assumed pressure within its tolerance, and the pusher's friction, which is declared nowhere.
+
+        Not that of the support: beside it, mass would be a second name for one number, and neither could be doubted.
+        """
+        pusher = _single("contact.friction", Place(pair=PUSHER), "mu", self.declared.pusher_friction, _PUSHER_FRICTION)
+        lever = self.declared.reference_friction * self.declared.lever_m
+        limits = ((1.0 - PRESSURE) * lever, (1.0 + PRESSURE) * lever)
+        spin = _single("contact.spinning_friction", Place(pair=SUPPORT), "lever_m", lever, limits)
+        return replace(pusher, nuisance=True), replace(spin, nuisance=True)
+
+    def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
+        """See `simgap.problem.Problem`; m, rad and N, one row per push."""
+        records = self._joined(trials)
+        poses, forces = pushed(changed(self.declared, model), records.before, records.tips)
+        steady = forces[:, round(STEADY * STEPS) :].mean(axis=1)
+        turned = poses[:, -1, 2] - records.before[:, 2]
+        said = self._said(records, poses[:, -1, :2], turned, steady)
+        return list((said - self._said(records, records.after[:, :2], records.turned, records.force))[:, None, :])
+
+    def readings(self, trials: Sequence[str]) -> list[FloatArray]:
+        """Per trial (1, c) what was measured: move, turn, steady force."""
+        records = self._joined(trials)
+        return list(self._said(records, records.after[:, :2], records.turned, records.force)[:, None, :])
+
+    def _said(self, records: Records, p: FloatArray, turned: FloatArray, force: FloatArray) -> FloatArray:
+        """(n, c) channels, in axes of the body before the push."""
+        turn = turns(records.before[:, 2])
+        columns = [np.einsum("nji,nj->ni", turn, p - records.before[:, :2]), turned[:, None]]
+        columns += [np.einsum("nji,nj->ni", turn, force)] if self._has_force else []
+        return np.concatenate(columns, axis=1)
+
+    def features(self, trials: Sequence[str], view: View) -> list[FloatArray]:
+        """Tip at the start and its move in body axes, and no time."""
+        records = self._joined(trials)
+        turn = turns(records.before[:, 2])
+        start = np.einsum("nji,nj->ni", turn, records.tips[:, 0] - records.before[:, :2])
+        move = np.einsum("nji,nj->ni", turn, records.tips[:, -1] - records.tips[:, 0])
+        return list(np.concatenate([start, move, np.zeros((len(start), 1))], axis=1)[:, None, :])
+
+    def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
+        """See `simgap.problem.Problem`."""
+        if not self._has_force:
+            return None
+        return estimate(candidate, changed(self.declared, model), [self._records[t] for t in trials])
+
+    def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
+        """See `simgap.problem.Problem`: pose noise before and after, ripple of the force."""
+        return self._floor
+
+    def slices(self, features: FloatArray) -> dict[str, FloatArray]:
+        """(k,) masks by words: where and which way the body was pushed."""
+        place = features[:, :2] - self.declared.body.com_B[:2]
+        way = features[:, 2:4] / np.maximum(np.linalg.norm(features[:, 2:4], axis=1), 1e-12)[:, None]
+        arm = place[:, 0] * way[:, 1] - place[:, 1] * way[:, 0]
+        wide = 0.5 * self.declared.lever_m
+        return {
+            "pushed along the body's x axis": np.abs(way[:, 0]) > np.abs(way[:, 1]),
+            "pushed along the body's y axis": np.abs(way[:, 0]) <= np.abs(way[:, 1]),
+            f"pushed through the mass centre (within {wide:.2g} m)": np.abs(arm) <= wide,
+            f"pushed to turn left (over {wide:.2g} m)": arm > wide,
+            f"pushed to turn right (over {wide:.2g} m)": arm < -wide,
+        }
+
+    def _force_trap(self) -> Trap:
+        """A force on the body that drives it does work along the tip's path; one taken on the tip does the reverse."""
+        whole = self._joined(self.trial_ids)
+        work = (whole.force * (whole.tips[:, -1] - whole.tips[:, 0])).sum(axis=1)
+        seen = np.isfinite(work)
+        if not seen.any():
+            return Trap(name="force_sign", status="ok", evidence="no forces were measured")
+        share = float((work[seen] > 0.0).mean())
+        text = f"in {share:.0%} of the pushes the force on the body does work along the tip's path"
+        return Trap(name="force_sign", status="ok" if share > _WORKS else "suspect", evidence=text)
+
+    def _joined(self, trials: Sequence[str]) -> Records:
+        parts = [self._records[t] for t in trials]
+        return Records(**{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Records)})
+
+    def _noise(self, whole: Records) -> FloatArray:
+        """(c,) declared pose noise, else from the tip's distance at the end, which geometry fixes."""
+        told = self.measurement.noise
+        apart = end_distance(self.declared.outline, whole)
+        seen = 1.4826 * float(np.median(np.abs(apart - np.median(apart))))
+        p = np.sqrt(2.0) * (told.p_m or max(seen, _LEAST_M))
+        turn = np.sqrt(2.0) * told.rotation_rad if told.rotation_rad else p / self.declared.lever_m
+        floor = [p, p, turn]
+        if self._has_force:
+            ripple = max(float(np.nanmedian(whole.ripple_N)), _LEAST_N)
+            floor += [ripple, ripple]
+        return np.array(floor)
+
+
+def _declared(measurement: Measurement, whole: Records) -> PushModel:
+    """The declared model. Raises ValueError for a slope and for bodies tilted or without mass or shape."""
+    spec = measurement.spec
+    subject, gravity = spec.subject, np.array(spec.world.gravity_mps2)
+    normal = np.array(spec.world.support.plane.normal if spec.world.support else (0.0, 0.0, 1.0), dtype=float)
+    size = np.linalg.norm(gravity)
+    if subject.mass_kg is None:
+        raise ValueError("the subject declares no mass_kg")
+    if size == 0.0 or -gravity[2] < size * np.cos(_LEVEL) or normal[2] < np.linalg.norm(normal) * np.cos(_LEVEL):
+        raise ValueError("pushes are explained on a level support, with gravity along -z")
+    if min(upright(p.before_quat_wxyz) for p in measurement.pushes) < np.cos(_TILTED):
+        raise ValueError("a pushed body must be given with its z axis up")
+    outline, foot = outlines(vertices_of(subject, measurement.root))
+    body = BodyModel(
+        shapes=(),
+        mass_kg=subject.mass_kg,
+        com_B=np.array(subject.com_m),
+        inertia_B=np.eye(3),  # no acceleration, no inertia
+        friction=subject.contact.friction,
+        gravity_W=gravity,
+    )
+    standoff = max(float(np.median(end_distance(outline, whole))), 0.0)
+    friction = subject.contact.friction
+    return PushModel(body, outline, even_points(foot), friction, max(friction, 1e-3), standoff)
+
+
+def _single(name: str, where: Place, parameter: str, value: float, bounds: tuple[float, float]) -> Candidate:
+    start = {parameter: float(np.clip(value, *bounds))}
+    return Candidate(effect(name), where, {parameter: value}, start, {parameter: bounds})

@@ -1,0 +1,72 @@
+"""Rows that hold no number where one is needed, and trials with nothing in them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from schemas.diagnostics import Severity
+from schemas.model import FloatArray
+from simgap.recording.checks.check import Checked, Hit, Setting, over_trials
+from simgap.recording.recording import COLUMNS, Trial
+
+MIN_ROWS = 3
+_INPUTS = ("effort", "command", "command_p", "command_quat_wxyz")
+LARGEST = 1e12  # in SI units; no reading is larger, and its square must not overflow
+_SPARSE = 0.5  # An input that is mostly empty is logged slower than the rest, not broken.
+
+
+def drop_non_finite_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
+    """Without rows whose stamp, state or input is not finite, and without trials that have fewer than MIN_ROWS left.
+
+    Velocities may be missing (a first difference has none) and are NaN then.
+    """
+    kept: list[Trial] = []
+    holes: list[Hit] = []
+    empty: list[Hit] = []
+    for recorded in trials:
+        trial = _without_wild_numbers(recorded)
+        keep = _whole_rows(setting, trial)
+        sound = trial.rows(keep) if not keep.all() else trial
+        gone = len(trial) - len(sound)
+        if len(sound) < MIN_ROWS:
+            empty.append(Hit(trial, len(sound), f"{len(sound)} of {len(trial)} rows hold a state"))
+            continue
+        if gone:
+            text = f"{gone} of {len(trial)} rows dropped, the first is row {int(np.argmin(keep)) + 1}"
+            holes.append(Hit(trial, gone, text))
+        kept.append(sound)
+    found = over_trials("gap/non-finite-rows", "rows without a number", holes, len(trials), unit="rows")
+    found += over_trials(
+        "gap/empty-trial",
+        f"fewer than {MIN_ROWS} rows",
+        empty,
+        len(trials),
+        bound=MIN_ROWS,
+        unit="rows",
+        severity=Severity.WARNING if kept else Severity.ERROR,
+    )
+    return Checked(tuple(kept), found)
+
+
+def _whole_rows(setting: Setting, trial: Trial) -> FloatArray:
+    declared = setting.spec.columns
+    keep = np.isfinite(trial.t_s)
+    if "p" in declared:
+        keep &= np.isfinite(trial.p).all(axis=1)
+    if "q_wxyz" in declared or "q_xyzw" in declared:
+        keep &= np.isfinite(trial.quat_wxyz).all(axis=1)
+    measured = np.array([f"q_{joint.name}" in declared for joint in setting.joints], dtype=bool)
+    keep &= np.isfinite(trial.q[:, measured]).all(axis=1)
+    for name in _INPUTS:
+        finite = np.isfinite(getattr(trial, name))
+        if len(trial):
+            keep &= finite[:, finite.mean(axis=0) > _SPARSE].all(axis=1)
+    return keep
+
+
+def _without_wild_numbers(trial: Trial) -> Trial:
+    """Infinite and absurd readings as missing ones."""
+    wild = {name: np.abs(getattr(trial, name)) > LARGEST for name in COLUMNS[1:]}
+    return replace(trial, **{k: np.where(bad, np.nan, getattr(trial, k)) for k, bad in wild.items() if bad.any()})

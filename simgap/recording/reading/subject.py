@@ -1,0 +1,100 @@
+"""The subject's files and joints, as far as reading a measurement needs them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from schemas.diagnostics import Diagnostic, InvalidInput, finding
+from schemas.measurement import MeasurementSpec, Subject
+from simgap.recording.reading.folder import inside
+from simgap.recording.reading.urdf import UrdfModel, movable_joints, parse_urdf, read_urdf
+from simgap.recording.reading.yaml_text import YamlDocument
+
+
+class JointInfo(NamedTuple):
+    """A joint's name, and whether it turns (rad) rather than slides (m)."""
+
+    name: str
+    turns: bool
+
+
+def subject_files(root: Path, subject: Subject, document: YamlDocument) -> tuple[Path, ...]:
+    """Every file that the subject names; a package is the folder's files in order.
+
+    Raises InvalidInput (`gap/path-escape`, `gap/missing-file`).
+    """
+    files: list[Path] = []
+    for key in ("mesh", "urdf", "package"):
+        relative = getattr(subject, key)
+        if relative is None:
+            continue
+        path = inside(root, relative, document.place(("subject", key)))
+        files += sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+    return tuple(files)
+
+
+def subject_joints(root: Path, subject: Subject, document: YamlDocument) -> tuple[JointInfo, ...]:
+    """The subject's movable joints, in the order in which it lists them.
+
+    Raises InvalidInput (`gap/unreadable-subject`, `gap/path-escape`, `gap/missing-file`).
+    """
+    if subject.joints:
+        return tuple(JointInfo(j.name, j.type == "revolute") for j in subject.joints)
+    if subject.urdf is not None:
+        place = document.place(("subject", "urdf"))
+        return _urdf_joints(inside(root, subject.urdf, place), subject.urdf, document)
+    if subject.package is not None:
+        place = document.place(("subject", "package"))
+        twins = sorted(inside(root, subject.package, place).glob("export/*.urdf"))
+        return _urdf_joints(twins[0], f"{subject.package}/export/{twins[0].name}", document) if twins else ()
+    return ()
+
+
+def subject_findings(spec: MeasurementSpec, document: YamlDocument) -> tuple[Diagnostic, ...]:
+    """What a simulation of this kind could not do without."""
+    subject, where = spec.subject, document.place(("subject",), of_key=True)
+    found: list[Diagnostic] = []
+    if spec.kind == "free_body" and not (subject.box or subject.mesh or subject.urdf or subject.package):
+        found.append(finding("gap/missing-key", "a free body needs one of box, mesh, urdf, package", where=where))
+    if spec.kind == "free_body" and (subject.box or subject.mesh) and subject.mass_kg is None:
+        found.append(finding("gap/missing-key", "'subject.mass_kg' is not given", where=where))
+    if spec.kind == "mechanism" and not (subject.joints or subject.urdf or subject.package):
+        found.append(finding("gap/missing-key", "a mechanism needs joints, urdf or package", where=where))
+    if spec.kind == "tracking" and not (subject.urdf or subject.package):
+        found.append(finding("gap/missing-key", "a tracked robot needs urdf or package", where=where))
+    if spec.kind in ("impact", "push") and subject.mass_kg is None:
+        found.append(finding("gap/missing-key", "'subject.mass_kg' is not given", where=where))
+    if spec.kind == "impact" and subject.inertia_kgm2 is None:
+        found.append(finding("gap/missing-key", "'subject.inertia_kgm2' is not given", where=where))
+    names = [joint.name for joint in subject.joints]
+    for k, joint in enumerate(subject.joints):
+        place = document.place(("subject", "joints", k))
+        turning = joint.type == "revolute"
+        if (joint.inertia_kgm2 or joint.gravity_load) is None if turning else joint.mass_kg is None:
+            key = "inertia_kgm2" if turning else "mass_kg"
+            found.append(
+                finding("gap/missing-key", f"joint '{joint.name}' is {joint.type}: it needs {key}", where=place)
+            )
+        if joint.name in names[:k]:
+            found.append(finding("gap/invalid-value", f"two joints are called '{joint.name}'", where=place))
+    return tuple(found)
+
+
+def read_subject(subject: Subject, root: Path) -> UrdfModel:
+    """The model of a subject given as `urdf` or `package` (its URDF twin). Raises ValueError with the reason."""
+    if subject.urdf is not None:
+        return read_urdf(root / subject.urdf, root)
+    twins = sorted((root / (subject.package or "")).glob("export/*.urdf"))
+    if subject.package is None or not twins:
+        raise ValueError("the subject has neither a URDF nor a package with one in export/")
+    return read_urdf(twins[0], root)
+
+
+def _urdf_joints(path: Path, relative: str, document: YamlDocument) -> tuple[JointInfo, ...]:
+    where = document.place(("subject", "urdf"))
+    try:
+        robot = parse_urdf(path)
+    except ValueError as error:
+        raise InvalidInput(finding("gap/unreadable-subject", f"{relative}: {error}", where=where)) from None
+    return tuple(JointInfo(j.get("name", ""), j.get("type") != "prismatic") for j in movable_joints(robot))

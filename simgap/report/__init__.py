@@ -1,0 +1,1 @@
+"""The report of a search: localised error, side-by-side roll-outs, the HTML page."""

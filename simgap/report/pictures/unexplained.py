@@ -1,0 +1,87 @@
+"""What acts on a joint and is not in the model, against the state that the named effect depends on, with its law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from render.figure import figure, png, tidy
+from schemas.gap import Place
+from schemas.model import FloatArray
+from simgap.kinds.mechanism.equation_error import balance
+from simgap.kinds.mechanism.logs import Log, log_of
+from simgap.kinds.mechanism.problem import MechanismProblem
+from simgap.problem import Model
+from simgap.recording.read import Measurement
+from simgap.report.pictures.colours import EXTENDED, MEASURED
+
+_BINS = 40
+_MOST_POINTS = 4000
+_BY_POSITION = (
+    "joint.spring",
+    "joint.detent",
+    "joint.hard_stop",
+    "joint.axis_tilt",
+    "joint.gravity_load",
+    "sensor.scale",
+)
+_BY_INPUT = ("actuator.gain", "actuator.saturation", "actuator.deadband", "actuator.ripple")
+
+
+def unexplained(
+    problem: MechanismProblem, measurement: Measurement, model: Model, name: str, where: Place, trials: Sequence[str]
+) -> bytes | None:
+    """PNG for the effect `name` of `model`; None where the blocks of the recording cannot be told."""
+    logs = [log_of(t) for t in measurement.trials if t.id in set(trials)]
+    effort = balance(problem.declared, logs)
+    joint = next((j for j, link in enumerate(problem.declared.tree) if link.name == where.joint), 0)
+    without, with_law = (np.concatenate([e[:, joint] for e in effort(m)[0]]) for m in ((), model))
+    state, words = _feature(problem, logs, joint, name)
+    if len(state) != len(without):
+        return None
+    link = problem.declared.tree[joint]
+    unit = "N" if link.prismatic else "N m"
+    made = figure(8.0, 4.4)
+    axes = made.subplots()
+    thin = np.s_[:: max(1, len(state) // _MOST_POINTS)]
+    axes.plot(state[thin], without[thin], ".", color=MEASURED, markersize=2.5, alpha=0.35, label="from the recording")
+    x, y = _binned(state, without - with_law)
+    axes.plot(x, y, color=EXTENDED, linewidth=2.2, label="the fitted effects")
+    low, high = np.quantile(without, [0.005, 0.995])
+    room = 0.25 * max(high - low, 1e-12)
+    axes.set_ylim(low - room, high + room)
+    axes.axhline(0.0, color=MEASURED, linewidth=0.8)
+    tidy(axes, words, f"unexplained effort ({unit})", f"What acts on {link.name} beyond the declared model: {name}")
+    axes.legend(frameon=False, fontsize=9)
+    return png(made)
+
+
+def _feature(problem: MechanismProblem, logs: Sequence[Log], joint: int, name: str) -> tuple[FloatArray, str]:
+    """Block means of the state that the effect depends on, and its words."""
+    slides = problem.declared.tree[joint].prismatic
+    given = next((c for c in ("effort", "command") if c in logs[0].series.columns), None)
+    if name in _BY_POSITION:
+        pick, words = (lambda log: log.series.columns["q"][:, joint]), f"position ({'m' if slides else 'rad'})"
+    elif name in _BY_INPUT and given is not None:
+        pick, words = (lambda log: log.series.columns[given][:, joint]), f"{given} as logged"
+    else:
+        pick, words = (lambda log: log.series.columns["qd"][:, joint]), f"speed ({'m/s' if slides else 'rad/s'})"
+    return np.concatenate([_block_means(log, pick(log)) for log in logs]), words
+
+
+def _block_means(log: Log, values: FloatArray) -> FloatArray:
+    """Means over the blocks that `balance` uses."""
+    m = log.margin
+    inner = values if len(values) < 4 * m else values[m:-m]
+    starts = np.arange(0, max(len(inner) - log.block // 2, 1), log.block)
+    return np.add.reduceat(inner, starts) / np.diff(np.append(starts, len(inner)))
+
+
+def _binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Medians in bins of equal width that hold enough points."""
+    low, high = np.quantile(x, [0.002, 0.998])
+    edges = np.linspace(low, high, _BINS + 1)
+    which = np.digitize(x, edges) - 1
+    full = [b for b in range(_BINS) if (which == b).sum() >= 3]
+    return np.array([np.median(x[which == b]) for b in full]), np.array([np.median(y[which == b]) for b in full])

@@ -1,0 +1,88 @@
+"""Acceptance failures: one bounded edit at a time, the first draft kept when nothing helps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from assetkit.acceptance.targeted_repair import REPAIRS, ROUNDS, repair_until_accepted
+from assetkit.stage import Draft
+from assetkit.stage_log import Entry, Journal
+from schemas.asset import Check
+from schemas.diagnostics import finding
+from schemas.outcome import ItemOutcome
+
+UNSTABLE = finding("asset/unstable-settling", "keeps moving")
+
+
+def draft(collider: str) -> Draft:
+    """A draft as repair sees it: which collider, which checks."""
+    section = SimpleNamespace(collision_method=collider)
+    check = Check(name="settle_drift", value=0.5, bound=0.1, unit="of diagonal", passed=collider == "hull")
+    acceptance = SimpleNamespace(section=SimpleNamespace(checks=(check,)))
+    made = Draft("x", "x.obj", cast(Any, None))
+    return replace(made, physics=cast(Any, SimpleNamespace(section=section)), acceptance=cast(Any, acceptance))
+
+
+class Rerun:
+    """Gives the colliders in turn; only `good` settles."""
+
+    def __init__(self, *colliders: str, good: str = "") -> None:
+        self.colliders = list(colliders)
+        self.good = good
+        self.excluded: list[tuple[str, ...]] = []
+
+    def __call__(self, attempt: Draft, notes: Journal, stage: str) -> Draft:
+        assert stage == "physics"
+        self.excluded.append(attempt.excluded_colliders)
+        collider = self.colliders.pop(0)
+        notes.entries["acceptance"] = Entry(() if collider == self.good else (UNSTABLE,))
+        return replace(draft(collider), excluded_colliders=attempt.excluded_colliders)
+
+
+def failing() -> Journal:
+    return Journal({"acceptance": Entry((UNSTABLE,))})
+
+
+def test_nothing_to_do_changes_nothing():
+    journal = Journal({"acceptance": Entry()})
+    first = draft("box")
+    assert repair_until_accepted(first, journal, Rerun()) == (first, journal)
+    assert journal.outcome is ItemOutcome.ACCEPTED
+
+
+def test_a_repair_that_helps_is_recorded_with_figures_and_its_findings_replace_the_old():
+    rerun = Rerun("coacd", "hull", good="hull")
+    repaired, journal = repair_until_accepted(draft("box"), failing(), rerun)
+    assert rerun.excluded == [("box",), ("box", "coacd")]
+    assert repaired.physics is not None
+    assert repaired.physics.section.collision_method == "hull"
+    assert journal.outcome is ItemOutcome.REPAIRED
+    assert journal.diagnostics == ()
+    assert [(r.name, r.code) for r in journal.repairs] == [("collider_hull", "asset/unstable-settling")]
+    assert journal.repairs[0].before == {"collider": "box", "settle_drift": 0.5}
+
+
+def test_when_nothing_helps_the_first_draft_goes_to_review():
+    first = draft("box")
+    kept, journal = repair_until_accepted(first, failing(), Rerun("coacd", "hull"))
+    assert kept is first
+    assert journal.outcome is ItemOutcome.REVIEW
+    assert journal.repairs == ()
+    assert [d.code for d in journal.diagnostics] == ["asset/unstable-settling"]
+
+
+def test_rounds_are_bounded():
+    rerun = Rerun(*"abcdef")
+    repair_until_accepted(draft("box"), failing(), rerun)
+    assert len(rerun.excluded) == ROUNDS
+
+
+@pytest.mark.parametrize("stage", sorted(set(REPAIRS.values())))
+def test_the_table_names_stages_that_exist(stage: str):
+    from assetkit.pipeline import STAGES
+
+    assert stage in {s.name for s in STAGES}

@@ -1,0 +1,1 @@
+"""Tests of `assetkit.taxonomy.material_classes`."""

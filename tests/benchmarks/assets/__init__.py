@@ -1,0 +1,1 @@
+"""Tests of `benchmarks.assets.obj2mjcf.compare`."""

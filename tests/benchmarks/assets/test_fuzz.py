@@ -1,0 +1,51 @@
+"""The damage that `benchmarks.assets.fuzz.run` does: the same for the same seed, and never a failure of its own."""
+
+import json
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from benchmarks.assets.fuzz.mutations import BY_SUFFIX, mutate
+from benchmarks.assets.fuzz.one_case import examine
+from benchmarks.assets.fuzz.run import make_case, seeds_in
+from tests.support.bad_inputs.assets import CUBE, gltf_json, obj_text, usda
+
+SAMPLES = {
+    ".obj": obj_text(CUBE).encode(),
+    ".gltf": json.dumps(gltf_json()).encode(),
+    ".stl": CUBE.export(file_type="stl"),
+    ".ply": CUBE.export(file_type="ply"),
+    ".glb": CUBE.export(file_type="glb"),
+    ".dae": b"<COLLADA><asset><unit meter='1'/></asset><library_geometries/></COLLADA>",
+    ".usda": b"#usda 1.0\ndef Cube 'c' {}\n",
+    ".usdz": b"PK\x03\x04 no archive",
+    ".mtl": b"newmtl a\nKd 1 0 0\n",
+}
+
+
+@pytest.mark.parametrize("suffix", sorted(BY_SUFFIX))
+def test_damage_is_deterministic_and_total(suffix: str):
+    data = SAMPLES.get(suffix, b"PXR-USDC" + bytes(200))
+    made = [mutate(Random(i), data, suffix) for i in range(60)]
+    assert made == [mutate(Random(i), data, suffix) for i in range(60)]
+    assert len({m for m, _ in made}) > 30
+
+
+def test_a_case_is_the_same_on_every_run(tmp_path: Path):
+    folder = tmp_path / "seeds"
+    folder.mkdir()
+    usda()(folder)
+    [seed] = seeds_in([folder])
+    first, again = (make_case(Random("0:1"), seed, tmp_path / name) for name in ("a", "b"))
+    assert first[0].name == again[0].name
+    assert first[1] == again[1]
+    assert first[0].read_bytes() == again[0].read_bytes()
+
+
+def test_a_sound_file_breaks_no_promise(tmp_path: Path):
+    path = usda()(tmp_path)
+    note = examine(tmp_path, path)
+    assert note["made"] == 1
+    assert note["broken"] == []
+    assert "trace" not in note

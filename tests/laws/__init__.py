@@ -1,0 +1,1 @@
+"""Laws that hold for any input: properties, fuzzing, invariants of the source tree."""

@@ -1,0 +1,122 @@
+"""The judge of many scenes finds what the judge of one finds, scene by scene."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapely import box
+
+from scene_check import CheckPlace, CheckPrism, CheckReach, check
+from scene_check.batch import WORLD, Form, KeepOutRule, PlaceRule, RelationRule, SceneRules, Stands, ThingRule, scene_of
+from scene_check.check_batch import check_many, suspects
+
+FRONT = np.array([1.0, 0.0])
+
+
+def prism(width: float, depth: float, low: float = 0.0, high: float = 0.05) -> CheckPrism:
+    x, y = width / 2, depth / 2
+    return CheckPrism(np.array([(-x, -y), (x, -y), (x, y), (-x, y)]), low, high)
+
+
+def ell(high: float = 0.05) -> tuple[CheckPrism, ...]:
+    """Two pieces whose convex hull covers more than they do."""
+    foot = CheckPrism(np.array([(-0.05, -0.05), (0.05, -0.05), (0.05, -0.03), (-0.05, -0.03)]), 0.0, high)
+    return foot, CheckPrism(np.array([(-0.05, -0.05), (-0.03, -0.05), (-0.03, 0.05), (-0.05, 0.05)]), 0.0, high)
+
+
+def form(*prisms: CheckPrism, stance: int = 0, height: float = 0.0) -> Form:
+    return Form(prisms, FRONT, height, stance)
+
+
+HOLED = box(-0.5, -0.4, 0.5, 0.4) - box(0.3, 0.2, 0.4, 0.3)
+TABLE = CheckPlace("background", "top", np.array([0.0, 0.0, 0.7]), 0.0, HOLED)
+TRAY = CheckPlace(
+    "tray",
+    "top",
+    np.array([0.0, 0.0, 0.02]),
+    0.0,
+    box(-0.15, -0.12, 0.15, 0.12),
+    height_m=0.2,
+    above=(CheckPrism(np.asarray(box(0.14, -0.12, 0.15, 0.12).exterior.coords)[:-1], 0.0, 0.03),),
+)
+BOWL = CheckPlace(
+    "bowl",
+    "inside",
+    np.array([0.0, 0.0, 0.01]),
+    0.0,
+    height_m=0.06,
+    layers=((0.0, 0.03, box(-0.06, -0.06, 0.06, 0.06)), (0.03, 0.06, box(-0.07, -0.07, 0.07, 0.07))),
+)
+
+
+def rules(yaw: float) -> SceneRules:
+    things = (
+        ThingRule("tray", (form(prism(0.3, 0.24, 0.0, 0.02)),), 0, x_m=(-0.3, 0.0)),
+        ThingRule("bowl", (form(prism(0.16, 0.16, 0.0, 0.07)),), 0, yaw_rad=(-0.5, 0.5)),
+        ThingRule("ell", (form(*ell()), form(prism(0.08, 0.03), stance=1, height=0.01)), 0, stances=(0,)),
+        ThingRule("cup", (form(prism(0.05, 0.05, 0.0, 0.1)), form(prism(0.07, 0.04, 0.0, 0.08))), 1),
+        ThingRule("egg", (form(prism(0.04, 0.04)),), 2),
+        ThingRule("peg", (form(prism(0.03, 0.03)),), 0, spots=((0.45, -0.35, 0.0, 0.0, 0), (0.4, -0.35, 0.02, 0.1, 0))),
+    )
+    return SceneRules(
+        things,
+        (PlaceRule(WORLD, TABLE), PlaceRule(0, TRAY), PlaceRule(1, BOWL)),
+        np.array([0.4, -0.3, 0.1]),
+        yaw,
+        0.01,
+        (
+            RelationRule("before", (0, 1), np.array([1.0, 0.0]), gap_m=0.02),
+            RelationRule("near", (0, 1), np.array([1.0, 0.0]), gap_m=0.3),
+            RelationRule("near", (2, 1), np.array([1.0, 0.0]), gap_m=0.6),
+            RelationRule("far_from", (1, 2), np.array([1.0, 0.0]), gap_m=0.05),
+            RelationRule("aligned", (0, 1), np.array([1.0, 0.0]), tolerance=0.25),
+            RelationRule("facing", (0, 1), np.array([1.0, 0.0]), tolerance=1.2),
+            RelationRule("between", (3, 0, 1), np.array([1.0, 0.0]), tolerance=0.3),
+            RelationRule("before", (3, 5), np.array([1.0, 0.0]), frame=0, gap_m=0.0),
+        ),
+        (KeepOutRule(0, box(-0.02, -0.4, 0.0, -0.3), 0.1),),
+        CheckReach(np.array([0.4, -0.9, 0.0]), 0.1, 1.1, ("bowl", "cup")),
+    )
+
+
+def scenes(yaw: float, n: int, seed: int, astray_m: float) -> Stands:
+    """Around a sound scene, everything up to `astray_m` away from where it should be, some of it by micrometres."""
+    rng = np.random.default_rng(seed)
+    local = np.array([(-0.2, 0.05), (0.2, 0.1), (0.2, -0.2), (0.03, 0.0), (0.0, 0.0), (0.45, -0.35)])
+    heights = np.array([0.7, 0.7, 0.7, 0.02, 0.01, 0.7])
+    size = astray_m * rng.choice([0.0, 1e-5, 0.1, 1.0], size=(n, 6, 1))
+    local = local + size * rng.uniform(-1, 1, (n, 6, 2))
+    heights = heights + rng.choice([0.0, 0.0, 0.0, 0.0, 1e-5, 0.02, -0.01], size=(n, 6)) * (astray_m > 0)
+    turns = np.concatenate([rng.uniform(-1, 1, (n, 5)), np.zeros((n, 1))], axis=1) * (10.0 * size[..., 0]).clip(0, 1)
+    origin, turn = np.zeros((n, 6, 3)), np.zeros((n, 6))
+    for i, owner in enumerate((None, None, None, 0, 1, None)):
+        at, by = (
+            (np.array([[0.4, -0.3, 0.1]]), np.full(n, yaw)) if owner is None else (origin[:, owner], turn[:, owner])
+        )
+        c, s = np.cos(by), np.sin(by)
+        x, y = local[:, i].T
+        origin[:, i] = at + np.stack([c * x - s * y, s * x + c * y, heights[:, i]], axis=-1)
+        turn[:, i] = by + turns[:, i]
+    forms = np.zeros((n, 6), dtype=np.int64)
+    forms[:, 3] = rng.integers(0, 2, n)
+    forms[:, 2] = rng.integers(0, 8, n) == 0
+    origin[:, 2, 2] += 0.01 * forms[:, 2]
+    return Stands(origin, turn, forms, rng.random((n, 6)) > 0.01 * (astray_m > 0))
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7])
+@pytest.mark.parametrize("astray_m", [0.0, 0.003, 0.05, 0.4])
+def test_equal_to_the_judge_of_one_scene(yaw: float, astray_m: float):
+    given, stands = rules(yaw), scenes(yaw, 300, 5, astray_m)
+    one_by_one = {k: found for k in range(300) if (found := check(scene_of(given, stands, k)))}
+    assert dict(check_many(given, stands)) == one_by_one
+    assert 0 < len(one_by_one) <= 300
+
+
+def test_a_sound_scene_is_proven_by_bounds_alone():
+    given, stands = rules(0.7), scenes(0.7, 50, 1, 0.0)
+    upright = stands.form[:, 2] == 0
+    relaxed = given.relations[:2] + given.relations[3:]  # `near` of a thing of two pieces has no bound
+    wide = replace(given, relations=relaxed)
+    assert not suspects(wide, stands)[upright].any()
+    assert suspects(wide, stands)[~upright].all()

@@ -1,0 +1,174 @@
+"""Table of codes, documentation pages and smallest bad inputs agree."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from assetkit.options import Options
+from assetkit.sources.discover import discover
+from assetkit.stage import Draft, Tools
+from assetkit.stages.appearance import NormalizeAppearance
+from assetkit.stages.canonicalize import Canonicalize
+from assetkit.stages.intake import take_in
+from assetkit.stages.interaction import ProposeParts
+from assetkit.stages.physics import AuthorPhysics
+from assetkit.stages.semantics import DescribeObject
+from cli.docs.diagnostics import file_name, index, page
+from replay.recording.read import read_episodes
+from runtime_plan import load
+from scenec.bind.asset_library import AssetLibrary
+from scenec.bind.components import lower
+from scenec.compile import compile_program
+from scenec.source.read import read_program
+from schemas.codes import CODES
+from schemas.diagnostics import Diagnostic, InvalidInput, finding
+from sim.fake import FakeSimulator
+from simgap.recording.read import read
+from tests.support.bad_inputs import gap, replay, scene
+from tests.support.bad_inputs import plan as plan_bad_inputs
+from tests.support.bad_inputs.assets import NOT_FROM_A_FILE, SAMPLES
+from tests.support.scene import library as scene_library
+
+PAGES = Path(__file__).parents[2] / "docs" / "diagnostics"
+GAP, SCENE, PLAN, REPLAY = "gap/", "scene/", "plan/", "replay/"
+GATE = "asset/gate-"  # Rules over released USD files; tests/gate/test_static_gate.py seeds one defect for each.
+
+
+def findings(file: Path, options: Options) -> list[Diagnostic]:
+    """What the stages up to semantics say about a file, and physics where the source states some."""
+    taken = take_in(discover([file])[0], options)
+    found = list(taken.diagnostics)
+    for item in taken.objects[:1]:
+        draft = Draft("part", file.name, item)
+        tools = Tools(FakeSimulator(), file.parent, options)
+        canonical = Canonicalize().run(draft, tools)
+        found += canonical.diagnostics
+        found += NormalizeAppearance().run(draft, tools).diagnostics
+        if canonical.value is not None:
+            draft = replace(draft, canonicalize=canonical.value)
+            described = DescribeObject().run(draft, tools)
+            found += described.diagnostics
+            found += ProposeParts().run(replace(draft, semantics=described.value), tools).diagnostics
+            if described.value is not None and described.value.frame is not None:
+                found += Canonicalize().run(replace(draft, frame=described.value.frame), tools).diagnostics
+        if canonical.value is not None and (item.model.masses or item.model.contacts):
+            found += AuthorPhysics().run(replace(draft, canonicalize=canonical.value), tools).diagnostics
+    return found
+
+
+def test_every_code_has_a_sample():
+    covered = {*SAMPLES, *NOT_FROM_A_FILE} | {c for c in CODES if c.startswith(GATE)}
+    assert covered == {c for c in CODES if not c.startswith((GAP, SCENE, PLAN, REPLAY))}
+    assert not set(SAMPLES) & set(NOT_FROM_A_FILE)
+
+
+def test_every_gap_code_has_a_sample():
+    samples, others = set(gap.SAMPLES), set(gap.NOT_FROM_A_FOLDER)
+    assert samples | others == {c for c in CODES if c.startswith(GAP)}
+    assert not samples & others
+
+
+def test_every_scene_code_has_a_sample():
+    groups = (scene.SAMPLES, scene.BOUND, scene.VERDICTS)
+    assert sorted(code for group in groups for code in group) == sorted(c for c in CODES if c.startswith(SCENE))
+
+
+def test_every_plan_code_has_a_sample():
+    samples, others = set(plan_bad_inputs.SAMPLES), set(plan_bad_inputs.NOT_FROM_A_PLAN)
+    assert samples | others == {c for c in CODES if c.startswith(PLAN)}
+    assert not samples & others
+
+
+def test_every_replay_code_has_a_sample():
+    samples, others = set(replay.SAMPLES), set(replay.NOT_FROM_A_RECORDING)
+    assert samples | others == {c for c in CODES if c.startswith(REPLAY)}
+    assert not samples & others
+
+
+@pytest.mark.parametrize("code", sorted(replay.SAMPLES))
+def test_replay_sample_is_refused_with_its_code_place_and_help(code: str, tmp_path: Path):
+    with pytest.raises(InvalidInput) as refused:
+        read_episodes(replay.SAMPLES[code](tmp_path))
+    assert refused.value.diagnostic.code == code
+    assert refused.value.diagnostic.headline
+    assert refused.value.diagnostic.where.file
+    assert refused.value.diagnostic.help == CODES[code].help
+
+
+@pytest.mark.parametrize("code", sorted(plan_bad_inputs.SAMPLES))
+def test_plan_sample_is_refused_with_its_code_place_and_help(code: str, tmp_path: Path):
+    plan, packages = plan_bad_inputs.write(code, tmp_path)
+    with pytest.raises(InvalidInput) as refused:
+        load(plan, packages)
+    assert refused.value.diagnostic.code == code
+    assert refused.value.diagnostic.headline
+    assert refused.value.diagnostic.help == CODES[code].help
+
+
+@pytest.mark.parametrize("code", sorted(scene.SAMPLES))
+def test_scene_sample_triggers_its_code_alone_with_place_and_help(code: str, tmp_path: Path):
+    found = read_program(scene.write(scene.SAMPLES[code], tmp_path)).diagnostics
+    assert [d.code for d in found] == [code]
+    assert found[0].where.line
+    assert found[0].help == CODES[code].help
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> AssetLibrary:
+    return AssetLibrary(scene_library.library(tmp_path_factory.mktemp("library")))
+
+
+@pytest.mark.parametrize("code", sorted(scene.BOUND))
+def test_scene_sample_triggers_its_code_once_assets_are_known(code: str, tmp_path: Path, library: AssetLibrary):
+    read = read_program(scene.write(scene.BOUND[code], tmp_path))
+    assert read.program is not None, read.diagnostics
+    found = lower(read.program, library, read.spans).diagnostics
+    assert [d.code for d in found] == [code]
+    assert found[0].where.line
+
+
+@pytest.mark.parametrize("code", sorted(scene.VERDICTS))
+def test_scene_sample_without_a_scene_ends_in_its_verdict(code: str, tmp_path: Path):
+    path = scene.write(scene.VERDICTS[code], tmp_path)
+    compiled = compile_program(path, explain=False, budget=200)
+    assert [d.code for d in compiled.report.diagnostics] == [code]
+    assert not compiled.scenes
+
+
+ELSEWHERE = NOT_FROM_A_FILE | gap.NOT_FROM_A_FOLDER | plan_bad_inputs.NOT_FROM_A_PLAN | replay.NOT_FROM_A_RECORDING
+
+
+@pytest.mark.parametrize(("code", "test"), sorted(ELSEWHERE.items()))
+def test_codes_without_a_file_are_named_in_their_test(code: str, test: str):
+    assert code in (Path(__file__).parents[2] / test).read_text()
+
+
+@pytest.mark.parametrize("code", sorted(SAMPLES))
+def test_sample_triggers_its_code_with_place_and_help(code: str, tmp_path: Path):
+    options = Options(max_triangles=1000)
+    found = [d for d in findings(SAMPLES[code](tmp_path), options) if d.code == code]
+    assert found, f"{code} was not reported"
+    assert found[0].headline
+    assert found[0].help == CODES[code].help
+
+
+@pytest.mark.parametrize("code", sorted(gap.SAMPLES))
+def test_gap_sample_triggers_its_code_with_place_and_help(code: str, tmp_path: Path):
+    found = {d.code: d for d in read(gap.SAMPLES[code](tmp_path)).diagnostics}
+    assert code in found
+    assert found[code].headline
+    assert found[code].where.file
+    assert found[code].help == CODES[code].help
+
+
+def test_pages_are_generated_from_the_table():
+    assert {p.name: p.read_text() for p in PAGES.glob("*.md")} == {
+        **{file_name(code): page(code, info) for code, info in CODES.items()},
+        "index.md": index(),
+    }
+
+
+def test_an_unknown_code_cannot_be_used():
+    with pytest.raises(KeyError):
+        finding("asset/no-such-code", "nothing")

@@ -1,0 +1,302 @@
+"""What stands in the place of what, asked of causes whose traces are known columns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from schemas.gap import Gain, Place
+from schemas.model import FloatArray
+from sim.effects.library import effect
+from simgap.inference.agreement import agree
+from simgap.inference.candidate_fit import LEVEL, Round, Trial, round_of, tried_on
+from simgap.inference.competing_hypotheses import as_good_together, beaten, challengers, replacement
+from simgap.inference.fit import Errors, Fit, extend, fit
+from simgap.inference.forward_selection import Accepted, Selection, _confirmed  # pyright: ignore[reportPrivateUsage]
+from simgap.inference.intervals import even, stands, unsure, wider
+from simgap.inference.losses import Comparison, met_p, paired_p
+from simgap.inference.parametric_bootstrap import Numerics
+from simgap.inference.verdict import judge
+from simgap.problem import Candidate, DirectEstimate, Model, Term
+
+TRIALS, ROWS = 12, 40
+NAMES = {"joint.coulomb_friction": "torque_Nm", "joint.viscous_friction": "damping_Nms_per_rad"}
+GAIN = Gain(
+    view="short_horizon",
+    horizon_s=0.2,
+    metric="rms error in noise levels",
+    heldout_before=4.0,
+    heldout_after=2.0,
+    reduction=0.5,
+    ci95=(0.4, 0.6),
+    noise_floor=1.0,
+    gap_closed=0.7,
+)
+COULOMB, VISCOUS = (
+    Candidate(effect(name), Place(joint="axis"), {p: 0.0}, {p: 0.0}, {p: (-10.0, 10.0)}) for name, p in NAMES.items()
+)
+
+
+def _columns(alike: float) -> dict[str, FloatArray]:
+    """(t, n) unit traces of the two causes, alike by that much."""
+    rng = np.random.default_rng(3)
+    first, second = rng.normal(0.0, 1.0, (2, TRIALS, ROWS))
+    return {COULOMB.key: first, VISCOUS.key: alike * first + np.sqrt(1.0 - alike**2) * second}
+
+
+def _errors(columns: dict[str, FloatArray], truth: dict[str, float]) -> Errors:
+    """What a model leaves of the true causes under noise of one level."""
+    noise = np.random.default_rng(5).normal(0.0, 1.0, (TRIALS, ROWS))
+
+    def errors(model: Model) -> list[FloatArray]:
+        made = noise - sum(share * columns[key] for key, share in truth.items())
+        for term in model:
+            made = made + next(iter(term.values.values())) * columns[term.candidate.key]
+        return list(made)
+
+    return errors
+
+
+def _tried(errors: Errors, base: Fit, candidate: Candidate) -> Trial:
+    return tried_on(base, extend(errors, base, candidate, [candidate.start]), None)
+
+
+def _accepted_then_tried(truth: dict[str, float]) -> tuple[Trial, Trial]:
+    """Coulomb friction on top of nothing, and viscous friction on top of that; their traces are alike by 0.9."""
+    errors = _errors(_columns(0.9), truth)
+    first = _tried(errors, fit(errors, ()), COULOMB)
+    return first, _tried(errors, first.fit, VISCOUS)
+
+
+def test_a_fit_at_the_end_of_a_range_is_as_sure_as_the_route_that_set_it():
+    errors = _errors(_columns(0.0), {COULOMB.key: 3.0})
+    wall = replace(COULOMB, bounds={"torque_Nm": (-1.0, 2.0)})
+    alone, told = (fit(errors, [c]) for c in (wall, replace(wall, told={"torque_Nm": 0.4})))
+    assert alone.model[-1].values["torque_Nm"] == told.model[-1].values["torque_Nm"] == pytest.approx(2.0)
+    assert alone.half_widths[wall.key]["torque_Nm"] == 0.0
+    assert not alone.stands_out({})
+    assert told.half_widths[wall.key]["torque_Nm"] == pytest.approx(0.4)
+    assert told.stands_out({})
+    assert told.p_value == 1.0  # Trials have not been asked: an end of a range is no agreement.
+    free = fit(errors, [replace(COULOMB, told={"torque_Nm": 0.4})])
+    assert free.half_widths == fit(errors, [COULOMB]).half_widths
+
+
+@pytest.mark.parametrize("known", [0.4, 0.3, 0.1, 0.7])
+def test_a_fit_at_the_far_end_of_a_told_range_does_not_stand_out_by_rounding(known: float):
+    none = 1.0
+    errors = _errors(_columns(0.0), {COULOMB.key: -3.0})
+    candidate = replace(
+        COULOMB,
+        null={"torque_Nm": none},
+        start={"torque_Nm": none},
+        bounds={"torque_Nm": (none - known, 2.0)},
+        told={"torque_Nm": known},
+    )
+    found = fit(errors, [candidate])
+    assert found.model[-1].values["torque_Nm"] == pytest.approx(none - known)
+    assert not found.stands_out({})
+    assert not stands(found.model[-1], even(found.half_widths[candidate.key]))
+
+
+def test_an_interval_of_a_fit_at_an_end_that_was_told_covers_what_tells_it():
+    told = Term(replace(COULOMB, told={"torque_Nm": 0.4}), {"torque_Nm": 2.0})
+    assert unsure(told, {"torque_Nm": 0.4}, _told(1.6, 0.1), [])["torque_Nm"] == pytest.approx((0.4 + 0.196, 0.0))
+
+
+def test_what_makes_an_accepted_effect_vanish_is_tried_in_its_place():
+    mimic, true = _accepted_then_tried({VISCOUS.key: 2.0})
+    assert mimic.comparison.gain > 0.3
+    assert replacement(Round((true,), (1e-4,)), mimic.fit, [mimic]) == (0, true)
+
+
+def test_what_stands_beside_an_accepted_effect_is_added():
+    first, second = _accepted_then_tried({COULOMB.key: 2.0, VISCOUS.key: 2.0})
+    assert replacement(Round((second,), (1e-4,)), first.fit, [first]) is None
+
+
+@pytest.mark.parametrize("p_adjusted", [0.2, 1.0])
+def test_chance_takes_no_place(p_adjusted: float):
+    mimic, true = _accepted_then_tried({VISCOUS.key: 2.0})
+    assert replacement(Round((true,), (p_adjusted,)), mimic.fit, [mimic]) is None
+
+
+def test_only_doubles_and_what_left_little_more_is_asked_again():
+    mimic, _ = _accepted_then_tried({VISCOUS.key: 4.0})
+    errors = _errors(_columns(0.9), {VISCOUS.key: 4.0})
+    other = _tried(errors, fit(errors, ()), VISCOUS)
+    this = Round((mimic, other), (1e-4, 1e-4))
+    assert challengers(mimic, this, (), mimic.fit) == [other]
+    unjudged = replace(other, comparison=replace(other.comparison, gain=0.0))
+    assert challengers(mimic, replace(this, tried=(mimic, unjudged)), (), mimic.fit) == []
+    assert challengers(mimic, replace(this, tried=(mimic, unjudged)), (VISCOUS.key,), mimic.fit) == [unjudged]
+    # A double is asked even if it leaves far more than twice as much: beside another cause it may not.
+    assert challengers(other, this, (), other.fit) == [mimic]
+    stranger = replace(mimic, candidate=replace(COULOMB, effect=effect("sensor.bias")))
+    assert challengers(other, replace(this, tried=(stranger, other)), (), other.fit) == []
+
+
+def test_trials_that_stay_away_from_a_threshold_do_not_hide_what_it_does_to_the_others():
+    rng = np.random.default_rng(1)
+    before = np.exp(rng.normal(0.0, 0.1, 16))
+    after = before * np.exp(rng.normal(0.0, 0.01, 16))
+    before[[2, 5, 9, 11]] *= [90.0, 20.0, 150.0, 40.0]
+    assert met_p(before, after) < 0.1 * paired_p(before, after)
+    # Two trials are too few for any test, and a change for the worse is no evidence.
+    few = after.copy()
+    few[[2, 5]] = before[[2, 5]]
+    assert met_p(before, few) == 1.0
+    assert met_p(after, before) > 0.99
+
+
+def test_what_changes_nothing_but_noise_is_named_by_chance_only():
+    rng = np.random.default_rng(2)
+    losses = np.exp(rng.normal(0.0, 0.3, (2, 2000, 16)))
+    wrong = np.mean([met_p(a, b) < 0.05 for a, b in zip(*losses, strict=True)])
+    assert wrong < 0.07
+
+
+def test_one_violent_trial_does_not_hide_all_others():
+    before = np.array([1e4, 2.0, 2.1, 2.0, 1.9, 2.0, 2.2, 1.8])
+    assert met_p(before, np.ones(8)) < 0.1
+
+
+def test_two_causes_that_stand_for_two_others_are_doubles_together():
+    """Friction by load and a weight do what dry friction and a spring do; one of either kind in turn does not."""
+    names = {"load": "joint.load_dependent_friction", "weight": "joint.gravity_load"}
+    names |= {"dry": "joint.coulomb_friction", "spring": "joint.viscous_friction"}
+    cause = {
+        k: Candidate(effect(n), Place(joint="axis"), {"x": 0.0}, {"x": 0.0}, {"x": (-10.0, 10.0)})
+        for k, n in names.items()
+    }
+    x, y, apart = np.random.default_rng(7).normal(0.0, 1.0, (3, TRIALS, ROWS))
+    traces = {"load": x + 0.5 * apart, "weight": y - 0.5 * apart, "dry": x, "spring": y}
+    columns = {cause[k].key: v for k, v in traces.items()}
+    errors = _errors(columns, {cause["load"].key: 3.0, cause["weight"].key: 3.0})
+    null = fit(errors, ())
+    load, dry = (_tried(errors, null, cause[k]) for k in ("load", "dry"))
+    weight, spring = (_tried(errors, load.fit, cause[k]) for k in ("weight", "spring"))
+    assert beaten(spring, weight)
+    assert as_good_together(errors, weight.fit, (), load, [], weight, [spring]) == []
+    (found,) = as_good_together(errors, weight.fit, (), load, [dry], weight, [spring])
+    assert found.candidate.key == cause["spring"].key
+
+
+def _four_trials_meet(told: float) -> Round:
+    """A threshold that four trials of twelve meet, among others; directly it leaves so much, each of the others 10."""
+
+    def said(left: float) -> DirectEstimate:
+        return DirectEstimate({}, {}, 0.01, TRIALS, np.full(TRIALS, left / TRIALS))
+
+    columns = _columns(0.0)
+    columns[COULOMB.key] = columns[COULOMB.key] * (np.arange(TRIALS) % 3 == 0)[:, None]
+    size = 1.0 + 5.0 * np.arange(TRIALS)  # blows are of all strengths
+    columns[COULOMB.key] = columns[COULOMB.key] * size[:, None]
+    errors = _errors(columns, {COULOMB.key: 2.0})
+    null = fit(errors, ())
+    met = replace(COULOMB, probes=({"torque_Nm": 1.0},))
+    met_trial = tried_on(null, extend(errors, null, met, [met.start]), said(told))
+    other = tried_on(null, extend(errors, null, VISCOUS, [VISCOUS.start]), said(10.0))
+    crowd = [replace(other, candidate=replace(VISCOUS, where=Place(joint=f"axis{k}"))) for k in range(20)]
+    return round_of([*crowd, met_trial])
+
+
+@pytest.mark.parametrize(("told", "passes"), [(3.0, True), (6.0, False)])
+def test_a_threshold_that_the_direct_route_singles_out_is_asked_once(told: float, passes: bool):
+    found = _four_trials_meet(told)
+    assert found.tried[0].candidate.key == COULOMB.key
+    assert found.tried[0].comparison.p_value < LEVEL
+    assert (found.p_adjusted[0] < LEVEL) == passes
+    assert all(p == 1.0 for p in found.p_adjusted[1:])
+
+
+@pytest.mark.parametrize(("p_adjusted", "sure"), [(1e-3, True), (0.5, False)])
+def test_what_took_the_place_of_another_and_may_be_chance_has_no_sure_name(p_adjusted: float, sure: bool):
+    class Told:
+        def direct(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate:
+            return DirectEstimate({"torque_Nm": 2.0}, {"torque_Nm": 0.05}, 1e-6, TRIALS)
+
+    errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
+    null = fit(errors, ())
+    found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
+    accepted = Accepted(found, Round((found,), (p_adjusted,)), p_adjusted, (), Numerics())
+    selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
+    verdict = judge(Told(), selection, ("t0",), [GAIN], Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
+    assert verdict.status == ("effect_found" if sure else "ambiguous")
+
+
+@pytest.mark.parametrize(("error", "sure"), [(0.05, True), (1.5, False)])
+def test_what_may_be_nothing_by_its_own_interval_has_no_sure_name(error: float, sure: bool):
+    """The direct route agrees within a factor of two; its own error is part of the interval that is reported."""
+
+    class Told:
+        def direct(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate:
+            return DirectEstimate({"torque_Nm": 1.4}, {"torque_Nm": error}, 1e-3, TRIALS)
+
+    errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
+    null = fit(errors, ())
+    said = Told().direct(COULOMB, (), ())
+    found = replace(_tried(errors, null, COULOMB), direct=said)
+    accepted = Accepted(found, Round((found,), (1e-6,)), 1e-6, (), Numerics())
+    selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
+    verdict = judge(Told(), selection, ("t0",), [GAIN], Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
+    (low, high) = verdict.effects[0].parameters["torque_Nm"].ci95
+    assert (verdict.status == "effect_found") == sure
+    assert (low > 0.0) == sure
+    assert low < 2.0 < high
+
+
+def _told(value: float, error: float, p_value: float = 1e-3, trials: int = TRIALS) -> DirectEstimate:
+    return DirectEstimate({"torque_Nm": value}, {"torque_Nm": error}, p_value, trials)
+
+
+def test_an_interval_reaches_to_what_the_other_route_says_and_no_further_the_other_way():
+    """Twice as much, said directly, is no reason to take the effect for none."""
+    term = Term(COULOMB, {"torque_Nm": 2.0})
+    sides = unsure(term, {"torque_Nm": 0.1}, _told(3.9, 0.2), [])
+    assert sides["torque_Nm"] == pytest.approx((0.0, 1.9 + 1.96 * 0.2))
+    assert stands(term, wider(sides, even({"torque_Nm": 0.1})))
+    assert not stands(term, unsure(term, {"torque_Nm": 0.1}, _told(0.3, 0.2), []))
+    assert unsure(term, {"torque_Nm": 0.1}, _told(2.05, 0.2), [])["torque_Nm"] == pytest.approx((0.0, 0.05))
+
+
+def test_a_direct_estimate_is_heard_by_its_error_where_losses_drown_it():
+    """Noise times an effect stands beside its square in a loss; an estimate over its error sees twenty deviations."""
+    term, widths = Term(COULOMB, {"torque_Nm": 2.0}), {"torque_Nm": 0.1}
+    assert agree(term, widths, _told(2.1, 0.1, p_value=0.1))
+    assert not agree(term, widths, _told(2.1, 1.2, p_value=0.1))
+    assert not agree(term, widths, _told(2.1, 0.1, p_value=0.1, trials=1))
+    threshold = Term(replace(COULOMB, probes=({"torque_Nm": 1.0},)), {"torque_Nm": 2.0})
+    assert not agree(threshold, widths, _told(2.1, 0.1, p_value=0.1))
+
+
+def test_test_trials_that_stay_away_from_a_threshold_do_not_confirm_what_harms_them():
+    errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
+    null = fit(errors, ())
+    threshold = replace(COULOMB, probes=({"torque_Nm": 1.0},))
+    found = replace(_tried(errors, null, COULOMB), candidate=threshold)
+    still = np.ones(4)
+    assert _confirmed(null, found, still, 1.05 * still)
+    assert not _confirmed(null, replace(found, candidate=COULOMB), still, 1.05 * still)
+    assert not _confirmed(null, found, still, 1.15 * still)
+    assert not _confirmed(null, found, still, 2.4 * still)
+
+
+def test_what_a_single_trial_judges_has_no_sure_name():
+    """A gain without an interval may be chance; more trials are asked for."""
+
+    class Told:
+        def direct(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate:
+            return DirectEstimate({"torque_Nm": 2.0}, {"torque_Nm": 0.05}, 1e-3, TRIALS)
+
+    errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
+    null = fit(errors, ())
+    found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
+    accepted = Accepted(found, Round((found,), (1e-6,)), 1e-6, (), Numerics())
+    selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
+    alone = GAIN.model_copy(update={"ci95": (-np.inf, 1.0)})
+    verdicts = [judge(Told(), selection, ("t0",), [g], Comparison(0.0, (0.0, 0.0), 1.0)) for g in (GAIN, alone)]  # pyright: ignore[reportArgumentType]
+    assert [v.status for v in verdicts] == ["effect_found", "ambiguous"]
+    assert "judge by two trials or more" in verdicts[1].statement

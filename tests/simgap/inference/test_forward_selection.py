@@ -1,0 +1,136 @@
+"""What a search must not forget: rivals, declared numbers, and how many trials there were."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from schemas.gap import Gain, Place
+from schemas.measurement import MeasurementSpec
+from schemas.model import FloatArray
+from sim.effects.library import effect
+from simgap.inference.candidate_fit import Trial, round_of, tried_on, warm_without
+from simgap.inference.fit import Errors, clusters, extend, fit
+from simgap.inference.forward_selection import Accepted, _asked_again  # pyright: ignore[reportPrivateUsage]
+from simgap.inference.losses import compare
+from simgap.inference.parametric_bootstrap import Numerics
+from simgap.inference.search_state import Standpoint
+from simgap.problem import Candidate, DirectEstimate, Model
+from simgap.recording.train_test_split import Trials, split_trials
+
+TRIALS, ROWS = 12, 40
+FRICTION = effect("joint.coulomb_friction")
+
+
+def _cause(number: int, nuisance: bool = False) -> Candidate:
+    bounds = (0.8, 1.2) if nuisance else (-10.0, 10.0)
+    none = {"torque_Nm": 1.0 if nuisance else 0.0}
+    return Candidate(FRICTION, Place(joint=f"axis{number}"), none, none, {"torque_Nm": bounds}, nuisance)
+
+
+class _Columns:
+    """Causes whose traces are the same column, with noise of their own: none of them can be told from another."""
+
+    def __init__(self, count: int, alike: float) -> None:
+        rng = np.random.default_rng(4)
+        shared, *own = rng.normal(0.0, 1.0, (count + 1, TRIALS, ROWS))
+        self.traces = {_cause(k).key: shared + (1.0 - alike) * o for k, o in enumerate(own)}
+        self.noise = rng.normal(0.0, 1.0, (TRIALS, ROWS))
+        self.shared = shared
+
+    def errors(self, model: Model) -> list[FloatArray]:
+        made = self.noise - 2.0 * self.shared
+        for term in model:
+            made = made + term.values["torque_Nm"] * self.traces.get(term.candidate.key, 0.0)
+        return list(made)
+
+    def direct(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate | None:
+        return None
+
+    def nuisances(self) -> tuple[Candidate, ...]:
+        return ()
+
+
+def _search(count: int, alike: float) -> tuple[Standpoint, Accepted, list[Trial]]:
+    columns = _Columns(count, alike)
+    errors: Errors = columns.errors
+    null = fit(errors, ())
+    tried = [tried_on(null, extend(errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(count)]
+    this = round_of(tried)
+    first, *others = this.tried
+    found = Accepted(first, this, this.p_adjusted[0], tuple(others), Numerics())
+    trials = Trials(tuple(f"t{k}" for k in range(TRIALS)), ())
+    here = Standpoint(columns, trials, "short_horizon", np.ones(1), errors, first.fit)  # pyright: ignore[reportArgumentType]
+    return here, found, others
+
+
+def test_rivals_that_there_is_no_time_to_ask_stay():
+    here, found, others = _search(8, alike=0.999)
+    assert len(others) == 7
+    _, again = _asked_again(here, found, map)
+    assert {r.candidate.key for r in again.rivals} == {t.candidate.key for t in others}
+
+
+def test_a_rival_that_was_accepted_since_is_none_any_more():
+    here, found, (rival, *others) = _search(3, alike=0.999)
+    both = extend(here.errors, found.trial.fit, rival.candidate, [rival.candidate.start])
+    _, again = _asked_again(replace(here, base=both), found, map)
+    assert {r.candidate.key for r in again.rivals} <= {t.candidate.key for t in others}
+
+
+def test_a_declared_number_comes_back_with_its_tolerance_when_an_effect_leaves():
+    columns = _Columns(2, alike=0.0)
+    twin, other = _cause(0, nuisance=True), _cause(1)
+    base = fit(columns.errors, [twin, other])
+    named = extend(columns.errors, base, _cause(0), [{"torque_Nm": 1.0}])
+    assert [c.key for c in named.free] == [other.key, _cause(0).key]
+    kept = warm_without(named, [_cause(0)], [twin])
+    assert [c.key for c in kept] == [twin.key, other.key]
+    assert kept[0].bounds == twin.bounds
+
+
+def test_a_trial_of_one_row_is_one_cluster():
+    rows = [np.full((1, 2), float(k)) for k in range(7)]
+    assert [c.tolist() for c in clusters(rows)] == [[k, k] for k in range(7)]
+
+
+def test_a_direct_estimate_without_another_singles_nothing_out():
+    columns = _Columns(2, alike=0.0)
+    null = fit(columns.errors, ())
+    met, other = (tried_on(null, extend(columns.errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(2))
+    said = DirectEstimate({}, {}, 0.01, TRIALS, np.full(TRIALS, 0.1))
+    met = replace(
+        met,
+        candidate=replace(met.candidate, probes=({"torque_Nm": 1.0},)),
+        direct=said,
+        comparison=replace(met.comparison, p_value=0.03),
+    )
+    chance = replace(other, comparison=replace(other.comparison, p_value=0.5))
+    crowd = [replace(chance, candidate=replace(other.candidate, where=Place(joint=f"x{k}"))) for k in range(20)]
+    this = round_of([met, *crowd])
+    assert this.p_adjusted[this.tried.index(met)] > 0.05
+
+
+@pytest.mark.parametrize(("count", "test"), [(2, 1), (3, 1), (4, 2), (5, 2), (10, 3), (60, 18)])
+def test_two_trials_judge_wherever_two_are_left_to_teach(count: int, test: int):
+    spec = MeasurementSpec.model_construct(split=None)
+    trials = split_trials(spec, [f"t{k}" for k in range(count)])
+    assert (len(trials.train), len(trials.test)) == (count - test, test)
+
+
+def test_a_gain_on_one_trial_is_written_and_read_back():
+    judged = compare(np.ones(1), np.full(1, 0.5))
+    gain = Gain(
+        view="short_horizon",
+        horizon_s=0.2,
+        metric="m",
+        heldout_before=2.0,
+        heldout_after=1.0,
+        reduction=0.5,
+        ci95=judged.ci95,
+        noise_floor=1.0,
+        gap_closed=0.5,
+    )
+    assert Gain.model_validate_json(gain.model_dump_json()) == gain

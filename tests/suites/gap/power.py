@@ -1,0 +1,75 @@
+"""How strong an effect must be: by what a perfect model would gain on the same trials, never by its unit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from simgap.inference.fit import Fit, fit, rollout_errors, spread
+from simgap.inference.losses import paired_p, trial_losses
+from simgap.problem import Problem, around
+
+GAINS = {"small": 0.02, "middle": 0.10, "large": 0.40}  # shares of the null refit's rms error
+_TRIES = 7
+_NEAR = 0.15  # relative miss of the aim that is good enough
+
+
+def size_of(gain: float) -> str:
+    """The size whose gain is nearest, by logarithms: the limits of a joint may keep a case from what was aimed at."""
+    return min(GAINS, key=lambda size: abs(np.log(max(gain, 1e-6) / GAINS[size])))
+
+
+def null_error(problem: Problem, scale: np.ndarray | None = None) -> tuple[float, np.ndarray]:
+    """Root of the null refit's mean loss over all trials, in levels `scale` (c,; default: what it leaves itself)."""
+    ids, view = problem.trial_ids, "short_horizon"
+    found = fit(rollout_errors(problem, ids, view, spread(problem, (), ids, view)), problem.nuisances())
+    level = spread(problem, found.model, ids, view) if scale is None else scale
+    return float(np.sqrt(trial_losses(problem.residuals(found.model, ids, view), level).mean())), level
+
+
+def ideal_gain(hidden: Problem, plain: Problem) -> float:
+    """1 - error without the effect / error with it, both after the null refit; noise and inputs are the same."""
+    without, level = null_error(plain)
+    return 1.0 - without / max(null_error(hidden, level)[0], 1e-12)
+
+
+def sized(problem_at: Callable[[float], Problem], guess: float, most: float, aim: float) -> tuple[float, float]:
+    """(strength, gain) at which a perfect model gains about `aim`; regula falsi on logarithms, at most `most`."""
+    without, level = null_error(problem_at(0.0))
+    wanted = np.log(1.0 / (1.0 - aim) ** 2 - 1.0)
+    tried: list[tuple[float, float, float]] = []  # log strength, log of excess power, gain
+    at, top = np.log(min(guess, most)), np.log(most)
+    for _ in range(_TRIES):
+        gain = 1.0 - without / max(null_error(problem_at(float(np.exp(at))), level)[0], 1e-12)
+        tried.append((at, float(np.log(max(1.0 / (1.0 - gain) ** 2 - 1.0, 1e-6))), gain))
+        if abs(gain - aim) < _NEAR * aim or (gain < aim and at >= top - 1e-9):
+            break
+        below = max((t for t in tried if t[2] < aim), default=None)
+        above = min((t for t in tried if t[2] >= aim), default=None)
+        if below is None or above is None:
+            at = min(at + float(np.clip(0.5 * (wanted - tried[-1][1]), -2.0, 2.0)), top)
+            continue
+        # Between the two, where a straight line says; thresholds make that line a poor guide near its ends.
+        share = float(np.clip((wanted - below[1]) / max(above[1] - below[1], 1e-9), 0.2, 0.8))
+        at = below[0] + share * (above[0] - below[0])
+    best = min(tried, key=lambda t: abs(t[2] - aim))
+    return float(np.exp(best[0])), best[2]
+
+
+def chance(hidden: Problem, plain: Problem, trials: Sequence[str]) -> float:
+    """p-value of a perfect model against the null refit: Student's test, as the tool's, over its training trials.
+
+    One second per roll-out. Where an effect acts in one or two trials only, no test over trials can tell it from an
+    accident of those, however much it does there.
+    """
+    view = "long_horizon"
+
+    def refitted(problem: Problem, scale: np.ndarray | None) -> tuple[Fit, np.ndarray]:
+        first = fit(rollout_errors(problem, trials, view, spread(problem, (), trials, view)), problem.nuisances())
+        here = around(problem, first.model)
+        level = spread(here, first.model, trials, view) if scale is None else scale
+        return fit(rollout_errors(here, trials, view, level), problem.nuisances()), level
+
+    without, level = refitted(plain, None)
+    return paired_p(refitted(hidden, level)[0].losses, without.losses)

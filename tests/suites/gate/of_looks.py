@@ -1,0 +1,119 @@
+"""Defects of visible meshes, materials and textures."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Gf, Usd, UsdGeom, UsdShade, Vt
+
+from tests.suites.gate.edits import (
+    BASE,
+    BODY_MESH,
+    CABINET,
+    DOOR,
+    NAN,
+    OAK,
+    PROP,
+    SURFACE,
+    TYPES,
+    Defect,
+    cabinet,
+    drop_faces,
+    on_prim,
+    points,
+    prop,
+    put,
+    remove,
+    reverse_faces,
+    shader,
+    target,
+    texture_of,
+    turn_inside_out,
+)
+
+PANEL, KNOB, TOP = f"{DOOR}/Visuals/panel", f"{DOOR}/Visuals/knob", f"{BASE}/Visuals/top"
+MATERIAL = f"{CABINET}/Materials/oak"
+PLACEMENT = SURFACE.replace("surface", "diffuseColor_placement")
+SPACE = "inputs:sourceColorSpace"
+
+
+def _scale_normals(factor: float):
+    def change(prim: Usd.Prim) -> None:
+        normals = prim.GetAttribute("primvars:normals")
+        normals.Set(Vt.Vec3fArray.FromNumpy(np.float32(factor) * np.array(normals.Get())))
+
+    return change
+
+
+def _stray_index(prim: Usd.Prim) -> None:
+    indices = UsdGeom.Mesh(prim).GetFaceVertexIndicesAttr()
+    indices.Set(Vt.IntArray([99, *list(indices.Get())[1:]]))
+
+
+def _nan_coordinate(prim: Usd.Prim) -> None:
+    coordinates = np.array(prim.GetAttribute("primvars:st").Get())
+    coordinates[3] = NAN
+    prim.GetAttribute("primvars:st").Set(Vt.Vec2fArray.FromNumpy(coordinates))
+
+
+def _packed(prim: Usd.Prim) -> None:
+    prim.GetAttribute("inputs:scale").Set(Gf.Vec4f(1))
+    prim.GetAttribute("inputs:bias").Set(Gf.Vec4f(0))
+
+
+def _corrupt_picture(stage: Usd.Stage) -> None:
+    def cut(prim: Usd.Prim) -> None:
+        path = prim.GetAttribute("inputs:file").Get().resolvedPath
+        with open(path, "r+b") as file:
+            file.truncate(20)
+
+    texture_of("normal", cut)(stage)
+
+
+DEFECTS: tuple[Defect, ...] = (
+    prop("visible mesh hidden", put(BODY_MESH, "visibility", "invisible"), "not-visible"),
+    cabinet("one mesh hidden", put(KNOB, "visibility", "invisible"), "not-visible"),
+    prop("visible meshes as guides", put(f"{PROP}/Visuals", "purpose", "guide"), "not-visible"),
+    prop("index out of range", on_prim(BODY_MESH, _stray_index), "mesh-topology"),
+    cabinet("counts disagree", put(PANEL, "faceVertexCounts", Vt.IntArray([3] * 11)), "mesh-topology"),
+    prop("too few texture coordinates", put(BODY_MESH, "primvars:st", Vt.Vec2fArray(5)), "mesh-topology"),
+    cabinet("NaN point", points(PANEL, lambda p: np.where(np.arange(len(p))[:, None] == 0, NAN, p)), "mesh-values"),
+    prop("NaN texture coordinate", on_prim(BODY_MESH, _nan_coordinate), "mesh-values"),
+    prop("extent of another mesh", put(BODY_MESH, "extent", Vt.Vec3fArray([(0, 0, 0), (9, 9, 9)])), "mesh-extent"),
+    cabinet("extent too small", put(TOP, "extent", Vt.Vec3fArray([(0, 0, 0), (0.01, 0.01, 0.01)])), "mesh-extent"),
+    cabinet("normals inwards", on_prim(TOP, _scale_normals(-1.0)), "normals"),
+    prop("normals of length 10", on_prim(BODY_MESH, _scale_normals(10.0)), "normals"),
+    prop("winding reversed", reverse_faces(BODY_MESH), "inverted-mesh"),
+    prop("mesh inside out", turn_inside_out(BODY_MESH), "inverted-mesh"),
+    cabinet("one board inside out", turn_inside_out(PANEL), "inverted-mesh"),
+    cabinet("left-handed by mistake", put(KNOB, "orientation", "leftHanded"), "inverted-mesh"),
+    prop("four faces turned round", reverse_faces(BODY_MESH, 4), "inverted-mesh"),
+    prop("a third of the faces gone", drop_faces(BODY_MESH, slice(0, 8)), "open-mesh"),
+    prop("one face gone", drop_faces(BODY_MESH, slice(1, None)), "open-mesh"),
+    cabinet("a face gone, no record to compare", drop_faces(TOP, slice(2, None)), "open-mesh", "warning"),
+    prop("binding to nothing", target(BODY_MESH, "material:binding", f"{PROP}/Materials/gone"), "material-binding"),
+    cabinet("binding to no material", target(KNOB, "material:binding", BASE), "material-binding"),
+    cabinet("unbound mesh", target(KNOB, "material:binding"), "material-binding"),
+    cabinet(
+        "surface not connected",
+        on_prim(MATERIAL, lambda p: UsdShade.Material(p).GetSurfaceOutput().ClearSources()),
+        "shader-network",
+    ),
+    cabinet("unknown surface shader", put(OAK, "info:id", "FancySurface"), "shader-network"),
+    cabinet("shader without id", remove(OAK, "info:id"), "shader-network"),
+    cabinet("roughness 7", shader(OAK, "roughness", 7.0, TYPES.Float), "shader-value"),
+    prop("negative metallic", shader(SURFACE, "metallic", -1.0, TYPES.Float), "shader-value"),
+    cabinet("colour of 255", shader(OAK, "diffuseColor", Gf.Vec3f(255, 128, 0), TYPES.Color3f), "shader-value"),
+    prop("metallic 5 behind a texture", put(SURFACE, "inputs:metallic", 5.0), "shader-value", "warning"),
+    prop("NaN texture rotation", put(PLACEMENT, "inputs:rotation", NAN), "shader-value"),
+    prop("NaN opacity", shader(SURFACE, "opacity", NAN, TYPES.Float), "shader-value"),
+    prop("ior 0.2", shader(SURFACE, "ior", 0.2, TYPES.Float), "shader-value"),
+    prop("normal map in sRGB", texture_of("normal", lambda p: p.GetAttribute(SPACE).Set("sRGB")), "texture-reader"),
+    prop("colour map raw", texture_of("emissiveColor", lambda p: p.GetAttribute(SPACE).Set("raw")), "texture-reader"),
+    prop("normal map not unpacked", texture_of("normal", _packed), "texture-reader"),
+    prop("texture coordinates gone", remove(BODY_MESH, "primvars:st"), "texture-coordinates", "warning"),
+    prop("texture cut short", _corrupt_picture, "texture-image"),
+    prop("vendor value NaN", put(PROP, "physxRigidBody:maxDepenetrationVelocity", NAN, TYPES.Float), "nonfinite-value"),
+)

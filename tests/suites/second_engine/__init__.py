@@ -1,0 +1,1 @@
+"""Released packages loaded and dropped in MuJoCo, compared with PyBullet."""

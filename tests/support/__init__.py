@@ -1,0 +1,1 @@
+"""Helpers of tests: samples, generators, small libraries of packages and scenes."""

@@ -1,0 +1,1 @@
+"""The smallest input for every diagnostic code, one file per area."""

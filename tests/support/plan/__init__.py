@@ -1,0 +1,1 @@
+"""Plans and draws for tests of the sampler."""

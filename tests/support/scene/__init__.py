@@ -1,0 +1,1 @@
+"""Scene problems and packages for tests of the scene compiler."""

@@ -1,0 +1,50 @@
+"""Small problems built by hand: boxes on a table, with relations, ranges, keep-outs."""
+
+from __future__ import annotations
+
+import numpy as np
+from shapely import Polygon, box
+
+from scenec.ir.problem import WORLD_PARENT, Body, Domain, Problem, RelationIR, Slab, Stance, Surface, Thing, Volume
+
+ANY = (-np.inf, np.inf)
+
+
+def outline(width: float, depth: float) -> np.ndarray:
+    return np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2 * [width, depth]
+
+
+def box_body(name: str, width: float, depth: float, height: float = 0.05, holds: bool = False) -> Body:
+    """A box; with `holds`, its top is a surface."""
+    stance = Stance((1.0, 0.0, 0.0, 0.0), (Slab(outline(width, depth), 0.0, height),), 0.0)
+    top = Surface("top", Polygon(outline(width, depth)), np.array([0.0, 0.0, height]))
+    return Body(name, (stance,), (top,) if holds else ())
+
+
+def table(width: float, depth: float, clearance: float = np.inf) -> Surface:
+    return Surface("tabletop", box(-width / 2, -depth / 2, width / 2, depth / 2), np.zeros(3), clearance)
+
+
+def thing(
+    name: str,
+    size: tuple[float, float] | Body,
+    place: Surface | Volume,
+    *,
+    x=ANY,
+    y=ANY,
+    yaw=(0.0, 0.0),
+    parent: str = WORLD_PARENT,
+    height: float = 0.05,
+    spots=(),
+) -> Thing:
+    body = size if isinstance(size, Body) else box_body(name, *size, height)
+    path = ("layout", "nodes", name)
+    return Thing(name, body, parent, place, Domain(x, y, yaw, (0,), spots, (*path, "placement", "ranges")), path)
+
+
+def left_of(number: int, one: str, two: str, gap: float = 0.0) -> RelationIR:
+    return RelationIR("before", (one, two), (1.0, 0.0), gap, path=("relations", number), word="left_of")
+
+
+def problem(things, relations=(), clearance: float = 0.01, **rules) -> Problem:
+    return Problem("test", None, np.eye(4), tuple(things), tuple(relations), clearance, **rules)

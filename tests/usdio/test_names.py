@@ -1,0 +1,42 @@
+"""Prim names: valid, unique, reversible."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+from pxr import Sdf
+
+from tests.support import package_samples as samples
+from usdio.names import identifier, prim_names
+from usdio.source_names import renamed, source_names
+
+
+@given(st.lists(st.text(max_size=8), max_size=12))
+def test_names_are_valid_unique_and_lead_back(names: list[str]) -> None:
+    result = prim_names(names, "mesh")
+    assert list(result.values()) == names
+    assert all(Sdf.Path.IsValidIdentifier(name) and name.isascii() for name in result)
+    assert len({name.lower() for name in result}) == len(names)
+
+
+@given(st.lists(st.from_regex(r"[A-Za-z][A-Za-z0-9]{0,6}", fullmatch=True), unique_by=str.lower, max_size=8))
+def test_good_names_are_kept(names: list[str]) -> None:
+    assert list(prim_names(names, "mesh")) == names
+
+
+def test_examples() -> None:
+    assert list(prim_names(["a", "a", "a_2", "A"], "mesh")) == ["a", "a_3", "a_2", "A_4"]
+    assert identifier("größe 1", "mesh") == "gro_e_1"
+    assert identifier("é", "mesh") == "e"
+    assert identifier("机器", "mesh") == "mesh"
+    assert identifier("3d", "mesh") == "_3d"
+
+
+def test_changed_names_are_said_and_kept() -> None:
+    plain = source_names(samples.model([samples.box_mesh(name="body")]))
+    assert plain == {"Visuals/body": "body", "Materials/neutral": "neutral"}
+    assert renamed(plain) == ()
+    awkward = source_names(samples.model([samples.box_mesh(name=name) for name in ("a b", "a b", "ok")]))
+    assert awkward["Visuals/a_b_2"] == "a b"
+    (found,) = renamed(awkward)
+    assert (found.code, found.value, found.severity) == ("asset/name-sanitised", 2, "info")

@@ -1,0 +1,1 @@
+"""Programs for work on the repository; nothing in the packages imports them."""

@@ -1,0 +1,1 @@
+"""Reading of foreign USD: meshes, materials, physics, instances, packages, guarded against hostile layers."""

@@ -1,0 +1,253 @@
+"""Read a foreign USD asset into a `Model`: guard, compose, measure, convert."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from pxr import Pcp, Tf, Usd, UsdGeom, UsdPhysics
+
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
+from schemas.model import Mesh, Model, Node
+from schemas.outcome import Outcome, Repair
+from usdio.quiet import quiet
+from usdio.read import stage_metadata
+from usdio.read.gprim_placement import Census, Placed, census
+from usdio.read.layer_guard import Layers, check_layers, message
+from usdio.read.materials import LoadTexture, MaterialTable
+from usdio.read.meshes import SOLIDS, UNREAD, read_mesh, read_solid
+from usdio.read.physics import stated_physics
+from usdio.read.surface import Surface, part, placed
+
+_STAGE: Final = "intake"
+_CYCLES: Final = (Pcp.ErrorType_ArcCycle, Pcp.ErrorType_SublayerCycle)
+
+
+def read_stage(
+    path: Path,
+    root: Path,
+    *,
+    load_texture: LoadTexture,
+    visited: set[Path] | None = None,
+    missing: set[str] | None = None,
+) -> Outcome[Model]:
+    """The model in a USD, USDA, USDC or USDZ file, world transforms applied, in the stage's own units and axes.
+
+    `visited` collects the files that references led to, `missing` where below the root others were expected.
+    `load_texture(data, name, *, where)` decodes image bytes and returns the texture or None, with findings. No file
+    outside `root` is opened and nothing is printed. Variants stay as selected, time stands at the first sample.
+
+    Raises InvalidInput as `check_layers`, `read_mesh`, `census` and `stage_facts` do, and `asset/missing-dependency`
+    (nothing is left without an absent layer), `asset/no-faces`, `asset/empty-geometry`, `asset/schema-error` for
+    values that OpenUSD itself refuses.
+    """
+    with quiet():
+        try:
+            layers = check_layers(path, root)
+            outcome = _read(layers, load_texture)
+            site = layers.site(layers.root)
+            if visited is not None:
+                visited |= site.visited
+            if missing is not None:
+                missing |= site.missing
+            return outcome
+        except Tf.ErrorException as error:
+            headline, reason = "OpenUSD refuses a value in the file", message(error).rpartition(" : ")[2].strip("' \n")
+            reason = reason.replace(f"{root.resolve()}/", "")
+        except UnicodeDecodeError as error:
+            headline, reason = "a text in the file is not UTF-8", error.reason
+    where = Location(file=path.resolve().relative_to(root.resolve()).as_posix())
+    raise InvalidInput(finding("asset/schema-error", headline, where=where, value=reason[:300]))
+
+
+def _read(layers: Layers, load_texture: LoadTexture) -> Outcome[Model]:
+    stage = Usd.Stage.Open(layers.root, Usd.Stage.LoadAll)
+    where = layers.site(layers.root).where()
+    composed = _composition(stage, layers)
+    unit, axis = stage_metadata.meters_per_unit(stage, where), stage_metadata.up_axis(stage, where)
+    start = stage_metadata.start_prim(stage, where)
+    found = census(start.value, layers)
+    table = MaterialTable(layers, load_texture)
+    shapes = _shapes(found, table, where)
+    if not shapes.value:
+        raise InvalidInput(_nothing(found, composed.diagnostics, where))
+    masses, contacts = stated_physics(stage, start.value, shapes.value, where)
+    model = Model(
+        meshes=shapes.value,
+        materials=tuple(entry.material for entry in table.entries),
+        textures=tuple(table.textures),
+        nodes=_with_meshes(found.nodes, shapes.value),
+        meters_per_unit=unit.value,
+        up_axis=axis.value,
+        hints=(*stage_metadata.hints(stage, start.value), *_subdivision_hints(found)),
+        metadata=stage_metadata.metadata(stage, start.value),
+        masses=masses,
+        contacts=contacts,
+    )
+    parts = (composed, unit, axis, start, shapes)
+    diagnostics = [d for one in parts for d in one.diagnostics] + table.diagnostics
+    diagnostics += stage_metadata.layer_contradictions(layers, where)
+    diagnostics += _left_out(found, where)
+    diagnostics += [*_animation(found, where), *_clips(layers), *_articulation(stage, where)]
+    repairs = [r for one in parts for r in one.repairs] + table.repairs
+    return Outcome(model, tuple(diagnostics), tuple(repairs))
+
+
+def _composition(stage: Usd.Stage, layers: Layers) -> Outcome[None]:
+    """What composing revealed: absent layers that the selected variants need, references to absent prims.
+
+    Raises InvalidInput `asset/cyclic-reference` when arcs run in a circle.
+    """
+    where = layers.site(layers.root).where()
+    notes: dict[str, Diagnostic] = {}
+    for error in stage.GetCompositionErrors():
+        text = str(error)
+        if error.errorType in _CYCLES:
+            prims = " > ".join(dict.fromkeys(re.findall(r"@<(/[^>]*)>", text)))
+            raise InvalidInput(
+                finding("asset/cyclic-reference", "references run in a circle", where=where, value=prims)
+            )
+        missing = next((name for name in layers.absent if f"@{name}@" in text), None)
+        if missing is not None:
+            notes[missing] = layers.absent[missing]
+        elif error.errorType == Pcp.ErrorType_UnresolvedPrimPath:
+            prim = re.search(r"@<(/[^>]*)>\s*introduced", text)
+            headline = f"a reference names prim '{prim[1] if prim else '?'}', which does not exist; it was left out"
+            notes[headline] = finding("asset/missing-dependency", headline, where=where, severity=Severity.WARNING)
+    found = tuple(notes[key] for key in sorted(notes, key=lambda k: (notes[k].headline, k)))
+    repairs = tuple(
+        Repair(name="missing_dependency", code=d.code, stage=_STAGE, before={"reference": str(d.value or d.headline)})
+        for d in found
+    )
+    return Outcome(None, found, repairs)
+
+
+def _shapes(found: Census, table: MaterialTable, where: Location) -> Outcome[tuple[Mesh, ...]]:
+    """All meshes in the model frame, one per gprim and material; each prim is triangulated once."""
+    meshes: list[Mesh] = []
+    notes: list[Diagnostic] = []
+    repairs: list[Repair] = []
+    surfaces: dict[str, Surface | None] = {}
+    for item in found.placed:
+        path = str(item.prim.GetPath())
+        at = where.model_copy(update={"prim": path})
+        if path not in surfaces:
+            outcome = (read_solid if item.prim.GetTypeName() in SOLIDS else read_mesh)(item.prim, at)
+            surfaces[path] = outcome.value
+            notes += outcome.diagnostics
+        surface = surfaces[path]
+        if surface is None:
+            continue
+        moved, replaced = placed(surface, item.X_WP, at)
+        if replaced:
+            corners = moved.triangles.size
+            headline = f"{replaced} of {corners} corner normals are zero or not finite"
+            notes.append(finding("asset/bad-normals", headline, where=at, value=replaced, bound=0, unit="corners"))
+            before: dict[str, float | int | str] = {"prim": path, "corners": corners, "bad_corners": replaced}
+            repairs.append(Repair(name="bad_normals", code="asset/bad-normals", stage=_STAGE, before=before))
+        meshes += _split(item, moved, table)
+    return Outcome(tuple(meshes), tuple(notes), tuple(repairs))
+
+
+def _split(item: Placed, surface: Surface, table: MaterialTable) -> list[Mesh]:
+    """One Mesh per material subset, and one for the faces that no subset claims."""
+    free = np.ones(len(surface.triangles), dtype=bool)
+    for _, rows in surface.subsets:
+        free[rows] = False
+    pieces = [(prim, f"_{prim.GetName()}", rows) for prim, rows in surface.subsets]
+    if free.any():
+        pieces.insert(0, (item.prim, "", np.flatnonzero(free)))
+    copy = "" if item.copy is None else f"_{item.copy}"
+    meshes: list[Mesh] = []
+    for prim, suffix, rows in pieces:
+        material = table.add(prim, surface.constant_color, double_sided=surface.double_sided)
+        entry = None if material is None else table.entries[material]
+        uv_names = entry.uv_names if entry else ()
+        mesh = part(surface, rows, uv_names, colors=entry is None or entry.shows_mesh_colors)
+        name = f"{item.prim.GetName()}{suffix}{copy}"
+        meshes.append(replace(mesh, name=name, material=material, source_path=str(item.prim.GetPath())))
+    return meshes
+
+
+def _with_meshes(nodes: tuple[Node, ...], meshes: tuple[Mesh, ...]) -> tuple[Node, ...]:
+    """`nodes`, each knowing the meshes read from its own prim."""
+    owned: dict[str, list[int]] = {}
+    for index, mesh in enumerate(meshes):
+        owned.setdefault(mesh.source_path, []).append(index)
+    return tuple(replace(node, meshes=tuple(owned.get(node.path, ()))) for node in nodes)
+
+
+def _nothing(found: Census, absent: tuple[Diagnostic, ...], where: Location) -> Diagnostic:
+    """Why the asset holds no surface at all."""
+    if absent:
+        headline = f"no geometry is left: {absent[0].headline}"
+        return finding(
+            "asset/missing-dependency", headline, where=absent[0].where, value=absent[0].value, because=absent
+        )
+    points = next((p.prim for p in found.placed if p.prim.GetAttribute("points").Get()), None)
+    bare = points or next(iter(found.faceless), None)
+    if bare:
+        at = where.model_copy(update={"prim": str(bare.GetPath())})
+        return finding("asset/no-faces", f"{bare.GetTypeName()} prims have no triangles to read", where=at)
+    return finding("asset/empty-geometry", "the stage holds no surface", where=where)
+
+
+def _left_out(found: Census, where: Location) -> tuple[Diagnostic, ...]:
+    """One finding that counts the prims without triangles; curves and points alone are worth no warning."""
+    kinds = Counter(str(prim.GetTypeName()) for prim in found.faceless)
+    if not kinds:
+        return ()
+    listed = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
+    severity = None if set(kinds) & set(UNREAD) else Severity.INFO
+    at = where.model_copy(update={"prim": str(found.faceless[0].GetPath())})
+    headline = f"{listed}: prims without triangles were left out"
+    return (finding("asset/geometry-left-out", headline, where=at, value=len(found.faceless), severity=severity),)
+
+
+def _subdivision_hints(found: Census) -> tuple[str, ...]:
+    """A remark when smooth subdivision was asked for explicitly: the control cage was read."""
+    for item in found.placed:
+        scheme = UsdGeom.Mesh(item.prim).GetSubdivisionSchemeAttr() if item.prim.GetTypeName() == "Mesh" else None
+        if scheme and scheme.HasAuthoredValue() and scheme.Get() != UsdGeom.Tokens.none:
+            return (f"subdivisionScheme {scheme.Get()}: the control cage was read",)
+    return ()
+
+
+def _animation(found: Census, where: Location) -> tuple[Diagnostic, ...]:
+    if found.animated is None:
+        return ()
+    at = where.model_copy(update={"prim": str(found.animated.GetPath())})
+    return (finding("asset/animation-dropped", "the stage is animated; its first sample was taken", where=at),)
+
+
+def _clips(layers: Layers) -> tuple[Diagnostic, ...]:
+    return tuple(
+        finding("asset/animation-dropped", "value clips were left out", where=site.where()) for site in layers.clips
+    )
+
+
+def _articulation(stage: Usd.Stage, where: Location) -> tuple[Diagnostic, ...]:
+    """A warning naming the joints when bodies are connected, or when an articulation has several bodies."""
+    prims = list(stage.Traverse(Usd.TraverseInstanceProxies()))
+    joints = [p for p in prims if p.IsA(UsdPhysics.Joint) and _bodies(p) == 2]
+    roots = [p for p in prims if p.HasAPI(UsdPhysics.ArticulationRootAPI)]
+    bodies = [p for p in prims if p.HasAPI(UsdPhysics.RigidBodyAPI)]
+    if not joints and not (roots and len(bodies) > 1):
+        return ()
+    names = [str(p.GetPath()) for p in joints or roots]
+    at = where.model_copy(update={"prim": names[0]})
+    what = "joints" if joints else "bodies under one articulation"
+    headline = f"the source declares {len(joints) or len(bodies)} {what}, which are not carried over"
+    return (finding("asset/articulated-source", headline, where=at, value=", ".join(names)),)
+
+
+def _bodies(prim: Usd.Prim) -> int:
+    joint = UsdPhysics.Joint(prim)
+    return sum(bool(rel.GetTargets()) for rel in (joint.GetBody0Rel(), joint.GetBody1Rel()))

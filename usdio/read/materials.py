@@ -1,0 +1,241 @@
+"""Read bound UsdShade materials as `schemas.model.Material`, with the textures they use."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from pxr import Usd, UsdShade
+
+from schemas.diagnostics import Diagnostic, Location, finding
+from schemas.model import Material, Texture
+from schemas.outcome import Repair
+from schemas.references import tile_references
+from usdio.read.layer_guard import Layers
+from usdio.read.pbr import Color, Conversion
+from usdio.read.shader_dialects import PREVIEW, Dialect, dialect_of
+from usdio.read.shader_graph import EARLIEST, Fed, Image, Primvar, feed, identifier, node_behind, plain
+
+LoadTexture = Callable[..., tuple[Texture | None, tuple[Diagnostic, ...]]]
+_STAGE: Final = "intake"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One converted material.
+
+    `uv_names` are the primvars its textures read, in the order of `TextureUse.uv_set`; `shows_mesh_colors` tells
+    whether its colour comes from the mesh; `source_name` is the name of the material prim.
+    """
+
+    material: Material
+    uv_names: tuple[str, ...] = ()
+    shows_mesh_colors: bool = False
+    source_name: str = ""
+
+
+class MaterialTable:
+    """The materials and textures of one stage while it is being read: each is converted once.
+
+    `entries`, `textures`, `diagnostics` and `repairs` grow as `add` is called.
+    """
+
+    def __init__(self, layers: Layers, load_texture: LoadTexture) -> None:
+        self._layers = layers
+        self._load_texture = load_texture
+        self._known: dict[tuple[str, Color | None, bool], int] = {}
+        self._dangling: set[str] = set()
+        self._texture_names: dict[str, str | None] = {}
+        self.entries: list[Entry] = []
+        self.textures: list[Texture] = []
+        self.diagnostics: list[Diagnostic] = []
+        self.repairs: list[Repair] = []
+
+    def add(self, prim: Usd.Prim, color: Color | None, *, double_sided: bool) -> int | None:
+        """The index of the material bound to `prim`, or of a plain one in the mesh's constant display `color`.
+
+        None when nothing is bound and no colour is given.
+        """
+        source = bound_material(prim)
+        if not source:
+            self._note_dangling(prim)
+            if color is None:
+                return None
+        wanted = color if not source or reads_display_color(source) else None
+        key = (str(source.GetPath()) if source else "", wanted, double_sided)
+        if key not in self._known:
+            entry, notes = self._convert(source, wanted, double_sided) if source else (_plain(wanted, double_sided), [])
+            self._known[key] = self._index_of(entry, notes)
+        return self._known[key]
+
+    def _index_of(self, entry: Entry, notes: list[Diagnostic]) -> int:
+        """Where `entry` stands, appended unless an equal one, from another reference to the same file, is there."""
+        for index, known in enumerate(self.entries):
+            renamed = replace(known.material, name=entry.material.name)
+            if known.source_name == entry.source_name and replace(known, material=renamed) == entry:
+                return index
+        self.diagnostics += notes
+        self.entries.append(replace(entry, material=replace(entry.material, name=self._free(entry.material.name))))
+        return len(self.entries) - 1
+
+    def _free(self, name: str) -> str:
+        taken = {entry.material.name for entry in self.entries}
+        return next(n for n in (name, *(f"{name}_{i}" for i in range(2, len(taken) + 3))) if n not in taken)
+
+    def _note_dangling(self, prim: Usd.Prim) -> None:
+        """One warning for each material that is bound, but not there."""
+        binding = UsdShade.MaterialBindingAPI(prim).GetDirectBindingRel()
+        for target in map(str, binding.GetTargets() if binding else []):
+            if target not in self._dangling:
+                self._dangling.add(target)
+                headline = f"'{target}' is bound, but is no material"
+                note = finding("asset/missing-material", headline, where=self._where(prim), value=target)
+                self._repaired(note, "missing_material", material=target)
+
+    def _repaired(self, diagnostic: Diagnostic, name: str, **before: str) -> None:
+        self.diagnostics.append(diagnostic)
+        self.repairs.append(Repair(name=name, code=diagnostic.code, stage=_STAGE, before=dict(before)))
+
+    def _where(self, prim: Usd.Prim) -> Location:
+        return self._layers.site(self._layers.root).where(prim=str(prim.GetPath()))
+
+    def _convert(
+        self, source: UsdShade.Material, color: Color | None, double_sided: bool
+    ) -> tuple[Entry, list[Diagnostic]]:
+        """The converted material, and what did not fit the model."""
+        name = source.GetPrim().GetName()
+        shader = surface_shader(source)
+        if shader is None:
+            return replace(_plain(color, double_sided, name), shows_mesh_colors=True, source_name=name), []
+        ports = {port.GetBaseName(): port for port in shader.GetInputs()}
+        dialect = dialect_of(identifier(shader), tuple(ports))
+        fed = _read(dialect, ports)
+        from_mesh = isinstance(fed.get("base_color"), Primvar)
+        if from_mesh:
+            fed["base_color"] = color or (1.0, 1.0, 1.0)
+        where = self._where(source.GetPrim())
+        conversion = Conversion(fed, self._texture, where)
+        material = conversion.material(name, double_sided, _unmapped(source, shader, dialect, ports))
+        notes = conversion.diagnostics
+        if material.unmapped:
+            headline = f"'{name}' has {dialect.name} properties beyond the metallic-roughness model"
+            kept = ", ".join(sorted(material.unmapped))
+            notes.append(finding("asset/material-extension-fallback", headline, where=where, value=kept))
+        return Entry(material, tuple(conversion.uv_names), from_mesh, name), notes
+
+    def _texture(self, image: Image) -> str | None:
+        """The name of the texture an image node reads, or None with a warning when it cannot be had."""
+        uri = plain(image.file.Get(EARLIEST))
+        stack = image.file.GetPropertyStack(EARLIEST)
+        site = self._layers.site(stack[0].layer) if stack else self._layers.site(self._layers.root)
+        where = site.where(prim=str(image.file.GetPath()))
+        tiles = [t for u in tile_references(uri) if (t := site.resolve(u, prim=where.prim)) is not None]
+        found = next(iter(tiles), None)
+        key = found.identifier if found else f"{site.identifier} {uri}"
+        if key in self._texture_names:
+            return self._texture_names[key]
+        if found is None:
+            self._texture_names[key] = None
+            diagnostic = finding("asset/missing-texture", f"texture '{uri}' is absent", where=where, value=uri)
+            self._repaired(diagnostic, "missing_texture", texture=uri)
+            return None
+        if len(tiles) > 1:
+            headline = f"'{uri}' has {len(tiles)} tiles; all of the surface shows {found.name}"
+            diagnostic = finding("asset/unsupported-texture", headline, where=where, value=uri)
+            self._repaired(diagnostic, "unsupported_texture", texture=uri)
+        names = {texture.name for texture in self.textures}
+        stem = posixpath.splitext(found.name)[0]
+        name = next(n for n in (stem, *(f"{stem}_{i}" for i in range(2, len(names) + 3))) if n not in names)
+        texture, diagnostics = self._load_texture(found.read(), name, where=where)
+        for diagnostic in diagnostics:
+            repair = diagnostic.code.removeprefix("asset/").replace("-", "_")
+            self._repaired(diagnostic, repair, texture=uri)
+        if texture is not None:
+            self.textures.append(texture)
+        self._texture_names[key] = texture.name if texture else None
+        return self._texture_names[key]
+
+
+def _plain(color: Color | None, double_sided: bool, name: str = "displayColor") -> Entry:
+    return Entry(Material(name, base_color=color or (0.8, 0.8, 0.8), double_sided=double_sided))
+
+
+def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
+    """The material a prim resolves to (inheritance, strength, collections), for preview or else for full rendering."""
+    api = UsdShade.MaterialBindingAPI(prim)
+    for purpose in (UsdShade.Tokens.preview, UsdShade.Tokens.full):
+        material, _ = api.ComputeBoundMaterial(purpose)
+        if material:
+            return material
+    return None
+
+
+def surface_shader(material: UsdShade.Material) -> UsdShade.Shader | None:
+    """The shader of the material's surface: UsdPreviewSurface if it has one, else the first in any render context."""
+    shaders = [
+        node[0]
+        for output in sorted(material.GetSurfaceOutputs(), key=lambda o: o.GetFullName())
+        if (node := node_behind(output))
+    ]
+    found = [shader for shader in shaders if shader and identifier(shader)]
+    return next((s for s in found if dialect_of(identifier(s), ()) is PREVIEW), found[0] if found else None)
+
+
+def reads_display_color(material: UsdShade.Material) -> bool:
+    """True iff the surface takes its colour from a primvar of the mesh."""
+    shader = surface_shader(material)
+    if shader is None:
+        return True
+    ports = {port.GetBaseName(): port for port in shader.GetInputs()}
+    name = dialect_of(identifier(shader), tuple(ports)).inputs["base_color"]
+    return name in ports and isinstance(feed(ports[name]), Primvar)
+
+
+def _read(dialect: Dialect, ports: dict[str, UsdShade.Input]) -> dict[str, Fed]:
+    """What feeds each quantity: authored values over the dialect's defaults, image inputs over both."""
+    fed: dict[str, Fed] = dict(dialect.defaults)
+    for quantity, name in dialect.inputs.items():
+        value = feed(ports[name]) if name in ports else None
+        if value is not None:
+            fed[quantity] = value
+    for quantity, name in dialect.maps.items():
+        value = feed(ports[name]) if name in ports else None
+        if isinstance(value, Image):
+            fed[f"{quantity}_map"] = value
+    packed = fed.get("orm_map")
+    if fed.get("orm_switch") and isinstance(packed, Image):
+        fed["occlusion_map"] = replace(packed, channel="r")
+        fed["roughness_map"] = replace(packed, channel="g")
+        fed["metallic_map"] = replace(packed, channel="b")
+    return fed
+
+
+def _unmapped(
+    source: UsdShade.Material, shader: UsdShade.Shader, dialect: Dialect, ports: dict[str, UsdShade.Input]
+) -> dict[str, Any]:
+    """Source properties without a field in `Material`: leftover inputs, and for foreign shaders the whole network."""
+    known = {*dialect.inputs.values(), *dialect.maps.values()}
+    left = {name: _authored(port.GetAttr()) for name, port in sorted(ports.items()) if name not in known}
+    kept: dict[str, Any] = {identifier(shader): left} if left else {}
+    if dialect is PREVIEW:
+        return kept
+    network = {
+        str(prim.GetPath().MakeRelativePath(source.GetPath())): {
+            a.GetName(): _authored(a)
+            for a in prim.GetAuthoredAttributes()
+            if a.GetName().startswith(("inputs:", "info:"))
+        }
+        for prim in Usd.PrimRange(source.GetPrim())
+        if prim.IsA(UsdShade.Shader)
+    }
+    return {**kept, "shader": identifier(shader), "network": network}
+
+
+def _authored(attribute: Usd.Attribute) -> Any:
+    """What the attribute says, as JSON: the paths it is connected to, else its value."""
+    return [str(path) for path in attribute.GetConnections()] or plain(attribute.Get(EARLIEST))

@@ -1,0 +1,165 @@
+"""Read a released package back from disk, as a simulator would: body, colliders, visible surface."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
+
+from geom.mass.principal_axes import inertia_from_principal
+from geom.pose import apply, shortest_rotation
+from schemas.diagnostics import InvalidInput, Location, finding
+from schemas.model import FloatArray, IntArray
+from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
+from usdio.stage import open_stage
+
+_AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
+
+
+def reread_body(main_file: Path) -> RigidBody:
+    """The one rigid body of a package in the frame of its prim (the asset frame), metres and kilograms.
+
+    Inertia is rebuilt as `R diag(diagonalInertia) R^T` with R from `principalAxes` (UsdPhysics schema). Raises
+    InvalidInput (`asset/package-invalid`) when the file has no body, no complete mass or an unknown collider type.
+    """
+    stage = open_stage(main_file)
+    bodies = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    if len(bodies) != 1:
+        raise _invalid(f"{len(bodies)} rigid bodies instead of one", main_file)
+    return body_of(bodies[0], main_file)
+
+
+def body_of(body: Usd.Prim, main_file: Path) -> RigidBody:
+    """The rigid body at the prim `body`, in its frame and without its scale. Raises as `reread_body` does."""
+    return RigidBody(body.GetName(), shapes_of(body, main_file), _mass(body, main_file), contact_of(body, main_file))
+
+
+def shapes_of(body: Usd.Prim, main_file: Path) -> tuple[CollisionShape, ...]:
+    """The collision shapes that belong to `body`, in its frame. Raises InvalidInput for an unknown collider type."""
+    return tuple(_shape(prim, body, main_file) for prim in collider_prims(body))
+
+
+def reread_shape_contacts(main_file: Path) -> tuple[Contact, ...]:
+    """The contact of each shape of `reread_body`, in the same order. Raises as that does."""
+    stage = open_stage(main_file)
+    body = next(prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI))
+    bound = [bound_contact_material(prim) for prim in collider_prims(body)]
+    if any(api is None for api in bound):
+        raise _invalid("a collider without a contact material", main_file)
+    return tuple(_contact_of(api) for api in bound if api is not None)
+
+
+def reread_visual(main_file: Path) -> tuple[FloatArray, IntArray]:
+    """All rendered meshes merged, in the asset frame: points (n, 3) float64 and triangles (m, 3) int32."""
+    stage = open_stage(main_file)
+    root = stage.GetDefaultPrim()
+    points, triangles, offset = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int32)], 0
+    for prim in visible_meshes(stage):
+        mesh = UsdGeom.Mesh(prim)
+        local = np.asarray(mesh.GetPointsAttr().Get(), dtype=np.float64).reshape(-1, 3)
+        points.append(apply(pose_in(prim, root), local))
+        triangles.append(_triangles(mesh) + np.int32(offset))
+        offset += len(local)
+    return np.concatenate(points), np.concatenate(triangles)
+
+
+def visible_meshes(stage: Usd.Stage) -> list[Usd.Prim]:
+    """Mesh prims a final render draws: purpose default or render."""
+    drawn = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
+    meshes = [prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+    return [prim for prim in meshes if UsdGeom.Imageable(prim).ComputePurpose() in drawn]
+
+
+def collider_prims(body: Usd.Prim) -> list[Usd.Prim]:
+    """Enabled collider prims that belong to `body`: below it, or itself, and not below another body."""
+    found: list[Usd.Prim] = []
+    prims = iter(Usd.PrimRange(body))
+    for prim in prims:
+        if prim != body and prim.HasAPI(UsdPhysics.RigidBodyAPI):
+            prims.PruneChildren()
+        elif prim.HasAPI(UsdPhysics.CollisionAPI) and UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get():
+            found.append(prim)
+    return found
+
+
+def pose_in(prim: Usd.Prim, ancestor: Usd.Prim) -> FloatArray:
+    """(4, 4) transform from `prim` to `ancestor`, column vectors (USD keeps rows); scale is still in it."""
+    cache = UsdGeom.XformCache()
+    to_world = cache.GetLocalToWorldTransform(prim)
+    return np.array(to_world * cache.GetLocalToWorldTransform(ancestor).GetInverse()).T
+
+
+def bound_contact_material(prim: Usd.Prim) -> UsdPhysics.MaterialAPI | None:
+    """The contact material of a collider (purpose `physics`, else the all-purpose one), or None."""
+    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+    return UsdPhysics.MaterialAPI(material.GetPrim()) if material and material.GetPrim() else None
+
+
+def _shape(prim: Usd.Prim, body: Usd.Prim, main_file: Path) -> CollisionShape:
+    X_AS = pose_in(prim, body)
+    scale = np.linalg.norm(X_AS[:3, :3], axis=0)
+    rigid = X_AS.copy()
+    rigid[:3, :3] /= scale
+    radial = float(scale[0])
+    if prim.IsA(UsdGeom.Mesh):
+        mesh = UsdGeom.Mesh(prim)
+        points = apply(X_AS, np.asarray(mesh.GetPointsAttr().Get(), dtype=np.float64).reshape(-1, 3))
+        return CollisionShape("hull", (), np.eye(4), points, _triangles(mesh))
+    if prim.IsA(UsdGeom.Cube):
+        edge = UsdGeom.Cube(prim).GetSizeAttr().Get()
+        return CollisionShape("box", tuple(float(v) for v in edge * scale), rigid)
+    if prim.IsA(UsdGeom.Sphere):
+        return CollisionShape("sphere", (UsdGeom.Sphere(prim).GetRadiusAttr().Get() * radial,), rigid)
+    if prim.IsA(UsdGeom.Capsule) or prim.IsA(UsdGeom.Cylinder):
+        kind, schema = ("capsule", UsdGeom.Capsule) if prim.IsA(UsdGeom.Capsule) else ("cylinder", UsdGeom.Cylinder)
+        gprim = schema(prim)
+        size = (gprim.GetRadiusAttr().Get() * radial, gprim.GetHeightAttr().Get() * radial)
+        rigid[:3, :3] = rigid[:3, :3] @ shortest_rotation(_AXES["Z"], _AXES[str(gprim.GetAxisAttr().Get())])
+        return CollisionShape(kind, size, rigid)
+    raise _invalid(f"a collider of type {prim.GetTypeName()}", main_file, prim)
+
+
+def _mass(body: Usd.Prim, main_file: Path) -> MassProperties:
+    if not body.HasAPI(UsdPhysics.MassAPI):
+        raise _invalid("a body without mass", main_file, body)
+    api = UsdPhysics.MassAPI(body)
+    axes = api.GetPrincipalAxesAttr().Get()
+    quat_wxyz = np.array([axes.GetReal(), *axes.GetImaginary()], dtype=np.float64)
+    if not np.any(quat_wxyz):
+        raise _invalid("a body without principal axes of inertia", main_file, body)
+    moments = np.asarray(api.GetDiagonalInertiaAttr().Get(), dtype=np.float64)
+    centre = np.asarray(api.GetCenterOfMassAttr().Get(), dtype=np.float64)
+    return MassProperties(float(api.GetMassAttr().Get()), centre, inertia_from_principal(moments, quat_wxyz))
+
+
+def contact_of(body: Usd.Prim, main_file: Path) -> Contact:
+    """The contact material of the colliders of `body`; of several the one written first, that of the largest part."""
+    bound = [api for prim in collider_prims(body) if (api := bound_contact_material(prim)) is not None]
+    if not bound:
+        raise _invalid("no collider with a contact material", main_file)
+    siblings = [prim.GetPath() for prim in bound[0].GetPrim().GetParent().GetChildren()]
+    api = min(bound, key=lambda one: siblings.index(path) if (path := one.GetPath()) in siblings else len(siblings))
+    return _contact_of(api)
+
+
+def _contact_of(api: UsdPhysics.MaterialAPI) -> Contact:
+    return Contact(
+        static_friction=api.GetStaticFrictionAttr().Get(),
+        dynamic_friction=api.GetDynamicFrictionAttr().Get(),
+        restitution=api.GetRestitutionAttr().Get(),
+        combine=api.GetPrim().GetCustomDataByKey("mana:combine") or "average",
+    )
+
+
+def _triangles(mesh: UsdGeom.Mesh) -> IntArray:
+    """(m, 3) int32; our own writer only makes triangles."""
+    return np.asarray(mesh.GetFaceVertexIndicesAttr().Get(), dtype=np.int32).reshape(-1, 3)
+
+
+def _invalid(what: str, main_file: Path, prim: Usd.Prim | None = None) -> InvalidInput:
+    where = Location(file=main_file.name, prim=None if prim is None else str(prim.GetPath()))
+    return InvalidInput(finding("asset/package-invalid", f"the package holds {what}", where=where))

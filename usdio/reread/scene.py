@@ -1,0 +1,52 @@
+"""Read a written scene back from disk, as a simulator would: every body with its pose, and what stands still."""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdPhysics
+
+from geom.convex.scaling import scaled_body
+from schemas.model import FloatArray
+from schemas.physics import MassProperties, RigidBody
+from usdio.read.gprim_placement import matrix
+from usdio.reread.body import body_of, contact_of, shapes_of
+from usdio.stage import open_stage
+
+_STILL = MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
+
+
+@dataclass(frozen=True)
+class SceneBody:
+    """One body of a scene: its shapes in its own frame at true size, and X_WA (4, 4) of that frame in the world."""
+
+    name: str
+    body: RigidBody
+    X_WA: FloatArray
+    moves: bool
+
+
+def reread_scene(file: Path) -> tuple[SceneBody, ...]:
+    """What is below `/World/Background` and `/World/Objects`; scale is applied to shapes and mass centres.
+
+    Names are those of the program. Raises InvalidInput (`asset/package-invalid`) as `reread_body` does.
+    """
+    stage = open_stage(file)
+    found = [prim for prim in (stage.GetPrimAtPath("/World/Background"),) if prim]
+    found += stage.GetPrimAtPath("/World/Objects").GetChildren()
+    return tuple(_scene_body(prim, file) for prim in found)
+
+
+def _scene_body(prim: Usd.Prim, file: Path) -> SceneBody:
+    X_WA = matrix(UsdGeom.XformCache().GetLocalToWorldTransform(prim))
+    scale = float(np.cbrt(np.linalg.det(X_WA[:3, :3])))
+    X_WA[:3, :3] /= scale
+    enabled = prim.HasAPI(UsdPhysics.RigidBodyAPI) and UsdPhysics.RigidBodyAPI(prim).GetRigidBodyEnabledAttr().Get()
+    name = prim.GetCustomDataByKey("mana:id") or prim.GetName()
+    body = body_of(prim, file) if enabled else RigidBody(name, shapes_of(prim, file), _STILL, contact_of(prim, file))
+    return SceneBody(str(name), scaled_body(body, scale), X_WA, bool(enabled))

@@ -1,1 +1,0 @@
-"""The rules of the static gate, one concept per file; `usdio.gate` lists them in order."""

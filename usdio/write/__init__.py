@@ -1,0 +1,1 @@
+"""Writing of USD: packages, meshes, materials, physics, scenes, samples, episodes."""

@@ -1,0 +1,158 @@
+"""Write a compiled scene as a USD stage with the packages it uses beside it, so that the folder can be handed on.
+
+Packages are copied, not referenced where they lie: ingest replaces packages in a library in place, and a scene that was
+checked must stay as it was checked; a folder that holds all it refers to also opens on any machine.
+"""
+
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+
+from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics
+
+from schemas.scene.compiled import CompiledScene, PlacedObject
+from usdio.names import prim_names
+from usdio.write.package import USD_FOLDER
+from usdio.write.physics import author_contact_material
+from usdio.write.primitive import CONTACT, DENSITY_KGM3, author_primitive
+
+PACKAGES = "packages"
+GRAVITY_MPS2 = 9.81
+LAMP_INTENSITY = 1200.0
+_ROOT = Sdf.Path("/World")
+_PREVIEWS = "previews"
+
+
+def write_scene(scene: CompiledScene, library: Path | None, file: Path) -> Path:
+    """Write the stage `file` (.usda) and copy the packages of `library` that it uses to `packages/` beside it.
+
+    `/World/Background` does not move, every object is a body of its own below `/World/Objects`; poses are those of the
+    compiled scene. The same scene gives the same bytes. Returns `file`; raises OSError when writing fails.
+    """
+    file.parent.mkdir(parents=True, exist_ok=True)
+    placed = [*([scene.background] if scene.background is not None else []), *scene.objects]
+    for package in sorted({item.package for item in placed if item.package is not None}):
+        if library is None:
+            raise FileNotFoundError(package)
+        copy_package(library / package, file.parent / PACKAGES / package)
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    stage = Usd.Stage.Open(layer)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
+    world = UsdGeom.Xform.Define(stage, _ROOT).GetPrim()
+    stage.SetDefaultPrim(world)
+    Usd.ModelAPI(world).SetKind(Kind.Tokens.assembly)
+    author_physics_scene(stage)
+    author_lights(stage)
+    contact = author_contact_material(stage, _ROOT, CONTACT, DENSITY_KGM3, "inline")
+    background = _ROOT.AppendChild("Background")
+    if scene.background is not None:
+        author_object(stage, background, scene.background, contact, file.parent, moves=False)
+    group = UsdGeom.Xform.Define(stage, _ROOT.AppendChild("Objects")).GetPrim()
+    Usd.ModelAPI(group).SetKind(Kind.Tokens.group)
+    objects = [group.GetPath().AppendChild(name) for name in object_prims(scene)]
+    for path, item in zip(objects, scene.objects, strict=True):
+        author_object(stage, path, item, contact, file.parent, moves=True)
+    del stage, world, group  # A living stage would look for the packages at once, and not beside `file`.
+    for path, item in zip([background, *objects] if scene.background is not None else objects, placed, strict=True):
+        if item.package is not None:
+            main = f"./{main_file(file.parent, item.package).relative_to(file.parent).as_posix()}"
+            layer.GetPrimAtPath(path).referenceList.prependedItems = [Sdf.Reference(main)]
+    layer.customLayerData = {
+        "mana:scene": scene.scene,
+        "mana:seed": scene.seed,
+        "mana:combination": {key: scene.combination[key] for key in sorted(scene.combination)},
+    }
+    if not layer.Export(str(file)):
+        raise OSError(f"USD could not write {file.name}")
+    return file
+
+
+def object_prims(scene: CompiledScene) -> Sequence[str]:
+    """The prim names below `/World/Objects`, in the order of the objects of the scene."""
+    return tuple(prim_names([item.id for item in scene.objects], "object"))
+
+
+def author_physics_scene(stage: Usd.Stage) -> None:
+    """`/World/PhysicsScene`: gravity along -z."""
+    physics = UsdPhysics.Scene.Define(stage, _ROOT.AppendChild("PhysicsScene"))
+    physics.CreateGravityDirectionAttr(Gf.Vec3f(0.0, 0.0, -1.0))
+    physics.CreateGravityMagnitudeAttr(GRAVITY_MPS2)
+
+
+def author_lights(stage: Usd.Stage) -> None:
+    """`/World/Lights`: a soft dome and one lamp, so that the stage is not dark where it is opened."""
+    scope = UsdGeom.Scope.Define(stage, _ROOT.AppendChild("Lights")).GetPath()
+    UsdLux.DomeLight.Define(stage, scope.AppendChild("Dome")).CreateIntensityAttr(700.0)
+    lamp = UsdLux.DistantLight.Define(stage, scope.AppendChild("Lamp"))
+    lamp.CreateIntensityAttr(LAMP_INTENSITY)
+    lamp.CreateAngleAttr(2.0)
+    lamp.AddRotateXYZOp().Set(Gf.Vec3f(35.0, -25.0, 0.0))
+
+
+def author_object(
+    stage: Usd.Stage, path: Sdf.Path, item: PlacedObject, contact: Sdf.Path, folder: Path, *, moves: bool
+) -> None:
+    """One object at its pose: a reference to its package, or the primitive with collider and mass."""
+    prim = UsdGeom.Xform.Define(stage, path).GetPrim()
+    if item.primitive is not None:
+        author_primitive(stage, path, item.primitive, item.scale, item.mass_kg, contact, moves=moves)
+        Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
+    elif item.package is not None:
+        _adapt_body(prim, item, main_file(folder, item.package), moves=moves)
+    form = UsdGeom.Xformable(prim)
+    form.ClearXformOpOrder()
+    form.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(*item.position_m))
+    w, x, y, z = item.quat_wxyz
+    form.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(w, x, y, z))
+    if item.package is not None and item.scale != 1.0:
+        form.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(item.scale))
+    if item.semantic_tags:
+        UsdSemantics.LabelsAPI.Apply(prim, "tags").CreateLabelsAttr(list(item.semantic_tags))
+    prim.SetCustomDataByKey("mana:id", item.id)
+    if item.parent:
+        prim.SetCustomDataByKey("mana:on", item.parent)
+
+
+def main_file(folder: Path, package: str) -> Path:
+    """The main USD file of a copied package, the only one in its folder."""
+    return min((folder / PACKAGES / package / USD_FOLDER).glob("*.usda"))
+
+
+def _adapt_body(prim: Usd.Prim, item: PlacedObject, main: Path, *, moves: bool) -> None:
+    """What stands still has the body of its package switched off, which leaves its colliders.
+
+    A scaled body keeps its density: mass goes with the cube of the scale, moments of inertia with the fifth power.
+    """
+    if not moves:
+        UsdPhysics.RigidBodyAPI.Apply(prim).CreateRigidBodyEnabledAttr(False)
+    elif item.scale != 1.0:
+        author_scaled_mass(prim, main, item.scale)
+
+
+def author_scaled_mass(prim: Usd.Prim, main: Path, scale: float) -> None:
+    """Mass and moments of inertia of the package with the stage `main` at another scale."""
+    source = Usd.Stage.Open(str(main))
+    stated = UsdPhysics.MassAPI(source.GetDefaultPrim())
+    mass = UsdPhysics.MassAPI.Apply(prim)
+    mass.CreateMassAttr(stated.GetMassAttr().Get() * scale**3)
+    mass.CreateDiagonalInertiaAttr(stated.GetDiagonalInertiaAttr().Get() * scale**5)
+
+
+def copy_package(source: Path, target: Path) -> None:
+    """The package without its previews; files that are there with the same bytes stay untouched."""
+    if not source.is_dir():
+        raise FileNotFoundError(source)
+    for file in sorted(path for path in source.rglob("*") if path.is_file()):
+        inside = file.relative_to(source)
+        there = target / inside
+        if inside.parts[0] == _PREVIEWS or (there.is_file() and there.read_bytes() == file.read_bytes()):
+            continue
+        there.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, there)
