@@ -12,14 +12,28 @@ TORCH_STAMP := $(TORCH)/.installed
 DEMO_OUT ?= demo_out
 GAP_OUT ?= gap_suite_out
 
-.PHONY: demo test check lint types layers bench gap-suite docs clean system
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
+# Top-level folders with Python files that differ from the last commit: what `make quick` checks the types of.
+CHANGED = $(shell git status --porcelain -- '*.py' | sed 's/.* //' | grep / | cut -d/ -f1 | sort -u)
+
+.PHONY: demo quick test test-long peers check lint types layers bench gap-suite docs clean system
 
 demo: $(STAMP)
 	$(BIN)/mana demo --out $(DEMO_OUT)
 
-test:
-	$(MAKE) --jobs=2 check $(MUJOCO_USD_STAMP) $(TORCH_STAMP)
-	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
+# An answer in under two minutes: style, layers, types of what changed, and the files of tests that take under 2 s.
+quick: lint layers
+	$(if $(CHANGED),$(BIN)/pyright $(CHANGED))
+	$(PYTEST) --quick
+
+# Style, types, layers, then all tests but those marked `long`; tests of outside peers where `make peers` installed them.
+test: check
+	$(PYTEST)
+
+test-long: $(STAMP) peers
+	$(PYTEST) -m long
+
+peers: $(MUJOCO_USD_STAMP) $(TORCH_STAMP)
 
 check: lint types layers
 
@@ -40,8 +54,9 @@ bench: $(STAMP)
 gap-suite: $(STAMP)
 	$(BIN)/python -m tests.suites.gap.run --resume $(GAP_OUT)
 
+# All generated pages: diagnostics, gate rules, effects; tests/cli/docs compares them with the tree.
 docs: $(STAMP)
-	$(BIN)/python -m cli.docs.diagnostics docs/diagnostics
+	$(BIN)/python -m cli.docs
 
 system:
 	@sh tools/system-packages.sh

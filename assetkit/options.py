@@ -1,4 +1,4 @@
-"""What the user may say about a batch; part of every cache key."""
+"""Options of a batch: the user's statements about the assets and limits of processing; part of every cache key."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ METERS_PER_UNIT: dict[str, float] = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.
 
 
 class Endpoint(BaseModel):
-    """A model that is shown pictures over the network. The key is no part of it: it stays in the environment."""
+    """A model that receives pictures over the network. Its key is not stored here: it stays in the environment."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -37,7 +37,7 @@ class Endpoint(BaseModel):
 
 
 class SegmenterCommand(BaseModel):
-    """A program of the user that proposes parts. With `digest` of the files it names a changed one is asked anew."""
+    """A program of the user that proposes parts. `digest` is the hash of its files: a changed program runs again."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -67,8 +67,8 @@ class Options(BaseModel):
     outdated: tuple[Decision, ...] = Field(default=(), description="about its earlier content; told, never used")
 
     def of_object(self, number: int) -> Options:
-        """The options of one object of the source, or of the whole file with number 0: what a person decided about it
-        overrules what was said about the batch, and the last decision the earlier ones.
+        """The options of one object of the source, or of the whole file with number 0: a person's decision about it
+        replaces the options of the batch, and a later decision an earlier one.
         """
         about = tuple(d for d in self.decisions if d.object in (0, number))
         decided = {field: value for d in about for field, value in d.set.items()}
@@ -76,7 +76,17 @@ class Options(BaseModel):
         stated = {field: value or nothing.get(field) for field, value in decided.items()}
         return self.model_copy(update={**stated, "decisions": about, "outdated": ()})
 
+    def provenance(self) -> dict[str, str]:
+        """License and author as the user states them, each with `<field>_from`, its origin; {} where none is stated."""
+        stated = {"license": self.license, "author": self.author}
+        return {
+            k: v
+            for field, value in stated.items()
+            if value
+            for k, v in ((field, value), (f"{field}_from", self.origin(field)))
+        }
+
     def origin(self, field: str) -> str:
         """Who states `field`: a person who decided, else the command line with its flag."""
-        said = (f"decision by {d.by}" for d in reversed(self.decisions) if field in d.set)
-        return next(said, f"--{field.replace('_', '-')}")
+        deciders = (f"decision by {d.by}" for d in reversed(self.decisions) if field in d.set)
+        return next(deciders, f"--{field.replace('_', '-')}")

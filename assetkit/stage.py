@@ -1,4 +1,4 @@
-"""The contract every stage keeps, and the value that travels through them."""
+"""The protocol of the stages, their result types, and the draft that collects the results of one object."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ class Intake:
     """One object as read: the model in source units and axes, and the files it came from.
 
     `file_extent` is the bounding box of the whole file in source units: one file has one unit, however many objects.
-    `folder` is the name of the folder the file stands in: names may tell a unit. `folders` are the names of all folders
-    from there up to the asset's root: they may tell what it is. `siblings` is the number of other objects in the file.
+    `folder` is the name of the file's folder: names may hold a unit. `folders` are the names of all folders from there
+    up to the asset's root: they may name the category. `siblings` is the number of other objects in the file.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -53,12 +53,22 @@ class Intake:
 
 
 @dataclass(frozen=True)
+class IntakeResult:
+    """The objects found in one source file, with findings and repairs; `review` when a person must look at it."""
+
+    objects: tuple[Intake, ...]
+    diagnostics: tuple[Diagnostic, ...]
+    repairs: tuple[Repair, ...]
+    review: bool
+
+
+@dataclass(frozen=True)
 class Frame:
-    """Scale and turn that meaning gives an object; it replaces what the file alone told, once.
+    """Scale and rotation that semantics gives an object; they replace those from the file alone, once.
 
     R_AS   (3, 3) rotation from the axes of the source to those of the asset.
-    unit   metres per source unit; None leaves that of the file, with what was said about it.
-    front  what told the front that +x of this frame is; None as long as nothing did.
+    unit   metres per source unit, with findings; None keeps the unit of the file.
+    front  the evidence for the front, which is +x of this frame; None while there is none.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -97,7 +107,7 @@ class Appearance:
 
 @dataclass(frozen=True)
 class Semantics:
-    """What the object is, as far as anyone said or can tell; `frame` where that changes its scale or its pose."""
+    """The semantics section of the object; `frame` where it changes the scale or the pose."""
 
     section: SemanticsSection
     frame: Frame | None = None
@@ -106,7 +116,7 @@ class Semantics:
 @dataclass(frozen=True)
 class Interaction:
     """Parts of the object and its front; anchors are proposals until acceptance. `cavities` are the openings of the
-    solid, for all stages that ask. `material` is what the object as a whole is made of, by names, use and looks.
+    solid, for later stages. `material` is the material of the whole object, by names, use and surface appearance.
     """
 
     parts: tuple[Evidence[Part], ...] = ()
@@ -142,9 +152,9 @@ class Previews:
 
 @dataclass(frozen=True)
 class Acceptance:
-    """What simulator and validators found on the package as re-read from disk.
+    """Findings of simulator and validators on the package as re-read from disk.
 
-    With the anchors that hold, and what the object offers: grasps, tried or not, rims, handles. `images` are PNG
+    `anchors` are those that were verified; `affordances` the grasps, tried or not, rims and handles. `images` are PNG
     pictures by name: `grasps`, if there are some.
     """
 
@@ -156,7 +166,7 @@ class Acceptance:
 
 @dataclass(frozen=True)
 class Draft:
-    """One asset on its way. Each field is the result of the stage of that name, None until it has run."""
+    """One asset in the pipeline. Each field is the result of the stage of that name, None until it has run."""
 
     asset_id: str
     source_name: str
@@ -189,10 +199,10 @@ class Draft:
 
 @dataclass(frozen=True)
 class Tools:
-    """What stages may use: the simulator, a scratch folder, the user's statements, a store of models' answers.
+    """Resources of the stages: the simulator, a scratch folder, the user's options, a store of models' answers.
 
     With `endpoint_lost` the endpoint was out of reach for another object of the file and is left alone. `mark` is a
-    file beside the scratch folder; results are stored only while it is there.
+    file beside the scratch folder; results are stored only while it exists.
     """
 
     simulator: Simulator
@@ -211,7 +221,7 @@ class Stage(Protocol):
     result: type[Any]
 
     def accepts(self, draft: Draft) -> list[Diagnostic]:
-        """Cheap findings that forbid running; none unless a stage says otherwise. No side effects."""
+        """Cheap findings that forbid running; none unless a stage overrides this. No side effects."""
         return []
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Any]:

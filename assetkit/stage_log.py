@@ -1,4 +1,4 @@
-"""What happened to one object on its way, stage by stage; a stage that runs again replaces its own entry."""
+"""Log of one object: findings, repairs and timing by stage; a stage that runs again replaces its entry."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from schemas.outcome import EndpointUse, ItemOutcome, Repair
 
 @dataclass(frozen=True)
 class Entry:
-    """One stage's findings; `key` is its place in the store, empty for steps that are not stored."""
+    """One stage's findings and time; `key` is its cache key, empty for steps that are not stored."""
 
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
@@ -24,14 +24,14 @@ class Entry:
 
 
 @dataclass
-class Journal:
+class StageLog:
     """Entries by stage name, in the order of running. Written by the pipeline only."""
 
     entries: dict[str, Entry] = field(default_factory=dict)
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """All findings that still stand."""
+        """All findings of the entries."""
         return tuple(d for e in self.entries.values() for d in e.diagnostics)
 
     @property
@@ -53,13 +53,13 @@ class Journal:
 
     @property
     def outcome(self) -> ItemOutcome:
-        """The end of the object, as far as it is known."""
+        """The outcome of the object by the entries so far."""
         if self.rejected:
             return ItemOutcome.REJECTED
         if any(e.review for e in self.entries.values()):
             return ItemOutcome.REVIEW
         return ItemOutcome.REPAIRED if self.repairs else ItemOutcome.ACCEPTED
 
-    def copy(self) -> Journal:
-        """A journal to try something on."""
-        return Journal(dict(self.entries))
+    def copy(self) -> StageLog:
+        """An independent copy, for attempts."""
+        return StageLog(dict(self.entries))

@@ -1,7 +1,7 @@
-"""Errors of the operating system while an asset is made: from an OSError to a finding about the source or the storage.
+"""Classifies an exception while an asset is made: a finding about the source, the storage, or a defect of Mana.
 
 A verdict may be stored only when it follows from the source alone. Files that vanish from the output folder or a full
-disk say nothing about the source; `NEVER_STORED` names the codes of such verdicts.
+disk do not depend on the source; `NEVER_STORED` names the codes of such verdicts.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ NEVER_STORED = frozenset(
         "asset/source-unreadable",
     }
 )
-# Of a machine that is out of something or of a file system that failed, whichever file it was (errno(3)).
+# Errors of a full or failing machine or file system, whichever file it was (errno(3)).
 _OF_THE_MACHINE = frozenset(
     {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.ESTALE, errno.EMFILE, errno.ENFILE, errno.ENOMEM}
 )
 
 
-def may_be_stored(item: ReportItem) -> bool:
+def is_storable(item: ReportItem) -> bool:
     """Whether the verdict follows from the source, its options and its limits, not from files of Mana or a defect."""
     return not NEVER_STORED.intersection(item.codes)
 
 
-def finding_of(error: Exception, source: SourceFile, folders: tuple[Path, ...]) -> Diagnostic:
-    """What an unexpected exception means: the source cannot be read, the storage failed, or Mana has a defect.
+def finding_from_exception(error: Exception, source: SourceFile, folders: tuple[Path, ...]) -> Diagnostic:
+    """The finding for an unexpected exception: the source cannot be read, the storage failed, or Mana has a defect.
 
     `folders` are those that Mana writes into; the system's folder for temporary files is one of them.
     """
@@ -62,6 +62,6 @@ def storage_failed(headline: str, number: int | None = None) -> Diagnostic:
 
 
 def require_storage(result: CellResult) -> None:
-    """Raises OSError when a child process ended with an OSError: its result says nothing about its input."""
+    """Raises OSError when a child process ended with an OSError: its result does not depend on its input."""
     if (reason := result.os_error) is not None:
         raise OSError(errno.EIO, f"a child process failed: {reason}")

@@ -8,7 +8,7 @@ from pathlib import Path
 from assetkit.readers.common.images import load_texture
 from jobs.cell import Limits
 from jobs.warm import run_module
-from render.camera import View
+from render.camera import CameraView
 from render.request import RenderRequest
 from schemas import array_files
 from usdio.read.asset import read_stage
@@ -16,7 +16,7 @@ from usdio.read.asset import read_stage
 _LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
 
-def stage_picture(stage: Path, view: View, size_px: int) -> bytes:
+def stage_picture(stage: Path, view: CameraView, size_px: int) -> bytes:
     """PNG of a stage that we wrote, `size_px` wide and high.
 
     Raises RuntimeError when the renderer fails: a broken environment, not a bad scene.

@@ -1,1 +1,1 @@
-"""Plausibility rules over released USD packages, and the outside validators that judge the same files."""
+"""Static gate: plausibility rules over released USD packages (`static_gate`), and external validators of them."""

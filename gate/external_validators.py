@@ -1,4 +1,4 @@
-"""Ask outside judges about a released package: NVIDIA's SimReady Foundation and OpenUSD's own validators."""
+"""Verdicts of external validators on a released package: NVIDIA's SimReady Foundation and OpenUSD's own validators."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -23,8 +23,8 @@ SIMREADY, USD_VALIDATION = "simready", "usd-validation"
 SIMREADY_PROFILE, SIMREADY_VERSION = "Robotics-Prop", "4.0.0"
 
 
-class Remark(NamedTuple):
-    """One thing a judge says: its rule, its words, and the prim it is about ("" for the whole file)."""
+class ValidatorIssue(NamedTuple):
+    """One issue that a validator reports: its rule, its message, and the prim concerned ("" for the whole file)."""
 
     rule: str
     message: str
@@ -34,53 +34,53 @@ class Remark(NamedTuple):
         return f"{self.rule}: {self.message}"
 
 
-class Verdict(NamedTuple):
-    """What a judge says, sorted. `findings` are failures; without any the package passed."""
+class ValidatorVerdict(NamedTuple):
+    """The verdict of one validator, issues sorted. `findings` are failures; without any the package passed."""
 
-    judge: str
+    validator: str
     passed: bool
-    findings: tuple[Remark, ...] = ()
-    warnings: tuple[Remark, ...] = ()
+    findings: tuple[ValidatorIssue, ...] = ()
+    warnings: tuple[ValidatorIssue, ...] = ()
 
 
-def outside_verdicts(main_file: Path) -> tuple[Verdict, ...]:
-    """Every outside judge on the package with this main file, silently.
+def external_verdicts(main_file: Path) -> tuple[ValidatorVerdict, ...]:
+    """The verdict of every validator on the package with this main file, without console output.
 
-    A judge that fails on the file has not passed it: its error is its finding. Raises InvalidInput
+    A validator that raises has not passed the file: its error is its finding. Raises InvalidInput
     (`asset/package-invalid`) when the file cannot be opened.
     """
     open_stage(main_file)
-    return tuple(_asked(name, judge, main_file) for name, judge in JUDGES)
+    return tuple(_run_validator(name, validate, main_file) for name, validate in VALIDATORS)
 
 
-def _asked(name: str, judge: Callable[[Path], Verdict], main_file: Path) -> Verdict:
+def _run_validator(name: str, validate: Callable[[Path], ValidatorVerdict], main_file: Path) -> ValidatorVerdict:
     try:
-        return judge(main_file)
+        return validate(main_file)
     except Exception as error:  # Code of others, on any file.
         message = f"the judge itself fails on this file: {type(error).__name__}: {error}"[:300]
-        return Verdict(name, False, (Remark("unjudged", message),))
+        return ValidatorVerdict(name, False, (ValidatorIssue("unjudged", message),))
 
 
-def simready(main_file: Path) -> Verdict:
-    """The same answer as `simready-validate --profile Robotics-Prop --version 4.0.0 FILE`.
+def simready(main_file: Path) -> ValidatorVerdict:
+    """The same verdict as `simready-validate --profile Robotics-Prop --version 4.0.0 FILE`.
 
     Findings are the blocking failures; for the others see `simready_optional`.
     """
     result, places = _simready_result(main_file)
     if result is None:
-        return Verdict(SIMREADY, False, (Remark("unjudged", "the profile could not be loaded"),))
-    findings = tuple(sorted({_remark(issue, places) for issue in result.issues}))
-    return Verdict(SIMREADY, simready_rules().features_summary_passed(result.features_summary), findings)
+        return ValidatorVerdict(SIMREADY, False, (ValidatorIssue("unjudged", "the profile could not be loaded"),))
+    findings = tuple(sorted({_issue(issue, places) for issue in result.issues}))
+    return ValidatorVerdict(SIMREADY, simready_rules().features_summary_passed(result.features_summary), findings)
 
 
-def simready_optional(main_file: Path) -> tuple[Remark, ...]:
+def simready_optional(main_file: Path) -> tuple[ValidatorIssue, ...]:
     """Failures of optional features (joints, grasps, runtime variants), which every package has some of; sorted."""
     result, places = _simready_result(main_file)
-    return () if result is None else tuple(sorted({_remark(issue, places) for issue in result.soft_issues}))
+    return () if result is None else tuple(sorted({_issue(issue, places) for issue in result.soft_issues}))
 
 
 def _simready_result(main_file: Path) -> tuple[Any, dict[str, str]]:
-    """SimReady's result and the temporary folders that its messages name, with what they stand for.
+    """SimReady's result, and the folder names that replace the temporary folders in its messages.
 
     The package is judged under a link in a plain temporary folder, because NP.003 and NP.004 test every folder name up
     to the disk root and would blame the package for where its user keeps it.
@@ -94,21 +94,21 @@ def _simready_result(main_file: Path) -> tuple[Any, dict[str, str]]:
     return result, {str(link): package.name}
 
 
-def usd_validation(main_file: Path) -> Verdict:
+def usd_validation(main_file: Path) -> ValidatorVerdict:
     """Every validator of `pxr.UsdValidation` but the USDZ ones, in sorted order (the registry's own order varies)."""
     with quiet():
         stage = open_stage(main_file)
         validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
         chosen = [v for v in validators if "UsdzValidators" not in v.GetMetadata().GetKeywords()]
-        found = [error for error in UsdValidation.ValidationContext(chosen).Validate(stage) if not error.HasNoError()]
+        errors = [error for error in UsdValidation.ValidationContext(chosen).Validate(stage) if not error.HasNoError()]
     failures, warnings = set(), set()
-    for error in found:
+    for error in errors:
         failed = error.GetType() == UsdValidation.ValidationErrorType.Error
         prims = [site.GetPrim() if site.IsPrim() else site.GetProperty() for site in error.GetSites()]
         paths = [str(prim.GetPath()) for prim in prims if prim]
         message = error.GetMessage().replace(f"{main_file.parent}/", "")
-        (failures if failed else warnings).add(Remark(error.GetIdentifier(), message, *paths[:1]))
-    return Verdict(USD_VALIDATION, not failures, tuple(sorted(failures)), tuple(sorted(warnings)))
+        (failures if failed else warnings).add(ValidatorIssue(error.GetIdentifier(), message, *paths[:1]))
+    return ValidatorVerdict(USD_VALIDATION, not failures, tuple(sorted(failures)), tuple(sorted(warnings)))
 
 
 @cache
@@ -120,14 +120,14 @@ def simready_rules() -> Any:
     return simready.validate
 
 
-def _remark(issue: Any, places: dict[str, str]) -> Remark:
-    """An issue without the temporary folders in `places`, which become the names of what they stand for."""
+def _issue(issue: Any, places: dict[str, str]) -> ValidatorIssue:
+    """An issue; the temporary folders in `places` are replaced by their package names."""
     message = issue.message
     for place, name in places.items():
         message = message.replace(place, name)
     path = getattr(issue.at, "path", None)
     code = issue.requirement.code if issue.requirement is not None else "unnamed"
-    return Remark(code, message, "" if path is None else str(path))
+    return ValidatorIssue(code, message, "" if path is None else str(path))
 
 
 @contextlib.contextmanager
@@ -142,4 +142,7 @@ def _silence() -> Iterator[None]:
         logging.disable(previous)
 
 
-JUDGES: tuple[tuple[str, Callable[[Path], Verdict]], ...] = ((SIMREADY, simready), (USD_VALIDATION, usd_validation))
+VALIDATORS: tuple[tuple[str, Callable[[Path], ValidatorVerdict]], ...] = (
+    (SIMREADY, simready),
+    (USD_VALIDATION, usd_validation),
+)

@@ -1,4 +1,6 @@
-"""The static gate: plausibility of an asset that outside validators do not judge."""
+"""The static gate: runs all plausibility rules, in order, on the main USD file of an asset.
+
+The rules cover what external validators do not; read `gate` and `RULES` first."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -10,7 +12,6 @@ from pathlib import Path
 import numpy as np
 from pxr import Tf
 
-from gate.rule import Rule
 from gate.rules.asset import (
     category_size,
     default_prim,
@@ -74,6 +75,7 @@ from gate.rules.joint import (
     joint_rest,
     links_overlap,
 )
+from gate.rules.rule import Rule
 from gate.rules.visual import (
     inverted_mesh,
     material_binding,
@@ -153,7 +155,7 @@ RULES: tuple[Rule, ...] = (
     articulation.RULE,
     links_overlap.RULE,
     joint_motion.RULE,
-    # looks
+    # visible surfaces and materials
     not_visible.RULE,
     mesh_topology.RULE,
     mesh_values.RULE,
@@ -174,8 +176,8 @@ RULES: tuple[Rule, ...] = (
 def gate(main_file: Path) -> tuple[Diagnostic, ...]:
     """Every finding of every rule on the asset with this main file, in rule order; empty means passed.
 
-    An error is wrong in any file, or in a package that claims to be SimReady; a warning is suspicious; `info` says what
-    keeps a file that claims nothing from being such a package. A file that cannot be opened gives the one finding
+    An error is wrong in any file, or in a package that claims to be SimReady; a warning is suspicious; `info` lists
+    what keeps a file that claims nothing from being such a package. A file that cannot be opened gives the one finding
     `asset/package-invalid`.
     """
     with quiet():
@@ -184,8 +186,8 @@ def gate(main_file: Path) -> tuple[Diagnostic, ...]:
         except InvalidInput as error:
             return (error.diagnostic,)
         with np.errstate(all="ignore"):  # Broken files hold infinities; comparisons are written so that NaN fails them.
-            found = (diagnostic for rule in RULES for diagnostic in _findings(rule, subject))
-            return tuple({diagnostic.model_dump_json(): diagnostic for diagnostic in found}.values())
+            findings = (diagnostic for rule in RULES for diagnostic in _findings(rule, subject))
+            return tuple({diagnostic.model_dump_json(): diagnostic for diagnostic in findings}.values())
 
 
 def claims_release(main_file: Path) -> bool:
@@ -198,14 +200,12 @@ def claims_release(main_file: Path) -> bool:
 
 
 def _findings(rule: Rule, subject: Subject) -> tuple[Diagnostic, ...]:
-    """What a rule says. A value that OpenUSD refuses to read, or a defect of the rule, is a finding and not the end."""
+    """The findings of one rule. A value that OpenUSD refuses to read, or an error of the rule, becomes a finding."""
     try:
         return tuple(rule.check(subject))
     except Tf.ErrorException as error:
         reason = str(error.args[0] if error.args else error).rpartition(" : ")[2].strip("' \n")
         return (finding("asset/package-invalid", "OpenUSD refuses a value in the file", value=reason[:300]),)
-    except (
-        Exception
-    ) as error:  # Any file may be asked about; one that a rule does not foresee must not hide the others.
+    except Exception as error:  # An error of one rule on an unforeseen file must not hide the findings of the others.
         value = f"{type(error).__name__}: {error}"[:300]
         return (finding("asset/internal-error", f"the rule {rule.code} failed", value=value),)

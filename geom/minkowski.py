@@ -1,4 +1,7 @@
-"""Where a convex outline may stand so that it stays inside a region of the plane (Minkowski erosion)."""
+"""Minkowski erosion and difference in the plane: where the origin of a convex outline (n, 2) may lie.
+
+Regions are shapely geometries, in the unit of the outline.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +15,10 @@ from schemas.model import FloatArray
 
 
 def eroded(region: BaseGeometry, outline: FloatArray) -> BaseGeometry:
-    """Where the origin of a convex `outline` (n, 2) may be so that all of it lies in `region`, holes and parts heeded.
+    """The origins for which all of a convex `outline` (n, 2) lies in `region`, which may have holes and several parts.
 
-    An outline whose centre lies inside, and which no edge of the region meets, lies inside; it meets an edge exactly
-    where the origin lies in the hull of edge and mirrored outline.
+    An outline lies inside when its centre does and no edge of the region meets it; it meets an edge exactly where its
+    origin lies in the convex hull of the edge and the mirrored outline.
     """
     if region.is_empty:
         return region
@@ -26,9 +29,9 @@ def eroded(region: BaseGeometry, outline: FloatArray) -> BaseGeometry:
     return inside.difference(blocked)
 
 
-def meets(obstacle: BaseGeometry, outline: FloatArray) -> BaseGeometry:
-    """Where the origin of a convex `outline` (n, 2) is when it meets a convex obstacle: their Minkowski difference."""
-    # A line through points has their hull, and is made far faster than a set of points.
+def minkowski_difference(obstacle: BaseGeometry, outline: FloatArray) -> BaseGeometry:
+    """The origins for which a convex `outline` (n, 2) meets a convex obstacle: the obstacle minus the outline."""
+    # A line through the points has the same hull and is built far faster than a set of points.
     corners = shapely.get_coordinates(obstacle)
     return LineString((corners[:, None] - outline).reshape(-1, 2)).convex_hull
 

@@ -9,12 +9,12 @@ from schemas.model import FloatArray
 
 
 def to_xyzw(quat_wxyz: FloatArray) -> FloatArray:
-    """The same quaternions (..., 4) in xyzw order, as SciPy and PyBullet want them."""
+    """The same quaternions (..., 4) in xyzw order, the order of SciPy and PyBullet."""
     return np.roll(np.asarray(quat_wxyz, dtype=np.float64), -1, axis=-1)
 
 
 def to_wxyz(quat_xyzw: FloatArray) -> FloatArray:
-    """The same quaternions (..., 4) in wxyz order, as everything we write has them."""
+    """The same quaternions (..., 4) in wxyz order, the order of all our files."""
     return np.roll(np.asarray(quat_xyzw, dtype=np.float64), 1, axis=-1)
 
 
@@ -84,7 +84,7 @@ def shortest_rotation(u: FloatArray, v: FloatArray) -> FloatArray:
     if cosine > 0.0:
         cross = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
         return np.eye(3) + cross + cross @ cross / (1.0 + cosine)
-    # The formula above divides by zero near opposite vectors: it was off by half a degree a millionth before.
+    # Near opposite vectors the formula above divides by zero: at 1e-6 from them it is off by half a degree.
     sine = float(np.linalg.norm(axis))
     if sine < 1e-9:
         axis = np.array([1.0, 0.0, 0.0]) if abs(u[0]) < 0.9 else np.array([0.0, 1.0, 0.0])

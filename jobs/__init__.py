@@ -1,1 +1,1 @@
-"""Cells (child processes with limits), the content-addressed cache and scheduling. Knows nothing of assets."""
+"""Runs work in cells (child processes with limits); result cache, folder lock, scheduling. Read `cell` first."""

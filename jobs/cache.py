@@ -1,4 +1,4 @@
-"""A content-addressed store: the key says what went in, so a result is found or rebuilt, never stale."""
+"""Content-addressed result store: keys are hashes of all inputs, so results are found or rebuilt, never stale."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def file_sha256(path: Path) -> str:
 
 
 def changed_files(folder: Path, hashes: Mapping[str, str]) -> list[str]:
-    """Names of files below a folder that are absent or other than their SHA-256 says, in the given order."""
+    """Names of files below a folder that are absent or do not match their SHA-256, in the given order."""
     return [name for name, sha in hashes.items() if not (folder / name).is_file() or file_sha256(folder / name) != sha]
 
 
@@ -35,7 +35,7 @@ class Cache:
     folder: Path
 
     def path(self, kind: str, key: str, suffix: str) -> Path:
-        """Where the result of `kind` under `key` lies or would lie; its folder exists afterwards."""
+        """The path of the result of `kind` under `key`, whether it exists or not; creates its folder."""
         path = self.folder / kind / key[:2] / f"{key}{suffix}"
         path.parent.mkdir(parents=True, exist_ok=True)
         return path

@@ -1,6 +1,6 @@
-"""Run one command in a child process with time and memory limits: a *cell* (design: scale).
+"""Runs one command in a child process with time and memory limits: a *cell*.
 
-Native libraries abort, hang and eat memory; inside a cell they cannot take the batch with them.
+Native libraries may abort, hang or use up memory; inside a cell this does not end the batch.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
 _STOPPING = threading.Event()
 _LIVE: set[int] = set()
 _LIVE_LOCK = threading.Lock()
-_peak_mb = 0.0  # of the cells that were no children of this process
+_peak_mb = 0.0  # Largest resident memory of cells that were not children of this process, MiB.
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def run_cell(argv: Sequence[str], limits: Limits, *, env: dict[str, str] | None 
     """Run `argv` in its own session and wait; on time-out the whole session is killed.
 
     Never raises for what the child does. Grandchildren die with the session, and a cell started by a cell dies with
-    its parent (Linux). Limits never exceed those of the process that asks.
+    its parent (Linux). Limits never exceed those of the calling process.
     """
     if _STOPPING.is_set():
         return CANCELLED
@@ -81,7 +81,7 @@ def run_cell(argv: Sequence[str], limits: Limits, *, env: dict[str, str] | None 
 
 
 def supervise(pid: int, wait: Callable[[float | None], int], limits: Limits, log: IO[bytes]) -> CellResult:
-    """See a started session `pid` through to its end; `wait` returns its exit status or raises TimeoutExpired."""
+    """Wait for the end of a started session `pid`; `wait` returns its exit status or raises TimeoutExpired."""
     started = time.monotonic()
     with _LIVE_LOCK:
         _LIVE.add(pid)
@@ -118,7 +118,7 @@ def kill_all_cells() -> None:
 
 
 def confine(memory_mb: int) -> None:
-    """Bound this process and what it starts, and tie its life to its parent's; for the first moments of a cell."""
+    """Limit the memory of this process and its children, and end it with its parent; called at the start of a cell."""
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
     limit = memory_mb * 2**20 if hard == resource.RLIM_INFINITY else min(memory_mb * 2**20, hard)
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
@@ -128,9 +128,9 @@ def confine(memory_mb: int) -> None:
 
 
 def peak_memory_mb() -> float:
-    """The largest resident memory in MiB that this process, a child of it, or a cell it asked for has had."""
-    own = (resource.getrusage(who).ru_maxrss / 1024 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return max(_peak_mb, *own)
+    """The largest resident memory in MiB of this process, its children, and the cells it has started."""
+    measured = (resource.getrusage(who).ru_maxrss / 1024 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return max(_peak_mb, *measured)
 
 
 def note_peak_memory(megabytes: float) -> None:

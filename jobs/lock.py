@@ -1,7 +1,7 @@
 """An exclusive lock on a folder: at most one process at a time writes into it.
 
 The lock is `flock(2)` on the file `.lock` in the folder. The kernel releases it when the holder ends, however it ends,
-so a file that a killed process left behind blocks nobody. Child processes do not inherit it.
+so the file of a killed process blocks no other. Child processes do not inherit it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ LOCK = ".lock"
 
 
 class FolderUnusable(Exception):
-    """An output folder cannot be made, written into or locked; the text is one line that says which and why."""
+    """An output folder cannot be made, written into or locked; the text is one line with folder and reason."""
 
 
 class FolderInUse(FolderUnusable):
@@ -26,13 +26,13 @@ class FolderInUse(FolderUnusable):
 
 @contextmanager
 def exclusive(folder: Path) -> Iterator[None]:
-    """Within it no other process gets the lock of `folder`, which is made where it does not exist. Not reentrant.
+    """Within it no other process gets the lock of `folder`, which is created when absent. Not reentrant.
 
     Raises FolderInUse at once when another process holds the lock, and FolderUnusable when no file can be written
-    there. The lock file is removed at the end, and with it a folder that was made here and is still empty.
+    there. The lock file is removed at the end, and with it a folder that was created here and is still empty.
     """
     try:
-        made = not folder.exists()
+        created = not folder.exists()
         folder.mkdir(parents=True, exist_ok=True)
         descriptor = _locked_descriptor(folder)
     except (FileExistsError, NotADirectoryError):
@@ -43,8 +43,8 @@ def exclusive(folder: Path) -> Iterator[None]:
         yield
     finally:
         with suppress(OSError):
-            (folder / LOCK).unlink()  # Before the lock is released: whoever has opened this file looks again.
-            if made:
+            (folder / LOCK).unlink()  # Before the lock is released: a process that has opened this file tries again.
+            if created:
                 folder.rmdir()
         os.close(descriptor)
 

@@ -1,4 +1,4 @@
-"""Run independent work items on a few threads; each item does its heavy work in a cell."""
+"""Runs independent work items on a few threads; each item does its heavy work in a cell."""
 
 from __future__ import annotations
 

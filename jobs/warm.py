@@ -1,7 +1,7 @@
-"""Cells that start warm: forks of one process that has done the imports already (Linux; elsewhere every cell is cold).
+"""Warm cells: forks of one process that has already imported the needed modules (Linux; elsewhere every cell is cold).
 
-A cell keeps all it has: a process and session of its own, limits, and nothing left over from the cell before it. Only
-the seconds of importing are spent once for a batch instead of once for an asset.
+A warm cell is a process and session of its own with limits, and inherits nothing from earlier cells. The seconds of
+importing are spent once for a batch instead of once for an asset.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from typing import IO
 
 from jobs.cell import CellResult, Limits, note_peak_memory, run_cell, supervise
 
-ROOM_MB = 1024  # Least address space beyond that of the server in which a fork of it can work.
-_PATIENCE_S = 120.0
+HEADROOM_MB = 1024  # Least address space beyond that of the server in which a fork of it can work.
+_STARTUP_TIMEOUT_S = 120.0
 _server: ForkServer | None = None
 
 
@@ -52,15 +52,15 @@ def warm_cells(preload: str, *, env: dict[str, str] | None = None) -> Iterator[N
             server.close()
 
 
-def inherit(requests: socket.socket, address_space_mb: int) -> None:
-    """For a fresh fork: the cells that it runs come from the same server."""
+def inherit_server(requests: socket.socket, address_space_mb: int) -> None:
+    """Let the cells that this fresh fork runs come from the same server."""
     global _server
     _server = ForkServer("", {})
     _server.requests, _server.address_space_mb = requests, address_space_mb
 
 
 class ForkServer:
-    """The asking side. `requests` is the socket to the server, None before the first cell and when there is none."""
+    """The client of a fork server. `requests` is the socket to it, None before the first cell and without a server."""
 
     def __init__(self, preload: str, env: dict[str, str]) -> None:
         self.requests: socket.socket | None = None
@@ -76,7 +76,7 @@ class ForkServer:
                 self._start()
         soft = resource.getrlimit(resource.RLIMIT_AS)[0]
         memory_mb = limits.memory_mb if soft == resource.RLIM_INFINITY else min(limits.memory_mb, soft >> 20)
-        if self.requests is None or memory_mb < self.address_space_mb + ROOM_MB:
+        if self.requests is None or memory_mb < self.address_space_mb + HEADROOM_MB:
             return None
         request = {"module": name, "arguments": list(arguments), "memory_mb": memory_mb, "env": env}
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -84,7 +84,7 @@ class ForkServer:
             with theirs:
                 try:
                     socket.send_fds(self.requests, [json.dumps(request).encode()], [theirs.fileno(), log.fileno()])
-                except OSError:  # The server has gone, say, for want of memory.
+                except OSError:  # The server has ended, for example for lack of memory.
                     self.requests = None
                     return None
             return _supervised(ours, limits, log)
@@ -95,7 +95,7 @@ class ForkServer:
         fds = (theirs.fileno(), ours.fileno())
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "jobs.fork_server", self._preload, *map(str, fds)],
-            stdin=subprocess.PIPE,  # Its end tells the server that this process has ended.
+            stdin=subprocess.PIPE,  # Closed when this process ends, which ends the server.
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             pass_fds=fds,
@@ -103,7 +103,7 @@ class ForkServer:
             env={**os.environ, **self._env},
         )
         theirs.close()
-        ours.settimeout(_PATIENCE_S)
+        ours.settimeout(_STARTUP_TIMEOUT_S)
         with contextlib.suppress(OSError):
             if ready := ours.recv(64):
                 ours.settimeout(None)
@@ -129,15 +129,15 @@ def _supervised(cell: socket.socket, limits: Limits, log: IO[bytes]) -> CellResu
     def wait(seconds: float | None) -> int:
         cell.settimeout(seconds)
         try:
-            told = ended[0] if ended else cell.recv(64)
+            ending = endings[0] if endings else cell.recv(64)
         except TimeoutError:
             raise subprocess.TimeoutExpired([], seconds or 0.0) from None
-        ended[:] = [told]
-        returncode, peak_kb = (int(word) for word in told.split()) if told else (-signal.SIGKILL, 0)
+        endings[:] = [ending]
+        returncode, peak_kb = (int(word) for word in ending.split()) if ending else (-signal.SIGKILL, 0)
         note_peak_memory(peak_kb / 1024)
         return returncode
 
-    ended: list[bytes] = []
+    endings: list[bytes] = []
     pid = cell.recv(64)
     result = supervise(int(pid), wait, limits, log) if pid else None
-    return None if ended == [b""] and result is not None and result.status == "crashed" else result
+    return None if endings == [b""] and result is not None and result.status == "crashed" else result

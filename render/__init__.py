@@ -1,1 +1,1 @@
-"""Pictures of assets, made on the CPU in a child process."""
+"""Pictures of assets and recordings, rendered on the CPU in a child process. Read `views` first."""

@@ -1,4 +1,4 @@
-"""`python -m render REQUEST.npz`: draw one saved `RenderRequest`; made to be run in a cell.
+"""`python -m render REQUEST.npz`: draw one saved `RenderRequest`; run it in a cell.
 
 Exit codes: 0 all pictures written; 2 wrong arguments or an unreadable request; 3 no software OpenGL on this system (the
 message names the packages). A graphics driver without its back end kills the process with a signal.
@@ -18,15 +18,15 @@ T = TypeVar("T")
 
 def main(argv: list[str]) -> int:
     """Draw the request at `argv[0]`; returns the exit code."""
-    one_thread()
+    use_one_thread()
     from render.request import RenderRequest
     from render.views import render_all
 
     return draw_saved(argv, RenderRequest, render_all)
 
 
-def one_thread() -> None:
-    """Before VTK is loaded. llvmpipe: one core for a process, a batch fills the others."""
+def use_one_thread() -> None:
+    """Limit llvmpipe to one core, since a batch runs a process per core; call before VTK is loaded."""
     os.environ.setdefault("LP_NUM_THREADS", "0")
 
 

@@ -1,4 +1,4 @@
-"""Where the camera stands: four standard views and one hero view around a box of largest edge 1.
+"""Cameras of four standard views and one hero view around a bounding box of largest edge 1.
 
 The *annotation frame* N has its origin at the centre of the bounding box, axes of the asset frame, and the largest
 edge of the box as unit of length: pictures of a 1 mm screw and a 400 m ship look alike.
@@ -17,7 +17,7 @@ FILL = 0.94  # Share of the picture that the box may cover; few objects reach th
 
 
 @dataclass(frozen=True)
-class View:
+class CameraView:
     """A named direction to look from: azimuth counter-clockwise seen from above, 0 = in front (+x)."""
 
     name: str
@@ -26,12 +26,12 @@ class View:
 
 
 STANDARD_VIEWS = (
-    View("view_front", 0.0, 20.0),
-    View("view_left", 90.0, 20.0),
-    View("view_back", 180.0, 20.0),
-    View("view_top", -45.0, 60.0),  # From above the right front corner: the side the other three do not show.
+    CameraView("view_front", 0.0, 20.0),
+    CameraView("view_left", 90.0, 20.0),
+    CameraView("view_back", 180.0, 20.0),
+    CameraView("view_top", -45.0, 60.0),  # From above the right front corner: the side the other three do not show.
 )
-HERO_VIEW = View("thumbnail", 40.0, 25.0)
+HERO_VIEW = CameraView("thumbnail", 40.0, 25.0)
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def annotation_frame(low_m: FloatArray, high_m: FloatArray) -> AnnotationFrame:
 
 
 @dataclass(frozen=True)
-class Camera:
+class PinholeCamera:
     """A pinhole camera in the annotation frame that looks at its origin.
 
     `R_NC` holds the camera axes as columns: right, up, backward (toward the viewer).
@@ -70,7 +70,7 @@ class Camera:
 
     @property
     def position(self) -> FloatArray:
-        """(3,) where the camera stands in N."""
+        """(3,) the camera position in N."""
         return self.R_NC[:, 2] * self.distance
 
     def project(self, points_N: FloatArray, size_px: int) -> FloatArray:
@@ -81,7 +81,7 @@ class Camera:
         return (np.array([1.0, -1.0]) * plane + 1.0) * size_px / 2.0
 
 
-def camera(view: View, extent: FloatArray) -> Camera:
+def camera(view: CameraView, extent: FloatArray) -> PinholeCamera:
     """The camera of `view` at the least distance from which a box of edges `extent` around the origin fits `FILL`.
 
     A corner at (x, y, z) in camera axes is inside while max(|x|, |y|) <= (distance - z) * FILL * tan(fov / 2).
@@ -95,4 +95,4 @@ def camera(view: View, extent: FloatArray) -> Camera:
     slope = FILL * np.tan(FIELD_OF_VIEW_RAD / 2.0)
     distance = float((np.abs(corners_C[:, :2]).max(axis=1) / slope + corners_C[:, 2]).max())
     nearest = distance - float(corners_C[:, 2].max())
-    return Camera(R_NC, distance, near=0.5 * nearest, far=distance + 4.0)
+    return PinholeCamera(R_NC, distance, near=0.5 * nearest, far=distance + 4.0)

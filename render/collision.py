@@ -1,4 +1,4 @@
-"""Collision shapes as tinted, see-through bodies with drawn edges."""
+"""VTK actors of collision shapes: tinted, translucent bodies with drawn edges, in the annotation frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`python -m render.draw_frames REQUEST.npz`: draw one saved `FramesRequest`; made to be run in a cell.
+"""`python -m render.draw_frames REQUEST.npz`: draw one saved `FramesRequest`; run it in a cell.
 
 Exit codes as those of `python -m render`.
 """
@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import sys
 
-from render.__main__ import draw_saved, one_thread
+from render.__main__ import draw_saved, use_one_thread
 
 
 def main(argv: list[str]) -> int:
     """Draw the request at `argv[0]`; returns the exit code."""
-    one_thread()
+    use_one_thread()
     from render.frames import draw_frames
     from render.frames_request import FramesRequest
 

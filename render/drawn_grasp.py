@@ -1,4 +1,4 @@
-"""A grasp as the renderer takes it; apart from what draws it, so that nobody else loads VTK."""
+"""The renderer's input for one grasp; in a module of its own, so that importing it does not load VTK."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from schemas.model import FloatArray
 
 @dataclass(frozen=True)
 class DrawnGrasp:
-    """Lines (k, 2, 3) of a gripper in the asset frame, metres, and what became of the grasp."""
+    """Lines (k, 2, 3) of a gripper in the asset frame, metres, and the result of its trial."""
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
 

@@ -1,4 +1,4 @@
-"""One look for all drawn pictures: no display, no dates, no frame where nothing is read off."""
+"""Matplotlib figures in one style: no display, no metadata dates, no frame on sides without a scale."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ _DPI = 110
 
 
 def figure(width: float = 8.0, height: float = 4.2) -> Figure:
-    """An empty figure, inches."""
-    made = Figure(figsize=(width, height), dpi=_DPI, layout="constrained")
-    FigureCanvasAgg(made)
-    return made
+    """An empty figure; width and height in inches."""
+    empty = Figure(figsize=(width, height), dpi=_DPI, layout="constrained")
+    FigureCanvasAgg(empty)
+    return empty
 
 
-def tidy(axes: Axes, x: str, y: str, title: str = "") -> None:
-    """Labels, and no frame where nothing is read off."""
+def style_axes(axes: Axes, x: str, y: str, title: str = "") -> None:
+    """Set axis labels and title; hide the frame on sides without a scale."""
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     if title:
@@ -29,8 +29,8 @@ def tidy(axes: Axes, x: str, y: str, title: str = "") -> None:
     axes.set_axisbelow(True)
 
 
-def png(made: Figure) -> bytes:
+def png(drawn: Figure) -> bytes:
     """The figure as PNG, without program names or dates."""
     buffer = io.BytesIO()
-    made.savefig(buffer, format="png", metadata={"Software": None})
+    drawn.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()

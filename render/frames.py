@@ -1,7 +1,7 @@
-"""A recording as one of its cameras saw it: colour, depth and instances, file by file.
+"""Renders a recording from one of its cameras: colour, depth and instance images, one file per row.
 
-Colour is lit, darker where surfaces meet, with smoothed edges; depth and instances come from one pass without light,
-at the middles of pixels.
+Colour is lit, with ambient occlusion and smoothed edges; depth (mm) and instance numbers come from one unlit pass,
+sampled at pixel centres.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from geom.mesh.corner_normals import corner_normals
 from render.camera import AnnotationFrame
 from render.frames_request import DrawnBody, FramesRequest
 from render.polydata import triangle_soup
-from render.studio import light_from_around
-from render.surfaces import Surface, actor, surfaces
+from render.studio import add_environment_light
+from render.surfaces import ShadedSurface, actor, surfaces
 from render.textures import TextureSet
 from render.window import offscreen_window
 from schemas.model import FloatArray, IntArray, Material
@@ -33,9 +33,9 @@ MM_PER_M = 1000.0
 _NEAR_M, _FAR_M = 0.01, 65.0  # What 16 bits hold in millimetres.
 _WORLD = AnnotationFrame(np.zeros(3), 1.0, np.ones(3))
 _SKY = (0.80, 0.84, 0.88)
-_LAMP = (-0.346, -0.574, 0.742)  # Where the lamp of written stages stands, seen from anything.
+_LAMP = (-0.346, -0.574, 0.742)  # Unit direction to the lamp of written stages, in W.
 _LAMP_INTENSITY, _DOME = 0.8, 0.7
-_CORNER_M = 0.1  # How far apart surfaces shade one another.
+_CORNER_M = 0.1  # Radius within which surfaces shade one another.
 
 
 def draw_frames(request: FramesRequest) -> None:
@@ -47,11 +47,11 @@ def draw_frames(request: FramesRequest) -> None:
     folder = Path(request.out_dir)
     for kind in (RGB, DEPTH, INSTANCES):
         (folder / kind).mkdir(parents=True, exist_ok=True)
-    lit, flat = _lit(request), _flat(request)
+    color_stage, label_stage = _color_stage(request), _label_stage(request)
     for k, row in enumerate(request.rows):
         name = f"{row:06d}.png"
-        _save(lit.picture(k), folder / RGB / name)
-        ids, depth_m = flat.labels(k)
+        _save(color_stage.picture(k), folder / RGB / name)
+        ids, depth_m = label_stage.labels(k)
         most = max([body.id for body in request.bodies] + [model.id for model in request.models], default=0)
         _save(Image.fromarray(ids.astype(np.uint8 if most < 256 else np.uint16)), folder / INSTANCES / name)
         mm = np.round(depth_m * MM_PER_M).astype(np.uint16)
@@ -59,12 +59,12 @@ def draw_frames(request: FramesRequest) -> None:
 
 
 def _save(image: Image.Image, path: Path) -> None:
-    """As PNG without metadata; the hardest compression would take as long as the drawing."""
+    """Save as PNG without metadata; stronger compression would take as long as the rendering."""
     image.save(path, format="PNG", compress_level=1)
 
 
-class _Stage:
-    """A window with a scene in it that can be put to any of the rows."""
+class _PosableScene:
+    """An off-screen window with a scene whose bodies can be posed at any of the rows."""
 
     def __init__(self, request: FramesRequest, renderer: vtkRenderer) -> None:
         self._request = request
@@ -76,7 +76,7 @@ class _Stage:
         self._movers: list[tuple[vtkActor, FloatArray]] = []
 
     def add(self, visual: vtkActor, X_WB: FloatArray) -> None:
-        """`visual`, in the frame of its body, at (k, 4, 4) poses or at one."""
+        """Add `visual`, in the frame of its body, at (k, 4, 4) poses or at one."""
         self.renderer.AddActor(visual)
         _place(visual, X_WB[0])
         if len(X_WB) > 1:
@@ -101,7 +101,7 @@ class _Stage:
         return vtk_to_numpy(pixels).reshape(height, width, 3)[::-1]  # OpenGL counts rows from the bottom.
 
     def picture(self, k: int) -> Image.Image:
-        """RGB."""
+        """The RGB image of row number `k`."""
         self._draw(k)
         return Image.fromarray(np.ascontiguousarray(self._pixels()))
 
@@ -117,13 +117,13 @@ class _Stage:
         return pixels[..., 0] + 256 * pixels[..., 1], np.where(z < 1.0, depth_m, 0.0)
 
 
-def _lit(request: FramesRequest) -> _Stage:
+def _color_stage(request: FramesRequest) -> _PosableScene:
     vtkMapper.SetResolveCoincidentTopologyToPolygonOffset()
     renderer = vtkOpenGLRenderer()
     renderer.SetBackground(*_SKY)
     renderer.SetAutomaticLightCreation(False)
     red, green, blue = request.dome
-    light_from_around(renderer, (_DOME * red, _DOME * green, _DOME * blue))
+    add_environment_light(renderer, (_DOME * red, _DOME * green, _DOME * blue))
     renderer.SetEnvironmentRight(float(np.cos(request.dome_rad)), float(np.sin(request.dome_rad)), 0.0)
     lamp = vtkLight()
     lamp.SetLightTypeToSceneLight()
@@ -139,12 +139,12 @@ def _lit(request: FramesRequest) -> _Stage:
     renderer.SetSSAOBias(0.004)
     renderer.SetSSAOKernelSize(32)
     renderer.SetSSAOBlur(True)
-    stage = _Stage(request, renderer)
+    stage = _PosableScene(request, renderer)
     for body in request.bodies:
         if body.shapes:
             material = Material(name="plain", base_color=body.color, roughness=0.6)
             corners, normals = _corners(body)
-            stage.add(actor(Surface(material, (), corners, normals, {}), TextureSet(())), body.X_WB)
+            stage.add(actor(ShadedSurface(material, (), corners, normals, {}), TextureSet(())), body.X_WB)
     for drawn in request.models:
         textures = TextureSet(drawn.model.textures)
         for part in surfaces(drawn.model, _WORLD):
@@ -153,10 +153,10 @@ def _lit(request: FramesRequest) -> _Stage:
     return stage
 
 
-def _flat(request: FramesRequest) -> _Stage:
+def _label_stage(request: FramesRequest) -> _PosableScene:
     renderer = vtkOpenGLRenderer()
     renderer.SetBackground(0.0, 0.0, 0.0)
-    stage = _Stage(request, renderer)
+    stage = _PosableScene(request, renderer)
     for body in request.bodies:
         if body.shapes:
             stage.add(_label(body.id, _corners(body)[0]), body.X_WB)
@@ -168,7 +168,7 @@ def _flat(request: FramesRequest) -> _Stage:
 
 
 def _label(number: int, corners: FloatArray) -> vtkActor:
-    """Triangles (m, 3, 3) in the one colour that is their number."""
+    """Triangles (m, 3, 3) in the flat colour that encodes their instance number."""
     mapper = vtkPolyDataMapper()
     mapper.SetInputDataObject(triangle_soup(corners, np.zeros_like(corners), {}))
     result = vtkActor()

@@ -1,4 +1,4 @@
-"""What is asked of the process that draws a recording as one of its cameras saw it."""
+"""Input of the process that renders a recording from one of its cameras: camera, bodies, models, lights."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Rgb = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class DrawnBody:
-    """A body by its shapes: number `id` in segmentations, linear RGB, X_WB (k, 4, 4), or (1, 4, 4) where it stands."""
+    """A body by its shapes: number `id` in segmentations, linear RGB, X_WB (k, 4, 4), or (1, 4, 4) when static."""
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
 
@@ -26,7 +26,7 @@ class DrawnBody:
 
 @dataclass(frozen=True)
 class DrawnModel:
-    """Something that stands, with its materials; points in W."""
+    """A static object with its materials; points in W."""
 
     id: int
     model: Model

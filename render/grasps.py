@@ -1,4 +1,4 @@
-"""Grasps as line drawings of a gripper around the object, in the colour of what its trial said."""
+"""VTK actors of grasps: line drawings of the gripper around the object, coloured by trial result."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from render.drawn_grasp import DrawnGrasp
 from render.polydata import line_segments
 from schemas.model import FloatArray
 
-# Green, red and blue that people with weak red-green vision tell apart by lightness.
+# Green, red and blue of different lightness, for people with weak red-green vision.
 COLOURS = {"held": (0.05, 0.45, 0.12), "not_held": (0.85, 0.1, 0.05), "untried": (0.15, 0.3, 0.75)}
 THICK = 0.007  # of the largest edge of the object; untried ones are thinner
 
 
 def grasp_actors(grasps: Sequence[DrawnGrasp], frame: AnnotationFrame) -> list[vtkActor]:
-    """One actor for each grasp, the frame's unit of length."""
+    """One actor for each grasp, in the annotation frame."""
     return [_actor(grasp, frame) for grasp in grasps]
 
 
-def reach(grasps: Sequence[DrawnGrasp], frame: AnnotationFrame) -> FloatArray:
-    """(3,) how far the lines reach from the middle of the frame along each axis."""
+def half_extents(grasps: Sequence[DrawnGrasp], frame: AnnotationFrame) -> FloatArray:
+    """(3,) the largest distance of the lines from the centre of the frame along each axis."""
     ends = np.concatenate([grasp.lines_m.reshape(-1, 3) for grasp in grasps])
     return np.abs(frame.from_asset(ends)).max(axis=0)
 

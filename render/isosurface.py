@@ -1,4 +1,4 @@
-"""The zero surface of a field on a regular grid, as triangles (flying edges, Schroeder et al. 2015)."""
+"""Zero isosurface of a scalar field on a regular grid, as triangles (flying edges, Schroeder et al. 2015)."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def zero_surface(field: FloatArray, origin: FloatArray, step: float) -> tuple[Fl
     surface.SetValue(0, 0.0)
     surface.ComputeNormalsOff()
     surface.Update()
-    found = surface.GetOutput()
-    if found.GetNumberOfPoints() == 0:
+    triangulated = surface.GetOutput()
+    if triangulated.GetNumberOfPoints() == 0:
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int32)
-    points = vtk_to_numpy(found.GetPoints().GetData()).astype(np.float64)
-    return points, vtk_to_numpy(found.GetPolys().GetConnectivityArray()).reshape(-1, 3).astype(np.int32)
+    points = vtk_to_numpy(triangulated.GetPoints().GetData()).astype(np.float64)
+    return points, vtk_to_numpy(triangulated.GetPolys().GetConnectivityArray()).reshape(-1, 3).astype(np.int32)

@@ -1,4 +1,4 @@
-"""The parts of an object, a colour for each label, with a legend."""
+"""Picture of an object's parts: the hero view with one colour per part label, and a legend."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LINE_PX, _FONT_PX = 22, 14
 def draw_parts(
     request: RenderRequest, part_of: IntArray, frame: AnnotationFrame, window: vtkRenderWindow, renderer: vtkRenderer
 ) -> Image.Image:
-    """The hero view with every triangle in the colour of its label; what has none is grey. The legend is drawn in."""
+    """The hero view with every triangle in the colour of its label; unlabelled ones are grey; with a legend."""
     colors = [_GREY if label.startswith(UNLABELLED) else shape_color(i) for i, label in enumerate(request.parts)]
     for surface in surfaces(_painted(request.model, part_of, colors), frame):
         if len(surface.points):
@@ -42,12 +42,12 @@ def _painted(model: Model, part_of: IntArray, colors: list[tuple[float, float, f
     meshes: list[Mesh] = []
     first = 0
     for mesh in model.meshes:
-        own = part_of[first : first + len(mesh.triangles)]
+        mesh_parts = part_of[first : first + len(mesh.triangles)]
         first += len(mesh.triangles)
-        for index in np.unique(own):
-            kept = own == index
-            normals = None if mesh.normals is None else mesh.normals[kept]
-            triangles = mesh.triangles[kept]
+        for index in np.unique(mesh_parts):
+            faces = mesh_parts == index
+            normals = None if mesh.normals is None else mesh.normals[faces]
+            triangles = mesh.triangles[faces]
             painted = replace(mesh, triangles=triangles, normals=normals, uvs=(), colors=None, material=int(index))
             meshes.append(painted if index >= 0 else replace(painted, material=len(colors)))
     return replace(model, meshes=tuple(meshes), materials=materials, textures=())

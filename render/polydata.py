@@ -1,4 +1,4 @@
-"""Triangles as VTK takes them."""
+"""Converts triangle and line arrays into VTK polydata (copies, float32)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the drawing child process is asked to do."""
+"""Input of the rendering child process: one asset, its shapes, grasps and parts, and the pictures to draw."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from pydantic import ConfigDict
 
-from render.camera import STANDARD_VIEWS, View
+from render.camera import STANDARD_VIEWS, CameraView
 from render.drawn_grasp import DrawnGrasp
 from schemas.model import IntArray, Model
 from schemas.physics import CollisionShape
@@ -23,7 +23,7 @@ class RenderRequest:
     parts    legend of the parts; none: no `parts.png`. `part_of` (m,) is the index of that of each triangle, counted
              through all meshes, or -1.
     size_px  edge of the square pictures; the thumbnail is always 256.
-    views    where to look from; each gives the picture of its name.
+    views    camera directions; each gives the picture of its name.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -32,7 +32,7 @@ class RenderRequest:
     shapes: tuple[CollisionShape, ...]
     out_dir: str
     size_px: int = 512
-    views: tuple[View, ...] = STANDARD_VIEWS
+    views: tuple[CameraView, ...] = STANDARD_VIEWS
     grasps: tuple[DrawnGrasp, ...] = ()
     parts: tuple[str, ...] = ()
     part_of: IntArray | None = None

@@ -61,7 +61,7 @@ _SRGB = """
 
 
 @dataclass(frozen=True)
-class Slot:
+class TextureSlot:
     """One texture look-up: the material input it feeds, and the vertex attribute that holds its coordinates."""
 
     input: str
@@ -83,7 +83,7 @@ def texture_uses(material: Material) -> tuple[tuple[str, TextureUse], ...]:
     return tuple((name, use) for name, use in pairs if use is not None)
 
 
-def sampler_name(slot: Slot) -> str:
+def sampler_name(slot: TextureSlot) -> str:
     """The name under which the texture of `slot` must be bound."""
     return f"mana_{slot.input}"
 
@@ -99,7 +99,7 @@ def vertex_replacements(attributes: dict[str, int]) -> tuple[tuple[str, str], ..
 
 
 def fragment_replacements(
-    material: Material, slots: tuple[Slot, ...], attributes: dict[str, int]
+    material: Material, slots: tuple[TextureSlot, ...], attributes: dict[str, int]
 ) -> tuple[tuple[str, str], ...]:
     """(old, new) pairs for the fragment shader: inputs are sampled before VTK lights them, colours end as sRGB."""
     declared = "".join(f"in vec{n} {a}VS;\n" for a, n in attributes.items())
@@ -118,7 +118,7 @@ def fragment_replacements(
     )
 
 
-def _lookup(slot: Slot, material: Material) -> str:
+def _lookup(slot: TextureSlot, material: Material) -> str:
     """The GLSL statements by which `slot` changes its input."""
     use, uv = slot.use, f"{slot.attribute}VS"
     texel = f"mana_texel({sampler_name(slot)}, {uv}, {_WRAP_MODES[use.wrap_s]}, {_WRAP_MODES[use.wrap_t]})"

@@ -1,4 +1,4 @@
-"""The photo studio: soft light from all sides, two lamps that follow the camera, light-grey floor with a shadow."""
+"""Lighting and floor of asset pictures: soft environment light, two camera lamps, grey floor with a shadow."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from schemas.model import FloatArray
 BACKGROUND_SRGB = 238  # Grey value of the empty picture.
 _FLOOR_HALF = 1.6  # Half the edge of the floor that carries the shadow, in units of the largest box edge.
 _FLOOR_PX = 128
-# (upper height, blur, darkness): what stands close to the floor casts a dark, sharp shadow, the rest a pale, wide one.
+# (upper height, blur, darkness): points close to the floor cast a dark, sharp shadow, higher ones a pale, wide one.
 _SHADOW_LAYERS = ((0.05, 0.025, 0.42), (0.25, 0.08, 0.26), (1.01, 0.2, 0.16))
 
 
@@ -27,11 +27,11 @@ def studio_renderer() -> vtkRenderer:
     renderer.SetAutomaticLightCreation(False)
     renderer.AddLight(_lamp(-1.3, 1.2, 0.9, 0.8))
     renderer.AddLight(_lamp(1.2, 0.2, 1.0, 0.1))
-    light_from_around(renderer)
+    add_environment_light(renderer)
     return renderer
 
 
-def light_from_around(renderer: vtkOpenGLRenderer, tint: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> None:
+def add_environment_light(renderer: vtkOpenGLRenderer, tint: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> None:
     """Light `renderer` by `environment` times `tint`, linear RGB."""
     renderer.UseImageBasedLightingOn()
     renderer.SetEnvironmentUp(0.0, 0.0, 1.0)
@@ -89,7 +89,7 @@ def _lamp(right: float, up: float, backward: float, intensity: float) -> vtkLigh
 
 
 def floor(points: FloatArray, bottom: float) -> vtkActor:
-    """A floor in the colour of the background at height `bottom`, darkened where `points` (n, 3) stand over it."""
+    """A floor in the colour of the background at height `bottom`, darkened below `points` (n, 3)."""
     shade = 1.0 - contact_shadow(points, bottom)
     pixels = np.repeat(np.round(shade * BACKGROUND_SRGB).astype(np.uint8)[..., None], 3, axis=2)
     image = vtkImageData()

@@ -1,4 +1,4 @@
-"""The visible surfaces of a model as VTK actors, one per material and set of vertex attributes."""
+"""Converts the visible surfaces of a model into VTK actors, one per material and set of vertex attributes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from render.camera import AnnotationFrame
 from render.polydata import triangle_soup
-from render.shader import Slot, fragment_replacements, sampler_name, texture_uses, vertex_replacements
+from render.shader import TextureSlot, fragment_replacements, sampler_name, texture_uses, vertex_replacements
 from render.textures import TextureSet
 from schemas.model import FloatArray, Material, Mesh, Model, TextureUse
 
@@ -19,7 +19,7 @@ _COLOR = "manaColor"
 
 
 @dataclass(frozen=True)
-class Surface:
+class ShadedSurface:
     """Triangles that share a material and the same vertex attributes.
 
     points, normals  (m, 3, 3) float32 per corner, annotation frame.
@@ -27,16 +27,16 @@ class Surface:
     """
 
     material: Material
-    slots: tuple[Slot, ...]
+    slots: tuple[TextureSlot, ...]
     points: FloatArray
     normals: FloatArray
     attributes: dict[str, FloatArray]
 
 
-def surfaces(model: Model, frame: AnnotationFrame) -> tuple[Surface, ...]:
+def surfaces(model: Model, frame: AnnotationFrame) -> tuple[ShadedSurface, ...]:
     """The surfaces of `model`; meshes without material are neutral grey, non-finite triangles are left out."""
     textures = frozenset(texture.name for texture in model.textures)
-    parts: dict[tuple[int, tuple[str, ...]], list[Surface]] = {}
+    parts: dict[tuple[int, tuple[str, ...]], list[ShadedSurface]] = {}
     for mesh in model.meshes:
         surface = _surface(mesh, model, frame, textures)
         key = (-1 if mesh.material is None else mesh.material, (*surface.attributes, *(s.input for s in surface.slots)))
@@ -44,7 +44,7 @@ def surfaces(model: Model, frame: AnnotationFrame) -> tuple[Surface, ...]:
     return tuple(_merged(group) for group in parts.values())
 
 
-def actor(surface: Surface, textures: TextureSet) -> vtkActor:
+def actor(surface: ShadedSurface, textures: TextureSet) -> vtkActor:
     """`surface` shaded with its material, visible from both sides."""
     material = surface.material
     mapper = vtkPolyDataMapper()
@@ -66,12 +66,12 @@ def actor(surface: Surface, textures: TextureSet) -> vtkActor:
     return result
 
 
-def plain_actor(parts: tuple[Surface, ...], color: tuple[float, float, float]) -> vtkActor:
+def plain_actor(parts: tuple[ShadedSurface, ...], color: tuple[float, float, float]) -> vtkActor:
     """All `parts` as one matte opaque body of a linear RGB `color`."""
     points = np.concatenate([part.points for part in parts])
     normals = np.concatenate([part.normals for part in parts])
     material = Material(name="plain", base_color=color, roughness=0.9)
-    result = actor(Surface(material, (), points, normals, {}), TextureSet(()))
+    result = actor(ShadedSurface(material, (), points, normals, {}), TextureSet(()))
     # Collision shapes often touch the surface: pushed back, it does not flicker through them.
     result.GetMapper().SetRelativeCoincidentTopologyPolygonOffsetParameters(2.0, 8.0)
     return result
@@ -94,7 +94,7 @@ def _set_material(target: vtkActor, material: Material) -> None:
         target.ForceOpaqueOn()
 
 
-def _bind(target: vtkActor, slots: tuple[Slot, ...], textures: TextureSet) -> tuple[Slot, ...]:
+def _bind(target: vtkActor, slots: tuple[TextureSlot, ...], textures: TextureSet) -> tuple[TextureSlot, ...]:
     """Bind the textures of `slots`; the slots whose image exists and decodes."""
     bound = []
     for slot in slots:
@@ -106,7 +106,7 @@ def _bind(target: vtkActor, slots: tuple[Slot, ...], textures: TextureSet) -> tu
     return tuple(bound)
 
 
-def _surface(mesh: Mesh, model: Model, frame: AnnotationFrame, textures: frozenset[str]) -> Surface:
+def _surface(mesh: Mesh, model: Model, frame: AnnotationFrame, textures: frozenset[str]) -> ShadedSurface:
     material = _NEUTRAL if mesh.material is None else model.materials[mesh.material]
     points = frame.from_asset(mesh.points)[mesh.triangles].astype(np.float32)
     keep = np.isfinite(points).all(axis=(1, 2))
@@ -122,14 +122,14 @@ def _surface(mesh: Mesh, model: Model, frame: AnnotationFrame, textures: frozens
         attribute = mappings.setdefault(mapping, f"manaUV{len(mappings)}")
         if attribute not in attributes:
             attributes[attribute] = placed_uvs(mesh.uvs[use.uv_set][keep], use)
-        slots.append(Slot(name, use, attribute))
-    return Surface(material, tuple(slots), points[keep], _normals(mesh, points)[keep], attributes)
+        slots.append(TextureSlot(name, use, attribute))
+    return ShadedSurface(material, tuple(slots), points[keep], _normals(mesh, points)[keep], attributes)
 
 
 def _normals(mesh: Mesh, points: FloatArray) -> FloatArray:
     """(m, 3, 3) corner normals on the side from which each triangle is wound counter-clockwise.
 
-    Corners whose own normal is missing (zero or not finite) take that of their face.
+    Corners without a valid normal (zero or not finite) take that of their face.
     """
     if mesh.normals is None:
         from geom.mesh.corner_normals import corner_normals  # Loads scipy; most assets bring normals.
@@ -151,10 +151,10 @@ def placed_uvs(uvs: FloatArray, use: TextureUse) -> FloatArray:
     return np.nan_to_num(rotated + np.asarray(use.uv_offset)).astype(np.float32)
 
 
-def _merged(parts: list[Surface]) -> Surface:
+def _merged(parts: list[ShadedSurface]) -> ShadedSurface:
     if len(parts) == 1:
         return parts[0]
     attributes = {n: np.concatenate([part.attributes[n] for part in parts]) for n in parts[0].attributes}
     points = np.concatenate([part.points for part in parts])
     normals = np.concatenate([part.normals for part in parts])
-    return Surface(parts[0].material, parts[0].slots, points, normals, attributes)
+    return ShadedSurface(parts[0].material, parts[0].slots, points, normals, attributes)

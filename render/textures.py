@@ -1,4 +1,4 @@
-"""Textures as the renderer samples them: decoded, shrunk, in the right colour space."""
+"""VTK textures from encoded images: decoded, shrunk to 1024 px, in the right colour space."""
 
 from __future__ import annotations
 

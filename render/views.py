@@ -1,4 +1,4 @@
-"""All pictures of one asset."""
+"""Renders all pictures of one asset: standard views, thumbnail, collision shapes, grasps, parts."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
 from render.camera import HERO_VIEW, AnnotationFrame, annotation_frame, camera
 from render.collision import collision_actors, shape_mesh
-from render.grasps import grasp_actors, reach
+from render.grasps import grasp_actors, half_extents
 from render.parts import draw_parts
 from render.request import RenderRequest
 from render.studio import floor, studio_renderer
-from render.surfaces import Surface, actor, plain_actor, surfaces
+from render.surfaces import ShadedSurface, actor, plain_actor, surfaces
 from render.textures import TextureSet
 from render.window import SUPERSAMPLING, offscreen_window, save_png, take_picture
 from schemas.model import FloatArray, Model
@@ -59,7 +59,7 @@ def render_all(request: RenderRequest) -> dict[str, Path]:
 def _draw_views(
     request: RenderRequest,
     frame: AnnotationFrame,
-    parts: tuple[Surface, ...],
+    parts: tuple[ShadedSurface, ...],
     window: vtkRenderWindow,
     renderer: vtkRenderer,
 ) -> dict[str, Image.Image]:
@@ -71,7 +71,7 @@ def _draw_views(
             visual.GetProperty().SetRepresentationToWireframe()
             visual.GetProperty().SetLineWidth(2.0 * SUPERSAMPLING)
     if any(visual.GetForceTranslucent() for visual in visuals):
-        _peel(renderer)
+        _enable_depth_peeling(renderer)
     sizes = dict.fromkeys(request.views, request.size_px) | {HERO_VIEW: THUMBNAIL_PX}
     pictures = {v.name: take_picture(window, renderer, camera(v, frame.extent), px) for v, px in sizes.items()}
     for visual in visuals:
@@ -82,7 +82,7 @@ def _draw_views(
 def _draw_collision(
     request: RenderRequest,
     frame: AnnotationFrame,
-    parts: tuple[Surface, ...],
+    parts: tuple[ShadedSurface, ...],
     window: vtkRenderWindow,
     renderer: vtkRenderer,
 ) -> Image.Image:
@@ -91,17 +91,17 @@ def _draw_collision(
         renderer.AddActor(plain_actor(parts, _FAINT))
     for overlay in collision_actors(meshes):
         renderer.AddActor(overlay)
-    _peel(renderer)
-    # Shapes that stick out of the model must be seen, too.
-    reach = np.abs(np.concatenate([mesh.points for mesh in meshes])).max(axis=0)
-    lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * reach))
+    _enable_depth_peeling(renderer)
+    # Shapes that protrude from the model must be in the picture, too.
+    shape_half_extents = np.abs(np.concatenate([mesh.points for mesh in meshes])).max(axis=0)
+    lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * shape_half_extents))
     return take_picture(window, renderer, lens, request.size_px)
 
 
 def _draw_grasps(
     request: RenderRequest,
     frame: AnnotationFrame,
-    parts: tuple[Surface, ...],
+    parts: tuple[ShadedSurface, ...],
     window: vtkRenderWindow,
     renderer: vtkRenderer,
 ) -> Image.Image:
@@ -109,7 +109,7 @@ def _draw_grasps(
         renderer.AddActor(plain_actor(parts, _FAINT))
     for lines in grasp_actors(request.grasps, frame):
         renderer.AddActor(lines)
-    lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * reach(request.grasps, frame)))
+    lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * half_extents(request.grasps, frame)))
     return take_picture(window, renderer, lens, request.size_px)
 
 
@@ -126,14 +126,14 @@ def model_frame(model: Model) -> AnnotationFrame:
     return annotation_frame(low, high)
 
 
-def _peel(renderer: vtkRenderer) -> None:
+def _enable_depth_peeling(renderer: vtkRenderer) -> None:
     """Sort translucent surfaces per pixel."""
     renderer.SetUseDepthPeeling(True)
     renderer.SetMaximumNumberOfPeels(6)
     renderer.SetOcclusionRatio(0.0)
 
 
-def _surface_samples(parts: tuple[Surface, ...]) -> FloatArray:
+def _surface_samples(parts: tuple[ShadedSurface, ...]) -> FloatArray:
     """(n, 3) points spread over the surface by area, the same ones every time."""
     if not parts:
         return np.zeros((0, 3))

@@ -1,4 +1,4 @@
-"""An off-screen OpenGL window that works without a display or GPU, and pictures taken from it."""
+"""Off-screen OpenGL window without display or GPU, and the RGB pictures rendered in it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingOpenGL2 import vtkEGLRenderWindow, vtkOSOpenGLRenderWindow
 
-from render.camera import FIELD_OF_VIEW_RAD, Camera
+from render.camera import FIELD_OF_VIEW_RAD, PinholeCamera
 
 SUPERSAMPLING = 2  # Samples per pixel and axis; on llvmpipe cheaper and sharper than multisampling or FXAA.
 
@@ -40,11 +40,11 @@ def offscreen_window() -> vtkRenderWindow:
     return window
 
 
-def take_picture(window: vtkRenderWindow, renderer: vtkRenderer, camera: Camera, size_px: int) -> Image.Image:
+def take_picture(window: vtkRenderWindow, renderer: vtkRenderer, camera: PinholeCamera, size_px: int) -> Image.Image:
     """The square RGB picture that `renderer` shows through `camera`, `SUPERSAMPLING`² samples averaged per pixel."""
     edge = size_px * SUPERSAMPLING
     window.SetSize(edge, edge)
-    _point(renderer, camera)
+    _aim_camera(renderer, camera)
     window.Render()
     pixels = vtkUnsignedCharArray()
     window.GetPixelData(0, 0, edge - 1, edge - 1, 0, pixels, 0)
@@ -57,7 +57,7 @@ def save_png(image: Image.Image, path: Path) -> None:
     image.save(path, format="PNG", compress_level=6)
 
 
-def _point(renderer: vtkRenderer, camera: Camera) -> None:
+def _aim_camera(renderer: vtkRenderer, camera: PinholeCamera) -> None:
     lens = renderer.GetActiveCamera()
     lens.SetPosition(*camera.position)
     lens.SetFocalPoint(0.0, 0.0, 0.0)

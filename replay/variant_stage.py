@@ -15,7 +15,7 @@ from schemas.replay import VARIANT_FILE, Inserted, Variant
 from schemas.scene.compiled import PlacedObject
 from schemas.scene.program import PairedMaterial
 from schemas.scene.samples import SampledLighting
-from usdio.write.episode import PutIn, TimedBody, TimedCamera, write_context, write_motion, write_replay
+from usdio.write.episode import InsertedObject, TimedBody, TimedCamera, write_context, write_motion, write_replay
 from usdio.write.package import USD_FOLDER
 from usdio.write.sample import SampleEdit
 from usdio.write.scene import PACKAGES
@@ -74,7 +74,7 @@ def timed_cameras(episode: Episode) -> list[TimedCamera]:
     return [TimedCamera(c.name, c.X_WC, c.fovy_rad, c.width_px, c.height_px) for c in episode.cameras]
 
 
-def _put_in(one: Inserted, variant: Variant, library: Path) -> PutIn:
+def _put_in(one: Inserted, variant: Variant, library: Path) -> InsertedObject:
     item = PlacedObject(
         id=one.name,
         asset_id=one.asset_id,
@@ -89,7 +89,7 @@ def _put_in(one: Inserted, variant: Variant, library: Path) -> PutIn:
         mass_kg=one.mass_kg,
     )
     material = variant.materials.get(one.material)
-    return PutIn(item, None if material is None else _edit(one, material, library))
+    return InsertedObject(item, None if material is None else _edit(one, material, library))
 
 
 def _edit(one: Inserted, material: PairedMaterial, library: Path) -> SampleEdit:

@@ -15,7 +15,7 @@ from runtime_plan.backend import NUMPY, Backend
 from runtime_plan.plan import Plan
 from runtime_plan.portable_trig import half_turns
 from runtime_plan.samples import Samples
-from runtime_plan.tables import ABSENT, AUTHORED, Forms, Layout, PlanTables, Pool, Reaches, Tables
+from runtime_plan.tables import ABSENT, AUTHORED, Forms, Layout, PlanTables, Pool, Outlines, Tables
 
 Array = Any
 CHUNK = 512  # samples worked on at once, so that their numbers stay in the processor's cache
@@ -149,7 +149,7 @@ def _place(
     things = c.shape[1]
     cosine = 1.0 - 2.0 * s * s
     sine = 2.0 * s * c
-    ends = _ends(backend, tables.reaches, form, cosine, sine)
+    ends = _ends(backend, tables.outlines, form, cosine, sine)
     made = []
     for axis, u in enumerate((ux, uy)):
         bounds, (least, most) = tables.bounds_m[2 * axis :], ends[axis]
@@ -166,29 +166,29 @@ def _place(
 
 
 def _ends(
-    backend: Backend, reaches: tuple[Reaches, ...], form: Array, cosine: Array, sine: Array
+    backend: Backend, outlines: tuple[Outlines, ...], form: Array, cosine: Array, sine: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Least and most x, least and most y (m, T) of the outlines, turned about the asset origin."""
     xp = backend.xp
-    if len(reaches) == 1:
-        return _ends_of(xp, reaches[0], form, cosine, sine)
+    if len(outlines) == 1:
+        return _ends_of(xp, outlines[0], form, cosine, sine)
     found = backend.full((4, *cosine.shape), 0.0)
-    for reach in reaches:
-        columns = reach.columns
+    for outline in outlines:
+        columns = outline.columns
         of = form if form.ndim == 1 else form[:, columns]
-        ends = _ends_of(xp, reach, of, cosine[:, columns], sine[:, columns])
+        ends = _ends_of(xp, outline, of, cosine[:, columns], sine[:, columns])
         for k, values in enumerate((*ends[0], *ends[1])):
             found[k][:, columns] = values
     return (found[0], found[1]), (found[2], found[3])
 
 
 def _ends_of(
-    xp: Any, reach: Reaches, form: Array, cosine: Array, sine: Array
+    xp: Any, outline: Outlines, form: Array, cosine: Array, sine: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     least = most = back = front = None
-    for corner_x, corner_y in zip(reach.x_m, reach.y_m, strict=True):
-        px = corner_x if reach.fixed else xp.take(corner_x, form)
-        py = corner_y if reach.fixed else xp.take(corner_y, form)
+    for corner_x, corner_y in zip(outline.x_m, outline.y_m, strict=True):
+        px = corner_x if outline.fixed else xp.take(corner_x, form)
+        py = corner_y if outline.fixed else xp.take(corner_y, form)
         x = cosine * px
         x -= sine * py
         y = sine * px

@@ -30,7 +30,7 @@ class Forms:
 
 
 @dataclass(frozen=True)
-class Reaches:
+class Outlines:
     """Columns of things whose outlines have about as many corners; shorter outlines repeat their first corner.
 
     `x_m`, `y_m` are (v, k) for the columns when `forms` is None, else (v, forms).
@@ -92,7 +92,7 @@ class Tables:
     body_count: FloatArray  # (T,)
     stance_of: IntArray | None  # (T,) where every thing has one form in all cases, and
     form: IntArray | None  # (T,) that form
-    reaches: tuple[Reaches, ...]
+    outlines: tuple[Outlines, ...]
     levels: tuple[Level, ...]
     background: tuple[float, float, float, float, float]  # x, y, z (m), cosine and sine of half its yaw
     support: IntArray  # (T,) column of the owner, BACKGROUND for it
@@ -242,7 +242,7 @@ def _tables(plan: RuntimePlan, one: PlanCombination, names: tuple[str, ...], for
         body_count=np.array([len(thing.bodies) for thing in one.things], dtype=np.float64),
         stance_of=np.array([found[0] for found in possible], dtype=np.int64) if fixed else None,
         form=np.array([found[0] for found in choices], dtype=np.int64) if fixed else None,
-        reaches=_reaches(choices, forms),
+        outlines=_outlines(choices, forms),
         levels=_levels([thing.parent for thing in one.things], local),
         background=(*X_WB[:3, 3].tolist(), *_half_turn(float(X_WB[0, 0]), float(X_WB[1, 0]))),
         support=np.array([column.get(thing.parent, BACKGROUND) for thing in one.things], dtype=np.int64),
@@ -287,7 +287,7 @@ def _turns(intervals: Sequence[Sequence[tuple[int, int]]]) -> tuple[FloatArray, 
     return past, jump, turn
 
 
-def _reaches(choices: Sequence[Sequence[int]], forms: Forms) -> tuple[Reaches, ...]:
+def _outlines(choices: Sequence[Sequence[int]], forms: Forms) -> tuple[Outlines, ...]:
     """Things by number of corners, rounded up to a power of two; those with several forms look theirs up."""
     sizes: dict[tuple[bool, int], list[int]] = {}
     for index, found in enumerate(choices):
@@ -305,7 +305,7 @@ def _reaches(choices: Sequence[Sequence[int]], forms: Forms) -> tuple[Reaches, .
                 x_m[:, k], y_m[:, k] = outline[0]
                 x_m[: len(outline), k], y_m[: len(outline), k] = outline.T
         everything = len(columns) == len(choices)
-        made.append(Reaches(None if everything else np.array(columns, dtype=np.int64), x_m, y_m, fixed))
+        made.append(Outlines(None if everything else np.array(columns, dtype=np.int64), x_m, y_m, fixed))
     return tuple(made)
 
 

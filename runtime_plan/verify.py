@@ -10,9 +10,9 @@ import numpy as np
 
 from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
-from scene_check.batch import SceneRules, Stands
-from scene_check.check_batch import check_many
-from scene_check.from_plan import rules_of
+from scene_check.batch import BatchPoses, SceneRules
+from scene_check.check_batch import check_batch
+from scene_check.from_plan import scene_rules
 from scene_check.model import TOLERANCE_M
 from schemas.scene.runtime_plan import PlanCombination, RuntimePlan
 
@@ -25,7 +25,7 @@ class Judge:
     def __init__(self, plan: Plan) -> None:
         self._plan = plan.document
         self._names = plan.tables.names
-        self._rules = cache(lambda index: rules_of(plan.document, plan.document.combinations[index]))
+        self._rules = cache(lambda index: scene_rules(plan.document, plan.document.combinations[index]))
 
     def violations(self, samples: Samples, indices: tuple[int, ...] | None = None) -> Iterator[Row]:
         """Every violation of every sample, in order; `indices` of samples that do not follow one another."""
@@ -45,7 +45,7 @@ class Judge:
             yield k, {"kind": text, "things": names, "value": 0.0, "bound": 0.0, "unit": "", "label": ""}
         kept = rows[whole]
         stands = stands_of(self._plan, one, rules, samples, kept, columns)
-        for number, violations in check_many(rules, stands):
+        for number, violations in check_batch(rules, stands):
             for found in violations:
                 yield (
                     int(kept[number]),
@@ -77,7 +77,7 @@ def _incomplete(
 
 def stands_of(
     plan: RuntimePlan, one: PlanCombination, rules: SceneRules, samples: Samples, rows: np.ndarray, columns: list[int]
-) -> Stands:
+) -> BatchPoses:
     """Forms and yaws by orientation: the stance of the asset that the quaternion is, up to a turn about z."""
     shape = (len(rows), len(columns))
     form, known = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=bool)
@@ -96,7 +96,7 @@ def stands_of(
         form[:, i], known[:, i] = pick, cost[row, pick] < 2.0
         yaw[:, i] = 2.0 * np.arctan2(z[row, pick], w[row, pick])
     origins = samples.position_m[rows][:, columns]
-    return Stands(origins, yaw, form, known & np.isfinite(origins).all(axis=-1))
+    return BatchPoses(origins, yaw, form, known & np.isfinite(origins).all(axis=-1))
 
 
 def _times_conjugate(quats: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
-"""Many scenes of the same things at once: what never changes, and where everything stands in each of n scenes.
+"""Data of n scenes with the same objects: the shared rules (`SceneRules`) and the poses in each scene (`BatchPoses`).
 
-Frames as in `scene_check`; U of an owner: its asset frame turned by yaw alone. S: a form, before yaw.
+Frames: W, A as in `scene_check.model`; U of an owner: its asset frame rotated by yaw alone; S: a stance before yaw.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from scene_check import CheckKeepOut, CheckObject, CheckPlace, CheckPrism, Check
 from scene_check.model import FloatArray
 
 IntArray = NDArray[np.int64]
-WORLD = -1  # in place of the number of an owner
+WORLD = -1  # the background, as number of an owner
 
 
 @dataclass(frozen=True)
-class Form:
-    """An asset in one of its stances: pieces in S with heights over the support, front (2,) in S, the height of the
-    asset origin over the support; `stance` is its number."""
+class StanceGeometry:
+    """Geometry of an asset in one stance: prisms in S with heights (m) over the support, front (2,) in S, height of the
+    asset origin over the support; `stance` is the number of the stance."""
 
     prisms: tuple[CheckPrism, ...]
     front: FloatArray
@@ -32,7 +32,7 @@ class Form:
 
 @dataclass(frozen=True)
 class PlaceRule:
-    """A place of thing number `owner`; `at` holds it in U of the owner."""
+    """A place on or in the object of number `owner`; `at` is the place in U of the owner."""
 
     owner: int
     at: CheckPlace
@@ -40,24 +40,24 @@ class PlaceRule:
 
 @dataclass(frozen=True)
 class ThingRule:
-    """A thing, the forms that it may have, its place by number, and what its program allows in A.
+    """An object, its possible stance geometries, its place by number, and the poses that its program allows in A.
 
-    `spots` are (x, y, z, yaw, stance); `stances` by number.
+    `fixed_poses` are (x, y, z, yaw, stance); `stances` by number.
     """
 
     name: str
-    forms: tuple[Form, ...]
+    forms: tuple[StanceGeometry, ...]
     place: int
     x_m: tuple[float, float] = (-np.inf, np.inf)
     y_m: tuple[float, float] = (-np.inf, np.inf)
     yaw_rad: tuple[float, float] = (-np.pi, np.pi)
-    spots: tuple[tuple[float, float, float, float, int], ...] = ()
+    fixed_poses: tuple[tuple[float, float, float, float, int], ...] = ()
     stances: tuple[int, ...] = (0,)
 
 
 @dataclass(frozen=True)
 class RelationRule:
-    """A relation between things by number; `direction` (2,) counts in U of thing `frame`."""
+    """A relation between objects by number; `direction` (2,) is given in U of object `frame`."""
 
     kind: str
     things: tuple[int, ...]
@@ -70,7 +70,7 @@ class RelationRule:
 
 @dataclass(frozen=True)
 class KeepOutRule:
-    """Nothing is over `polygon` (in A of a place by number) up to `height_m`."""
+    """No object may be over `polygon` (in A of a place by number) up to `height_m`."""
 
     place: int
     polygon: Polygon
@@ -79,7 +79,7 @@ class KeepOutRule:
 
 @dataclass(frozen=True)
 class SceneRules:
-    """Everything that n scenes share. The background stands at `origin_m` (3,) in W, turned by `yaw_rad`."""
+    """All rules that n scenes share. The background lies at `origin_m` (3,) in W, rotated by `yaw_rad`."""
 
     things: tuple[ThingRule, ...]
     places: tuple[PlaceRule, ...]
@@ -92,9 +92,9 @@ class SceneRules:
 
 
 @dataclass(frozen=True)
-class Stands:
-    """Where T things stand in n scenes: origin of the asset frame (n, T, 3) and yaw (n, T) in W, number of the form
-    (n, T); `known` (n, T) is False where the orientation is that of no stance."""
+class BatchPoses:
+    """Poses of T objects in n scenes: origin of the asset frame (n, T, 3) and yaw (n, T) in W, index of the
+    stance geometry `form` (n, T); `known` (n, T) is False where the orientation belongs to no stance."""
 
     origin_m: FloatArray
     yaw_rad: FloatArray
@@ -102,17 +102,17 @@ class Stands:
     known: NDArray[np.bool_]
 
 
-def scene_of(rules: SceneRules, stands: Stands, k: int) -> CheckScene:
-    """Scene k as `scene_check.check_scene` takes it. An orientation of no stance becomes stance -1."""
-    origins, yaws = stands.origin_m[k], stands.yaw_rad[k]
+def scene_at(rules: SceneRules, poses: BatchPoses, k: int) -> CheckScene:
+    """Scene k as input of `scene_check.check_scene`. An orientation that belongs to no stance becomes stance -1."""
+    origins, yaws = poses.origin_m[k], poses.yaw_rad[k]
 
     def owner(number: int) -> tuple[FloatArray, float]:
         return (rules.origin_m, rules.yaw_rad) if number == WORLD else (origins[number], float(yaws[number]))
 
-    places = tuple(placed(rule.at, *owner(rule.owner)) for rule in rules.places)
+    places = tuple(place_in_world(rule.at, *owner(rule.owner)) for rule in rules.places)
     return CheckScene(
         objects=tuple(
-            _object(thing, places[thing.place], origins[i], float(yaws[i]), int(stands.form[k, i]), stands.known[k, i])
+            _object(thing, places[thing.place], origins[i], float(yaws[i]), int(poses.form[k, i]), poses.known[k, i])
             for i, thing in enumerate(rules.things)
         ),
         clearance_m=rules.clearance_m,
@@ -132,8 +132,8 @@ def scene_of(rules: SceneRules, stands: Stands, k: int) -> CheckScene:
     )
 
 
-def placed(place: CheckPlace, origin_m: FloatArray, yaw_rad: float) -> CheckPlace:
-    """A place known in U of its owner, in W where the owner stands."""
+def place_in_world(place: CheckPlace, origin_m: FloatArray, yaw_rad: float) -> CheckPlace:
+    """A place given in U of its owner, in W, for an owner at `origin_m` (3,) with `yaw_rad`."""
     shift = turned(place.origin_m[None, :2], yaw_rad)[0]
     at = origin_m + np.array([*shift, place.origin_m[2]])
     return replace(place, origin_m=at, yaw_rad=yaw_rad + place.yaw_rad)
@@ -148,7 +148,7 @@ def _object(
         CheckPrism(turned(p.outline_m, yaw_rad) + origin_m[:2], floor_m + p.low_m, floor_m + p.high_m)
         for p in form.prisms
     )
-    spotted = any(spot[4] == form.stance for spot in thing.spots)
+    spotted = any(spot[4] == form.stance for spot in thing.fixed_poses)
     return CheckObject(
         name=thing.name,
         prisms=prisms,
@@ -159,7 +159,7 @@ def _object(
         x_m=thing.x_m,
         y_m=thing.y_m,
         yaw_range_rad=thing.yaw_rad,
-        spots=tuple(spot[:4] for spot in thing.spots if spot[4] == form.stance or not spotted),
+        fixed_poses=tuple(spot[:4] for spot in thing.fixed_poses if spot[4] == form.stance or not spotted),
         stance=form.stance if known else -1,
-        stances=tuple(spot[4] for spot in thing.spots) or thing.stances,
+        stances=tuple(spot[4] for spot in thing.fixed_poses) or thing.stances,
     )

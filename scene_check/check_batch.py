@@ -1,8 +1,8 @@
-"""Judge many scenes at once: bounds that prove a scene valid are tried first, the rest goes to `scene_check`.
+"""Violations of n scenes: conservative bounds prove most scenes valid, the exact judge checks the others one by one.
 
-A bound takes the convex hull of a thing for its pieces, its whole height for theirs, and boxes for hulls. Each errs on
-one side alone: what it passes is valid by every rule of `scene_check`, what it does not is judged there, scene by
-scene. So the violations are those of the exact judge, and a valid scene costs microseconds.
+The bounds replace the pieces of an object by their convex hull, their heights by its whole height, and hulls by boxes.
+They are one-sided: a scene that passes is valid by every rule of `check_scene`. So the violations are those of the
+exact judge, and a valid scene costs microseconds.
 """
 
 from __future__ import annotations
@@ -16,65 +16,66 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from scene_check import Violation, check
-from scene_check.batch import WORLD, KeepOutRule, RelationRule, SceneRules, Stands, ThingRule, scene_of
+from scene_check.batch import WORLD, BatchPoses, KeepOutRule, RelationRule, SceneRules, ThingRule, scene_at
 from scene_check.model import TOLERANCE_M, TURN, FloatArray
 
 Flags = NDArray[np.bool_]
-SLACK_M = 0.5 * TOLERANCE_M  # half of what the exact judge grants, so that rounding cannot pass what it refuses
+# Half the tolerance of the exact judge, so that rounding cannot pass a scene that it rejects.
+SLACK_M = 0.5 * TOLERANCE_M
 
 
 @dataclass(frozen=True)
-class Seen:
-    """Things as bounds see them: corners of hulls (n, v, 2) in W for each thing, heights of feet and tops (n, T)."""
+class FootprintBounds:
+    """Bounds of T objects in n scenes: hull corners (n, v, 2) in W for each object, lowest and highest z (n, T)."""
 
     hulls: tuple[FloatArray, ...]
     low_m: FloatArray
     high_m: FloatArray
 
 
-def check_many(rules: SceneRules, stands: Stands) -> Iterator[tuple[int, tuple[Violation, ...]]]:
+def check_batch(rules: SceneRules, poses: BatchPoses) -> Iterator[tuple[int, tuple[Violation, ...]]]:
     """Number and violations of every scene that has any, in order."""
-    for k in np.flatnonzero(suspects(rules, stands)).tolist():
-        found = check(scene_of(rules, stands, k))
-        if found:
-            yield k, found
+    for k in np.flatnonzero(unproven(rules, poses)).tolist():
+        violations = check(scene_at(rules, poses, k))
+        if violations:
+            yield k, violations
 
 
-def suspects(rules: SceneRules, stands: Stands) -> Flags:
+def unproven(rules: SceneRules, poses: BatchPoses) -> Flags:
     """(n,) True for the scenes that no bound proves valid."""
-    n = len(stands.origin_m)
+    n = len(poses.origin_m)
     if not rules.things:
         return np.zeros(n, dtype=bool)
-    seen = _seen(rules, stands)
-    bad = ~stands.known.all(axis=1)
+    footprints = _footprint_bounds(rules, poses)
+    bad = ~poses.known.all(axis=1)
     for i, thing in enumerate(rules.things):
-        bad |= _allowed(rules, stands, i, thing)
-        bad |= _places(rules, stands, seen, i)
-    bad |= _pairs(rules, stands, seen)
+        bad |= _allowed(rules, poses, i, thing)
+        bad |= _places(rules, poses, footprints, i)
+    bad |= _pairs(rules, poses, footprints)
     for rule in rules.relations:
-        bad |= ~_related(rules, stands, seen, rule)
+        bad |= ~_related(rules, poses, footprints, rule)
     for keep_out in rules.keep_outs:
-        bad |= _kept_out(rules, stands, seen, keep_out)
+        bad |= _kept_out(rules, poses, footprints, keep_out)
     if rules.reach is not None:
         members = [i for i, thing in enumerate(rules.things) if thing.name in rules.reach.objects]
-        away = np.hypot(*np.moveaxis(stands.origin_m[:, members, :2] - rules.reach.base_m[:2], -1, 0))
+        away = np.hypot(*np.moveaxis(poses.origin_m[:, members, :2] - rules.reach.base_m[:2], -1, 0))
         bad |= ((away > rules.reach.most_m + SLACK_M) | (away < rules.reach.least_m - SLACK_M)).any(axis=1)
     return bad
 
 
-def _seen(rules: SceneRules, stands: Stands) -> Seen:
+def _footprint_bounds(rules: SceneRules, poses: BatchPoses) -> FootprintBounds:
     hulls, low, high = [], [], []
     for i, thing in enumerate(rules.things):
-        form = stands.form[:, i]
-        outlines = [_hull(np.vstack([p.outline_m for p in one.prisms])) for one in thing.forms]
+        index = poses.form[:, i]
+        outlines = [_hull(np.vstack([p.outline_m for p in form.prisms])) for form in thing.forms]
         most = max(len(outline) for outline in outlines)
         corners = np.stack([np.vstack([o, np.repeat(o[:1], most - len(o), axis=0)]) for o in outlines])
-        at = stands.origin_m[:, i]
-        hulls.append(_turned(corners[form], stands.yaw_rad[:, i]) + at[:, None, :2])
-        floor = at[:, 2] - np.array([one.origin_height_m for one in thing.forms])[form]
-        low.append(floor + np.array([min(p.low_m for p in one.prisms) for one in thing.forms])[form])
-        high.append(floor + np.array([max(p.high_m for p in one.prisms) for one in thing.forms])[form])
-    return Seen(tuple(hulls), np.stack(low, axis=1), np.stack(high, axis=1))
+        at = poses.origin_m[:, i]
+        hulls.append(_turned(corners[index], poses.yaw_rad[:, i]) + at[:, None, :2])
+        floor = at[:, 2] - np.array([form.origin_height_m for form in thing.forms])[index]
+        low.append(floor + np.array([min(p.low_m for p in form.prisms) for form in thing.forms])[index])
+        high.append(floor + np.array([max(p.high_m for p in form.prisms) for form in thing.forms])[index])
+    return FootprintBounds(tuple(hulls), np.stack(low, axis=1), np.stack(high, axis=1))
 
 
 def _hull(points: FloatArray) -> FloatArray:
@@ -83,42 +84,42 @@ def _hull(points: FloatArray) -> FloatArray:
 
 
 def _turned(points: FloatArray, yaw_rad: FloatArray) -> FloatArray:
-    """Points (n, v, 2) turned by n yaws."""
+    """Points (n, v, 2) rotated by n yaws."""
     c, s = np.cos(yaw_rad)[:, None], np.sin(yaw_rad)[:, None]
     return np.stack([c * points[..., 0] - s * points[..., 1], s * points[..., 0] + c * points[..., 1]], axis=-1)
 
 
-def _owner(rules: SceneRules, stands: Stands, number: int) -> tuple[FloatArray, FloatArray]:
+def _owner(rules: SceneRules, poses: BatchPoses, number: int) -> tuple[FloatArray, FloatArray]:
     """Origins (n or 1, 3) and yaws (n or 1,) in W of an owner."""
     if number == WORLD:
         return rules.origin_m[None], np.array([rules.yaw_rad])
-    return stands.origin_m[:, number], stands.yaw_rad[:, number]
+    return poses.origin_m[:, number], poses.yaw_rad[:, number]
 
 
 def _in_place(
-    rules: SceneRules, stands: Stands, number: int, points_W: FloatArray
+    rules: SceneRules, poses: BatchPoses, number: int, points_W: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Points (n, v, 2) in A of a place, its height (n or 1,) and its yaw (n or 1,) in W."""
     rule = rules.places[number]
-    origin, yaw = _owner(rules, stands, rule.owner)
+    origin, yaw = _owner(rules, poses, rule.owner)
     inside = _turned(points_W - origin[:, None, :2], -yaw) - rule.at.origin_m[:2]
     if rule.at.yaw_rad:
         inside = _turned(inside, np.full(1, -rule.at.yaw_rad))
     return inside, origin[:, 2] + rule.at.origin_m[2], yaw + rule.at.yaw_rad
 
 
-def _allowed(rules: SceneRules, stands: Stands, i: int, thing: ThingRule) -> Flags:
-    """Where ranges, spots or stances are not proven to hold."""
-    stance = np.array([form.stance for form in thing.forms])[stands.form[:, i]]
-    if thing.spots:
-        return _off_spots(rules, stands, i, thing, stance)
+def _allowed(rules: SceneRules, poses: BatchPoses, i: int, thing: ThingRule) -> Flags:
+    """(n,) True where ranges, fixed poses or stances of object i are not proven to hold."""
+    stance = np.array([form.stance for form in thing.forms])[poses.form[:, i]]
+    if thing.fixed_poses:
+        return _off_fixed_poses(rules, poses, i, thing, stance)
     bad = ~np.isin(stance, thing.stances)
-    points, _, turn = _in_place(rules, stands, thing.place, stands.origin_m[:, i, None, :2])
+    points, _, turn = _in_place(rules, poses, thing.place, poses.origin_m[:, i, None, :2])
     at = points[:, 0]
     for axis, (low, high) in enumerate((thing.x_m, thing.y_m)):
         bad |= (at[:, axis] < low - SLACK_M) | (at[:, axis] > high + SLACK_M)
     if thing.yaw_rad[1] - thing.yaw_rad[0] < TURN:
-        bad |= _turn(stands.yaw_rad[:, i] - turn, *thing.yaw_rad) > SLACK_M
+        bad |= _turn(poses.yaw_rad[:, i] - turn, *thing.yaw_rad) > SLACK_M
     return bad
 
 
@@ -127,35 +128,37 @@ def _turn(angle: FloatArray, low: float, high: float) -> FloatArray:
     return np.maximum(0.0, np.minimum(past - (high - low), TURN - past))
 
 
-def _off_spots(rules: SceneRules, stands: Stands, i: int, thing: ThingRule, stance: NDArray[np.int64]) -> Flags:
-    at, floor, turn = _in_place(rules, stands, thing.place, stands.origin_m[:, i, None, :2])
-    z, yaw = stands.origin_m[:, i, 2] - floor, stands.yaw_rad[:, i] - turn
+def _off_fixed_poses(
+    rules: SceneRules, poses: BatchPoses, i: int, thing: ThingRule, stance: NDArray[np.int64]
+) -> Flags:
+    at, floor, turn = _in_place(rules, poses, thing.place, poses.origin_m[:, i, None, :2])
+    z, yaw = poses.origin_m[:, i, 2] - floor, poses.yaw_rad[:, i] - turn
     least = np.full(len(stance), np.inf)
-    for x, y, up, spot_yaw, spot_stance in thing.spots:
+    for x, y, up, spot_yaw, spot_stance in thing.fixed_poses:
         off = np.maximum(np.abs(at[:, 0] - (x, y)).max(axis=1), np.abs(z - up))
         off = np.maximum(off, _turn(yaw, spot_yaw, spot_yaw))
         least = np.where(stance == spot_stance, np.minimum(least, off), least)
     return least > SLACK_M
 
 
-def _places(rules: SceneRules, stands: Stands, seen: Seen, i: int) -> Flags:
-    """Where thing i is not proven to stand on its place and clear of the geometry of all its owners."""
+def _places(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, i: int) -> Flags:
+    """(n,) True where object i is not proven to be supported and clear of the geometry of all its owners."""
     number = rules.things[i].place
-    spotted = bool(rules.things[i].spots)
-    bad = np.zeros(len(seen.low_m), dtype=bool)
+    has_fixed_pose = bool(rules.things[i].fixed_poses)
+    bad = np.zeros(len(footprints.low_m), dtype=bool)
     direct = True
     while True:
         place = rules.places[number].at
-        hull, floor, _ = _in_place(rules, stands, number, seen.hulls[i])
-        low, high = seen.low_m[:, i] - floor, seen.high_m[:, i] - floor
+        hull, floor, _ = _in_place(rules, poses, number, footprints.hulls[i])
+        low, high = footprints.low_m[:, i] - floor, footprints.high_m[:, i] - floor
         if direct or not place.layers:
             bad |= high > place.height_m + SLACK_M
         if direct:
-            if not spotted:
-                bad |= np.abs(low) > SLACK_M  # lower: in the owner; higher: on what lies there, if anything
+            if not has_fixed_pose:
+                bad |= np.abs(low) > SLACK_M  # lower: inside the owner; higher: on other contents, if any
             if place.polygon is not None:
                 off = ~_covered(hull, place.polygon)
-                bad |= off & (np.abs(low) <= TOLERANCE_M + SLACK_M) if spotted else off
+                bad |= off & (np.abs(low) <= TOLERANCE_M + SLACK_M) if has_fixed_pose else off
         for layer_low, layer_high, polygon in place.layers:
             meets = np.minimum(high, layer_high) - np.maximum(low, layer_low) > SLACK_M
             bad |= meets & ~_covered(hull, polygon)
@@ -170,7 +173,7 @@ def _places(rules: SceneRules, stands: Stands, seen: Seen, i: int) -> Flags:
 
 
 def _covered(hulls: FloatArray, polygon: Polygon) -> Flags:
-    """(n,) whether convex hulls (n, v, 2) lie on a polygon, grown by the slack."""
+    """(n,) True where convex hulls (n, v, 2) lie on a polygon grown by the slack."""
     if not polygon.interiors and np.isclose(polygon.convex_hull.area, polygon.area, rtol=1e-12):
         outline = _hull(np.asarray(polygon.exterior.coords))
         return _beyond(hulls, outline).max(axis=(1, 2)) <= SLACK_M
@@ -180,7 +183,7 @@ def _covered(hulls: FloatArray, polygon: Polygon) -> Flags:
 
 
 def _beyond(points: FloatArray, outline: FloatArray) -> FloatArray:
-    """How far points (n, v, 2) lie outside each edge of a convex outline (e, 2): (n, v, e)."""
+    """Signed distances (n, v, e) of points (n, v, 2) outside each edge of a convex outline (e, 2)."""
     edges = np.roll(outline, -1, axis=0) - outline
     lengths = np.hypot(edges[:, 0], edges[:, 1])
     normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)[lengths > 0.0] / lengths[lengths > 0.0, None]
@@ -192,13 +195,13 @@ def _gap_to(hulls: FloatArray, outline: FloatArray) -> FloatArray:
     return _beyond(hulls, outline).min(axis=1).max(axis=1)
 
 
-def _pairs(rules: SceneRules, stands: Stands, seen: Seen) -> Flags:
-    """Where a clearance is not proven."""
-    n, count = seen.low_m.shape
+def _pairs(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds) -> Flags:
+    """(n,) True where a clearance is not proven."""
+    n, count = footprints.low_m.shape
     c, s = np.cos(rules.yaw_rad), np.sin(rules.yaw_rad)
-    axes = np.array([[c, -s], [s, c]])  # of the background: things on it are kept apart along its axes
-    least = np.stack([(hull @ axes).min(axis=1) for hull in seen.hulls], axis=1)  # (n, T, 2)
-    most = np.stack([(hull @ axes).max(axis=1) for hull in seen.hulls], axis=1)
+    axes = np.array([[c, -s], [s, c]])  # of the background: objects on it are separated along its axes
+    least = np.stack([(hull @ axes).min(axis=1) for hull in footprints.hulls], axis=1)  # (n, T, 2)
+    most = np.stack([(hull @ axes).max(axis=1) for hull in footprints.hulls], axis=1)
     bound = rules.clearance_m - SLACK_M
     bad = np.zeros(n, dtype=bool)
     owners = [_owners(rules, i) for i in range(count)]
@@ -206,51 +209,51 @@ def _pairs(rules: SceneRules, stands: Stands, seen: Seen) -> Flags:
         others = np.array([j for j in range(i + 1, count) if j not in owners[i] and i not in owners[j]], dtype=np.int64)
         if not others.size:
             continue
-        near = np.maximum(seen.low_m[:, others], seen.low_m[:, i, None]) + SLACK_M < np.minimum(
-            seen.high_m[:, others], seen.high_m[:, i, None]
+        near = np.maximum(footprints.low_m[:, others], footprints.low_m[:, i, None]) + SLACK_M < np.minimum(
+            footprints.high_m[:, others], footprints.high_m[:, i, None]
         )
         for axis in range(2):
             near &= least[:, others, axis] - most[:, i, axis, None] < bound
             near &= least[:, i, axis, None] - most[:, others, axis] < bound
         for row in np.flatnonzero(near.any(axis=0)):
             scenes = np.flatnonzero(near[:, row] & ~bad)
-            one = shapely.polygons(seen.hulls[i][scenes])
-            two = shapely.polygons(seen.hulls[others[row]][scenes])
-            bad[scenes[shapely.distance(one, two) < max(bound, SLACK_M)]] = True
+            outline_a = shapely.polygons(footprints.hulls[i][scenes])
+            outline_b = shapely.polygons(footprints.hulls[others[row]][scenes])
+            bad[scenes[shapely.distance(outline_a, outline_b) < max(bound, SLACK_M)]] = True
     return bad
 
 
 def _owners(rules: SceneRules, i: int) -> set[int]:
-    found: set[int] = set()
+    owners: set[int] = set()
     owner = rules.places[rules.things[i].place].owner
     while owner != WORLD:
-        found.add(owner)
+        owners.add(owner)
         owner = rules.places[rules.things[owner].place].owner
-    return found
+    return owners
 
 
-def _related(rules: SceneRules, stands: Stands, seen: Seen, rule: RelationRule) -> Flags:
-    """(n,) where a relation is proven to hold."""
-    n = len(seen.low_m)
-    origins = [stands.origin_m[:, i, :2] for i in rule.things]
-    turn = np.broadcast_to(_owner(rules, stands, rule.frame)[1], (n,))
+def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: RelationRule) -> Flags:
+    """(n,) True where a relation is proven to hold."""
+    n = len(footprints.low_m)
+    origins = [poses.origin_m[:, i, :2] for i in rule.things]
+    turn = np.broadcast_to(_owner(rules, poses, rule.frame)[1], (n,))
     along = _turned(np.broadcast_to(rule.direction, (n, 1, 2)), turn)[:, 0]
     if rule.kind == "before":
-        first, second = (np.einsum("nvd,nd->nv", seen.hulls[i], along) for i in rule.things[:2])
+        first, second = (np.einsum("nvd,nd->nv", footprints.hulls[i], along) for i in rule.things[:2])
         return second.min(axis=1) - first.max(axis=1) >= rule.gap_m - SLACK_M
     if rule.kind == "far_from":
-        one, two = (shapely.polygons(seen.hulls[i]) for i in rule.things[:2])
-        return np.asarray(shapely.distance(one, two)) >= rule.gap_m - SLACK_M
+        outline_a, outline_b = (shapely.polygons(footprints.hulls[i]) for i in rule.things[:2])
+        return np.asarray(shapely.distance(outline_a, outline_b)) >= rule.gap_m - SLACK_M
     if rule.kind == "near" and all(len(form.prisms) == 1 for i in rule.things[:2] for form in rules.things[i].forms):
-        one, two = (shapely.polygons(seen.hulls[i]) for i in rule.things[:2])
-        return np.asarray(shapely.distance(one, two)) <= rule.gap_m + SLACK_M
+        outline_a, outline_b = (shapely.polygons(footprints.hulls[i]) for i in rule.things[:2])
+        return np.asarray(shapely.distance(outline_a, outline_b)) <= rule.gap_m + SLACK_M
     if rule.kind == "aligned":
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)
         offsets = np.stack([np.einsum("nd,nd->n", at, across) for at in origins])
         return np.ptp(offsets, axis=0) <= rule.tolerance + SLACK_M
     if rule.kind == "facing":
-        fronts = np.stack([form.front for form in rules.things[rule.things[0]].forms])[stands.form[:, rule.things[0]]]
-        front = _turned(fronts[:, None], stands.yaw_rad[:, rule.things[0]])[:, 0]
+        fronts = np.stack([form.front for form in rules.things[rule.things[0]].forms])[poses.form[:, rule.things[0]]]
+        front = _turned(fronts[:, None], poses.yaw_rad[:, rule.things[0]])[:, 0]
         toward = origins[1] - origins[0]
         cross = front[:, 0] * toward[:, 1] - front[:, 1] * toward[:, 0]
         angle = np.abs(np.arctan2(cross, np.einsum("nd,nd->n", front, toward)))
@@ -267,15 +270,17 @@ def _related(rules: SceneRules, stands: Stands, seen: Seen, rule: RelationRule) 
     return np.zeros(n, dtype=bool)
 
 
-def _kept_out(rules: SceneRules, stands: Stands, seen: Seen, rule: KeepOutRule) -> Flags:
-    """Where something may be over a keep-out."""
+def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: KeepOutRule) -> Flags:
+    """(n,) True where an object may be over a keep-out."""
     owner = rules.places[rule.place].owner
     exempt = {owner} | (set() if owner == WORLD else _owners(rules, owner))
-    bad = np.zeros(len(seen.low_m), dtype=bool)
+    bad = np.zeros(len(footprints.low_m), dtype=bool)
     for i in range(len(rules.things)):
         if i in exempt:
             continue
-        hull, floor, _ = _in_place(rules, stands, rule.place, seen.hulls[i])
-        meets = np.minimum(seen.high_m[:, i] - floor, rule.height_m) - np.maximum(seen.low_m[:, i] - floor, 0.0)
+        hull, floor, _ = _in_place(rules, poses, rule.place, footprints.hulls[i])
+        meets = np.minimum(footprints.high_m[:, i] - floor, rule.height_m) - np.maximum(
+            footprints.low_m[:, i] - floor, 0.0
+        )
         bad |= (meets > SLACK_M) & np.asarray(shapely.distance(rule.polygon, shapely.polygons(hull)) <= 0.0)
     return bad

@@ -1,16 +1,16 @@
-"""The independent judge of a finished scene: plain arrays in, violations out; it knows no compiler and no solver.
+"""The independent judge of one finished scene: plain arrays in, violations out; it imports no compiler and no solver.
 
 An object is a set of convex prisms in the world W (metres, z up). Places are level, so frame A of a place is an origin
-and a yaw in W. What is judged, and against which bound (`TOLERANCE_M` for lengths, the same number in rad for angles):
+and a yaw in W. The rules, with tolerance `TOLERANCE_M` for lengths and the same number in rad for angles:
 
-support     on a surface it stands on the polygon with every outline, its top under the free height; in a volume each
-            prism lies within every layer that it spans and below the rim, on the floor or on what lies there (see
+support     on a surface every outline lies on the polygon and the top under the free height; in a volume each prism
+            lies within every layer that it spans and below the rim, on the floor or on other contents (see
             `scene_check.stacking`)
 clearance   least distance of footprints between objects that overlap in height: whole footprints and whole heights for
-            objects of one place, prism by prism otherwise. Objects are not held apart from their owners, nor the
-            owners' owners: there only the owner's geometry over the place (`above`) must not be entered
-ranges, stances, spots, relations, keep-outs, reach (a ring in x and y). A spot written off the floor (a hook, a peg
-            hole) needs no support beneath it: its author has said that it holds.
+            objects of one place, prism by prism otherwise. Between an object and its owners, or their
+            owners, only the owner's geometry over the place (`above`) must not be entered
+ranges, stances, fixed poses, relations, keep-outs, reach (a ring in x and y). A fixed pose above the floor (a hook, a
+            peg hole) needs no support beneath it: the program states that it holds.
 """
 
 from __future__ import annotations
@@ -19,28 +19,29 @@ from scene_check.model import CheckScene, Violation, changed_since
 from scene_check.pairs import too_close
 from scene_check.placement import owners_entered, unsupported, wrong_pose
 from scene_check.relations import broken_relation, entered_keep_out, out_of_reach
-from scene_check.stacking import tipped
+from scene_check.stacking import unstable_stacks
 
 
 def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation, ...]:
     """Every violation of the scene, in the order of its objects; none means that the scene is valid.
 
-    `known` is a scene in which none was found. What is the very same object there is judged only against what is not.
+    `known` is a scene without violations. Objects identical (`is`) to those of `known` are judged only against the
+    others.
     """
     by_name = {item.name: item for item in scene.objects}
     changed = changed_since(known, scene, by_name)
-    asked = {id(relation) for relation in known.relations} if known is not None else set[int]()
-    found: list[Violation] = []
+    judged_before = {id(relation) for relation in known.relations} if known is not None else set[int]()
+    violations: list[Violation] = []
     for item in scene.objects:
         if item.name in changed:
-            found += (*wrong_pose(item), *unsupported(item), *owners_entered(item, by_name))
-    found += tipped(scene)
-    found += too_close(scene, by_name, changed)
+            violations += (*wrong_pose(item), *unsupported(item), *owners_entered(item, by_name))
+    violations += unstable_stacks(scene)
+    violations += too_close(scene, by_name, changed)
     for relation in scene.relations:
-        if id(relation) not in asked or not changed.isdisjoint(relation.objects):
-            found += broken_relation(relation, [by_name[name] for name in relation.objects])
+        if id(relation) not in judged_before or not changed.isdisjoint(relation.objects):
+            violations += broken_relation(relation, [by_name[name] for name in relation.objects])
     for keep_out in scene.keep_outs:
-        found += entered_keep_out(keep_out, scene, by_name)
+        violations += entered_keep_out(keep_out, scene, by_name)
     if scene.reach is not None:
-        found += out_of_reach(scene.reach, by_name)
-    return tuple(found)
+        violations += out_of_reach(scene.reach, by_name)
+    return tuple(violations)

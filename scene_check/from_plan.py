@@ -1,4 +1,4 @@
-"""A combination of a plan as rules for the independent judge: made from the document alone, not from the tables."""
+"""Rules for the independent judge from one combination of a plan document, not from the tables of the sampler."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from shapely import Polygon
 
 from geom.planar import front_of
 from scene_check import CheckPlace, CheckPrism, CheckReach
-from scene_check.batch import WORLD, Form, KeepOutRule, PlaceRule, RelationRule, SceneRules, ThingRule
+from scene_check.batch import WORLD, KeepOutRule, PlaceRule, RelationRule, SceneRules, StanceGeometry, ThingRule
 from schemas.scene.compiled import Prism
 from schemas.scene.runtime_plan import PlanBody, PlanCombination, PlanPlace, PlanPolygon, PlanThing, RuntimePlan
 
 BACKGROUND = "background"
 
 
-def rules_of(plan: RuntimePlan, one: PlanCombination) -> SceneRules:
-    """What every sample of a combination must fulfil. The forms of a thing are all stances of all its bodies."""
-    number = {thing.id: i for i, thing in enumerate(one.things)} | {BACKGROUND: WORLD}
-    X_WB = np.array(one.X_WB)
-    reach = one.reach
+def scene_rules(plan: RuntimePlan, combination: PlanCombination) -> SceneRules:
+    """The rules of every sample of a combination. The forms of an object are all stances of all its bodies."""
+    number = {thing.id: i for i, thing in enumerate(combination.things)} | {BACKGROUND: WORLD}
+    X_WB = np.array(combination.X_WB)
+    reach = combination.reach
     return SceneRules(
-        things=tuple(_thing(plan, thing) for thing in one.things),
-        places=tuple(PlaceRule(number[owner], _place(owner, place)) for owner, place in one.places),
+        things=tuple(_thing(plan, thing) for thing in combination.things),
+        places=tuple(PlaceRule(number[owner], _place(owner, place)) for owner, place in combination.places),
         origin_m=X_WB[:3, 3],
         yaw_rad=float(np.arctan2(X_WB[1, 0], X_WB[0, 0])),
         clearance_m=plan.clearance_m,
@@ -35,9 +35,11 @@ def rules_of(plan: RuntimePlan, one: PlanCombination) -> SceneRules:
                 rule.tolerance,
                 rule.word or rule.kind,
             )
-            for rule in one.relations
+            for rule in combination.relations
         ),
-        keep_outs=tuple(KeepOutRule(rule.place, _polygon(rule.polygon), rule.height_m) for rule in one.keep_outs),
+        keep_outs=tuple(
+            KeepOutRule(rule.place, _polygon(rule.polygon), rule.height_m) for rule in combination.keep_outs
+        ),
         reach=None
         if reach is None
         else CheckReach(np.array(reach.base_m), reach.least_m, reach.most_m, tuple(reach.members)),
@@ -53,17 +55,17 @@ def _thing(plan: RuntimePlan, thing: PlanThing) -> ThingRule:
         x_m=thing.x_m or everywhere,
         y_m=thing.y_m or everywhere,
         yaw_rad=thing.yaw_rad or all_around,
-        spots=tuple((*spot.position_m, spot.yaw_rad, spot.stance) for spot in thing.spots),
+        fixed_poses=tuple((*spot.position_m, spot.yaw_rad, spot.stance) for spot in thing.spots),
         stances=thing.stances,
     )
 
 
-def _forms(body: PlanBody) -> tuple[Form, ...]:
-    made = []
+def _forms(body: PlanBody) -> tuple[StanceGeometry, ...]:
+    forms = []
     for number, stance in enumerate(body.stances):
         prisms, front = tuple(map(_prism, stance.prisms)), front_of(stance.quat_wxyz)
-        made.append(Form(prisms, front, stance.origin_height_m, number))
-    return tuple(made)
+        forms.append(StanceGeometry(prisms, front, stance.origin_height_m, number))
+    return tuple(forms)
 
 
 def _place(owner: str, place: PlanPlace) -> CheckPlace:

@@ -1,4 +1,7 @@
-"""What the judge of scenes is told, and what it says: plain arrays, all in the world W unless said otherwise."""
+"""Input and output of the judge of scenes: objects, places, rules and violations; metres, in the world W unless stated.
+
+Frame A of a place: its origin and yaw in W, z up.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ ViolationKind = Literal[
 
 @dataclass(frozen=True)
 class CheckPrism:
-    """A convex outline (n, 2) counter-clockwise and the heights between which it stands, in W (or A where said)."""
+    """A convex outline (n, 2) counter-clockwise and its lowest and highest z, in W (in A where stated)."""
 
     outline_m: FloatArray
     low_m: float
@@ -30,7 +33,7 @@ class CheckPrism:
 
 @dataclass(frozen=True)
 class CheckPlace:
-    """Where objects stand: `origin_m` (3,) and `yaw_rad` of A in W; `polygon` (with holes), `layers` (low, high,
+    """A place on or in an owner: `origin_m` (3,) and `yaw_rad` of A in W; `polygon` (with holes), `layers` (low, high,
     polygon) and `above` in A. A surface has a polygon, a volume has layers; `height_m` is free height or rim."""
 
     owner: str
@@ -51,8 +54,9 @@ class CheckPlace:
 
 @dataclass(frozen=True)
 class CheckObject:
-    """One object as it stands: origin of its asset frame (3,) and direction of its front (2,) in W, its prisms in W,
-    what its program allows: ranges of x, y, yaw in A, or `spots` (x, y, z, yaw) in A, and stances by number."""
+    """One placed object: origin of its asset frame (3,) and direction of its front (2,) in W, its prisms in W,
+    and the poses that its program allows: ranges of x, y, yaw in A,
+    or `fixed_poses` (x, y, z, yaw) in A, and stances by number."""
 
     name: str
     prisms: tuple[CheckPrism, ...]
@@ -63,7 +67,7 @@ class CheckObject:
     x_m: tuple[float, float] = (-np.inf, np.inf)
     y_m: tuple[float, float] = (-np.inf, np.inf)
     yaw_range_rad: tuple[float, float] = (-np.pi, np.pi)
-    spots: tuple[tuple[float, float, float, float], ...] = ()
+    fixed_poses: tuple[tuple[float, float, float, float], ...] = ()
     stance: int = 0
     stances: tuple[int, ...] = (0,)
 
@@ -99,7 +103,7 @@ class CheckRelation:
 
 @dataclass(frozen=True)
 class CheckKeepOut:
-    """Nothing may be over `polygon` (in A of `place`) from the place to `height_m` above it, its owners excepted."""
+    """No object but its owners may be over `polygon` (in A of `place`) from the place to `height_m` above it."""
 
     place: CheckPlace
     polygon: Polygon
@@ -109,7 +113,7 @@ class CheckKeepOut:
 
 @dataclass(frozen=True)
 class CheckReach:
-    """Origins of `objects` lie between `least_m` and `most_m` from `base_m`, seen from above."""
+    """Origins of `objects` lie between `least_m` and `most_m` from `base_m` in x and y."""
 
     base_m: FloatArray
     least_m: float
@@ -119,7 +123,7 @@ class CheckReach:
 
 @dataclass(frozen=True)
 class CheckScene:
-    """All that stands; what does not move is known by the places on it."""
+    """All placed objects with their rules; fixed surroundings are represented by their places."""
 
     objects: tuple[CheckObject, ...]
     clearance_m: float
@@ -130,7 +134,7 @@ class CheckScene:
 
 @dataclass(frozen=True)
 class Violation:
-    """What is broken, by which objects, the value found against its bound in `unit`."""
+    """The broken rule, the objects that break it, and the measured value against its bound in `unit`."""
 
     kind: ViolationKind
     names: tuple[str, ...]
@@ -141,7 +145,7 @@ class Violation:
 
 
 def owners_of(item: CheckObject, by_name: dict[str, CheckObject]) -> frozenset[str]:
-    """Names of what an object stands on or in, its owners' owners included."""
+    """Names of the owners of an object's place, owners of owners included."""
     names: list[str] = []
     while item.place.owner in by_name and item.place.owner not in names:
         names.append(item.place.owner)
@@ -149,13 +153,13 @@ def owners_of(item: CheckObject, by_name: dict[str, CheckObject]) -> frozenset[s
     return frozenset(names)
 
 
-def same_place(one: CheckPlace, two: CheckPlace) -> bool:
-    """Whether two places are one."""
-    return (one.owner, one.name) == (two.owner, two.name)
+def same_place(place_a: CheckPlace, place_b: CheckPlace) -> bool:
+    """Whether two places are the same."""
+    return (place_a.owner, place_a.name) == (place_b.owner, place_b.name)
 
 
 def changed_since(known: CheckScene | None, scene: CheckScene, by_name: dict[str, CheckObject]) -> frozenset[str]:
-    """Names of objects that are other objects than in `known`, or whose owners are: all where nothing is known."""
+    """Names of objects that differ (`is not`) from those of `known`, or whose owners do; all where `known` is None."""
     if known is None or known.clearance_m != scene.clearance_m:
         return frozenset(by_name)
     before = {item.name: item for item in known.objects}

@@ -1,4 +1,4 @@
-"""Two objects that are not each other's owners: clearance and penetration."""
+"""Clearance and penetration between pairs of objects of which neither owns the other, in metres."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ def too_close(scene: CheckScene, by_name: dict[str, CheckObject], changed: froze
         return
     owner = np.array([k for k, _ in parts])
     low, high = np.array([p.low_m for _, p in parts]), np.array([p.high_m for _, p in parts])
-    seen = polygons([p.outline_m for _, p in parts])
+    footprints = polygons([p.outline_m for _, p in parts])
     moved = moved[owner]
-    asking = np.flatnonzero(moved)
-    reach = scene.clearance_m + TOLERANCE_M
-    boxes = shapely.bounds(seen[asking]) + np.array([-reach, -reach, reach, reach])
-    one, two = shapely.STRtree(seen).query(shapely.box(*boxes.T))
-    one = asking[one]
-    # Of two that changed each finds the other: the pair counts once, the earlier object first.
-    keep = (owner[one] < owner[two]) | ((owner[one] > owner[two]) & ~moved[two])
-    one, two = one[keep], two[keep]
-    keep = shapely.dwithin(seen[one], seen[two], scene.clearance_m)
-    one, two = one[keep], two[keep]
-    one, two = np.where(owner[one] < owner[two], (one, two), (two, one))
-    meet = np.minimum(high[one], high[two]) - np.maximum(low[one], low[two]) > TOLERANCE_M
+    changed_parts = np.flatnonzero(moved)
+    margin = scene.clearance_m + TOLERANCE_M
+    boxes = shapely.bounds(footprints[changed_parts]) + np.array([-margin, -margin, margin, margin])
+    part_a, part_b = shapely.STRtree(footprints).query(shapely.box(*boxes.T))
+    part_a = changed_parts[part_a]
+    # Two changed objects find each other: the pair counts once, the earlier object first.
+    keep = (owner[part_a] < owner[part_b]) | ((owner[part_a] > owner[part_b]) & ~moved[part_b])
+    part_a, part_b = part_a[keep], part_b[keep]
+    keep = shapely.dwithin(footprints[part_a], footprints[part_b], scene.clearance_m)
+    part_a, part_b = part_a[keep], part_b[keep]
+    part_a, part_b = np.where(owner[part_a] < owner[part_b], (part_a, part_b), (part_b, part_a))
+    meet = np.minimum(high[part_a], high[part_b]) - np.maximum(low[part_a], low[part_b]) > TOLERANCE_M
     worst: dict[tuple[int, int], tuple[float, float]] = {}
-    for i, j, meets in zip(one.tolist(), two.tolist(), meet.tolist(), strict=True):
+    for i, j, meets in zip(part_a.tolist(), part_b.tolist(), meet.tolist(), strict=True):
         a, b = int(owner[i]), int(owner[j])
-        how = _judged(scene.objects[a], scene.objects[b], by_name)
-        if how == "owner" or (how == "apart" and not meets):
+        scope = _judged(scene.objects[a], scene.objects[b], by_name)
+        if scope == "owner" or (scope == "apart" and not meets):
             continue
-        distance = float(shapely.distance(seen[i], seen[j]))
+        distance = float(shapely.distance(footprints[i], footprints[j]))
         value = distance if distance > 0.0 else separation(parts[i][1].outline_m, parts[j][1].outline_m)
         least, deepest = worst.get((a, b), (np.inf, 0.0))
         worst[a, b] = (min(least, value), max(deepest, -value if meets else 0.0))
@@ -55,16 +55,22 @@ def too_close(scene: CheckScene, by_name: dict[str, CheckObject], changed: froze
 
 
 def _near(scene: CheckScene, moved: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which objects (n,) changed, or come with their bounding boxes within the clearance of one that did."""
+    """(n,) True for objects that changed, or whose bounding box is within the clearance of one that did."""
     box = np.array([item.box_m for item in scene.objects]).reshape(-1, 4)
-    reach, far = scene.clearance_m + 2.0 * TOLERANCE_M, box[moved]
-    meet = (box[:, None, :2] <= far[None, :, 2:] + reach) & (far[None, :, :2] <= box[:, None, 2:] + reach)
+    margin, changed_boxes = scene.clearance_m + 2.0 * TOLERANCE_M, box[moved]
+    meet = (box[:, None, :2] <= changed_boxes[None, :, 2:] + margin) & (
+        changed_boxes[None, :, :2] <= box[:, None, 2:] + margin
+    )
     return moved | np.any(np.all(meet, axis=2), axis=1)
 
 
-def _judged(one: CheckObject, two: CheckObject, by_name: dict[str, CheckObject]) -> Literal["owner", "whole", "apart"]:
-    """How two objects are judged: `owner` (not here), `whole` (of one place, heights overlap), `apart` (by prisms)."""
-    if two.name in owners_of(one, by_name) or one.name in owners_of(two, by_name):
+def _judged(
+    object_a: CheckObject, object_b: CheckObject, by_name: dict[str, CheckObject]
+) -> Literal["owner", "whole", "apart"]:
+    """How a pair is judged: `owner` (not here), `whole` (of one place, heights overlap) or `apart` (prism by prism)."""
+    if object_b.name in owners_of(object_a, by_name) or object_a.name in owners_of(object_b, by_name):
         return "owner"
-    same = same_place(one.place, two.place) and overlap((one.low_m, one.high_m), (two.low_m, two.high_m))
+    same = same_place(object_a.place, object_b.place) and overlap(
+        (object_a.low_m, object_a.high_m), (object_b.low_m, object_b.high_m)
+    )
     return "whole" if same else "apart"

@@ -1,4 +1,4 @@
-"""One object and the place it stands on or in: pose, support, free height, what its owners have there."""
+"""Violations of one object at its place: pose, support, free height, entry into the geometry of its owners."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from scene_check.model import TOLERANCE_M, TURN, CheckObject, Violation
 
 
 def wrong_pose(item: CheckObject) -> Iterator[Violation]:
-    """A stance, spot or range that the object does not keep to."""
+    """Violations of the object's stance, fixed pose or ranges."""
     x, y = to_place(item.origin_m[None, :2], item.place)[0]
     z, yaw = item.origin_m[2] - item.place.origin_m[2], item.yaw_rad - item.place.yaw_rad
     if item.stance not in item.stances:
         yield Violation("stance", (item.name,), item.stance, item.stances[0], "", "stance")
-    if item.spots:
-        off = min(max(abs(x - sx), abs(y - sy), abs(z - sz), _turn(yaw, sa, sa)) for sx, sy, sz, sa in item.spots)
+    if item.fixed_poses:
+        off = min(max(abs(x - sx), abs(y - sy), abs(z - sz), _turn(yaw, sa, sa)) for sx, sy, sz, sa in item.fixed_poses)
         if off > TOLERANCE_M:
             yield Violation("spot", (item.name,), off, 0.0, "m", "spot")
         return
@@ -27,29 +27,29 @@ def wrong_pose(item: CheckObject) -> Iterator[Violation]:
 
 
 def _turn(angle: float, low: float, high: float) -> float:
-    """How far an angle lies outside [low, high], whole turns apart."""
+    """How far an angle lies outside [low, high], modulo full turns."""
     past = (angle - low) % TURN
     return max(0.0, min(past - (high - low), TURN - past))
 
 
 def unsupported(item: CheckObject) -> Iterator[Violation]:
-    """Too high for its place, into the floor or in the air over a surface, or not wholly on the polygon."""
+    """Violations of support: too high for its place, below the floor, above a surface, or not wholly on the polygon."""
     place = item.place
     low, high = item.low_m - place.origin_m[2], item.high_m - place.origin_m[2]
     if high > place.height_m + TOLERANCE_M:
         yield Violation("headroom", (item.name, place.owner), float(high), place.height_m)
-    if low < -TOLERANCE_M and not item.spots:
+    if low < -TOLERANCE_M and not item.fixed_poses:
         yield Violation("owner_entered", (item.name, place.owner), float(-low), 0.0)
-    if place.polygon is not None and not (item.spots and abs(low) > TOLERANCE_M):
+    if place.polygon is not None and not (item.fixed_poses and abs(low) > TOLERANCE_M):
         out = farthest_outside([to_place(prism.outline_m, place) for prism in item.prisms], place.polygon)
         if out > 0.0:
             yield Violation("off_support", (item.name, place.owner), out, 0.0)
-    if low > TOLERANCE_M and not item.spots and not place.layers:
+    if low > TOLERANCE_M and not item.fixed_poses and not place.layers:
         yield Violation("unsupported", (item.name, place.owner), float(low), 0.0)
 
 
 def owners_entered(item: CheckObject, by_name: dict[str, CheckObject]) -> Iterator[Violation]:
-    """Entries into the geometry of owners: what rises over the place, layers of volumes, shelves above."""
+    """Entries into the geometry of owners: parts above the place, walls of volumes, shelves above."""
     place, direct = item.place, True
     while True:
         floor = float(place.origin_m[2])

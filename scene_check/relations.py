@@ -1,4 +1,4 @@
-"""What a program asks beyond room to stand: relations, keep-outs, reach."""
+"""Violations of the relations, keep-outs and reach of a program, from the placed objects (metres, radians)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from scene_check.model import (
 
 
 def broken_relation(relation: CheckRelation, items: list[CheckObject]) -> Iterator[Violation]:
-    """The relation where it does not hold, with what it comes to."""
+    """A violation with the measured value where the relation does not hold."""
     value, bound, ok, unit = _relation_value(relation, items)
     if not ok:
         yield Violation("relation", relation.objects, value, bound, unit, relation.label or relation.kind)
@@ -37,8 +37,8 @@ def _relation_value(relation: CheckRelation, items: list[CheckObject]) -> tuple[
         begin = min(float((prism.outline_m @ along).min()) for prism in items[1].prisms)
         return begin - end, relation.gap_m, begin - end >= relation.gap_m - TOLERANCE_M, "m"
     if relation.kind in ("near", "far_from"):
-        one, two = (shapely.union_all(polygons([p.outline_m for p in item.prisms])) for item in items[:2])
-        distance = float(one.distance(two))
+        area_a, area_b = (shapely.union_all(polygons([p.outline_m for p in item.prisms])) for item in items[:2])
+        distance = float(area_a.distance(area_b))
         excess = distance - relation.gap_m if relation.kind == "near" else relation.gap_m - distance
         return distance, relation.gap_m, excess <= TOLERANCE_M, "m"
     if relation.kind == "aligned":
@@ -63,7 +63,7 @@ def _relation_value(relation: CheckRelation, items: list[CheckObject]) -> tuple[
 
 
 def entered_keep_out(rule: CheckKeepOut, scene: CheckScene, by_name: dict[str, CheckObject]) -> Iterator[Violation]:
-    """Objects that reach into a keep-out, each by how deep a part of it does."""
+    """Objects that enter a keep-out, each with the depth of its deepest part."""
     floor = float(rule.place.origin_m[2])
     owner = by_name.get(rule.place.owner)
     exempt = {rule.place.owner} | (set() if owner is None else owners_of(owner, by_name))
@@ -83,7 +83,7 @@ def entered_keep_out(rule: CheckKeepOut, scene: CheckScene, by_name: dict[str, C
 
 
 def out_of_reach(reach: CheckReach, by_name: dict[str, CheckObject]) -> Iterator[Violation]:
-    """Objects whose origin lies nearer or farther than the ring."""
+    """Objects whose origin lies outside the ring, nearer or farther."""
     for name in reach.objects:
         distance = float(np.hypot(*(by_name[name].origin_m[:2] - reach.base_m[:2])))
         if distance > reach.most_m + TOLERANCE_M:

@@ -1,11 +1,11 @@
-"""Contents of a volume that stand on other contents: does the pile stay, whatever its parts weigh?
+"""Static stability of piles inside a volume, for any masses of the contents (metres, in W).
 
 Contact is where a foot lies over a top, at heights within CONTACT_M: pieces of one level face differ a little. The
 support of an object is the hull of its contacts; of one on the floor, the hull of its foot. A body at rest balances
-when its weight and the forces on it pass through its support. What stands on one other passes down a force through
-the hull of its own middle and of the forces on it; what stands on several may press anywhere it touches. So all of
-these points must lie in the support of each object. By how much a middle must lie inside says INSIDE: a ball, which
-touches in a point, holds nothing and stands on no contents.
+when its weight and the loads on it pass through its support. An object on one other passes its load down through the
+hull of its own centroid and of the loads on it; an object on several may load them anywhere in contact. So all of these
+points must lie in the support of each object. INSIDE is the margin of the centroid: a ball, which touches in a point,
+supports nothing and rests on no contents.
 """
 
 from __future__ import annotations
@@ -24,31 +24,31 @@ CONTACT_M = 2e-4
 INSIDE = 0.2  # share of the radius of a disc as large as the footprint
 
 
-def in_the_air(item: CheckObject) -> bool:
-    """Whether something else in its volume has to hold an object."""
-    return bool(item.place.layers) and not item.spots and _lift(item) > TOLERANCE_M
+def is_lifted(item: CheckObject) -> bool:
+    """Whether other contents of its volume must support an object."""
+    return bool(item.place.layers) and not item.fixed_poses and _lift(item) > TOLERANCE_M
 
 
-def tipped(scene: CheckScene) -> Iterator[Violation]:
-    """Objects of piles that are not held, or that what stands on them would tip: how far a middle or a pressure lies
-    outside of the support."""
+def unstable_stacks(scene: CheckScene) -> Iterator[Violation]:
+    """Violations by objects of piles that are not supported, or that the objects on them would tip: how far a centroid
+    or a load lies outside of the support."""
     inside: dict[tuple[str, str], list[CheckObject]] = defaultdict(list)
     for item in scene.objects:
         if item.place.layers:
             inside[item.place.owner, item.place.name].append(item)
     for contents in inside.values():
-        if any(in_the_air(item) for item in contents):
+        if any(is_lifted(item) for item in contents):
             yield from _tipped(contents)
 
 
 def _tipped(contents: list[CheckObject]) -> Iterator[Violation]:
-    # From the top down, so that all that presses on an object is known when its turn comes.
-    presses: dict[str, list[BaseGeometry]] = defaultdict(list)
+    # From the top down, so that all loads on an object are known when its turn comes.
+    loads_on: dict[str, list[BaseGeometry]] = defaultdict(list)
     for item in sorted(contents, key=lambda item: -item.low_m):
         footprint = shapely.union_all([Polygon(prism.outline_m) for prism in item.prisms])
-        middle, loads = footprint.centroid, presses[item.name]
+        middle, loads = footprint.centroid, loads_on[item.name]
         touched = {o.name: area for o in contents if o is not item and not (area := _contact(item, o)).is_empty}
-        if in_the_air(item):
+        if is_lifted(item):
             support = shapely.union_all(list(touched.values())).convex_hull
             if support.is_empty:
                 yield Violation("unsupported", (item.name, item.place.owner), _lift(item), 0.0)
@@ -62,9 +62,9 @@ def _tipped(contents: list[CheckObject]) -> Iterator[Violation]:
         beyond += [_farthest(load, support) for load in loads]
         if max(beyond, default=0.0) > TOLERANCE_M:
             yield Violation("unsupported", (item.name, item.place.owner), max(beyond), 0.0)
-            continue  # where it presses is not known
+            continue  # its load on others is not known
         for name, area in touched.items():
-            presses[name] += [area] if len(touched) > 1 else [middle, *loads]
+            loads_on[name] += [area] if len(touched) > 1 else [middle, *loads]
 
 
 def _lift(item: CheckObject) -> float:
@@ -72,7 +72,7 @@ def _lift(item: CheckObject) -> float:
 
 
 def _farthest(load: BaseGeometry, support: BaseGeometry) -> float:
-    """How far any point of a load lies outside of a support."""
+    """Largest distance of a point of a load outside of a support."""
     return float(shapely.distance(shapely.points(shapely.get_coordinates(load)), support).max())
 
 
@@ -81,6 +81,6 @@ def _foot(item: CheckObject) -> BaseGeometry:
 
 
 def _contact(item: CheckObject, other: CheckObject) -> BaseGeometry:
-    """Where an object touches the top of another from above, in W."""
+    """The area, in W, in which an object touches the top of another from above."""
     tops = [Polygon(p.outline_m) for p in other.prisms if -CONTACT_M <= p.high_m - item.low_m <= 2.0 * TOLERANCE_M]
     return shapely.union_all(tops).intersection(_foot(item)) if tops else Polygon()

@@ -16,40 +16,17 @@ settings.register_profile("same", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
-# Files that take longest, in seconds of CPU: a minute of tests that starts last would leave the other workers idle.
-LONGEST = (
-    "suites/gap/test_mechanism.py",  # 170
-    "acceptance/test_pipeline.py",  # 160
-    "acceptance/test_gap.py",  # 100
-    "suites/second_engine/test_second_engine.py",  # 100
-    "acceptance/test_scene_examples.py",  # 100
-    "assetkit/batch/test_decisions.py",  # 50
-    "laws/test_plan_cases.py",  # 50
-    "acceptance/test_annotator_batch.py",
-    "schemas/test_codes.py",
-    "acceptance/test_replay_recordings.py",
-    "assetkit/test_batch.py",
-    "suites/gap/test_free_body.py",
-    "assetkit/mass/test_estimate.py",
-    "laws/test_collision_robustness.py",
-    "sim/bullet/test_mechanism.py",
-    "acceptance/test_warm_ingest.py",
-    "acceptance/test_segmenter.py",
-    "assetkit/parts/test_decided.py",
-    "acceptance/test_scene.py",
-)
-
 SHARED = Path(__file__).parents[1].parent / "shared" / "data"
+
+pytest_plugins = ["tests.support.seconds"]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files of `LONGEST` come first, the others as found; what needs the shared data folder is skipped without it."""
+    """What needs the shared data folder is skipped, with the reason, where the folder is absent."""
     if not SHARED.is_dir():
         for item in items:
             if item.get_closest_marker("shared"):
                 item.add_marker(pytest.mark.skip(reason="the shared data folder is not beside the repository"))
-    rank = {Path(__file__).parent / name: k for k, name in enumerate(LONGEST)}
-    items.sort(key=lambda item: rank.get(item.path, len(rank)))
 
 
 @pytest.fixture(scope="session")

@@ -1,1 +1,1 @@
-"""The only importer of pxr: read stages, write packages, judge them."""
+"""USD files (OpenUSD, `pxr`): `read` foreign stages, `write` packages and scenes, `reread` what was written."""

@@ -1,4 +1,4 @@
-"""Prim and file names: valid, unique, and with the way back to the source name."""
+"""Prim and file names from source names: valid USD identifiers, unique among siblings, mapped to their source."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ def prim_names(names: Iterable[str], fallback: str) -> dict[str, str]:
     `_2`, `_3` ... A name that already is a unique identifier is kept.
     """
     sources = list(names)
-    wanted = [identifier(name, fallback) for name in sources]
-    # Exact names keep theirs even when an earlier, altered name would have taken it.
-    reserved = {w.lower() for w, name in zip(wanted, sources, strict=True) if w == name}
+    candidates = [identifier(name, fallback) for name in sources]
+    # A source name that is already valid is kept, even where an earlier, altered name would have become the same.
+    reserved = {c.lower() for c, name in zip(candidates, sources, strict=True) if c == name}
     taken: set[str] = set()
-    result: dict[str, str] = {}
-    for want, name in zip(wanted, sources, strict=True):
-        chosen, count = want, 1
+    source_of: dict[str, str] = {}
+    for candidate, name in zip(candidates, sources, strict=True):
+        chosen, count = candidate, 1
         while chosen.lower() in taken or (chosen.lower() in reserved and chosen != name):
             count += 1
-            chosen = f"{want}_{count}"
+            chosen = f"{candidate}_{count}"
         taken.add(chosen.lower())
-        result[chosen] = name
-    return result
+        source_of[chosen] = name
+    return source_of

@@ -1,4 +1,4 @@
-"""Keep OpenUSD from writing to the terminal; what matters becomes a Diagnostic."""
+"""A context in which OpenUSD writes nothing to the terminal; callers report what matters as diagnostics."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false

@@ -1,4 +1,4 @@
-"""Open a released package as it stands on disk."""
+"""Opens the composed USD stage of a package from its current files on disk."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false

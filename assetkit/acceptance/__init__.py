@@ -1,1 +1,4 @@
-"""Acceptance of one released body: settling trials, checks against the record, stable poses, targeted repair."""
+"""Acceptance of one released package: validators, checks of the body, settling trials, stable poses, targeted repair.
+
+Read `judge_package` first.
+"""

@@ -1,4 +1,4 @@
-"""Acceptance without a simulator: does the body as re-read from disk make sense, and does it match what is seen?"""
+"""Static checks of a body as re-read from disk: colliders, mass and inertia are plausible and match the visual mesh."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _SMALLEST_SINGLE = float(np.finfo(np.float32).tiny)  # USD holds mass and inerti
 
 
 def frame_checks(visual_points: FloatArray, extent_m: Vec3 | None) -> list[Check]:
-    """Whether the visible points (n, 3) stand with their bottom centre on the origin and, if an extent is on record,
-    have it; both within 0.1 % of the diagonal.
+    """Whether the bottom centre of the visible points (n, 3) is at the origin and their extent that of the record, if
+    given; both within 0.1 % of the diagonal.
     """
     low, high = visual_points.min(axis=0), visual_points.max(axis=0)
     size = float(np.linalg.norm(high - low))
@@ -50,7 +50,7 @@ def alignment_checks(body: RigidBody, points: FloatArray, triangles: IntArray) -
 
 
 def body_checks(body: RigidBody) -> list[Check]:
-    """Whether colliders are few, small, convex and solid, and mass, mass centre and inertia those of some body."""
+    """Whether colliders are few, small, convex and solid, and mass, mass centre and inertia physically possible."""
     checks = [
         _at_least("collider_count", len(body.shapes), 1, ""),
         _at_most("collider_count_limit", len(body.shapes), MAX_SHAPES, ""),
@@ -106,8 +106,8 @@ def _distance_outside(shape: CollisionShape, points: FloatArray) -> FloatArray:
 def _dent(points: FloatArray, triangles: IntArray) -> float:
     """How deep (m) the surface lies below the hull of its own points: 0 for a convex surface, infinite inside out.
 
-    Looked at in the middle of every edge and face. Planes of the faces themselves would not do: single precision turns
-    the plane of a sliver by any angle, while its points stay where they are.
+    Measured in the middle of every edge and face. Planes of the faces themselves are no basis: single precision turns
+    the plane of a sliver by any angle, while its points hardly move.
     """
     if hull.volume(points, triangles) < 0.0:
         return np.inf

@@ -1,4 +1,4 @@
-"""Judge a written package, as re-read from disk: frame, colliders, mass, settling, stable poses."""
+"""Checks the body of a written package, as re-read from disk: frame, colliders, mass, settling, stable poses."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from sim.port import Simulator
 
 @dataclass(frozen=True)
 class AcceptanceResult:
-    """The record's section, what is to be told, and whether every check passed."""
+    """The acceptance section of the record, findings, and whether every check passed."""
 
     section: AcceptanceSection
     diagnostics: tuple[Diagnostic, ...]
@@ -50,15 +50,15 @@ def accept(
 
     aligned = alignment_checks(body, *visual)
     settling = settle_and_drop(body, simulator)
-    found = find_stable_poses(body, simulator)
+    stable = find_stable_poses(body, simulator)
     diagnostics = [
         *_failures("asset/render-collision-misaligned", "colliders against the visible surface", aligned, where),
         *_failures("asset/unstable-settling", "set down and dropped", settling.checks, where),
-        *_remarks(settling, found, where),
+        *_remarks(settling, stable, where),
     ]
-    checks = [*static, *aligned, *settling.checks, *_pose_checks(found)]
-    method = f"{found.trials} drop-settle trials in {simulator.name}"
-    poses = tuple(measured(p, method, confidence=found.at_rest / found.trials) for p in found.poses)
+    checks = [*static, *aligned, *settling.checks, *_pose_checks(stable)]
+    method = f"{stable.trials} drop-settle trials in {simulator.name}"
+    poses = tuple(measured(p, method, confidence=stable.at_rest / stable.trials) for p in stable.poses)
     return _result(simulator, checks, poses, diagnostics)
 
 
@@ -72,7 +72,7 @@ def _result(
     return AcceptanceResult(section, tuple(diagnostics), all(check.passed for check in checks))
 
 
-def _failures(code: str, what: str, checks: Sequence[Check], where: Location) -> list[Diagnostic]:
+def _failures(code: str, title: str, checks: Sequence[Check], where: Location) -> list[Diagnostic]:
     """One finding for all failed checks of a kind: the first one's figures, the others as causes."""
     failed = [check for check in checks if not check.passed]
     if not failed:
@@ -80,35 +80,35 @@ def _failures(code: str, what: str, checks: Sequence[Check], where: Location) ->
     each = [
         finding(
             code,
-            f"{what}: {check.name.replace('_', ' ')} is {check.value:.4g}, not {check.bound:.4g} {check.unit}".rstrip(),
+            f"{title}: {c.name.replace('_', ' ')} is {c.value:.4g}, not {c.bound:.4g} {c.unit}".rstrip(),
             where=where,
-            value=check.value,
-            bound=check.bound,
-            unit=check.unit,
+            value=c.value,
+            bound=c.bound,
+            unit=c.unit,
         )
-        for check in failed
+        for c in failed
     ]
     return [each[0].model_copy(update={"because": tuple(each[1:])})]
 
 
-def _remarks(settling: Settling, found: StablePoses, where: Location) -> list[Diagnostic]:
-    """What is physics rather than a defect."""
+def _remarks(settling: Settling, stable: StablePoses, where: Location) -> list[Diagnostic]:
+    """Findings for information, on properties of the object that are no defects."""
     remarks = []
     if settling.toppled:
         tilt_deg = float(np.degrees(settling.tilt_rad))
         headline = f"set down as authored, the object leans by {tilt_deg:.0f} deg and comes to rest elsewhere"
         remarks.append(finding("asset/reference-pose-topples", headline, where=where, value=tilt_deg, unit="deg"))
-    if not found.poses:
-        headline = f"{found.at_rest} of {found.trials} drops came to rest, none in a pose that holds"
-        remarks.append(finding("asset/no-stable-pose", headline, where=where, value=found.at_rest, unit="drops"))
+    if not stable.poses:
+        headline = f"{stable.at_rest} of {stable.trials} drops came to rest, none in a pose that holds"
+        remarks.append(finding("asset/no-stable-pose", headline, where=where, value=stable.at_rest, unit="drops"))
     return remarks
 
 
-def _pose_checks(found: StablePoses) -> list[Check]:
-    """Figures for the record; they have no wrong value."""
+def _pose_checks(stable: StablePoses) -> list[Check]:
+    """Figures for the record; they always pass."""
     figures = {
-        "stable_poses": float(len(found.poses)),
-        "stable_poses_refuted": float(found.refuted),
-        "trials_at_rest": float(found.at_rest),
+        "stable_poses": float(len(stable.poses)),
+        "stable_poses_refuted": float(stable.refuted),
+        "trials_at_rest": float(stable.at_rest),
     }
-    return [Check(name=name, value=value, bound=found.trials, unit="", passed=True) for name, value in figures.items()]
+    return [Check(name=name, value=value, bound=stable.trials, unit="", passed=True) for name, value in figures.items()]

@@ -1,4 +1,4 @@
-"""Acceptance in a simulator: set the body down, drop it, and see whether it behaves like a solid thing.
+"""Settling trials in a simulator: the body is set down and dropped; checks of penetration, drift, speed and rest.
 
 The drop follows `ground_drop` of NVIDIA's SimReady runtime benchmark: from twice the height, the body must touch, sink
 in by no more than 0.1 m and be at rest within 8 s; our bounds are relative to its size and tighter for all below 2 m.
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assetkit.acceptance.stable_poses import LEAN_RAD, displacement, leaning, recovers, resting_pose
-from geom.convex.support_function import bounds, diagonal, foot
+from geom.convex.support_function import bounds, diagonal, stability_margin
 from geom.pose import matrix_of
 from schemas.asset import Check
 from schemas.physics import RigidBody
@@ -28,7 +28,7 @@ _LARGE_M = 5.0  # From here on SimReady's absolute bounds (0.1 m, 8 s) grow with
 
 @dataclass(frozen=True)
 class Settling:
-    """What was checked, and whether the reference pose proved unstable (`tilt_rad` is how far it then leaned)."""
+    """The checks, and the tilt (rad) of the reference pose at the end: it is unstable above `TOPPLED_RAD`."""
 
     checks: list[Check]
     tilt_rad: float
@@ -42,7 +42,7 @@ class Settling:
 def settle_and_drop(body: RigidBody, simulator: Simulator) -> Settling:
     """Set `body` down in its reference pose from 0.2 % of its size, then drop it from twice its height.
 
-    A body that stands in mere balance, on a point or an edge, is set down leaning by two degrees, as no hand is exact.
+    A body that balances on a point or an edge is set down leaning by two degrees, as no hand is exact.
     """
     size = diagonal(body.shapes)
     lean_rad = 0.0 if recovers(body, simulator, _DOWN) else LEAN_RAD
@@ -55,13 +55,13 @@ def settle_and_drop(body: RigidBody, simulator: Simulator) -> Settling:
     checks += _behaviour("drop", body, dropped, size)
     stayed = tilt_rad <= TOPPLED_RAD
     checks += [
-        # What stands sinks in by a hair. What topples hits the ground and is inside it for as far as it flies in a
-        # step: up to 2.2 % of the size (a rod's tip, `sqrt(3 g L)`), whatever its thickness; a drop from twice the
+        # A resting body penetrates by a hair. One that topples hits the ground and penetrates by as far as it flies in
+        # a step: up to 2.2 % of the size (a rod's tip, `sqrt(3 g L)`), whatever its thickness; a drop from twice the
         # height, 3.5 %.
         _check("settle_penetration", _resting_penetration_m(set_down, size), 0.02 * size, "m"),
         _check("settle_impact_penetration", set_down.penetration_m, impact_m, "m"),
         _check("drop_penetration", dropped.penetration_m, impact_m, "m"),
-        # A body that toppled, or rolls, goes where it goes; one that stands must not wander.
+        # A body that toppled, or rolls, may move anywhere; one that stays upright must not drift.
         _check("settle_drift", moved_m / size, 0.05 if stayed and not _rolls(body, size) else _PATCH, "of diagonal"),
         _check("settle_tilt", math.degrees(tilt_rad), 180.0, "deg"),
     ]
@@ -122,8 +122,8 @@ def _energy_m2ps2(body: RigidBody, result: DropResult) -> np.ndarray:
 
 
 def _rolls(body: RigidBody, size: float) -> bool:
-    """Whether the foot on which the body stands is smaller than 1 % of its size: it stands on a point or a line."""
-    return foot(body.shapes, np.asarray(body.mass.centre_of_mass_m), _DOWN)[0] < 0.01 * size
+    """Whether the support polygon of the body is smaller than 1 % of its size: a point or a line."""
+    return stability_margin(body.shapes, np.asarray(body.mass.centre_of_mass_m), _DOWN)[0] < 0.01 * size
 
 
 def _check(name: str, value: float, bound: float, unit: str) -> Check:

@@ -1,4 +1,6 @@
-"""Stable poses by drop-settle trials (Goldberg et al. 1999, "Part pose statistics": probabilities need dynamics)."""
+"""Stable poses of a body with probabilities, by drop-settle trials in a simulator (Goldberg et al. 1999, "Part pose
+statistics": probabilities need dynamics).
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from geom.convex.support_function import centre_heights, diagonal, facet_directions, foot, support
+from geom.convex.support_function import centre_heights, diagonal, facet_directions, stability_margin, support
 from geom.mass.principal_axes import principal_axes
 from geom.pose import matrix_of, pose, quat_of, shortest_rotation
 from schemas.asset import StablePose
@@ -28,7 +30,7 @@ _STEPS = np.linspace(0.0, 1.0, 17)
 
 @dataclass(frozen=True)
 class StablePoses:
-    """The poses found, most probable first, and what became of the trials.
+    """The stable poses, most probable first, and counts of the trials.
 
     at_rest   trials that came to rest; the others rolled, rocked or diverged until the end.
     refuted   poses that trials ended in but that do not hold or not recover from leaning; they are left out.
@@ -41,7 +43,7 @@ class StablePoses:
 
 
 def find_stable_poses(body: RigidBody, simulator: Simulator, *, trials: int = TRIALS) -> StablePoses:
-    """Drop `body` in `trials` orientations and collect where it comes to rest.
+    """Drop `body` in `trials` orientations and collect the poses in which it comes to rest.
 
     The first one is the reference pose, which matters to scenes however unlikely it is; the others are evenly spread.
     Orientations are compared modulo yaw, by the direction that faces down in the asset frame. Two are one pose when
@@ -105,12 +107,12 @@ def holds(body: RigidBody, simulator: Simulator, down_A: FloatArray) -> bool:
 def recovers(body: RigidBody, simulator: Simulator, down_A: FloatArray) -> bool:
     """Whether the body, set down leaning by 2 degrees to its weakest side or away from it, ends within 5 degrees.
 
-    What balances on a point or an edge, held by rolling resistance alone, falls to both sides; so does what stands on
-    too narrow a foot. One side is enough: a figure may stand close to the edge of its foot.
+    A body that balances on a point or an edge, held by rolling resistance alone, falls to both sides; so does one on
+    too narrow a foot. One side is enough: the mass centre of a figure may be close to the edge of its foot.
     """
     size = diagonal(body.shapes)
     settings = DropSettings(max(1.0, 8.0 * natural_time_s(size)), world_for(size), stillness_for(size))
-    _, tipped = foot(body.shapes, np.asarray(body.mass.centre_of_mass_m), down_A)
+    _, tipped = stability_margin(body.shapes, np.asarray(body.mass.centre_of_mass_m), down_A)
     side = tipped - (tipped @ down_A) * down_A
     for lean_rad in (LEAN_RAD, -LEAN_RAD):
         start = math.cos(lean_rad) * down_A + math.sin(lean_rad) * side / np.linalg.norm(side)
@@ -155,7 +157,7 @@ def pose_families(body: RigidBody, downs: FloatArray) -> FloatArray:
 def _snapped(body: RigidBody, downs: FloatArray) -> FloatArray:
     """The directions (k, 3), each moved to a facet of the convex hull within 2 degrees if the mass centre gets lower.
 
-    It removes what the engine's contact tolerance leaves of tilt.
+    It removes the residual tilt due to the contact tolerance of the engine.
     """
     facets = facet_directions(body.shapes)
     if not len(facets):
@@ -170,8 +172,8 @@ def _snapped(body: RigidBody, downs: FloatArray) -> FloatArray:
 def _same_pose(body: RigidBody, first: FloatArray, second: FloatArray) -> FloatArray:
     """Whether (k,) the down directions `first` and `second` (k, 3) are one pose.
 
-    Tried are the great circle between them and, for what rolls like a cone, the turns about each principal axis of
-    inertia to which both are inclined alike, either way round.
+    Tried are the great circle between them and, for bodies that roll like a cone, the turns about each principal axis
+    of inertia to which both are inclined alike, either way round.
     """
     angles = np.arccos(np.clip(np.einsum("ki,ki->k", first, second), -1.0, 1.0))
     same = (angles < _SAME_POSE_RAD) | _stays_level(body, _great_circles(first, second))

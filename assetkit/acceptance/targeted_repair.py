@@ -1,4 +1,4 @@
-"""What to do when acceptance fails: a closed table from failure to one bounded edit (design: stages)."""
+"""Repairs a draft that fails acceptance: a closed table from failure to one bounded edit, then the stages run again."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from assetkit.stage import Draft
-from assetkit.stage_log import Entry, Journal
+from assetkit.stage_log import Entry, StageLog
 from schemas.outcome import Repair
 
 # Failure -> the stage that runs again with the failed collider left out; the stages after it follow.
@@ -16,15 +16,15 @@ REPAIRS: dict[str, str] = {
     "asset/unstable-settling": "physics",
 }
 ROUNDS = 2
-Rerun = Callable[[Draft, Journal, str], Draft | None]
+Rerun = Callable[[Draft, StageLog, str], Draft | None]
 
 
-def repair_until_accepted(draft: Draft, journal: Journal, rerun: Rerun) -> tuple[Draft, Journal]:
+def repair_until_accepted(draft: Draft, log: StageLog, rerun: Rerun) -> tuple[Draft, StageLog]:
     """The draft that acceptance passes after at most `ROUNDS` edits, or the first one, marked for review.
 
-    `rerun(draft, journal, stage)` runs `stage` and all after it, writing to the journal given.
+    `rerun(draft, journal, stage)` runs `stage` and all after it, writing to `journal`.
     """
-    first, attempt, notes = (draft, journal), draft, journal
+    first, attempt, notes = (draft, log), draft, log
     original = draft.physics.section.collision_method if draft.physics else ""
     before = _figures(draft)
     for _ in range(ROUNDS):
@@ -33,7 +33,7 @@ def repair_until_accepted(draft: Draft, journal: Journal, rerun: Rerun) -> tuple
             break
         failed = attempt.physics.section.collision_method
         attempt = replace(attempt, excluded_colliders=(*attempt.excluded_colliders, failed))
-        notes = journal.copy()
+        notes = log.copy()
         again = rerun(attempt, notes, REPAIRS[code])
         if again is None or again.physics is None:
             break
@@ -50,14 +50,14 @@ def repair_until_accepted(draft: Draft, journal: Journal, rerun: Rerun) -> tuple
             )
             notes.entries["repair"] = Entry(repairs=(repair,))
             return again, notes
-    if failure(journal) is not None:
-        journal.entries["repair"] = Entry(review=True)
+    if failure(log) is not None:
+        log.entries["repair"] = Entry(review=True)
     return first
 
 
-def failure(journal: Journal) -> str | None:
+def failure(log: StageLog) -> str | None:
     """The first finding that a repair exists for."""
-    return next((d.code for d in journal.diagnostics if d.code in REPAIRS), None)
+    return next((d.code for d in log.diagnostics if d.code in REPAIRS), None)
 
 
 def _figures(draft: Draft) -> dict[str, float | int | str]:

@@ -1,1 +1,1 @@
-"""Anchors, graspable regions and grasps of one object: proposed from its shape, tried in the simulator."""
+"""Anchors, regions and grasps of one object: proposed from its shape, tried in the simulator. Read `find` first."""

@@ -1,7 +1,7 @@
-"""Proposed anchors put to the test: what is set down on a surface stays there, what is dropped into a volume stays in.
+"""Verifies proposed anchors in simulation: probes released onto a surface or into a volume must come to rest there.
 
-Small boxes are released over places spread over each surface, small balls over those of each opening, above the
-colliders as released. An anchor holds when most of them end where they should.
+Small boxes are released at positions spread over each surface, small balls at positions over each opening, above the
+colliders as released. An anchor is verified when most of its probes end on or in it.
 """
 
 from __future__ import annotations
@@ -23,50 +23,54 @@ from schemas.physics import CollisionShape
 from sim.port import ProbesAtEnd, Simulator, natural_time_s
 
 # Edge of a box as a share of the diagonal of the object, of the disc that fits the surface, and of its clearance; it is
-# half as high and let go half an edge above.
+# half as high and released half an edge above.
 BOX_OF_DIAGONAL, BOX_OF_DISC, BOX_OF_CLEARANCE = 0.05, 0.7, 0.5
-# Radius of a ball as a share of the one that is sure to get in and of the usable height.
+# Radius of a ball as a share of the largest that passes the opening and of the usable height.
 BALL_OF_PASSING, BALL_OF_HEIGHT = 0.4, 0.35
 PLACES, GRID = 9, 16
 # Colliders follow the visible surface to this share of the diagonal.
 OFF_SHARE = 0.02
 STAY_SHARE = 0.8
 DURATION = 5.0  # natural times of the object
-SLOW = 0.1  # of its natural speed: it is about to rest; a ball in a bowl may still roll
+SLOW = 0.1  # of the natural speed: the probe is about to rest; a ball in a bowl may still roll
 
 
 @dataclass(frozen=True)
-class Verified:
-    """The anchors that hold, and what is to be told about the others."""
+class VerifiedAnchors:
+    """The anchors that hold, and findings on the others."""
 
     anchors: tuple[Evidence[Anchor], ...]
     diagnostics: tuple[Diagnostic, ...]
 
 
-def verify_anchors(proposed: Sequence[Anchor], fixed: Sequence[CollisionShape], simulator: Simulator) -> Verified:
+def verify_anchors(
+    proposed: Sequence[Anchor], fixed: Sequence[CollisionShape], simulator: Simulator
+) -> VerifiedAnchors:
     """Each proposed anchor of an object with the collision shapes `fixed` (asset frame), tried in one simulation."""
     if not proposed:
-        return Verified((), ())
+        return VerifiedAnchors((), ())
     size = diagonal(fixed)
     probes = [_probes(anchor, size) for anchor in proposed]
-    ended = simulator.drop_probes(fixed, [p for own in probes for p in own], DURATION * natural_time_s(size))
-    kept, failed = list[Evidence[Anchor]](), list[Diagnostic]()
+    ended = simulator.drop_probes(
+        fixed, [p for of_anchor in probes for p in of_anchor], DURATION * natural_time_s(size)
+    )
+    holding, failed = list[Evidence[Anchor]](), list[Diagnostic]()
     first = 0
-    for anchor, own in zip(proposed, probes, strict=True):
-        part = slice(first, first + len(own))
+    for anchor, of_anchor in zip(proposed, probes, strict=True):
+        part = slice(first, first + len(of_anchor))
         end = ProbesAtEnd(ended.centres_m[part], ended.lowest_m[part], ended.speeds_mps[part])
         stays = _stays(anchor, end, size)
-        first += len(own)
-        share, said = float(stays.mean()), f"{int(stays.sum())} of {len(stays)} probes"
+        first += len(of_anchor)
+        share, count = float(stays.mean()), f"{int(stays.sum())} of {len(stays)} probes"
         if share >= STAY_SHARE:
-            kept.append(measured(anchor, f"geometry; {said} stay in {simulator.name}", confidence=share))
+            holding.append(measured(anchor, f"geometry; {count} stay in {simulator.name}", confidence=share))
         else:
-            what = "on" if anchor.kind == "surface" else "in"
-            headline = f"{anchor.anchor_id}: {said} stay {what} it, so it is left out"
+            preposition = "on" if anchor.kind == "surface" else "in"
+            headline = f"{anchor.anchor_id}: {count} stay {preposition} it, so it is left out"
             failed.append(
                 finding("asset/anchor-unverified", headline, value=share, bound=STAY_SHARE, unit="of the probes")
             )
-    return Verified(tuple(kept), tuple(failed))
+    return VerifiedAnchors(tuple(holding), tuple(failed))
 
 
 def _probes(anchor: Anchor, size: float) -> list[CollisionShape]:
@@ -79,17 +83,19 @@ def _boxes(surface: SupportSurface, size: float) -> list[CollisionShape]:
     edge = min(BOX_OF_DIAGONAL * size, BOX_OF_DISC * 2.0 * _inscribed_radius(polygon))
     if surface.clearance_m is not None:
         edge = min(edge, BOX_OF_CLEARANCE * surface.clearance_m)
-    places = _places(polygon, np.sqrt(0.5) * edge)
-    return [CollisionShape("box", (edge, edge, 0.5 * edge), pose(None, (px, py, z + 0.75 * edge))) for px, py in places]
+    positions = _probe_positions(polygon, np.sqrt(0.5) * edge)
+    return [
+        CollisionShape("box", (edge, edge, 0.5 * edge), pose(None, (px, py, z + 0.75 * edge))) for px, py in positions
+    ]
 
 
 def _balls(volume: ContainmentVolume) -> list[CollisionShape]:
     x, y, z = volume.position_m
     radius = min(BALL_OF_PASSING * 0.5 * volume.passes_m, BALL_OF_HEIGHT * volume.height_m)
-    places = _places(shape_of(volume.opening, x, y), 1.5 * radius)
+    positions = _probe_positions(shape_of(volume.opening, x, y), 1.5 * radius)
     return [
         CollisionShape("sphere", (radius,), pose(None, (px, py, z + volume.height_m + 1.2 * radius)))
-        for px, py in places
+        for px, py in positions
     ]
 
 
@@ -107,10 +113,10 @@ def _stays(anchor: Anchor, end: ProbesAtEnd, size: float) -> FloatArray:
     return level & there & (end.speeds_mps <= SLOW * size / natural_time_s(size))
 
 
-def _places(polygon: shapely.Polygon, margin_m: float) -> FloatArray:
-    """(k, 2) up to nine places at least `margin_m` from the edge, far from one another; the innermost one at least.
+def _probe_positions(polygon: shapely.Polygon, margin_m: float) -> FloatArray:
+    """(k, 2) up to nine positions at least `margin_m` from the edge, far from one another; at least the innermost one.
 
-    Farthest-point sampling (Gonzalez 1985) of a grid, from the innermost place on.
+    Farthest-point sampling (Gonzalez 1985) of a grid, from the innermost position on.
     """
     circle = shapely.maximum_inscribed_circle(polygon)
     middle = np.asarray(circle.coords[0])

@@ -1,4 +1,4 @@
-"""Anchors as they stand in records, proposed from the geometry of an object that stands upright."""
+"""Proposes anchors (support surfaces, containment volumes; metres, asset frame) from the solid of an upright object."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from shapely.affinity import translate
 
 from geom.features.cavities import Cavity
 from geom.features.containment import Containment, find_containments
-from geom.features.support_surfaces import Support, find_supports
+from geom.features.support_surfaces import SupportFace, find_supports
 from schemas.anchors import (
     Anchor,
     AnchorPolygon,
@@ -23,14 +23,14 @@ from schemas.model import FloatArray
 from schemas.physics import Solid
 
 DIGITS = 7  # of lengths in metres: a tenth of a micrometre
-# The floor of what is deeper than this many times its width is the ground of a volume, no surface to set things on.
+# The floor of a volume deeper than this many times its width is no surface to set things on.
 DEEPEST = 1.0
 
 
 def propose_anchors(solid: Solid, cavities: Sequence[Cavity]) -> tuple[Anchor, ...]:
     """Surfaces, the main one first, then volumes, the largest first; `cavities` are those of the solid.
 
-    None where a hull stands in for the solid: nothing is known about what is inside or between.
+    None where a hull stands in for the solid: its inside is unknown.
     """
     if solid.kind == "hull":
         return ()
@@ -42,7 +42,7 @@ def propose_anchors(solid: Solid, cavities: Sequence[Cavity]) -> tuple[Anchor, .
     )
 
 
-def _is_ground(surface: Support, volume: Containment) -> bool:
+def _is_ground(surface: SupportFace, volume: Containment) -> bool:
     """Whether a surface is the floor of a volume too deep to set things down in."""
     middle = surface.polygon.point_on_surface()
     within = volume.floor_m - 0.1 * (volume.rim_m - volume.floor_m) <= surface.height_m < volume.rim_m
@@ -52,7 +52,7 @@ def _is_ground(surface: Support, volume: Containment) -> bool:
     return volume.rim_m - surface.height_m > DEEPEST * width_m
 
 
-def _surface(anchor_id: str, support: Support) -> SupportSurface:
+def _surface(anchor_id: str, support: SupportFace) -> SupportSurface:
     x, y = _middle(support.polygon)
     return SupportSurface(
         anchor_id=anchor_id,
@@ -61,7 +61,7 @@ def _surface(anchor_id: str, support: Support) -> SupportSurface:
         normal=_point(support.normal),
         area_m2=float(support.polygon.area),
         clearance_m=None if support.clearance_m is None else round(support.clearance_m, DIGITS),
-        load_directions=tuple(_point(side) for side in support.loads),
+        load_directions=tuple(_point(side) for side in support.load_directions),
     )
 
 

@@ -1,7 +1,6 @@
-"""Part of acceptance: what the released body offers.
+"""Affordances of the released body: grasps, proposed on its colliders and tried in its stable poses, and regions.
 
-Grasps are proposed on its colliders in its stable poses and tried; regions come from the solid, the anchors that hold
-and the named parts.
+Regions come from the solid, the verified anchors and the named parts. It runs as a part of acceptance.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ import numpy as np
 from assetkit.affordances.grasp_trials import TRIED, try_grasps
 from assetkit.affordances.grasps import propose_grasps
 from assetkit.affordances.named_regions import part_at
-from assetkit.affordances.regions import find_regions, keep_upright
+from assetkit.affordances.regions import find_regions, upright_requirement
 from assetkit.stage import Draft, need
 from schemas.affordances import AffordanceEvidence, Grasp, Region
 from schemas.anchors import Anchor
@@ -24,13 +23,13 @@ from schemas.evidence import Evidence
 from schemas.physics import RigidBody
 from sim.port import Simulator
 
-# A grasp takes a rim or a bar when its middle lies this near to the line of it, and it is about as wide.
+# A grasp holds a rim or a bar when its middle is within this distance of its line, and it is about as wide.
 ON_RIM_M, NEAR = 0.02, 1.5
 
 
 @dataclass(frozen=True)
-class Offered:
-    """Grasps, the best first, then regions; and what is to be told."""
+class AffordanceResult:
+    """Grasps, the best first, then regions; and findings."""
 
     affordances: tuple[AffordanceEvidence, ...]
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -45,30 +44,30 @@ def find_affordances(
     *,
     sound: bool = True,
     tried: int = TRIED,
-) -> Offered:
-    """What the object of a draft offers with the `body` of its package, its stable `poses` and the `anchors` that hold.
+) -> AffordanceResult:
+    """The affordances of a draft, from the `body` of its package, its stable `poses` and its verified `anchors`.
 
-    No grasp of a body that is not `sound` in simulation: it would be held by what is not there.
+    No grasp is tried on a body that is not `sound` in simulation, because its colliders do not match its surface.
     """
     canonical, interaction = need(draft.canonicalize, "canonicalize"), need(draft.interaction, "interaction")
     regions = find_regions(canonical.solid, anchors, interaction.parts)
     if not sound:
-        return Offered(regions)
+        return AffordanceResult(regions)
     if (fixed := _fixed(draft)) is not None:
-        return Offered(regions, (finding("asset/no-grasp", fixed),))
+        return AffordanceResult(regions, (finding("asset/no-grasp", fixed),))
     proposed = propose_grasps(body, poses)
     if not proposed.grasps:
-        return Offered(regions, (finding("asset/no-grasp", proposed.reason),))
-    upright = keep_upright(anchors)
+        return AffordanceResult(regions, (finding("asset/no-grasp", proposed.reason),))
+    upright = upright_requirement(anchors)
     grasps = [
         g.model_copy(update={"orientation": upright, "part": part_at(interaction.parts, g.contacts_m)})
         for g in proposed.grasps
     ]
     known = try_grasps(grasps, body, poses, simulator, most=tried)
-    return Offered((*known, *(taken_by(e, known) for e in regions)), told(known))
+    return AffordanceResult((*known, *(with_grasps(e, known) for e in regions)), refuted_grasp_findings(known))
 
 
-def taken_by(region: Evidence[Region], grasps: Sequence[Evidence[Grasp]]) -> Evidence[Region]:
+def with_grasps(region: Evidence[Region], grasps: Sequence[Evidence[Grasp]]) -> Evidence[Region]:
     """A rim or handle with the grasps, not refuted ones, whose pads close on it."""
     if region.value.kind not in ("rim", "handle"):
         return region
@@ -84,15 +83,15 @@ def taken_by(region: Evidence[Region], grasps: Sequence[Evidence[Grasp]]) -> Evi
 
 
 def _fixed(draft: Draft) -> str | None:
-    """Why a thing is not to be picked up, in words: its usual role is to stay where it is."""
+    """The reason why an object is not to be picked up, in words: its usual role is that of a fixture."""
     roles = need(draft.semantics, "semantics").section.roles
     if roles and roles[0].value == "fixture" and roles[0].confidence > 0.5:
         return "a fixture stays where it is"
     return None
 
 
-def told(tried: Sequence[Evidence[Grasp]]) -> tuple[Diagnostic, ...]:
-    """What is to be said of grasps that were tried."""
+def refuted_grasp_findings(tried: Sequence[Evidence[Grasp]]) -> tuple[Diagnostic, ...]:
+    """A finding on the tried grasps that were not held in simulation; () when all were held."""
     refuted = [e.value.affordance_id for e in tried if e.value.trial == "not_held"]
     held = sum(e.value.trial == "held" for e in tried)
     if not refuted:

@@ -1,4 +1,4 @@
-"""Grippers as lines, for the picture of an object's grasps."""
+"""Line segments (asset frame, metres) of the gripper of each grasp, for the preview of an object's grasps."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ def drawn_grasps(affordances: Sequence[AffordanceEvidence], gripper: Gripper = G
 
 
 def _drawn(grasp: Grasp, gripper: Gripper) -> DrawnGrasp:
-    side, tip, root = 0.5 * grasp.width_m, 0.5 * gripper.pad_m[1], -gripper.reach_m
+    side, tip, root = 0.5 * grasp.width_m, 0.5 * gripper.pad_m[1], -gripper.palm_to_pad_m
     lines = np.array(
         [
             [[-side, 0, tip], [-side, 0, root]],
             [[side, 0, tip], [side, 0, root]],
             [[-side, 0, root], [side, 0, root]],
-            [[0, 0, root], [0, 0, root - 0.3 * gripper.reach_m]],
+            [[0, 0, root], [0, 0, root - 0.3 * gripper.palm_to_pad_m]],
         ]
     )
     X_AG = pose_from_quat(np.array(grasp.quat_wxyz), grasp.position_m)

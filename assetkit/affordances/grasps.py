@@ -1,4 +1,4 @@
-"""Grasps of a body for a parallel-jaw gripper: antipodal pairs on its colliders that a gripper reaches."""
+"""Proposes grasps of a body for a parallel-jaw gripper: antipodal pairs on its colliders within the gripper's reach."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.convex.convex_union import ConvexUnion
-from geom.grasp.antipodal import Pairs, antipodal_pairs
-from geom.grasp.contact_patches import holding_force, pad_patches
+from geom.grasp.antipodal import AntipodalPairs, antipodal_pairs
+from geom.grasp.contact_patches import contact_patches, holding_force
 from geom.grasp.gripper import Gripper, boxes, lowest
-from geom.mesh.farthest_points import spread
+from geom.mesh.farthest_points import farthest_points
 from geom.pose import matrix_of, quat_of
 from schemas.affordances import Grasp
 from schemas.asset import StablePose, vec3
@@ -37,8 +37,8 @@ PAD = Contact(static_friction=0.9, dynamic_friction=0.7, restitution=0.0)  # rub
 
 
 @dataclass(frozen=True)
-class Proposed:
-    """The grasps, best first, and why there are none."""
+class GraspProposals:
+    """The grasps, best first, or the reason why there are none."""
 
     grasps: tuple[Grasp, ...]
     reason: str = ""
@@ -49,7 +49,7 @@ def pad_friction(contact: Contact) -> float:
     return pair_value(contact.dynamic_friction, PAD.dynamic_friction, contact.combine)
 
 
-def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Gripper = Gripper()) -> Proposed:
+def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Gripper = Gripper()) -> GraspProposals:
     """Up to 16 grasps with places and approaches spread over the body.
 
     Each lies in the friction cones, keeps fingers and hand clear of the body and, in at least one of the stable `poses`
@@ -62,11 +62,15 @@ def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Grippe
     weight_n = body.mass.mass_kg * GRAVITY_MPS2
     least_n = SAFETY * weight_n / (2.0 * friction)
     if least_n > gripper.force_n:
-        return Proposed((), f"it weighs {body.mass.mass_kg:.3g} kg: {least_n:.3g} N a finger, more than a gripper has")
+        return GraspProposals(
+            (), f"it weighs {body.mass.mass_kg:.3g} kg: {least_n:.3g} N a finger, more than a gripper has"
+        )
     union = ConvexUnion(body.shapes)
     pairs = antipodal_pairs(union, cone_rad, gripper.widest_m())
     if not len(pairs.angle_rad):
-        return Proposed((), f"nothing of it is at most {1000 * gripper.widest_m():.0f} mm wide between parallel sides")
+        return GraspProposals(
+            (), f"nothing of it is at most {1000 * gripper.widest_m():.0f} mm wide between parallel sides"
+        )
     near = 1.0 - np.linalg.norm(pairs.middle_m - body.mass.centre_of_mass_m, axis=1) / (0.5 * union.size)
     left = (1.0 - pairs.angle_rad / cone_rad) * np.clip(near, 0.05, 1.0)
     pairs, left = _spread_pairs(pairs, left, union.size)
@@ -79,15 +83,15 @@ def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Grippe
     over = _over_ground(X_AB, half, poses)
     free &= over.any(axis=1)
     if not free.any():
-        return Proposed((), "fingers or hand would touch it, or the ground, in every grasp tried")
+        return GraspProposals((), "fingers or hand would touch it, or the ground, in every grasp tried")
     X_AG, of_pair, over = X_AG[free], of_pair[free], over[free]
-    patches = pad_patches(union, X_AG, pairs.width_m[of_pair], gripper)
+    patches = contact_patches(union, X_AG, pairs.width_m[of_pair], gripper)
     lever_m = np.linalg.norm(np.cross(body.mass.centre_of_mass_m - patches.middle_m, X_AG[:, :3, 0]), axis=1)
     needed_n = holding_force(weight_n, lever_m, patches.arm_m, pairs.angle_rad[of_pair], friction)
     strong = LEAST_SAFETY * needed_n <= gripper.force_n
     if not strong.any():
         needs = f"{LEAST_SAFETY * needed_n.min():.3g} N a finger, more than a gripper has"
-        return Proposed((), f"it would turn between the pads without {needs}")
+        return GraspProposals((), f"it would turn between the pads without {needs}")
     force_n = np.minimum(SAFETY * needed_n, gripper.force_n)
     chance = np.array([p.probability for p in poses]) if poses else np.ones(1)
     often = np.minimum((over * (chance / max(chance.sum(), 1e-9))).sum(axis=1), 1.0)
@@ -95,12 +99,12 @@ def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Grippe
     worth = shares**0.25 * (1.0 + often) / 2.0
     best = np.flatnonzero(strong & (worth >= LEAST_QUALITY))
     if not len(best):
-        return Proposed((), f"no grasp is better than {worth[strong].max():.2g} of {LEAST_QUALITY}")
+        return GraspProposals((), f"no grasp is better than {worth[strong].max():.2g} of {LEAST_QUALITY}")
     best = best[np.argsort(-np.round(worth[best], DIGITS), kind="stable")]
     chosen = best[_spread_grasps(X_AG[best], union.size)]
     chosen = chosen[np.argsort(-np.round(worth[chosen], DIGITS), kind="stable")]
     press_n = np.maximum(force_n, LEAST_FORCE_N)
-    return Proposed(
+    return GraspProposals(
         tuple(
             _grasp(
                 f"grasp_{i + 1:02d}",
@@ -118,20 +122,20 @@ def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Grippe
     )
 
 
-def _spread_pairs(pairs: Pairs, quality: FloatArray, size: float) -> tuple[Pairs, FloatArray]:
+def _spread_pairs(pairs: AntipodalPairs, quality: FloatArray, size: float) -> tuple[AntipodalPairs, FloatArray]:
     """The pairs that are tried further, spread over the body from the best one on."""
     sign = np.sign(np.round(pairs.axis, DIGITS) @ np.array([1.0, 1e-3, 1e-6]))
     features = np.hstack([pairs.middle_m / size, TURN * pairs.axis * np.where(sign == 0.0, 1.0, sign)[:, None]])
-    chosen = np.array(spread(features, int(np.round(quality, DIGITS).argmax()), PAIRS, 1e-3))
+    chosen = np.array(farthest_points(features, int(np.round(quality, DIGITS).argmax()), PAIRS, 1e-3))
     return pairs.take(chosen), quality[chosen]
 
 
 def _spread_grasps(X_AG: FloatArray, size: float) -> list[int]:
     features = np.hstack([X_AG[:, :3, 3] / size, TURN * X_AG[:, :3, 2], TURN * np.abs(X_AG[:, :3, 0])])
-    return spread(features, 0, MOST, APART)
+    return farthest_points(features, 0, MOST, APART)
 
 
-def _approaches(pairs: Pairs, gripper: Gripper) -> tuple[FloatArray, FloatArray]:
+def _approaches(pairs: AntipodalPairs, gripper: Gripper) -> tuple[FloatArray, FloatArray]:
     """Gripper poses X_AG (g, 4, 4) around the line of each pair, from above first, and the pair (g,) of each."""
     x = pairs.axis
     down = np.where(np.abs(x[:, 2:]) > 0.99, [[-1.0, 0.0, 0.0]], [[0.0, 0.0, -1.0]])
@@ -164,7 +168,7 @@ def _over_ground(X_AB: FloatArray, half: FloatArray, poses: Sequence[StablePose]
 def _grasp(
     affordance_id: str,
     X_AG: FloatArray,
-    pairs: Pairs,
+    pairs: AntipodalPairs,
     pair: int,
     worth: float,
     over: FloatArray,

@@ -1,4 +1,4 @@
-"""What named parts offer: lids to open, knobs to turn, buttons to press; and which part a place belongs to."""
+"""Regions from named parts (lids to open, knobs to turn, buttons to press), and the part that a position belongs to."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from schemas.parts import UNLABELLED, Part
 DIGITS = 6
 BY_NAME = 0.9  # of the confidence of the part's label
 WITHIN_M = 0.003
-# Label of a part, what it is, the task it serves, and how.
+# Label of a part, kind of region, task, interaction.
 TABLE: tuple[tuple[str, RegionKind, Task, Interaction], ...] = (
     ("handle", "handle", "carry", "wrap"),
     ("spout", "spout", "pour", "tilt"),
@@ -27,19 +27,19 @@ TABLE: tuple[tuple[str, RegionKind, Task, Interaction], ...] = (
 
 
 def named_regions(parts: Sequence[Evidence[Part]], low_m: FloatArray, high_m: FloatArray) -> list[Evidence[Region]]:
-    """A region for each part whose label says what it is for; `low_m`, `high_m` (3,) are the corners of the object."""
-    found = []
+    """A region for each part whose label is in `TABLE`; `low_m`, `high_m` (3,) are the corners of the object."""
+    regions = []
     for label, kind, task, interaction in TABLE:
         for part in parts:
             if part.value.label.value == label and part.value.label.confidence > 0.0:
                 region = _region(part.value, kind, task, interaction, 0.5 * (low_m + high_m))
-                sure = round(BY_NAME * part.value.label.confidence, 3)
-                found.append(inferred(region, f"part called {label}", sure, inputs=(part.value.part_id,)))
-    return found
+                confidence = round(BY_NAME * part.value.label.confidence, 3)
+                regions.append(inferred(region, f"part called {label}", confidence, inputs=(part.value.part_id,)))
+    return regions
 
 
 def part_at(parts: Sequence[Evidence[Part]], places_m: Sequence[Sequence[float]]) -> str:
-    """The labelled part whose box, the smallest of several, holds all places; `WHOLE` when none does."""
+    """The labelled part whose box, the smallest of several, contains all positions; `WHOLE` when none does."""
     holding = [
         (float(np.prod(np.subtract(p.value.high_m, p.value.low_m))), p.value.part_id)
         for p in parts

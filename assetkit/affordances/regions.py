@@ -1,6 +1,6 @@
-"""What an object offers beside being grasped: rims, spouts, handles, holes to hang it by; lids, knobs, buttons by name.
+"""Affordance regions of an object beside grasps: rims, spouts, handles, hang holes; lids, knobs, buttons by name.
 
-Relations (part, task, interaction). What geometry or names do not support is not stated.
+Each is a relation (part, task, interaction) with evidence from geometry or names; metres, asset frame.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from assetkit.affordances.named_regions import named_regions, part_at
-from geom.features.elongated_ends import Grip, find_grip
-from geom.features.spouts import pouring_lip
+from geom.features.elongated_ends import ElongatedEnd, find_elongated_end
+from geom.features.spouts import find_spout
 from geom.features.through_holes import ThroughHole, find_through_holes
 from schemas.affordances import OrientationRequirement, Region
 from schemas.anchors import Anchor, ContainmentVolume
@@ -24,8 +24,8 @@ from schemas.physics import Solid
 
 DIGITS = 6
 HOOK_M = 0.004  # the thinnest hook
-FINGERS_M, ARM_M = 0.018, 0.2  # what goes through the loop of a handle: fingers; more than an arm is no handle
-BAR_M = (0.003, 0.05)  # what fingers close around
+FINGERS_M, ARM_M = 0.018, 0.2  # Least and greatest loop of a handle: fingers pass it; an arm's width is no handle.
+BAR_M = (0.003, 0.05)  # thickness of a bar that fingers close around
 OFF_CENTRE = 0.35  # of the radius of the silhouette: the hole of a ring is in its middle
 HOLES = 6
 BY_LOOP, BY_GRIP, BY_HOLE, BY_LIP = 0.8, 0.6, 0.8, 0.7
@@ -35,13 +35,13 @@ LEVEL_RAD = math.radians(30.0)
 def find_regions(
     solid: Solid, anchors: Sequence[Evidence[Anchor]], parts: Sequence[Evidence[Part]]
 ) -> tuple[Evidence[Region], ...]:
-    """Rims and lips of upright volumes, handles, holes, and what named parts offer; metres, asset frame.
+    """Rims and lips of upright volumes, handles, holes, and regions of named parts; metres, asset frame.
 
     A region that geometry finds on a part of the same name belongs to that part, which is not listed again.
     """
     volumes = [e for e in anchors if e.value.kind == "volume"]
     holes = find_through_holes(solid)
-    shaped = [*_rims(volumes), *_spouts(volumes), *_handles(holes, find_grip(solid)), *_hang_holes(holes)]
+    shaped = [*_rims(volumes), *_spouts(volumes), *_handles(holes, find_elongated_end(solid)), *_hang_holes(holes)]
     shaped = [with_part(e, parts) for e in shaped]
     taken = {(e.value.part, e.value.kind) for e in shaped}
     named = named_regions(parts, solid.points.min(axis=0), solid.points.max(axis=0))
@@ -54,7 +54,7 @@ def with_part(evidence: Evidence[Region], parts: Sequence[Evidence[Part]]) -> Ev
     return evidence.model_copy(update={"value": evidence.value.model_copy(update={"part": part})})
 
 
-def keep_upright(anchors: Sequence[Evidence[Anchor]]) -> OrientationRequirement | None:
+def upright_requirement(anchors: Sequence[Evidence[Anchor]]) -> OrientationRequirement | None:
     """How far an open vessel may lean when it is half full: `atan(height / width)` of its largest volume."""
     volumes = [e.value for e in anchors if isinstance(e.value, ContainmentVolume)]
     if not volumes:
@@ -67,7 +67,7 @@ def keep_upright(anchors: Sequence[Evidence[Anchor]]) -> OrientationRequirement 
 
 
 def _rims(volumes: Sequence[Evidence[Anchor]]) -> list[Evidence[Region]]:
-    found = []
+    rims = []
     for evidence in volumes:
         inside = evidence.value
         assert isinstance(inside, ContainmentVolume), "of kind volume"
@@ -83,22 +83,22 @@ def _rims(volumes: Sequence[Evidence[Anchor]]) -> list[Evidence[Region]]:
             size_m=inside.passes_m,
             orientation=OrientationRequirement(axis=inside.direction, toward="horizontal", within_rad=LEVEL_RAD),
         )
-        found.append(inferred(region, f"rim of {inside.anchor_id}", evidence.confidence, inputs=(inside.anchor_id,)))
-    return found
+        rims.append(inferred(region, f"rim of {inside.anchor_id}", evidence.confidence, inputs=(inside.anchor_id,)))
+    return rims
 
 
 def _spouts(volumes: Sequence[Evidence[Anchor]]) -> list[Evidence[Region]]:
-    """Lips that stick out of a rim. Tubes need a name: a slot in a wall is a second way out, too."""
-    found = []
+    """Lips that stick out of a rim. A tube is a spout only by name: a slot in a wall is a second way out, too."""
+    spouts = []
     for evidence in volumes:
         inside = evidence.value
         assert isinstance(inside, ContainmentVolume), "of kind volume"
-        lip = pouring_lip(_rim_loop(inside))
+        lip = find_spout(_rim_loop(inside))
         if lip is not None:
             tip, outward, ends = lip
             region = _spout(tip, outward, ends, float(np.linalg.norm(ends[-1] - ends[0])))
-            found.append(inferred(region, f"lip of the rim of {inside.anchor_id}", BY_LIP, inputs=(inside.anchor_id,)))
-    return found
+            spouts.append(inferred(region, f"lip of the rim of {inside.anchor_id}", BY_LIP, inputs=(inside.anchor_id,)))
+    return spouts
 
 
 def _spout(tip: FloatArray, outward: FloatArray, lip: FloatArray, width_m: float) -> Region:
@@ -115,9 +115,9 @@ def _spout(tip: FloatArray, outward: FloatArray, lip: FloatArray, width_m: float
     )
 
 
-def _handles(holes: Sequence[ThroughHole], grip: Grip | None) -> list[Evidence[Region]]:
-    found = []
-    for hole in holes:
+def _handles(through_holes: Sequence[ThroughHole], grip: ElongatedEnd | None) -> list[Evidence[Region]]:
+    handles = []
+    for hole in through_holes:
         if not is_handle(hole):
             continue
         region = Region(
@@ -130,7 +130,7 @@ def _handles(holes: Sequence[ThroughHole], grip: Grip | None) -> list[Evidence[R
             outline_m=_line(hole.outline_m),
             size_m=round(hole.bar_m, DIGITS),
         )
-        found.append(measured(region, "a bar around a through-hole for fingers", confidence=BY_LOOP))
+        handles.append(measured(region, "a bar around a through-hole for fingers", confidence=BY_LOOP))
     if grip is not None:
         outward = grip.axis_m[-1] - grip.axis_m[0]
         region = Region(
@@ -143,8 +143,8 @@ def _handles(holes: Sequence[ThroughHole], grip: Grip | None) -> list[Evidence[R
             outline_m=_line(grip.axis_m),
             size_m=round(grip.width_m, DIGITS),
         )
-        found.append(measured(region, "thin, even end of an elongated object", confidence=BY_GRIP))
-    return found
+        handles.append(measured(region, "thin, even end of an elongated object", confidence=BY_GRIP))
+    return handles
 
 
 def is_handle(hole: ThroughHole) -> bool:
@@ -185,11 +185,11 @@ def _rim_loop(inside: ContainmentVolume) -> FloatArray:
     return np.column_stack([outline + np.array([x, y]), np.full(len(outline), z + inside.height_m)])
 
 
-def _numbered(found: Sequence[Evidence[Region]]) -> list[Evidence[Region]]:
+def _numbered(regions: Sequence[Evidence[Region]]) -> list[Evidence[Region]]:
     """With ids `rim_0`, `rim_1`, `handle_0` ..., in order of discovery."""
     counts: dict[str, int] = {}
     named = []
-    for evidence in found:
+    for evidence in regions:
         kind = evidence.value.kind
         region = evidence.value.model_copy(update={"affordance_id": f"{kind}_{counts.get(kind, 0)}"})
         counts[kind] = counts.get(kind, 0) + 1

@@ -1,1 +1,1 @@
-"""What kind of thing an object is: evidence in, ranked hypotheses of its category out."""
+"""Category of an object: evidence in, ranked hypotheses out. Start with `annotator`."""

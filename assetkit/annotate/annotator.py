@@ -1,4 +1,4 @@
-"""The interface between evidence and meaning: what an annotator is shown and what it answers."""
+"""The interface of annotators: the evidence about an object in, the ranked categories with scores and clues out."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from schemas.diagnostics import Diagnostic
 from schemas.outcome import EndpointUse
 
 UNKNOWN = "unknown"
-# A category is said from this chance on, when no other comes near it.
-STANDS = 0.5
-RIVAL = 0.75
+# A category is accepted above this score, when the score of the next is below this share of it.
+MIN_SCORE = 0.5
+MAX_RUNNER_UP_RATIO = 0.75
 
 
 @dataclass(frozen=True)
-class Shape:
-    """What the geometry says about the kind of thing, whatever way it lies.
+class ObjectShape:
+    """Size and form of an object, independent of its pose.
 
     extents_m  edges of the smallest bounding box, shortest first.
     fill       share of that box that the convex hull takes: box 1, cylinder 0.79, ball 0.52; None without volume.
-    hollow     share of the convex hull that is no material; None where nobody knows (a hull stands in).
+    hollow     share of the convex hull that is empty; None where unknown (the solid is a hull).
     metric     whether the edges are known in metres; else only their proportions are.
     """
 
@@ -36,9 +36,9 @@ class Shape:
 class Observation:
     """All evidence about one object.
 
-    file       stem of the source file.             folders  names of the folders it stands in, nearest first.
+    file       stem of the source file.             folders  names of its folders, nearest first.
     nodes      names of nodes and meshes.           materials  names of render materials.
-    titles     what the file calls itself.         shared     whether the file holds other objects as well.
+    titles     titles stated in the file.          shared     whether the file holds other objects as well.
     views      PNG pictures by name, in the order to be shown; only for an annotator that looks at them.
     """
 
@@ -47,14 +47,14 @@ class Observation:
     nodes: tuple[str, ...]
     materials: tuple[str, ...]
     titles: tuple[str, ...]
-    shape: Shape
+    shape: ObjectShape
     shared: bool = False
     views: Mapping[str, bytes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
-class Hypothesis:
-    """One category with the chance that it is right, and the clues for and against it in words."""
+class CategoryScore:
+    """One category with the probability that it is right, and the clues for and against it in words."""
 
     category: str
     score: float
@@ -62,8 +62,8 @@ class Hypothesis:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """How a question to an endpoint went: its answer, or None and a finding that says why there is none."""
+class EndpointResult:
+    """The result of a query to an endpoint: its answer, or None and a finding with the reason."""
 
     answer: EndpointAnswer | None
     use: EndpointUse
@@ -72,21 +72,21 @@ class Asked:
 
 @dataclass(frozen=True)
 class Annotation:
-    """Ranked hypotheses, best first; `category` is `unknown` unless the first one stands; `reason` says why.
+    """Ranked hypotheses, best first; `category` is `unknown` unless the first one is accepted, for `reason`.
 
-    method          by which the first hypothesis was found.
-    contradictions  where names or pictures speak of a category that shape or each other contradict, in words.
-    disputed        whether pictures are contradicted, so that a person must decide.
-    asked           None when no endpoint was asked.
+    method           by which the first hypothesis was found.
+    contradictions   categories of names or pictures that shape or each other contradict, in words.
+    disputed         whether pictures are contradicted, so that a person must decide.
+    endpoint_result  None when no endpoint was queried.
     """
 
     category: str
-    hypotheses: tuple[Hypothesis, ...]
+    hypotheses: tuple[CategoryScore, ...]
     reason: str
     method: str
     contradictions: tuple[str, ...] = ()
     disputed: bool = False
-    asked: Asked | None = None
+    endpoint_result: EndpointResult | None = None
 
     @property
     def score(self) -> float:
@@ -95,23 +95,25 @@ class Annotation:
 
 
 class Annotator(Protocol):
-    """Anything that tells what an object is: the embedded one needs names, a multimodal one pictures."""
+    """Finds the category of an object: the embedded annotator needs names, a multimodal one pictures."""
 
     def annotate(self, observation: Observation) -> Annotation:
         """The annotation; deterministic, never raises for what the evidence holds or an endpoint answers."""
         ...
 
 
-def decided(hypotheses: Sequence[Hypothesis], method: str, contradictions: tuple[str, ...] = ()) -> Annotation:
-    """The annotation of these hypotheses: ranked, and the first one stands when it is likely and has no rival.
+def ranked_annotation(
+    hypotheses: Sequence[CategoryScore], method: str, contradictions: tuple[str, ...] = ()
+) -> Annotation:
+    """The annotation of these hypotheses: ranked, and the first one is accepted when it is likely and well ahead.
 
     `method` and `contradictions` become those of the annotation.
     """
     ranked = tuple(sorted(hypotheses, key=lambda h: (-h.score, h.category)))
     best, others = ranked[0], ranked[1:]
-    if others and others[0].score >= RIVAL * best.score:
+    if others and others[0].score >= MAX_RUNNER_UP_RATIO * best.score:
         return Annotation(UNKNOWN, ranked, f"{best.category} or {others[0].category}", method, contradictions)
-    if best.score <= STANDS:
+    if best.score <= MIN_SCORE:
         reason = f"perhaps {best.category}, on thin evidence"
         return Annotation(UNKNOWN, ranked, reason, method, contradictions)
     return Annotation(best.category, ranked, "; ".join(best.clues), method, contradictions)

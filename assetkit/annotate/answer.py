@@ -1,4 +1,4 @@
-"""What a model answered, read with suspicion: its shape is checked again here, whatever the endpoint promised."""
+"""Reads the answer of a model into ids of the vocabulary with chances; its schema is checked here again."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, get_args
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from assetkit.annotate.question import cleaned
+from assetkit.annotate.prompt import cleaned
 from assetkit.taxonomy.tables import categories
 from schemas.asset import EndpointAnswer, Role
 
@@ -38,25 +38,25 @@ class _Answer(_Strict):
 def read_answer(text: str, method: str, settings: Mapping[str, float]) -> EndpointAnswer:
     """The answer in `text`: ids of the vocabulary, best first, everything else in `refused`.
 
-    Ids count as they stand in the tables: no other spelling, no alias. Raises ValueError when `text` does not keep the
+    Ids count as in the tables: no other spelling, no alias. Raises ValueError when `text` does not keep the
     schema.
     """
-    said = _Answer.model_validate_json(text)
-    kinds, other_kinds = _known(((c.category, c.confidence) for c in said.categories), categories())
-    roles, other_roles = _known(((r.role, r.confidence) for r in said.roles), get_args(Role))
+    answer = _Answer.model_validate_json(text)
+    kinds, other_kinds = _known(((c.category, c.confidence) for c in answer.categories), categories())
+    roles, other_roles = _known(((r.role, r.confidence) for r in answer.roles), get_args(Role))
     return EndpointAnswer(
         method=method,
         categories=kinds,
         roles=roles,
-        description=cleaned(said.description, MAX_DESCRIPTION),
+        description=cleaned(answer.description, MAX_DESCRIPTION),
         refused=(*other_kinds, *other_roles),
         settings=dict(settings),
     )
 
 
-def _known(said: Iterable[tuple[str, float]], vocabulary: Container[str]) -> tuple[dict[str, float], list[str]]:
-    """Chances by id, greatest first, of an id said twice the greater; and what is in no vocabulary, cleaned."""
-    ranked = sorted(said, key=lambda pair: (-pair[1], pair[0]))
+def _known(chances: Iterable[tuple[str, float]], vocabulary: Container[str]) -> tuple[dict[str, float], list[str]]:
+    """Chances by id, greatest first, the greater of an id given twice; and names in no vocabulary, cleaned."""
+    ranked = sorted(chances, key=lambda pair: (-pair[1], pair[0]))
     known: dict[str, float] = {}
     for name, chance in ranked:
         if name in vocabulary:

@@ -1,4 +1,4 @@
-"""Whether an object is none of the things that Mana prepares: a vehicle, a character, a room or building, cloth."""
+"""Detects objects outside the domain by name and size: vehicles, characters, rooms and buildings, cloth."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from assetkit.annotate.annotator import UNKNOWN, Annotation, Observation
 from assetkit.annotate.name_reading import read_name
 from assetkit.taxonomy.tables import Words, rows_of
 
-# Nothing that stands in a room is as large as this along its shortest edge.
+# Shortest edge (m) that nothing in a room reaches.
 LARGEST_M = 1.4
 
 
 class Domain(BaseModel):
-    """One row of `domains.csv`: names that leave no doubt, those that do where unknown words stand before them, and
-    the longest edge below which a thing called so is a toy (0: never).
+    """One row of `domains.csv`: `words` name it clearly, `weak_words` not where unknown words precede them; a thing
+    with such a name and a longest edge below `toy_below_m` is a toy (0: never).
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -28,23 +28,23 @@ class Domain(BaseModel):
 
 
 def out_of_domain(seen: Observation, annotation: Annotation) -> str:
-    """Why the object is out of the domain, "" where nothing says so or it has a category of the vocabulary.
+    """Why the object is out of the domain, "" without evidence for it or with a category of the vocabulary.
 
-    The name of the file or its title decides, that of the folder where the file's own says nothing; where nobody
-    named it, a size beyond furniture.
+    The name of the file or its title decides, that of the folder where the file's name is uninformative; without any
+    name, a size beyond furniture.
     """
     if annotation.category != UNKNOWN:
         return ""
     readings = [("file", seen.file, read_name(seen.file)), *(("title", t, read_name(t)) for t in seen.titles[:1])]
-    if readings[0][2].silent:
-        readings += [("folder", f, r) for f in seen.folders if not (r := read_name(f)).silent][:1]
+    if readings[0][2].is_uninformative:
+        readings += [("folder", f, r) for f in seen.folders if not (r := read_name(f)).is_uninformative][:1]
     for place, name, reading in readings:
         row, weak = _table().get(reading.other, (None, False))
         if row is None or reading.unknown_after or (weak and reading.unknown_before):
             continue
         if not seen.shape.metric or seen.shape.extents_m[2] >= row.toy_below_m:
             return f"the {place} is called '{name}': {row.domain}"
-    if seen.shape.metric and seen.shape.extents_m[0] >= LARGEST_M and all(r.silent for _, _, r in readings):
+    if seen.shape.metric and seen.shape.extents_m[0] >= LARGEST_M and all(r.is_uninformative for _, _, r in readings):
         size = " x ".join(f"{edge:.3g}" for edge in seen.shape.extents_m)
         return f"{size} m is larger than what stands in a room"
     return ""

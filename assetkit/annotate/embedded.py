@@ -1,7 +1,7 @@
 """The annotator that needs no network: names propose a category, size and form confirm or contradict it.
 
 Different words for a category (file, folder, title, nodes, materials) count as independent witnesses: the chance that
-all of them are wrong is the product of theirs; the same word said twice counts once. Geometry alone never proposes
+all of them are wrong is the product of theirs; the same word in two places counts once. Geometry alone never proposes
 anything: too many things are boxes.
 """
 
@@ -11,27 +11,27 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from assetkit.annotate.annotator import STANDS, UNKNOWN, Annotation, Hypothesis, Observation, decided
-from assetkit.annotate.name_reading import Reading, read_name
+from assetkit.annotate.annotator import MIN_SCORE, UNKNOWN, Annotation, CategoryScore, Observation, ranked_annotation
+from assetkit.annotate.name_reading import NameReading, read_name
 from assetkit.annotate.shape_check import compare
 from assetkit.taxonomy.tables import categories
 
-SUREST = 0.95
+MAX_SCORE = 0.95
 METHOD = "names and geometry against the taxonomy"
-# How far a place is believed, against the file's own name. A folder often holds many things; when the file has a name
-# of its own it says less, and nothing when the file is another thing. Modelling tools name nodes as they like.
+# Weight of a place, relative to the file's own name. A folder often holds many things; when the file has a name of its
+# own the folder weighs less, and nothing when the file is another thing. Modelling tools name nodes arbitrarily.
 TITLE, FOLDER, FOLDER_OF_NAMED, NODES, MATERIALS = 0.95, 0.85, 0.4, 0.7, 0.35
-# Names of a file speak of all objects in it together. In a file named otherwise, nodes name parts and company.
+# Names of a file count for all objects in it together. In a file named otherwise, nodes name parts and other things.
 SHARED, NODES_OF_OTHER = 0.5, 0.5
 _MAX_NODES = 200
-# What modelling tools call a new object, whatever it is to become.
+# Default names of new objects in modelling tools.
 _PRIMITIVES = frozenset(
     ("cube", "box", "sphere", "cylinder", "cone", "torus", "circle", "disc", "plane", "line", "pipe", "tube", "block")
 )
 
 
-class _Witness(NamedTuple):
-    """What one place says: a category, by which words, how much that counts, and the clue in words."""
+class _NameEvidence(NamedTuple):
+    """The evidence of one place: a category, the words for it, its strength, and the clue in words."""
 
     category: str
     words: str
@@ -40,62 +40,64 @@ class _Witness(NamedTuple):
 
 
 class EmbeddedAnnotator:
-    """Names, confirmed or contradicted by geometry; says `unknown` when the evidence is thin or contradictory."""
+    """Category by names, confirmed or contradicted by geometry; `unknown` when the evidence is weak."""
 
     def annotate(self, observation: Observation) -> Annotation:
-        """Ranked hypotheses with their clues; the first one stands when it is likely and has no rival."""
+        """Ranked hypotheses with their clues; the first one is accepted when it is likely and well ahead."""
         witnesses = tuple(_witnesses(observation))
-        found = [
+        weighed = [
             _weighed(category, witnesses, observation) for category in dict.fromkeys(w.category for w in witnesses)
         ]
-        found.sort(key=lambda pair: (-pair[0].score, pair[0].category))
-        if not found:
+        weighed.sort(key=lambda pair: (-pair[0].score, pair[0].category))
+        if not weighed:
             return Annotation(UNKNOWN, (), "no name speaks of a category", METHOD)
-        contradictions = tuple(f"named {h.category}, but {text}" for h, against in found[:1] for text in against)
-        return decided([hypothesis for hypothesis, _ in found], METHOD, contradictions)
+        contradictions = tuple(f"named {h.category}, but {text}" for h, against in weighed[:1] for text in against)
+        return ranked_annotation([hypothesis for hypothesis, _ in weighed], METHOD, contradictions)
 
 
 def _weighed(
-    category: str, witnesses: Sequence[_Witness], observation: Observation
-) -> tuple[Hypothesis, tuple[str, ...]]:
-    """The hypothesis with its clues, and what of the shape speaks against it although the names alone would stand."""
-    strongest: dict[str, _Witness] = {}
+    category: str, witnesses: Sequence[_NameEvidence], observation: Observation
+) -> tuple[CategoryScore, tuple[str, ...]]:
+    """The hypothesis with its clues, and the contradictions by shape where the names alone would be accepted."""
+    strongest: dict[str, _NameEvidence] = {}
     for witness in (w for w in witnesses if w.category == category):
         strongest[witness.words] = max(strongest.get(witness.words, witness), witness, key=lambda w: w.strength)
     clues = [witness.clue for witness in strongest.values()]
     wrong = math.prod(1.0 - witness.strength for witness in strongest.values())
     findings = compare(categories()[category], observation.shape)
     named = score = 1.0 - wrong
-    against = tuple(f.text for f in findings if f.leaves < 1.0)
+    against = tuple(f.text for f in findings if f.remaining_chance < 1.0)
     for finding in findings:  # What fits confirms nothing while something else does not.
-        score = score * finding.leaves if against else 1.0 - (1.0 - score) * (1.0 - finding.confirms)
-    clues += [f.text for f in findings if f.leaves == 1.0] + [f"against it: {text}" for text in against]
-    return Hypothesis(category, round(min(score, SUREST), 3), tuple(clues)), against if named > STANDS else ()
+        score = score * finding.remaining_chance if against else 1.0 - (1.0 - score) * (1.0 - finding.confirms)
+    clues += [f.text for f in findings if f.remaining_chance == 1.0] + [f"against it: {text}" for text in against]
+    return CategoryScore(category, round(min(score, MAX_SCORE), 3), tuple(clues)), against if named > MIN_SCORE else ()
 
 
-def _witnesses(seen: Observation) -> Iterator[_Witness]:
-    file, whole = read_name(seen.file), SHARED if seen.shared else 1.0
-    yield from _named("file", seen.file, file, whole)
-    for title in seen.titles[:1]:
+def _witnesses(observation: Observation) -> Iterator[_NameEvidence]:
+    file, whole = read_name(observation.file), SHARED if observation.shared else 1.0
+    yield from _named("file", observation.file, file, whole)
+    for title in observation.titles[:1]:
         yield from _named("title", title, read_name(title), whole * TITLE)
     if not file.other:
-        believed = whole * FOLDER if file.silent else whole * FOLDER_OF_NAMED
-        folder = next(((f, r) for f in seen.folders if not (r := read_name(f)).silent), None)
+        weight = whole * FOLDER if file.is_uninformative else whole * FOLDER_OF_NAMED
+        folder = next(((f, r) for f in observation.folders if not (r := read_name(f)).is_uninformative), None)
         if folder is not None:
-            yield from _named("folder", *folder, believed)
+            yield from _named("folder", *folder, weight)
     within = NODES_OF_OTHER if file.other else 1.0
-    yield from _agreed("node", [n for n in seen.nodes if n not in (seen.file, *seen.titles)], within * NODES)
-    yield from _agreed("material", seen.materials, within * MATERIALS)
+    yield from _agreed(
+        "node", [n for n in observation.nodes if n not in (observation.file, *observation.titles)], within * NODES
+    )
+    yield from _agreed("material", observation.materials, within * MATERIALS)
 
 
-def _named(place: str, name: str, reading: Reading, believed: float) -> Iterator[_Witness]:
+def _named(place: str, name: str, reading: NameReading, weight: float) -> Iterator[_NameEvidence]:
     if reading.category is not None:
         clue = f"{place} name '{name}' speaks of '{reading.words}'"
-        yield _Witness(reading.category, reading.words, believed * reading.strength, clue)
+        yield _NameEvidence(reading.category, reading.words, weight * reading.strength, clue)
 
 
-def _agreed(place: str, names: Iterable[str], believed: float) -> Iterator[_Witness]:
-    """What several names say together: each category as far as no other thing is named that is none of its parts."""
+def _agreed(place: str, names: Iterable[str], weight: float) -> Iterator[_NameEvidence]:
+    """The evidence of several names together: each category by its share among the things named."""
     chosen = [n for n in dict.fromkeys(names) if n.lower().rstrip("_.0123456789") not in _PRIMITIVES][:_MAX_NODES]
     read = [(name, read_name(name)) for name in chosen]
     telling = [(name, reading) for name, reading in read if reading.category or reading.other]
@@ -106,4 +108,4 @@ def _agreed(place: str, names: Iterable[str], believed: float) -> Iterator[_Witn
         name, reading = max(same, key=lambda pair: pair[1].strength)
         share = len(same) / (len(same) + len(others))
         clue = f"{place} name '{name}' speaks of '{reading.words}'"
-        yield _Witness(category, reading.words, believed * share * reading.strength, clue)
+        yield _NameEvidence(category, reading.words, weight * share * reading.strength, clue)

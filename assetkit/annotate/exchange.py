@@ -1,4 +1,4 @@
-"""One question to an endpoint over HTTP, bounded in time, size and attempts.
+"""Sends one request to an endpoint over HTTP, bounded in time, size and attempts.
 
 Run in a cell (`python -m assetkit.annotate.exchange POST REPLY`), because servers hang and names may never resolve. The
 key is read from the environment here and nowhere else: it is in no file, no argument and no answer.
@@ -33,7 +33,7 @@ _CHUNK = 2**16
 
 
 class Post(BaseModel):
-    """A question. `key_header` and `key_prefix` say how the endpoint wants its key; `seconds` bounds each attempt."""
+    """A request. The key goes into `key_header` behind `key_prefix`; `seconds` bounds each attempt."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -46,9 +46,9 @@ class Post(BaseModel):
 
 
 class Reply(BaseModel):
-    """`text` of an answer with `status` 200, else why there is none: `failure`, and what the endpoint said as `text`.
+    """`text` of an answer with `status` 200, else the reason as `failure`, and the endpoint's own words as `text`.
 
-    `status` is 0 when the endpoint said nothing.
+    `status` is 0 when the endpoint sent nothing.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -60,7 +60,7 @@ class Reply(BaseModel):
 
     @property
     def unreachable(self) -> bool:
-        """Whether another question would fare no better."""
+        """Whether another request would fail alike."""
         return self.failure != "" and self.status in {0, *_BUSY, *_CLOSED}
 
 
@@ -75,12 +75,12 @@ _OPENER = urllib.request.build_opener(_NoRedirect)
 
 
 def exchange(post: Post, key: str) -> Reply:
-    """The reply after at most `ATTEMPTS`; busy, silent and unreachable endpoints are asked again after a while.
+    """The reply after at most `ATTEMPTS`; busy, silent and unreachable endpoints are tried again after a wait.
 
-    Waits grow fourfold from `wait_s`; what `Retry-After` asks for is kept up to `MAX_WAIT_S`. Never raises for what the
+    Waits grow fourfold from `wait_s`; `Retry-After` is respected up to `MAX_WAIT_S`. Never raises for what the
     endpoint does. The key is blotted out of what comes back.
     """
-    if not (key.isascii() and key.isprintable()):  # `http.client` would tell it in its error.
+    if not (key.isascii() and key.isprintable()):  # `http.client` would quote it in its error.
         return Reply(failure=f"the key in {KEY_VARIABLE} cannot be sent")
     reply, retry_after = Reply(), None
     for attempt in range(ATTEMPTS):
@@ -95,7 +95,7 @@ def exchange(post: Post, key: str) -> Reply:
 
 
 def _attempt(post: Post, key: str) -> tuple[Reply, float | None]:
-    """The reply, and how many seconds the endpoint wants to be left alone, if it says so."""
+    """The reply, and the seconds of `Retry-After` where the endpoint sends it."""
     headers = {"Content-Type": "application/json", "Accept": "application/json"}
     if key:
         headers[post.key_header] = post.key_prefix + key
@@ -151,20 +151,20 @@ def exchange_in_cell(post: Post, work_dir: Path) -> Reply:
     """As `exchange`, with the key of the environment, in a cell that is stopped when it hangs."""
     work_dir.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work_dir) as folder:
-        question, answer = Path(folder) / "post.json", Path(folder) / "reply.json"
-        question.write_text(post.model_dump_json())
+        post_file, reply_file = Path(folder) / "post.json", Path(folder) / "reply.json"
+        post_file.write_text(post.model_dump_json())
         limits = Limits(worst_seconds(post.seconds) + _SPARE_S, _MEMORY_MB)
-        result = run_module("assetkit.annotate.exchange", [str(question), str(answer)], limits)
-        if result.status != "ok" or not answer.is_file():
+        result = run_module("assetkit.annotate.exchange", [str(post_file), str(reply_file)], limits)
+        if result.status != "ok" or not reply_file.is_file():
             return Reply(failure=f"asking {result.status.replace('_', ' ')}", attempts=1)
-        return Reply.model_validate_json(answer.read_bytes())
+        return Reply.model_validate_json(reply_file.read_bytes())
 
 
-def main(question: str, answer: str) -> None:
-    """Ask what is in the file `question`, write the reply to the file `answer`."""
-    post = Post.model_validate_json(Path(question).read_bytes())
+def main(post_file: str, reply_file: str) -> None:
+    """Send the request in `post_file`, write the reply to `reply_file`."""
+    post = Post.model_validate_json(Path(post_file).read_bytes())
     key = os.environ.get(KEY_VARIABLE, "").strip()
-    Path(answer).write_text(exchange(post, key).model_dump_json())
+    Path(reply_file).write_text(exchange(post, key).model_dump_json())
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What one name says a thing is.
+"""Reads one name: the category that it means, or another thing, and how much that counts.
 
 In English compounds the last noun is the thing: a "mug holder" is no mug, a "coffee mug white v2" is one. So the
 longest known names in a name are found, inside and outside the vocabulary, and the last before a preposition counts.
@@ -14,10 +14,9 @@ from assetkit.taxonomy.material_classes import materials
 from assetkit.taxonomy.tables import Category, categories, file_jargon, fillers, other_things
 from assetkit.taxonomy.words import singulars, words_of
 
-# How much a name counts: chance that the thing is what it says, before its shape is looked at (a judgement, checked by
-# `benchmarks.assets.semantics`). `CLEAR`: its last noun, unmistakable. `LIKELY`: unknown words follow, or the noun
-# means other
-# things as well, is a plural, or not the only thing named. `FAINT`: two of these.
+# Probability that a name is right, without its shape (a judgement, checked by `benchmarks.assets.semantics`).
+# `CLEAR`: its last noun, unmistakable. `LIKELY`: unknown words follow, or the noun means other things as well, is a
+# plural, or not the only thing named. `FAINT`: two of these.
 CLEAR, LIKELY, FAINT = 0.75, 0.5, 0.2
 _PREPOSITIONS = frozenset(("of", "with", "for", "in", "on", "and", "from", "without"))
 _COUNTED = frozenset(("count", "pack", "packs", "ct", "pk", "pcs", "assorted", "assortment", "set", "kit"))
@@ -25,29 +24,29 @@ _EDIBLE = "food"  # As plurals these are mostly names of packages: "peaches" is 
 
 
 @dataclass(frozen=True)
-class Reading:
-    """What a name says: a category with the words it was told by and how much it counts, or something else.
+class NameReading:
+    """The reading of a name: a category with the words for it and its strength, or something else.
 
-    other   the words of a thing outside the vocabulary, or of a part, when the name speaks of one, else "".
-    silent  whether the name says nothing at all: jargon, numbers, colours.
-    unknown_before, unknown_after  whether words that nobody knows stand beside the noun.
+    other   the words of a thing outside the vocabulary, or of a part, when the name means one, else "".
+    silent  whether the name has no information: jargon, numbers, colours.
+    unknown_before, unknown_after  whether unknown words are beside the noun.
     """
 
     category: str | None = None
     words: str = ""
     strength: float = 0.0
     other: str = ""
-    silent: bool = False
+    is_uninformative: bool = False
     unknown_before: bool = False
     unknown_after: bool = False
 
 
-def category_called(name: str) -> Category | None:
+def category_by_name(name: str) -> Category | None:
     """The category that a whole name means, as a user states it ("mug", "Coffee mugs"), or None."""
     if name in categories():
         return categories()[name]
-    found = _look_up(words_of(name))
-    return None if found is None or found[0].category is None else categories()[found[0].category]
+    match = _look_up(words_of(name))
+    return None if match is None or match[0].category is None else categories()[match[0].category]
 
 
 @dataclass(frozen=True)
@@ -64,21 +63,21 @@ class _Mention:
     plural: bool
 
 
-def read_name(name: str) -> Reading:
+def read_name(name: str) -> NameReading:
     """The reading of a name, a file stem, folder, node, material or title."""
     words = words_of(name)
     mentions = _without_adjectives(words, _mentions(words))
     if not mentions:
-        return Reading(silent=all(_is_filler(word) for word in words))
+        return NameReading(is_uninformative=all(_is_filler(word) for word in words))
     phrase_end = next((i for i, w in enumerate(words) if w in _PREPOSITIONS and i >= mentions[0].end), len(words))
     head = [m for m in mentions if m.end <= phrase_end][-1]
-    said = " ".join(words[head.start : head.end])
+    head_words = " ".join(words[head.start : head.end])
     if head.entry.category is None:
         beside = (words[: head.start], words[head.end : phrase_end])
         before, after = (not all(_is_filler(word) for word in part) for part in beside)
-        return Reading(other=said, unknown_before=before, unknown_after=after)
+        return NameReading(other=head_words, unknown_before=before, unknown_after=after)
     doubts = sum(_doubts(words[:phrase_end], head)) + int(_names_another(mentions, head))
-    return Reading(head.entry.category, said, (CLEAR, LIKELY, FAINT)[min(doubts, 2)])
+    return NameReading(head.entry.category, head_words, (CLEAR, LIKELY, FAINT)[min(doubts, 2)])
 
 
 def _doubts(words: Sequence[str], head: _Mention) -> tuple[int, ...]:
@@ -98,7 +97,7 @@ def _doubts(words: Sequence[str], head: _Mention) -> tuple[int, ...]:
 
 @cache
 def _is_filler(word: str) -> bool:
-    """Whether a word says nothing, also as two words of file jargon in one ("lowpolymesh", "newmodel")."""
+    """Whether a word has no information, also as two words of file jargon in one ("lowpolymesh", "newmodel")."""
     halves = ((word[:k], word[k:]) for k in range(3, len(word) - 2))
     return word in fillers() or any(file_jargon().issuperset(pair) for pair in halves)
 
@@ -108,24 +107,24 @@ def _edible(mention: _Mention) -> bool:
 
 
 def _names_another(mentions: Sequence[_Mention], head: _Mention) -> bool:
-    """Whether the name speaks of another category that is no part of the noun: "coffee mug 16 oz cup"."""
+    """Whether the name mentions another category that is no part of the noun: "coffee mug 16 oz cup"."""
     return any(m.end < head.start and m.entry.category not in (None, head.entry.category) for m in mentions)
 
 
 def _mentions(words: Sequence[str]) -> list[_Mention]:
     """The longest known names from left to right, none overlapping; parts may be written as one word or several."""
-    found: list[_Mention] = []
+    mentions: list[_Mention] = []
     start = 0
     while start < len(words):
         for end in range(min(len(words), start + _longest()), start, -1):
             hit = _look_up(words[start:end])
             if hit is not None:
-                found.append(_Mention(start, end, *hit))
+                mentions.append(_Mention(start, end, *hit))
                 start = end
                 break
         else:
             start += 1
-    return found
+    return mentions
 
 
 def _look_up(words: Sequence[str]) -> tuple[_Entry, bool] | None:
@@ -135,8 +134,8 @@ def _look_up(words: Sequence[str]) -> tuple[_Entry, bool] | None:
     if joined in known:
         return known[joined], False
     plural_of = (form for form in singulars(joined) if form in known)
-    found = next(plural_of, None)
-    return None if found is None else (known[found], True)
+    singular = next(plural_of, None)
+    return None if singular is None else (known[singular], True)
 
 
 def _without_adjectives(words: Sequence[str], mentions: list[_Mention]) -> list[_Mention]:

@@ -1,4 +1,4 @@
-"""Whether a thing of this size and form can be of a category."""
+"""Compares size, opening and form of an object with those of a category; confirms or weakens the category."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from assetkit.annotate.annotator import Shape
+from assetkit.annotate.annotator import ObjectShape
 from assetkit.taxonomy.tables import Category, Range
 from geom.convex.hull import convex_hull, volume
 from geom.convex.primitive_fits import fit_box
 from schemas.model import FloatArray
 from schemas.physics import Solid
 
-# A thing up to this much beyond its category's range is unusual; beyond `IMPOSSIBLE` it is another one, or the unit is.
+# A size up to this factor outside the range is usual; beyond `IMPOSSIBLE` the category or the unit is wrong.
 UNUSUAL, IMPOSSIBLE = 1.5, 3.0
-# How these change the chance that the name is right; above 1 means: that share of the doubt goes away.
+# FITS removes this share of the doubt about the name; STRANGE and ANOTHER multiply the chance that it is right.
 FITS, STRANGE, ANOTHER = 0.35, 0.6, 0.2
 OPEN, NOT_OPEN, OTHER_FORM = 0.2, 0.5, 0.5
 # An open vessel holds at least this share of its hull; a body that fills all but this share has no opening.
@@ -23,15 +23,15 @@ VESSEL_HOLLOW, FULL_HOLLOW = 0.3, 0.08
 FILL_TOLERANCE = 0.06
 
 
-class Finding(NamedTuple):
-    """One comparison: what was found, by how much it confirms (> 0, share of the doubt) or what chance it leaves."""
+class ShapeFinding(NamedTuple):
+    """One comparison in words: `confirms` is the share of the doubt it removes, `remaining_chance` a factor."""
 
     text: str
     confirms: float = 0.0
-    leaves: float = 1.0
+    remaining_chance: float = 1.0
 
 
-def shape_of(points: FloatArray, solid: Solid, *, metric: bool = True) -> Shape:
+def shape_of(points: FloatArray, solid: Solid, *, metric: bool = True) -> ObjectShape:
     """The shape of an object from its visible points (n, 3) and its physical surface, both in metres; in unknown units
     when not `metric`.
     """
@@ -43,17 +43,17 @@ def shape_of(points: FloatArray, solid: Solid, *, metric: bool = True) -> Shape:
         hull_m3 = volume(*convex_hull(points))
         own_m3 = volume(*convex_hull(solid.points))
     except ValueError:  # Flat.
-        return Shape(extents_m, None, None, metric)
+        return ObjectShape(extents_m, None, None, metric)
     hollow = None
     if solid.kind == "closed":
         hollow = 1.0 - volume(solid.points, solid.triangles) / own_m3
     elif solid.kind == "shell":
         hollow = 1.0
     fill = hull_m3 / (edges[0] * edges[1] * edges[2]) if edges[0] > 0.0 else None
-    return Shape(extents_m, fill, hollow, metric)
+    return ObjectShape(extents_m, fill, hollow, metric)
 
 
-def compare(category: Category, shape: Shape) -> tuple[Finding, ...]:
+def compare(category: Category, shape: ObjectShape) -> tuple[ShapeFinding, ...]:
     """The findings of size, opening and form; nothing where the table or the shape is silent."""
     return (*_size(category, shape), *_opening(category, shape), *_form(category, shape))
 
@@ -63,48 +63,49 @@ def misfit(category: Category, extents_m: Sequence[float]) -> float:
     return max(_outside(edge, bounds) for edge, bounds in zip(extents_m, category.extents_m, strict=True))
 
 
-def misproportion(category: Category, extents_m: Sequence[float]) -> float:
+def proportion_misfit(category: Category, extents_m: Sequence[float]) -> float:
     """As `misfit`, at the scale where it is least."""
     pairs = [(max(edge, 1e-9), bounds) for edge, bounds in zip(extents_m, category.extents_m, strict=True)]
     least, most = max(low / edge for edge, (low, _) in pairs), max(edge / high for edge, (_, high) in pairs)
     return max(math.sqrt(least * most), 1.0)
 
 
-def _size(category: Category, shape: Shape) -> Iterator[Finding]:
+def _size(category: Category, shape: ObjectShape) -> Iterator[ShapeFinding]:
     if not shape.metric:
-        factor = misproportion(category, shape.extents_m)
+        factor = proportion_misfit(category, shape.extents_m)
         if factor > UNUSUAL:
             form = " : ".join(f"{edge / shape.extents_m[2]:.2g}" for edge in shape.extents_m)
-            yield Finding(
-                f"edges of {form} are no usual proportions", leaves=ANOTHER if factor > IMPOSSIBLE else STRANGE
+            yield ShapeFinding(
+                f"edges of {form} are no usual proportions",
+                remaining_chance=ANOTHER if factor > IMPOSSIBLE else STRANGE,
             )
         return
     factor = misfit(category, shape.extents_m)
     size = " x ".join(f"{edge:.3g}" for edge in shape.extents_m) + " m"
     if factor <= 1.0:
-        yield Finding(f"{size} is a usual size", confirms=FITS)
+        yield ShapeFinding(f"{size} is a usual size", confirms=FITS)
     elif factor > UNUSUAL:
         usual = " x ".join(f"{low:g}-{high:g}" for low, high in category.extents_m) + " m"
-        leaves = ANOTHER if factor > IMPOSSIBLE else STRANGE
-        yield Finding(f"{size} is {factor:.2g} times outside of {usual}", leaves=leaves)
+        remaining_chance = ANOTHER if factor > IMPOSSIBLE else STRANGE
+        yield ShapeFinding(f"{size} is {factor:.2g} times outside of {usual}", remaining_chance=remaining_chance)
 
 
-def _opening(category: Category, shape: Shape) -> Iterator[Finding]:
+def _opening(category: Category, shape: ObjectShape) -> Iterator[ShapeFinding]:
     if category.opening != "yes" or shape.hollow is None:
         return
     if shape.hollow >= VESSEL_HOLLOW:
-        yield Finding(f"{100 * shape.hollow:.0f} % of its hull is open", confirms=OPEN)
+        yield ShapeFinding(f"{100 * shape.hollow:.0f} % of its hull is open", confirms=OPEN)
     elif shape.hollow < FULL_HOLLOW:
-        yield Finding("it has no opening", leaves=NOT_OPEN)
+        yield ShapeFinding("it has no opening", remaining_chance=NOT_OPEN)
 
 
-def _form(category: Category, shape: Shape) -> Iterator[Finding]:
+def _form(category: Category, shape: ObjectShape) -> Iterator[ShapeFinding]:
     if category.fill is None or shape.fill is None:
         return
     low, high = category.fill
     if not low - FILL_TOLERANCE <= shape.fill <= high + FILL_TOLERANCE:
-        said = f"it fills {100 * shape.fill:.0f} % of its box, not {100 * low:.0f} to {100 * high:.0f} %"
-        yield Finding(said, leaves=OTHER_FORM)
+        text = f"it fills {100 * shape.fill:.0f} % of its box, not {100 * low:.0f} to {100 * high:.0f} %"
+        yield ShapeFinding(text, remaining_chance=OTHER_FORM)
 
 
 def _outside(value: float, bounds: Range) -> float:

@@ -1,1 +1,1 @@
-"""Batches of sources: one cell per source, stored results, ownership of packages, decisions of people, the report."""
+"""Batches of sources. Read `run_batch` first: cells, stored results, package ownership, decisions of people, report."""

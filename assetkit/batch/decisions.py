@@ -1,4 +1,4 @@
-"""Decisions of people: kept in a file that only grows, and replayed whenever the same content is ingested again."""
+"""Decisions of people about sources: an append-only file, whose entries apply to every ingest of the same content."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from assetkit.annotate.annotator import UNKNOWN
 from assetkit.options import Options, UnitName, UpAxisName
-from assetkit.sources.discover import Candidate
+from assetkit.sources.discover import SourceAsset
 from jobs.cache import file_sha256
 from schemas.asset import Role
 from schemas.decision import Decision
@@ -32,7 +32,7 @@ def read_decisions(out: Path) -> tuple[Decision, ...]:
     """All decisions of an output folder, oldest first; () where there are none.
 
     Raises InvalidInput (`asset/decision-unreadable`) with the line that is no decision: leaving it out silently would
-    undo what somebody decided.
+    undo somebody's decision.
     """
     path = out / DECISIONS
     if not path.is_file():
@@ -75,9 +75,9 @@ def record_decision(decision: Decision, out: Path) -> None:
     with path.open("a+b", buffering=0) as file:
         fcntl.flock(file, fcntl.LOCK_EX)  # For one read and one write; closing the file releases it.
         file.seek(0)
-        held = file.read()
-        torn = bool(held) and not held.endswith(b"\n")
-        file.write(b"\n" + line if torn else line)
+        present = file.read()
+        unterminated = bool(present) and not present.endswith(b"\n")
+        file.write(b"\n" + line if unterminated else line)
 
 
 def date_of_decision() -> str | None:
@@ -86,8 +86,8 @@ def date_of_decision() -> str | None:
     return datetime.fromtimestamp(int(epoch), UTC).date().isoformat() if epoch.isdecimal() else None
 
 
-def with_decisions(options: Options, candidate: Candidate, decisions: Sequence[Decision]) -> Options:
-    """The options of one source: with the decisions about its very content, and those about what it was before.
+def with_decisions(options: Options, candidate: SourceAsset, decisions: Sequence[Decision]) -> Options:
+    """The options of one source, with the decisions about its present content and those about earlier content.
 
     Sources that nobody decided about keep their options, and with them their stored results. Raises OSError when the
     file cannot be read.
@@ -97,45 +97,45 @@ def with_decisions(options: Options, candidate: Candidate, decisions: Sequence[D
     sha256 = file_sha256(candidate.file.path)
     about = [d for d in decisions if d.source_sha256 == sha256 and _has_references(candidate, d)]
     before = [d for d in decisions if d.source == candidate.given and d not in about]
-    # After a decision about the present content, older ones about other content have nothing left to say.
+    # A decision about the present content makes older ones about other content irrelevant.
     return options.model_copy(update={"decisions": tuple(about), "outdated": () if about else tuple(before)})
 
 
-def _has_references(candidate: Candidate, decision: Decision) -> bool:
+def _has_references(candidate: SourceAsset, decision: Decision) -> bool:
     folder = candidate.file.path.resolve().parent
     paths = {folder / name: sha for name, sha in decision.references.items()}
     return all(path.is_file() and file_sha256(path) == sha for path, sha in paths.items())
 
 
 def decision_findings(batch: Options, number: int) -> tuple[Diagnostic, ...]:
-    """What the user should know about the decisions on object `number` of a source under the options of its batch."""
+    """Findings on the decisions about object `number` of a source: outdated, applied and overruled ones."""
     outdated = [
         finding(
             "asset/decision-outdated",
             f"the file has changed since {_who(d)} decided about it; the decision was not used",
-            value=_what(d),
+            value=_summary(d),
         )
         for d in batch.outdated
         if d.object in (0, number)
     ]
     about = [d for d in batch.decisions if d.object in (0, number)]
-    made = [finding("asset/decided-by-person", f"{_who(d)} decided: {_what(d)}{_why(d)}") for d in about]
-    return (*outdated, *made, *_conflicts(batch, about))
+    applied = [finding("asset/decided-by-person", f"{_who(d)} decided: {_summary(d)}{_reason(d)}") for d in about]
+    return (*outdated, *applied, *_conflicts(batch, about))
 
 
 def _conflicts(batch: Options, about: Sequence[Decision]) -> Iterable[Diagnostic]:
     """Statements that a later decision overrules, of earlier decisions and of the command line."""
-    stated = [(_stated(d), _who(d)) for d in about]
+    stated = [(_stated_values(d), _who(d)) for d in about]
     for field in dict.fromkeys(name for values, _ in stated for name in values):
-        said = [(values[field], who) for values, who in stated if field in values]
+        statements = [(values[field], who) for values, who in stated if field in values]
         flag = batch.model_dump().get(field)
         if flag not in (None, "auto"):
-            said.insert(0, (flag, f"--{field.replace('_', '-')}"))
-        stands, who = said[-1]
-        for value, other in said[:-1]:
-            if value != stands:
-                headline = f"{field}: '{stands}' by {who} stands, '{value}' by {other} is overruled"
-                yield finding("asset/decision-overruled", headline, value=stands, bound=value)
+            statements.insert(0, (flag, f"--{field.replace('_', '-')}"))
+        last_value, who = statements[-1]
+        for value, other in statements[:-1]:
+            if value != last_value:
+                headline = f"{field}: '{last_value}' by {who} stands, '{value}' by {other} is overruled"
+                yield finding("asset/decision-overruled", headline, value=last_value, bound=value)
     verdicts = [d for d in about if d.accept is not None]
     for earlier in verdicts[:-1]:
         if earlier.accept != verdicts[-1].accept:
@@ -147,20 +147,20 @@ def _verdict(decision: Decision) -> str:
     return "accepted as it is" if decision.accept else "acceptance withdrawn"
 
 
-def _stated(decision: Decision) -> dict[str, str]:
-    """What is said of fields and of parts, by their names."""
-    return {**decision.set, **{part: said.label for part, said in decision.parts.items()}}
+def _stated_values(decision: Decision) -> dict[str, str]:
+    """The values that a decision states, by field name or part id."""
+    return {**decision.set, **{part: label.label for part, label in decision.parts.items()}}
 
 
-def _what(decision: Decision) -> str:
-    stated = _stated(decision).items()
-    said = [f"{field} is {value}" if value else f"{field} is not stated" for field, value in stated]
-    return ", ".join([*said, *([] if decision.accept is None else [_verdict(decision)])])
+def _summary(decision: Decision) -> str:
+    stated = _stated_values(decision).items()
+    texts = [f"{field} is {value}" if value else f"{field} is not stated" for field, value in stated]
+    return ", ".join([*texts, *([] if decision.accept is None else [_verdict(decision)])])
 
 
 def _who(decision: Decision) -> str:
     return decision.by if decision.date is None else f"{decision.by} ({decision.date})"
 
 
-def _why(decision: Decision) -> str:
+def _reason(decision: Decision) -> str:
     return f" ({decision.reason})" if decision.reason else ""

@@ -1,4 +1,4 @@
-"""Which source a package in an output folder belongs to, across runs: nobody's package is replaced by a namesake."""
+"""Which source owns which package of an output folder, across runs: a source never replaces a namesake's package."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from assetkit.package.record import read_record
-from assetkit.sources.discover import Candidate, slug
+from assetkit.sources.discover import SourceAsset, slug
 from jobs.cache import content_key, write_atomically
 
 
-def settle(candidate: Candidate, out: Path) -> Candidate:
-    """The candidate, under an id of its own when an earlier run gave its id to another source that still exists."""
+def resolve_asset_id(candidate: SourceAsset, out: Path) -> SourceAsset:
+    """The candidate, with a suffixed id when an earlier run gave its id to another source that still exists."""
     owner = _owner(candidate.asset_id, out)
     if owner is None or owner == candidate.file.path.absolute() or not owner.is_file():
         return candidate
@@ -22,23 +22,23 @@ def settle(candidate: Candidate, out: Path) -> Candidate:
     return replace(candidate, asset_id=f"{slug(candidate.file.path.stem)}-{suffix}")
 
 
-def claim(candidate: Candidate, packages: Sequence[str], out: Path, *, complete: bool = True) -> None:
-    """Note which packages this source made, and remove those it made before and no longer makes.
+def record_ownership(candidate: SourceAsset, packages: Sequence[str], out: Path, *, complete: bool = True) -> None:
+    """Record which packages this source made, and remove those it made before and no longer makes.
 
-    Not `complete`: something else than the source ended the work, so packages made before stay and stay its own.
+    Not `complete`: something else than the source ended the work, so packages made before stay with their owner.
     """
     source = str(candidate.file.path.absolute())
     for package in packages:
         write_atomically(_owner_note(package, out), os.fsencode(source))
-    made = out / ".cache" / "made" / content_key(source)[:24]
-    before = made.read_text().splitlines() if made.is_file() else []
+    package_list = out / ".cache" / "made" / content_key(source)[:24]
+    before = package_list.read_text().splitlines() if package_list.is_file() else []
     if not complete:
         packages = tuple(dict.fromkeys([*before, *packages]))
     for package in set(before) - set(packages):
         if _owner(package, out) == Path(source) and read_record(out / package) is not None:
             shutil.rmtree(out / package)
         _owner_note(package, out).unlink(missing_ok=True)
-    write_atomically(made, "\n".join(packages).encode())
+    write_atomically(package_list, "\n".join(packages).encode())
 
 
 def _owner(asset_id: str, out: Path) -> Path | None:

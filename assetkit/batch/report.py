@@ -1,4 +1,4 @@
-"""The report of a batch: JSON for tools, a contact sheet for people."""
+"""Builds and writes the report of a batch from its items: `report.json` for tools, an HTML contact sheet for people."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def build_report(items: Iterable[ReportItem], *, wall_seconds: float, interrupte
 
 
 def _endpoint_totals(items: Sequence[ReportItem]) -> dict[str, float]:
-    """What this run asked of a multimodal endpoint; empty when nobody was asked."""
+    """Requests, tokens and cost of the multimodal endpoint in this run; empty when it was not used."""
     uses = [i.endpoint for i in items if i.endpoint is not None and i.cached != ("item",)]
     spent = sum(uses, EndpointUse()).model_dump(exclude_none=True)
     return {f"endpoint_{name}": round(value, 6) for name, value in spent.items()} if uses else {}
@@ -48,11 +48,11 @@ def write_report(report: IngestReport, out: Path) -> None:
 
 
 def _write_html(report: IngestReport, out: Path) -> None:
-    """Written as it is made: neither the page nor the records of ten thousand packages are ever all in memory."""
+    """Streams the page to disk, so that the records of ten thousand packages are never all in memory."""
     loader = PackageLoader("assetkit.batch", "templates")
     page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("report.html")
-    there = ((item, [name for name in item.packages if (out / name / RECORD).is_file()]) for item in report.items)
-    rows = ((item, [_card(out, name) for name in names]) for item, names in there)
+    packages = ((item, [name for name in item.packages if (out / name / RECORD).is_file()]) for item in report.items)
+    rows = ((item, [_card(out, name) for name in names]) for item, names in packages)
     temporary = out / ".report.html"
     text = page.stream(report=report, rows=rows, outcomes=[o.value for o in ItemOutcome])
     text.enable_buffering(1000)
@@ -61,7 +61,7 @@ def _write_html(report: IngestReport, out: Path) -> None:
 
 
 def _card(out: Path, name: str) -> dict[str, object]:
-    """What the contact sheet shows of one package."""
+    """The template variables of one package on the contact sheet."""
     record = AssetRecord.model_validate_json((out / name / RECORD).read_bytes())
     method = record.physics.collision_method
     chosen = next((c for c in record.physics.candidates if c.method == method), None)

@@ -1,4 +1,4 @@
-"""What became of each source, on disk: lets a later run skip what has not changed."""
+"""The store of finished items on disk, with the hashes they depend on: a later run skips sources without changes."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from pydantic import BaseModel, ConfigDict
 
 from assetkit.options import Options
 from assetkit.package.record import RECORD, read_record
-from assetkit.sources.discover import Candidate
-from assetkit.versions import library_versions
+from assetkit.sources.discover import SourceAsset
 from jobs.cache import changed_files, content_key, file_sha256, write_atomically
+from jobs.versions import library_versions
 from schemas.report import ReportItem
 
 
-class Stored(BaseModel):
+class StoredResult(BaseModel):
     """A finished item with what it depended on.
 
     `references` maps each file read (relative to the asset's root) to its hash; `missing` lists the places
@@ -31,32 +31,32 @@ class Stored(BaseModel):
     records: dict[str, str] = {}
 
 
-def file_of(candidate: Candidate, out: Path, options: Options) -> Path:
-    """Where the result of a source under these options and libraries is remembered."""
+def result_file(candidate: SourceAsset, out: Path, options: Options) -> Path:
+    """The path of the stored result of a source under these options and libraries."""
     root = os.path.relpath(candidate.file.root, candidate.file.path.parent)
     date = os.environ.get("SOURCE_DATE_EPOCH", "")
     identity = (candidate.given, candidate.asset_id, root, options.model_dump(), library_versions(), date)
     return out / ".cache" / "items" / f"{content_key(identity)}.json"
 
 
-def recall(note: Path) -> Stored | None:
-    """What is remembered, or None; an unreadable note counts as none."""
+def read_stored(note: Path) -> StoredResult | None:
+    """The stored result in file `note`, None when there is none or it cannot be read."""
     try:
-        return Stored.model_validate_json(note.read_bytes())
+        return StoredResult.model_validate_json(note.read_bytes())
     except (OSError, ValueError):
         return None
 
 
-def remember(note: Path, stored: Stored) -> None:
-    """Write a note atomically."""
+def write_stored(note: Path, stored: StoredResult) -> None:
+    """Write a result to file `note` atomically."""
     write_atomically(note, stored.model_dump_json().encode())
 
 
-def stored_from(item: ReportItem, candidate: Candidate, out: Path) -> Stored:
-    """The note for an item that has just been made. Raises OSError when its files have vanished since."""
+def stored_from(item: ReportItem, candidate: SourceAsset, out: Path) -> StoredResult:
+    """The result to store for an item that has just been made. Raises OSError when its files have vanished since."""
     root = candidate.file.root.resolve()
     visited = {p for p in candidate.file.visited if p != candidate.file.path.resolve()}
-    return Stored(
+    return StoredResult(
         item=item,
         main_sha256=file_sha256(candidate.file.path),
         references={p.relative_to(root).as_posix(): file_sha256(p) for p in sorted(visited)},
@@ -65,7 +65,7 @@ def stored_from(item: ReportItem, candidate: Candidate, out: Path) -> Stored:
     )
 
 
-def is_current(stored: Stored, candidate: Candidate, out: Path) -> bool:
+def is_current(stored: StoredResult, candidate: SourceAsset, out: Path) -> bool:
     """Whether the source files are as they were and every package is still there, byte for byte."""
     root = candidate.file.root
     if not candidate.file.path.is_file() or file_sha256(candidate.file.path) != stored.main_sha256:
@@ -82,5 +82,5 @@ def is_current(stored: Stored, candidate: Candidate, out: Path) -> bool:
 def _is_intact(package: Path, record_sha256: str) -> bool:
     if changed_files(package, {RECORD: record_sha256}):
         return False
-    found = read_record(package)
-    return found is not None and not changed_files(package, found.hashes)
+    record = read_record(package)
+    return record is not None and not changed_files(package, record.hashes)

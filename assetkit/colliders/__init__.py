@@ -1,1 +1,1 @@
-"""Collision shapes of one object: candidates from primitives to convex decompositions, and the choice among them."""
+"""Collision shapes of one object: candidates from primitives to convex decompositions; read `choose` first."""

@@ -1,4 +1,4 @@
-"""Which collision shapes stand for a solid: the simplest that keeps its form and its openings."""
+"""Chooses the collision shapes of a solid: the simplest candidate within tolerance of its surface and its openings."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from pathlib import Path
 
 import numpy as np
 
-from assetkit.colliders.decompose import Settings, decompose
+from assetkit.colliders.decompose import DecompositionSettings, decompose
 from geom.convex.hull import convex_hull, extreme_points
 from geom.convex.primitive_fits import fit_box, fit_capsule, fit_cylinder, fit_sphere
-from geom.decomposition.fidelity import Reference, measure, reference
-from geom.decomposition.simplified_body import Body, prepare
+from geom.decomposition.fidelity import ReferenceSurface, measure_fidelity, reference_surface
+from geom.decomposition.simplified_body import SimplifiedBody, simplify_body
 from geom.features.cavities import Cavity, find_cavities
-from geom.features.resting_planes import resting_planes, standing_hull
-from geom.mass.inertia import PLATE_WALL_M
+from geom.features.resting_planes import hull_within, resting_planes
 from geom.mesh.decimate import decimate
+from geom.solid.solid_mass import PLATE_WALL_M
 from geom.solid.thicken import thicken
 from schemas.diagnostics import Diagnostic, finding
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape, Fidelity, Solid
 
 SHEET_FACES = 1500
-# A hull of more corners is as good as round; the oriented box would take a minute for ten times as many.
+# More hull corners do not change the fit; the oriented box would take a minute for ten times as many.
 MOST_CORNERS = 2000
 
 
@@ -34,7 +34,7 @@ class Tolerance:
 
     p95     95th percentile of the surface distance, both ways.
     max     largest surface distance, both ways: a knob that nothing touches is a knob that is not there.
-    volume  least and greatest ratio of volumes (not asked of sheets, whose wall is assumed).
+    volume  least and greatest ratio of volumes (not checked for sheets, whose wall is assumed).
     """
 
     p95: float
@@ -50,8 +50,8 @@ WITHIN = "within tolerance"
 
 
 @dataclass(frozen=True)
-class Miss:
-    """A bound that a candidate misses: in words, the figure (if it is one) and its bound with unit, by which factor."""
+class ToleranceViolation:
+    """A violated bound: in words, the figure (None without one), its bound and unit, and the factor between the two."""
 
     text: str
     value: float | None
@@ -65,11 +65,11 @@ Fit = Callable[[FloatArray], CollisionShape | None]
 
 def _fit_hull(points: FloatArray) -> CollisionShape | None:
     """The convex hull of points (n, 3), flat where the body can rest; None when they span no volume."""
-    return standing_hull(points, resting_planes(points))
+    return hull_within(points, resting_planes(points))
 
 
 # Tried in this order; the first within tolerance is taken.
-SINGLE: tuple[tuple[str, Fit, Tolerance], ...] = (
+SINGLE_SHAPES: tuple[tuple[str, Fit, Tolerance], ...] = (
     ("box", fit_box, ANALYTIC),
     ("sphere", fit_sphere, ANALYTIC),
     ("capsule", fit_capsule, ANALYTIC),
@@ -85,16 +85,16 @@ CUTS, CUTS_AROUND, CUTS_EVEN, COACD, COACD_COARSE, VHACD, CUTS_FINE = (
     "vhacd",
     "cuts_fine",
 )
-LADDER: tuple[tuple[str, Settings], ...] = (
-    (CUTS, Settings(method="cuts")),
-    (CUTS_AROUND, Settings(method="cuts", sector_planes=4)),
-    (CUTS_EVEN, Settings(method="cuts", balance=2.0)),
-    (COACD, Settings()),
-    (COACD_COARSE, Settings(threshold=0.08, search_nodes=8, search_iterations=20)),
-    (VHACD, Settings(method="vhacd")),
-    (CUTS_FINE, Settings(method="cuts", max_hulls=64, max_pieces=400)),
+DECOMPOSITIONS: tuple[tuple[str, DecompositionSettings], ...] = (
+    (CUTS, DecompositionSettings(method="cuts")),
+    (CUTS_AROUND, DecompositionSettings(method="cuts", sector_planes=4)),
+    (CUTS_EVEN, DecompositionSettings(method="cuts", balance=2.0)),
+    (COACD, DecompositionSettings()),
+    (COACD_COARSE, DecompositionSettings(threshold=0.08, search_nodes=8, search_iterations=20)),
+    (VHACD, DecompositionSettings(method="vhacd")),
+    (CUTS_FINE, DecompositionSettings(method="cuts", max_hulls=64, max_pieces=400)),
 )
-# Many thin boards are more than 32 hulls can stand for: where all miss a bound by this factor, twice as many may.
+# 32 hulls cannot approximate many thin boards: where all violate a bound by this factor, twice as many are allowed.
 FAR_OFF = 2.0
 
 
@@ -110,7 +110,7 @@ class Colliders:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class ColliderCandidate:
     """Shapes, none if the method failed, and their figures."""
 
     fidelity: Fidelity
@@ -119,7 +119,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class _Target:
-    """What candidates are measured against, with whether its volume is its own."""
+    """The reference of all candidates; `own_volume`: its volume is that of the solid, not of an assumed wall."""
 
     solid: Solid
     cavities: tuple[Cavity, ...]
@@ -127,7 +127,7 @@ class _Target:
 
     @cached_property
     def corners(self) -> FloatArray:
-        """Points (n, 3) of the solid's hull, which is all that single shapes depend on; at most `MOST_CORNERS`."""
+        """Points (n, 3) of the solid's hull, which single shapes depend on; at most `MOST_CORNERS`."""
         try:
             corners, _ = convex_hull(self.solid.points)
         except ValueError:
@@ -135,15 +135,15 @@ class _Target:
         return corners if len(corners) <= MOST_CORNERS else corners[extreme_points(corners, MOST_CORNERS)]
 
     @cached_property
-    def reference(self) -> Reference:
+    def reference(self) -> ReferenceSurface:
         """The solid's outer surface, prepared for measuring."""
-        return reference(self.solid)
+        return reference_surface(self.solid)
 
     @cached_property
-    def body(self) -> Body | str:
-        """The solid prepared for decomposition, or why there is nothing to decompose."""
+    def body(self) -> SimplifiedBody | str:
+        """The solid prepared for decomposition, or the reason why there is nothing to decompose."""
         try:
-            return prepare(self.solid.points, self.solid.triangles)
+            return simplify_body(self.solid.points, self.solid.triangles)
         except ValueError as error:
             return str(error)
 
@@ -154,22 +154,22 @@ def choose_colliders(
     """The first candidate of `SINGLE`, then of `LADDER`, that meets its tolerance and keeps every opening.
 
     `exclude` names methods that must not be chosen again; `cavities` are those of the solid where they are known. When
-    none passes, the one that misses least stands in, one that keeps the openings before any that does not; with a
-    warning, unless it is as good as parts have to be. A sheet counts as a wall of its assumed thickness. Cuts around an
-    axis are for vessels.
-    The two rungs below CoACD are for bodies of which the rungs before made nothing, the last for what all miss by far.
+    none passes, the one with the least violation stands in, one that keeps the openings before any that does not; with
+    a warning, unless it is within the tolerance of parts. A sheet counts as a wall of its assumed thickness. Cuts
+    around an axis are for vessels. The two methods after CoACD are for bodies that no earlier method decomposed, the
+    last for bodies where all violate a bound by far.
     """
     target = _target(solid, find_cavities(solid) if cavities is None else cavities)
-    tried: list[Candidate] = []
-    for method, fit, tolerance in SINGLE:
+    tried: list[ColliderCandidate] = []
+    for method, fit, tolerance in SINGLE_SHAPES:
         shape = fit(target.corners) if method not in exclude else None
         if shape is not None:
-            tried.append(_judged(method, (shape,), target, tolerance))
+            tried.append(_measured(method, (shape,), target, tolerance))
             if tried[-1].fidelity.accepted:
                 return _chosen(tried, target)
     # A convex hull that stands in for a broken surface has nothing to decompose.
-    rungs = [rung for rung in LADDER if rung[0] not in exclude] if solid.kind != "hull" else []
-    for method, settings in rungs:
+    methods = [entry for entry in DECOMPOSITIONS if entry[0] not in exclude] if solid.kind != "hull" else []
+    for method, settings in methods:
         if method == CUTS_AROUND and not any(not cavity.through for cavity in target.cavities):
             continue
         if method in (COACD_COARSE, VHACD) and any(len(c.shapes) > 1 for c in tried):
@@ -182,18 +182,18 @@ def choose_colliders(
     return _chosen(tried, target)
 
 
-def _is_far_off(candidate: Candidate) -> bool:
-    return not candidate.shapes or any(miss.by > FAR_OFF for miss in _misses(candidate.fidelity, PARTS))
+def _is_far_off(candidate: ColliderCandidate) -> bool:
+    return not candidate.shapes or any(miss.by > FAR_OFF for miss in _violations(candidate.fidelity, PARTS))
 
 
-def _decomposed(method: str, settings: Settings, target: _Target, work_dir: Path) -> Candidate:
+def _decomposed(method: str, settings: DecompositionSettings, target: _Target, work_dir: Path) -> ColliderCandidate:
     if isinstance(target.body, str):
-        return Candidate(failed(method, target.body, str(settings)))
+        return ColliderCandidate(failed_candidate(method, target.body, str(settings)))
     parts = decompose(target.body, settings, work_dir, cavities=target.cavities)
     if not parts.shapes:
-        return Candidate(failed(method, parts.reason, str(settings)))
-    judged = _judged(method, parts.shapes, target, PARTS)
-    return replace(judged, fidelity=judged.fidelity.model_copy(update={"settings": str(settings)}))
+        return ColliderCandidate(failed_candidate(method, parts.reason, str(settings)))
+    candidate = _measured(method, parts.shapes, target, PARTS)
+    return replace(candidate, fidelity=candidate.fidelity.model_copy(update={"settings": str(settings)}))
 
 
 def _target(solid: Solid, cavities: tuple[Cavity, ...]) -> _Target:
@@ -206,24 +206,26 @@ def _target(solid: Solid, cavities: tuple[Cavity, ...]) -> _Target:
     return _Target(solid, cavities, solid.kind == "closed")
 
 
-def _judged(method: str, shapes: tuple[CollisionShape, ...], target: _Target, tolerance: Tolerance) -> Candidate:
-    """Measured and held against `tolerance`; the reason names each bound that is missed."""
-    f = measure(method, shapes, target.reference, target.cavities)
+def _measured(
+    method: str, shapes: tuple[CollisionShape, ...], target: _Target, tolerance: Tolerance
+) -> ColliderCandidate:
+    """The candidate measured and compared with `tolerance`; the reason names each violated bound."""
+    f = measure_fidelity(method, shapes, target.reference, target.cavities)
     if not target.own_volume:
         f = f.model_copy(update={"volume_ratio": None})
-    misses = _misses(f, tolerance)
-    verdict = {"accepted": not misses, "reason": "; ".join(m.text for m in misses) or WITHIN}
-    return Candidate(f.model_copy(update=verdict), shapes)
+    violations = _violations(f, tolerance)
+    verdict = {"accepted": not violations, "reason": "; ".join(m.text for m in violations) or WITHIN}
+    return ColliderCandidate(f.model_copy(update=verdict), shapes)
 
 
-def _misses(f: Fidelity, tolerance: Tolerance) -> list[Miss]:
-    """Each bound that is missed."""
-    misses = []
+def _violations(f: Fidelity, tolerance: Tolerance) -> list[ToleranceViolation]:
+    """Each violated bound."""
+    violations = []
     low, high = tolerance.volume
     if f.volume_ratio is not None and not low <= f.volume_ratio <= high:
         bound, by = (low, low / max(f.volume_ratio, 1e-9)) if f.volume_ratio < low else (high, f.volume_ratio / high)
         text = f"volume ratio {f.volume_ratio:.3f} outside {low:g} to {high:g}"
-        misses.append(Miss(text, f.volume_ratio, bound, "of the solid's volume", by))
+        violations.append(ToleranceViolation(text, f.volume_ratio, bound, "of the solid's volume", by))
     for name, value, bound in (
         ("outside p95", f.outside_p95, tolerance.p95),
         ("missing p95", f.missing_p95, tolerance.p95),
@@ -231,15 +233,19 @@ def _misses(f: Fidelity, tolerance: Tolerance) -> list[Miss]:
         ("missing max", f.missing_max, tolerance.max),
     ):
         if value > bound:
-            misses.append(Miss(f"{name} {value:.4f} above {bound:g}", value, bound, "of the diagonal", value / bound))
+            violations.append(
+                ToleranceViolation(
+                    f"{name} {value:.4f} above {bound:g}", value, bound, "of the diagonal", value / bound
+                )
+            )
     if f.cavity_kept is False:
         text = "lets a ball out of an opening through its wall" if f.cavity_open else "fills an opening"
-        misses.append(Miss(text, None, None, "", np.inf))
-    return misses
+        violations.append(ToleranceViolation(text, None, None, "", np.inf))
+    return violations
 
 
-def failed(method: str, reason: str, settings: str = "") -> Fidelity:
-    """The row of a candidate that came to nothing: no shapes, no figures."""
+def failed_candidate(method: str, reason: str, settings: str = "") -> Fidelity:
+    """The row of a candidate without shapes and figures, with the reason."""
     return Fidelity(
         method=method,
         shapes=0,
@@ -256,25 +262,27 @@ def failed(method: str, reason: str, settings: str = "") -> Fidelity:
     )
 
 
-def _chosen(tried: Sequence[Candidate], target: _Target) -> Colliders:
+def _chosen(tried: Sequence[ColliderCandidate], target: _Target) -> Colliders:
     """The accepted candidate, which is the last tried, or the best of all with a warning."""
     usable = [c for c in tried if c.shapes]
     if not usable:
-        usable = [Candidate(failed("plate", "no candidate has a volume"), (_plate(target.solid.points),))]
+        usable = [
+            ColliderCandidate(failed_candidate("plate", "no candidate has a volume"), (_plate(target.solid.points),))
+        ]
         tried = [*tried, *usable]
     rows = tuple(c.fidelity for c in tried)
     best = min(usable, key=_badness)
     f = best.fidelity
-    misses = sorted(_misses(f, PARTS), key=lambda miss: -miss.by)
+    violations = sorted(_violations(f, PARTS), key=lambda miss: -miss.by)
     # A single shape that is too coarse for one is still as good as the parts would have to be.
-    if f.accepted or not misses:
+    if f.accepted or not violations:
         rows = tuple(row.model_copy(update={"accepted": True, "reason": WITHIN}) if row is f else row for row in rows)
         return Colliders(f.method, best.shapes, rows, target.cavities)
-    worst = misses[0]
+    worst = violations[0]
     warning = finding(
         "asset/collision-fallback",
         f"No collision candidate meets its tolerance; '{f.method}' stands in: "
-        + "; ".join(miss.text for miss in misses),
+        + "; ".join(miss.text for miss in violations),
         value=worst.value,
         bound=worst.bound,
         unit=worst.unit,
@@ -285,8 +293,8 @@ def _chosen(tried: Sequence[Candidate], target: _Target) -> Colliders:
     return Colliders(f.method, best.shapes, rows, target.cavities, (warning,))
 
 
-def _badness(candidate: Candidate) -> tuple[bool, bool, float]:
-    """Accepted first, then those that keep the openings, then by the bound missed most, as a multiple of it."""
+def _badness(candidate: ColliderCandidate) -> tuple[bool, bool, float]:
+    """Sort key: accepted first, then those that keep the openings, then by the greatest violation over its bound."""
     f = candidate.fidelity
     low, high = PARTS.volume
     ratio = f.volume_ratio if f.volume_ratio is not None else 1.0
@@ -300,7 +308,7 @@ def _badness(candidate: Candidate) -> tuple[bool, bool, float]:
 
 
 def _plate(points: FloatArray) -> CollisionShape:
-    """A box around flat points, as thick as a plate."""
+    """An oriented box around flat points, as thick as a plate (`PLATE_WALL_M`)."""
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     centred = points - middle
     axes = np.linalg.eigh(centred.T @ centred)[1]

@@ -2,7 +2,7 @@
 
 CoACD aborts, hangs and grows on some inputs, and its OpenMP runtime clashes with others; nothing but this process loads
 it. IN holds `points` (n, 3), `triangles` (m, 3), `method` and the settings of
-`assetkit.colliders.decompose.Settings`; OUT holds
+`assetkit.colliders.decompose.DecompositionSettings`; OUT holds
 the corners of all hulls in `points` (k, 3) and the number of corners of each in `counts` (h,).
 """
 

@@ -23,17 +23,18 @@ from manifold3d import Manifold
 from assetkit.storage import require_storage
 from geom.convex.hull import thickness, volume
 from geom.decomposition.decompose import convex_parts
-from geom.decomposition.plane_cuts import CRUMB_SHARE, cut_around
-from geom.decomposition.simplified_body import Body, arrays
+from geom.decomposition.plane_cuts import CRUMB_SHARE, cut_sectors
+from geom.decomposition.simplified_body import SimplifiedBody
 from geom.features.cavities import Cavity
-from geom.features.resting_planes import resting_planes, standing_hull
+from geom.features.resting_planes import hull_within, resting_planes
+from geom.mesh.manifold_arrays import manifold_arrays
 from jobs.cell import CellResult, Limits, run_cell
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
 # Hulls below these shares of the diagonal (and of its cube) are slivers: engines reject or mishandle them.
 LEAST_THICKNESS, LEAST_VOLUME = 2e-4, 1e-7
-# More bodies than this are no object that 32 hulls could stand for; CoACD is not asked about so many faces.
+# More parts than this are too many for 32 hulls; CoACD does not run on more faces than this.
 MOST_PARTS, MOST_FACES = 200, 6000
 # The work is bounded in processor time, so that a busy machine gives the same answer as an idle one.
 CPU_SECONDS = 20  # twice what the dev assets need alone on a machine: a busy one must not change the outcome
@@ -41,14 +42,14 @@ CELL = Limits(seconds=10.0 * CPU_SECONDS, memory_mb=4096)
 
 
 @dataclass(frozen=True)
-class Settings:
-    """One way to decompose; lengths are shares of half the largest extent.
+class DecompositionSettings:
+    """Method and parameters of a decomposition; lengths are shares of half the largest extent.
 
     threshold          CoACD's concavity at which a piece counts as convex.
     max_hulls          join neighbours beyond this number.
     max_pieces         cut no further than into so many before joining.
     sector_planes      first cut by so many planes through the axis of the opening that holds most.
-    balance            how much cuts prefer many small excesses to one large (`geom.decomposition.plane_cuts.Goal`).
+    balance            how much cuts prefer many small excesses to one large (`geom.decomposition.plane_cuts.CutGoal`).
     resolution         CoACD's samples per concavity measure (default 2000); 500 changes the result little.
     search_*           CoACD's tree search; its defaults 20, 150, 3 give the same hulls in three times the time.
     voxels             V-HACD's voxel budget.
@@ -68,14 +69,14 @@ class Settings:
     seed: int = 0
 
     def __str__(self) -> str:
-        """Library, version and what decides the result, as it stands in records."""
+        """Library, version and the parameters that decide the result, as text for the record."""
         if self.method == "coacd":
             search = f"search {self.search_nodes}/{self.search_iterations}/{self.search_depth}"
             return f"coacd {version('coacd')}, threshold {self.threshold:g}, {search}, seed {self.seed}"
         if self.method == "vhacd":
             return f"vhacdx {version('vhacdx')}, {self.voxels} voxels"
         first = f"{2 * self.sector_planes} sectors, " if self.sector_planes else ""
-        fine = f"{self.max_pieces} pieces, " if self.max_pieces != Settings.max_pieces else ""
+        fine = f"{self.max_pieces} pieces, " if self.max_pieces != DecompositionSettings.max_pieces else ""
         return f"plane cuts, {first}{fine}balance {self.balance:g}, manifold3d {version('manifold3d')}"
 
 
@@ -89,44 +90,50 @@ class Decomposition:
 
 
 def decompose(
-    body: Body, settings: Settings, work_dir: Path, cavities: Sequence[Cavity] = (), limits: Limits = CELL
+    body: SimplifiedBody,
+    settings: DecompositionSettings,
+    work_dir: Path,
+    cavities: Sequence[Cavity] = (),
+    limits: Limits = CELL,
 ) -> Decomposition:
-    """Hulls of at most 64 points each that fill `body` (`geom.decomposition.simplified_body.prepare`), in metres.
+    """Hulls of at most 64 points each that fill `body` (`geom.decomposition.simplified_body.simplify_body`), in metres.
 
     None reaches through a plane that the body rests on. At most `settings.max_hulls`, and never across one of
-    `cavities`. Never raises for what the mesh is or the library does: the reason says it. Same input, same hulls.
+    `cavities`. Never raises because of the mesh or the library: the reason is in the result. Same input, same hulls.
     Raises OSError when files on the way could not be written or read.
     """
-    seeds = body.light.decompose()
+    seeds = body.simplified.decompose()
     if len(seeds) > MOST_PARTS:
         return Decomposition((), f"{len(seeds)} separate parts, more than {MOST_PARTS}")
     if settings.method != "cuts":
-        found = _in_cell(body.light, settings, work_dir, limits)
-        if isinstance(found, str):
-            return Decomposition((), found)
-        seeds = _inside(body.light, found)
+        hulls = _in_cell(body.simplified, settings, work_dir, limits)
+        if isinstance(hulls, str):
+            return Decomposition((), hulls)
+        seeds = _inside(body.simplified, hulls)
         if not seeds or len(seeds) > MOST_PARTS:
             return Decomposition((), f"{settings.method} left {len(seeds)} parts")
     if settings.sector_planes and cavities:
         main = max(cavities, key=lambda cavity: cavity.volume_m3)
         place = (main.opening_m - body.centre_m) / body.scale_m
-        seeds = [piece for seed in seeds for piece in cut_around(seed, main.direction, place, settings.sector_planes)]
+        seeds = [piece for seed in seeds for piece in cut_sectors(seed, main.direction, place, settings.sector_planes)]
     parts = convex_parts(body, seeds, cavities, settings.max_hulls, settings.max_pieces, settings.balance)
     if len(parts) > settings.max_hulls:
         return Decomposition((), f"{len(parts)} hulls, more than {settings.max_hulls}")
     size = body.size * body.scale_m
-    ground = resting_planes(body.in_metres(arrays(body.whole)[0]))
-    hulls = [standing_hull(part, ground) for part in parts]
-    shapes = [shape for shape in hulls if shape is not None and _is_sound(shape, size)]
+    ground = resting_planes(body.in_metres(manifold_arrays(body.full)[0]))
+    standing = [hull_within(part, ground) for part in parts]
+    shapes = [shape for shape in standing if shape is not None and _is_sound(shape, size)]
     reason = "" if shapes else "all hulls are slivers"
     return Decomposition(tuple(shapes), reason, len(parts) - len(shapes))
 
 
-def _in_cell(light: Manifold, settings: Settings, work_dir: Path, limits: Limits) -> list[FloatArray] | str:
+def _in_cell(
+    light: Manifold, settings: DecompositionSettings, work_dir: Path, limits: Limits
+) -> list[FloatArray] | str:
     """Corners of the hulls that the library found, or the reason why there are none."""
     if light.num_tri() > MOST_FACES:
         return f"{light.num_tri()} faces, more than {MOST_FACES}"
-    points, triangles = arrays(light)
+    points, triangles = manifold_arrays(light)
     work_dir.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work_dir) as folder:
         source, target = Path(folder) / "in.npz", Path(folder) / "out.npz"
@@ -153,7 +160,7 @@ def _in_cell(light: Manifold, settings: Settings, work_dir: Path, limits: Limits
 
 
 def _ending(cell: CellResult, limits: Limits) -> str:
-    """How a cell ended that gave nothing."""
+    """Why a cell ended without a result, in words."""
     if cell.returncode == -signal.SIGXCPU:
         return f"took more than {CPU_SECONDS} s of processor time"
     return f"timeout after {limits.seconds:g} s" if cell.status == "timeout" else cell.status.replace("_", " ")

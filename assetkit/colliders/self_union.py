@@ -1,4 +1,4 @@
-"""Resolve closed surfaces that pass through themselves, in a process of its own."""
+"""Exact self-union of a closed surface that intersects itself: the outward surface, computed in a child process."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def self_union(points: FloatArray, triangles: IntArray) -> Resolved | None:
         require_storage(result)
         if result.status != "ok":
             return None
-        with np.load(target) as made:
-            united = weld_points(made["points"] * scale + centre, made["triangles"], 0.0)
-            before, after = (int(n) for n in made["intersecting_faces"])
+        with np.load(target) as union:
+            united = weld_points(union["points"] * scale + centre, union["triangles"], 0.0)
+            before, after = (int(n) for n in union["intersecting_faces"])
     return Resolved(united, before, after) if len(united[1]) else None

@@ -1,3 +1,4 @@
-"""Helpers of the canonicalize stage: repairs of a mesh, its reference frame, its physical surface, its record
-section.
+"""Geometry of the canonicalize stage: repairs, reference frame, physical surface, record section.
+
+Start with `canonical_model`.
 """

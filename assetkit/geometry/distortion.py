@@ -1,9 +1,9 @@
-"""Whether a repair keeps the shape: how far it may have taken a surface from the true one, and when a person decides.
+"""Distortion of a repair: how far it may have moved a surface from the true one (metres), and when a person decides.
 
 The two-way Hausdorff distance before and after is recorded for every repair, but it is not what is judged where the
 defect itself explains it: the middle of a filled hole is far from the rim, the tip of a removed fin far from the solid,
-however right both edits are. Judged is what is left in doubt (`Edit.doubt`): the bulge a cap may be lacking, a removed
-sheet too large to be a stray. Where an edit states no doubt, the whole distance counts.
+however right both edits are. What counts is the remaining uncertainty (`Edit.doubt`): the bulge a cap may be lacking,
+a removed sheet too large to be a stray. Where an edit states none, the whole distance counts.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import numpy as np
 
 from assetkit.geometry.edit import Counts, Edit
 from geom.mesh.edit import merge_surfaces
-from geom.mesh.hausdorff import NO_REACH, reach
+from geom.mesh.hausdorff import ZERO_DISTANCE, one_sided_hausdorff
 from geom.mesh.weld import diagonal
 from geom.repair.shape_change import TOLERANCE_SHARE, changed_faces, shape_change
-from geom.solid.self_intersections import SelfCrossing
+from geom.solid.self_intersections import SelfIntersection
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import FloatArray, Mesh
 
@@ -31,7 +31,7 @@ class Distortion:
     """What one repair did to the shape, lengths in metres.
 
     hausdorff  two-way distance between all meshes before and after, attained by some point.
-    length     what counts of it, largest at the point `at` (3,) of mesh `mesh` where these are known.
+    length     the part of it that counts, largest at the point `at` (3,) of mesh `mesh` where these are known.
     diagonal   of all meshes before.
     """
 
@@ -71,31 +71,33 @@ def distortion(repair: str, before: Sequence[Mesh], after: Sequence[Mesh], edits
     return Distortion(repair, change.hausdorff, change.hausdorff, change.diagonal, mesh, furthest.at)
 
 
-def crossing_distortion(crossings: Sequence[SelfCrossing], meshes: Sequence[Mesh]) -> Distortion:
+def crossing_distortion(crossings: Sequence[SelfIntersection], meshes: Sequence[Mesh]) -> Distortion:
     """What resolving bodies did to the physical surface: how far what was dropped reached out of what was kept."""
     size = diagonal(merge_surfaces(meshes)[0])
-    worst = NO_REACH
+    worst = ZERO_DISTANCE
     for crossing in crossings:
         if crossing.resolved is not None:
-            (points, triangles), kept = crossing.body, crossing.resolved.surface
-            gone = changed_faces(crossing.body, kept)[0]
-            dropped = reach(points[triangles[gone]], *kept, TOLERANCE_SHARE * size, solid=True)
+            (points, triangles), surface = crossing.body, crossing.resolved.surface
+            dropped_faces = changed_faces(crossing.body, surface)[0]
+            dropped = one_sided_hausdorff(
+                points[triangles[dropped_faces]], *surface, TOLERANCE_SHARE * size, solid=True
+            )
             worst = max(worst, dropped, key=lambda found: found.attained)
     return Distortion("self_intersection", worst.attained, worst.attained, size, None, worst.at)
 
 
-def distortion_finding(found: Distortion, p_origin: FloatArray) -> Diagnostic | None:
-    """What a person must look at, None within the bound; `p_origin` (3,) is where the asset frame's origin lies."""
-    if found.share <= DISTORTION_BOUND:
+def distortion_finding(distortion: Distortion, p_origin: FloatArray) -> Diagnostic | None:
+    """The finding for review, None within the bound; `p_origin` (3,) is the origin of the asset frame."""
+    if distortion.share <= DISTORTION_BOUND:
         return None
     place = ""
-    if found.at is not None:
-        place = " near ({:g}, {:g}, {:g})".format(*np.round(found.at - p_origin, 4))
+    if distortion.at is not None:
+        place = " near ({:g}, {:g}, {:g})".format(*np.round(distortion.at - p_origin, 4))
     return finding(
         "asset/repair-distorts",
-        f"'{found.repair}' may have moved the surface by {found.length:.3g} m{place}",
-        where=Location(mesh=found.mesh),
-        value=found.share,
+        f"'{distortion.repair}' may have moved the surface by {distortion.length:.3g} m{place}",
+        where=Location(mesh=distortion.mesh),
+        value=distortion.share,
         bound=DISTORTION_BOUND,
         unit="diagonals",
     )

@@ -1,4 +1,4 @@
-"""What a bounded edit on one mesh takes and gives."""
+"""Input and output types of the bounded edits: a mesh among all meshes in, the edited mesh with figures out."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from geom.mesh.edit import merge_surfaces
-from geom.repair.fill_uncertainty import Doubt
+from geom.repair.fill_uncertainty import ShapeUncertainty
 from schemas.model import FloatArray, IntArray, Mesh
 
 Counts = Mapping[str, float]
@@ -14,7 +14,7 @@ Surface = tuple[FloatArray, IntArray]
 
 
 @dataclass(frozen=True)
-class Item:
+class EditContext:
     """One mesh on its way through the edits, and all meshes at this point, of which it is number `index`."""
 
     source: Mesh
@@ -44,4 +44,4 @@ class Edit:
     mesh: Mesh
     before: Counts | None = None
     after: Counts = field(default_factory=dict[str, float])
-    doubt: Doubt | None = None
+    doubt: ShapeUncertainty | None = None

@@ -11,20 +11,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from assetkit.geometry.edit import Edit, Item
+from assetkit.geometry.edit import Edit, EditContext
 from assetkit.geometry.holes import fill_holes
 from geom.mesh.components import components_of
 from geom.mesh.duplicate_shells import has_reverse
 from geom.mesh.edges import edges_of
-from geom.mesh.edit import facing, flip_faces, keep_faces, merge_surfaces, turn_normals
-from geom.mesh.hausdorff import reach
+from geom.mesh.edit import flip_faces, keep_faces, merge_surfaces, normal_cosines, turn_normals
+from geom.mesh.hausdorff import one_sided_hausdorff
 from geom.mesh.surface_distance import triangle_areas
 from geom.mesh.topology import repeats_point
 from geom.mesh.weld import diagonal, weld, weld_points
 from geom.repair.debris import loose_debris
 from geom.repair.edges import split_touching_edges
 from geom.repair.faces import drop_backs_of_solids, drop_fins, drop_surplus_faces, fin_faces, true_degenerates
-from geom.repair.fill_uncertainty import Doubt
+from geom.repair.fill_uncertainty import ShapeUncertainty
 from geom.repair.shape_change import TOLERANCE_SHARE
 from geom.repair.sheet_orientation import sheet_flips
 from geom.repair.shells import drop_duplicate_shells
@@ -42,10 +42,10 @@ FLIPPED_SHARE = 2e-3
 INWARD_COSINE = -0.5
 MEANT_AREA_SHARE = 0.01
 # Debris is less than 1 % of the area and touches nothing: without it the shape is the same.
-NO_DOUBT = Doubt(0.0, np.zeros(3))
+NO_UNCERTAINTY = ShapeUncertainty(0.0, np.zeros(3))
 
 
-def _surplus_faces(item: Item) -> Edit:
+def _surplus_faces(item: EditContext) -> Edit:
     """Degenerate and duplicate faces. Reported when their removal closes a solid or they are many."""
     mended, figures = drop_surplus_faces(item.mesh)
     if len(mended.triangles) == 0:
@@ -64,7 +64,7 @@ def _surplus_faces(item: Item) -> Edit:
     )
 
 
-def _duplicate_shells(item: Item) -> Edit:
+def _duplicate_shells(item: EditContext) -> Edit:
     """Copies of closed shells, always reported: volume and mass would count them."""
     mended, figures = drop_duplicate_shells(item.mesh)
     if not figures["shells"]:
@@ -73,7 +73,7 @@ def _duplicate_shells(item: Item) -> Edit:
     return Edit(mended, before, {"duplicate_shells": 0, "triangles": len(mended.triangles)})
 
 
-def _backs_of_solids(item: Item) -> Edit:
+def _backs_of_solids(item: EditContext) -> Edit:
     """Closed bodies drawn from both sides: two surfaces in one place, with no inside between them."""
     mended, figures = drop_backs_of_solids(item.mesh)
     if not figures["back_faces"]:
@@ -86,8 +86,8 @@ def _backs_of_solids(item: Item) -> Edit:
     )
 
 
-def _winding(items: Sequence[Item]) -> list[Edit]:
-    """Solids wound inside out or inconsistently, and open sheets whose back is the side that one sees from outside.
+def _winding(items: Sequence[EditContext]) -> list[Edit]:
+    """Solids wound inside out or inconsistently, and open sheets whose back is visible from outside.
 
     Reported from 0.2 % of the faces on. For sheets `largest_inner_side_share` is the evidence, of the least sure one:
     of what is seen of it from all around, the share of the side taken for its inside (`geom.repair.sheet_orientation`).
@@ -97,10 +97,10 @@ def _winding(items: Sequence[Item]) -> list[Edit]:
     turned = sheet_flips(points, triangles, owner)
     edits: list[Edit] = []
     for item, (mesh, figures) in zip(items, solids, strict=True):
-        own = turned.flips[owner == item.index]
+        in_mesh = turned.flips[owner == item.index]
         inner = [t.inner_share for t in turned.sheets if owner[t.faces[0]] == item.index]
-        flipped = int(figures["flipped_faces"]) + int(own.sum())
-        mended = flip_faces(mesh, own)
+        flipped = int(figures["flipped_faces"]) + int(in_mesh.sum())
+        mended = flip_faces(mesh, in_mesh)
         if flipped < FLIPPED_SHARE * len(item.mesh.triangles) or flipped == 0:
             edits.append(Edit(mended))
             continue
@@ -109,12 +109,12 @@ def _winding(items: Sequence[Item]) -> list[Edit]:
     return edits
 
 
-def _normals(item: Item) -> Edit:
+def _normals(item: EditContext) -> Edit:
     """Corner normals that look into a solid. Reported from 0.2 % of the faces on."""
     mesh = item.mesh
     if mesh.normals is None:
         return Edit(mesh)
-    away = (facing(mesh.points, mesh.triangles, mesh.normals) < INWARD_COSINE).all(axis=1)
+    away = (normal_cosines(mesh.points, mesh.triangles, mesh.normals) < INWARD_COSINE).all(axis=1)
     if not away.any():
         return Edit(mesh)
     parts = components_of(mesh.points, mesh.triangles)
@@ -125,7 +125,7 @@ def _normals(item: Item) -> Edit:
     return Edit(turn_normals(mesh, away), {"inward_normals": turned}, {"inward_normals": 0})
 
 
-def _fins(item: Item) -> Edit:
+def _fins(item: EditContext) -> Edit:
     """Small sheets hanging on an otherwise closed solid. One triangle is a stray; a larger sheet may be meant."""
     mended, figures = drop_fins(item.mesh)
     if not figures["fin_faces"]:
@@ -139,17 +139,17 @@ def _fins(item: Item) -> Edit:
     )
 
 
-def _loss(mesh: Mesh, gone: FloatArray, left: Mesh) -> Doubt:
+def _loss(mesh: Mesh, gone: FloatArray, left: Mesh) -> ShapeUncertainty:
     """How far removed sheets of more than one triangle and 1 % of the area reached out of what is left."""
     removed = mesh.triangles[gone]
     parts = components_of(mesh.points, removed)
     meant = (parts.faces > 1) & (parts.area > MEANT_AREA_SHARE * triangle_areas(mesh.points[mesh.triangles]).sum())
     corners = mesh.points[removed[meant[parts.label]]]
-    far = reach(corners, left.points, left.triangles, TOLERANCE_SHARE * diagonal(mesh.points))
-    return Doubt(far.attained, far.at)
+    far = one_sided_hausdorff(corners, left.points, left.triangles, TOLERANCE_SHARE * diagonal(mesh.points))
+    return ShapeUncertainty(far.attained, far.at)
 
 
-def _touching_edges(item: Item) -> Edit:
+def _touching_edges(item: EditContext) -> Edit:
     """Solids that touch along single edges; every wedge then gets its own points."""
     split, figures = split_touching_edges(item.mesh)
     if not figures["split_edges"]:
@@ -158,7 +158,7 @@ def _touching_edges(item: Item) -> Edit:
     return Edit(split, {"touching_edges": crowded[0]}, {"touching_edges": crowded[1]})
 
 
-def _t_junctions(item: Item) -> Edit:
+def _t_junctions(item: EditContext) -> Edit:
     """Cracks beside points that lie on the side of a face. Nothing moves; the faces there are split."""
     stitched, figures = stitch_t_junctions(item.mesh)
     if not figures["t_junctions"]:
@@ -171,7 +171,7 @@ def _t_junctions(item: Item) -> Edit:
     )
 
 
-def _bow_ties(item: Item) -> Edit:
+def _bow_ties(item: EditContext) -> Edit:
     """Solids that touch in a point alone; every fan then gets its own point."""
     touching = touching_points(item.mesh.points, item.mesh.triangles)
     if touching.size == 0:
@@ -180,23 +180,23 @@ def _bow_ties(item: Item) -> Edit:
     return Edit(weld(split), {"non_manifold_vertices": len(touching)}, {"non_manifold_vertices": 0})
 
 
-def _debris(items: Sequence[Item]) -> list[Edit]:
+def _debris(items: Sequence[EditContext]) -> list[Edit]:
     """Tiny pieces that float, over all meshes: what floats beside one mesh may sit on another. No mesh is emptied."""
     points, triangles, owner = merge_surfaces([item.mesh for item in items])
     gone = loose_debris(*weld_points(points, triangles))
     edits = []
     for index, item in enumerate(items):
-        own = gone[owner == index]
-        if not own.any() or own.all():
+        in_mesh = gone[owner == index]
+        if not in_mesh.any() or in_mesh.all():
             edits.append(Edit(item.mesh))
             continue
-        parts = components_of(item.mesh.points, item.mesh.triangles[own])
+        parts = components_of(item.mesh.points, item.mesh.triangles[in_mesh])
         before = {
             "fragments": parts.count,
             "fragment_area_m2": float(parts.area.sum()),
             "largest_fragment_m": float(parts.extent.max()),
         }
-        edits.append(Edit(keep_faces(item.mesh, ~own), before, dict.fromkeys(before, 0), NO_DOUBT))
+        edits.append(Edit(keep_faces(item.mesh, ~in_mesh), before, dict.fromkeys(before, 0), NO_UNCERTAINTY))
     return edits
 
 
@@ -207,7 +207,7 @@ def _open_faces(mesh: Mesh) -> int:
     return int(parts.faces[~parts.closed].sum())
 
 
-def _backed_elsewhere(item: Item) -> FloatArray | None:
+def _backed_elsewhere(item: EditContext) -> FloatArray | None:
     """(m,) True for faces that another mesh shows from behind; None when there is no other mesh.
 
     Such a mesh is the inside of a double-sided drawing, not an inverted solid.
@@ -218,56 +218,60 @@ def _backed_elsewhere(item: Item) -> FloatArray | None:
     return has_reverse(weld_points(points, triangles)[1])[owner == item.index]
 
 
-class Step(NamedTuple):
-    """One kind of edit over all meshes: the repair's name, the code it answers, what is said, and what is done."""
+class EditStep(NamedTuple):
+    """One kind of edit over all meshes: name of the repair, code of the finding, its headline, and the edit."""
 
     name: str
     code: str
     headline: str
-    edit: Callable[[Sequence[Item]], list[Edit]]
+    edit: Callable[[Sequence[EditContext]], list[Edit]]
 
 
-def _each(edit: Callable[[Item], Edit]) -> Callable[[Sequence[Item]], list[Edit]]:
+def _each(edit: Callable[[EditContext], Edit]) -> Callable[[Sequence[EditContext]], list[Edit]]:
     return lambda items: [edit(item) for item in items]
 
 
 # The order matters: a shell's copies are also duplicate faces, surplus faces and fins hide that a shell is closed (and
 # what lies in it a cavity), holes need winding.
-EDITS: tuple[Step, ...] = (
-    Step(
+EDITS: tuple[EditStep, ...] = (
+    EditStep(
         "duplicate_shell",
         "asset/duplicate-shell",
         "copies of a closed surface were removed",
         _each(_duplicate_shells),
     ),
-    Step(
+    EditStep(
         "degenerate_faces",
         "asset/degenerate-faces",
         "faces without area or present twice were removed",
         _each(_surplus_faces),
     ),
-    Step(
+    EditStep(
         "duplicate_shell",
         "asset/duplicate-shell",
         "closed surfaces drawn from both sides were reduced to their outside",
         _each(_backs_of_solids),
     ),
-    Step("fragment_removal", "asset/loose-fragments", "tiny pieces that float beside the object were removed", _debris),
-    Step("non_manifold_edge", "asset/non-manifold-edge", "surplus faces on a solid's edges were removed", _each(_fins)),
-    Step("flip_winding", "asset/inverted-winding", "faces wound the wrong way were turned", _winding),
-    Step("bad_normals", "asset/bad-normals", "normals that look into a solid were turned", _each(_normals)),
-    Step(
+    EditStep(
+        "fragment_removal", "asset/loose-fragments", "tiny pieces that float beside the object were removed", _debris
+    ),
+    EditStep(
+        "non_manifold_edge", "asset/non-manifold-edge", "surplus faces on a solid's edges were removed", _each(_fins)
+    ),
+    EditStep("flip_winding", "asset/inverted-winding", "faces wound the wrong way were turned", _winding),
+    EditStep("bad_normals", "asset/bad-normals", "normals that look into a solid were turned", _each(_normals)),
+    EditStep(
         "non_manifold_edge",
         "asset/non-manifold-edge",
         "edges along which solids touch were split",
         _each(_touching_edges),
     ),
-    Step(
+    EditStep(
         "non_manifold_vertex",
         "asset/non-manifold-vertex",
         "points where solids touch were split",
         _each(_bow_ties),
     ),
-    Step("crack_stitch", "asset/small-holes", "cracks beside T-junctions were closed", _each(_t_junctions)),
-    Step("hole_fill", "asset/small-holes", "holes in a nearly closed surface were filled", _each(fill_holes)),
+    EditStep("crack_stitch", "asset/small-holes", "cracks beside T-junctions were closed", _each(_t_junctions)),
+    EditStep("hole_fill", "asset/small-holes", "holes in a nearly closed surface were filled", _each(fill_holes)),
 )

@@ -1,4 +1,4 @@
-"""The edit that fills holes, except T-junction cracks and holes that another part is fitted into."""
+"""The edit that fills holes of a mesh, except T-junction cracks and holes that another part is fitted into."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
-from assetkit.geometry.edit import Edit, Item
+from assetkit.geometry.edit import Edit, EditContext
 from geom.mesh.components import components_of
 from geom.mesh.edges import edges_of
 from geom.mesh.surface_distance import NearestOnSurface, triangle_areas
 from geom.mesh.weld import diagonal, weld
-from geom.repair.boundary_loops import OpenBody, Opening, judge_open_bodies
-from geom.repair.fill_uncertainty import Doubt
+from geom.repair.boundary_loops import OpenBody, Opening, classify_open_bodies
+from geom.repair.fill_uncertainty import ShapeUncertainty
 from geom.repair.holes import fill_openings
 from schemas.model import FloatArray, IntArray, Mesh
 
@@ -26,7 +26,7 @@ FITTED_GAP = 0.1
 MOST_RIM_POINTS = 10
 
 
-def fill_holes(item: Item) -> Edit:
+def fill_holes(item: EditContext) -> Edit:
     """Holes in nearly closed surfaces. The doubt is that of the cap that may be furthest off.
 
     An opening with a rim of many points may be meant: then all of its cap is wrong, up to its radius.
@@ -34,7 +34,7 @@ def fill_holes(item: Item) -> Edit:
     mesh = item.mesh
     edges = edges_of(mesh.triangles)
     parts = components_of(mesh.points, mesh.triangles, edges)
-    bodies = [b for b in judge_open_bodies(mesh.points, mesh.triangles, edges, parts) if b.kind == "holes"]
+    bodies = [b for b in classify_open_bodies(mesh.points, mesh.triangles, edges, parts) if b.kind == "holes"]
     holes = _true_holes(bodies, item) if bodies else []
     if not holes:
         return Edit(mesh)
@@ -49,32 +49,33 @@ def fill_holes(item: Item) -> Edit:
     )
 
 
-def _mouths(mesh: Mesh, holes: Sequence[Opening]) -> list[Doubt]:
+def _mouths(mesh: Mesh, holes: Sequence[Opening]) -> list[ShapeUncertainty]:
     """For each opening that may be a mouth the radius of a disc of its area."""
     return [
-        Doubt(float(np.sqrt(o.area / np.pi)), mesh.points[o.points].mean(axis=0))
+        ShapeUncertainty(float(np.sqrt(o.area / np.pi)), mesh.points[o.points].mean(axis=0))
         for o in holes
         if len(o.points) > MOST_RIM_POINTS
     ]
 
 
-def _true_holes(bodies: Sequence[OpenBody], item: Item) -> list[Opening]:
+def _true_holes(bodies: Sequence[OpenBody], item: EditContext) -> list[Opening]:
     """The openings of `bodies` that are no cracks and that nothing is fitted into."""
     mesh = item.mesh
     rest = np.ones(len(mesh.triangles), dtype=bool)
     for body in bodies:
         rest[body.faces] = False
-    own = [_Part(mesh.points, mesh.triangles[body.faces]) for body in bodies]
-    around = [_Part(mesh.points, mesh.triangles[rest]), _Part(*item.others)]
+    open_surfaces = [_FittedSurface(mesh.points, mesh.triangles[body.faces]) for body in bodies]
+    other_surfaces = [_FittedSurface(mesh.points, mesh.triangles[rest]), _FittedSurface(*item.others)]
     return [
         opening
         for i, body in enumerate(bodies)
         for opening in body.openings
-        if not _is_crack(opening, mesh) and not _is_fitted(opening, mesh, [*around, *own[:i], *own[i + 1 :]])
+        if not _is_crack(opening, mesh)
+        and not _is_fitted(opening, mesh, [*other_surfaces, *open_surfaces[:i], *open_surfaces[i + 1 :]])
     ]
 
 
-class _Part:
+class _FittedSurface:
     """A surface that may be fitted into a hole; its search tree is made when it is first needed."""
 
     def __init__(self, points: FloatArray, triangles: IntArray) -> None:
@@ -100,7 +101,7 @@ def _is_crack(opening: Opening, mesh: Mesh) -> bool:
     return narrow and opening.area < CRACK_THINNESS * perimeter**2
 
 
-def _is_fitted(opening: Opening, mesh: Mesh, around: Sequence[_Part]) -> bool:
+def _is_fitted(opening: Opening, mesh: Mesh, around: Sequence[_FittedSurface]) -> bool:
     """True iff another part is fitted into the hole: half of the rim lies within a tenth of its radius of that part."""
     reach = FITTED_GAP * float(np.sqrt(opening.area / np.pi))
     return any(part.is_near(mesh.points[opening.points], reach) for part in around)

@@ -1,4 +1,4 @@
-"""What is found about the mended meshes that steers only the physical surface; the visible one is left alone."""
+"""Defects of the mended meshes that change only the physical surface: overlaps, self-intersections, open shells."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from geom.mesh.edges import edges_of
 from geom.mesh.topology import repeats_point
 from geom.solid.closed_bodies import Bodies, Surface, signed_volume, unite
-from geom.solid.self_intersections import SelfCrossing
+from geom.solid.self_intersections import SelfIntersection
 from geom.solid.solidify import core_of
 from schemas.model import Mesh
 
@@ -25,7 +25,7 @@ DIRTY_SHARE = 5e-3
 
 
 @dataclass(frozen=True)
-class Judgement:
+class PhysicalDefect:
     """A defect that the physical surface answers: repair name, diagnostic code, headline, figures before and after."""
 
     name: str
@@ -35,26 +35,26 @@ class Judgement:
     after: Counts
 
 
-def judge(
-    meshes: Sequence[Mesh], bodies: Bodies, crossings: Sequence[SelfCrossing], surplus_found: bool
-) -> tuple[Judgement, ...]:
+def find_physical_defects(
+    meshes: Sequence[Mesh], bodies: Bodies, crossings: Sequence[SelfIntersection], surplus_found: bool
+) -> tuple[PhysicalDefect, ...]:
     """Overlapping bodies, bodies that pass through themselves, open containers and meshes beyond single edits.
 
     In this order, each only where found; `bodies` and `crossings` are those of the meshes (`resolve_bodies`).
 
-    `surplus_found` tells that degenerate or duplicate faces were reported; a mesh is beyond repair when crowded edges
+    `surplus_found`: degenerate or duplicate faces were reported; a mesh is beyond repair when crowded edges
     remain on top of that. Crowded edges alone are boards that meet by design.
     """
-    found = (
+    defects = (
         _overlapping(meshes, bodies),
         _crossing(crossings),
         _open_shell(bodies),
         _dirty(meshes) if surplus_found else None,
     )
-    return tuple(judgement for judgement in found if judgement is not None)
+    return tuple(judgement for judgement in defects if judgement is not None)
 
 
-def _overlapping(meshes: Sequence[Mesh], bodies: Bodies) -> Judgement | None:
+def _overlapping(meshes: Sequence[Mesh], bodies: Bodies) -> PhysicalDefect | None:
     """What overlaps counts once. Where a part lies wholly inside another, `cavity_reading_m3` is what that may hide."""
     naive, united = _overlap(bodies)
     if not naive > OVERLAP_BOUND * united > 0.0:
@@ -65,7 +65,7 @@ def _overlapping(meshes: Sequence[Mesh], bodies: Bodies) -> Judgement | None:
     else:
         headline = "a closed part lies inside another one, wound alike: filled, or a cavity that lost its winding?"
         other = {"cavity_reading_m3": united - core.mass_kg}
-    return Judgement(
+    return PhysicalDefect(
         "self_intersection",
         "asset/overlapping-bodies",
         headline,
@@ -74,11 +74,11 @@ def _overlapping(meshes: Sequence[Mesh], bodies: Bodies) -> Judgement | None:
     )
 
 
-def _crossing(crossings: Sequence[SelfCrossing]) -> Judgement | None:
+def _crossing(crossings: Sequence[SelfIntersection]) -> PhysicalDefect | None:
     resolved = [(c, c.resolved) for c in crossings if c.resolved is not None]
     if not resolved:
         return None
-    return Judgement(
+    return PhysicalDefect(
         "self_intersection",
         "asset/self-intersection",
         "a closed surface passes through itself",
@@ -95,22 +95,22 @@ def _crossing(crossings: Sequence[SelfCrossing]) -> Judgement | None:
     )
 
 
-def _open_shell(bodies: Bodies) -> Judgement | None:
-    containers = [v for v in bodies.verdicts if v.kind == "container"]
+def _open_shell(bodies: Bodies) -> PhysicalDefect | None:
+    containers = [v for v in bodies.open_bodies if v.kind == "container"]
     area = sum(v.area for v in containers)
     if area < SHELL_SHARE * (bodies.closed_area + bodies.open_area) or area == 0.0:
         return None
     openings = {"openings": sum(len(v.openings) for v in containers)}
     headline = "an open container without wall thickness is kept open"
-    return Judgement("open_shell_keep_cavity", "asset/open-shell", headline, openings, openings)
+    return PhysicalDefect("open_shell_keep_cavity", "asset/open-shell", headline, openings, openings)
 
 
-def _dirty(meshes: Sequence[Mesh]) -> Judgement | None:
+def _dirty(meshes: Sequence[Mesh]) -> PhysicalDefect | None:
     odd = sum(_odd_edges(m) for m in meshes)
     if odd <= DIRTY_SHARE * 1.5 * sum(len(m.triangles) for m in meshes):  # A closed mesh has 1.5 edges per face.
         return None
     headline = "the surface is too damaged for single edits; only the physical surface is rebuilt"
-    return Judgement("mesh_repair", "asset/dirty-mesh", headline, {"odd_edges": odd}, {"odd_edges": odd})
+    return PhysicalDefect("mesh_repair", "asset/dirty-mesh", headline, {"odd_edges": odd}, {"odd_edges": odd})
 
 
 def _overlap(sorted_bodies: Bodies) -> tuple[float, float]:

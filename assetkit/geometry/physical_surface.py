@@ -1,4 +1,4 @@
-"""The physical surface of mended meshes, and how far it lies from the visible one; part of stage 2, canonicalize."""
+"""The physical surface (solid, metres) of mended meshes, and its distance from the visible one."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from assetkit.colliders.self_union import self_union
 from assetkit.geometry.distortion import Distortion
 from assetkit.geometry.repair import RepairResult
-from assetkit.geometry.triangle_budget import Budgeted
+from assetkit.geometry.triangle_budget import BudgetResult
 from assetkit.mass.wall_thickness import wall_evidence
 from assetkit.options import Options
-from geom.mesh.hausdorff import Reach
+from geom.mesh.hausdorff import DistanceBounds
 from geom.mesh.surface_distance import closest_on_surface, triangle_areas
 from geom.mesh.weld import diagonal
 from geom.solid.closed_bodies import sort_bodies
@@ -28,8 +28,8 @@ from schemas.physics import Solid
 
 # Repairs that leave the visible surface alone and change the physical one instead.
 PHYSICAL_REPAIRS = ("asset/overlapping-bodies", "asset/self-intersection", "asset/dirty-mesh")
-# What stands in for a surface instead of following it.
-STAND_INS = ("voxel", "union_and_hulls", "hull")
+# Methods whose solid does not follow the surface.
+FALLBACK_METHODS = ("voxel", "union_and_hulls", "hull")
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class PhysicalSurface:
 
 def physical_surface(
     mended: RepairResult,
-    light: Budgeted,
+    light: BudgetResult,
     p_origin: FloatArray,
     *,
     options: Options,
@@ -66,13 +66,13 @@ def physical_surface(
     homed = at_origin(light.meshes, p_origin)
     size = diagonal(np.concatenate([m.points for m in homed]))
     wall = wall_evidence(size, stated_m=options.shell_thickness_m, materials=materials, meters_per_unit=meters_per_unit)
-    made, figures = solidify(
+    solid_in_scene, figures = solidify(
         light.meshes, bodies, rebuild=rebuild, wall_m=wall.value, sheets=options.shell_thickness_m is not None
     )
-    solid, method, volume = _moved(made, -p_origin), str(figures["method"]), float(figures["volume_m3"])
+    solid, method, volume = _moved(solid_in_scene, -p_origin), str(figures["method"]), float(figures["volume_m3"])
     distance = solid_distance(homed, solid)
     departed = _departure(distance, method)
-    told = {"shell": f"{wall.source}_shell", "union_and_walls": f"union_and_{wall.source}_walls"}
+    method_by_wall = {"shell": f"{wall.source}_shell", "union_and_walls": f"union_and_{wall.source}_walls"}
     lost = Distortion(
         "mesh_repair" if rebuild else method,
         departed.attained,
@@ -83,7 +83,7 @@ def physical_surface(
     )
     return PhysicalSurface(
         solid,
-        method=told.get(method, method),
+        method=method_by_wall.get(method, method),
         volume_m3=volume,
         area_m2=float(triangle_areas(solid.points[solid.triangles]).sum()),
         wall=wall if solid.wall_thickness_m is not None else None,
@@ -94,11 +94,11 @@ def physical_surface(
     )
 
 
-def _departure(distance: SolidDistance, method: str) -> Reach:
-    """The reach that a person must judge when it is far: visible parts outside the solid; and, where voxels or hulls
-    stand in, matter that nothing shows. Caps and walls add matter too, but are judged on their own.
+def _departure(distance: SolidDistance, method: str) -> DistanceBounds:
+    """The distance that needs review when large: of visible parts outside the solid; and, for voxels or hulls, of
+    matter that nothing shows. Caps and walls add matter too, but are reported on their own.
     """
-    if method in STAND_INS:
+    if method in FALLBACK_METHODS:
         return max(distance.added, distance.missing, key=lambda way: way.attained)
     return distance.missing
 
@@ -113,7 +113,7 @@ def _nearest_mesh(meshes: Sequence[Mesh], place: FloatArray) -> str | None:
 
 
 def _sheets_found(solid: Solid, wall: Evidence[float], volume_m3: float) -> tuple[Diagnostic, ...]:
-    """What is told when sheets stand beside closed bodies."""
+    """The finding where open sheets are beside closed bodies."""
     if solid.walls is None:
         return ()
     share = solid.walls.mass_kg / volume_m3

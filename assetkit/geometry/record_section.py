@@ -1,4 +1,4 @@
-"""The geometry section of the record; part of stage 2, canonicalize."""
+"""The geometry section of the record, from canonical meshes, physical surface and repairs (metres, m3)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from assetkit.geometry.physical_surface import PhysicalSurface
 from assetkit.geometry.repair import RepairResult
-from assetkit.geometry.triangle_budget import Budgeted
+from assetkit.geometry.triangle_budget import BudgetResult
 from geom.pose import quat_of
 from schemas.asset import AnnotationFrame, GeometrySection, quat4, vec3
 from schemas.evidence import Evidence, inferred, measured
@@ -27,7 +27,7 @@ _VOLUME_CONFIDENCE = {
 }
 
 CORE_TEXT = "an inner shell wound like the one around it counts as filled, but may be a cavity that lost its winding"
-CORE_CONFIDENCE = 0.5  # Two readings, and nothing that tells them apart.
+CORE_CONFIDENCE = 0.5  # Two readings, equally likely.
 
 
 def geometry_section(
@@ -35,7 +35,7 @@ def geometry_section(
     physical: PhysicalSurface,
     unit: Evidence[float],
     mended: RepairResult,
-    light: Budgeted,
+    light: BudgetResult,
     R_AS: FloatArray,
     offset: FloatArray,
 ) -> GeometrySection:
@@ -99,7 +99,7 @@ def _volume(physical: PhysicalSurface, unit_confidence: float) -> Evidence[float
     return inferred(volume, physical.method, _VOLUME_CONFIDENCE[physical.method] * unit_confidence)
 
 
-def _repaired_distance(mended: RepairResult, light: Budgeted) -> Evidence[float]:
+def _repaired_distance(mended: RepairResult, light: BudgetResult) -> Evidence[float]:
     """Two-way distance between the visible surface as read and as released; reductions add to the edits."""
     lost = sum(d.hausdorff for d in light.distortions)
     return measured(

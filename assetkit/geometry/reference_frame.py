@@ -1,7 +1,6 @@
-"""The scale and the pose that meaning gives an object: what `semantics`, and then `interaction`, tell `canonicalize`,
-each once.
+"""Scale and pose of an object by its category: the frame that semantics, then interaction, give to canonicalize.
 
-What somebody says stands: a reliable unit is never changed, and an up axis from the user neither.
+A reliable unit is never changed, and neither is an up axis from the user.
 """
 
 from __future__ import annotations
@@ -12,13 +11,13 @@ import numpy as np
 
 from assetkit.options import METERS_PER_UNIT, Options
 from assetkit.pose.front import turn_to_front
-from assetkit.pose.upright import Upright, least_chance, uprights
+from assetkit.pose.upright import UprightCandidate, least_probability, rank_upright
 from assetkit.scale.declared_units import UnitDecision, is_reliable, with_repair
-from assetkit.scale.metric_scale import Scale, is_normalised, scale_of
-from assetkit.scale.size_prior import CATEGORY_HOLDS
+from assetkit.scale.metric_scale import ScaleEstimate, estimate_scale, is_normalised
+from assetkit.scale.size_prior import CATEGORY_PRECISION
 from assetkit.stage import Canonical, Draft, Frame, need
 from assetkit.taxonomy.tables import Category
-from geom.features.upright_directions import stands
+from geom.features.upright_directions import upright_features
 from geom.pose import shortest_rotation
 from schemas.asset import UprightHypothesis, vec3
 from schemas.diagnostics import Diagnostic, finding
@@ -27,13 +26,13 @@ from schemas.model import FloatArray
 from schemas.outcome import Repair
 
 Z = np.array([0.0, 0.0, 1.0])
-DOUBTED = 0.2  # The source's own way up is doubted below this chance, although no other one is sure.
+MIN_UP_CHANCE = 0.2  # Below this chance the way up of the source gets a warning, although no other one is certain.
 MOST_UPRIGHTS = 4
 
 
 @dataclass(frozen=True)
-class Grounded:
-    """What the record says of scale and pose, the frame that follows (None: that of the file stands), and doubts."""
+class FrameEstimate:
+    """Scale and pose for the record, the frame that follows (None: that of the file), and findings in `doubts`."""
 
     scale: Evidence[float] | None
     upright: Evidence[tuple[float, float, float]]
@@ -44,35 +43,35 @@ class Grounded:
 
 def reference_frame(
     draft: Draft, category: Category | None, edges_m: tuple[float, float, float], options: Options
-) -> Grounded:
+) -> FrameEstimate:
     """Scale and way up of a canonical object whose smallest box has sorted `edges_m`; `category` None when unknown."""
     canonical: Canonical = need(draft.canonicalize, "canonicalize")
     scale = _scale(draft, canonical, category, edges_m)
     unit = _decision(scale, draft, known=category is not None) if scale is not None else None
-    found = uprights(stands(canonical.solid), category, canonical.up_axis)
-    best = found[0] if found else None
-    least = 1.0 if best is None else least_chance(best, category, canonical.up_axis)
-    turns = best is not None and best.chance >= least and not best.keeps_z and options.up_axis == "auto"
-    R, told = np.eye(3), ((), ())
+    candidates = rank_upright(upright_features(canonical.solid), category, canonical.up_axis)
+    best = candidates[0] if candidates else None
+    least = 1.0 if best is None else least_probability(best, category, canonical.up_axis)
+    turns = best is not None and best.probability >= least and not best.keeps_z and options.up_axis == "auto"
+    R, notes = np.eye(3), ((), ())
     if best is not None and turns:
-        R, told = _turn(best), _told(best, least, canonical)
-    frame = Frame(R @ canonical.R_AS, unit, *told) if turns or unit is not None else None
-    upright = _evidence(found, canonical, options, turned=turns)
+        R, notes = _turn(best), _turn_notes(best, least, canonical)
+    frame = Frame(R @ canonical.R_AS, unit, *notes) if turns or unit is not None else None
+    upright = _evidence(candidates, canonical, options, turned=turns)
     listed = tuple(
         UprightHypothesis(
             up=_in_source(h.up, canonical),
-            chance=h.chance,
+            chance=h.probability,
             signs=h.signs,
             alike=tuple(_in_source(other, canonical) for other in h.alike),
         )
-        for h in found[:MOST_UPRIGHTS]
+        for h in candidates[:MOST_UPRIGHTS]
     )
-    doubts = () if turns or best is None else _doubts(found, options)
-    return Grounded(scale.meters_per_unit if scale else None, upright, listed, frame, doubts)
+    doubts = () if turns or best is None else _doubts(candidates, options)
+    return FrameEstimate(scale.meters_per_unit if scale else None, upright, listed, frame, doubts)
 
 
 def frame_to_front(draft: Draft) -> Frame | None:
-    """The frame in which the front that the interaction stage found is +x; None when it is, or nothing tells it."""
+    """The frame in which the front that the interaction stage found is +x; None when it already is, or is unknown."""
     canonical: Canonical = need(draft.canonicalize, "canonicalize")
     front = need(draft.interaction, "interaction").front
     turned = None if front is None else turn_to_front(front)
@@ -84,8 +83,8 @@ def frame_to_front(draft: Draft) -> Frame | None:
 
 def _scale(
     draft: Draft, canonical: Canonical, category: Category | None, edges_m: tuple[float, float, float]
-) -> Scale | None:
-    """None where the unit is reliable, where several objects share it, and where nothing but habit is known."""
+) -> ScaleEstimate | None:
+    """None where the unit is reliable, where several objects share it, and where only habits of tools are known."""
     unit, item = canonical.meters_per_unit, draft.intake
     if is_reliable(unit, item.model.meters_per_unit) or item.siblings:
         return None
@@ -93,22 +92,22 @@ def _scale(
         return None
     stated = item.model.meters_per_unit
     implied = next((u for u, s in METERS_PER_UNIT.items() if s == stated.value), None)
-    return scale_of(
+    return estimate_scale(
         item.file_extent,
         [edge / unit.value for edge in edges_m],
         category,
-        CATEGORY_HOLDS,
+        CATEGORY_PRECISION,
         format_=item.format,
         hints=item.model.hints,
         implied=implied if stated.source != "default" else None,
     )
 
 
-def _decision(scale: Scale, draft: Draft, *, known: bool) -> UnitDecision:
-    """The unit by what the thing is; with a repair where it is not what the numbers imply as they stand."""
+def _decision(scale: ScaleEstimate, draft: Draft, *, known: bool) -> UnitDecision:
+    """The unit by the category; with a repair where it is not the unit that the numbers imply."""
     evidence, implied = scale.meters_per_unit, draft.intake.model.meters_per_unit.value
     largest = max(draft.intake.file_extent)
-    if not known:  # A size that nobody knows is no reason to change the numbers.
+    if not known:  # An unknown size is no reason to change the numbers.
         evidence = default(implied, evidence.method, bounds=evidence.bounds)
     sizes = [largest * s for s in (evidence.bounds or (evidence.value, evidence.value))]
     headline = f"no unit is declared; {scale.reading}" + ("; a person must say it with --units" if scale.review else "")
@@ -125,20 +124,22 @@ def _decision(scale: Scale, draft: Draft, *, known: bool) -> UnitDecision:
     return UnitDecision(evidence, changed.diagnostics, changed.repairs, review=scale.review)
 
 
-def _turn(best: Upright) -> FloatArray:
+def _turn(best: UprightCandidate) -> FloatArray:
     """The least rotation (3, 3) that brings the way up to +z, exact for quarter turns."""
     R = shortest_rotation(np.array(best.up), Z)
     whole = np.rint(R)
     return whole if np.allclose(R, whole, atol=1e-9) else R
 
 
-def _told(best: Upright, least: float, canonical: Canonical) -> tuple[tuple[Diagnostic, ...], tuple[Repair, ...]]:
+def _turn_notes(
+    best: UprightCandidate, least: float, canonical: Canonical
+) -> tuple[tuple[Diagnostic, ...], tuple[Repair, ...]]:
     degrees = float(np.degrees(np.arccos(np.clip(best.up[2], -1.0, 1.0))))
-    said = "; ".join(best.signs[:3])
+    signs = "; ".join(best.signs[:3])
     note = finding(
         "asset/turned-upright",
-        f"the object lay by {degrees:.0f} degrees from its upright pose: standing, it {said}",
-        value=best.chance,
+        f"the object lay by {degrees:.0f} degrees from its upright pose: standing, it {signs}",
+        value=best.probability,
         bound=least,
         unit="probability of this way up",
     )
@@ -153,32 +154,40 @@ def _told(best: Upright, least: float, canonical: Canonical) -> tuple[tuple[Diag
     return (note,), (repair,)
 
 
-def _height(best: Upright, canonical: Canonical) -> float:
+def _height(best: UprightCandidate, canonical: Canonical) -> float:
     return float(np.ptp(np.concatenate([m.points for m in canonical.meshes]) @ np.array(best.up)))
 
 
 def _evidence(
-    found: tuple[Upright, ...], canonical: Canonical, options: Options, *, turned: bool
+    candidates: tuple[UprightCandidate, ...], canonical: Canonical, options: Options, *, turned: bool
 ) -> Evidence[tuple[float, float, float]]:
-    """Which direction of the source is up in the reference pose."""
+    """The direction of the source that is up in the reference pose."""
     given = _in_source((0.0, 0.0, 1.0), canonical)
     if options.up_axis != "auto":
         return Evidence(value=given, source="declared", method=options.origin("up_axis"), confidence=1.0)
-    if not found:
+    if not candidates:
         return default(given, "no way up is meant, or the form tells none")
-    chosen = found[0] if turned else next(h for h in found if h.keeps_z)
+    chosen = candidates[0] if turned else next(h for h in candidates if h.keeps_z)
     value = _in_source(chosen.up, canonical) if turned else given
-    return inferred(value, "up axis of the source, form and reference pose", chosen.chance, inputs=chosen.signs)
+    return inferred(value, "up axis of the source, form and reference pose", chosen.probability, inputs=chosen.signs)
 
 
-def _doubts(found: tuple[Upright, ...], options: Options) -> tuple[Diagnostic, ...]:
+def _doubts(candidates: tuple[UprightCandidate, ...], options: Options) -> tuple[Diagnostic, ...]:
     """A warning where the way up of the source is improbable, but no other one is sure enough to turn the object."""
-    own = sum(h.chance for h in found if h.keeps_z)
-    if own >= DOUBTED or found[0].chance <= 2.0 * own:
+    source_up_chance = sum(h.probability for h in candidates if h.keeps_z)
+    if source_up_chance >= MIN_UP_CHANCE or candidates[0].probability <= 2.0 * source_up_chance:
         return ()
     where = "stated" if options.up_axis != "auto" else "of the file"
-    headline = f"the way up {where} is improbable: another one would mean that it {'; '.join(found[0].signs[:3])}"
-    return (finding("asset/upright-uncertain", headline, value=own, bound=DOUBTED, unit="probability of this way up"),)
+    headline = f"the way up {where} is improbable: another one would mean that it {'; '.join(candidates[0].signs[:3])}"
+    return (
+        finding(
+            "asset/upright-uncertain",
+            headline,
+            value=source_up_chance,
+            bound=MIN_UP_CHANCE,
+            unit="probability of this way up",
+        ),
+    )
 
 
 def _in_source(up: tuple[float, float, float], canonical: Canonical) -> tuple[float, float, float]:

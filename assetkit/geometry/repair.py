@@ -1,4 +1,4 @@
-"""Observe meshes, mend true defects by bounded edits, observe again; part of stage 2, canonicalize."""
+"""Repairs true defects of meshes by bounded edits; observes topology before and after, and reports each repair."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from assetkit.geometry.distortion import Distortion, crossing_distortion, distortion
-from assetkit.geometry.edit import Counts, Item
+from assetkit.geometry.edit import Counts, EditContext
 from assetkit.geometry.edits import EDITS
-from assetkit.geometry.physical_defects import judge
+from assetkit.geometry.physical_defects import find_physical_defects
 from geom.mesh.edit import merge_surfaces
 from geom.mesh.topology import observe
 from geom.mesh.weld import weld
 from geom.repair.shape_change import ShapeChange, shape_change
 from geom.solid.closed_bodies import Bodies, sort_bodies
-from geom.solid.self_intersections import Resolver, SelfCrossing, resolve_bodies
+from geom.solid.self_intersections import Resolver, SelfIntersection, resolve_bodies
 from schemas.asset import Topology
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Mesh
@@ -25,7 +25,7 @@ from schemas.outcome import Repair
 class RepairResult:
     """Meshes after the edits, what was observed per mesh and on all (`merged`) before, and on all after.
 
-    `distortions` tells for each edit that was made what it did to the shape, `change` what all did together, also
+    `distortions` holds for each reported edit its change of the shape, `change` that of all edits together, also of
     those too slight to be reported. `bodies` are what the mended meshes hold, those that passed through themselves
     resolved except the `unresolved`.
     """
@@ -38,7 +38,7 @@ class RepairResult:
     distortions: tuple[Distortion, ...]
     change: ShapeChange
     bodies: Bodies
-    unresolved: tuple[SelfCrossing, ...]
+    unresolved: tuple[SelfIntersection, ...]
 
 
 def repair_geometry(meshes: Sequence[Mesh], resolver: Resolver | None = None) -> RepairResult:
@@ -54,27 +54,27 @@ def repair_geometry(meshes: Sequence[Mesh], resolver: Resolver | None = None) ->
     notes: list[Diagnostic] = []
     distortions: list[Distortion] = []
     for name, code, headline, edit in EDITS:
-        before, edits = current, edit([Item(source, i, current) for i, source in enumerate(meshes)])
+        before, edits = current, edit([EditContext(source, i, current) for i, source in enumerate(meshes)])
         current = [e.mesh for e in edits]
         if reported := [i for i, e in enumerate(edits) if e.before is not None]:
-            made = distortion(name, before, current, edits)
-            was = {**_summed(edits[i].before or {} for i in reported), **made.figures()[0]}
-            now = {**_summed(edits[i].after for i in reported), **made.figures()[1]}
-            distortions.append(made)
+            change = distortion(name, before, current, edits)
+            was = {**_summed(edits[i].before or {} for i in reported), **change.figures()[0]}
+            now = {**_summed(edits[i].after for i in reported), **change.figures()[1]}
+            distortions.append(change)
             repairs.append(_repair(name, code, was, now))
             where = Location(mesh=meshes[reported[0]].name if len(reported) == 1 else None)
             notes.append(_note(code, headline, where, was, now))
     bodies, crossings = sort_bodies(current), ()
     if resolver is not None:
         bodies, crossings = resolve_bodies(bodies, resolver)
-    for found in judge(current, bodies, crossings, any(r.name == "degenerate_faces" for r in repairs)):
-        was, now = found.before, found.after
-        if found.code == "asset/self-intersection":
-            made = crossing_distortion(crossings, current)
-            was, now = {**was, **made.figures()[0]}, {**now, **made.figures()[1]}
-            distortions.append(made)
-        repairs.append(_repair(found.name, found.code, was, now))
-        notes.append(_note(found.code, found.headline, Location(), was, now))
+    for defect in find_physical_defects(current, bodies, crossings, any(r.name == "degenerate_faces" for r in repairs)):
+        was, now = defect.before, defect.after
+        if defect.code == "asset/self-intersection":
+            change = crossing_distortion(crossings, current)
+            was, now = {**was, **change.figures()[0]}, {**now, **change.figures()[1]}
+            distortions.append(change)
+        repairs.append(_repair(defect.name, defect.code, was, now))
+        notes.append(_note(defect.code, defect.headline, Location(), was, now))
     left = _observe_all(current)
     return RepairResult(
         tuple(current),
@@ -90,7 +90,7 @@ def repair_geometry(meshes: Sequence[Mesh], resolver: Resolver | None = None) ->
 
 
 def _crowded(left: Topology) -> tuple[Diagnostic, ...]:
-    """What is told of edges with more than two faces that stay: most are parts that meet by design, none is silent."""
+    """The finding on remaining edges with more than two faces: most are parts that meet by design; all are reported."""
     count = left.non_manifold_edges
     if not count:
         return ()

@@ -1,4 +1,4 @@
-"""Reduce heavy meshes to the triangle budget; part of stage 2, canonicalize."""
+"""Reduces meshes to the triangle budget by decimation, and records the surface distance (metres) that it costs."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from schemas.outcome import Repair
 
 
 @dataclass(frozen=True)
-class Budgeted:
-    """Meshes within the budget, and what was said, done and lost when they had to be reduced."""
+class BudgetResult:
+    """Meshes within the budget, with findings, repairs and distortions where they had to be reduced."""
 
     meshes: tuple[Mesh, ...]
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -25,11 +25,11 @@ class Budgeted:
     distortions: tuple[Distortion, ...] = ()
 
 
-def within_budget(meshes: Sequence[Mesh], budget: int) -> Budgeted:
+def within_budget(meshes: Sequence[Mesh], budget: int) -> BudgetResult:
     """Meshes reduced in proportion when together they exceed the triangle budget."""
     total = sum(len(m.triangles) for m in meshes)
     if total <= budget:
-        return Budgeted(tuple(meshes))
+        return BudgetResult(tuple(meshes))
     size = diagonal(np.concatenate([m.points for m in meshes]))
     reduced, worst = [], Distortion("decimate", 0.0, 0.0, size)
     for mesh in meshes:
@@ -54,4 +54,4 @@ def within_budget(meshes: Sequence[Mesh], budget: int) -> Budgeted:
         before={"triangles": total, **was},
         after={"triangles": after, **now},
     )
-    return Budgeted(tuple(reduced), (note,), (repair,), (worst,))
+    return BudgetResult(tuple(reduced), (note,), (repair,), (worst,))

@@ -1,4 +1,4 @@
-"""`catalog.sqlite`: one row per package, for listing and searching; rebuilt from the records, which stay the truth."""
+"""`catalog.sqlite`: one row per package, for listing and searching; rebuilt from the (authoritative) records."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from assetkit.library.search.facts import Facts, facts_of, texts_of
 from assetkit.library.search.match import TextHit
-from assetkit.library.search.query import Wish
+from assetkit.library.search.query import Criterion
 from assetkit.package.record import RECORD, read_record
 from schemas.asset import AssetRecord
 from schemas.diagnostics import InvalidInput, finding
@@ -24,8 +24,8 @@ CREATE TABLE assets (
 CREATE TABLE facts (asset_id TEXT PRIMARY KEY, facts TEXT);
 CREATE VIRTUAL TABLE words USING fts5 (asset_id UNINDEXED, names, source_texts, aliases, others);
 """
-# How far a word in a text tells what an asset is, the best place first: names are given by people, for reasons.
-_SAYS = {"names": 0.6, "others": 0.5, "source_texts": 0.4, "aliases": 0.4}
+# Confidence of a word by the column of texts that contains it, highest first: names are given by people, for reasons.
+_TEXT_CONFIDENCE = {"names": 0.6, "others": 0.5, "source_texts": 0.4, "aliases": 0.4}
 
 
 def records(out: Path) -> Iterator[tuple[Path, AssetRecord]]:
@@ -59,8 +59,8 @@ def listing(out: Path) -> list[dict[str, object]]:
 
 
 def facts(out: Path) -> list[Facts]:
-    """What search knows of every package, by asset id. Raises FileNotFoundError when `out` has no catalog, InvalidInput
-    when an older version wrote it.
+    """The searchable facts of every package, by asset id. Raises FileNotFoundError when `out` has no catalog,
+    InvalidInput when an older version wrote it.
     """
     rows = _query(out, "SELECT facts FROM facts", ())
     try:
@@ -69,17 +69,17 @@ def facts(out: Path) -> list[Facts]:
         raise _unreadable("its facts are of another version") from error
 
 
-def find_text(out: Path, wish: Wish) -> TextHit:
-    """The assets whose texts hold one of the words of a wish, with the place that says most. Words that are wanted may
-    also begin one of theirs; a denied word is only itself.
+def find_text(out: Path, criterion: Criterion) -> TextHit:
+    """The assets whose texts contain one of the words of a criterion, with the column of highest confidence. A word
+    also matches the beginning of a longer one, unless the criterion is negated.
     """
-    found: dict[str, tuple[str, float, str]] = {}
-    for column, confidence in _SAYS.items():
-        for word in wish.values:
+    hits: dict[str, tuple[str, float, str]] = {}
+    for column, confidence in _TEXT_CONFIDENCE.items():
+        for word in criterion.values:
             sql = f"SELECT asset_id, snippet(words, -1, '', '', '...', 8) AS found FROM words WHERE {column} MATCH ?"
-            for row in _query(out, sql, (f'"{word}"' + "*" * (not wish.denied),)):
-                found.setdefault(str(row["asset_id"]), (column, confidence, str(row["found"])))
-    return found
+            for row in _query(out, sql, (f'"{word}"' + "*" * (not criterion.negated),)):
+                hits.setdefault(str(row["asset_id"]), (column, confidence, str(row["found"])))
+    return hits
 
 
 def _query(out: Path, sql: str, parameters: tuple[str, ...]) -> list[dict[str, object]]:

@@ -1,4 +1,4 @@
-"""Judge one USD asset: outside validators and gate. Also the entry point of a cell that does so."""
+"""Validates one USD asset with the external validators and the gate; also the entry point of a cell that does so."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from gate.external_validators import SIMREADY, Verdict, outside_verdicts
+from gate.external_validators import SIMREADY, ValidatorVerdict, external_verdicts
 from gate.static_gate import claims_release, gate
 from jobs.cache import write_atomically
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
@@ -16,25 +16,25 @@ from usdio.read.usdz import check_package
 _RANK = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.INFO: 2}
 
 
-def judge(file: Path, *, outside: bool = True) -> tuple[Diagnostic, ...]:
-    """All findings of the outside validators (unless `outside` is False) and of the gate, gravest first.
+def validate_file(file: Path, *, external: bool = True) -> tuple[Diagnostic, ...]:
+    """All findings of the external validators (unless `external` is False) and of the gate, gravest first.
 
-    One finding when the file cannot be opened, or is an archive that no reader should open. What SimReady asks of a
-    package is `info` for a file that does not claim to be one.
+    One finding when the file cannot be opened, or is an archive that no reader should open. Findings on SimReady
+    requirements are `info` for a file that does not claim to be a SimReady package.
     """
     try:
         if file.suffix.lower() == ".usdz":
             check_package(file, where=Location(file=file.name))
-        verdicts = outside_verdicts(file) if outside else ()
+        verdicts = external_verdicts(file) if external else ()
     except InvalidInput as unreadable:
         return (unreadable.diagnostic,)
-    found = [d for verdict in verdicts for d in _said(verdict, file)]
-    return tuple(sorted([*found, *gate(file)], key=lambda d: _RANK[d.severity]))
+    findings = [d for verdict in verdicts for d in _findings(verdict, file)]
+    return tuple(sorted([*findings, *gate(file)], key=lambda d: _RANK[d.severity]))
 
 
-def _said(verdict: Verdict, file: Path) -> Iterator[Diagnostic]:
-    claimed = verdict.judge != SIMREADY or claims_release(file)
-    code = "asset/simready-rule" if verdict.judge == SIMREADY else "asset/usd-rule"
+def _findings(verdict: ValidatorVerdict, file: Path) -> Iterator[Diagnostic]:
+    claimed = verdict.validator != SIMREADY or claims_release(file)
+    code = "asset/simready-rule" if verdict.validator == SIMREADY else "asset/usd-rule"
     for severity, remarks in (
         (Severity.ERROR if claimed else Severity.INFO, verdict.findings),
         (Severity.WARNING if claimed else Severity.INFO, verdict.warnings),
@@ -45,9 +45,9 @@ def _said(verdict: Verdict, file: Path) -> Iterator[Diagnostic]:
 
 
 def main(file: str, note: str, extent: str) -> None:
-    """Judge `file` and leave the findings in `note`; `extent` is `outside` or `gate`."""
-    found = judge(Path(file), outside=extent == "outside")
-    write_atomically(Path(note), json.dumps([d.model_dump(mode="json") for d in found]).encode())
+    """Validate `file` and write the findings to `note`; `extent` is `outside` (external validators too) or `gate`."""
+    findings = validate_file(Path(file), external=extent == "outside")
+    write_atomically(Path(note), json.dumps([d.model_dump(mode="json") for d in findings]).encode())
 
 
 if __name__ == "__main__":

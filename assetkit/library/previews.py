@@ -1,4 +1,4 @@
-"""Pictures of any readable file or released package, without making a package."""
+"""Renders preview pictures (PNG) of any readable file or released package, in a cell, without making a package."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from assetkit.batch.ingest import DEFAULT_LIMITS, ENVIRONMENT, LOST_CODES
+from assetkit.batch.item_cells import DEFAULT_LIMITS, ENVIRONMENT, LOST_CODES
 from assetkit.library.validate import main_usd_files
 from jobs.cell import Limits
 from jobs.warm import run_module
@@ -26,12 +26,12 @@ def picture(path: Path, out: Path, *, limits: Limits = DEFAULT_LIMITS) -> list[P
         note = Path(folder) / "note.json"
         arguments = [os.fspath(path.absolute()), os.fspath(out), os.fspath(note)]
         result = run_module("assetkit.library.preview_worker", arguments, limits, env=ENVIRONMENT)
-        said = json.loads(note.read_text()) if note.is_file() else {}
-    if "refused" in said:
-        raise InvalidInput(Diagnostic.model_validate(said["refused"]))
-    if "written" not in said:
+        reply = json.loads(note.read_text()) if note.is_file() else {}
+    if "refused" in reply:
+        raise InvalidInput(Diagnostic.model_validate(reply["refused"]))
+    if "written" not in reply:
         code = LOST_CODES.get(result.status, "asset/worker-crashed")
         last = (result.output.strip().splitlines() or ["no output"])[-1]
         headline = f"drawing {result.status.replace('_', ' ')}: {last[:200]}"
         raise InvalidInput(finding(code, headline, where=Location(file=path.name), value=result.returncode))
-    return [Path(p) for p in said["written"]]
+    return [Path(p) for p in reply["written"]]

@@ -1,4 +1,4 @@
-"""What needs a person: items in review, their findings, the values nobody is sure of, and what these could be."""
+"""Review of a batch: findings, uncertain values and candidate values for a person, from report and records."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from assetkit.batch.decisions import date_of_decision
 from assetkit.options import METERS_PER_UNIT
 from assetkit.package.record import RECORD, read_record
-from assetkit.parts.decided import names_for, region_of
+from assetkit.parts.human_labels import allowed_labels, region_key
 from schemas.asset import AssetRecord
 from schemas.asset import SourceFile as FileRead
 from schemas.decision import DecidedField, Decision, PartLabel
@@ -25,23 +25,27 @@ from schemas.report import IngestReport, ReportItem
 
 REPORT = "report.json"
 DOUBTFUL = 0.5  # Evidence below this confidence is shown.
-_TURNS = {"x": "x is up", "y": "y is up, as in glTF and most OBJ files", "z": "z is up, as in most CAD and robot files"}
+_UP_AXIS_TEXTS = {
+    "x": "x is up",
+    "y": "y is up, as in glTF and most OBJ files",
+    "z": "z is up, as in most CAD and robot files",
+}
 
 
 class _Model(BaseModel):
     model_config = ConfigDict(frozen=True)
 
 
-class Candidate(_Model):
-    """A value that could be set, what it would mean, and its chance where one is known."""
+class CandidateValue(_Model):
+    """A value that could be set, what it would mean, and its probability where one is known."""
 
     value: str
     means: str
     confidence: float | None = None
 
 
-class Doubt(_Model):
-    """A value of low confidence in one package, by what it was told, and its candidates. `field` can be set with the
+class UncertainValue(_Model):
+    """A value of low confidence in one package, the evidence for it, and candidate values. `field` can be set with the
     `flag`: one of the fields of a decision, or a part by its id.
     """
 
@@ -51,17 +55,17 @@ class Doubt(_Model):
     value: str
     confidence: float
     evidence: str
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[CandidateValue, ...]
 
 
-class Question(_Model):
+class ReviewItem(_Model):
     """One source with all that a person needs to decide about it; `pictures` are relative to the library."""
 
     source: str
     outcome: ItemOutcome
     packages: tuple[str, ...]
     findings: tuple[Diagnostic, ...]
-    doubts: tuple[Doubt, ...]
+    doubts: tuple[UncertainValue, ...]
     pictures: tuple[str, ...]
     decisions: tuple[Decision, ...]
 
@@ -79,16 +83,16 @@ def read_report(out: Path) -> IngestReport:
         raise InvalidInput(finding("asset/report-unreadable", headline, where=Location(file=REPORT))) from error
 
 
-def questions(out: Path, items: Sequence[ReportItem], decisions: Sequence[Decision]) -> Iterator[Question]:
-    """The question of each item, in their order."""
+def review_items(out: Path, items: Sequence[ReportItem], decisions: Sequence[Decision]) -> Iterator[ReviewItem]:
+    """One review item per report item, in the order of `items`."""
     for item in items:
         records = _records(out, item)
-        yield Question(
+        yield ReviewItem(
             source=item.source,
             outcome=item.outcome,
             packages=item.packages,
             findings=tuple(d for d in item.diagnostics if d.severity is not Severity.INFO),
-            doubts=tuple(doubt for record in records for doubt in doubts(record)),
+            doubts=tuple(value for record in records for value in uncertain_values(record)),
             pictures=tuple(
                 path.relative_to(out).as_posix()
                 for record in records
@@ -98,32 +102,38 @@ def questions(out: Path, items: Sequence[ReportItem], decisions: Sequence[Decisi
         )
 
 
-def doubts(record: AssetRecord) -> tuple[Doubt, ...]:
-    """The unit, up axis, category and parts of a record, as far as they are doubtful."""
+def uncertain_values(record: AssetRecord) -> tuple[UncertainValue, ...]:
+    """The unit, up axis, category and parts of a record whose confidence is below `DOUBTFUL`."""
     source, semantics = record.source, record.semantics
     longest_units = max(record.geometry.extent_m.value) / source.meters_per_unit.value
-    sizes = [Candidate(value=u, means=f"longest edge {_length(longest_units * s)}") for u, s in METERS_PER_UNIT.items()]
-    turns = [Candidate(value=axis, means=text) for axis, text in _TURNS.items()]
-    kinds = [Candidate(value=h.category, means="; ".join(h.clues), confidence=h.score) for h in semantics.hypotheses]
+    sizes = [
+        CandidateValue(value=u, means=f"longest edge {_length(longest_units * s)}") for u, s in METERS_PER_UNIT.items()
+    ]
+    axes = [CandidateValue(value=axis, means=text) for axis, text in _UP_AXIS_TEXTS.items()]
+    categories = [
+        CandidateValue(value=h.category, means="; ".join(h.clues), confidence=h.score) for h in semantics.hypotheses
+    ]
     unit = next((u for u, s in METERS_PER_UNIT.items() if s == source.meters_per_unit.value), "other")
-    looked_at: tuple[tuple[DecidedField, str, float, str, list[Candidate]], ...] = (
+    fields: tuple[tuple[DecidedField, str, float, str, list[CandidateValue]], ...] = (
         ("units", unit, source.meters_per_unit.confidence, source.meters_per_unit.method, sizes),
-        ("up_axis", source.up_axis.value, source.up_axis.confidence, source.up_axis.method, turns),
-        ("category", semantics.category.value, semantics.category.confidence, semantics.category.method, kinds),
+        ("up_axis", source.up_axis.value, source.up_axis.confidence, source.up_axis.method, axes),
+        ("category", semantics.category.value, semantics.category.confidence, semantics.category.method, categories),
     )
     values = tuple(
-        Doubt(package=record.asset_id, field=f, value=v, confidence=sure, evidence=method, candidates=tuple(could_be))
-        for f, v, sure, method, could_be in looked_at
-        if sure < DOUBTFUL
+        UncertainValue(
+            package=record.asset_id, field=f, value=v, confidence=c, evidence=method, candidates=tuple(candidates)
+        )
+        for f, v, c, method, candidates in fields
+        if c < DOUBTFUL
     )
-    return (*values, *_part_doubts(record))
+    return (*values, *_uncertain_parts(record))
 
 
-def _part_doubts(record: AssetRecord) -> Iterator[Doubt]:
-    """Parts that clues disagree about; of the labels that they speak for each is a candidate, and none of them."""
+def _uncertain_parts(record: AssetRecord) -> Iterator[UncertainValue]:
+    """Parts whose labels the clues contradict; each label that a clue supports is a candidate, and so is none."""
     for part in (p.value for p in record.parts if p.value.may_be):
         where = f"one of {len(record.parts)} parts, {_length(max(np.subtract(part.high_m, part.low_m)))} long"
-        yield Doubt(
+        yield UncertainValue(
             package=record.asset_id,
             flag="part",
             field=part.part_id,
@@ -131,14 +141,14 @@ def _part_doubts(record: AssetRecord) -> Iterator[Doubt]:
             confidence=part.label.confidence,
             evidence=f"{part.label.method}; {where}",
             candidates=tuple(
-                Candidate(value=label, means=meaning)
+                CandidateValue(value=label, means=meaning)
                 for label, meaning in (*((m, f"it is the {m}") for m in part.may_be), (UNLABELLED, "it is neither"))
             ),
         )
 
 
 def items_called(report: IngestReport, name: str) -> list[ReportItem]:
-    """The items that a name means: the source as given or one of its packages; else all whose file is called so."""
+    """The items of a name: that of the source as given or of one of its packages; else all whose file has that name."""
     exact = [i for i in report.items if i.source == name or name in i.packages]
     return exact or [i for i in report.items if PurePosixPath(i.source).name == name]
 
@@ -154,14 +164,14 @@ def decision_about(
     by: str,
     reason: str,
 ) -> Decision:
-    """The decision on an item, bound to the content that it was made from. `name` says which object is meant where a
-    file holds several: a package means one, the source all of them.
+    """The decision on an item, bound to the content that it was made from. `name` selects objects where a file holds
+    several: the name of a package selects one, that of the source all of them.
 
-    Raises LookupError when there is no package of what is meant, or no such part in it: nothing was made that could be
-    decided about. Raises ValueError when its category knows no part of that name.
+    Raises LookupError when no package was made that the decision could apply to, or it has no such part. Raises
+    ValueError when its category has no part of that name.
     """
-    one = name in item.packages
-    about = [r for r in _records(out, item) if not one or r.asset_id == name]
+    single = name in item.packages
+    about = [r for r in _records(out, item) if not single or r.asset_id == name]
     if not about:
         raise LookupError(f"'{name}' is {item.outcome.value}: there is no package to decide about")
     main = main_file(about[0].source.files, item.source)
@@ -173,7 +183,7 @@ def decision_about(
             for f in about[0].source.files
             if f != main
         },
-        object=int(name.rpartition("-")[2]) if one and len(item.packages) > 1 else 0,
+        object=int(name.rpartition("-")[2]) if single and len(item.packages) > 1 else 0,
         set=set_,
         parts=_part_labels(about, parts),
         accept=accept,
@@ -189,17 +199,17 @@ def _part_labels(about: Sequence[AssetRecord], parts: Mapping[str, str]) -> dict
         return {}
     if len(about) > 1:
         raise LookupError("the file holds several objects: name the package whose part is meant")
-    known, names = by_id(about[0].parts), names_for(about[0].semantics.category.value)
+    known, names = by_id(about[0].parts), allowed_labels(about[0].semantics.category.value)
     for part, label in parts.items():
         if part not in known:
             raise LookupError(f"{about[0].asset_id} has no part '{part}', only {', '.join(known) or 'the whole'}")
         if label and label not in names:
             raise ValueError(f"a part of it is one of {', '.join(names)}, not '{label}'")
-    return {part: PartLabel(label=label, region=region_of(known[part])) for part, label in parts.items()}
+    return {part: PartLabel(label=label, region=region_key(known[part])) for part, label in parts.items()}
 
 
 def main_file(files: Sequence[FileRead], source: str) -> FileRead:
-    """The file that `source` names, of all that were read: the one whose path ends as `source` does for longest."""
+    """The file that `source` names, of all that were read: the one that shares most trailing path parts with it."""
 
     def shared(file: FileRead) -> int:
         pairs = zip(reversed(PurePosixPath(file.path).parts), reversed(PurePosixPath(source).parts), strict=False)
@@ -209,8 +219,8 @@ def main_file(files: Sequence[FileRead], source: str) -> FileRead:
 
 
 def _records(out: Path, item: ReportItem) -> list[AssetRecord]:
-    found = (read_record(out / package) for package in item.packages if (out / package / RECORD).is_file())
-    return [record for record in found if record is not None]
+    records = (read_record(out / package) for package in item.packages if (out / package / RECORD).is_file())
+    return [record for record in records if record is not None]
 
 
 def _length(metres: float) -> str:

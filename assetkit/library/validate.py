@@ -1,4 +1,4 @@
-"""Find USD assets and have each judged in a cell, also ones Mana did not make."""
+"""Finds the USD assets at a path and validates each in a cell of its own, also assets that Mana did not make."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 
-from assetkit.batch.ingest import ENVIRONMENT, LOST_CODES
+from assetkit.batch.item_cells import ENVIRONMENT, LOST_CODES
 from jobs.cell import CellResult, Limits
 from jobs.warm import run_module, warm_cells
 from schemas.diagnostics import Diagnostic, Location, finding
@@ -23,14 +23,14 @@ _CELL, _PRELOAD = "assetkit.library.judge_file", "gate.preload"
 def main_usd_files(path: Path) -> list[Path]:
     """The asset files at `path`: itself, those of a folder or package, or those of every package of a library.
 
-    Of files in one folder that are layers of each other only the outermost count. Hidden folders are left out.
+    Of files in one folder that are layers of each other only the root layers count. Hidden folders are left out.
     """
     if path.is_file():
         return [path]
     for pattern in ("*", "*/*", "*/*/*"):
-        found = sorted(p for p in path.glob(pattern) if p.suffix in _USD and p.is_file() and not _hidden(p, path))
-        if found:
-            return root_files(found)
+        layers = sorted(p for p in path.glob(pattern) if p.suffix in _USD and p.is_file() and not _hidden(p, path))
+        if layers:
+            return root_files(layers)
     return []
 
 
@@ -39,17 +39,17 @@ def _hidden(file: Path, folder: Path) -> bool:
 
 
 def validate_files(
-    files: Sequence[Path], *, outside: bool = True, limits: Limits = DEFAULT_LIMITS
+    files: Sequence[Path], *, external: bool = True, limits: Limits = DEFAULT_LIMITS
 ) -> Iterator[tuple[Path, tuple[Diagnostic, ...]]]:
-    """What `assetkit.library.judge_file.judge` says of each file, run in a cell: one that hangs or crashes costs
-    itself only.
+    """Each file with its findings (`judge_file.validate_file`), computed in a cell: a file that hangs or crashes its
+    validators affects no other.
     """
     warm = warm_cells(_PRELOAD, env=ENVIRONMENT) if len(files) > 1 else nullcontext()
     with warm, tempfile.TemporaryDirectory(prefix="mana") as folder:
         for file in files:
             note = Path(folder) / "findings.json"
             note.unlink(missing_ok=True)
-            arguments = [os.fspath(file.absolute()), os.fspath(note), "outside" if outside else "gate"]
+            arguments = [os.fspath(file.absolute()), os.fspath(note), "outside" if external else "gate"]
             result = run_module(_CELL, arguments, limits, env=ENVIRONMENT)
             if note.is_file():
                 yield file, tuple(Diagnostic.model_validate(d) for d in json.loads(note.read_text()))

@@ -1,4 +1,4 @@
-"""How far the mass of an object may be from its estimate, and why: material, hollowness, walls, unit."""
+"""Bounds (kg) of the mass of an object around its estimate, with causes: material, hollowness, walls, unit."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from schemas.evidence import Evidence
 from schemas.model import FloatArray
 from schemas.physics import Solid
 
-# Mass bounds further apart than this factor tell a randomiser nothing.
+# Mass bounds further apart than this factor are useless to a randomiser.
 MAX_SPAN = 30.0
 # A stated density weighs whatever shape the engine at hand fills with it, so that the volume counts as known to 5 %.
 STATED_VOLUME_TOLERANCE = 0.05
@@ -38,10 +38,10 @@ AGREEMENT, MODELLED_WALL_FACTOR = 0.5, 1.5
 
 
 @dataclass(frozen=True)
-class Bounds:
-    """Least and greatest plausible mass (kg), what makes them differ, and how far apart they truly are.
+class MassBounds:
+    """Least and greatest plausible mass (kg), and the causes of the uncertainty.
 
-    `span` is the ratio before it was cut to `MAX_SPAN`.
+    `span` is the ratio of the two before it was cut to `MAX_SPAN`.
     """
 
     low: float
@@ -57,39 +57,39 @@ class Bounds:
             f"; true spread {self.span:.3g}x, cut to {MAX_SPAN:g}x" if self.span > 1.001 * MAX_SPAN else ""
         )
 
-    def or_else(self, other: Bounds, cause: str, value: float) -> Bounds:
-        """Bounds around `value` that hold in this reading and in the `other`; `cause` says what the two differ in."""
+    def union(self, other: MassBounds, cause: str, value: float) -> MassBounds:
+        """Bounds around `value` that contain these and the `other` bounds; `cause` names the difference of the two."""
         low, high = min(self.low, other.low), max(self.high, other.high)
         both = _within_span(value, low, high, (1.0, 1.0), (*self.causes, cause))
         return replace(both, span=max(self.span, other.span, both.span))
 
-    def within(self, usual_kg: tuple[float, float], cause: str, value: float) -> Bounds:
-        """Bounds cut to another range, not past the estimate `value`; as they are where the two do not meet.
+    def clipped_to(self, category_range_kg: tuple[float, float], cause: str, value: float) -> MassBounds:
+        """Bounds clipped to another range, but not past the estimate `value`; unchanged where the two do not overlap.
 
         `span` shrinks in proportion.
         """
-        if not self.meets(usual_kg):
+        if not self.overlaps(category_range_kg):
             return self
-        low, high = min(max(self.low, usual_kg[0]), value), max(min(self.high, usual_kg[1]), value)
+        low, high = min(max(self.low, category_range_kg[0]), value), max(min(self.high, category_range_kg[1]), value)
         if (low, high) == (self.low, self.high):
             return self
         span = self.span * (high / low) / (self.high / self.low)
-        return Bounds(low, high, (*self.causes, cause), span)
+        return MassBounds(low, high, (*self.causes, cause), span)
 
-    def narrowed(self, other: Bounds) -> Bounds:
-        """What both allow; these alone when the two share less than half of the narrower.
+    def intersected_with(self, other: MassBounds) -> MassBounds:
+        """The intersection of both; these bounds alone when it is less than half of the narrower (in the logarithm).
 
-        The `other` is widened first by how wrong the thickness of walls in a model usually is.
+        The `other` is widened first by the usual error of wall thickness in a model (`MODELLED_WALL_FACTOR`).
         """
         least, most = other.low / MODELLED_WALL_FACTOR, other.high * MODELLED_WALL_FACTOR
         low, high = max(self.low, least), min(self.high, most)
         narrower = min(self.high / self.low, most / least)
         if high <= low or math.log(high / low) < AGREEMENT * math.log(narrower):
             return replace(self, causes=(*self.causes, "what names say of the material does not agree"))
-        return Bounds(low, high, (*self.causes, *other.causes), min(self.span, other.span))
+        return MassBounds(low, high, (*self.causes, *other.causes), min(self.span, other.span))
 
-    def meets(self, range_kg: tuple[float, float]) -> bool:
-        """Whether some mass is within both."""
+    def overlaps(self, range_kg: tuple[float, float]) -> bool:
+        """Whether the bounds and the range have a mass in common."""
         return self.low <= range_kg[1] and range_kg[0] <= self.high
 
     def ratios(self, value: float) -> tuple[float, float]:
@@ -98,8 +98,8 @@ class Bounds:
 
 
 @dataclass(frozen=True)
-class Filling:
-    """Factors on density that the shape allows.
+class FillFactors:
+    """Factors on density that the shape allows (1 is the volume filled throughout).
 
     `low` and `high` hold for all substances, for the reasons in `causes`; `hollow` is the least share of the volume
     that is material where a substance may be hollow.
@@ -115,16 +115,17 @@ def mass_bounds(
     substances: Sequence[Substance],
     volumes_m3: Sequence[float],
     masses_kg: Sequence[float],
-    filling: Filling,
+    filling: FillFactors,
     unit: Evidence[float],
     *,
     exact: bool = True,
-) -> Bounds:
+) -> MassBounds:
     """Bounds around the sum of `masses_kg`, at most a factor of 30 apart.
 
-    Each substance, of which there is `volumes_m3`, from its lightest to its densest kind times the `filling` of the
-    solid; when the volumes are not `exact` (shares by visible area), all of it could be any of them. What the source
-    states varies by 10 % only. An uncertain unit scales the rest by its cube, as far as the factor of 30 leaves room.
+    Each substance, with its volume in `volumes_m3`, from its least to its greatest density times the `filling` of the
+    solid; when the volumes are not `exact` (shares by visible area), all of the volume could be any of the substances.
+    Masses and densities that the source states vary by 10 % only. An uncertain unit scales the rest by its cube, as far
+    as the factor of 30 leaves room.
     """
     rows = list(zip(substances, volumes_m3, masses_kg, strict=True))
     stated = sum(mass for substance, _, mass in rows if substance.stated is not None)
@@ -147,20 +148,20 @@ def mass_bounds(
     return _within_span(sum(masses_kg), low, high, _unit_factors(unit) if free else (1.0, 1.0), causes)
 
 
-def bounds_around(value: float, low: float, high: float, unit: Evidence[float], cause: str) -> Bounds:
+def bounds_around(value: float, low: float, high: float, unit: Evidence[float], cause: str) -> MassBounds:
     """Bounds of a mass (kg) known for other reasons than its volume; an uncertain unit scales them by its cube."""
     return _within_span(value, low, high, _unit_factors(unit), (cause,))
 
 
-def filling_of(solid: Solid, wall: Evidence[float] | None, cavities: Sequence[Cavity]) -> Filling:
-    """What the shape says about how much of `solid` is material.
+def fill_factors(solid: Solid, wall: Evidence[float] | None, cavities: Sequence[Cavity]) -> FillFactors:
+    """Bounds from shape alone on the share of `solid` that is material.
 
-    Closed: as little as a wall of 0.5 % of the diagonal, unless the model shows its walls; without what inner shells
-    hold that may be cavities; walls grown from sheets within the bounds of `wall`. Shell: within the bounds of `wall`;
-    while that is a guess, up to a filled hull. Hull: filled to a third or fully.
+    Closed: as little as a wall of 0.5 % of the diagonal, unless the model shows its walls; without the content of inner
+    shells that may be cavities; walls grown from sheets within the bounds of `wall`. Shell: within the bounds of
+    `wall`; while that is a guess, up to a filled hull. Hull: filled to a third or fully.
     """
     if solid.kind == "hull":
-        return Filling(low=HULL_FILL, causes=("convex hull stands in",))
+        return FillFactors(low=HULL_FILL, causes=("convex hull stands in",))
     area = float(triangle_areas(solid.points[solid.triangles]).sum())
     if solid.kind == "shell":
         return _sheet_filling(solid, area, wall)
@@ -175,14 +176,14 @@ def filling_of(solid: Solid, wall: Evidence[float] | None, cavities: Sequence[Ca
         low, high, thinnest = low - share * (1.0 - thinner), 1.0 + share * (thicker - 1.0), share * thinner
         causes = (*causes, *wall_causes(wall))
     if _shows_walls(solid, cavities):
-        return Filling(low, high, causes=causes)
+        return FillFactors(low, high, causes=causes)
     wall_m = min(max(WALL_PER_DIAGONAL * diagonal(solid.points), LEAST_WALL_M), MOST_WALL_M)
     least = _bodies(solid)[1] * wall_m / full + thinnest
-    return Filling(low, high, hollow=min(1.0, least / low), causes=causes)
+    return FillFactors(low, high, hollow=min(1.0, least / low), causes=causes)
 
 
 def wall_factors(wall: Evidence[float] | None) -> tuple[float, float]:
-    """By which factors the walls of sheets may be thinner and thicker than `wall`."""
+    """Least and greatest factor on `wall` within which the true wall of sheets may lie."""
     if wall is None or wall.source == "default":
         return SHEET_WALL_FACTORS
     low, high = wall.bounds or (wall.value, wall.value)
@@ -190,13 +191,13 @@ def wall_factors(wall: Evidence[float] | None) -> tuple[float, float]:
 
 
 def wall_causes(wall: Evidence[float] | None) -> tuple[str, ...]:
-    """Why walls may be thinner or thicker; () when the source says how thick they are."""
+    """Why walls may be thinner or thicker; () when the source declares their thickness."""
     if wall is None or wall.source == "default":
         return ("wall thickness unknown",)
     return () if wall.source == "declared" else ("wall thickness inferred",)
 
 
-def is_full(solid: Solid, cavities: Sequence[Cavity]) -> bool:
+def is_solid_throughout(solid: Solid, cavities: Sequence[Cavity]) -> bool:
     """Whether the shape leaves no room to be hollow: sheets, a solid that is thin throughout (plates, frames, tools;
     twice its volume over its surface, against its diagonal), or one that shows its walls.
     """
@@ -223,17 +224,17 @@ def _bodies(solid: Solid) -> tuple[float, float]:
     return (held, bare) if held > 0.0 and bare > 0.0 else (full, area)
 
 
-def _sheet_filling(solid: Solid, area: float, wall: Evidence[float] | None) -> Filling:
+def _sheet_filling(solid: Solid, area: float, wall: Evidence[float] | None) -> FillFactors:
     low, high = wall_factors(wall)
     if wall is not None and wall.source != "default":
-        return Filling(low, high, causes=wall_causes(wall))
+        return FillFactors(low, high, causes=wall_causes(wall))
     sheet = area * (solid.wall_thickness_m or LEAST_WALL_M)
     try:
         full = volume(*convex_hull(solid.points)) / sheet
     except ValueError:
         full = 0.0
     filled = ("perhaps a filled body left open",) if full > high else ()
-    return Filling(low, max(high, full), causes=(*wall_causes(wall), *filled))
+    return FillFactors(low, max(high, full), causes=(*wall_causes(wall), *filled))
 
 
 def _shows_walls(solid: Solid, cavities: Sequence[Cavity]) -> bool:
@@ -245,10 +246,10 @@ def _shows_walls(solid: Solid, cavities: Sequence[Cavity]) -> bool:
         return True
     points, triangles = weld_points(solid.points, solid.triangles)
     parts = components_of(points, triangles)
-    return bool(-parts.volume[parts.turned_in].sum() >= CAVITY_SHARE * hull)
+    return bool(-parts.volume[parts.inside_out].sum() >= CAVITY_SHARE * hull)
 
 
-def _density_range(substance: Substance, filling: Filling) -> tuple[float, float]:
+def _density_range(substance: Substance, filling: FillFactors) -> tuple[float, float]:
     value = substance.density_kgm3.value
     least, most = substance.density_kgm3.bounds or (value, value)
     if _is_declared(substance):
@@ -271,7 +272,7 @@ def _unit_factors(unit: Evidence[float]) -> tuple[float, float]:
     return (low / unit.value) ** 3, (high / unit.value) ** 3
 
 
-def _within_span(value: float, low: float, high: float, unit: tuple[float, float], causes: Sequence[str]) -> Bounds:
+def _within_span(value: float, low: float, high: float, unit: tuple[float, float], causes: Sequence[str]) -> MassBounds:
     """Cut to the span by shrinking both sides in proportion; the unit gets what room the rest leaves."""
     truly = high * unit[1] / (low * unit[0])
     notes = [*causes, *(["unit provisional"] if unit[0] < 1.0 or unit[1] > 1.0 else [])]
@@ -281,7 +282,7 @@ def _within_span(value: float, low: float, high: float, unit: tuple[float, float
     elif truly > high / low:
         room = min(1.0, math.log(MAX_SPAN * low / high) / math.log(unit[1] / unit[0]))
         low, high = low * unit[0] ** room, high * unit[1] ** room
-    return Bounds(low, high, tuple(notes), truly)
+    return MassBounds(low, high, tuple(notes), truly)
 
 
 def elementwise(matrix: FloatArray, low: float, high: float) -> tuple[FloatArray, FloatArray]:

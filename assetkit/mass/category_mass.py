@@ -1,4 +1,4 @@
-"""The mass of a thing from its size and what it is: densities of its kinds, mixed in the logarithm of mass."""
+"""Mass (kg) of an object from its size and category: a mixture of log-normals over the kinds of the category."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from assetkit.mass.bounds import mean_thickness
-from assetkit.mass.normal_mixture import Mixture
-from assetkit.taxonomy.usual_masses import Basis, UsualMass, kinds_of
+from assetkit.mass.normal_mixture import NormalMixture
+from assetkit.taxonomy.category_masses import Basis, CategoryMass, masses_of_kind
 from assetkit.taxonomy.words import singulars, words_of
 from geom.convex.hull import convex_hull, volume
 from geom.convex.primitive_fits import fit_box
@@ -20,7 +20,7 @@ from schemas.physics import Solid
 
 # The bounds hold this share of the mixture at most; what is left is as likely below as above.
 COVERAGE = 0.95
-# Bounds further apart than this tell a planner little: they hold less of the mixture instead, and say how much.
+# Bounds further apart than this are of little use to a planner: they cover less of the mixture instead, and record it.
 MAX_SPAN = 10.0
 # A range of the table holds 95 % of its kind, so that it is this many standard deviations wide.
 RANGE_SIGMAS = 3.92
@@ -34,64 +34,66 @@ THIN_SHARE = 0.06
 
 
 @dataclass(frozen=True)
-class Usual:
-    """Mass of the usual thing (kg): bounds that hold the share `coverage`, the middle, by which rows of the table."""
+class CategoryMassEstimate:
+    """Mass (kg) of objects of a category and size: median, bounds that contain the share `coverage`, rows used."""
 
     coverage: float
     low_kg: float
     value_kg: float
     high_kg: float
     category: str
-    kinds: tuple[UsualMass, ...]
+    kinds: tuple[CategoryMass, ...]
 
     @property
     def text(self) -> str:
-        """What was compared, in words."""
+        """Category, share, bounds and sources in words."""
         states = sorted({kind.state for kind in self.kinds} - {"solid"})
         state = f", {' or '.join(states)}" if states else ""
-        told = dict.fromkeys(kind.source for kind in self.kinds)
+        sources = dict.fromkeys(kind.source for kind in self.kinds)
         share = f"{100.0 * self.coverage:.0f} % of things of category {self.category} and this size{state}"
-        return f"{share} weigh {self.low_kg:.3g} to {self.high_kg:.3g} kg: {'; '.join(told)}"
+        return f"{share} weigh {self.low_kg:.3g} to {self.high_kg:.3g} kg: {'; '.join(sources)}"
 
 
-def usual_mass(solid: Solid, category: str, names: Sequence[str], without: str = "") -> Usual | None:
-    """What a thing of `category` with the surface of `solid` weighs; None for a category outside the table.
+def category_mass(solid: Solid, category: str, names: Sequence[str], without: str = "") -> CategoryMassEstimate | None:
+    """Mass of an object of `category` with the surface of `solid`; None for a category outside the table.
 
-    `names`, the most telling first, may tell the kind (`soup` can, `paper` cup). Each kind is log-normal in mass, its
-    variance that of its range and of the size; the bounds are quantiles of the mixture of kinds. `without` leaves out
-    the row written from that object.
+    `names`, the most specific first, may identify the kind (`soup` can, `paper` cup). Each kind is log-normal in mass,
+    its variance that of its range and of the size; the bounds are quantiles of the mixture of kinds. `without` leaves
+    out the row written from that object.
     """
-    kinds = kinds_of(category, [spoken(name) for name in names], without)
+    kinds = masses_of_kind(category, [name_words(name) for name in names], without)
     mixed = mixture_of(solid, kinds)
     if mixed is None:
         return None
     coverage = mixed.coverage_within(math.log(MAX_SPAN), COVERAGE)
-    low, high = mixed.central(coverage)
-    return Usual(coverage, math.exp(low), math.exp(mixed.quantile(0.5)), math.exp(high), category, kinds)
+    low, high = mixed.central_interval(coverage)
+    return CategoryMassEstimate(coverage, math.exp(low), math.exp(mixed.quantile(0.5)), math.exp(high), category, kinds)
 
 
-def mixture_of(solid: Solid, kinds: Sequence[UsualMass]) -> Mixture | None:
-    """ln(mass in kg) of things of these kinds with the surface of `solid`; None without kinds or size."""
+def mixture_of(solid: Solid, kinds: Sequence[CategoryMass]) -> NormalMixture | None:
+    """Distribution of ln(mass / kg) for these kinds and the surface of `solid`; None without kinds or size."""
     bases: set[Basis] = {kind.basis for kind in kinds}
     try:
-        sizes = {basis: size(solid, basis) for basis in bases}
+        sizes = {basis: reference_size(solid, basis) for basis in bases}
     except ValueError:  # Flat: it has no hull.
         return None
     if not sizes or min(sizes.values()) <= 0.0:
         return None
     ranges = np.log([kind.range for kind in kinds])
-    middles = ranges.mean(axis=1) + np.log([sizes[kind.basis] for kind in kinds])
-    spreads = np.array([_sigma(kind, width) for kind, width in zip(kinds, np.ptp(ranges, axis=1), strict=True)])
-    return Mixture(middles, spreads, np.array([kind.weight for kind in kinds]))
+    means = ranges.mean(axis=1) + np.log([sizes[kind.basis] for kind in kinds])
+    standard_deviations = np.array(
+        [_sigma(kind, width) for kind, width in zip(kinds, np.ptp(ranges, axis=1), strict=True)]
+    )
+    return NormalMixture(means, standard_deviations, np.array([kind.weight for kind in kinds]))
 
 
-def spoken(name: str) -> frozenset[str]:
-    """The words of a name, and what they may be plurals of."""
+def name_words(name: str) -> frozenset[str]:
+    """The words of a name, and their singular forms."""
     words = words_of(name)
     return frozenset((*words, *(form for word in words for form in singulars(word))))
 
 
-def size(solid: Solid, basis: Basis) -> float:
+def reference_size(solid: Solid, basis: Basis) -> float:
     """Volume of the hull (m3), one-sided area of the walls (m2) or the cube of the length (m3)."""
     if basis == "length":
         box = fit_box(solid.points)
@@ -100,9 +102,9 @@ def size(solid: Solid, basis: Basis) -> float:
     return volume(*hull) if basis == "hull" else _wall_area(solid, float(triangle_areas(hull[0][hull[1]]).sum()))
 
 
-def _sigma(kind: UsualMass, width: float) -> float:
-    own = width / RANGE_SIGMAS if width > 0.0 else SINGLE_SIGMA
-    return math.hypot(own, SIZE_SIGMA[kind.basis])
+def _sigma(kind: CategoryMass, width: float) -> float:
+    of_range = width / RANGE_SIGMAS if width > 0.0 else SINGLE_SIGMA
+    return math.hypot(of_range, SIZE_SIGMA[kind.basis])
 
 
 def _wall_area(solid: Solid, hull_m2: float) -> float:

@@ -1,4 +1,4 @@
-"""How dense the components are that many machines have and whose names are the same everywhere: motors, batteries."""
+"""Density (kg/m3) of standard machine components, such as motors and batteries, from the name of a mesh."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from assetkit.taxonomy.tables import Words, fillers, rows_of
 from assetkit.taxonomy.words import singulars, words_of
 from schemas.evidence import Evidence, inferred
 
-TRUST = 0.6  # that what is called so is drawn full and is none of a toy
+TRUST = 0.6  # Confidence that a mesh of this name is modelled as a solid and is not part of a toy.
 
 
 class Component(BaseModel):
@@ -26,9 +26,9 @@ class Component(BaseModel):
 
 
 def component_density(name: str) -> Evidence[float] | None:
-    """Density (kg/m3) of what a mesh of this name is, None where it names no component of the table.
+    """Density (kg/m3) of the component that a mesh name names, None where it names none of the table.
 
-    As everywhere in names the last noun is the thing: a battery holder is no battery.
+    As everywhere in names the last noun is the head: a battery holder is no battery.
     """
     words = [word for word in words_of(name) if word not in fillers()]
     for count in (3, 2, 1):
@@ -36,10 +36,10 @@ def component_density(name: str) -> Evidence[float] | None:
             continue
         *before, last = words[-count:]
         for form in (last, *singulars(last)):
-            found = _table().get(" ".join((*before, form)))
-            if found is not None:
-                bounds = (found.low_kgm3, found.high_kgm3)
-                method = f"a {found.words[0]}: {found.source}"
+            component = _table().get(" ".join((*before, form)))
+            if component is not None:
+                bounds = (component.low_kgm3, component.high_kgm3)
+                method = f"a {component.words[0]}: {component.source}"
                 return inferred(math.sqrt(bounds[0] * bounds[1]), method, TRUST, bounds=bounds, inputs=(name,))
     return None
 

@@ -1,4 +1,4 @@
-"""Mass, mass centre and inertia with honest bounds: what the source states, else geometry times density."""
+"""Mass (kg), mass centre (m) and inertia (kg m2) with bounds: as the source states, else geometry times density."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assetkit.mass.bounds import Bounds, bounds_around, elementwise, filling_of, mass_bounds, wall_factors
-from assetkit.mass.category_mass import Usual, usual_mass
-from assetkit.mass.parts import STATED_CONFIDENCE, Clues, Part, parts_of
-from assetkit.mass.source_inertials import applicable
+from assetkit.mass.bounds import MassBounds, bounds_around, elementwise, fill_factors, mass_bounds, wall_factors
+from assetkit.mass.category_mass import CategoryMassEstimate, category_mass
+from assetkit.mass.parts import STATED_CONFIDENCE, MassEvidenceInputs, SubstanceBody, substance_bodies
+from assetkit.mass.source_inertials import applicable_statements
 from assetkit.mass.substances import STATED_TOLERANCE
 from assetkit.taxonomy.material_classes import UNKNOWN
-from geom.mass.inertia import combine, mass_properties, of_sheet, scaled
+from geom.mass.inertia import combine, of_sheet, scaled
+from geom.solid.solid_mass import mass_properties
 from schemas.asset import MassPart, Matrix3, Vec3, matrix3, vec3
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, Source, declared, inferred
@@ -22,18 +23,18 @@ from schemas.outcome import Repair
 from schemas.physics import MassProperties, Solid
 
 COM_SLACK_SHARE, STATED_COM_SLACK_SHARE = 0.05, 0.01
-CORE_TRUST = 0.5  # Shells inside are filled or empty: nothing tells.
-TOLD_SHARE = 0.02  # Overlaps of materials that change the mass by less are not told.
-USUAL_TRUST = 0.6  # The usual mass is the middle of a wide range, however sure the category.
-USUAL = "as dense as makes it weigh what such things weigh"
-UNIFORMITY = 0.7  # how much to trust that the density is the same everywhere
-# How much to trust area times wall thickness, by how the thickness is known.
+CORE_TRUST = 0.5  # Inner shells are filled or empty: unknown.
+REPORTED_SHARE = 0.02  # Overlaps of materials that change the mass by less are not reported.
+CATEGORY_MASS_TRUST = 0.6  # The mass of a category is the median of a wide range, however sure the category.
+CATEGORY_DENSITY_METHOD = "as dense as makes it weigh what such things weigh"
+UNIFORMITY = 0.7  # confidence that the density is the same everywhere
+# Confidence of area times wall thickness, by the source of the thickness.
 WALL_TRUST: dict[Source, float] = {"declared": 0.9, "measured": 0.9, "inferred": 0.4, "default": 0.2}
 
 
 @dataclass(frozen=True)
 class MassEvidence:
-    """The mass properties to use, what is known about each of them, and what was wrong in the source.
+    """The mass properties to use, the evidence for each of them, and findings and repairs on the source.
 
     `members` are the numbers of the meshes of each of `parts`.
     """
@@ -50,127 +51,153 @@ class MassEvidence:
     repairs: tuple[Repair, ...] = ()
 
 
-def mass_evidence(solid: Solid, whole: Sequence[str], clues: Clues) -> MassEvidence:
+def mass_evidence(solid: Solid, whole: Sequence[str], mass_inputs: MassEvidenceInputs) -> MassEvidence:
     """Mass properties of `solid`; `whole` are names of the object as such (file).
 
-    Each substance (`substances_of`) has the mass its source states, if that can be true (`judge`), else its volume
-    times its density; bodies of several substances are composed, overlaps counted once (`divide`). An unknown material
-    leaves mass and inertia `default` with confidence 0; their bounds still hold. The value is never clamped: a feather
-    weighs what it weighs. Raises ValueError when all points of `solid` coincide.
+    Each substance (`substances_of`) has the mass that its source states, if plausible (`check_statement`), else its
+    volume times its density; bodies of several substances are composed, overlaps counted once (`divide_volume`). An
+    unknown material leaves mass and inertia `default` with confidence 0; their bounds still hold. The value is never
+    clamped to usual masses. Raises ValueError when all points of `solid` coincide.
     """
     _, method, trust = mass_properties(solid, 1.0)
     if solid.core is not None:
         method, trust = f"{method}, inner shells filled", trust * CORE_TRUST
-    masses, notes = applicable(clues.masses, clues.as_read)
-    parts, exact, judged = parts_of(solid, whole, clues, masses)
+    masses, notes = applicable_statements(mass_inputs.masses, mass_inputs.as_read)
+    parts, exact, checked = substance_bodies(solid, whole, mass_inputs, masses)
     total = combine([part.body for part in parts if part.body.mass_kg > 0.0])
-    filling = filling_of(solid, clues.wall, clues.cavities)
-    substances, volumes = [part.substance for part in parts], [part.even.mass_kg for part in parts]
+    filling = fill_factors(solid, mass_inputs.wall, mass_inputs.cavities)
+    substances, volumes = [part.substance for part in parts], [part.at_unit_density.mass_kg for part in parts]
     value = total.mass_kg
-    bounds = mass_bounds(substances, volumes, [part.body.mass_kg for part in parts], filling, clues.unit, exact=exact)
-    if all(part.rival is not None for part in parts):
-        others = [part.rival_body.mass_kg for part in parts]
-        rivals = [(part.rival or part.even).mass_kg for part in parts]
-        bounds = bounds.or_else(
-            mass_bounds(substances, rivals, others, filling, clues.unit, exact=exact),
+    bounds = mass_bounds(
+        substances, volumes, [part.body.mass_kg for part in parts], filling, mass_inputs.unit, exact=exact
+    )
+    if all(part.alternative is not None for part in parts):
+        alternative_kg = [part.alternative_body.mass_kg for part in parts]
+        alternative_m3 = [(part.alternative or part.at_unit_density).mass_kg for part in parts]
+        bounds = bounds.union(
+            mass_bounds(substances, alternative_m3, alternative_kg, filling, mass_inputs.unit, exact=exact),
             "what parts share may be of either",
             total.mass_kg,
         )
-    usual = _usual_mass(solid, parts, clues)
-    if usual is not None:
-        bounds = _as_usual(bounds, usual, parts, clues)
-        value = min(max(usual.value_kg, bounds.low), bounds.high)
+    of_category = _category_mass(solid, parts, mass_inputs)
+    if of_category is not None:
+        bounds = _category_bounds(bounds, of_category, parts, mass_inputs)
+        value = min(max(of_category.value_kg, bounds.low), bounds.high)
     possible = bounds
-    if clues.usual_kg is not None and _source(parts) != "declared":
-        bounds = bounds.within(clues.usual_kg, _range_text(clues), value)
-    if usual is not None:
-        parts = [_rescaled(part, value, total.mass_kg, bounds, usual, clues) for part in parts]
+    if mass_inputs.category_range_kg is not None and _source(parts) != "declared":
+        bounds = bounds.clipped_to(mass_inputs.category_range_kg, _range_text(mass_inputs), value)
+    if of_category is not None:
+        parts = [_rescaled(part, value, total.mass_kg, bounds, of_category, mass_inputs) for part in parts]
         total = combine([part.body for part in parts if part.body.mass_kg > 0.0])
-    wall_trust = WALL_TRUST["default" if clues.wall is None else clues.wall.source]
+    wall_trust = WALL_TRUST["default" if mass_inputs.wall is None else mass_inputs.wall.source]
     if solid.kind == "shell":
         trust = wall_trust
     elif solid.walls is not None:
         share = solid.walls.mass_kg / mass_properties(solid, 1.0)[0].mass_kg
         method, trust = f"{method}, walls grown from sheets", (1.0 - share) * trust + share * wall_trust
-    mass_trust = trust if usual is None else 1.0  # The size of the outside is enough.
+    mass_trust = trust if of_category is None else 1.0  # It follows from the outer size alone.
     return MassEvidence(
         properties=total,
         material=parts[int(np.argmax(volumes))].substance.material,
         density_kgm3=_density(parts, total, bounds),
-        mass_kg=_mass(parts, total, bounds, method, mass_trust * clues.unit.confidence),
-        centre_of_mass_m=_centre(solid, parts, total, method, trust, clues),
-        inertia_kgm2=_inertia(solid, parts, total, bounds, method, trust * clues.unit.confidence),
+        mass_kg=_mass(parts, total, bounds, method, mass_trust * mass_inputs.unit.confidence),
+        centre_of_mass_m=_centre(solid, parts, total, method, trust, mass_inputs),
+        inertia_kgm2=_inertia(solid, parts, total, bounds, method, trust * mass_inputs.unit.confidence),
         parts=tuple(_recorded(part, sum(volumes), total.mass_kg) for part in parts),
         members=tuple(part.substance.meshes for part in parts),
         diagnostics=(
             *notes,
-            *(d for j in judged for d in j.diagnostics),
-            *_shared(parts, total),
-            *_unusual(possible, clues),
+            *(d for c in checked for d in c.diagnostics),
+            *_overlaps(parts, total),
+            *_category_findings(possible, mass_inputs),
         ),
-        repairs=tuple(r for j in judged for r in j.repairs),
+        repairs=tuple(r for c in checked for r in c.repairs),
     )
 
 
-def _usual_mass(solid: Solid, parts: Sequence[Part], clues: Clues) -> Usual | None:
-    """What things of the category and size weigh; None where the source states a mass, or none has this size."""
+def _category_mass(
+    solid: Solid, parts: Sequence[SubstanceBody], mass_inputs: MassEvidenceInputs
+) -> CategoryMassEstimate | None:
+    """The mass of the category at this size; None where the source states a mass, or the category excludes the size."""
     stated = any(p.substance.stated is not None or p.substance.density_kgm3.source == "declared" for p in parts)
-    if stated or not clues.category:
+    if stated or not mass_inputs.category:
         return None
-    usual = usual_mass(solid, clues.category, clues.names, clues.without_row)
-    least, most = clues.usual_kg or (0.0, np.inf)
-    return usual if usual is not None and usual.low_kg <= most and least <= usual.high_kg else None
+    of_category = category_mass(solid, mass_inputs.category, mass_inputs.names, mass_inputs.excluded_row)
+    least, most = mass_inputs.category_range_kg or (0.0, np.inf)
+    return (
+        of_category if of_category is not None and of_category.low_kg <= most and least <= of_category.high_kg else None
+    )
 
 
-def _as_usual(geometric: Bounds, usual: Usual, parts: Sequence[Part], clues: Clues) -> Bounds:
-    """Bounds of usual things; where all materials are known, what volume times density allows as well."""
-    around = bounds_around(usual.value_kg, usual.low_kg, usual.high_kg, clues.unit, usual.text)
+def _category_bounds(
+    geometric: MassBounds,
+    of_category: CategoryMassEstimate,
+    parts: Sequence[SubstanceBody],
+    mass_inputs: MassEvidenceInputs,
+) -> MassBounds:
+    """Bounds of the category; where all materials are known, intersected with the bounds of volume times density."""
+    around = bounds_around(
+        of_category.value_kg, of_category.low_kg, of_category.high_kg, mass_inputs.unit, of_category.text
+    )
     known = all(part.substance.material.value != UNKNOWN for part in parts)
-    return around.narrowed(geometric) if known else around
+    return around.intersected_with(geometric) if known else around
 
 
-def _rescaled(part: Part, mass_kg: float, from_kg: float, bounds: Bounds, usual: Usual, clues: Clues) -> Part:
-    """`part` as dense as makes the whole weigh `mass_kg` instead of `from_kg`: material, hollows and contents."""
+def _rescaled(
+    part: SubstanceBody,
+    mass_kg: float,
+    from_kg: float,
+    bounds: MassBounds,
+    of_category: CategoryMassEstimate,
+    mass_inputs: MassEvidenceInputs,
+) -> SubstanceBody:
+    """`part` with its density scaled so that the whole weighs `mass_kg` instead of `from_kg`."""
     density = part.substance.density_kgm3.value * mass_kg / from_kg
     evidence = inferred(
         density,
-        f"{USUAL}: {usual.text}",
-        USUAL_TRUST * clues.category_confidence,
+        f"{CATEGORY_DENSITY_METHOD}: {of_category.text}",
+        CATEGORY_MASS_TRUST * mass_inputs.category_confidence,
         bounds=(density * bounds.low / mass_kg, density * bounds.high / mass_kg),
-        inputs=(clues.category,),
+        inputs=(mass_inputs.category,),
     )
     substance = replace(part.substance, density_kgm3=evidence)
     return replace(part, substance=substance, body=scaled(part.body, mass_kg / from_kg))
 
 
-def _range_text(clues: Clues) -> str:
-    low, high = clues.usual_kg or (0.0, 0.0)
-    return f"things of category {clues.category} weigh {low:g} to {high:g} kg"
+def _range_text(mass_inputs: MassEvidenceInputs) -> str:
+    low, high = mass_inputs.category_range_kg or (0.0, 0.0)
+    return f"things of category {mass_inputs.category} weigh {low:g} to {high:g} kg"
 
 
-def _unusual(bounds: Bounds, clues: Clues) -> list[Diagnostic]:
-    """What is told when no mass that geometry and statements allow is one of the category; these then stand alone."""
-    if clues.usual_kg is None or bounds.meets(clues.usual_kg):
+def _category_findings(bounds: MassBounds, mass_inputs: MassEvidenceInputs) -> list[Diagnostic]:
+    """A finding when the bounds and the range of the category do not overlap; the range is not used then."""
+    if mass_inputs.category_range_kg is None or bounds.overlaps(mass_inputs.category_range_kg):
         return []
-    headline = f"{_range_text(clues)}, this one {bounds.low:.3g} to {bounds.high:.3g} kg"
+    headline = f"{_range_text(mass_inputs)}, this one {bounds.low:.3g} to {bounds.high:.3g} kg"
     return [finding("asset/category-contradicted", headline)]
 
 
-def _shared(parts: Sequence[Part], total: MassProperties) -> list[Diagnostic]:
-    """What is told when parts share volume and who keeps it changes the mass by 2 % or more."""
-    other_kg = sum(part.rival_body.mass_kg for part in parts)
-    if abs(other_kg - total.mass_kg) < TOLD_SHARE * total.mass_kg:
+def _overlaps(parts: Sequence[SubstanceBody], total: MassProperties) -> list[Diagnostic]:
+    """A finding when parts share volume and its assignment changes the mass by 2 % or more."""
+    alternative_kg = sum(part.alternative_body.mass_kg for part in parts)
+    if abs(alternative_kg - total.mass_kg) < REPORTED_SHARE * total.mass_kg:
         return []
     densest = max(parts, key=lambda part: part.substance.density_kgm3.value).substance.material.value
-    headline = f"parts of different materials overlap: {densest} keeps what they share ({parts[0].shared})"
+    headline = f"parts of different materials overlap: {densest} keeps what they share ({parts[0].overlap_reason})"
     return [
         finding(
-            "asset/overlapping-bodies", headline, value=total.mass_kg, bound=other_kg, unit="kg, if the others keep it"
+            "asset/overlapping-bodies",
+            headline,
+            value=total.mass_kg,
+            bound=alternative_kg,
+            unit="kg, if the others keep it",
         )
     ]
 
 
-def _mass(parts: Sequence[Part], total: MassProperties, bounds: Bounds, method: str, trust: float) -> Evidence[float]:
+def _mass(
+    parts: Sequence[SubstanceBody], total: MassProperties, bounds: MassBounds, method: str, trust: float
+) -> Evidence[float]:
     return Evidence(
         value=total.mass_kg,
         source=_source(parts),
@@ -182,18 +209,18 @@ def _mass(parts: Sequence[Part], total: MassProperties, bounds: Bounds, method: 
 
 
 def _inertia(
-    solid: Solid, parts: Sequence[Part], total: MassProperties, bounds: Bounds, method: str, trust: float
+    solid: Solid, parts: Sequence[SubstanceBody], total: MassProperties, bounds: MassBounds, method: str, trust: float
 ) -> Evidence[Matrix3]:
     stated = all(p.substance.stated is not None and p.substance.stated.inertia is not None for p in parts)
     ratios = (1.0 - STATED_TOLERANCE, 1.0 + STATED_TOLERANCE) if stated else bounds.ratios(total.mass_kg)
-    if not stated and any(p.substance.density_kgm3.method.startswith(USUAL) for p in parts):
+    if not stated and any(p.substance.density_kgm3.method.startswith(CATEGORY_DENSITY_METHOD) for p in parts):
         ratios = ratios[0], ratios[1] * _hollow_factor(solid)
     low, high = elementwise(total.inertia_kgm2, *ratios)
     spread = "spread evenly"
     if any(p.squeeze is not None for p in parts):  # Anything from half of it to the even filling.
         spread = "squeezed to fit about the stated mass centre"
-        even = combine([p.unsqueezed_body for p in parts if p.even.mass_kg > 0.0]).inertia_kgm2
-        narrow, wide = elementwise(total.inertia_kgm2, 0.5, 1.0), elementwise(even, *ratios)
+        at_unit_density = combine([p.unsqueezed_body for p in parts if p.at_unit_density.mass_kg > 0.0]).inertia_kgm2
+        narrow, wide = elementwise(total.inertia_kgm2, 0.5, 1.0), elementwise(at_unit_density, *ratios)
         low, high = np.minimum.reduce([low, *narrow, *wide]), np.maximum.reduce([high, *narrow, *wide])
     return Evidence(
         value=matrix3(total.inertia_kgm2),
@@ -206,13 +233,26 @@ def _inertia(
 
 
 def _hollow_factor(solid: Solid) -> float:
-    """How much more inertia a body has when its mass is all in its surface, as in hollow things; at least 1."""
-    even, sheet = mass_properties(solid, 1.0)[0], of_sheet(solid.points, solid.triangles, 1.0, 1.0)
-    return max(1.0, float(np.trace(sheet.inertia_kgm2) / sheet.mass_kg * even.mass_kg / np.trace(even.inertia_kgm2)))
+    """Ratio of the inertia of the surface to that of the evenly filled body of the same mass; at least 1."""
+    at_unit_density, sheet = mass_properties(solid, 1.0)[0], of_sheet(solid.points, solid.triangles, 1.0, 1.0)
+    return max(
+        1.0,
+        float(
+            np.trace(sheet.inertia_kgm2)
+            / sheet.mass_kg
+            * at_unit_density.mass_kg
+            / np.trace(at_unit_density.inertia_kgm2)
+        ),
+    )
 
 
 def _centre(
-    solid: Solid, parts: Sequence[Part], total: MassProperties, method: str, trust: float, clues: Clues
+    solid: Solid,
+    parts: Sequence[SubstanceBody],
+    total: MassProperties,
+    method: str,
+    trust: float,
+    mass_inputs: MassEvidenceInputs,
 ) -> Evidence[Vec3]:
     """From the centre of the evenly filled body to that of its surface, 5 % of the extent around; 1 % if stated.
 
@@ -236,11 +276,20 @@ def _centre(
             inputs=_inputs(parts),
         )
     surface = of_sheet(solid.points, solid.triangles, 1.0, 1.0).centre_of_mass_m
-    even = combine([p.even for p in parts if p.even.mass_kg > 0.0]).centre_of_mass_m
-    rival = combine([p.rival_body for p in parts if p.rival_body.mass_kg > 0.0]).centre_of_mass_m
-    extremes = [_with_walls(solid, even, factor) for factor in wall_factors(clues.wall)]
-    centres = np.stack([total.centre_of_mass_m, even, surface, rival, _without_core(solid, even), *extremes])
-    factors = np.array([1.0, *(bound / clues.unit.value for bound in clues.unit.bounds or ())])
+    at_unit_density = combine([p.at_unit_density for p in parts if p.at_unit_density.mass_kg > 0.0]).centre_of_mass_m
+    alternative = combine([p.alternative_body for p in parts if p.alternative_body.mass_kg > 0.0]).centre_of_mass_m
+    extremes = [_with_walls(solid, at_unit_density, factor) for factor in wall_factors(mass_inputs.wall)]
+    centres = np.stack(
+        [
+            total.centre_of_mass_m,
+            at_unit_density,
+            surface,
+            alternative,
+            _without_core(solid, at_unit_density),
+            *extremes,
+        ]
+    )
+    factors = np.array([1.0, *(bound / mass_inputs.unit.value for bound in mass_inputs.unit.bounds or ())])
     centres = (centres * factors[:, None, None]).reshape(-1, 3)
     slack = COM_SLACK_SHARE * extent
     alike = len(parts) == 1 and parts[0].substance.stated is None and solid.core is None and solid.walls is None
@@ -274,11 +323,11 @@ def _with_walls(solid: Solid, centre_m: FloatArray, factor: float) -> FloatArray
     return moment / (whole.mass_kg + more_kg)
 
 
-def _density(parts: Sequence[Part], total: MassProperties, bounds: Bounds) -> Evidence[float]:
+def _density(parts: Sequence[SubstanceBody], total: MassProperties, bounds: MassBounds) -> Evidence[float]:
     """That of the substance; with several, or a stated mass, total mass over total volume."""
     if len(parts) == 1 and parts[0].substance.stated is None:
         return parts[0].substance.density_kgm3
-    volume = sum(p.even.mass_kg for p in parts)
+    volume = sum(p.at_unit_density.mass_kg for p in parts)
     return Evidence(
         value=total.mass_kg / volume,
         source="inferred",
@@ -289,22 +338,22 @@ def _density(parts: Sequence[Part], total: MassProperties, bounds: Bounds) -> Ev
     )
 
 
-def _recorded(part: Part, volume_m3: float, mass_kg: float) -> MassPart:
+def _recorded(part: SubstanceBody, volume_m3: float, mass_kg: float) -> MassPart:
     density = part.substance.density_kgm3
     stated = part.substance.stated
     if stated is not None:
-        effective = part.body.mass_kg / part.even.mass_kg
+        effective = part.body.mass_kg / part.at_unit_density.mass_kg
         density = declared(effective, f"{stated.method} over volume", inputs=(str(stated.where),))
     return MassPart(
         meshes=part.substance.names,
         material=part.substance.material,
         density_kgm3=density,
-        volume_share=part.even.mass_kg / volume_m3,
+        volume_share=part.at_unit_density.mass_kg / volume_m3,
         mass_share=part.body.mass_kg / mass_kg,
     )
 
 
-def _source(parts: Sequence[Part]) -> Source:
+def _source(parts: Sequence[SubstanceBody]) -> Source:
     """`declared` when the source states every mass, `default` when nothing at all is known."""
     if all(p.substance.stated is not None for p in parts):
         return "declared"
@@ -312,21 +361,21 @@ def _source(parts: Sequence[Part]) -> Source:
     return "inferred" if known else "default"
 
 
-def _method(parts: Sequence[Part], geometric: str) -> str:
-    """How each substance got its mass, in few words."""
+def _method(parts: Sequence[SubstanceBody], geometric: str) -> str:
+    """The methods of all masses in words."""
     stated = dict.fromkeys(p.substance.stated.method for p in parts if p.substance.stated is not None)
-    dense = dict.fromkeys(p.substance.density_kgm3.method for p in parts if p.substance.stated is None)
-    shared = [parts[0].shared] if parts[0].shared else []
-    return "; ".join([*stated, *(f"{geometric} times density: {method}" for method in dense), *shared])
+    densities = dict.fromkeys(p.substance.density_kgm3.method for p in parts if p.substance.stated is None)
+    overlap = [parts[0].overlap_reason] if parts[0].overlap_reason else []
+    return "; ".join([*stated, *(f"{geometric} times density: {method}" for method in densities), *overlap])
 
 
-def _inputs(parts: Sequence[Part]) -> tuple[str, ...]:
+def _inputs(parts: Sequence[SubstanceBody]) -> tuple[str, ...]:
     places = [str(p.substance.stated.where) for p in parts if p.substance.stated is not None]
     names = [name for p in parts if p.substance.stated is None for name in p.substance.density_kgm3.inputs]
     return tuple(dict.fromkeys([*places, *names]))
 
 
-def _confidence(parts: Sequence[Part], total: MassProperties, trust: float) -> float:
+def _confidence(parts: Sequence[SubstanceBody], total: MassProperties, trust: float) -> float:
     """By share of mass; `trust` in the geometry counts only where it gave the mass."""
     return sum(
         p.body.mass_kg / total.mass_kg * p.confidence * (1.0 if p.substance.stated is not None else trust)

@@ -1,4 +1,4 @@
-"""The parts an object's mass is made of: each substance with its body, as heavy as stated or as dense as known."""
+"""Splits an object into bodies, one per substance, with mass properties as stated or from volume times density."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assetkit.mass.bounds import is_full
-from assetkit.mass.source_inertials import Judged, judge
+from assetkit.mass.bounds import is_solid_throughout
+from assetkit.mass.source_inertials import CheckedStatement, check_statement
 from assetkit.mass.substances import Substance, substances_of, uniform
 from assetkit.mass.unknown_density import unknown_density
 from assetkit.taxonomy.material_classes import UNKNOWN
 from geom.features.cavities import Cavity
-from geom.mass.inertia import mass_properties, scaled
-from geom.mass.offset_centre import squeezed
-from geom.solid.volume_shares import Division, divide
+from geom.mass.inertia import scaled
+from geom.mass.offset_centre import contracted_inertia
+from geom.solid.solid_mass import mass_properties
+from geom.solid.volume_shares import VolumeShares, divide_volume
 from schemas.evidence import Evidence, declared
 from schemas.model import FloatArray, IntArray, Mesh
 from schemas.physics import MassProperties, Solid
@@ -26,21 +27,22 @@ METRES: Evidence[float] = declared(1.0, "metres")
 
 
 @dataclass(frozen=True)
-class Clues:
-    """What besides the solid tells mass (asset frame, metres).
+class MassEvidenceInputs:
+    """The evidence of mass beside the solid (asset frame, metres).
 
-    meshes            visual meshes, canonical; `as_read` the same before canonicalisation (for what statements cover).
-    render_materials  names, by the meshes' material index.
-    masses            what the source states.
-    unit              metres per source unit, as sure as it is.
-    wall              wall thickness (m) of an open surface, None where the solid is none.
-    cavities          openings of the solid.
-    dense             why a body of unknown material is likely solid or of metal (`dense_look`), "" if nothing says so.
-    category          what the object is, "" while nobody knows, and what such things weigh: `usual_kg`, least and most.
-    category_confidence, names  how sure that is, and what the object is called, the most telling name first.
-    without_row       measured object whose row of `usual_masses.csv` is left out, as benchmarks do; "" for none.
-    touch        materials of the visible surface by looks, names and use, that of the whole first; `of_face` says per
-                 mesh which of them each triangle has (`face_materials`).
+    meshes                  visual meshes, canonical; `as_read` the same before canonicalisation.
+    render_materials        names, by the meshes' material index.
+    masses                  statements of the source.
+    unit                    metres per source unit, with its confidence.
+    wall                    wall thickness (m) of an open surface, None where the solid is none.
+    cavities                openings of the solid.
+    dense_reason            why a body of unknown material is likely solid or of metal (`dense_appearance`), "" without.
+    category                id of the category, "" while unknown; `category_confidence` its confidence.
+    category_range_kg       least and greatest mass of objects of the category.
+    names                   names of the object, the most specific first.
+    excluded_row            measured object whose row of `usual_masses.csv` is left out, as benchmarks do; "" for none.
+    surface_materials       materials of the visible surface by appearance, names and use, that of the whole first.
+    material_of_face        per mesh the index in `surface_materials` of each triangle (`face_materials`).
     """
 
     meshes: tuple[Mesh, ...] = ()
@@ -50,84 +52,88 @@ class Clues:
     unit: Evidence[float] = METRES
     wall: Evidence[float] | None = None
     cavities: tuple[Cavity, ...] = ()
-    dense: str = ""
+    dense_reason: str = ""
     category: str = ""
-    usual_kg: tuple[float, float] | None = None
+    category_range_kg: tuple[float, float] | None = None
     category_confidence: float = 0.0
     names: tuple[str, ...] = ()
-    without_row: str = ""
-    touch: tuple[Evidence[str], ...] = ()
-    of_face: tuple[IntArray, ...] = ()
+    excluded_row: str = ""
+    surface_materials: tuple[Evidence[str], ...] = ()
+    material_of_face: tuple[IntArray, ...] = ()
 
 
 @dataclass(frozen=True)
-class Part:
-    """A substance with the body it fills at 1 kg/m3 (`even`) and as heavy as it is taken to be (`body`).
+class SubstanceBody:
+    """A substance with the body that it fills, at 1 kg/m3 (`at_unit_density`) and at its mass (`body`).
 
-    `rival` is the even body when volume that parts share goes to the others, for `shared` tells why it does not.
-    `squeeze` is that of the verdict on its statement (`Judged`).
+    `alternative` is the body at 1 kg/m3 when volume that the parts share goes to the others; `overlap_reason` is the
+    reason why it does not. `squeeze` is that of its checked statement (`CheckedStatement`).
     """
 
     substance: Substance
-    even: MassProperties
+    at_unit_density: MassProperties
     body: MassProperties
-    rival: MassProperties | None = None
-    shared: str = ""
+    alternative: MassProperties | None = None
+    overlap_reason: str = ""
     squeeze: FloatArray | None = None
 
     @property
-    def rival_body(self) -> MassProperties:
-        """The body as heavy as it is in the other reading; the same one where there is none."""
-        return self.body if self.rival is None else _weighed(self.substance, self.rival, self.squeeze)
+    def alternative_body(self) -> MassProperties:
+        """The body at its mass when shared volume goes to the others; `body` where parts share none."""
+        return self.body if self.alternative is None else _weighed(self.substance, self.alternative, self.squeeze)
 
     @property
     def unsqueezed_body(self) -> MassProperties:
         """The body with its tensor as evenly filled, whether it fits about the mass centre or not."""
-        return _weighed(self.substance, self.even, None)
+        return _weighed(self.substance, self.at_unit_density, None)
 
     @property
     def confidence(self) -> float:
-        """How sure its mass is, apart from the geometry."""
+        """Confidence of its mass, apart from the geometry."""
         return STATED_CONFIDENCE if self.substance.stated is not None else self.substance.density_kgm3.confidence
 
 
-def parts_of(
-    solid: Solid, whole: Sequence[str], clues: Clues, masses: Sequence[StatedMass]
-) -> tuple[list[Part], bool, list[Judged]]:
-    """The substances with their bodies, whether these have places of their own, and the verdicts on statements."""
-    full = is_full(solid, clues.cavities)
-    even = mass_properties(solid, 1.0)[0]
+def substance_bodies(
+    solid: Solid, whole: Sequence[str], mass_inputs: MassEvidenceInputs, masses: Sequence[StatedMass]
+) -> tuple[list[SubstanceBody], bool, list[CheckedStatement]]:
+    """The substances with their bodies, whether the volumes of these are exact, and the checked statements."""
+    full = is_solid_throughout(solid, mass_inputs.cavities)
+    at_unit_density = mass_properties(solid, 1.0)[0]
     sure = solid.kind == "closed" and solid.walls is None
-    judged = [judge(s, solid.points, even, exact=sure) for s in masses if s.mass_kg is None]
-    kept = [s for s in masses if s.mass_kg is not None] + [j.stated for j in judged if j.stated is not None]
-    substances = substances_of(clues.meshes, clues.render_materials, whole, kept, full=full)
-    if not clues.meshes:
+    checked = [check_statement(s, solid.points, at_unit_density, exact=sure) for s in masses if s.mass_kg is None]
+    statements = [s for s in masses if s.mass_kg is not None] + [c.stated for c in checked if c.stated is not None]
+    substances = substances_of(mass_inputs.meshes, mass_inputs.render_materials, whole, statements, full=full)
+    if not mass_inputs.meshes:
         substances = (uniform(whole, full=full),)
     if not full:
-        substances = _sized(substances, solid, clues.dense)
-    made = Division((even,), True)
+        substances = _sized(substances, solid, mass_inputs.dense_reason)
+    volumes = VolumeShares((at_unit_density,), True)
     if len(substances) > 1:
-        groups = [[clues.meshes[i] for i in substance.meshes] for substance in substances]
-        made = divide(solid, groups, [s.density_kgm3.value for s in substances])
-    exact, parts = made.exact, list[Part]()
-    for substance, body, rival in zip(substances, made.shares, made.rival or [None] * len(substances), strict=True):
+        groups = [[mass_inputs.meshes[i] for i in substance.meshes] for substance in substances]
+        volumes = divide_volume(solid, groups, [s.density_kgm3.value for s in substances])
+    exact, parts = volumes.exact, list[SubstanceBody]()
+    alternatives = volumes.alternative or [None] * len(substances)
+    for substance, body, alternative in zip(substances, volumes.shares, alternatives, strict=True):
         stated, squeeze = substance.stated, None
         if stated is not None:
             points = solid.points
             if len(substances) > 1:
-                points = np.concatenate([clues.meshes[i].points for i in substance.meshes])
+                points = np.concatenate([mass_inputs.meshes[i].points for i in substance.meshes])
             if not exact:
-                stated = replace(stated, centre=None, inertia=None)  # Nothing to hold them against.
-            verdict = judge(stated, points, body, exact=exact and sure)
-            judged.append(verdict)
-            substance, squeeze = replace(substance, stated=verdict.stated), verdict.squeeze
-        parts.append(Part(substance, body, _weighed(substance, body, squeeze), rival, made.reason, squeeze))
-    return parts, exact, judged
+                stated = replace(
+                    stated, centre=None, inertia=None
+                )  # Without exact volumes there is nothing to check them against.
+            result = check_statement(stated, points, body, exact=exact and sure)
+            checked.append(result)
+            substance, squeeze = replace(substance, stated=result.stated), result.squeeze
+        weighed = _weighed(substance, body, squeeze)
+        parts.append(SubstanceBody(substance, body, weighed, alternative, volumes.reason, squeeze))
+    return parts, exact, checked
 
 
-def _sized(substances: Sequence[Substance], solid: Solid, dense: str) -> tuple[Substance, ...]:
+def _sized(substances: Sequence[Substance], solid: Solid, dense_reason: str) -> tuple[Substance, ...]:
     """The substances, unknown ones as dense as things of the size of `solid` are."""
-    density = unknown_density(solid, dense)
+    density = unknown_density(solid, dense_reason)
     return tuple(
         replace(s, density_kgm3=density)
         if density is not None and s.material.value == UNKNOWN and s.density_kgm3.source == "default"
@@ -136,14 +142,14 @@ def _sized(substances: Sequence[Substance], solid: Solid, dense: str) -> tuple[S
     )
 
 
-def _weighed(substance: Substance, even: MassProperties, squeeze: FloatArray | None) -> MassProperties:
+def _weighed(substance: Substance, at_unit_density: MassProperties, squeeze: FloatArray | None) -> MassProperties:
     """`even` as heavy as the source states, with its mass centre and tensor if stated, else as dense as known."""
     stated = substance.stated
     if stated is None or stated.mass_kg is None:
-        return scaled(even, substance.density_kgm3.value)
-    body = scaled(even, stated.mass_kg / even.mass_kg)
+        return scaled(at_unit_density, substance.density_kgm3.value)
+    body = scaled(at_unit_density, stated.mass_kg / at_unit_density.mass_kg)
     if squeeze is not None:
-        body = replace(body, inertia_kgm2=squeezed(body.inertia_kgm2, squeeze))
+        body = replace(body, inertia_kgm2=contracted_inertia(body.inertia_kgm2, squeeze))
     return MassProperties(
         stated.mass_kg,
         body.centre_of_mass_m if stated.centre is None else stated.centre,

@@ -1,4 +1,4 @@
-"""What the source states about mass: brought into the asset frame, and believed only as far as it is possible."""
+"""Mass, mass centre and inertia as the source states them: in the asset frame, checked against the geometry."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from geom.convex.hull import contains, convex_hull, volume
 from geom.mass.inertia import is_physical, scaled
-from geom.mass.inertia_bounds import inertia_reach
-from geom.mass.offset_centre import skin_share, squeeze_towards, squeezed
+from geom.mass.inertia_bounds import rms_distance_and_bound
+from geom.mass.offset_centre import contracted_inertia, contraction_about, relative_depth
 from geom.mesh.surface_distance import closest_on_surface
 from geom.mesh.weld import diagonal
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -38,11 +38,11 @@ Quantity = Literal["mass", "centre", "inertia"]
 
 
 @dataclass(frozen=True)
-class Judged:
-    """A statement without the quantities that cannot be true (None when not even the mass can), and why.
+class CheckedStatement:
+    """A statement without its implausible quantities (None when the mass itself is implausible), and the findings.
 
     `squeeze` (3, 3) is the map that makes evenly spread mass fit about a mass centre stated without a usable tensor
-    (`squeeze_towards`); None where it fits as it is.
+    (`contraction_about`); None where it fits as it is.
     """
 
     stated: StatedMass | None
@@ -81,26 +81,28 @@ def in_asset_frame(
     )
 
 
-def applicable(masses: Sequence[StatedMass], meshes: Sequence[Mesh]) -> tuple[list[StatedMass], list[Diagnostic]]:
-    """The statements that speak of these meshes (as read) and of no others; a mass shared with others is reported.
+def applicable_statements(
+    masses: Sequence[StatedMass], meshes: Sequence[Mesh]
+) -> tuple[list[StatedMass], list[Diagnostic]]:
+    """The statements that cover these meshes (as read) and no others; a mass shared with others is reported.
 
-    A density holds for any part of what it covers.
+    A density holds for any part of the meshes that it covers.
     """
-    kept: list[StatedMass] = []
+    statements: list[StatedMass] = []
     notes: list[Diagnostic] = []
     for stated in masses:
         covered = sum(len(m.triangles) for m in meshes if m.source_path in stated.covers)
         if covered == stated.triangles or (covered and stated.mass_kg is None):
-            kept.append(stated)
+            statements.append(stated)
         elif covered:
             headline = "the stated mass counts for several separate objects; it was not used"
             figures = {"value": covered, "bound": stated.triangles, "unit": "triangles"}
             notes.append(finding(CODE, headline, where=stated.where, severity=Severity.INFO, **figures))
-    return kept, notes
+    return statements, notes
 
 
-def judge(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact: bool) -> Judged:
-    """`stated` (asset frame) held against the geometry it speaks of.
+def check_statement(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact: bool) -> CheckedStatement:
+    """`stated` (asset frame) checked against the geometry that it covers.
 
     points  (n, 3) of its surface; the mass centre must lie in their hull, with 0.5 % of the diagonal to spare.
     even    the same geometry filled with 1 kg/m3: bounds of the implied density, of the size and axes of the tensor.
@@ -108,15 +110,20 @@ def judge(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact
 
     An objection to the mass drops everything, one to the mass centre also the inertia, which is about it. A mass centre
     left without a tensor must lie below the skin, and the even filling is squeezed where it does not fit. The bounds
-    are narrower than those of the static gate, so that what is believed here is released.
+    are narrower than those of the static gate, so that a statement that is used here passes the gate.
     """
     objections = list(_objections(stated, points, even, exact=exact))
-    kept = _without(stated, {o.quantity for o in objections})
+    plausible = _without(stated, {o.quantity for o in objections})
     squeeze: FloatArray | None = None
-    if kept is not None and kept.mass_kg is not None and kept.centre is not None and kept.inertia is None:
-        squeeze, contradicted = _squeeze(kept.centre, points, scaled(even, kept.mass_kg / even.mass_kg))
+    if (
+        plausible is not None
+        and plausible.mass_kg is not None
+        and plausible.centre is not None
+        and plausible.inertia is None
+    ):
+        squeeze, contradicted = _squeeze(plausible.centre, points, scaled(even, plausible.mass_kg / even.mass_kg))
         if contradicted is not None:
-            objections, kept = [*objections, contradicted], replace(kept, centre=None)
+            objections, plausible = [*objections, contradicted], replace(plausible, centre=None)
     notes = [
         finding(CODE, o.headline, where=stated.where, value=o.shown, bound=o.bound, unit=o.unit) for o in objections
     ]
@@ -134,7 +141,7 @@ def judge(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact
         )
     if squeeze is not None:
         headline = "no usable tensor is stated and an even filling does not fit about the stated mass centre: squeezed"
-        share = float(np.trace(squeezed(even.inertia_kgm2, squeeze)) / np.trace(even.inertia_kgm2))
+        share = float(np.trace(contracted_inertia(even.inertia_kgm2, squeeze)) / np.trace(even.inertia_kgm2))
         unit = "of the evenly filled"
         notes.append(
             finding(CODE, headline, where=stated.where, value=share, bound=1.0, unit=unit, severity=Severity.INFO)
@@ -148,7 +155,7 @@ def judge(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact
                 after={"trace_of_even": share},
             )
         )
-    return Judged(kept, tuple(notes), tuple(repairs), squeeze)
+    return CheckedStatement(plausible, tuple(notes), tuple(repairs), squeeze)
 
 
 def _without(stated: StatedMass, dropped: set[Quantity]) -> StatedMass | None:
@@ -165,16 +172,16 @@ def _squeeze(
     centre: FloatArray, points: FloatArray, even: MassProperties
 ) -> tuple[FloatArray | None, _Objection | None]:
     """The squeeze of the evenly filled body (`even`, of the stated mass) that lets it have this mass centre, if needed;
-    or what speaks against the centre: it lies on the skin, or no tensor about it would be believed.
+    or the objection to the centre: it lies on the skin, or no tensor about it would be plausible.
     """
-    depth = skin_share(centre, points, even.centre_of_mass_m)
+    depth = relative_depth(centre, points, even.centre_of_mass_m)
     if depth < LEAST_DEPTH:
         headline = "the stated mass centre lies on the skin of the object"
         return None, _Objection("centre", headline, depth, LEAST_DEPTH, "of the way through the object")
     if not list(_about_inertia(even.inertia_kgm2, even, points - centre)):
         return None, None
-    S = squeeze_towards(centre, points, even.centre_of_mass_m, even.inertia_kgm2 / even.mass_kg)
-    doubt = next(_about_inertia(squeezed(even.inertia_kgm2, S), even, points - centre), None)
+    S = contraction_about(centre, points, even.centre_of_mass_m, even.inertia_kgm2 / even.mass_kg)
+    doubt = next(_about_inertia(contracted_inertia(even.inertia_kgm2, S), even, points - centre), None)
     if doubt is None:
         return S, None
     headline = "no plausible tensor fits about the stated mass centre"
@@ -182,7 +189,7 @@ def _squeeze(
 
 
 def _objections(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact: bool) -> Iterator[_Objection]:
-    """What cannot be true, the gravest first; later quantities are only looked at while earlier ones hold."""
+    """The implausible quantities, the gravest first; later quantities are only checked while earlier ones hold."""
     mass = stated.mass_kg
     what, unit, value = ("density", "kg/m3", stated.density) if mass is None else ("mass", "kg", mass)
     if value is None:
@@ -235,7 +242,7 @@ def _about_inertia(inertia: FloatArray, even: MassProperties, points: FloatArray
         headline = "the stated inertia lies along other axes than the shape"
         yield _Objection("inertia", headline, float(apart), MOST_APART, "of the trace")
         return
-    reach, most = inertia_reach(inertia / even.mass_kg, points)
+    reach, most = rms_distance_and_bound(inertia / even.mass_kg, points)
     if reach > MOST_REACH * most > 0.0:
         headline = "the stated inertia needs mass outside the object"
         yield _Objection("inertia", headline, reach, MOST_REACH * most, "m")

@@ -1,4 +1,4 @@
-"""What each part of an object is made of, as far as names and the source file tell."""
+"""Groups the meshes of an object into substances (material class, density) by names and statements of the source."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from assetkit.mass.component_density import component_density
-from assetkit.mass.outside_bounds import outside
+from assetkit.mass.excluded_materials import excluded_materials
 from assetkit.taxonomy.material_classes import UNKNOWN, UNKNOWN_FULL, material_for, materials
 from schemas.evidence import Evidence, declared
 from schemas.model import Mesh
@@ -54,7 +54,8 @@ def substance_of(
     density = Evidence(
         value=row.density_kgm3,
         source=material.source,
-        method=f"material class {row.name}" + (outside(*row.density_bounds_kgm3, full=full) if unknown else ""),
+        method=f"material class {row.name}"
+        + (excluded_materials(*row.density_bounds_kgm3, full=full) if unknown else ""),
         confidence=material.confidence,
         bounds=row.density_bounds_kgm3,
         inputs=material.inputs,
@@ -78,39 +79,40 @@ def substances_of(
     one class, all names vote on it together.
     """
     names = [_names(mesh, render_materials) for mesh in meshes]
-    classes = _classes(names, whole)
+    class_names = _classes(names, whole)
     components = [
         component_density(mesh.name) if kind.value == UNKNOWN else None
-        for mesh, kind in zip(meshes, classes, strict=True)
+        for mesh, kind in zip(meshes, class_names, strict=True)
     ]
     keys = [
-        (_covering(mesh, stated), kind.value if component is None else component.method)
-        for mesh, kind, component in zip(meshes, classes, components, strict=True)
+        (_statement_of(mesh, stated), kind.value if component is None else component.method)
+        for mesh, kind, component in zip(meshes, class_names, components, strict=True)
     ]
     if len(set(keys)) == 1 and keys[0][0] is None and components[0] is None:
-        everything = material_for([*whole, *(name for own in names for name in own)])
-        return (substance_of(everything, meshes=range(len(meshes)), names=[m.name for m in meshes], full=full),)
+        material = material_for([*whole, *(name for mesh_names in names for name in mesh_names)])
+        return (substance_of(material, meshes=range(len(meshes)), names=[m.name for m in meshes], full=full),)
     groups: dict[tuple[int | None, str], list[int]] = {}
     for index, (statement, kind) in enumerate(keys):
-        # A mass speaks of its meshes together, whatever they are called.
+        # A stated mass is that of all its meshes together, whatever their names.
         together = statement is not None and stated[statement].mass_kg is not None
         groups.setdefault((statement, "" if together else kind), []).append(index)
-    found: list[Substance] = []
+    substances: list[Substance] = []
     for (statement, kind), members in groups.items():
-        material = classes[members[0]] if kind else material_for([n for i in members for n in names[i]])
+        material = class_names[members[0]] if kind else material_for([n for i in members for n in names[i]])
         substance = substance_of(material, meshes=members, names=[meshes[i].name for i in members], full=full)
         component = components[members[0]] if kind else None
         if component is not None:
             substance = replace(substance, density_kgm3=component, may_be_hollow=False)
-        found.append(substance if statement is None else _as_stated(substance, stated[statement]))
-    return tuple(found)
+        substances.append(substance if statement is None else _as_stated(substance, stated[statement]))
+    return tuple(substances)
 
 
 def _classes(names: Sequence[Sequence[str]], whole: Sequence[str]) -> list[Evidence[str]]:
-    """Per mesh the class its own names mention, else with less confidence that of the whole."""
+    """Per mesh the class that its names mention, else with less confidence that of the whole."""
     general = material_for(whole)
     inherited = general.model_copy(update={"confidence": FROM_FILE_NAME * general.confidence})
-    return [own if (own := material_for(mine)).source != "default" else inherited for mine in names]
+    of_meshes = [material_for(mesh_names) for mesh_names in names]
+    return [material if material.source != "default" else inherited for material in of_meshes]
 
 
 def _as_stated(substance: Substance, stated: StatedMass) -> Substance:
@@ -125,5 +127,5 @@ def _names(mesh: Mesh, render_materials: Sequence[str]) -> tuple[str, ...]:
     return (mesh.name,) if mesh.material is None else (render_materials[mesh.material], mesh.name)
 
 
-def _covering(mesh: Mesh, stated: Sequence[StatedMass]) -> int | None:
+def _statement_of(mesh: Mesh, stated: Sequence[StatedMass]) -> int | None:
     return next((i for i, s in enumerate(stated) if mesh.source_path in s.covers), None)

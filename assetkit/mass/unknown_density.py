@@ -1,4 +1,4 @@
-"""How dense a compact body of unknown material is, material and hollows together: from its size and its look."""
+"""Density (kg/m3) of a compact body of unknown material, hollows included, from its size and its appearance."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from assetkit.mass.bounds import MAX_SPAN, mean_thickness
-from assetkit.mass.outside_bounds import outside
+from assetkit.mass.excluded_materials import excluded_materials
 from geom.convex.hull import convex_hull
 from geom.mesh.surface_distance import triangle_areas
 from schemas.evidence import Evidence, default
@@ -24,25 +24,26 @@ CAD_FORMATS = ("stl",)
 METALLIC, METALLIC_SHARE = 0.5, 0.5
 
 
-def unknown_density(solid: Solid, dense: str = "") -> Evidence[float] | None:
+def unknown_density(solid: Solid, dense_reason: str = "") -> Evidence[float] | None:
     """Density of a thick body of which nothing is known (kg/m3): the middle of a window of 30x that goes with its size.
 
-    Size is the edge of the cube with the same ratio of volume to surface. `dense` says why the body is likely solid
-    (`dense_look`), "" when nothing says so. The method names what would lie outside. None when the body has no volume.
+    Size is the edge of the cube with the same ratio of volume to surface. `dense_reason` is the reason why the body is
+    likely solid (`dense_appearance`), "" without one. The method names the materials that the bounds exclude. None when
+    the body has no volume.
     """
     size_m = _size(solid)
     if not size_m > 0.0:
         return None
     half = math.sqrt(MAX_SPAN)
-    usual = USUAL_KGM3 * (DENSE_FACTOR if dense else 1.0) * math.sqrt(USUAL_SIZE_M / size_m)
+    usual = USUAL_KGM3 * (DENSE_FACTOR if dense_reason else 1.0) * math.sqrt(USUAL_SIZE_M / size_m)
     value = min(usual, DENSEST_KGM3 / half)
     low, high = value / half, value * half
-    reason = f"{dense}, " if dense else ""
+    reason = f"{dense_reason}, " if dense_reason else ""
     method = f"things {100.0 * size_m:.3g} cm in size, {reason}{low:.0f} to {high:.0f} kg/m3"
-    return default(value, method + outside(low, high), bounds=(low, high))
+    return default(value, method + excluded_materials(low, high), bounds=(low, high))
 
 
-def dense_look(format_: str, meshes: Sequence[Mesh], materials: Sequence[Material]) -> str:
+def dense_appearance(format_: str, meshes: Sequence[Mesh], materials: Sequence[Material]) -> str:
     """Why the body is likely solid or of metal, "" when nothing says so: a format of CAD parts, or bare metal.
 
     Metal is a constant metallic factor of at least 0.5 over half of the surface. A glTF material that gives neither

@@ -1,4 +1,4 @@
-"""How thick the walls of an open surface are: as the user says, as a material hints, else a guess by size."""
+"""Wall thickness (m) of an open surface: as the user states, as a render material hints, else a guess by size."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from schemas.evidence import Evidence, declared, default, inferred
 from schemas.model import Material
 
 GUESS_FACTORS = (0.4, 2.5)
-# KHR_materials_volume gives the thickness of what light passes through, for looks; often the whole body's.
+# KHR_materials_volume gives the thickness that light passes through, for rendering; often that of the whole body.
 HINT_FACTORS, HINT_CONFIDENCE = (0.5, 2.0), 0.4
 LEAST_M, MOST_SHARE = 1e-4, 0.05  # A hint outside these is no wall: metres, share of the diagonal.
 

@@ -1,1 +1,1 @@
-"""Materials of one object: colours and finish of its surface, and which substance each part is made of."""
+"""Materials of one object: clean render materials, surface appearance and colours, and the substance of each part."""

@@ -1,4 +1,4 @@
-"""Names of colours: which of the eleven basic colour terms people would use.
+"""Basic colour terms (the eleven of English) of linear sRGB colours and of colour words.
 
 A colour gets the basic term of the nearest colour, in CIELAB, among the 949 that the XKCD survey names (222,500 people;
 matplotlib brings the table) as far as their names end in a basic term: "dark red" and "brick red" are red.
@@ -29,7 +29,7 @@ def basic_terms(linear_rgb: FloatArray) -> list[str]:
     return [terms[i] for i in near]
 
 
-def colour_called(word: str) -> str | None:
+def colour_by_name(word: str) -> str | None:
     """The basic term of a word that names a colour ("teal", "crimson", "gray"), or None."""
     word = _SPELLINGS.get(word, word)
     if word in BASIC_TERMS:
@@ -50,5 +50,5 @@ def _survey() -> tuple[tuple[str, ...], FloatArray]:
     """Basic terms and CIELAB values of the survey's colours whose names end in a basic term."""
     last = {name: name.removeprefix("xkcd:").split()[-1] for name in XKCD_COLORS}
     named = {name: _SPELLINGS.get(word, word) for name, word in last.items()}
-    kept = [(term, XKCD_COLORS[name]) for name, term in named.items() if term in BASIC_TERMS]
-    return tuple(term for term, _ in kept), lab_of(srgb_to_linear(np.array([to_rgb(code) for _, code in kept])))
+    basic = [(term, XKCD_COLORS[name]) for name, term in named.items() if term in BASIC_TERMS]
+    return tuple(term for term, _ in basic), lab_of(srgb_to_linear(np.array([to_rgb(code) for _, code in basic])))

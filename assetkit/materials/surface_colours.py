@@ -1,4 +1,4 @@
-"""Which colours an object shows: base colours over its visible surface, by area."""
+"""Colours of an object: shares of the basic colour terms over its visible surface, by area of the base colours."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections import defaultdict
 import numpy as np
 
 from assetkit.materials.colour_names import basic_terms
-from assetkit.materials.surface_samples import base_colours, pixels_of, places_on
+from assetkit.materials.surface_samples import base_colours, pixels_of, sample_surface
 from schemas.model import Model
 
 MIN_SHARE = 0.05  # Colours of less of the surface are labels and seams.
@@ -24,13 +24,13 @@ def surface_colours(model: Model) -> dict[str, float]:
     area_of: dict[str, float] = defaultdict(float)
     for mesh in model.meshes:
         material = None if mesh.material is None else model.materials[mesh.material]
-        places = places_on(mesh, _MAX_SAMPLES)
-        colours = base_colours(mesh, material, places, pixels)
+        points = sample_surface(mesh, _MAX_SAMPLES)
+        colours = base_colours(mesh, material, points, pixels)
         if colours is None:
             continue
         terms, counts = np.unique(basic_terms(colours), return_counts=True)
         for term, count in zip(terms, counts, strict=True):
-            area_of[str(term)] += places.area * float(count) / len(places.faces)
+            area_of[str(term)] += points.area * float(count) / len(points.faces)
     total = sum(area_of.values())
     shares = {term: round(area / total, 3) for term, area in area_of.items() if area >= MIN_SHARE * total > 0.0}
     return dict(sorted(shares.items(), key=lambda pair: (-pair[1], pair[0])))

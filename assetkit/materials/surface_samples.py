@@ -1,4 +1,4 @@
-"""Places on a mesh and what its material says there: base colour, metallic, roughness and opacity."""
+"""Sample points on a mesh, and the values of its material there: base colour, metallic, roughness and opacity."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from render.textures import decode_rgba
 from schemas.model import FloatArray, IntArray, Material, Mesh, Model, TextureUse
 
 _CHANNELS = {"r": 0, "g": 1, "b": 2, "a": 3, "rgb": 0}
-_LEAST = 200  # places, so that a picture on two triangles is seen too
+_MIN_SAMPLES = 200  # places, so that a picture on two triangles is seen too
 _PLACEHOLDER = Material(name="")
 Pixels = Mapping[str, IntArray]  # texture -> (height, width, 4) uint8, first row at the bottom
 
 
-class Places(NamedTuple):
-    """Places on a mesh (n,), spread evenly by area: their triangles, (n, 3) barycentric weights, and the whole area."""
+class SurfacePoints(NamedTuple):
+    """Points on a mesh (n,), spread evenly by area: their triangles, (n, 3) barycentric weights, whole area (m2)."""
 
     faces: IntArray
     weights: FloatArray
@@ -34,38 +34,40 @@ def pixels_of(model: Model, inputs: Iterable[str] = ("base_color_texture",)) -> 
     return {name: image for name, image in decoded if image is not None}
 
 
-def places_on(mesh: Mesh, most: int, of: IntArray | None = None) -> Places:
-    """At most `most` places on the triangles `of` the mesh, on all by default; the same ones every time."""
+def sample_surface(mesh: Mesh, most: int, of: IntArray | None = None) -> SurfacePoints:
+    """At most `most` points on the triangles `of` the mesh, on all by default; deterministic."""
     of = np.arange(len(mesh.triangles)) if of is None else of
     a, b, c = (mesh.points[mesh.triangles[of, i]] for i in range(3))
     ends = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
-    count = min(most, max(4 * len(of), _LEAST)) if len(of) else 0
+    count = min(most, max(4 * len(of), _MIN_SAMPLES)) if len(of) else 0
     drawn = np.searchsorted(ends, (np.arange(count) + 0.5) / max(count, 1) * ends[-1:]).clip(0, max(len(of) - 1, 0))
-    return Places(of[drawn], _barycentric(count), float(ends[-1]) if len(ends) else 0.0)
+    return SurfacePoints(of[drawn], _barycentric(count), float(ends[-1]) if len(ends) else 0.0)
 
 
-def base_colours(mesh: Mesh, material: Material | None, places: Places, pixels: Pixels) -> FloatArray | None:
+def base_colours(mesh: Mesh, material: Material | None, samples: SurfacePoints, pixels: Pixels) -> FloatArray | None:
     """(n, 3) linear base colours; None where nothing states one."""
     use = _usable(mesh, material.base_color_texture if material else None, pixels)
     stated = material is not None and (use is not None or material.base_color != _PLACEHOLDER.base_color)
     if mesh.colors is None and not stated:
         return None
-    count = len(places.faces)
+    count = len(samples.faces)
     colours = np.tile(np.array(material.base_color) if material is not None and stated else np.ones(3), (count, 1))
     if mesh.colors is not None:
-        colours = colours * np.einsum("nk,nkc->nc", places.weights, mesh.colors[places.faces, :, :3])
+        colours = colours * np.einsum("nk,nkc->nc", samples.weights, mesh.colors[samples.faces, :, :3])
     if use is not None:
-        texels = srgb_to_linear(_texels(mesh, places, pixels[use.texture], use)[:, :3])
+        texels = srgb_to_linear(_texels(mesh, samples, pixels[use.texture], use)[:, :3])
         colours = colours * (texels * use.scale + use.bias)
     return colours
 
 
-def scalars(mesh: Mesh, factor: float, use: TextureUse | None, places: Places, pixels: Pixels) -> FloatArray | None:
+def scalars(
+    mesh: Mesh, factor: float, use: TextureUse | None, samples: SurfacePoints, pixels: Pixels
+) -> FloatArray | None:
     """(n,) a factor times its texture; None without a texture that can be read."""
     use = _usable(mesh, use, pixels)
     if use is None:
         return None
-    texels = _texels(mesh, places, pixels[use.texture], use)[:, _CHANNELS[use.channel]]
+    texels = _texels(mesh, samples, pixels[use.texture], use)[:, _CHANNELS[use.channel]]
     return np.clip(factor * (texels * use.scale + use.bias), 0.0, 1.0)
 
 
@@ -80,10 +82,10 @@ def _barycentric(count: int) -> FloatArray:
     return np.stack([1.0 - u - v, u, v], axis=1)
 
 
-def _texels(mesh: Mesh, places: Places, pixels: IntArray, use: TextureUse) -> FloatArray:
+def _texels(mesh: Mesh, samples: SurfacePoints, pixels: IntArray, use: TextureUse) -> FloatArray:
     """(n, 4) values of the nearest texels, 0..1, as the image holds them."""
     height, width = pixels.shape[:2]
-    uvs = np.einsum("nk,nkc->nc", places.weights, mesh.uvs[use.uv_set][places.faces])
+    uvs = np.einsum("nk,nkc->nc", samples.weights, mesh.uvs[use.uv_set][samples.faces])
     u, v = placed_uvs(uvs, use).T
     column = _wrapped(np.floor(u * width).astype(int), width, use.wrap_s)
     row = _wrapped(np.floor(v * height).astype(int), height, use.wrap_t)

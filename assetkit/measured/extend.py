@@ -1,4 +1,4 @@
-"""A released package with measured physics: the same writers, the same judges, a record that says `measured`."""
+"""Writes measured physics into a copy of a released package (USD, URDF, record), validates and publishes it."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from assetkit.affordances.grasp_trials import untried_again
+from assetkit.acceptance.judge_package import PackageVerdict, judge_package
+from assetkit.affordances.grasp_trials import without_trial
 from assetkit.measured.extend_record import extended_section
 from assetkit.package.record import RECORD, read_record
 from assetkit.package.release import publish
 from assetkit.package.write_urdf import rewrite_urdf
-from assetkit.stages.acceptance import Judged, judge_package
 from jobs.cache import content_key, file_sha256
 from schemas.asset import AssetRecord, PhysicsSection, StageEntry
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
@@ -27,8 +27,8 @@ from usdio.write.rewrite_physics import rewrite_physics
 
 NAME, VERSION = "extend", 1
 EXTENSION = "extension.json"
-# Findings of acceptance; they are made anew.
-_JUDGEMENTS = (
+# Findings of acceptance; they are replaced by those of the extended package.
+_ACCEPTANCE_CODES = (
     "asset/gate-",
     "asset/package-invalid",
     "asset/render-collision-misaligned",
@@ -39,8 +39,8 @@ _JUDGEMENTS = (
 
 
 @dataclass(frozen=True)
-class Extended:
-    """The new package (None when the judges refuse it), its record, and what acceptance found."""
+class ExtensionResult:
+    """The new package (None when acceptance rejects it), its record, and the findings of acceptance."""
 
     package: Path | None
     record: AssetRecord
@@ -52,13 +52,13 @@ def record_of(package: Path) -> AssetRecord:
     record = read_record(package)
     if record is None:
         raise InvalidInput(finding("asset/package-invalid", f"'{package.name}' is no package of Mana"))
-    missing = [p for p in (main_file_of(package, record), _twin(package, record)) if not p.is_file()]
+    missing = [p for p in (main_file_of(package, record), _urdf_file(package, record)) if not p.is_file()]
     if missing:
         raise InvalidInput(finding("asset/package-invalid", f"'{package.name}' has no {missing[0].name}"))
     return record
 
 
-def extend_package(package: Path, measured: MeasuredPhysics, out: Path, simulator: Simulator) -> Extended:
+def extend_package(package: Path, measured: MeasuredPhysics, out: Path, simulator: Simulator) -> ExtensionResult:
     """Publish `<out>/<asset_id>`: the package with `measured` in USD, URDF twin and record, judged like any other.
 
     It is prepared beside its target and moved there in one step; a package that fails acceptance is not published, and
@@ -80,37 +80,37 @@ def extend_package(package: Path, measured: MeasuredPhysics, out: Path, simulato
         rewrite_physics(main_file, mass, changed, section.density_kgm3.value / record.physics.density_kgm3.value)
         rewrite_urdf(
             reread_body(main_file),
-            _twin(folder, record),
+            _urdf_file(folder, record),
             measured.urdf_contact,
             reread_shape_contacts(main_file),
         )
         (folder / EXTENSION).write_bytes(measured.extension_json)
-        judged = judge_package(main_file, simulator, record.geometry.extent_m.value, record.physics.stands_in)
-        made = _record(record, section, judged, measured, folder)
-        (folder / RECORD).write_text(made.model_dump_json(indent=1) + "\n")
-        occupied = None if made.outcome is ItemOutcome.REJECTED else publish(folder, out / record.asset_id)
-    diagnostics = (*judged.diagnostics, *((occupied,) if occupied else ()))
-    refused = occupied is not None or made.outcome is ItemOutcome.REJECTED
-    return Extended(None if refused else out / record.asset_id, made, diagnostics)
+        verdict = judge_package(main_file, simulator, record.geometry.extent_m.value, record.physics.stands_in)
+        extended = _record(record, section, verdict, measured, folder)
+        (folder / RECORD).write_text(extended.model_dump_json(indent=1) + "\n")
+        occupied = None if extended.outcome is ItemOutcome.REJECTED else publish(folder, out / record.asset_id)
+    diagnostics = (*verdict.diagnostics, *((occupied,) if occupied else ()))
+    refused = occupied is not None or extended.outcome is ItemOutcome.REJECTED
+    return ExtensionResult(None if refused else out / record.asset_id, extended, diagnostics)
 
 
 def _record(
-    record: AssetRecord, section: PhysicsSection, judged: Judged, measured: MeasuredPhysics, folder: Path
+    record: AssetRecord, section: PhysicsSection, verdict: PackageVerdict, measured: MeasuredPhysics, folder: Path
 ) -> AssetRecord:
-    """The old record with the new physics, judgement, history and hashes; an object under review stays there."""
-    outcome = ItemOutcome.REVIEW if judged.review else record.outcome
-    if any(d.severity is Severity.ERROR for d in judged.diagnostics):
+    """The old record with the new physics, verdict, history and hashes; an object under review stays under review."""
+    outcome = ItemOutcome.REVIEW if verdict.review else record.outcome
+    if any(d.severity is Severity.ERROR for d in verdict.diagnostics):
         outcome = ItemOutcome.REJECTED
     key = content_key(NAME, VERSION, [e.key for e in record.history], measured.extension_json.decode())
     hashes = {p.relative_to(folder).as_posix(): file_sha256(p) for p in sorted(folder.rglob("*")) if p.is_file()}
-    kept = tuple(d for d in record.diagnostics if not d.code.startswith(_JUDGEMENTS))
+    earlier = tuple(d for d in record.diagnostics if not d.code.startswith(_ACCEPTANCE_CODES))
     return record.model_copy(
         update={
             "outcome": outcome,
             "physics": section,
-            "acceptance": judged.section,
-            "affordances": tuple(untried_again(e) for e in record.affordances),
-            "diagnostics": (*kept, *judged.diagnostics),
+            "acceptance": verdict.section,
+            "affordances": tuple(without_trial(e) for e in record.affordances),
+            "diagnostics": (*earlier, *verdict.diagnostics),
             "history": (*record.history, StageEntry(name=NAME, version=VERSION, key=key[:16])),
             "hashes": hashes,
         }
@@ -122,5 +122,5 @@ def main_file_of(package: Path, record: AssetRecord) -> Path:
     return package / "usd" / f"{record.asset_id}.usda"
 
 
-def _twin(package: Path, record: AssetRecord) -> Path:
+def _urdf_file(package: Path, record: AssetRecord) -> Path:
     return package / "export" / f"{record.asset_id}.urdf"

@@ -1,4 +1,4 @@
-"""The physics section of a record with measured values in place of derived ones."""
+"""Replaces derived values in the physics section of a record by measured ones, and updates the values that follow."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from schemas.physics import Contact
 
 
 def extended_section(section: PhysicsSection, measured: MeasuredPhysics) -> PhysicsSection:
-    """`section` with what was measured; what follows from it moves along.
+    """`section` with the measured values; values that follow from them are updated.
 
     A measured mass scales densities and, unless it was measured too, inertia. A measured friction is that of one pair:
     both coefficients take it, the rule becomes `minimum` (exact on any support that is no smoother), and records of
     the material class against other counterparts, which it contradicts, are dropped. Parts of several materials all
-    take it: which of them touched is not known.
+    take it: which of them was in contact is unknown.
     """
     changed: dict[str, Any] = {}
     if measured.mass_kg is not None:
@@ -57,15 +57,15 @@ def _contacts(contacts: tuple[Evidence[Contact], ...], measured: MeasuredPhysics
             contact.model_copy(update={"restitution": e})
             for contact, e in ((value, restitution.value), (low, least), (high, most))
         )
-    silent = [n for n in ("friction", "restitution") if getattr(measured, n) is None]
+    unmeasured = [n for n in ("friction", "restitution") if getattr(measured, n) is None]
     confidence = min(e.confidence for e in (friction, restitution) if e is not None)
     evidence = Evidence[Contact](
         value=value,
         source="measured",
-        method="; ".join([*methods, *(f"{n} as before: {general.method}" for n in silent)]),
-        confidence=min([confidence, *(general.confidence for _ in silent)]),
+        method="; ".join([*methods, *(f"{n} as before: {general.method}" for n in unmeasured)]),
+        confidence=min([confidence, *(general.confidence for _ in unmeasured)]),
         bounds=(low, high),
-        inputs=general.inputs if silent else (),
+        inputs=general.inputs if unmeasured else (),
     )
     return (evidence,) if friction is not None else (evidence, *contacts[1:])
 
@@ -79,7 +79,7 @@ def _denser(part: MassPart, factor: float, mass: Evidence[float]) -> MassPart:
 
 
 def _in_proportion(evidence: Evidence[Any], factor: float, mass: Evidence[float], trust: float = 1.0) -> Evidence[Any]:
-    """`evidence` times `factor`, as sure as the measured mass that it now follows from."""
+    """`evidence` times `factor`, with the confidence of the measured mass that it now follows from (times `trust`)."""
 
     def times(by: float) -> Any:
         scaled = np.array(evidence.value) * by

@@ -1,4 +1,4 @@
-"""A mechanism's URDF with measured joint numbers; everything else stays as it was written."""
+"""Writes measured joint numbers (`<dynamics>`, `<limit>`) into the URDF of a mechanism; everything else stays as is."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ def extend_urdf(source: Path, joints: Mapping[str, MeasuredJoint], target: Path)
         raise InvalidInput(finding("gap/unreadable-subject", f"{source.name}: {error}", where=where)) from None
     if robot.tag != "robot":
         raise InvalidInput(finding("gap/unreadable-subject", f"{source.name} is no URDF: <{robot.tag}>", where=where))
-    there = {j.get("name"): j for j in robot.findall("joint")}
+    by_name = {j.get("name"): j for j in robot.findall("joint")}
     for name, numbers in joints.items():
-        if name not in there:
-            headline = f"the URDF has no joint '{name}'; there are {', '.join(there) or 'none'}"
+        if name not in by_name:
+            headline = f"the URDF has no joint '{name}'; there are {', '.join(by_name) or 'none'}"
             raise InvalidInput(finding("gap/unknown-place", headline, where=where))
-        _write(there[name], numbers)
+        _write(by_name[name], numbers)
     for file in robot.iter("mesh", "texture"):
         given = file.get("filename", "")
         if given and "://" not in given and not Path(given).is_absolute():

@@ -1,4 +1,4 @@
-"""The record of a package on disk: the file that makes a folder a package of Mana."""
+"""Reads the record of a package folder; a folder without a valid one is no package of Mana."""
 
 from __future__ import annotations
 

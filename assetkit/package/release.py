@@ -1,4 +1,4 @@
-"""From a finished draft to a self-contained package folder (design: asset package)."""
+"""Writes a finished draft as a self-contained package folder (USD, URDF twin, previews, record) and publishes it."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from assetkit.affordances.grasp_trials import grasp_lines
 from assetkit.package.record import RECORD, read_record
 from assetkit.package.write_urdf import write_urdf
 from assetkit.stage import Draft, need
-from assetkit.stage_log import Journal
+from assetkit.stage_log import StageLog
 from jobs.cache import file_sha256
 from schemas.asset import AssetRecord, SemanticsSection, SourceSection
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, declared, default
 from schemas.package import PackageContent
 from usdio.reread.body import reread_body, reread_shape_contacts
-from usdio.source_names import source_names
 from usdio.write.package import write_package
+from usdio.write.source_names import source_names
 
 UNKNOWN = "unknown"
 
@@ -40,7 +40,7 @@ def package_folder(draft: Draft, work_dir: Path) -> Path:
     return work_dir / "package" / draft.asset_id
 
 
-def finish(draft: Draft, journal: Journal, work_dir: Path) -> Path:
+def finish(draft: Draft, log: StageLog, work_dir: Path) -> Path:
     """Write the package with previews and record; returns its folder.
 
     It is written anew, because acceptance may have come from the store or judged another attempt last: same draft,
@@ -54,13 +54,13 @@ def finish(draft: Draft, journal: Journal, work_dir: Path) -> Path:
     for name, data in sorted(images.items()):
         (previews / f"{name}.png").write_bytes(data)
     hashes = {p.relative_to(folder).as_posix(): file_sha256(p) for p in sorted(folder.rglob("*")) if p.is_file()}
-    record = _record(draft, journal, hashes)
+    record = _record(draft, log, hashes)
     (folder / RECORD).write_text(record.model_dump_json(indent=1) + "\n")
     return folder
 
 
 def publish(folder: Path, target: Path) -> Diagnostic | None:
-    """Move a finished package into place, or say what stands in its way: only an older package is ever replaced.
+    """Move a finished package into place, or return a finding why not: only an older package is ever replaced.
 
     A process that ends in between leaves the old package as a hidden `.old` folder.
     """
@@ -79,7 +79,7 @@ def publish(folder: Path, target: Path) -> Diagnostic | None:
 def _content(draft: Draft) -> PackageContent:
     physics = need(draft.physics, "physics")
     semantics = need(draft.semantics, "semantics").section
-    stated = draft.intake.model.metadata
+    metadata = draft.intake.model.metadata
     return PackageContent(
         asset_id=draft.asset_id,
         model=draft.model,
@@ -90,8 +90,8 @@ def _content(draft: Draft) -> PackageContent:
         density_kgm3=physics.section.density_kgm3.value,
         category=semantics.category.value,
         qcode=semantics.qcode.value,
-        license=stated.get("license", UNKNOWN),
-        author=stated.get("author", UNKNOWN),
+        license=metadata.get("license", UNKNOWN),
+        author=metadata.get("author", UNKNOWN),
         source_file=draft.source_name,
         thumbnail_png=need(draft.previews, "previews").images["thumbnail"],
         surfaces=physics.surfaces,
@@ -101,12 +101,12 @@ def _content(draft: Draft) -> PackageContent:
     )
 
 
-def _record(draft: Draft, journal: Journal, hashes: dict[str, str]) -> AssetRecord:
+def _record(draft: Draft, log: StageLog, hashes: dict[str, str]) -> AssetRecord:
     source = draft.intake.model
     canonical = need(draft.canonicalize, "canonicalize")
     return AssetRecord(
         asset_id=draft.asset_id,
-        outcome=journal.outcome,
+        outcome=log.outcome,
         source=SourceSection(
             format=draft.intake.format,
             files=draft.intake.files,
@@ -126,15 +126,15 @@ def _record(draft: Draft, journal: Journal, hashes: dict[str, str]) -> AssetReco
         anchors=need(draft.acceptance, "acceptance").anchors,
         physics=need(draft.physics, "physics").section,
         acceptance=need(draft.acceptance, "acceptance").section,
-        diagnostics=journal.diagnostics,
-        repairs=journal.repairs,
-        history=journal.history,
+        diagnostics=log.diagnostics,
+        repairs=log.repairs,
+        history=log.history,
         hashes=hashes,
     )
 
 
 def _with_front(draft: Draft) -> SemanticsSection:
-    """What the object is, with the side that its parts tell to be the front."""
+    """The semantics of the draft, with the front that its parts indicate."""
     section, front = need(draft.semantics, "semantics").section, need(draft.interaction, "interaction").front
     if front is None:
         return section
@@ -142,7 +142,7 @@ def _with_front(draft: Draft) -> SemanticsSection:
 
 
 def _stated(metadata: dict[str, str], key: str) -> Evidence[str]:
-    """What the file or the user says about its origin; silence stays unknown."""
+    """License or author as the file or the user states it, else unknown."""
     return (
         declared(metadata[key], metadata.get(f"{key}_from", "source file")) if metadata.get(key) else default(UNKNOWN)
     )

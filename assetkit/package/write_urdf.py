@@ -1,4 +1,4 @@
-"""Write the URDF twin of a package for PyBullet and ROS users."""
+"""Writes the URDF twin of a package (link, inertial, visuals, collisions; SI units) for PyBullet and ROS users."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from schemas.model import FloatArray, IntArray, Material, Mesh
 from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, RigidBody
-from usdio.write.mesh_materials import Look, looks_per_mesh
+from usdio.write.mesh_materials import MeshMaterial, materials_per_mesh
 from usdio.write.meshes import mesh_prim_names
 
 # The namespace that Drake's own files declare for their additions to URDF.
@@ -36,12 +36,14 @@ def write_urdf(body: RigidBody, content: PackageContent, folder: Path, shape_con
     link = ElementTree.SubElement(robot, "link", name=body.name)
     _contact(link, body)
     _inertial(link, body)
-    looks = looks_per_mesh(content.model)
-    for name, mesh, look in zip(mesh_prim_names(content.model), content.model.meshes, looks, strict=True):
+    mesh_materials = materials_per_mesh(content.model)
+    for name, mesh, mesh_material in zip(
+        mesh_prim_names(content.model), content.model.meshes, mesh_materials, strict=True
+    ):
         if len(mesh.triangles):
-            _visual(link, name, mesh, look, export)
-    own = shape_contacts if len(set(shape_contacts)) > 1 else [None] * len(body.shapes)
-    for index, (shape, contact) in enumerate(zip(body.shapes, own, strict=True)):
+            _visual(link, name, mesh, mesh_material, export)
+    contacts = shape_contacts if len(set(shape_contacts)) > 1 else [None] * len(body.shapes)
+    for index, (shape, contact) in enumerate(zip(body.shapes, contacts, strict=True)):
         collision = _collision(link, f"collider_{index:02d}", shape, export)
         if contact is not None:
             _proximity(collision, contact)
@@ -68,10 +70,10 @@ def rewrite_urdf(
     for name, value in contact.items():
         ElementTree.SubElement(fresh[0], name, value=_text(value))
     link[:0] = list(fresh)
-    for collision, own in zip(link.findall("collision"), shape_contacts, strict=False):
+    for collision, shape_contact in zip(link.findall("collision"), shape_contacts, strict=False):
         for old in collision.findall(f"{{{DRAKE}}}proximity_properties"):
             collision.remove(old)
-            _proximity(collision, own)
+            _proximity(collision, shape_contact)
     _save(robot, path)
 
 
@@ -95,13 +97,15 @@ def _inertial(link: ElementTree.Element, body: RigidBody) -> None:
     ElementTree.SubElement(inertial, "inertia", entries)
 
 
-def _visual(link: ElementTree.Element, name: str, mesh: Mesh, look: Look, export: Path) -> None:
+def _visual(link: ElementTree.Element, name: str, mesh: Mesh, mesh_material: MeshMaterial, export: Path) -> None:
     visual = ElementTree.SubElement(link, "visual", name=name)
     ElementTree.SubElement(visual, "origin", xyz="0 0 0", rpy="0 0 0")
     _write_obj(export / "meshes" / f"visual_{name}.obj", mesh.points, mesh.triangles, mesh.uvs[0] if mesh.uvs else None)
     _mesh_element(visual, f"visual_{name}.obj")
-    material = ElementTree.SubElement(visual, "material", name=look.prim_name)
-    ElementTree.SubElement(material, "color", rgba=_texts((*_srgb(look.material), look.material.opacity)))
+    material = ElementTree.SubElement(visual, "material", name=mesh_material.prim_name)
+    ElementTree.SubElement(
+        material, "color", rgba=_texts((*_srgb(mesh_material.material), mesh_material.material.opacity))
+    )
 
 
 def _proximity(collision: ElementTree.Element, contact: Contact) -> None:

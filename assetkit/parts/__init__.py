@@ -1,1 +1,1 @@
-"""Parts of an object: proposed, made one, labelled, put in order."""
+"""Parts of an object: proposed, merged, labelled and ordered by size. Start with `find`."""

@@ -1,4 +1,4 @@
-"""The parts of an object, as its record has them."""
+"""Parts of an object for its record, from canonical meshes (metres), materials, category and an optional segmenter."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assetkit.parts.proposals import Segmented, Segmenter, joined, propose
-from assetkit.parts.reconcile import Piece, reconcile
+from assetkit.parts.proposals import Segmenter, SegmenterResult, join_meshes, propose
+from assetkit.parts.reconcile import PartCandidate, reconcile
 from assetkit.taxonomy.tables import categories
 from geom.features.cavities import Cavity
-from geom.features.regions import Faces
+from geom.features.regions import FaceGeometry
 from schemas.asset import vec3
 from schemas.evidence import Evidence, default, inferred, measured
 from schemas.model import Material, Mesh
 from schemas.parts import UNLABELLED, Part, part_faces
 
-# How sure it is that a region is a part at all: the source says so, clues agree, one clue alone.
+# Confidence that a region is a part: stated by the source, clues agree, one clue alone.
 _STATED, _AGREED, _ALONE = 0.8, 0.7, 0.5
 
 
 @dataclass(frozen=True)
-class Found:
-    """Parts, the one with most surface first; in words, what was wrong with the answer of a segmenter."""
+class PartsResult:
+    """Parts, the one with most surface first; `segmenter_problem` explains a missing or partial answer."""
 
     parts: tuple[Evidence[Part], ...]
     segmenter_problem: str = ""
@@ -37,34 +37,34 @@ def find_parts(
     *,
     segmenter: Segmenter | None = None,
     cavities: Sequence[Cavity] = (),
-) -> Found:
+) -> PartsResult:
     """Parts of canonical `meshes` by prim name, none when nothing but the whole was proposed.
 
-    `category` may be unknown. No label is surer than the category
-    whose vocabulary it is from. `cavities` are those of the solid.
+    `category` may be unknown. No label has more confidence than the category whose vocabulary it is from. `cavities`
+    are those of the solid.
     """
     shown = {prim: mesh for prim, mesh in meshes.items() if len(mesh.triangles)}
     known = categories().get(category.value)
     vocabulary, kind = (known.parts, known.id) if known else ((), "")
     if not shown:
-        return Found(())
-    surface = joined(list(shown.values()))
+        return PartsResult(())
+    surface = join_meshes(list(shown.values()))
     if surface.area.sum() <= 0.0:
-        return Found(())
+        return PartsResult(())
     openings = [c.direction for c in cavities if not c.through]
-    said = segmenter.segment(surface, kind, vocabulary) if segmenter is not None else Segmented()
-    proposals = propose(surface, list(shown.values()), materials, kind, vocabulary, said.proposals, openings)
-    made = reconcile(surface, proposals, kind, vocabulary)
+    learned = segmenter.segment(surface, kind, vocabulary) if segmenter is not None else SegmenterResult()
+    proposals = propose(surface, list(shown.values()), materials, kind, vocabulary, learned.proposals, openings)
+    reconciled = reconcile(surface, proposals, kind, vocabulary)
     most = category.confidence if known else 1.0
     parts = [
         _part(surface, shown, piece, f"part_{i}", most, parent)
-        for i, (piece, parent) in enumerate(zip(made.pieces, made.parents, strict=True))
+        for i, (piece, parent) in enumerate(zip(reconciled.pieces, reconciled.parents, strict=True))
     ]
-    return Found(tuple(parts), said.problem)
+    return PartsResult(tuple(parts), learned.problem)
 
 
 def _part(
-    surface: Faces, meshes: Mapping[str, Mesh], piece: Piece, part_id: str, most: float, parent: int
+    surface: FaceGeometry, meshes: Mapping[str, Mesh], piece: PartCandidate, part_id: str, most: float, parent: int
 ) -> Evidence[Part]:
     label: Evidence[str] = default(UNLABELLED, piece.doubt or "no clue")
     if piece.label != UNLABELLED:
@@ -72,7 +72,7 @@ def _part(
         label = inferred(piece.label, "part names of the category", min(piece.confidence, most), inputs=clues)
     low, high = surface.box(piece.faces)
     starts = np.cumsum([0, *(len(m.triangles) for m in meshes.values())])
-    own = [np.flatnonzero(piece.faces[a:b]) for a, b in itertools.pairwise(starts)]
+    indices = [np.flatnonzero(piece.faces[a:b]) for a, b in itertools.pairwise(starts)]
     part = Part(
         part_id=part_id,
         label=label,
@@ -80,12 +80,12 @@ def _part(
         name=label.value if label.confidence else next((n for n in piece.names if n), part_id),
         sources=piece.sources,
         source_path=piece.path,
-        faces=tuple(part_faces(prim, k) for prim, k in zip(meshes, own, strict=True) if len(k)),
+        faces=tuple(part_faces(prim, k) for prim, k in zip(meshes, indices, strict=True) if len(k)),
         triangles=int(piece.faces.sum()),
         area_m2=piece.area,
         low_m=vec3(low),
         high_m=vec3(high),
         parent=f"part_{parent}" if parent >= 0 else None,
     )
-    sure = _STATED if "hierarchy" in piece.sources else _AGREED if len(piece.sources) > 1 else _ALONE
-    return measured(part, "regions proposed by " + ", ".join(piece.sources), confidence=sure)
+    confidence = _STATED if "hierarchy" in piece.sources else _AGREED if len(piece.sources) > 1 else _ALONE
+    return measured(part, "regions proposed by " + ", ".join(piece.sources), confidence=confidence)

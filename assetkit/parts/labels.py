@@ -1,4 +1,4 @@
-"""What a region is called: by its names in the source, or by its shape in things of its category."""
+"""Votes for the label of a region, by its names in the source and by its shape in things of its category."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:  # It brings all that finds regions, which `mana review` only 
 
 # How much a clue counts (judgements): a node that is called so, a render material, a plain shape, a less plain one.
 BY_NODE, BY_MATERIAL, BY_SHAPE, BY_FAINT_SHAPE = 0.8, 0.6, 0.7, 0.6
-WITHOUT_CATEGORY = 0.7  # of it is left when nobody knows the category
+WITHOUT_CATEGORY = 0.7  # factor on the confidence when the category is unknown
 # Words that name a part of anything; "back", "head" or "top" do so only in the right category.
 ANYWHERE = ("handle", "lid", "knob", "drawer", "door", "leg", "spout", "wheel", "button", "blade", "cap")
 
@@ -43,7 +43,7 @@ _FAINT = ("arm", "upright", "cover", "stopper")
 
 @dataclass(frozen=True)
 class Vote:
-    """A label that a clue speaks for, how sure it is, of which kind the clue is, and the clue in words."""
+    """A label with its confidence, the kind of the clue that supports it, and the clue in words."""
 
     label: str
     confidence: float
@@ -52,7 +52,7 @@ class Vote:
 
 
 def votes(proposal: Proposal, category: str, vocabulary: Sequence[str]) -> tuple[Vote, ...]:
-    """What a proposal says its region is called, by name and by shape."""
+    """Votes for the label of the proposal's region, by name and by shape."""
     if proposal.label:
         return (Vote(proposal.label, proposal.confidence, "learned", f"segmenter {proposal.by}".strip()),)
     return (*_by_name(proposal, vocabulary), *_by_shape(proposal, category))
@@ -61,7 +61,7 @@ def votes(proposal: Proposal, category: str, vocabulary: Sequence[str]) -> tuple
 def _by_name(proposal: Proposal, vocabulary: Sequence[str]) -> tuple[Vote, ...]:
     strength = {"hierarchy": BY_NODE, "material": BY_MATERIAL}.get(proposal.source, proposal.confidence)
     for name in proposal.names:
-        label = named(name, vocabulary or ANYWHERE)
+        label = label_in_name(name, vocabulary or ANYWHERE)
         if label is not None and strength > 0.0:
             sure = strength if vocabulary else WITHOUT_CATEGORY * strength
             return (Vote(label, sure, proposal.source, f"{proposal.source} '{name}'"),)
@@ -76,15 +76,15 @@ def _by_shape(proposal: Proposal, category: str) -> tuple[Vote, ...]:
     return (Vote(label, sure, "shape", f"shape: {proposal.role}"),)
 
 
-def named(name: str, vocabulary: Sequence[str]) -> str | None:
+def label_in_name(name: str, vocabulary: Sequence[str]) -> str | None:
     """The part a name ends with or holds last, None when it names none: `Chair_Leg_FL` is a leg."""
     words = words_of(name)
     last: tuple[int, str] | None = None
     for part in vocabulary:
-        wanted = tuple(part.split())
-        for start in range(len(words) - len(wanted) + 1):
-            here = words[start : start + len(wanted)]
+        part_words = tuple(part.split())
+        for start in range(len(words) - len(part_words) + 1):
+            here = words[start : start + len(part_words)]
             ends = (here[-1], *singulars(here[-1]))
-            if here[:-1] == wanted[:-1] and wanted[-1] in ends:
-                last = max(last or (-1, ""), (start + len(wanted), part))
+            if here[:-1] == part_words[:-1] and part_words[-1] in ends:
+                last = max(last or (-1, ""), (start + len(part_words), part))
     return None if last is None else last[1]

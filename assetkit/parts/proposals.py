@@ -1,4 +1,4 @@
-"""Regions that may be parts: by source node, render material, connected surface and shape."""
+"""Proposals of part regions, from source nodes, render materials, connected surfaces and shape (metres)."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from typing import Protocol
 
 import numpy as np
 
-from geom.features.axial_regions import broad_regions, end_regions, stem_regions, stout_regions
-from geom.features.protrusions import limb_regions
-from geom.features.regions import Faces, Region, boss_regions, faces_of, plate_regions, side_regions
+from geom.features.axial_regions import neck_regions, regions_by_thickness, regions_by_width, stem_regions
+from geom.features.protrusions import find_protrusions
+from geom.features.regions import FaceGeometry, SurfaceRegion, boss_regions, face_geometry, plate_regions, side_regions
 from geom.mesh.edges import edges_of, face_components
 from geom.mesh.topology import repeats_point
 from schemas.model import FloatArray, IntArray, Material, Mesh
 from schemas.parts import ProposalSource
 
 MOST_COMPONENTS = 24
-# Where handle and spout both stick out, they are told apart by the handle alone coming back to the body.
+# Where handle and spout both protrude, only the handle returns to the body.
 _WITH_SPOUT = ("pitcher", "teapot")
 _PIECES = ("hierarchy", "material", "component")
 LEAST_SHARE = 0.002  # of the surface; what is smaller is no part of its own
 
-# What shape is looked for in which category: elsewhere a bulge or a plate means nothing.
-_LOOKED_FOR: dict[str, Callable[[Faces], tuple[Region, ...]]] = {
+# The shape detector of each category: elsewhere a bulge or a plate means nothing.
+_SHAPE_DETECTORS: dict[str, Callable[[FaceGeometry], tuple[SurfaceRegion, ...]]] = {
     **dict.fromkeys(("table", "desk", "stool", "bench", "chair"), plate_regions),
-    **dict.fromkeys(("bottle", "pill_bottle", "vase"), end_regions),
-    **dict.fromkeys(("spoon", "fork", "cooking_utensil", "hammer", "screwdriver", "scissors"), broad_regions),
-    "knife": stout_regions,
+    **dict.fromkeys(("bottle", "pill_bottle", "vase"), neck_regions),
+    **dict.fromkeys(("spoon", "fork", "cooking_utensil", "hammer", "screwdriver", "scissors"), regions_by_width),
+    "knife": regions_by_thickness,
     "drinking_glass": stem_regions,
     "block": boss_regions,
 }
@@ -53,30 +53,30 @@ class Proposal:
 
 
 @dataclass(frozen=True)
-class Segmented:
-    """What a segmenter proposes, with source `learned`; in words why there is nothing, or less than it said."""
+class SegmenterResult:
+    """Proposals of a segmenter, with source `learned`; `problem` explains why there are none, or fewer than it gave."""
 
     proposals: tuple[Proposal, ...] = ()
     problem: str = ""
 
 
 class Segmenter(Protocol):
-    """A learned segmenter: regions of a surface with the part names it was asked for. Deterministic, never raises."""
+    """A learned segmenter: regions of a surface with the part names of a vocabulary. Deterministic, never raises."""
 
-    def segment(self, surface: Faces, category: str, vocabulary: Sequence[str]) -> Segmented:
+    def segment(self, surface: FaceGeometry, category: str, vocabulary: Sequence[str]) -> SegmenterResult:
         """Regions of the surface; labels outside `vocabulary` are left out by the caller."""
         ...
 
 
-def joined(meshes: Sequence[Mesh]) -> Faces:
+def join_meshes(meshes: Sequence[Mesh]) -> FaceGeometry:
     """One surface of all meshes, triangles in order."""
     starts = np.cumsum([0, *(len(m.points) for m in meshes)])
     triangles = np.concatenate([m.triangles + s for m, s in zip(meshes, starts, strict=False)])
-    return faces_of(np.concatenate([m.points for m in meshes]), triangles)
+    return face_geometry(np.concatenate([m.points for m in meshes]), triangles)
 
 
 def propose(
-    surface: Faces,
+    surface: FaceGeometry,
     meshes: Sequence[Mesh],
     materials: Sequence[Material],
     category: str,
@@ -84,28 +84,28 @@ def propose(
     learned: Sequence[Proposal] = (),
     openings: Sequence[FloatArray] = (),
 ) -> list[Proposal]:
-    """All proposals, by what the source says, what the shape shows and what was `learned`; none is the whole object."""
+    """All proposals by source, by shape and those `learned` by a segmenter; none is the whole object."""
     owner = np.repeat(np.arange(len(meshes)), [len(m.triangles) for m in meshes])
-    found = [*_by_node(meshes, owner), *_by_material(meshes, materials, owner), *_by_component(surface)]
+    proposals = [*_by_node(meshes, owner), *_by_material(meshes, materials, owner), *_by_component(surface)]
     shaped = _shaped(surface, category, openings)
     if shaped:
         sure = category not in _WITH_SPOUT or sorted(r.role for r in shaped) in (["loop"], ["arm", "loop"])
-        found += [Proposal(r.faces, "shape", role=r.role if sure else "") for r in shaped]
-    found += [p for p in learned if p.label in ("", *vocabulary)]
-    found = [replace(p, role=_role_of_piece(surface, p.faces)) if p.source in _PIECES else p for p in found]
+        proposals += [Proposal(r.faces, "shape", role=r.role if sure else "") for r in shaped]
+    proposals += [p for p in learned if p.label in ("", *vocabulary)]
+    proposals = [replace(p, role=_role_of_piece(surface, p.faces)) if p.source in _PIECES else p for p in proposals]
     total = surface.area.sum()
-    return [p for p in found if LEAST_SHARE * total < surface.area[p.faces].sum() < 0.98 * total]
+    return [p for p in proposals if LEAST_SHARE * total < surface.area[p.faces].sum() < 0.98 * total]
 
 
-def _shaped(surface: Faces, category: str, openings: Sequence[FloatArray]) -> tuple[Region, ...]:
+def _shaped(surface: FaceGeometry, category: str, openings: Sequence[FloatArray]) -> tuple[SurfaceRegion, ...]:
     """Regions by shape, of the kinds that things of the category have."""
-    if category in _LOOKED_FOR:
-        return _LOOKED_FOR[category](surface)
-    found = side_regions(surface) if category in _ROUND else ()
-    if found or category not in _WITH_LIMBS:
-        return found
+    if category in _SHAPE_DETECTORS:
+        return _SHAPE_DETECTORS[category](surface)
+    regions = side_regions(surface) if category in _ROUND else ()
+    if regions or category not in _WITH_LIMBS:
+        return regions
     # A flap of a box or the lip of a tray is no limb that anything is known of; a bow is held.
-    return tuple(r for r in limb_regions(surface, openings) if category in _ROUND or r.role == "loop")
+    return tuple(r for r in find_protrusions(surface, openings) if category in _ROUND or r.role == "loop")
 
 
 def _by_node(meshes: Sequence[Mesh], owner: IntArray) -> list[Proposal]:
@@ -115,8 +115,8 @@ def _by_node(meshes: Sequence[Mesh], owner: IntArray) -> list[Proposal]:
     if len(groups) < 2:
         return []
     return [
-        Proposal(np.isin(owner, own), "hierarchy", (meshes[own[0]].name, path.rpartition("/")[2]), path)
-        for path, own in groups.items()
+        Proposal(np.isin(owner, members), "hierarchy", (meshes[members[0]].name, path.rpartition("/")[2]), path)
+        for path, members in groups.items()
     ]
 
 
@@ -125,24 +125,24 @@ def _by_material(meshes: Sequence[Mesh], materials: Sequence[Material], owner: I
     if len(used) < 2:
         return []
     groups = [(k, [i for i, m in enumerate(meshes) if m.material == k]) for k in used]
-    return [Proposal(np.isin(owner, own), "material", (materials[k].name,)) for k, own in groups]
+    return [Proposal(np.isin(owner, members), "material", (materials[k].name,)) for k, members in groups]
 
 
-def _by_component(surface: Faces) -> list[Proposal]:
+def _by_component(surface: FaceGeometry) -> list[Proposal]:
     """Connected pieces, unless the surface falls into crumbs."""
-    own = np.flatnonzero(~repeats_point(surface.triangles))
-    count, label = face_components(edges_of(surface.triangles[own]))
-    share = np.bincount(label, surface.area[own], count) / max(surface.area.sum(), np.finfo(float).tiny)
+    proper = np.flatnonzero(~repeats_point(surface.triangles))
+    count, label = face_components(edges_of(surface.triangles[proper]))
+    share = np.bincount(label, surface.area[proper], count) / max(surface.area.sum(), np.finfo(float).tiny)
     large = np.flatnonzero(share > LEAST_SHARE)
     if not 2 <= len(large) <= MOST_COMPONENTS:
         return []
     masks = np.zeros((len(large), len(surface.triangles)), dtype=bool)
     for row, piece in enumerate(large):
-        masks[row, own[label == piece]] = True
+        masks[row, proper[label == piece]] = True
     return [Proposal(mask, "component") for mask in masks]
 
 
-def _role_of_piece(surface: Faces, faces: IntArray) -> str:
+def _role_of_piece(surface: FaceGeometry, faces: IntArray) -> str:
     """`cover` for a piece of its own at the upper end of a thing, in the middle and narrower than the rest; else ""."""
     if not faces.any():
         return ""

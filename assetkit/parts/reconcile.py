@@ -1,4 +1,4 @@
-"""From proposals to parts: one of each, none that cross, each with its label, parent and order."""
+"""Merges proposals into parts: one per region, none that overlap in part, each with label, parent and order by area."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 
 from assetkit.parts.labels import Vote, votes
 from assetkit.parts.proposals import LEAST_SHARE, Proposal
-from geom.features.regions import Faces
+from geom.features.regions import FaceGeometry
 from schemas.model import FloatArray, IntArray
 from schemas.parts import UNLABELLED, ProposalSource
 
-SAME = 0.75  # intersection over union of the surface from which two regions are one
-WITHIN = 0.9  # of the smaller one inside the other: it is a part of it; less, and they cross
+MIN_IOU = 0.75  # intersection over union of the surface from which two regions are one
+CONTAINED_SHARE = 0.9  # of the smaller one inside the other: it is a part of it; less, and they cross
 MOST_PARTS = 64
 _STRENGTH = {"learned": 0.5, "hierarchy": 0.4, "shape": 0.35, "material": 0.3, "component": 0.2}
-# What stands lower in the things that have both.
-_OVER = {("lid", "body"), ("knob", "body"), ("seat", "leg"), ("top", "leg"), ("back", "leg"), ("cap", "base")}
-# Categories in which the rest of the object is its body once something was taken off it.
+# (upper, lower): the first label is above the second in things that have both.
+_ABOVE = {("lid", "body"), ("knob", "body"), ("seat", "leg"), ("top", "leg"), ("back", "leg"), ("cap", "base")}
+# Categories in which the rest of the object is its body once a part was labelled.
 _HAVE_BODY = (
     "mug",
     "cup",
@@ -37,9 +37,9 @@ _HAVE_BODY = (
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A region that proposals agree on. `area` of its surface, `votes` for labels; labels that it `may_be` in `doubt`,
-    which says what contradicts them.
+class PartCandidate:
+    """A region that proposals agree on, with its `area` (m2) and `votes` for labels. Where clues contradict each other,
+    `may_be` holds the possible labels and `doubt` the reason.
     """
 
     faces: IntArray
@@ -53,9 +53,9 @@ class Piece:
 
     @property
     def label(self) -> str:
-        """What all votes say; `unlabelled` when there is none or they differ."""
-        said = {v.label for v in self.votes}
-        return said.pop() if len(said) == 1 else UNLABELLED
+        """The label of all votes; `unlabelled` when there is none or they differ."""
+        labels = {v.label for v in self.votes}
+        return labels.pop() if len(labels) == 1 else UNLABELLED
 
     @property
     def confidence(self) -> float:
@@ -72,50 +72,54 @@ class Piece:
 class Reconciled:
     """Pieces by falling area, and the index of the one that holds each (-1: none)."""
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[PartCandidate, ...]
     parents: tuple[int, ...]
 
 
-def reconcile(surface: Faces, proposals: Sequence[Proposal], category: str, vocabulary: Sequence[str]) -> Reconciled:
-    """The parts of an object. `category` is "" and `vocabulary` empty while nobody knows what it is."""
+def reconcile(
+    surface: FaceGeometry, proposals: Sequence[Proposal], category: str, vocabulary: Sequence[str]
+) -> Reconciled:
+    """The parts of an object. `category` is "" and `vocabulary` empty while the category is unknown."""
     pieces = [_piece(surface, p, votes(p, category, vocabulary)) for p in proposals]
     pieces = _without_shared_name(pieces)
-    kept: list[Piece] = []
-    for piece in sorted(pieces, key=lambda p: (-_standing(p), -p.area, int(np.argmax(p.faces)))):
-        kept = _suppressed(surface, kept, piece)
-    kept = _with_body(surface, _merged(surface, kept[:MOST_PARTS]), category)
-    kept = _in_order(surface, kept)
-    kept.sort(key=lambda p: (-round(p.area / surface.area.sum(), 6), int(np.argmax(p.faces))))
-    return Reconciled(tuple(kept), tuple(_parent(surface, kept, p) for p in kept))
+    selected: list[PartCandidate] = []
+    for piece in sorted(pieces, key=lambda p: (-_priority(p), -p.area, int(np.argmax(p.faces)))):
+        selected = _non_maximum_suppression(surface, selected, piece)
+    selected = _with_body(surface, _merged(surface, selected[:MOST_PARTS]), category)
+    selected = _in_order(surface, selected)
+    selected.sort(key=lambda p: (-round(p.area / surface.area.sum(), 6), int(np.argmax(p.faces))))
+    return Reconciled(tuple(selected), tuple(_parent(surface, selected, p) for p in selected))
 
 
-def _piece(surface: Faces, proposal: Proposal, said: tuple[Vote, ...]) -> Piece:
+def _piece(surface: FaceGeometry, proposal: Proposal, label_votes: tuple[Vote, ...]) -> PartCandidate:
     area = float(surface.area[proposal.faces].sum())
-    return Piece(proposal.faces, area, (proposal.source,), proposal.names, proposal.path, said)
+    return PartCandidate(proposal.faces, area, (proposal.source,), proposal.names, proposal.path, label_votes)
 
 
-def _standing(piece: Piece) -> float:
+def _priority(piece: PartCandidate) -> float:
     """The order in which pieces are taken: those with a name first, then by who proposed them."""
     return piece.confidence + max(_STRENGTH[s] for s in piece.sources)
 
 
-def _without_shared_name(pieces: Sequence[Piece]) -> list[Piece]:
+def _without_shared_name(pieces: Sequence[PartCandidate]) -> list[PartCandidate]:
     """A label that every node (or every material) bears is the name of the object, not of its parts."""
     result = list(pieces)
     for source in ("hierarchy", "material"):
-        own = [i for i, p in enumerate(result) if p.sources == (source,)]
-        labels = {result[i].label for i in own}
-        if len(own) > 1 and len(labels) == 1 and UNLABELLED not in labels:
-            for i in own:
+        members = [i for i, p in enumerate(result) if p.sources == (source,)]
+        labels = {result[i].label for i in members}
+        if len(members) > 1 and len(labels) == 1 and UNLABELLED not in labels:
+            for i in members:
                 result[i] = replace(result[i], votes=())
     return result
 
 
-def _suppressed(surface: Faces, kept: list[Piece], piece: Piece) -> list[Piece]:
+def _non_maximum_suppression(
+    surface: FaceGeometry, selected: list[PartCandidate], piece: PartCandidate
+) -> list[PartCandidate]:
     """`kept` with `piece`: merged into the same region, left out when it crosses one, else added."""
-    for index, other in enumerate(kept):
+    for index, other in enumerate(selected):
         both = float(surface.area[piece.faces & other.faces].sum())
-        if both >= SAME * (piece.area + other.area - both):
+        if both >= MIN_IOU * (piece.area + other.area - both):
             merged = replace(
                 other,
                 sources=tuple(dict.fromkeys((*other.sources, *piece.sources))),
@@ -123,15 +127,15 @@ def _suppressed(surface: Faces, kept: list[Piece], piece: Piece) -> list[Piece]:
                 path=other.path or piece.path,
                 votes=(*other.votes, *piece.votes),
             )
-            return [*kept[:index], merged, *kept[index + 1 :]]
-        if (1.0 - WITHIN) * min(piece.area, other.area) < both < WITHIN * min(piece.area, other.area):
-            return kept
-    return [*kept, piece]
+            return [*selected[:index], merged, *selected[index + 1 :]]
+        if (1.0 - CONTAINED_SHARE) * min(piece.area, other.area) < both < CONTAINED_SHARE * min(piece.area, other.area):
+            return selected
+    return [*selected, piece]
 
 
-def _merged(surface: Faces, pieces: Sequence[Piece]) -> list[Piece]:
+def _merged(surface: FaceGeometry, pieces: Sequence[PartCandidate]) -> list[PartCandidate]:
     """Pieces of one label whose boxes are mostly the same, such as inside and outside of a body, as one."""
-    result: list[Piece] = []
+    result: list[PartCandidate] = []
     for piece in pieces:
         twin = next((p for p in result if p.label == piece.label != UNLABELLED and _alike(surface, p, piece)), None)
         if twin is None:
@@ -141,20 +145,20 @@ def _merged(surface: Faces, pieces: Sequence[Piece]) -> list[Piece]:
         votes = (*twin.votes, *piece.votes)
         names = tuple(dict.fromkeys((*twin.names, *piece.names)))
         sources = tuple(dict.fromkeys((*twin.sources, *piece.sources)))
-        merged = Piece(faces, float(surface.area[faces].sum()), sources, names, "", votes)
+        merged = PartCandidate(faces, float(surface.area[faces].sum()), sources, names, "", votes)
         result[[p is twin for p in result].index(True)] = merged
     return result
 
 
-def _alike(surface: Faces, one: Piece, two: Piece) -> bool:
+def _alike(surface: FaceGeometry, one: PartCandidate, two: PartCandidate) -> bool:
     (low, high), (low_2, high_2) = surface.box(one.faces), surface.box(two.faces)
     slack = 1e-3 * float(surface.extent.max())
     shared = float(np.prod(np.maximum(np.minimum(high, high_2) - np.maximum(low, low_2), 0.0) + slack))
     return shared > 0.5 * float(max(np.prod(high - low + slack), np.prod(high_2 - low_2 + slack)))
 
 
-def _with_body(surface: Faces, pieces: list[Piece], category: str) -> list[Piece]:
-    """What is left of a vessel or block without the parts that were told by shape is its body."""
+def _with_body(surface: FaceGeometry, pieces: list[PartCandidate], category: str) -> list[PartCandidate]:
+    """Pieces with the body: what remains of a vessel or block without the parts that were labelled by shape."""
     off = [p for p in pieces if p.label not in (UNLABELLED, "body") and any(v.kind == "shape" for v in p.votes)]
     if category not in _HAVE_BODY or not off or any(p.label == "body" for p in pieces):
         return pieces
@@ -163,47 +167,49 @@ def _with_body(surface: Faces, pieces: list[Piece], category: str) -> list[Piece
     if area <= LEAST_SHARE * surface.area.sum():
         return pieces
     sure = min(p.confidence for p in off)
-    body = Piece(rest, area, ("shape",), (), "", (Vote("body", sure, "shape", "shape: rest of the object"),))
-    return _suppressed(surface, [p for p in pieces if p.label != UNLABELLED], body) + [
+    body = PartCandidate(rest, area, ("shape",), (), "", (Vote("body", sure, "shape", "shape: rest of the object"),))
+    return _non_maximum_suppression(surface, [p for p in pieces if p.label != UNLABELLED], body) + [
         p for p in pieces if p.label == UNLABELLED and not _crosses(surface, p, body)
     ]
 
 
-def _crosses(surface: Faces, piece: Piece, other: Piece) -> bool:
+def _crosses(surface: FaceGeometry, piece: PartCandidate, other: PartCandidate) -> bool:
     both = float(surface.area[piece.faces & other.faces].sum())
-    return both > (1.0 - WITHIN) * min(piece.area, other.area)
+    return both > (1.0 - CONTAINED_SHARE) * min(piece.area, other.area)
 
 
-def _in_order(surface: Faces, pieces: list[Piece]) -> list[Piece]:
-    """Labels that stand the wrong way round in height are taken back; so are those that clues dispute."""
-    made = [_disputed(p) for p in pieces]
+def _in_order(surface: FaceGeometry, pieces: list[PartCandidate]) -> list[PartCandidate]:
+    """Pieces without the labels whose order in height is wrong, and without those that clues dispute."""
+    ordered = [_disputed(p) for p in pieces]
     height = [_middle(surface, p)[2] for p in pieces]
-    for upper, lower in sorted(_OVER):
+    for upper, lower in sorted(_ABOVE):
         above = [i for i, p in enumerate(pieces) if p.label == upper]
         below = [i for i, p in enumerate(pieces) if p.label == lower]
         if above and below and max(height[i] for i in above) < min(height[i] for i in below):
             for i in (*above, *below):
-                made[i] = replace(made[i], votes=(), may_be=(pieces[i].label,), doubt=f"{upper} lies under {lower}")
-    return made
+                ordered[i] = replace(
+                    ordered[i], votes=(), may_be=(pieces[i].label,), doubt=f"{upper} lies under {lower}"
+                )
+    return ordered
 
 
-def _disputed(piece: Piece) -> Piece:
-    """A piece that knows which labels its clues speak for, where these differ."""
-    said = tuple(sorted({v.label for v in piece.votes}))
-    if len(said) < 2:
+def _disputed(piece: PartCandidate) -> PartCandidate:
+    """The piece with the labels that its clues support, where these differ."""
+    labels = tuple(sorted({v.label for v in piece.votes}))
+    if len(labels) < 2:
         return piece
-    return replace(piece, may_be=said, doubt="; ".join(v.clue for v in piece.votes))
+    return replace(piece, may_be=labels, doubt="; ".join(v.clue for v in piece.votes))
 
 
-def _parent(surface: Faces, pieces: Sequence[Piece], piece: Piece) -> int:
+def _parent(surface: FaceGeometry, pieces: Sequence[PartCandidate], piece: PartCandidate) -> int:
     """The smallest larger piece whose surface holds this one."""
     holds = [
         (p.area, i)
         for i, p in enumerate(pieces)
-        if p.area > piece.area and surface.area[p.faces & piece.faces].sum() >= WITHIN * piece.area
+        if p.area > piece.area and surface.area[p.faces & piece.faces].sum() >= CONTAINED_SHARE * piece.area
     ]
     return min(holds)[1] if holds else -1
 
 
-def _middle(surface: Faces, piece: Piece) -> FloatArray:
+def _middle(surface: FaceGeometry, piece: PartCandidate) -> FloatArray:
     return np.average(surface.middle[piece.faces], axis=0, weights=surface.area[piece.faces])

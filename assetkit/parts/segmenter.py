@@ -1,8 +1,8 @@
-"""A segmenter of the user's own, run as a command in a cell: what it answers is checked, what it breaks is not ours.
+"""Runs the user's segmenter as a command in a child process; its checked answer becomes part proposals.
 
 The command gets two paths: an `.npz` to read (points (n, 3) in metres, z up, and triangles (m, 3)), and a JSON file to
-write: `{"parts": [{"label": "handle", "confidence": 0.8, "triangles": [0, 1, ...]}]}`. What was asked stands in
-`question.json` beside it: the category and the part names it may use.
+write: `{"parts": [{"label": "handle", "confidence": 0.8, "triangles": [0, 1, ...]}]}`. `question.json`
+beside it holds the category and the part names that it may use.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from assetkit.parts.proposals import Proposal, Segmented
-from geom.features.regions import Faces
+from assetkit.parts.proposals import Proposal, SegmenterResult
+from geom.features.regions import FaceGeometry
 from jobs.cell import Limits, run_cell
 
 MOST_BYTES = 16 * 2**20
 MOST_PARTS = 64
-MOST_SAID = 200
+MAX_OUTPUT_CHARACTERS = 200
 MEMORY_MB = 8192
 LIMITS = Limits(seconds=60.0, memory_mb=MEMORY_MB)
-SEEN = 0.8  # of the confidence of a model counts, as for categories
+MODEL_TRUST = 0.8  # of the confidence of a model counts, as for categories
 
 
 class _Region(BaseModel):
@@ -54,37 +54,39 @@ class CommandSegmenter:
     command: tuple[str, ...]
     limits: Limits = LIMITS
 
-    def segment(self, surface: Faces, category: str, vocabulary: Sequence[str]) -> Segmented:
+    def segment(self, surface: FaceGeometry, category: str, vocabulary: Sequence[str]) -> SegmenterResult:
         """Proposals in the order of the answer; none without a usable one."""
         with tempfile.TemporaryDirectory() as place:
             surface_file, answer_file = Path(place, "surface.npz"), Path(place, "answer.json")
             np.savez(surface_file, points=surface.points, triangles=surface.triangles)
-            asked = {"category": category, "labels": list(vocabulary)}
-            Path(place, "question.json").write_text(json.dumps(asked), encoding="utf-8")
+            question = {"category": category, "labels": list(vocabulary)}
+            Path(place, "question.json").write_text(json.dumps(question), encoding="utf-8")
             result = run_cell([*self.command, str(surface_file), str(answer_file)], self.limits)
             if result.status != "ok":
-                said = (result.output.strip().splitlines() or ["no output"])[-1][:MOST_SAID]
-                return Segmented(problem=f"{result.status.replace('_', ' ')}: {said}")
+                last_line = (result.output.strip().splitlines() or ["no output"])[-1][:MAX_OUTPUT_CHARACTERS]
+                return SegmenterResult(problem=f"{result.status.replace('_', ' ')}: {last_line}")
             answer = _read(answer_file)
         if answer is None:
-            return Segmented(problem="its answer is missing, too large or of another form")
+            return SegmenterResult(problem="its answer is missing, too large or of another form")
         known = [region for region in answer.parts if region.label in vocabulary]
-        found = [_proposal(region, len(surface.triangles), self.name) for region in known]
-        proposals = tuple(p for p in found if p is not None)
+        checked = [_proposal(region, len(surface.triangles), self.name) for region in known]
+        proposals = tuple(p for p in checked if p is not None)
         if len(proposals) == len(answer.parts):
-            return Segmented(proposals)
+            return SegmenterResult(proposals)
         names, places = len(answer.parts) - len(known), len(known) - len(proposals)
-        return Segmented(proposals, f"left out: {names} with a name not asked for, {places} with no such triangles")
+        return SegmenterResult(
+            proposals, f"left out: {names} with a name not asked for, {places} with no such triangles"
+        )
 
     @property
     def name(self) -> str:
-        """The program as evidence names it: the last word of the command that is a file, else the first, no folders."""
+        """The program's name in evidence: the last word of the command that is a file, else the first; no folders."""
         files = [word for word in self.command if Path(word).is_file()]
         return Path(files[-1] if files else self.command[0]).name
 
 
 def _read(file: Path) -> _Answer | None:
-    """The answer, None unless it is a plain file of bounded size and the form asked for."""
+    """The answer, None unless it is a plain file of bounded size and the expected form."""
     try:
         if file.is_symlink() or not file.is_file() or file.stat().st_size > MOST_BYTES:
             return None
@@ -95,9 +97,9 @@ def _read(file: Path) -> _Answer | None:
 
 
 def _proposal(region: _Region, count: int, by: str) -> Proposal | None:
-    own = region.triangles
-    if not own or min(own) < 0 or max(own) >= count:
+    triangles = region.triangles
+    if not triangles or min(triangles) < 0 or max(triangles) >= count:
         return None
     faces = np.zeros(count, dtype=bool)
-    faces[own] = True
-    return Proposal(faces, "learned", label=region.label, confidence=SEEN * region.confidence, by=by)
+    faces[triangles] = True
+    return Proposal(faces, "learned", label=region.label, confidence=MODEL_TRUST * region.confidence, by=by)

@@ -1,1 +1,1 @@
-"""The physics section of one asset: mass properties, contact materials of its colliders, statements of the source."""
+"""The physics section of one asset: colliders, mass properties, contact materials; read `build` first."""

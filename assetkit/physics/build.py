@@ -1,4 +1,4 @@
-"""From the physical surface to collision shapes, mass properties and contact parameters."""
+"""Builds the physics section of one rigid body from its solid: collision shapes, mass properties, contact materials."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from pathlib import Path
 
 from assetkit.colliders.choose import choose_colliders
 from assetkit.mass.estimate import mass_evidence
-from assetkit.mass.parts import Clues
-from assetkit.physics.collider_materials import touches
+from assetkit.mass.parts import MassEvidenceInputs
+from assetkit.physics.collider_materials import assign_contact_materials
 from geom.features.cavities import Cavity
 from schemas.asset import PhysicsSection
 from schemas.diagnostics import Diagnostic
@@ -20,7 +20,7 @@ from schemas.stated_physics import StatedContact
 
 @dataclass(frozen=True)
 class PhysicsResult:
-    """What the simulator gets (`shapes`, `mass`, `contact` against any counterpart) and what the record says about it.
+    """The input of the simulator (`shapes`, `mass`, `contact` against any counterpart) and the section of the record.
 
     All in the asset frame, metres and kilograms. For `surfaces` and `shape_surfaces` see `PackageContent`.
     """
@@ -41,41 +41,41 @@ def build_physics(
     *,
     work_dir: Path,
     exclude: frozenset[str] = frozenset(),
-    clues: Clues | None = None,
+    mass_inputs: MassEvidenceInputs | None = None,
     contacts: Sequence[StatedContact] = (),
     cavities: tuple[Cavity, ...] | None = None,
 ) -> PhysicsResult:
     """Physics of one rigid body.
 
-    `names` of the whole (file) may mention its material, `clues` hold what is known about its parts, `contacts` what
-    the source states about friction; `exclude` holds collision methods that must not be chosen again because
+    `names` of the whole (file) may mention its material, `mass_inputs` hold the evidence on its mass, `contacts` the
+    friction that the source states; `exclude` holds collision methods that must not be chosen again because
     acceptance rejected them; `cavities` are those of the solid where they are known. Deterministic, except that a
-    decomposition that runs into its time limit falls to the next rung. Raises ValueError when all points of `solid`
-    coincide.
+    decomposition that runs into its time limit falls back to the next method. Raises ValueError when all points of
+    `solid` coincide.
     """
-    clues = clues or Clues()
+    mass_inputs = mass_inputs or MassEvidenceInputs()
     colliders = choose_colliders(solid, work_dir, exclude, cavities)
-    mass = mass_evidence(solid, names, replace(clues, cavities=colliders.cavities))
-    touched = touches(colliders.shapes, solid, mass, clues, contacts)
+    mass = mass_evidence(solid, names, replace(mass_inputs, cavities=colliders.cavities))
+    contact_materials = assign_contact_materials(colliders.shapes, solid, mass, mass_inputs, contacts)
     section = PhysicsSection(
-        material=touched.material,
+        material=contact_materials.material,
         density_kgm3=mass.density_kgm3,
         mass_kg=mass.mass_kg,
         centre_of_mass_m=mass.centre_of_mass_m,
         inertia_kgm2=mass.inertia_kgm2,
-        mass_parts=touched.parts,
-        contacts=touched.contacts,
+        mass_parts=contact_materials.parts,
+        contacts=contact_materials.contacts,
         collision_method=colliders.method,
         candidates=colliders.candidates,
-        collider_materials=touched.colliders,
+        collider_materials=contact_materials.colliders,
     )
     return PhysicsResult(
         shapes=colliders.shapes,
         mass=mass.properties,
-        contact=touched.contacts[0].value,
+        contact=contact_materials.contacts[0].value,
         section=section,
-        diagnostics=(*colliders.diagnostics, *mass.diagnostics, *touched.diagnostics),
-        repairs=(*mass.repairs, *touched.repairs),
-        surfaces=touched.surfaces,
-        shape_surfaces=touched.shape_surfaces,
+        diagnostics=(*colliders.diagnostics, *mass.diagnostics, *contact_materials.diagnostics),
+        repairs=(*mass.repairs, *contact_materials.repairs),
+        surfaces=contact_materials.surfaces,
+        shape_surfaces=contact_materials.shape_surfaces,
     )

@@ -1,4 +1,4 @@
-"""What each collision shape is made of where it can be touched: the material of the parts it stands for."""
+"""Assigns a contact material to each collision shape: that of the visible surface nearest to most of its surface."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from assetkit.mass.estimate import MassEvidence
-from assetkit.mass.parts import Clues
+from assetkit.mass.parts import MassEvidenceInputs
 from assetkit.physics.source_contacts import contact_evidence
 from geom.convex.support_function import surface
 from geom.mesh.edit import merge_surfaces
@@ -25,12 +25,12 @@ from schemas.stated_physics import StatedContact
 SAMPLES = 4000
 # A shape of which less than this share of the surface is of another material stands for one part.
 MIXED_SHARE = 0.1
-LEAST_SKIN = 0.05  # of a part's surface; what is smaller does not touch as itself
+LEAST_REGION = 0.05  # of a part's surface; smaller regions go to the largest
 
 
 @dataclass(frozen=True)
-class Touches:
-    """How a body touches: contact records and material of most of it, its parts with theirs, those of shapes.
+class ContactMaterials:
+    """Contact materials of a body: contact records and material of most of it, those of its parts and of its shapes.
 
     `surfaces`, `shape_surfaces` (see `schemas.package.PackageContent`) and `colliders` are empty where all is one part.
     """
@@ -46,8 +46,8 @@ class Touches:
 
 
 @dataclass(frozen=True)
-class Skin:
-    """Visible surface of one material: of which part of the mass, its triangles, and the meshes as they were read."""
+class MaterialRegion:
+    """Visible surface of one material: index of its part of the mass, its triangles, and its meshes as read."""
 
     part: int
     material: Evidence[str]
@@ -55,84 +55,92 @@ class Skin:
     as_read: tuple[Mesh, ...]
 
 
-def touches(
+def assign_contact_materials(
     shapes: Sequence[CollisionShape],
     solid: Solid,
     mass: MassEvidence,
-    clues: Clues,
+    mass_inputs: MassEvidenceInputs,
     stated: Sequence[StatedContact],
-) -> Touches:
-    """Contact of a body whose parts have masses as in `mass`; `stated` is what the source says about friction.
+) -> ContactMaterials:
+    """Contact materials of a body whose parts are those of `mass`; `stated` holds the friction that the source states.
 
-    Each shape has the material of the skin that most of its surface belongs to (`surface_shares`), one hidden inside
+    Each shape has the material of the region that most of its surface belongs to (`surface_shares`), one hidden inside
     others that of the largest part, which is also the one that an engine with one material per body should take.
     """
-    skins = skins_of(mass, clues)
-    most = skins[0].material
-    found = [contact_evidence(skin.material, stated, skin.as_read) for skin in skins]
-    own = [next(f.contacts for f, s in zip(found, skins, strict=True) if s.part == i) for i in range(len(mass.parts))]
-    if len(skins) < 2:
-        return Touches(found[0].contacts, most, mass.parts, diagnostics=found[0].diagnostics, repairs=found[0].repairs)
-    names = [skin.material.value for skin in skins]
-    shares = surface_shares(shapes, solid, [skin.meshes for skin in skins])
+    regions = material_regions(mass, mass_inputs)
+    most = regions[0].material
+    evidence = [contact_evidence(region.material, stated, region.as_read) for region in regions]
+    of_parts = [
+        next(e.contacts for e, region in zip(evidence, regions, strict=True) if region.part == i)
+        for i in range(len(mass.parts))
+    ]
+    general = evidence[0]
+    if len(regions) < 2:
+        return ContactMaterials(
+            general.contacts, most, mass.parts, diagnostics=general.diagnostics, repairs=general.repairs
+        )
+    names = [region.material.value for region in regions]
+    shares = surface_shares(shapes, solid, [region.meshes for region in regions])
     chosen = tuple(int(k) for k in shares.argmax(axis=1))  # The first of equals: the largest part where there is none.
-    return Touches(
-        found[0].contacts,
+    return ContactMaterials(
+        general.contacts,
         most,
-        tuple(p.model_copy(update={"contacts": c}) for p, c in zip(mass.parts, own, strict=True)),
+        tuple(p.model_copy(update={"contacts": c}) for p, c in zip(mass.parts, of_parts, strict=True)),
         tuple(
-            SurfaceMaterial(name, mass.parts[skin.part].density_kgm3.value, touch.contacts[0].value)
-            for name, skin, touch in zip(names, skins, found, strict=True)
+            SurfaceMaterial(name, mass.parts[region.part].density_kgm3.value, e.contacts[0].value)
+            for name, region, e in zip(names, regions, evidence, strict=True)
         ),
         chosen,
         tuple(
             ColliderMaterial(collider=f"collider_{k:02d}", material=names[chosen[k]], shares=_by_name(names, row))
             for k, row in enumerate(shares)
         ),
-        (*(d for f in found for d in f.diagnostics), *mixed_note(shares, chosen, names)),
-        tuple(r for f in found for r in f.repairs),
+        (*(d for e in evidence for d in e.diagnostics), *mixed_collider_findings(shares, chosen, names)),
+        tuple(r for e in evidence for r in e.repairs),
     )
 
 
-def skins_of(mass: MassEvidence, clues: Clues) -> tuple[Skin, ...]:
+def material_regions(mass: MassEvidence, mass_inputs: MassEvidenceInputs) -> tuple[MaterialRegion, ...]:
     """The visible surface by part of the mass and by material, the part with most volume first.
 
-    A part whose names tell its material is of that throughout. Others are as they look (`clues.touch`), the skin with
-    most area first; what takes less than 5 % of the part's surface goes to its largest.
+    A part with a material by name is of that throughout. Others have the materials of their faces
+    (`surface_materials`), the largest region first; one of less than 5 % of the part's surface goes to the largest.
     """
-    found: list[Skin] = []
+    regions: list[MaterialRegion] = []
     for part in sorted(range(len(mass.parts)), key=lambda i: -mass.parts[i].volume_share):
         members = mass.members[part] if mass.members else ()
-        named, as_read = mass.parts[part].material, clues.as_read or clues.meshes
-        every = tuple(clues.meshes[m] for m in members)
-        whole = Skin(part, named, every, tuple(as_read[m] for m in members))
-        if named.source != "default" or not clues.touch or not members:
-            found.append(whole)
+        named, as_read = mass.parts[part].material, mass_inputs.as_read or mass_inputs.meshes
+        every = tuple(mass_inputs.meshes[m] for m in members)
+        whole = MaterialRegion(part, named, every, tuple(as_read[m] for m in members))
+        if named.source != "default" or not mass_inputs.surface_materials or not members:
+            regions.append(whole)
             continue
-        area = np.zeros(len(clues.touch))
+        area = np.zeros(len(mass_inputs.surface_materials))
         for m in members:
-            mesh = clues.meshes[m]
-            np.add.at(area, clues.of_face[m], triangle_areas(mesh.points[mesh.triangles]))
+            mesh = mass_inputs.meshes[m]
+            np.add.at(area, mass_inputs.material_of_face[m], triangle_areas(mesh.points[mesh.triangles]))
         first, *others = np.argsort(-area, kind="stable")
-        kept = [int(k) for k in others if area[k] >= LEAST_SKIN * area.sum() > 0.0]
-        for k in (int(first), *kept):
-            own = [m for m in members if (_chosen(clues.of_face[m], k, kept)).any()]
-            cut = tuple(_of_faces(clues.meshes[m], _chosen(clues.of_face[m], k, kept)) for m in own)
-            found.append(Skin(part, clues.touch[k], cut or every, tuple(as_read[m] for m in own) or whole.as_read))
-    return tuple(found)
+        large = [int(k) for k in others if area[k] >= LEAST_REGION * area.sum() > 0.0]
+        for k in (int(first), *large):
+            masks = {m: _faces_of_material(mass_inputs.material_of_face[m], k, large) for m in members}
+            cut = tuple(_submesh(mass_inputs.meshes[m], mask) for m, mask in masks.items() if mask.any())
+            cut_as_read = tuple(as_read[m] for m, mask in masks.items() if mask.any())
+            material = mass_inputs.surface_materials[k]
+            regions.append(MaterialRegion(part, material, cut or every, cut_as_read or whole.as_read))
+    return tuple(regions)
 
 
-def _chosen(of_face: IntArray, material: int, kept: Sequence[int]) -> IntArray:
-    """(m,) True at the triangles of a material; the largest, which is not among `kept`, takes the rest."""
-    return of_face == material if material in kept else ~np.isin(of_face, kept)
+def _faces_of_material(material_of_face: IntArray, material: int, large: Sequence[int]) -> IntArray:
+    """(m,) True at the triangles of a material; the largest, which is not among `large`, takes the rest."""
+    return material_of_face == material if material in large else ~np.isin(material_of_face, large)
 
 
-def _of_faces(mesh: Mesh, faces: IntArray) -> Mesh:
+def _submesh(mesh: Mesh, faces: IntArray) -> Mesh:
     return Mesh(mesh.name, mesh.points, mesh.triangles[faces], source_path=mesh.source_path)
 
 
 def surface_shares(shapes: Sequence[CollisionShape], solid: Solid, groups: Sequence[Sequence[Mesh]]) -> FloatArray:
-    """(s, g) how much of what can be touched of each shape belongs to each group of visual meshes; rows sum to 1.
+    """(s, g) share of the outer surface of each shape that belongs to each group of visual meshes; rows sum to 1.
 
     Points spread evenly over the surface of `solid` belong to the group whose faces lie nearest, and to the shape whose
     side lies nearest. A shape that no point belongs to, inside others, has a row of zeros.
@@ -145,8 +153,8 @@ def surface_shares(shapes: Sequence[CollisionShape], solid: Solid, groups: Seque
     return counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
 
 
-def mixed_note(shares: FloatArray, chosen: Sequence[int], names: Sequence[str]) -> tuple[Diagnostic, ...]:
-    """What is told when shapes cover more than one material; `chosen` groups by shape, `names` of the groups."""
+def mixed_collider_findings(shares: FloatArray, chosen: Sequence[int], names: Sequence[str]) -> tuple[Diagnostic, ...]:
+    """A finding when shapes cover several materials; `chosen` is the group of each shape, `names` those of groups."""
     other = np.where(shares.sum(axis=1) > 0.0, 1.0 - shares[np.arange(len(chosen)), list(chosen)], 0.0)
     mixed = np.flatnonzero(other > MIXED_SHARE)
     if not mixed.size:
@@ -178,7 +186,7 @@ def _distance(points: FloatArray, meshes: Sequence[Mesh]) -> FloatArray:
 
 
 def _height_over(shape: CollisionShape, points: FloatArray) -> FloatArray:
-    """(k,) how far `points` (k, 3) stand out of the outermost side of a convex shape; negative inside."""
+    """(k,) signed distance of `points` (k, 3) from the outermost plane of a convex shape; negative inside."""
     try:
         sides = ConvexHull(surface(shape)[0]).equations
     except QhullError:

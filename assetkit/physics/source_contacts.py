@@ -1,4 +1,4 @@
-"""Friction and restitution: what the source states where that is possible, else those of the material class."""
+"""Friction and restitution of a body: as the source states them if plausible, else those of the material class."""
 
 from __future__ import annotations
 
@@ -24,15 +24,17 @@ STATED_TOLERANCE = 0.1
 
 
 @dataclass(frozen=True)
-class Touch:
-    """Contact records, the one against any counterpart first, and what was wrong in the source."""
+class ContactEvidence:
+    """Contact records, the one against any counterpart first, with findings and repairs on the source."""
 
     contacts: tuple[Evidence[Contact], ...]
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
 
 
-def contact_evidence(material: Evidence[str], stated: Sequence[StatedContact], meshes: Sequence[Mesh]) -> Touch:
+def contact_evidence(
+    material: Evidence[str], stated: Sequence[StatedContact], meshes: Sequence[Mesh]
+) -> ContactEvidence:
     """Contact of one body of class `material`.
 
     A body has one contact material: of several stated ones that which covers most of the area of `meshes`. A value the
@@ -42,7 +44,7 @@ def contact_evidence(material: Evidence[str], stated: Sequence[StatedContact], m
     general = contacts_of(material)
     areas = [sum(_area(m) for m in meshes if m.source_path in s.covers) for s in stated]
     if not areas or max(areas) == 0.0:
-        return Touch(general)
+        return ContactEvidence(general)
     chosen = stated[int(np.argmax(areas))]
     if (objection := _objection(chosen)) is not None:
         headline, value, bound = objection
@@ -50,25 +52,27 @@ def contact_evidence(material: Evidence[str], stated: Sequence[StatedContact], m
         before: dict[str, float | int | str] = {"value": value, "bound": bound}
         after: dict[str, float | int | str] = {"value": f"material class {material.value}", "bound": bound}
         repair = Repair(name="implausible_friction", code=CODE, stage="physics", before=before, after=after)
-        return Touch(general, (note,), (repair,))
+        return ContactEvidence(general, (note,), (repair,))
     if chosen.static_friction is None and chosen.dynamic_friction is None and chosen.restitution is None:
-        return Touch(general)
+        return ContactEvidence(general)
     contact = _completed(chosen, material)
     low, high = 1.0 - STATED_TOLERANCE, 1.0 + STATED_TOLERANCE
-    silent = [name for name in ("static_friction", "dynamic_friction", "restitution") if getattr(chosen, name) is None]
+    unstated = [
+        name for name in ("static_friction", "dynamic_friction", "restitution") if getattr(chosen, name) is None
+    ]
     evidence = Evidence(
         value=contact,
         source="declared",
-        method=chosen.method + (f"; {', '.join(silent)} of material class {material.value}" if silent else ""),
-        confidence=STATED_CONFIDENCE if not silent else 0.5 * STATED_CONFIDENCE,
+        method=chosen.method + (f"; {', '.join(unstated)} of material class {material.value}" if unstated else ""),
+        confidence=STATED_CONFIDENCE if not unstated else 0.5 * STATED_CONFIDENCE,
         bounds=(_times(contact, low), _times(contact, high)),
         inputs=(str(chosen.where),),
     )
-    return Touch((evidence,))
+    return ContactEvidence((evidence,))
 
 
 def _objection(stated: StatedContact) -> tuple[str, float | str, str] | None:
-    """Why the values cannot be true: headline, value, bound."""
+    """Why the values are implausible: headline, value, bound."""
     friction = [f for f in (stated.static_friction, stated.dynamic_friction) if f is not None]
     for value in friction:
         if not 0.0 <= value <= MOST_FRICTION:

@@ -1,1 +1,1 @@
-"""Orientation of one object: its up axis, its upright pose and its front."""
+"""Orientation of one object: up axis of the source (`up_axis`), upright direction (`upright`) and front (`front`)."""

@@ -1,7 +1,7 @@
-"""Which side of a standing object is its front, in how many headings it looks the same, and the turn to the front.
+"""Front direction and heading symmetry of an upright object, from its parts and openings; asset frame, z up.
 
-Front is where a thing works: away from the hand that holds it (mug, pan, tool), where the spout pours, where one sits
-down, where a case is open. Asset frame, z up. What nothing tells is unknown; what looks the same from there has none.
+The front is the functional side: away from the hand that holds it (mug, pan, tool), where the spout pours, where one
+sits down, where a case is open. It is unknown without evidence, and undefined where the object has a heading symmetry.
 """
 
 from __future__ import annotations
@@ -11,29 +11,41 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assetkit.parts.proposals import joined
+from assetkit.parts.proposals import join_meshes
 from geom.features.cavities import Cavity
-from geom.features.mirror_symmetry import mirror_heading
-from geom.features.regions import Faces
+from geom.features.mirror_symmetry import mirror_plane_heading
+from geom.features.regions import FaceGeometry
 from geom.mesh.surface_distance import NearestOnSurface, sample_surface
 from schemas.asset import Vec3, vec3
 from schemas.evidence import Evidence, default, inferred, measured
 from schemas.model import FloatArray, IntArray, Mesh
 from schemas.parts import Part
 
-Labelled = tuple[Evidence[str], IntArray]  # what a part is called, and its triangles (m,)
-FULL = 0  # symmetry of what looks the same in every heading
+LabelledFaces = tuple[Evidence[str], IntArray]  # label of a part, and the mask of its triangles (m,)
+FULL = 0  # symmetry of an object that looks the same in every heading
 _SAMPLES = 1500
 _SAME = 0.01  # of the extent: mean distance of a turned surface from itself; scans are no better
-_NOWHERE = 3.0  # times that: what 95 % of it keep, for a thin spout is little surface but tells the headings apart
+_NOWHERE = 3.0  # times that for 95 % of the surface: a thin spout is little surface but distinguishes the headings
 _FOLDS = (6, 5, 4, 3, 2)
-_ROUGH_RAD = np.radians(15.0)  # What parts tell of the heading is no surer: the mirror plane near it is meant ...
+_ROUGH_RAD = np.radians(15.0)  # Accuracy of a heading from parts: the mirror plane near it is used ...
 _MIRRORED = 0.03  # ... where the surface is so well its own image (mean distance, of the extent).
 _AXIS_RAD = np.radians(5.0)  # A mirror plane so close to an axis of the source is that axis: sources are built along
 # them, and a turn by a few degrees would only change the box that their users know.
 _OFF = 0.15  # of the larger half extent: a part nearer to the middle has no side
 _BY_HANDLE, _BY_SPOUT, _BY_BACK, _BY_OPENING, _BY_DOOR = 0.9, 0.9, 0.9, 0.8, 0.8
-_HELD = ("mug", "cup", "pan", "pitcher", "teapot", "spoon", "fork", "knife", "cooking_utensil", "hammer", "screwdriver")
+_HANDHELD = (
+    "mug",
+    "cup",
+    "pan",
+    "pitcher",
+    "teapot",
+    "spoon",
+    "fork",
+    "knife",
+    "cooking_utensil",
+    "hammer",
+    "screwdriver",
+)
 _SEATS = ("chair", "sofa", "bench")
 _CASES = ("shelf", "cabinet", "refrigerator", "microwave", "oven", "dishwasher", "washing_machine")
 
@@ -51,28 +63,30 @@ class Front:
 def front_of(
     meshes: Mapping[str, Mesh], category: Evidence[str], parts: Sequence[Evidence[Part]], cavities: Sequence[Cavity]
 ) -> Front:
-    """The front of canonical `meshes` by prim name, no surer than its category and the part that tells it."""
+    """The front of canonical `meshes` by prim name; its confidence is at most that of the category and of the cue."""
     shown = {prim: mesh for prim, mesh in meshes.items() if len(mesh.triangles)}
-    surface = joined(list(shown.values())) if shown else None
+    surface = join_meshes(list(shown.values())) if shown else None
     if surface is None or surface.area.sum() <= 0.0:
         return Front(_unknown("no surface"), default(1, "no surface"))
     symmetry = heading_symmetry(surface)
-    told = measured(symmetry, "distance of the turned surface from itself", confidence=0.9)
+    symmetry_evidence = measured(symmetry, "distance of the turned surface from itself", confidence=0.9)
     if symmetry != 1:
-        return Front(_unknown("looks the same in other headings"), told)
+        return Front(_unknown("looks the same in other headings"), symmetry_evidence)
     masks = [
         (p.value.label, np.concatenate([p.value.mask(prim, len(m.triangles)) for prim, m in shown.items()]))
         for p in parts
     ]
     signs = _signs(surface, category.value, masks, cavities)
     if not signs:
-        return Front(_unknown("nothing tells the front"), told)
+        return Front(_unknown("nothing tells the front"), symmetry_evidence)
     directions = np.array([direction for direction, _, _ in signs])
     if (directions @ directions[0] < np.cos(2.0 * _ROUGH_RAD)).any():
-        return Front(_unknown("contradicting: " + "; ".join(text for _, _, text in signs)), told)
+        return Front(_unknown("contradicting: " + "; ".join(text for _, _, text in signs)), symmetry_evidence)
     sure = min(max(chance for _, chance, _ in signs), category.confidence)
     direction = _straightened(surface, directions[0])
-    return Front(inferred(vec3(direction), "where it works", sure, inputs=tuple(t for _, _, t in signs)), told)
+    return Front(
+        inferred(vec3(direction), "where it works", sure, inputs=tuple(t for _, _, t in signs)), symmetry_evidence
+    )
 
 
 def turn_to_front(front: Front) -> tuple[FloatArray, Front] | None:
@@ -84,7 +98,7 @@ def turn_to_front(front: Front) -> tuple[FloatArray, Front] | None:
     return R, replace(front, direction=front.direction.model_copy(update={"value": (1.0, 0.0, 0.0)}))
 
 
-def heading_symmetry(surface: Faces) -> int:
+def heading_symmetry(surface: FaceGeometry) -> int:
     """In how many headings about the upright axis the surface looks the same: 0 for all, else 6, 5, 4, 3, 2 or 1."""
     points, _ = sample_surface(surface.points, surface.triangles, _SAMPLES, 0)
     centre = _middle(surface)
@@ -103,43 +117,43 @@ def heading_symmetry(surface: Faces) -> int:
 
 
 def _signs(
-    surface: Faces, category: str, parts: Sequence[Labelled], cavities: Sequence[Cavity]
+    surface: FaceGeometry, category: str, parts: Sequence[LabelledFaces], cavities: Sequence[Cavity]
 ) -> list[tuple[FloatArray, float, str]]:
-    """Level unit directions (3,) of the front, how sure, and by what."""
-    found: list[tuple[FloatArray, float, str]] = []
-    if category in _HELD:
-        found += _by_part(surface, parts, "spout", 1.0, _BY_SPOUT)
-        found += _by_part(surface, parts, "handle", -1.0, _BY_HANDLE)
+    """Level unit directions (3,) of the front, each with its confidence and its cue in words."""
+    signs: list[tuple[FloatArray, float, str]] = []
+    if category in _HANDHELD:
+        signs += _by_part(surface, parts, "spout", 1.0, _BY_SPOUT)
+        signs += _by_part(surface, parts, "handle", -1.0, _BY_HANDLE)
     if category in _SEATS:
-        found += _by_part(surface, parts, "back", -1.0, _BY_BACK)
+        signs += _by_part(surface, parts, "back", -1.0, _BY_BACK)
     if category in _CASES:
         for label in ("door", "drawer", "knob"):
-            found += _by_part(surface, parts, label, 1.0, _BY_DOOR)
+            signs += _by_part(surface, parts, label, 1.0, _BY_DOOR)
         level = [c for c in cavities if abs(c.direction[2]) < 0.1 and not c.through]
         if level:
             widest = max(level, key=lambda c: c.volume_m3)
-            found.append((_level(widest.direction), _BY_OPENING, "opening"))
-    return found
+            signs.append((_level(widest.direction), _BY_OPENING, "opening"))
+    return signs
 
 
 def _by_part(
-    surface: Faces, parts: Sequence[Labelled], label: str, sign: float, sure: float
+    surface: FaceGeometry, parts: Sequence[LabelledFaces], label: str, sign: float, sure: float
 ) -> list[tuple[FloatArray, float, str]]:
-    """One sign from where the parts of that label lie, none when they surround the object or lie in its middle."""
-    own = [(said, faces) for said, faces in parts if said.value == label]
-    if not own:
+    """One sign from the position of the parts of a label; none when they surround the object or lie in its middle."""
+    labelled = [(evidence, faces) for evidence, faces in parts if evidence.value == label]
+    if not labelled:
         return []
-    faces = np.any([faces for _, faces in own], axis=0)
+    faces = np.any([faces for _, faces in labelled], axis=0)
     place = np.average(surface.middle[faces], axis=0, weights=surface.area[faces])
     off = (place - _middle(surface)) * [1.0, 1.0, 0.0]
     if np.linalg.norm(off) < _OFF * 0.5 * float(surface.extent[:2].max()):
         return []
-    confidence = sure * min(said.confidence for said, _ in own)
+    confidence = sure * min(evidence.confidence for evidence, _ in labelled)
     return [(_level(sign * off), confidence, f"{label} on the {'front' if sign > 0.0 else 'back'}")]
 
 
-def _middle(surface: Faces) -> FloatArray:
-    """(3,) of the surface by area: on every axis and plane of symmetry, as the middle of the box is not."""
+def _middle(surface: FaceGeometry) -> FloatArray:
+    """Area centroid (3,) of the surface: on every axis and plane of symmetry, unlike the middle of the box."""
     return np.average(surface.middle, axis=0, weights=surface.area)
 
 
@@ -148,13 +162,13 @@ def _level(direction: FloatArray) -> FloatArray:
     return flat / np.linalg.norm(flat)
 
 
-def _straightened(surface: Faces, direction: FloatArray) -> FloatArray:
-    """The mirror plane near the direction, where there is one; the axis of the frame, where that is near then."""
+def _straightened(surface: FaceGeometry, direction: FloatArray) -> FloatArray:
+    """The direction snapped to a mirror plane near it, if there is one, and then to an axis of the frame near that."""
     heading = float(np.arctan2(direction[1], direction[0]))
-    found = mirror_heading(surface.points, surface.triangles, _middle(surface), heading, 1.4 * _ROUGH_RAD)
-    if found is None or found[1] > _MIRRORED * float(surface.extent.max()):
+    mirror = mirror_plane_heading(surface.points, surface.triangles, _middle(surface), heading, 1.4 * _ROUGH_RAD)
+    if mirror is None or mirror[1] > _MIRRORED * float(surface.extent.max()):
         return _on_axis(heading, _ROUGH_RAD)
-    return _on_axis(found[0], _AXIS_RAD)
+    return _on_axis(mirror[0], _AXIS_RAD)
 
 
 def _on_axis(heading: float, near_rad: float) -> FloatArray:

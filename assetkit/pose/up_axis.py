@@ -1,4 +1,4 @@
-"""Which way is up? Declared axes are used; a statement in the texts decides only where the format is silent."""
+"""Up axis of a source, from the user, the file's declaration, statements in its texts, or the format's default."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _STATEMENT = re.compile(
 )
 _ORIGIN = re.compile(r"\bfrom\s+[+]?[xyz][\s_-]*(?:axis)?[\s_-]*up\b")  # "turned from y-up to z-up": the second counts.
 
-MAX_TEXT = 100_000  # characters; remarks stand at the beginning.
+MAX_TEXT = 100_000  # characters; comments are at the beginning of a file.
 
 # Rotations that bring the named source axis onto +z; cyclic or quarter turns, so handedness is kept.
 TO_Z_UP: dict[Axis, FloatArray] = {
@@ -30,8 +30,8 @@ TO_Z_UP: dict[Axis, FloatArray] = {
 
 
 @dataclass(frozen=True)
-class UpDecision:
-    """The source's up axis with its evidence, and what the user should know; `review`: a person must say the axis."""
+class UpAxisDecision:
+    """The source's up axis with its evidence, findings and repairs; `review`: a person must state the axis."""
 
     axis: Evidence[Axis]
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -41,48 +41,48 @@ class UpDecision:
 
 def decide_up_axis(
     stated: Evidence[Axis], hints: Sequence[str], chosen: UpAxisName = "auto", chosen_by: str = "--up-axis"
-) -> UpDecision:
-    """The up axis of the source: said by the user, declared by the file, stated in its texts, or the format's habit.
+) -> UpAxisDecision:
+    """The up axis of the source: set by the user, declared by the file, stated in its texts, or the format's default.
 
-    `stated` with source `declared` and confidence above 0.5 is the file's own word; with 0.5 or less it is what the
-    format's standard implies where the file is silent.
+    `stated` with source `declared` and confidence above 0.5 is declared by the file itself; with 0.5 or less it is
+    implied by the format's standard.
     """
     if chosen != "auto":
-        return UpDecision(
+        return UpAxisDecision(
             Evidence[Axis](value=chosen, source="declared", method=f"{chosen_by} {chosen}", confidence=1.0)
         )
-    said = _ORIGIN.sub("", "\n".join(hints)[:MAX_TEXT].lower())
-    found = sorted({a or b for a, b in _STATEMENT.findall(said)})
+    text = _ORIGIN.sub("", "\n".join(hints)[:MAX_TEXT].lower())
+    axes = sorted({a or b for a, b in _STATEMENT.findall(text)})
     if stated.source != "default" and stated.confidence > 0.5:
-        return UpDecision(stated) if set(found) <= {stated.value} else _overruling(stated, found)
-    if len(found) > 1:
-        note = _contradiction(f"the texts call {' and '.join(found)} the up axis; say it with --up-axis", found, stated)
-        return UpDecision(stated.model_copy(update={"confidence": 0.0}), (note,), review=True)
-    if found:
-        return _turned(stated, found[0])
+        return UpAxisDecision(stated) if set(axes) <= {stated.value} else _overruling(stated, axes)
+    if len(axes) > 1:
+        note = _contradiction(f"the texts call {' and '.join(axes)} the up axis; say it with --up-axis", axes, stated)
+        return UpAxisDecision(stated.model_copy(update={"confidence": 0.0}), (note,), review=True)
+    if axes:
+        return _from_texts(stated, axes[0])
     if stated.source != "default":
-        return UpDecision(stated)
+        return UpAxisDecision(stated)
     headline = f"nothing states which way is up; {stated.value} is taken"
-    return UpDecision(stated, (finding("asset/up-axis-unverified", headline, value=stated.value),))
+    return UpAxisDecision(stated, (finding("asset/up-axis-unverified", headline, value=stated.value),))
 
 
-def _overruling(stated: Evidence[Axis], found: Sequence[str]) -> UpDecision:
-    """The declared axis against texts that say otherwise: it stands, and this is said."""
-    headline = f"the file declares {stated.value} up, its texts say {' and '.join(found)}; the declaration was used"
-    note = _contradiction(headline, found, stated)
-    return UpDecision(stated.model_copy(update={"confidence": min(stated.confidence, 0.8)}), (note,))
+def _overruling(stated: Evidence[Axis], text_axes: Sequence[str]) -> UpAxisDecision:
+    """The declared axis, with a finding on the texts that contradict it."""
+    headline = f"the file declares {stated.value} up, its texts say {' and '.join(text_axes)}; the declaration was used"
+    note = _contradiction(headline, text_axes, stated)
+    return UpAxisDecision(stated.model_copy(update={"confidence": min(stated.confidence, 0.8)}), (note,))
 
 
-def _contradiction(headline: str, found: Sequence[str], stated: Evidence[Axis]) -> Diagnostic:
-    return finding("asset/contradictory-evidence", headline, value=", ".join(found), bound=stated.value)
+def _contradiction(headline: str, text_axes: Sequence[str], stated: Evidence[Axis]) -> Diagnostic:
+    return finding("asset/contradictory-evidence", headline, value=", ".join(text_axes), bound=stated.value)
 
 
-def _turned(stated: Evidence[Axis], said: str) -> UpDecision:
-    """The axis `said` in the texts, in place of the format's habit."""
-    axis: Axis = "x" if said == "x" else "y" if said == "y" else "z"
+def _from_texts(stated: Evidence[Axis], text_axis: str) -> UpAxisDecision:
+    """The axis that the texts state, in place of the format's default."""
+    axis: Axis = "x" if text_axis == "x" else "y" if text_axis == "y" else "z"
     evidence = Evidence[Axis](value=axis, source="inferred", method="statement in the file's texts", confidence=0.9)
     if axis == stated.value:
-        return UpDecision(evidence)
+        return UpAxisDecision(evidence)
     note = finding(
         "asset/up-axis-mismatch",
         f"the texts of the file say {axis} is up, the format's habit is {stated.value}",
@@ -96,4 +96,4 @@ def _turned(stated: Evidence[Axis], said: str) -> UpDecision:
         before={"up_axis": stated.value},
         after={"up_axis": axis},
     )
-    return UpDecision(evidence, (note,), (repair,))
+    return UpAxisDecision(evidence, (note,), (repair,))

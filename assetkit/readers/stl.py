@@ -1,4 +1,7 @@
-"""STL, binary and ASCII. Source: 3D Systems, "Stereolithography Interface Specification" (1988)."""
+"""Reads STL files, binary and ASCII, into a source model: one mesh per solid, equal corners joined.
+
+Source: 3D Systems, "Stereolithography Interface Specification" (1988).
+"""
 
 from __future__ import annotations
 
@@ -123,13 +126,13 @@ def _ascii_solids(data: bytes, where: Location) -> list[tuple[str, np.ndarray]]:
 
 
 def _ascii_corners(data: bytes, start: int, end: int, where: Location) -> np.ndarray:
-    found = _VERTEX.findall(data, start, end)
+    vertices = _VERTEX.findall(data, start, end)
     keywords = [k.lower() for k in _KEYWORD.findall(data, start, end)]
     facets = keywords.count(b"endfacet")
-    if len(found) != 3 * facets or keywords != [b"vertex", b"vertex", b"vertex", b"endfacet"] * facets:
+    if len(vertices) != 3 * facets or keywords != [b"vertex", b"vertex", b"vertex", b"endfacet"] * facets:
         _fail_facet(data, start, end, keywords, where)
     try:
-        flat = np.fromiter((float(t) for row in found for t in row), dtype=np.float64, count=9 * facets)
+        flat = np.fromiter((float(t) for row in vertices for t in row), dtype=np.float64, count=9 * facets)
     except ValueError:
         _fail_number(data, start, end, where)
     points = flat.reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""USD, USDA, USDC and USDZ files (AOUSD Core Specification 1.0, USDZ specification 1.3)."""
+"""Reads USD, USDA, USDC and USDZ files into a source model (AOUSD Core Specification 1.0, USDZ specification 1.3)."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Metric scale of one object: declared units, clues in the file, sizes of its category, and what follows from them."""
+"""Metric scale of one object: declared units, clues in the file, sizes of its category. Start with `declared_units`."""

@@ -1,9 +1,9 @@
-"""Which unit are the numbers in? Declared units are used; contradictions are settled by evidence or by a person.
+"""Metres per source unit with evidence, from the user's option, the declared unit, texts, names and the size.
 
-What the user says wins. A unit the file declares holds as long as the size it gives is usual; a size that no robot
-meets is a contradiction, which only a statement, a name or a doubled conversion factor can settle. Where nothing is
-declared the same signs decide, then what the format's standard implies, and last the plausibility of the size, which is
-never called certain. Where several units are plausible a person decides.
+The user's unit wins. A declared unit is used as long as it gives a usual size; a size that no robot meets contradicts
+it, and only a statement, a name or a doubled conversion factor resolves that. Where nothing is declared the same clues
+decide, then the unit that the format's standard implies, and last the plausibility of the size, whose confidence stays
+below 1. Where several units are plausible a person decides.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from assetkit.options import METERS_PER_UNIT, UnitName
-from assetkit.scale.unit_clues import Clue, Extent, scaled_nodes, stated_in_name, stated_in_text
-from assetkit.scale.unit_posterior import posterior, prior_of
+from assetkit.scale.unit_clues import Extent, UnitClue, scaled_nodes, stated_in_name, stated_in_text
+from assetkit.scale.unit_posterior import posterior, unit_prior
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
 from schemas.evidence import Evidence, declared, default, inferred
 from schemas.model import Node
@@ -33,9 +33,9 @@ _REPAIR_NAME = {0.001: "unit_mm", 0.01: "unit_cm", 0.0254: "unit_inch", 1.0: "un
 
 
 def is_reliable(unit: Evidence[float], stated: Evidence[float]) -> bool:
-    """Whether the user, the file or its texts say the unit, not its format alone; however unusual the size is.
+    """Whether the user, the file or its texts state the unit, not its format alone; however unusual the size is.
 
-    `stated` is what the file and its format say by themselves.
+    `stated` is the unit by the file and its format alone.
     """
     if unit.source == "declared":
         return stated.source != "declared" or stated.confidence > 0.5 or unit.method != stated.method
@@ -44,7 +44,7 @@ def is_reliable(unit: Evidence[float], stated: Evidence[float]) -> bool:
 
 @dataclass(frozen=True)
 class UnitDecision:
-    """Metres per source unit with its evidence, and what the user should know; `review`: a person must say the unit."""
+    """Metres per source unit with its evidence and findings; `review`: a person must decide the unit."""
 
     meters_per_unit: Evidence[float]
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -65,42 +65,42 @@ def decide_unit(
 ) -> UnitDecision:
     """The unit of the source. `extent` is its bounding box in source units, `name` its path, `hints` its texts.
 
-    `stated` with source `declared` and confidence above 0.5 is the file's own word; with 0.5 or less it is what the
-    format's standard implies where the file is silent. Raises InvalidInput (`asset/scale-implausible`) when no reading
+    `stated` with source `declared` and confidence above 0.5 is declared by the file; with 0.5 or less it is implied by
+    the format's standard where the file declares none. Raises InvalidInput (`asset/scale-implausible`) when no reading
     of the numbers gives an object between 0.1 mm and 10 km.
     """
     if chosen != "auto":
-        return _kept(declared(METERS_PER_UNIT[chosen], f"{chosen_by} {chosen}"), max(extent))
+        return _as_declared(declared(METERS_PER_UNIT[chosen], f"{chosen_by} {chosen}"), max(extent))
     clues = [*stated_in_text(hints, extent), *stated_in_name(name, extent)]
     if stated.source != "default" and stated.confidence > 0.5:
         return _declared(stated, [*clues, *scaled_nodes(nodes, stated.value)], extent)
     return _undeclared(stated, clues, format_, hints, extent)
 
 
-def _declared(stated: Evidence[float], clues: list[Clue], extent: Extent) -> UnitDecision:
-    """The file's own unit, unless its size is unusual and the strongest other sign gives a usual one."""
+def _declared(stated: Evidence[float], clues: list[UnitClue], extent: Extent) -> UnitDecision:
+    """The declared unit, unless its size is unusual and the strongest other clue gives a usual one."""
     size = max(extent) * stated.value
-    rivals = _strongest([c for c in clues if not math.isclose(c.meters_per_unit, stated.value, rel_tol=0.01)])
-    said = [c for c in rivals if c.confidence >= 0.9]
+    others = _strongest([c for c in clues if not math.isclose(c.meters_per_unit, stated.value, rel_tol=0.01)])
+    statements = [c for c in others if c.confidence >= 0.9]
     if _within(size, USUAL_M):
-        return UnitDecision(stated) if not said else _overruling(stated, said, size)
-    better = {c.meters_per_unit: c for c in rivals if _within(max(extent) * c.meters_per_unit, USUAL_M)}
+        return UnitDecision(stated) if not statements else _against_texts(stated, statements, size)
+    better = {c.meters_per_unit: c for c in others if _within(max(extent) * c.meters_per_unit, USUAL_M)}
     if len(better) == 1:
         clue = next(iter(better.values()))
         weaker = replace(clue, confidence=min(clue.confidence, 0.8))
         return _rescaled(weaker, stated.value, extent, against=f"the declared {_unit(stated.value)}")
     _require_plausible(max(extent), (stated.value,))
     if _within(size, CREDIBLE_M):
-        return _kept(stated, max(extent))
+        return _as_declared(stated, max(extent))
     return _for_review(
         stated, extent, f"the declared unit makes the object {size:.3g} m large and nothing else tells its size"
     )
 
 
 def _undeclared(
-    stated: Evidence[float], clues: list[Clue], format_: str, hints: Sequence[str], extent: Extent
+    stated: Evidence[float], clues: list[UnitClue], format_: str, hints: Sequence[str], extent: Extent
 ) -> UnitDecision:
-    """The unit by the strongest signs; where there are none, by the standard or the plausibility of the size."""
+    """The unit by the strongest clues; where there are none, by the standard or the plausibility of the size."""
     largest = max(extent)
     signs = _strongest(clues)
     sizes = {c.meters_per_unit: largest * c.meters_per_unit for c in signs}
@@ -118,12 +118,12 @@ def _undeclared(
     return _by_size(stated, format_, hints, extent)
 
 
-def _strongest(clues: list[Clue]) -> list[Clue]:
+def _strongest(clues: list[UnitClue]) -> list[UnitClue]:
     return [c for c in clues if c.confidence == max(d.confidence for d in clues)]
 
 
-def _kept(evidence: Evidence[float], largest: float) -> UnitDecision:
-    """A declared unit is used as it is; an unusual size is reported, an impossible one refused."""
+def _as_declared(evidence: Evidence[float], largest: float) -> UnitDecision:
+    """A declared unit is used unchanged; an unusual size is reported, an impossible one refused."""
     _require_plausible(largest, (evidence.value,))
     size_m = largest * evidence.value
     if _within(size_m, USUAL_M):
@@ -138,16 +138,16 @@ def _kept(evidence: Evidence[float], largest: float) -> UnitDecision:
     return UnitDecision(evidence.model_copy(update={"confidence": min(evidence.confidence, 0.5)}), (warning,))
 
 
-def _overruling(stated: Evidence[float], said: list[Clue], size: float) -> UnitDecision:
-    """The declared unit against texts that say otherwise: it stands, since its size is usual, and this is said."""
+def _against_texts(stated: Evidence[float], statements: list[UnitClue], size: float) -> UnitDecision:
+    """The declared unit against texts with another one: it is kept, since its size is usual, with a finding."""
     note = finding(
         "asset/contradictory-evidence",
-        f"the file declares {_unit(stated.value)}, which gives a usual size, but says '{said[0].quote}'",
+        f"the file declares {_unit(stated.value)}, which gives a usual size, but says '{statements[0].quote}'",
         value=size,
-        bound=f"{size / stated.value * said[0].meters_per_unit:.4g} by that text",
+        bound=f"{size / stated.value * statements[0].meters_per_unit:.4g} by that text",
         unit="m",
     )
-    quotes = (*stated.inputs, *(c.quote for c in said))
+    quotes = (*stated.inputs, *(c.quote for c in statements))
     return UnitDecision(stated.model_copy(update={"confidence": 0.8, "inputs": quotes}), (note,))
 
 
@@ -167,12 +167,12 @@ def _for_review(stated: Evidence[float], extent: Extent, headline: str) -> UnitD
 
 
 def _by_size(stated: Evidence[float], format_: str, hints: Sequence[str], extent: Extent) -> UnitDecision:
-    """The unit by tool, format and plausible size. What cannot be decided keeps confidence 0 and bounds."""
+    """The unit by tool, format and plausible size. An undecided one keeps confidence 0 and bounds."""
     largest = max(extent)
     _require_plausible(largest, METERS_PER_UNIT.values())
     implied = next((u for u, s in METERS_PER_UNIT.items() if s == stated.value), "m")
     by_standard = stated.source != "default"
-    share = posterior(prior_of(format_, hints, implied if by_standard else None), extent)
+    share = posterior(unit_prior(format_, hints, implied if by_standard else None), extent)
     holds = by_standard and _within(largest * stated.value, CREDIBLE_M)
     unit = implied if holds else _most_credible(share, implied)
     scale = METERS_PER_UNIT[unit]
@@ -200,7 +200,7 @@ def _by_size(stated: Evidence[float], format_: str, hints: Sequence[str], extent
 
 
 def _most_credible(share: dict[str, float], implied: str) -> str:
-    """The probable unit; else what the numbers imply as they stand, unless that is too improbable a placeholder."""
+    """The most probable unit; else the implied unit, unless that is too improbable as a placeholder."""
     best = max(share, key=lambda u: share[u])
     return implied if share[best] < MIN_POSTERIOR and share[implied] >= MIN_SHARE else best
 
@@ -239,11 +239,13 @@ def _provisional(evidence: Evidence[float], posterior: float, largest: float) ->
     )
 
 
-def _rescaled(clue: Clue, implied: float, extent: Extent, against: str = "") -> UnitDecision:
-    """The unit a sign tells instead of the `implied` one. `against` names what it overrules, if anything."""
+def _rescaled(clue: UnitClue, implied: float, extent: Extent, against: str = "") -> UnitDecision:
+    """The unit of a clue instead of the `implied` one. `against` names the unit that it overrides, if any."""
     size = max(extent) * clue.meters_per_unit
-    kept = _kept(inferred(clue.meters_per_unit, clue.method, clue.confidence, inputs=(clue.quote,)), max(extent))
-    evidence, notes = kept.meters_per_unit, kept.diagnostics
+    rescaled = _as_declared(
+        inferred(clue.meters_per_unit, clue.method, clue.confidence, inputs=(clue.quote,)), max(extent)
+    )
+    evidence, notes = rescaled.meters_per_unit, rescaled.diagnostics
     if against:
         headline = f"'{clue.quote}' against {against}: only {_unit(clue.meters_per_unit)} gives a usual size"
         bound = f"{USUAL_M[0]:g}..{USUAL_M[1]:g}"
@@ -256,7 +258,7 @@ def _rescaled(clue: Clue, implied: float, extent: Extent, against: str = "") -> 
 def with_repair(
     evidence: Evidence[float], implied: float, extent: Extent, notes: tuple[Diagnostic, ...]
 ) -> UnitDecision:
-    """`evidence` as a repair of what the numbers imply as they stand."""
+    """The decision for `evidence`, with the repair from the `implied` unit (metres)."""
     size, before = max(extent) * evidence.value, max(extent) * implied
     note = finding(
         "asset/unit-mismatch",

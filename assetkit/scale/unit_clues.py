@@ -1,7 +1,6 @@
-"""Signs of the unit in what surrounds the numbers: comments, names, scaled nodes.
+"""Clues to the unit outside the numbers: sizes and units in comments and names, conversion factors in scaled nodes.
 
-A clue is never more than a sign; `assetkit.scale.declared_units` weighs it against what the file declares and the
-size that results.
+`assetkit.scale.declared_units` weighs the clues against the declared unit and the size that results.
 """
 
 from __future__ import annotations
@@ -60,8 +59,8 @@ Extent = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Clue:
-    """One sign of the unit: metres per unit, what it is worth, what kind of sign it is and the words themselves."""
+class UnitClue:
+    """One clue to the unit: metres per unit, confidence, kind of clue, and the words or figure quoted."""
 
     meters_per_unit: float
     confidence: float
@@ -69,21 +68,21 @@ class Clue:
     quote: str
 
 
-def stated_in_text(texts: Sequence[str], extent: Extent) -> list[Clue]:
-    """What comments, headers and free attributes say about the unit, one clue per line and unit.
+def stated_in_text(texts: Sequence[str], extent: Extent) -> list[UnitClue]:
+    """Clues in comments, headers and free attributes, one per line and unit.
 
-    `extent` is the bounding box in source units: a line that gives the size of the object ("120 x 80 x 30 mm") tells
+    `extent` is the bounding box in source units: a line with the size of the object ("120 x 80 x 30 mm") gives
     the unit of the numbers only together with them.
     """
-    found: list[Clue] = []
+    clues: list[UnitClue] = []
     for line in islice((line[:MAX_LINE] for text in texts for line in text.splitlines()), MAX_LINES):
         text = _ORIGIN.sub("", line.lower())
         scales, method = _stated_in_line(text), "statement in the file's texts"
         if not scales:
             scales, method = set(_sizes_that_fit(text, extent)), "size stated in the file's texts"
             scales = scales if len(scales) == 1 else set()
-        found += [Clue(s, 0.9, method, line.strip()[:80]) for s in sorted(scales)]
-    return found
+        clues += [UnitClue(s, 0.9, method, line.strip()[:80]) for s in sorted(scales)]
+    return clues
 
 
 def _stated_in_line(line: str) -> set[float]:
@@ -113,17 +112,17 @@ def _metres(name: str) -> float:
     return _SHORT.get(name) or next(s for s, pattern in _UNITS.values() if re.fullmatch(pattern, name))
 
 
-def stated_in_name(name: str, extent: Extent) -> list[Clue]:
-    """The unit that a file or folder name tells, by a size the mesh has ("20mm-cube") or as a word ("lid_mm").
+def stated_in_name(name: str, extent: Extent) -> list[UnitClue]:
+    """Clues in a file or folder name: a size that the mesh has ("20mm-cube") or a unit as a word ("lid_mm").
 
-    `name` is a path; `extent` the bounding box in source units. A size that fits two units tells nothing.
+    `name` is a path; `extent` the bounding box in source units. A size that fits two units is no clue.
     """
     sized = {s for part in PurePosixPath(name).parts for s in _sizes_that_fit(part.lower(), extent)}
     if len(sized) == 1:
-        return [Clue(sized.pop(), 0.9, "size named in the file name", name)]
+        return [UnitClue(sized.pop(), 0.9, "size named in the file name", name)]
     words = {m[1] for part in PurePosixPath(name).parts for m in _NAMED_UNIT.finditer(part.lower())}
     scales = {_metres(w) for w in words}
-    return [Clue(s, 0.7, "unit named in the file or folder name", name) for s in sorted(scales)]
+    return [UnitClue(s, 0.7, "unit named in the file or folder name", name) for s in sorted(scales)]
 
 
 def _sizes_that_fit(name: str, extent: Extent) -> Iterator[float]:
@@ -135,7 +134,7 @@ def _sizes_that_fit(name: str, extent: Extent) -> Iterator[float]:
                 yield scale
 
 
-def scaled_nodes(nodes: Sequence[Node], meters_per_unit: float) -> list[Clue]:
+def scaled_nodes(nodes: Sequence[Node], meters_per_unit: float) -> list[UnitClue]:
     """The scale that would hold without a conversion factor (1000, 100, 39.37 or inverse) that all meshes share.
 
     Chains of exporters write such a factor into the top node, and some apply it although it was applied before.
@@ -154,4 +153,4 @@ def scaled_nodes(nodes: Sequence[Node], meters_per_unit: float) -> list[Clue]:
     if factor is None:
         return []
     quote = f"every mesh stands below a node scale of {factor:.4g}"
-    return [Clue(meters_per_unit / factor, 0.6, "conversion factor in the node hierarchy", quote)]
+    return [UnitClue(meters_per_unit / factor, 0.6, "conversion factor in the node hierarchy", quote)]

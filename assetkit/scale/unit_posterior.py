@@ -1,4 +1,4 @@
-"""How plausible is a size? Bayes over unit hypotheses, for numbers whose unit nobody states."""
+"""Posterior probability of each unit where none is stated, from tool, format, usual sizes and round lengths."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from assetkit.options import METERS_PER_UNIT
 
 TYPICAL_SIZE_M, LOG_SPREAD = 0.15, 1.2  # Largest extent of household objects: median and spread of its logarithm.
 _STANDARD_SHARE = 0.7  # Prior of the unit that a format's own standard implies where the file leaves it out.
-# A designed length is round in the designer's unit: how much more likely a reading is that makes it so.
+# A designed length is round in the designer's unit: likelihood ratio of a unit in which it is round.
 _ROUND_LENGTH, _BINARY_FRACTIONS = 5.0, 3.0
 # A cube, ball or cylinder of side 1 or 2 is what modelling tools start with, in their scene units, which are metres.
 _PRIMITIVE, _PRIMITIVE_SIDES = 5.0, (1.0, 2.0)
 
-# How likely each unit is before the numbers are looked at, by the tool that wrote the file, else by its format.
+# Prior probability of each unit, by the tool that wrote the file, else by its format.
 _CAD = {"m": 0.20, "cm": 0.05, "mm": 0.70, "in": 0.05}
 _METRIC = {"m": 0.60, "cm": 0.10, "mm": 0.25, "in": 0.05}
 _UNKNOWN = {"m": 0.50, "cm": 0.25, "mm": 0.15, "in": 0.10}
@@ -26,15 +26,15 @@ _CAD_TOOLS = re.compile(
 _METRIC_TOOLS = re.compile(r"blender|open3d|\btrimesh\b|gazebo")
 
 
-def prior_of(format_: str, texts: Sequence[str], implied: str | None = None) -> dict[str, float]:
-    """How likely m, cm, mm and in are by the habit of the tool named in `texts`, else of the format; sums to 1.
+def unit_prior(format_: str, texts: Sequence[str], implied: str | None = None) -> dict[str, float]:
+    """Prior probabilities of m, cm, mm and in by the habit of the tool named in `texts`, else of the format; sums to 1.
 
     `implied` is the unit that the format's standard prescribes, if it does.
     """
-    said = "\n".join(texts).lower()
-    if _CAD_TOOLS.search(said):
+    text = "\n".join(texts).lower()
+    if _CAD_TOOLS.search(text):
         prior = _CAD
-    elif _METRIC_TOOLS.search(said):
+    elif _METRIC_TOOLS.search(text):
         prior = _METRIC
     else:
         prior = _CAD if format_ == "stl" else _UNKNOWN  # Printing and CAD write millimetres, robotics metres.
@@ -58,8 +58,8 @@ def posterior(prior: dict[str, float], extent: tuple[float, float, float]) -> di
 
 
 def roundness(extent: tuple[float, float, float], unit: str) -> float:
-    """How much the lengths speak for a unit: lengths that become whole half-millimetres without being round as they
-    stand (1.33858 in is 34 mm), or sixteenths that nobody writes in metric units (1.375).
+    """Likelihood of the lengths in a unit: higher for lengths that become multiples of 0.5 mm without being round
+    in source units (1.33858 in is 34 mm), and for sixteenths, which are rare in metric units (1.375).
     """
     mm = [e * METERS_PER_UNIT[unit] * 1000.0 for e in extent]
     telling = [

@@ -1,1 +1,1 @@
-"""Source files of a batch: discovery, dependencies, and the split of a file into objects."""
+"""Source files of a batch: discovery, dependencies, screening, and the split of a file into objects."""

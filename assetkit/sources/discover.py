@@ -1,4 +1,4 @@
-"""Which files are assets, which are their parts, what each asset is called and which folder it may not leave."""
+"""Finds the source assets among files and folders: file, format, id, and the root that no reference may leave."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _MAX_NAME = 1024  # Longer names exist in no file system; a data URI of megabyte
 
 
 @dataclass(frozen=True)
-class Candidate:
+class SourceAsset:
     """One asset to ingest. `given` is its path as the user gave it, joined with the path below it."""
 
     given: str
@@ -50,14 +50,14 @@ class Candidate:
     asset_id: str
 
 
-def discover(sources: Sequence[Path], *, root: Path | None = None, out: Path | None = None) -> tuple[Candidate, ...]:
+def discover(sources: Sequence[Path], *, root: Path | None = None, out: Path | None = None) -> tuple[SourceAsset, ...]:
     """Every asset among `sources`, in the order of their paths; a path that does not exist raises FileNotFoundError.
 
     An explicit file is one asset whatever its type. A folder is walked (hidden folders, packages of Mana and `out` left
     out, links not followed); files that another source refers to are its parts, unsupported model files are kept so
     that they are reported. A file reached twice counts once, as first given.
     """
-    found: dict[Path, tuple[Path, Path]] = {}  # real path -> (file as given, root)
+    given_and_root: dict[Path, tuple[Path, Path]] = {}  # real path -> (file as given, root)
     for source in sources:
         if source.is_dir():
             pairs = _walk(source, root, out)
@@ -66,11 +66,11 @@ def discover(sources: Sequence[Path], *, root: Path | None = None, out: Path | N
         else:
             raise FileNotFoundError(source)
         for path, folder in pairs:
-            found.setdefault(path.absolute().parent.resolve() / path.name, (path, folder))
-    unique = sorted((str(path), path, folder) for path, folder in found.values())
+            given_and_root.setdefault(path.absolute().parent.resolve() / path.name, (path, folder))
+    unique = sorted((str(path), path, folder) for path, folder in given_and_root.values())
     ids = _asset_ids([path for _, path, _ in unique])
     return tuple(
-        Candidate(printable(given), SourceFile(path, folder), format_of(path), ids[path])
+        SourceAsset(printable(given), SourceFile(path, folder), format_of(path), ids[path])
         for given, path, folder in unique
     )
 
@@ -132,7 +132,7 @@ def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path,
     parts = _parts(files)
     sources = [f for f in files if f not in parts]
     below = Counter(folder for f in sources if not _is_look_library(f) for folder in f.parents)
-    return [(f, root or _own_folder(f, folder, below)) for f in sources]
+    return [(f, root or _asset_root(f, folder, below)) for f in sources]
 
 
 def _is_package(folder: Path) -> bool:
@@ -144,7 +144,7 @@ def _is_mjcf(path: Path) -> bool:
 
 
 def _parts(files: Sequence[Path]) -> set[Path]:
-    """The files that another file needs. In a reference cycle nobody is a part: all its members are reported.
+    """The files that another file needs. In a reference cycle no file is a part: all its members are reported.
 
     Nothing is parsed here, only names are looked for: a false match costs one asset its own row in the report, so
     only existing files at the named place count.
@@ -176,13 +176,13 @@ def _named_by(file: Path, by_name: dict[str, list[Path]]) -> set[Path]:
 
 
 def _names_in(text: str) -> set[str]:
-    """What stands before a known extension in `text`, back to the last quote, blank or bracket."""
-    found: set[str] = set()
+    """File names in `text`: a known extension and all before it, back to the last quote, blank or bracket."""
+    names: set[str] = set()
     for match in _NAME_END.finditer(text):
         before = _NAME_BREAK.split(text[max(0, match.start() - _MAX_NAME) : match.start()])[-1]
         if before:
-            found.add(before + match[0])
-    return found
+            names.add(before + match[0])
+    return names
 
 
 def _is_look_library(path: Path) -> bool:
@@ -209,12 +209,12 @@ def _package_root(folder: Path) -> Path:
     return next((p for p in (folder, *folder.absolute().parents) if (p / "package.xml").is_file()), folder)
 
 
-def _own_folder(file: Path, top: Path, sources_below: Counter[Path]) -> Path:
+def _asset_root(file: Path, top: Path, sources_below: Counter[Path]) -> Path:
     """The asset's root: upwards from the file, within `top`, as long as no other source lies below."""
     package = _package_root(file.parent)
     if (package / "package.xml").is_file():
         return package
-    own = file.parent
-    while own != top and sources_below[own.parent] == 1:
-        own = own.parent
-    return own
+    folder = file.parent
+    while folder != top and sources_below[folder.parent] == 1:
+        folder = folder.parent
+    return folder

@@ -1,4 +1,4 @@
-"""What the files beside a mesh say about its unit: robot descriptions that load it scaled, notes of the same name."""
+"""Statements about the unit of a mesh in files beside it: robot descriptions that scale it, notes of its name."""
 
 from __future__ import annotations
 
@@ -15,26 +15,28 @@ _MAX_BYTES, _MAX_FILES = 1_000_000, 32
 _ELEMENT = re.compile(r"<(?:\w+:)?mesh\b[^<>]*>(?:(?!</mesh>|<mesh\b).){0,400}", re.DOTALL)
 _SCALE = re.compile(r"""\bscale\s*=\s*["']([^"']*)["']|<scale>([^<]*)</scale>""")
 _UNIT = re.compile(r"\bunits?\b", re.IGNORECASE)
-_MAX_SAID = 50
+_MAX_STATEMENTS = 50
 
 
 def sibling_statements(source: SourceFile) -> tuple[str, ...]:
-    """Lines such as "1 unit = 0.001 m (scale in arm.urdf)", sorted, for every file beside the source that speaks of it.
+    """Lines such as "1 unit = 0.001 m (scale in arm.urdf)", sorted, for every file beside the source that has one.
 
     For formats without a unit only: to others a description's scale comes on top of their own unit. Nothing above the
-    root is read; files that say something become part of what the asset was made from.
+    root is read; files with a statement become part of the asset's source files.
     """
-    found: list[str] = []
+    statements: list[str] = []
     for path in _near(source):
         text = _text(path)
         if path.suffix.lower() in _DESCRIPTIONS:
-            said = [f"1 unit = {s:.9g} m (scale in {path.name})" for s in sorted(set(_scales(text, source.path.name)))]
+            in_file = [
+                f"1 unit = {s:.9g} m (scale in {path.name})" for s in sorted(set(_scales(text, source.path.name)))
+            ]
         else:
-            said = [f"{passage} ({path.name})" for passage in _passages(text)]
-        if said:
+            in_file = [f"{passage} ({path.name})" for passage in _passages(text)]
+        if in_file:
             source.visited.add(path)
-            found += said[:_MAX_SAID]
-    return tuple(found)
+            statements += in_file[:_MAX_STATEMENTS]
+    return tuple(statements)
 
 
 def _near(source: SourceFile) -> list[Path]:
@@ -43,11 +45,11 @@ def _near(source: SourceFile) -> list[Path]:
     Notes that are not there yet are logged as missing: they would count if they appeared.
     """
     root = source.root.resolve()
-    own = source.path.resolve()
-    folders = [f for f in own.parents if f.is_relative_to(root)]
+    main_file = source.path.resolve()
+    folders = [f for f in main_file.parents if f.is_relative_to(root)]
     listed = (p for f in folders for p in sorted(f.iterdir()) if p.suffix.lower() in _DESCRIPTIONS)
     paths = [p for p, _ in zip(listed, range(_MAX_FILES), strict=False)]
-    notes = [own.with_suffix(suffix) for suffix in _NOTES if suffix != own.suffix]
+    notes = [main_file.with_suffix(suffix) for suffix in _NOTES if suffix != main_file.suffix]
     source.missing.update(p.relative_to(root).as_posix() for p in notes if not p.exists())
     real = (_followed(p) for p in (*paths, *notes))
     return [p for p in real if p is not None and p.is_file() and p.is_relative_to(root)]
@@ -70,12 +72,12 @@ def _text(path: Path) -> str:
 
 def _passages(text: str) -> list[str]:
     """The first lines about units, each at most 40 characters either side of the word."""
-    found = (text[max(0, m.start() - 40) : m.end() + 40] for m in islice(_UNIT.finditer(text), _MAX_SAID))
-    return list(dict.fromkeys(next(line for line in p.splitlines() if _UNIT.search(line)).strip() for p in found))
+    excerpts = (text[max(0, m.start() - 40) : m.end() + 40] for m in islice(_UNIT.finditer(text), _MAX_STATEMENTS))
+    return list(dict.fromkeys(next(line for line in p.splitlines() if _UNIT.search(line)).strip() for p in excerpts))
 
 
 def _scales(text: str, name: str) -> Iterator[float]:
-    """The uniform scales under which a robot description loads the file `name`; 1 where none is said."""
+    """The uniform scales under which a robot description loads the file `name`; 1 where none is stated."""
     for element in _ELEMENT.findall(text):
         if not re.search(rf"""[/"'>\s]{re.escape(name)}["'<\s]""", element):
             continue

@@ -1,4 +1,4 @@
-"""One source asset on disk, as the readers see it."""
+"""One source file on disk with the folder that no reference may leave, and the files that references led to."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import stat
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from jobs.cache import file_sha256
+from schemas import asset
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.references import expected_path, resolve_reference
 
@@ -39,12 +41,25 @@ class SourceFile:
     def resolve(self, uri: str, *, where: Location | None = None, base: Path | None = None) -> Path | None:
         """The file `uri` names, or None when absent; see `schemas.references.resolve_reference`."""
         folder = base or self.path.parent
-        found = resolve_reference(uri, base=folder, root=self.root, where=where)
-        if found is not None:
-            self.visited.add(found)
+        path = resolve_reference(uri, base=folder, root=self.root, where=where)
+        if path is not None:
+            self.visited.add(path)
         elif (expected := expected_path(uri, base=folder, root=self.root)) is not None:
             self.missing.add(expected)
-        return found
+        return path
+
+    def folder_names(self) -> tuple[str, ...]:
+        """Names of the folders from the file up to its root, nearest first."""
+        root, parent = self.root.absolute(), self.path.absolute().parent
+        return tuple(f.name for f in (parent, *parent.parents) if f == parent or f.is_relative_to(root))
+
+    def files_read(self) -> tuple[asset.SourceFile, ...]:
+        """The main file and every file that a reference led to, by path, with size in bytes and SHA-256."""
+        root = self.root.resolve()
+        return tuple(
+            asset.SourceFile(path=p.relative_to(root).as_posix(), sha256=file_sha256(p), bytes=p.stat().st_size)
+            for p in sorted({self.path.resolve(), *self.visited})
+        )
 
 
 def refusal(source: SourceFile) -> Diagnostic | None:

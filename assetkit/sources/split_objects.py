@@ -1,4 +1,4 @@
-"""One file, several far-apart objects: tell them apart and give each its own model."""
+"""Splits a model into its far-apart objects, by gaps between the bounding boxes of connected surfaces."""
 
 from __future__ import annotations
 

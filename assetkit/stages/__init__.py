@@ -1,1 +1,1 @@
-"""The seven stages, one file each; their order is in `assetkit.pipeline`."""
+"""The stages of the asset pipeline, one class per file and nothing else; `assetkit.pipeline` holds their order."""

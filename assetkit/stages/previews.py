@@ -1,27 +1,10 @@
-"""Pictures of the asset, made in a cell of their own: graphics drivers crash, assets must not go with them."""
+"""Previews, the stage after physics: PNG pictures of the asset, its colliders and its parts."""
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Sequence
-from pathlib import Path
-
-import numpy as np
-
+from assetkit.package.preview_images import render_previews
 from assetkit.stage import Draft, Previews, Stage, Tools, need
-from assetkit.storage import require_storage
-from jobs.cell import Limits
-from jobs.warm import run_module
-from render.drawn_grasp import DrawnGrasp
-from render.request import RenderRequest
-from schemas import array_files
-from schemas.model import IntArray, Model
 from schemas.outcome import Outcome
-from schemas.parts import Part
-from schemas.physics import CollisionShape
-from usdio.write.meshes import mesh_prim_names
-
-LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
 
 class RenderPreviews(Stage):
@@ -34,48 +17,4 @@ class RenderPreviews(Stage):
     def run(self, draft: Draft, tools: Tools) -> Outcome[Previews]:
         """PNG bytes by name."""
         shapes, parts = need(draft.physics, "physics").shapes, need(draft.interaction, "interaction").parts
-        return Outcome(Previews(render(draft.model, shapes, tools.work_dir, [p.value for p in parts])))
-
-
-def render(
-    model: Model,
-    shapes: tuple[CollisionShape, ...],
-    work_dir: Path,
-    parts: Sequence[Part] = (),
-    grasps: tuple[DrawnGrasp, ...] = (),
-) -> dict[str, bytes]:
-    """PNG bytes by name, of a canonical model, its collision shapes and its parts; with `grasps` only one of those.
-
-    Raises RuntimeError when the renderer fails, OSError when files could not be written or read: a broken environment,
-    not a bad asset.
-    """
-    work_dir.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=work_dir) as place:
-        request = Path(place) / "request.npz"
-        legend, part_of = _shown(model, parts)
-        asked = RenderRequest(model, shapes, place, grasps=grasps, parts=legend, part_of=part_of)
-        array_files.save(asked, RenderRequest, request)
-        result = run_module("render", [str(request)], LIMITS)
-        require_storage(result)
-        if result.status != "ok":
-            raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
-        return {p.stem: p.read_bytes() for p in sorted(Path(place).glob("*.png"))}
-
-
-def _shown(model: Model, parts: Sequence[Part]) -> tuple[tuple[str, ...], IntArray]:
-    """A line for each label, surest first, and which of them each triangle (m,) shows: that of its smallest part."""
-    sure = {p.label.value: max(q.label.confidence for q in parts if q.label.value == p.label.value) for p in parts}
-    order = sorted(sure, key=lambda label: (-sure[label], label))
-    count = {label: sum(p.label.value == label for p in parts) for label in order}
-    lines = [f"{label} x{count[label]}" if count[label] > 1 else label for label in order]
-    legend = tuple(f"{line}  {sure[name]:.2f}" if sure[name] else line for line, name in zip(lines, order, strict=True))
-    of_mesh = []
-    for prim, mesh in zip(mesh_prim_names(model), model.meshes, strict=True):
-        index = np.full(len(mesh.triangles), -1, dtype=np.int64)
-        for part in sorted(parts, key=lambda p: -p.area_m2):
-            known = part.label.confidence > 0.0
-            mask = part.mask(prim, len(index))
-            # An unlabelled region within a labelled one would hide its colour.
-            index[mask if known else mask & (index == -1)] = order.index(part.label.value)
-        of_mesh.append(index)
-    return legend, np.concatenate(of_mesh) if of_mesh else np.zeros(0, dtype=np.int64)
+        return Outcome(Previews(render_previews(draft.model, shapes, tools.work_dir, [p.value for p in parts])))

@@ -1,1 +1,1 @@
-"""The controlled vocabulary: what kinds of things there are, as tables, and one typed loader (`tables`)."""
+"""The vocabulary of categories, materials, masses and sizes as CSV tables, with typed loaders. Start with `tables`."""

@@ -1,4 +1,4 @@
-"""Physical-material classes as data, and which of them the names of an asset point to.
+"""Physical-material classes (density, friction, restitution) from tables, and the class that names mention.
 
 `materials.csv` holds one class per row and `contacts.csv` measured pairs of classes, each row with its source. The
 values are for typical household surfaces; the bounds are what randomisation should use.
@@ -53,17 +53,17 @@ def materials() -> dict[str, PhysicalMaterial]:
 def material_for(names: Sequence[str]) -> Evidence[str]:
     """The class that most of `names` (file, materials, meshes) mention as a whole word, `unknown` if none does.
 
-    Within a name the first word counts: in "foam brick" or "rubber duck" the material stands before the thing. Always
+    Within a name the first word counts: in "foam brick" or "rubber duck" the material precedes the thing. Always
     low confidence, lower when names disagree; `inputs` lists the names that agree.
     """
     votes: dict[str, list[str]] = {}
     for name in dict.fromkeys(names):
-        material = mentioned(name)
+        material = mentioned_material(name)
         if material is not None:
             votes.setdefault(material, []).append(name)
     if not votes:
         return default(UNKNOWN, "no name mentions a material")
-    winner = Counter({material: len(heard) for material, heard in votes.items()}).most_common(1)[0][0]
+    winner = Counter({material: len(agreeing) for material, agreeing in votes.items()}).most_common(1)[0][0]
     confidence = UNANIMOUS if len(votes) == 1 else DISPUTED
     return inferred(winner, "material word in a name", confidence, inputs=tuple(votes[winner]))
 
@@ -102,7 +102,7 @@ def _contact_evidence(
     )
 
 
-def mentioned(name: str) -> str | None:
+def mentioned_material(name: str) -> str | None:
     """The class of the first material word in `name`."""
     by_word = {word: m.name for m in materials().values() for word in m.words}
     for word in _WORD.findall(name):

@@ -3,7 +3,7 @@
 `categories.csv` holds 44 kinds of rigid tabletop things in 10 families and, with scope `surrounding`, the furniture,
 appliances and fixtures around them; `interaction_groups.csv` the 9 ways in which articulated things move. Sizes and
 masses carry their source and how sure it is. `other_things.csv` names what is outside the vocabulary, so that a word
-in it is not taken for a category; `fillers.csv` words that say nothing about the kind of thing. `size_anchors.csv` are
+in it is not taken for a category; `fillers.csv` words without information about the category. `size_anchors.csv` are
 things of known size.
 """
 
@@ -70,7 +70,7 @@ class Category(_Row):
     stands         reference pose: `opening` up, on its `base`, `flat` on its widest side, or `any`.
     symmetry       `full` like a ball, `axial` about the upright axis (long axis of what lies flat), `mirror` or `none`.
     opening        whether things can be put in from outside: `yes`, `no`, `maybe` (closed bottles, scanned cans).
-    fill           share of its bounding box that its convex hull takes, or None where that says nothing.
+    fill           share of its bounding box that its convex hull takes, or None where that is no evidence.
     group          how it moves when it is articulated, or "".
     """
 
@@ -144,13 +144,13 @@ def other_things() -> tuple[str, ...]:
 
 @cache
 def fillers() -> frozenset[str]:
-    """Words that say nothing about the kind of thing: file jargon, numbers, units, colours, sizes, sides."""
+    """Words without information about the category: file jargon, numbers, units, colours, sizes, sides."""
     return frozenset(word for row in rows_of("fillers.csv") for word in row["words"].split(";"))
 
 
 @cache
 def file_jargon() -> frozenset[str]:
-    """The fillers that speak of files and their making, of three letters or more."""
+    """The fillers that are about files and their making, of three letters or more."""
     words = (w for row in rows_of("fillers.csv") if row["kind"] == "file" for w in row["words"].split(";"))
     return frozenset(word for word in words if len(word) > 2)
 

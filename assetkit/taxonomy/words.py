@@ -1,4 +1,4 @@
-"""Names as words: `025_mug`, `CoffeeMug_v2` and `coffee-mug` all speak of a mug, `scan` and `candle` of no can."""
+"""Splits names into words: `025_mug`, `CoffeeMug_v2` and `coffee-mug` hold `mug`; `scan` holds no `can`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def words_of(name: str) -> tuple[str, ...]:
 
 
 def singulars(word: str) -> tuple[str, ...]:
-    """What a word may be the plural of, by English spelling; () for what can be none."""
+    """Possible singular forms of a word, by English spelling; () when it cannot be a plural."""
     if len(word) < 4 or not word.endswith("s") or word.endswith("ss"):
         return ()
     forms = [word[:-1]]

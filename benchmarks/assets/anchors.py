@@ -1,10 +1,10 @@
-"""Surfaces and volumes found on furniture, vessels and things that have none, beside what the eye sees.
+"""Compares surfaces and volumes found on furniture, vessels and objects without any with what a person sees.
 
     python -m benchmarks.assets.anchors ASSETS_DIR [--only TEXT] [--proposed]
 
 `anchors_truth.csv` says for objects of the development assets and of `pybullet_data`, standing with `up_axis` up, at
 which heights (as a share of the object's own) a person sees a surface to stand on, or the floor of something to put
-things into. What stands under `may` is neither asked for nor wrong. Nothing of the table is known to the pipeline.
+things into. Heights listed as `may` count neither as missed nor as wrong. The pipeline does not get the table.
 Anchors count as released: proposed from geometry and held up by probes on the colliders in simulation; with
 `--proposed` simulation and colliders are left out.
 """
@@ -22,8 +22,8 @@ from typing import NamedTuple
 from assetkit.affordances.anchor_trials import verify_anchors
 from assetkit.affordances.anchors import propose_anchors
 from assetkit.colliders.choose import choose_colliders
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.options import Options
-from assetkit.stages.canonicalize import canonicalize
 from benchmarks.assets.truth_files import located, object_of
 from geom.features.cavities import find_cavities
 from schemas.anchors import Anchor
@@ -34,7 +34,7 @@ SAME_HEIGHT = 0.04  # of the object's height
 
 
 class Row(NamedTuple):
-    """One object: heights missed, of those asked for, and heights that are wrong, of those found."""
+    """One object: heights missed, of those of the table, and heights that are wrong, of those found."""
 
     path: str
     asked: int
@@ -55,19 +55,19 @@ def rows(assets: Path, *, only: str = "", proposed: bool = False) -> Iterator[Ro
 
 def _row(truth: dict[str, str], file: Path, root: Path, simulator: BulletSimulator | None) -> Row:
     options = Options(up_axis=truth["up_axis"])
-    made = canonicalize(object_of(file, options, root), file.name, options).value
-    assert made is not None, f"{file} is not refused"
+    canonical = canonicalize(object_of(file, options, root), file.name, options).value
+    assert canonical is not None, f"{file} is not refused"
     started = time.perf_counter()
-    anchors: Sequence[Anchor] = propose_anchors(made.solid, find_cavities(made.solid))
+    anchors: Sequence[Anchor] = propose_anchors(canonical.solid, find_cavities(canonical.solid))
     seconds, refuted = time.perf_counter() - started, 0
     if simulator is not None:
         with tempfile.TemporaryDirectory() as folder:
-            shapes = choose_colliders(made.solid, Path(folder)).shapes
+            shapes = choose_colliders(canonical.solid, Path(folder)).shapes
         started = time.perf_counter()
         tried = verify_anchors(anchors, shapes, simulator)
         seconds += time.perf_counter() - started
         anchors, refuted = [a.value for a in tried.anchors], len(tried.diagnostics)
-    height_m = made.section.extent_m.value[2]
+    height_m = canonical.section.extent_m.value[2]
     missed, wrong, asked = [], [], 0
     for kind, column in (("surface", "surfaces"), ("volume", "volumes")):
         must, may = _heights(truth[column]), _heights(truth[f"{column}_may"])

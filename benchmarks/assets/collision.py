@@ -22,14 +22,14 @@ from pathlib import Path
 import numpy as np
 
 from assetkit.acceptance.body_checks import MAX_HULL_POINTS, MAX_SHAPES
-from assetkit.colliders.choose import PARTS, Colliders, choose_colliders, failed
+from assetkit.colliders.choose import PARTS, Colliders, choose_colliders, failed_candidate
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.options import Options
 from assetkit.sources.discover import discover
-from assetkit.stages import intake
-from assetkit.stages.canonicalize import canonicalize
+from assetkit.stages.intake import ReadSource
 from benchmarks.assets.collision_table import print_tables
 from geom.convex.hull import hull_shape
-from geom.decomposition.fidelity import measure
+from geom.decomposition.fidelity import measure_fidelity
 from geom.features.cavities import find_cavities
 from jobs.cell import Limits, run_cell
 from schemas.physics import Fidelity, Solid
@@ -93,7 +93,7 @@ def solids(assets: Path, only: str) -> Iterator[tuple[str, Solid]]:
     """Name and solid of every object that ingest accepts, each form once, whatever its file format, unit and pose."""
     seen: set[tuple[object, ...]] = set()
     for candidate in discover([assets]):
-        objects = intake.take_in(candidate, Options()).objects
+        objects = ReadSource().run(candidate, Options()).objects
         for number, item in enumerate(objects, start=1):
             name = f"{candidate.asset_id}-{number:02d}" if len(objects) > 1 else candidate.asset_id
             made = canonicalize(item, candidate.file.path.name, Options()).value if only in name else None
@@ -142,16 +142,16 @@ def missed(figures: Fidelity, largest_hull: int) -> list[str]:
     """What of the strict bar is not met."""
     low, high = PARTS.volume
     ratio = figures.volume_ratio
-    found = []
+    violated = []
     if max(figures.outside_p95, figures.missing_p95) > PARTS.p95:
-        found.append("surface")
+        violated.append("surface")
     if ratio is not None and not low <= ratio <= high:
-        found.append("volume")
+        violated.append("volume")
     if figures.cavity_kept is False:
-        found.append("leak" if figures.cavity_open else "opening")
+        violated.append("leak" if figures.cavity_open else "opening")
     if figures.shapes > MAX_SHAPES or largest_hull > MAX_HULL_POINTS:
-        found.append("size")
-    return found
+        violated.append("size")
+    return violated
 
 
 def plain_coacd(name: str, solid: Solid) -> Row:
@@ -170,7 +170,7 @@ def plain_coacd(name: str, solid: Solid) -> Row:
                 parts = np.split(found["points"], np.cumsum(found["counts"])[:-1])
     shapes = tuple(s for s in (hull_shape(part, len(part)) for part in parts) if s is not None)
     cavities = find_cavities(solid)
-    figures = measure("plain", shapes, solid, cavities) if shapes else failed("plain", result.status)
+    figures = measure_fidelity("plain", shapes, solid, cavities) if shapes else failed_candidate("plain", result.status)
     return row_of(name, solid, Colliders("plain", shapes, (figures,), cavities), seconds)
 
 

@@ -72,11 +72,13 @@ def parse_size(text: str) -> Size:
     return tuple(sorted(numbers, reverse=True)) if all(map(math.isfinite, numbers)) else ()
 
 
-def size_error(size: Size, own: Size) -> float | None:
+def size_error(size: Size, true_size: Size) -> float | None:
     """The largest relative difference along an axis; None where the sizes cannot be compared."""
-    if len(size) != 3 or len(own) != 3 or own[0] <= 0:
+    if len(size) != 3 or len(true_size) != 3 or true_size[0] <= 0:
         return None
-    return max(abs(a - b) / (b if b > FLAT * own[0] else own[0]) for a, b in zip(size, own, strict=True))
+    return max(
+        abs(a - b) / (b if b > FLAT * true_size[0] else true_size[0]) for a, b in zip(size, true_size, strict=True)
+    )
 
 
 def whole_size(records: Sequence[AssetRecord]) -> Size:
@@ -87,24 +89,26 @@ def whole_size(records: Sequence[AssetRecord]) -> Size:
     for record in records:
         x, y, z = record.geometry.extent_m.value
         corners = np.array([[sx * x, sy * y, sz * z] for sx in (-0.5, 0.5) for sy in (-0.5, 0.5) for sz in (0.0, 1.0)])
-        own = (corners - record.geometry.origin_offset_m) @ matrix_of(np.array(record.geometry.source_quat_wxyz))
-        low, high = np.minimum(low, own.min(axis=0)), np.maximum(high, own.max(axis=0))
+        corners_in_file = (corners - record.geometry.origin_offset_m) @ matrix_of(
+            np.array(record.geometry.source_quat_wxyz)
+        )
+        low, high = np.minimum(low, corners_in_file.min(axis=0)), np.maximum(high, corners_in_file.max(axis=0))
     return tuple(sorted((float(e) for e in high - low), reverse=True))
 
 
-def row_of(known: dict[str, str], made: dict, records: Sequence[AssetRecord]) -> Row:
+def row_of(known: dict[str, str], item: dict, records: Sequence[AssetRecord]) -> Row:
     """One row from the manifest's line, the outcome and the released records."""
     chosen = [next(c for c in r.physics.candidates if c.method == r.physics.collision_method) for r in records]
     ratios = [c.volume_ratio for c in chosen if c.volume_ratio is not None]
     masses = [r.physics.mass_kg for r in records]
     bounds = [m.bounds for m in masses if m.bounds is not None]
     size = whole_size(records)
-    own = tuple(e * float(known["meters_per_unit"] or 0) for e in parse_size(known["measured_extent_native"]))
+    true_size = tuple(e * float(known["meters_per_unit"] or 0) for e in parse_size(known["measured_extent_native"]))
     declared = bool(records) and records[0].source.meters_per_unit.source == "declared"
     return Row(
         id=known["id"],
         format=known["format"],
-        outcome=made["outcome"],
+        outcome=item["outcome"],
         expected=known["outcome"],
         packages=len(records),
         method="+".join(sorted({c.method for c in chosen})),
@@ -117,11 +121,11 @@ def row_of(known: dict[str, str], made: dict, records: Sequence[AssetRecord]) ->
         else None,
         true_mass_kg=float(known["mass_kg"]) if known["mass_kg"] else None,
         size_m=size,
-        own_size_m=own if known["meters_per_unit"] else (),
-        size_error=size_error(size, own) if known["meters_per_unit"] else None,
+        own_size_m=true_size if known["meters_per_unit"] else (),
+        size_error=size_error(size, true_size) if known["meters_per_unit"] else None,
         unit="declared" if declared else records[0].source.meters_per_unit.source if records else "",
         caliper_m=parse_size(known["dims_m"]),
-        seconds=sum(made["seconds"].values()),
+        seconds=sum(item["seconds"].values()),
     )
 
 
@@ -152,20 +156,20 @@ def table(rows: Sequence[Row]) -> str:
 
 def summary(rows: Sequence[Row]) -> str:
     """The aggregate lines."""
-    made = [r for r in rows if r.packages]
-    sized = [r for r in made if r.size_error is not None and r.unit == "declared"]
-    others = [r for r in made if r.size_error is not None and r.unit != "declared"]
-    weighed = [r for r in made if r.mass_inside is not None]
-    p95 = [100 * r.p95 for r in made if r.p95 is not None]
-    ratios = [r.volume_ratio for r in made if r.volume_ratio is not None]
+    packaged = [r for r in rows if r.packages]
+    sized = [r for r in packaged if r.size_error is not None and r.unit == "declared"]
+    others = [r for r in packaged if r.size_error is not None and r.unit != "declared"]
+    weighed = [r for r in packaged if r.mass_inside is not None]
+    p95 = [100 * r.p95 for r in packaged if r.p95 is not None]
+    ratios = [r.volume_ratio for r in packaged if r.volume_ratio is not None]
     lines = [
-        f"{len(rows)} assets: {_counts(r.outcome for r in rows)}; {sum(r.packages for r in made)} packages",
+        f"{len(rows)} assets: {_counts(r.outcome for r in rows)}; {sum(r.packages for r in packaged)} packages",
         f"declared unit: {sum(_fits(r) for r in sized)} of {len(sized)} sizes within 1 % of the mesh's own",
         f"unit by other evidence: {sum(_fits(r) for r in others)} of {len(others)} within 1 %",
         f"true mass inside the bounds: {sum(r.mass_inside is True for r in weighed)} of {len(weighed)}",
-        f"colliders: {_counts(r.method for r in made)}; shapes median {_median([r.shapes for r in made])}",
+        f"colliders: {_counts(r.method for r in packaged)}; shapes median {_median([r.shapes for r in packaged])}",
         f"p95 median {_median(p95)} %, largest {max(p95, default=math.nan):.2f} %; volume ratio {_median(ratios)}",
-        f"seconds median {_median([r.seconds for r in made])}, sum {sum(r.seconds for r in rows):.0f}",
+        f"seconds median {_median([r.seconds for r in packaged])}, sum {sum(r.seconds for r in rows):.0f}",
     ]
     return "\n".join(lines)
 

@@ -16,10 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.options import Options
 from assetkit.parts.find import find_parts
 from assetkit.pose.front import front_of
-from assetkit.stages.canonicalize import canonicalize
 from benchmarks.assets.truth_files import located, object_of
 from geom.features.cavities import find_cavities
 from schemas.evidence import declared, default
@@ -49,18 +49,17 @@ def _asked(truth: dict[str, str], file: Path, root: Path) -> str:
     cavities = find_cavities(made.solid)
     parts = find_parts(meshes, item.model.materials, category, cavities=cavities).parts
     started = time.process_time()
-    found = front_of(meshes, category, parts, cavities)
+    estimate = front_of(meshes, category, parts, cavities)
     seconds = time.process_time() - started
     sign = -1.0 if truth["front"].startswith("-") else 1.0
     true = sign * np.eye(3)["xyz".index(truth["front"][-1])] if truth["front"] else None
-    if found.direction.confidence == 0.0:
+    if estimate.direction.confidence == 0.0:
         end = "unknown" if true is not None else "rightly none"
     else:
-        end = "right" if true is not None and np.dot(found.direction.value, true) > np.cos(np.pi / 12) else "wrong"
-    why = "; ".join(found.direction.inputs) or found.direction.method
-    print(
-        f"{truth['path'][-58:]:58} {truth['front']:3} {end:12} symmetry {found.symmetry.value}  {seconds:.2f} s  {why}"
-    )
+        end = "right" if true is not None and np.dot(estimate.direction.value, true) > np.cos(np.pi / 12) else "wrong"
+    why = "; ".join(estimate.direction.inputs) or estimate.direction.method
+    symmetry = estimate.symmetry.value
+    print(f"{truth['path'][-58:]:58} {truth['front']:3} {end:12} symmetry {symmetry}  {seconds:.2f} s  {why}")
     return end
 
 

@@ -13,12 +13,12 @@ import sys
 import tempfile
 from pathlib import Path
 
-from assetkit.batch.ingest import Batch, ingest
+from assetkit.batch.item_cells import Batch, run_items
 from assetkit.options import Options
 from assetkit.package.record import RECORD
 from assetkit.sources.discover import discover
-from cli.assets.app import PRELOAD, WORKER
 from cli.demo.app import OBJECTS, data_folder
+from cli.engines import SIMULATOR
 from jobs.cell import Limits, run_cell
 from schemas.asset import AssetRecord
 
@@ -35,11 +35,11 @@ print("RESULT", time.monotonic() - started, len(parts))
 def main() -> None:
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(tempfile.mkdtemp(prefix="mana-bench"))
     meshes = [data_folder() / name for name in OBJECTS]
-    batch = Batch(out=out, options=Options(), worker=WORKER, preload=PRELOAD, jobs=1, fresh=True)
+    batch = Batch(out=out, options=Options(), engine=SIMULATOR, jobs=1, fresh=True)
     print(
         f"{'mesh':20} {'all s':>7} {'coll s':>7} {'shapes':>6} {'p95 %':>6}   {'plain s':>8} {'hulls':>5} {'ratio':>6}"
     )
-    for item in ingest(discover(meshes), batch):
+    for item in run_items(discover(meshes), batch):
         plain_s, hulls = plain_coacd(item.source)
         ours_s = sum(item.seconds.values())
         for name in item.packages:

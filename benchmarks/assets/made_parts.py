@@ -2,8 +2,8 @@
 
     python -m benchmarks.assets.made_parts [--seed N] [--draws N] [--turned] [--only TEXT]
 
-A part is found when its label is right and its surface covers at least half of the union with the true one. A thing
-in one part asks for none: each label but `body` is wrong there. `--turned` turns everything by random rotations.
+A part is found when its label is right and its surface covers at least half of the union with the true one. An
+object in one part has none: each label but `body` is wrong there. `--turned` turns everything by random rotations.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ OVERLAP = 0.5
 
 
 class Row(NamedTuple):
-    """One thing: parts asked for and found, wrong labels, CPU seconds for parts."""
+    """One object: true parts and those found, wrong labels, CPU seconds for parts."""
 
     name: str
     asked: int

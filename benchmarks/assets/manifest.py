@@ -15,10 +15,10 @@ from collections import Counter
 from pathlib import Path
 from statistics import median
 
-from assetkit.batch.ingest import Batch, default_jobs, ingest
+from assetkit.batch.item_cells import Batch, default_jobs, run_items
 from assetkit.options import Options
-from assetkit.sources.discover import Candidate, discover
-from cli.assets.app import PRELOAD, WORKER
+from assetkit.sources.discover import SourceAsset, discover
+from cli.engines import SIMULATOR
 from schemas.report import ReportItem
 
 PLANNED = {"urdf", "mjcf", "blend"}
@@ -26,7 +26,7 @@ EXPECTED = {"accept": {"accepted", "repaired"}, "repair": {"repaired"}, "reject"
 
 
 def verdict(row: dict[str, str], item: ReportItem) -> str:
-    """`ok`, `reason` (right outcome, other reason) or `differs`. `review` is right where the row itself asks for it."""
+    """`ok`, `reason` (right outcome, other reason) or `differs`. `review` is right where the row itself requires it."""
     if row["format"] in PLANNED:
         return "ok" if "asset/format-unsupported-yet" in item.codes else "differs"
     asks_review = any(word.endswith("_review") for word in row["reason"].split(";"))
@@ -34,9 +34,9 @@ def verdict(row: dict[str, str], item: ReportItem) -> str:
         return "differs"
     if row["outcome"] == "accept":
         return "ok"
-    said = {r.name.replace("_", "-") for r in item.repairs} | {c.split("/")[1] for c in item.codes}
-    wanted = {w.replace("_", "-") for w in row["reason"].split(";")}
-    return "ok" if said & wanted else "reason"
+    codes = {r.name.replace("_", "-") for r in item.repairs} | {c.split("/")[1] for c in item.codes}
+    expected_codes = {w.replace("_", "-") for w in row["reason"].split(";")}
+    return "ok" if codes & expected_codes else "reason"
 
 
 def main() -> None:
@@ -49,11 +49,11 @@ def main() -> None:
     with (arguments.assets / "manifest.csv").open() as file:
         rows = {str(arguments.assets / r["path"]): r for r in csv.DictReader(file) if arguments.only in r["id"]}
     found = {c.given: c for c in discover([arguments.assets])}
-    candidates: tuple[Candidate, ...] = tuple(found[path] for path in rows)
+    candidates: tuple[SourceAsset, ...] = tuple(found[path] for path in rows)
     started = time.monotonic()
     table = []
-    batch = Batch(out=arguments.out, options=Options(), worker=WORKER, preload=PRELOAD, jobs=arguments.jobs)
-    for item in ingest(candidates, batch):
+    batch = Batch(out=arguments.out, options=Options(), engine=SIMULATOR, jobs=arguments.jobs)
+    for item in run_items(candidates, batch):
         row = rows[item.source]
         line = {
             "id": row["id"],

@@ -1,10 +1,10 @@
-"""How far off is the size of things whose unit is taken away?
+"""Error of the estimated size of objects whose unit was removed.
 
     python -m benchmarks.assets.metric_scale ASSETS_DIR [--only TEXT]
 
 `metric_scale_truth.csv` lists objects of known size. Their numbers are changed to look like those of a file without a
 unit: written in m, cm, mm or inches, normalised to a longest edge of 1, or multiplied by any factor (from a seed). Each
-is asked about with the category that its names tell, the object's own row (`own_anchor`) taken out of the things of
+is estimated with the category that its names indicate, the object's own row (`own_anchor`) taken out of the things of
 known size, and without names. `in review` goes to a person, with bounds; `accepted` ones are counted on their own.
 """
 
@@ -20,13 +20,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from assetkit.annotate.annotator import Observation, Shape
+from assetkit.annotate.annotator import ObjectShape, Observation
 from assetkit.annotate.embedded import EmbeddedAnnotator
-from assetkit.annotate.name_reading import category_called
+from assetkit.annotate.name_reading import category_by_name
 from assetkit.options import METERS_PER_UNIT, Options
 from assetkit.scale.declared_units import decide_unit
-from assetkit.scale.metric_scale import is_normalised, scale_of
-from assetkit.scale.size_prior import CATEGORY_HOLDS
+from assetkit.scale.metric_scale import estimate_scale, is_normalised
+from assetkit.scale.size_prior import CATEGORY_PRECISION
 from assetkit.stage import Intake
 from assetkit.taxonomy.tables import Category
 from benchmarks.assets.truth_files import object_of, roots
@@ -89,8 +89,8 @@ def _category(path: Path, item: Intake, edges_m: Sequence[float]) -> Category | 
     small, middle, large = (float(e) for e in edges_m)
     nodes = tuple(m.name for m in item.model.meshes if m.name)
     materials = tuple(m.name for m in item.model.materials if m.name)
-    shape = Shape((small, middle, large), None, None, metric=False)
-    return category_called(
+    shape = ObjectShape((small, middle, large), None, None, metric=False)
+    return category_by_name(
         EmbeddedAnnotator().annotate(Observation(path.stem, item.folders, nodes, materials, (), shape)).category
     )
 
@@ -98,12 +98,12 @@ def _category(path: Path, item: Intake, edges_m: Sequence[float]) -> Category | 
 def _asked(
     item: Intake, extent: Sequence[float], edges: Sequence[float], category: Category | None, without: str
 ) -> tuple[Evidence[float], bool]:
-    """What the pipeline says of the scale, and whether a person is asked."""
+    """The scale that the pipeline estimates, and whether a person has to review it."""
     x, y, z = (float(e) for e in extent)
     if category is None and not is_normalised((x, y, z)):
-        said = decide_unit(stated=default(1.0), extent=(x, y, z), format_=item.format)
-        return said.meters_per_unit, said.review
-    scale = scale_of((x, y, z), edges, category, CATEGORY_HOLDS, format_=item.format, without=without)
+        decision = decide_unit(stated=default(1.0), extent=(x, y, z), format_=item.format)
+        return decision.meters_per_unit, decision.review
+    scale = estimate_scale((x, y, z), edges, category, CATEGORY_PRECISION, format_=item.format, without=without)
     return scale.meters_per_unit, scale.review
 
 

@@ -1,12 +1,12 @@
-"""How often a thing ends upright: as its file has it, and turned so that nothing tells which way is up.
+"""How often an object ends upright: in the pose of its file, and turned without information on its up axis.
 
     python -m benchmarks.assets.orientation ASSETS_DIR [--only TEXT] [--turns N]
 
 `orientation_truth.csv` says by eye which axis of the file points up when the thing stands in its reference pose,
 several when both ways are right; nothing where no way up is meant. It was written before the first run. Each object is
-asked about as it is, and `N` times turned: by rotations of the cube, and by any rotation; then nothing is said about
-its up. All that once with the category that its names tell, where they do, and once without names. `unsure`: no way up
-has enough chance, so the object would stay as it is; `alike`: wrong, but on record as looking like the right one.
+estimated as it is, and `N` times turned: by rotations of the cube, and by any rotation; its up axis is unknown then.
+All that once with the category that its names indicate, if any, and once without names. `unsure`: no direction is
+probable enough, so the object would stay as it is; `alike`: wrong, but on record as looking like the right one.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from assetkit.annotate.embedded import EmbeddedAnnotator
-from assetkit.annotate.name_reading import category_called
+from assetkit.annotate.name_reading import category_by_name
+from assetkit.annotate.observe import observe
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.options import Options
 from assetkit.pose.up_axis import TO_Z_UP
-from assetkit.pose.upright import least_chance, uprights
+from assetkit.pose.upright import least_probability, rank_upright
 from assetkit.stage import Canonical, Draft
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.semantics import observe
 from assetkit.taxonomy.tables import Category
 from benchmarks.assets.truth_files import largest, roots
-from geom.features.upright_directions import stands
+from geom.features.upright_directions import upright_features
 from schemas.model import FloatArray
 from schemas.physics import Solid
 
@@ -67,15 +67,15 @@ def cases(assets: Path, only: str, turns: int) -> Iterator[Case]:
 
 
 def canonical_of(path: Path, root: Path) -> tuple[Canonical, Category | None] | None:
-    """The largest object of a file in its metric frame, and the category that names tell; None when it is refused."""
+    """The largest object of a file in its metric frame, and the category by its names; None when it is refused."""
     item = largest(path, Options(), root)
     if item is None:
         return None
     canonical = canonicalize(item, path.name, Options()).value
     if canonical is None:
         return None
-    said = EmbeddedAnnotator().annotate(observe(Draft("part", path.name, item, canonicalize=canonical)))
-    return canonical, category_called(said.category)
+    annotation = EmbeddedAnnotator().annotate(observe(Draft("part", path.name, item, canonicalize=canonical)))
+    return canonical, category_by_name(annotation.category)
 
 
 def _asked(
@@ -87,23 +87,23 @@ def _asked(
     for kind, R in views:
         solid = _turned(canonical.solid, R)
         started = time.perf_counter()
-        standing = stands(solid)
+        standing = upright_features(solid)
         seconds = time.perf_counter() - started
         for known in dict.fromkeys((category, None)):
             name = f"{kind}, {'named' if known else 'nameless'}"
             given = canonical.up_axis if kind == "as it is" else None
-            found = uprights(standing, known, given)
-            best = np.array(found[0].up) if found else np.array([0.0, 0.0, 1.0])
-            sure = bool(found) and found[0].chance >= least_chance(found[0], known, given)
-            kept = kind == "as it is" and not sure
-            right = _is_up(np.array([0.0, 0.0, 1.0]) if kept else best, R, ups)
-            same = sure and any(_is_up(np.array(up), R, ups) for up in found[0].alike)
+            ranked = rank_upright(standing, known, given)
+            best = np.array(ranked[0].up) if ranked else np.array([0.0, 0.0, 1.0])
+            sure = bool(ranked) and ranked[0].probability >= least_probability(ranked[0], known, given)
+            unchanged = kind == "as it is" and not sure
+            right = _is_up(np.array([0.0, 0.0, 1.0]) if unchanged else best, R, ups)
+            same = sure and any(_is_up(np.array(up), R, ups) for up in ranked[0].alike)
             end = "right" if right else "alike" if same else "wrong"
-            if not (sure or kept):
+            if not (sure or unchanged):
                 end = f"unsure ({end})"
             if not ups:
                 end = "turned" if sure and best[2] < 0.99 else "left"
-            yield Case(path, name, end, str(np.round(best, 2)), found[0].chance if found else 0.0, seconds)
+            yield Case(path, name, end, str(np.round(best, 2)), ranked[0].probability if ranked else 0.0, seconds)
 
 
 def _is_up(up: FloatArray, R: FloatArray, ups: Sequence[FloatArray]) -> bool:

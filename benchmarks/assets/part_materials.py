@@ -1,11 +1,11 @@
-"""What parts are made of, beside what the eye sees.
+"""Compares the materials of parts with those that a person sees.
 
     python -m benchmarks.assets.part_materials ASSETS_DIR [--only TEXT] [--stripped] [--category names|stated]
 
 `part_materials_truth.csv` names regions of development assets and of `pybullet_data` and the classes that the eye
-admits there, `?` where it cannot tell. A region is `all`, a `mesh` or render `material` by name, or the triangles whose
-middle lies in a `box` (low and high in x, y and z as shares of the object's box). What most of its area is said to be,
-by the smallest part there that has a material, else by the whole, is right, wrong or `unknown`. With `--stripped`
+admits there, `?` where it cannot decide. A region is `all`, a `mesh` or render `material` by name, or the triangles
+whose middle lies in a `box` (low and high in x, y and z as shares of the object's box). The material of
+most of its area, by the smallest part there that has a material, else by the whole, is right, wrong or `unknown`. With `--stripped`
 nodes, meshes, materials and files have no names; with `--category stated` the category is that of the table.
 """
 
@@ -23,12 +23,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from assetkit.geometry.canonical_model import canonicalize
+from assetkit.materials.normalize import normalize
 from assetkit.materials.part_materials import face_materials, part_materials
 from assetkit.options import Options
 from assetkit.parts.find import find_parts
 from assetkit.stage import Draft, need
-from assetkit.stages.appearance import normalize
-from assetkit.stages.canonicalize import canonicalize
 from benchmarks.assets.parts import category_of, stripped_of
 from benchmarks.assets.truth_files import located, object_of
 from geom.features.cavities import find_cavities
@@ -83,9 +83,9 @@ def rows(assets: Path, *, only: str = "", stated: bool = False, stripped: bool =
 def _draft(file: Path, root: Path, up_axis: str) -> Draft:
     options = Options.model_validate({"up_axis": up_axis})
     item = object_of(file, options, root)
-    made = canonicalize(item, file.name, options).value
-    assert made is not None, f"{file} is not refused"
-    return Draft("it", file.name, item, canonicalize=made, appearance=normalize(item.model).value)
+    canonical = canonicalize(item, file.name, options).value
+    assert canonical is not None, f"{file} is not refused"
+    return Draft("it", file.name, item, canonicalize=canonical, appearance=normalize(item.model).value)
 
 
 def _region(text: str, meshes: tuple[Mesh, ...], materials: list[str]) -> IntArray:

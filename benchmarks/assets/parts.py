@@ -1,12 +1,12 @@
-"""Named parts found on mugs, bottles, chairs and things that have none, beside what the eye sees.
+"""Compares named parts found on mugs, bottles, chairs and objects without any with those that a person sees.
 
     python -m benchmarks.assets.parts ASSETS_DIR [--only TEXT] [--category names|stated] [--stripped]
 
 `parts_truth.csv` says for objects of the development assets and of `pybullet_data`, standing with `up_axis` up, which
 named parts a person sees and in which box (low and high in x, y and z, as shares of the object's own box). Labels under
-`may` are neither asked for nor wrong. A part is found when its label is right and its box covers at least half of the
-union with the one seen. With `--stripped` nodes, meshes, materials and files have no names; with `--category stated`
-the category is that of the table, else what names tell.
+`may` count neither as missed nor as wrong. A part is found when its label is right and its box covers at least half of
+the union with the one seen. With `--stripped` nodes, meshes, materials and files have no names; with `--category stated`
+the category is that of the table, else the one that names indicate.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from typing import NamedTuple
 import numpy as np
 
 from assetkit.annotate.embedded import EmbeddedAnnotator
+from assetkit.annotate.observe import observe
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.options import Options
 from assetkit.parts.find import find_parts
 from assetkit.stage import Draft, Intake
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.semantics import observe
 from benchmarks.assets.truth_files import located, object_of
 from geom.features.cavities import find_cavities
 from schemas.evidence import Evidence, declared, default, inferred
@@ -39,7 +39,7 @@ OVERLAP = 0.5
 
 
 class Row(NamedTuple):
-    """One object: parts asked for, those found, missed labels, wrong labels, all parts, and CPU seconds for them."""
+    """One object: true parts, those found, missed labels, wrong labels, all parts, and CPU seconds for them."""
 
     path: str
     asked: int
@@ -61,19 +61,19 @@ def rows(assets: Path, *, only: str = "", stated: bool = False, stripped: bool =
 def _row(truth: dict[str, str], file: Path, root: Path, *, stated: bool, stripped: bool) -> Row:
     options = Options.model_validate({"up_axis": truth["up_axis"]})
     item = object_of(file, options, root)
-    made = canonicalize(item, file.name, options).value
-    assert made is not None, f"{file} is not refused"
-    draft = Draft("it", file.name, item, canonicalize=made)
+    canonical = canonicalize(item, file.name, options).value
+    assert canonical is not None, f"{file} is not refused"
+    draft = Draft("it", file.name, item, canonicalize=canonical)
     if stripped:
         draft = stripped_of(draft)
     category = declared(truth["category"], "table") if stated else category_of(draft)
     meshes = dict(zip(mesh_prim_names(draft.model), draft.model.meshes, strict=True))
-    cavities = find_cavities(made.solid)
+    cavities = find_cavities(canonical.solid)
     started = time.process_time()
-    found = find_parts(meshes, draft.model.materials, category, cavities=cavities).parts
+    parts = find_parts(meshes, draft.model.materials, category, cavities=cavities).parts
     seconds = time.process_time() - started
     asked = _boxes(truth["parts"])
-    return _judged(truth, asked, [p.value for p in found], np.array(made.section.extent_m.value), seconds)
+    return _judged(truth, asked, [p.value for p in parts], np.array(canonical.section.extent_m.value), seconds)
 
 
 def _judged(
@@ -109,19 +109,23 @@ def _boxes(text: str) -> list[tuple[str, FloatArray]]:
 
 
 def category_of(draft: Draft) -> Evidence[str]:
-    """What names tell, as the semantics stage has it."""
-    said = EmbeddedAnnotator().annotate(observe(draft))
-    return inferred(said.category, said.method, said.score) if said.score else default(said.category)
+    """The category that names indicate, as in the semantics stage."""
+    annotation = EmbeddedAnnotator().annotate(observe(draft))
+    return (
+        inferred(annotation.category, annotation.method, annotation.score)
+        if annotation.score
+        else default(annotation.category)
+    )
 
 
 def stripped_of(draft: Draft) -> Draft:
     """The draft without a name in it."""
-    model, made = draft.intake.model, draft.canonicalize
-    assert made is not None
-    meshes = tuple(replace(m, name=f"m{i}", source_path=f"/m{i}") for i, m in enumerate(made.meshes))
+    model, canonical = draft.intake.model, draft.canonicalize
+    assert canonical is not None
+    meshes = tuple(replace(m, name=f"m{i}", source_path=f"/m{i}") for i, m in enumerate(canonical.meshes))
     bare = replace(model, metadata={}, materials=tuple(replace(m, name=f"x{i}") for i, m in enumerate(model.materials)))
     intake: Intake = replace(draft.intake, model=bare, folder="", folders=())
-    return replace(draft, source_name="a.obj", intake=intake, canonicalize=replace(made, meshes=meshes))
+    return replace(draft, source_name="a.obj", intake=intake, canonicalize=replace(canonical, meshes=meshes))
 
 
 def main() -> None:

@@ -129,13 +129,13 @@ def multiply(folder: Path, count: int) -> None:
             shutil.copytree(out / "item_00000", package)
             record = template.model_copy(update={"asset_id": target.stem})
             (package / RECORD).write_text(record.model_dump_json(indent=1) + "\n")
-    first = result_store.recall(result_store.file_of(discover([source], root=source.parent)[0], out, options))
+    first = result_store.read_stored(result_store.result_file(discover([source], root=source.parent)[0], out, options))
     if first is None:
         raise RuntimeError("the first item is not remembered")
     for candidate in discover([source.parent]):
         item = ReportItem(**first.item.model_dump() | {"source": candidate.given, "packages": (candidate.asset_id,)})
-        result_store.remember(
-            result_store.file_of(candidate, out, options), result_store.stored_from(item, candidate, out)
+        result_store.write_stored(
+            result_store.result_file(candidate, out, options), result_store.stored_from(item, candidate, out)
         )
 
 
@@ -157,7 +157,7 @@ def table(rows: Sequence[Growth]) -> str:
 
 def slopes(rows: Sequence[Growth]) -> str:
     """The exponent e of cost ~ assets^e, fitted to CPU time beyond a fixed start-up, for each kind of run."""
-    said = []
+    texts = []
     for what in dict.fromkeys(r.what for r in rows):
         group = [r for r in rows if r.what == what]
         if len(group) < 3:
@@ -166,8 +166,8 @@ def slopes(rows: Sequence[Growth]) -> str:
         start, slope = np.linalg.lstsq(np.stack([np.ones(len(counts)), counts], axis=1), cpu, rcond=None)[0]
         last = (cpu[-1] - cpu[-2]) / (counts[-1] - counts[-2])
         whole = (cpu[-1] - cpu[0]) / (counts[-1] - counts[0])
-        said.append(
+        texts.append(
             f"- {what}: {start:.1f} s + {1000 * slope:.1f} ms an asset (least squares); the last step costs "
             f"{last / whole:.2f} times the average"
         )
-    return "\n".join(said)
+    return "\n".join(texts)

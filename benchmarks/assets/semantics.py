@@ -1,14 +1,14 @@
-"""How often the embedded annotator is right, silent and wrong.
+"""Counts how often the embedded annotator is right, without an answer, or wrong.
 
     python -m benchmarks.assets.semantics ASSETS_DIR [--only TEXT]
     python -m benchmarks.assets.semantics --names
 
 `semantics_truth.csv` says by eye what the objects of the development assets and of `pybullet_data` are, a category of
 the vocabulary (or several that are right, separated by `|`) or `other`, and whether a name within reach of the reader
-(file, folder, nodes, materials) tells it. Every object is asked about twice: as it is, and with all names taken away.
+(file, folder, nodes, materials) indicates it. Every object is annotated twice: as it is, and with all names removed.
 Nothing of the table is known to the annotator.
 
-`--names` asks about names of Google Scanned Objects (CC BY 4.0) in `semantics_names.csv`, with the longest edge of the
+`--names` annotates names of Google Scanned Objects (CC BY 4.0) in `semantics_names.csv`, with the longest edge of the
 scan. The rest of the shape is made up so that it agrees with whatever the name says: the worst case, since no contrary
 form is ever seen. `seen` rows were looked at while rules were made, the others were not.
 """
@@ -24,14 +24,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from assetkit.annotate.annotator import UNKNOWN, Annotation, Observation, Shape
+from assetkit.annotate.annotator import UNKNOWN, Annotation, ObjectShape, Observation
 from assetkit.annotate.domain import out_of_domain
 from assetkit.annotate.embedded import EmbeddedAnnotator
 from assetkit.annotate.name_reading import read_name
+from assetkit.annotate.observe import observe
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.options import Options
 from assetkit.stage import Draft
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.semantics import observe
 from assetkit.taxonomy.tables import categories
 from benchmarks.assets.truth_files import largest, roots
 
@@ -41,7 +41,7 @@ OTHER = "other"
 
 
 class Row(NamedTuple):
-    """One object: its truth, whether names tell it, what was said with names and without, why it is screened out."""
+    """One object: its truth, whether names indicate it, annotations with and without names, why it is screened out."""
 
     path: str
     truth: str
@@ -81,14 +81,14 @@ def ends_of_names() -> dict[str, Counter[str]]:
     return ends
 
 
-def _agreeing(name: str, largest_m: float) -> Shape:
-    """A shape of this longest edge that speaks for the category the name says."""
+def _agreeing(name: str, largest_m: float) -> ObjectShape:
+    """A shape of this longest edge that supports the category of the name."""
     category = categories().get(read_name(name).category or "")
     if category is None:
-        return Shape((largest_m, largest_m, largest_m), None, None)
+        return ObjectShape((largest_m, largest_m, largest_m), None, None)
     small, middle = (min(math.sqrt(low * high), largest_m) for low, high in category.extents_m[:2])
     fill = sum(category.fill) / 2.0 if category.fill else None
-    return Shape((min(small, middle), max(small, middle), largest_m), fill, 0.5)
+    return ObjectShape((min(small, middle), max(small, middle), largest_m), fill, 0.5)
 
 
 def main() -> None:

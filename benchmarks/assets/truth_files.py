@@ -1,4 +1,4 @@
-"""The files that truth tables speak of, and the object of each file that is asked about."""
+"""The files that truth tables refer to, and the object of each file that a table describes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pybullet_data
 from assetkit.options import Options
 from assetkit.sources.discover import discover
 from assetkit.stage import Intake
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 
 
 def roots(assets: Path) -> dict[str, Path]:
@@ -28,7 +28,9 @@ def largest(file: Path, options: Options, root: Path | None = None) -> Intake | 
     """The object with most points, the first of equals; None when intake refuses the file."""
     (candidate,) = discover([file], root=root)
     return max(
-        take_in(candidate, options).objects, key=lambda o: sum(len(m.points) for m in o.model.meshes), default=None
+        ReadSource().run(candidate, options).objects,
+        key=lambda o: sum(len(m.points) for m in o.model.meshes),
+        default=None,
     )
 
 

@@ -1,11 +1,11 @@
-"""What the gate and the outside validators see of defects seeded into clean packages.
+"""Detection of defects seeded into clean packages, by the gate and by external validators.
 
     python -m benchmarks.gate.seeded_defects [--only WORD]
 
-Every defect of `tests/gate_defects` is put alone into a copy of a clean package (a textured prop, a cabinet with drawer
-and door). A judge has caught it when it says something that it does not say of the clean package; SimReady is also
-asked for its optional features, whose failures do not block. Prints one line per defect, then totals, then what each
-judge says of the clean packages.
+Every defect of `tests/suites/gate` is put alone into a copy of a clean package (a textured prop, a cabinet with drawer
+and door). A validator has caught it when it reports a finding that it does not report on the clean package; SimReady's
+optional features, whose failures do not block, count separately. Prints one line per defect, then totals, then the
+number of findings on the clean packages.
 """
 
 from __future__ import annotations
@@ -30,25 +30,32 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
         files = {"prop": prop(work / "clean"), "cabinet": cabinet(work / "clean")}
-        clean = {name: said(file) for name, file in files.items()}
+        clean = {name: findings_by_validator(file) for name, file in files.items()}
         print(f"{'defect':42} {'expected':24} " + " ".join(f"{c:>8}" for c in COLUMNS))
         totals: Counter[str] = Counter()
         chosen = [d for d in DEFECTS if only in d.name or only in d.code]
         for defect in chosen:
-            found = said(seeded(defect.edit, files[defect.package], work / "seeded"))
-            marks = {judge: bool(found[judge] - clean[defect.package][judge]) for judge in found}
-            marks["its rule"] = any(line.startswith(f"{defect.severity} {defect.code} ") for line in found["gate"])
-            totals.update(judge for judge, mark in marks.items() if mark)
+            seeded_findings = findings_by_validator(seeded(defect.edit, files[defect.package], work / "seeded"))
+            marks = {
+                validator: bool(lines - clean[defect.package][validator])
+                for validator, lines in seeded_findings.items()
+            }
+            marks["its rule"] = any(
+                line.startswith(f"{defect.severity} {defect.code} ") for line in seeded_findings["gate"]
+            )
+            totals.update(validator for validator, mark in marks.items() if mark)
             shown = " ".join(f"{'x' if marks[c] else '-':>8}" for c in COLUMNS)
             print(f"{defect.name:42} {defect.code.removeprefix('asset/gate-'):24} {shown}")
         print(f"{'caught of ' + str(len(chosen)):67} " + " ".join(f"{totals[c]:8}" for c in COLUMNS))
-        for name, judges in clean.items():
-            counts = ", ".join(f"{judge} {len(lines)}" for judge, lines in judges.items() if judge != "optional")
+        for name, findings in clean.items():
+            counts = ", ".join(
+                f"{validator} {len(lines)}" for validator, lines in findings.items() if validator != "optional"
+            )
             print(f"findings on the clean {name}: {counts}")
 
 
-def said(file: Path) -> dict[str, set[str]]:
-    """Judge -> its lines, warnings included."""
+def findings_by_validator(file: Path) -> dict[str, set[str]]:
+    """Validator -> its findings as lines, warnings included."""
     usd = usd_validation(file)
     return {
         "gate": {f"{d.severity} {d.code} {d.headline} {d.where}" for d in gate(file)},

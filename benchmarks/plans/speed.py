@@ -22,9 +22,9 @@ from benchmarks.plans.rejection import filled
 from benchmarks.scenes.workload import sizes_and_pairs, workload
 from runtime_plan import Plan, prepare, sample
 from runtime_plan.verify import Judge
-from scene_check.batch import Stands
-from scene_check.check_batch import check_many
-from scene_check.from_plan import rules_of
+from scene_check.batch import BatchPoses
+from scene_check.check_batch import check_batch
+from scene_check.from_plan import scene_rules
 from scenec.ir.problem import Solved
 from scenec.plan.document import plan_text
 from scenec.plan.document import runtime_plan as plan_of
@@ -71,11 +71,11 @@ def latency_ms(plan: Plan) -> tuple[float, float]:
 
 def refused(plan: Plan, poses: np.ndarray) -> int:
     """How many scenes of x, y, yaw (m, n, 3) the independent judge refuses."""
-    rules = rules_of(plan.document, plan.document.combinations[0])
+    rules = scene_rules(plan.document, plan.document.combinations[0])
     at = poses[:, [int(thing.name.removeprefix("box")) for thing in rules.things]]
     origin = np.concatenate([at[..., :2], np.zeros((*at.shape[:2], 1))], axis=-1)
     shape = at.shape[:2]
-    return sum(1 for _ in check_many(rules, Stands(origin, at[..., 2], np.zeros(shape, int), np.ones(shape, bool))))
+    return sum(1 for _ in check_batch(rules, BatchPoses(origin, at[..., 2], np.zeros(shape, int), np.ones(shape, bool))))
 
 
 def rejection(sizes: np.ndarray, pairs: Pairs, limit_s: float, n: int = 512) -> tuple[float, float]:

@@ -27,7 +27,7 @@ from scipy.spatial.transform import Rotation
 from shapely.geometry import Polygon
 
 from cli.replay.candidates import candidates
-from geom.convex.circumscribed_hull import outer_corners
+from geom.convex.circumscribed_hull import circumscribed_hull
 from geom.minkowski import eroded
 from geom.pose import pose
 from replay.augmentation import Prepared, prepare, variants
@@ -100,7 +100,7 @@ def _swept(points: FloatArray, X_WB: FloatArray, shapes: tuple[CollisionShape, .
     """Which points come within the clearance of the moving shapes at some pose."""
     hit = np.zeros(len(points), dtype=bool)
     for shape in shapes:
-        corners = outer_corners(shape)
+        corners = circumscribed_hull(shape)
         hull = ConvexHull(corners)
         sides = corners[hull.simplices]
         for X in X_WB:

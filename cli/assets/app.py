@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import shlex
 import shutil
-import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, cast, get_args
 
@@ -15,26 +16,24 @@ from rich.markup import escape
 from rich.progress import TextColumn
 
 from assetkit.annotate.exchange import worst_seconds
-from assetkit.batch.ingest import Batch, default_jobs, ingest
-from assetkit.batch.report import build_report, write_report
+from assetkit.batch.item_cells import default_jobs
+from assetkit.batch.run_batch import Progress, ingest
 from assetkit.library import catalog
 from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
 from assetkit.package.record import RECORD
-from assetkit.sources.discover import Candidate, discover
 from cli import text
 from cli.assets.review import review_command
 from cli.assets.search import search_command
+from cli.engines import SIMULATOR
 from cli.findings import show_findings
 from jobs.cache import content_key, file_sha256
 from jobs.cell import Limits
-from jobs.lock import exclusive
 from schemas.asset import Role
 from schemas.diagnostics import Severity
 from schemas.outcome import ItemOutcome
-from schemas.report import IngestReport, ReportItem
+from schemas.report import ReportItem
 
 app = typer.Typer(help="Raw asset files in, accepted simulation packages out.", no_args_is_help=True)
-WORKER, PRELOAD = "cli.assets.cell", "cli.assets.preload"
 AsJson = Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")]
 Library = Annotated[Path, typer.Argument(help="An output folder of `mana assets ingest`.", exists=True)]
 
@@ -116,18 +115,19 @@ def ingest_command(
         author=author,
         shell_thickness_m=None if shell_thickness is None else shell_thickness / 1000.0,
     )
-    batch = Batch(
-        out=out,
-        options=options,
-        worker=WORKER,
-        preload=PRELOAD,
-        jobs=jobs,
-        limits=Limits(timeout, memory),
-        resume=resume,
-        fresh=fresh,
-    )
-    with exclusive(out):
-        report = run_batch(discover(sources, root=root, out=out), batch, quiet=as_json)
+    with shown_progress(quiet=as_json) as progress:
+        report = ingest(
+            sources,
+            out,
+            engine=SIMULATOR,
+            options=options,
+            root=root,
+            jobs=jobs,
+            limits=Limits(timeout, memory),
+            resume=resume,
+            fresh=fresh,
+            progress=progress,
+        )
     if as_json:
         print(report.model_dump_json(indent=1))
     else:
@@ -169,29 +169,20 @@ def segmenter_stated(command: str, seconds: float, timeout: float) -> SegmenterC
     return SegmenterCommand(command=whole, seconds=seconds, digest=digest)
 
 
-def run_batch(candidates: tuple[Candidate, ...], batch: Batch, *, quiet: bool) -> IngestReport:
-    """Ingest with a progress bar, then write report and catalog, also after Ctrl-C. The caller holds the lock of the
-    output folder (`jobs.lock`).
-    """
-    started = time.monotonic()
-    interrupted = False
-    with text.progress(TextColumn("{task.fields[tally]}"), quiet=quiet) as progress:
-        task = progress.add_task("ingest", total=len(candidates), tally="")
+@contextmanager
+def shown_progress(*, quiet: bool) -> Iterator[Progress]:
+    """A progress bar with a tally of outcomes, to be called by the batch as items finish."""
+    with text.progress(TextColumn("{task.fields[tally]}"), quiet=quiet) as bar:
+        task = bar.add_task("ingest", total=None, tally="")
         tally = dict.fromkeys(ItemOutcome, 0)
-        finished: dict[str, ReportItem] = {}
-        try:
-            for item in ingest(candidates, batch):
+
+        def show(done: int, total: int, item: ReportItem | None) -> None:
+            if item is not None:
                 tally[item.outcome] += 1
-                finished[item.source] = item
-                shown = " ".join(f"[{text.STYLE[o]}]{n} {o.value}[/]" for o, n in tally.items() if n)
-                progress.update(task, advance=1, tally=shown)
-        except KeyboardInterrupt:
-            interrupted = True
-    items = [finished[c.given] for c in candidates if c.given in finished]
-    report = build_report(items, wall_seconds=time.monotonic() - started, interrupted=interrupted)
-    write_report(report, batch.out)
-    catalog.rebuild(batch.out)
-    return report
+            shown = " ".join(f"[{text.STYLE[o]}]{n} {o.value}[/]" for o, n in tally.items() if n)
+            bar.update(task, total=total, completed=done, tally=shown)
+
+        yield show
 
 
 @app.command("list")
@@ -245,7 +236,7 @@ def validate_command(
         raise FileNotFoundError(f"no USD file in {path}")
     results: dict[str, list[dict]] = {}
     failed = False
-    for file, found in validate_files(files, outside=not gate_only, limits=Limits(seconds=timeout)):
+    for file, found in validate_files(files, external=not gate_only, limits=Limits(seconds=timeout)):
         failed = failed or any(d.severity is Severity.ERROR for d in found)
         results[str(file)] = [d.model_dump(mode="json") for d in found]
         if not as_json:

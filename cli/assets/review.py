@@ -10,9 +10,9 @@ import typer
 from pydantic import ValidationError
 from rich.markup import escape
 
-from assetkit.annotate.name_reading import category_called
+from assetkit.annotate.name_reading import category_by_name
 from assetkit.batch.decisions import DECISIONS, check_value, read_decisions, record_decision
-from assetkit.library.review import Question, decision_about, items_called, questions, read_report
+from assetkit.library.review import ReviewItem, decision_about, items_called, read_report, review_items
 from cli import text
 from schemas.decision import DecidedField, Decision
 from schemas.outcome import ItemOutcome
@@ -69,14 +69,14 @@ def review_command(
         waiting = [i for i in report.items if doubtful or i.outcome is ItemOutcome.REVIEW]
         asked = [
             q
-            for q in questions(library, waiting, decisions)
+            for q in review_items(library, waiting, decisions)
             if q.outcome is ItemOutcome.REVIEW or (q.doubts and q.outcome is not ItemOutcome.REJECTED)
         ]
         _show_all(library, asked, as_json)
         return
     meant = _the_one(items_called(report, item), item)
     if not deciding:
-        _show_all(library, list(questions(library, [meant], decisions)), as_json)
+        _show_all(library, list(review_items(library, [meant], decisions)), as_json)
         return
     decision = _decision(library, meant, item, set_ or [], part or [], accept, by, reason)
     record_decision(decision, library)
@@ -155,14 +155,14 @@ def _the_one(items: list[ReportItem], name: str) -> ReportItem:
 
 def _remark_category(decision: Decision) -> None:
     stated = decision.set.get("category")
-    if stated and category_called(stated) is None:
+    if stated and category_by_name(stated) is None:
         text.console.print(
             f"[yellow]'{escape(stated)}' is no category of the vocabulary; it is kept as stated[/yellow]",
             soft_wrap=True,
         )
 
 
-def _show_all(library: Path, asked: list[Question], as_json: bool) -> None:
+def _show_all(library: Path, asked: list[ReviewItem], as_json: bool) -> None:
     if as_json:
         print(json.dumps([q.model_dump(mode="json") for q in asked], indent=1))
         return
@@ -171,7 +171,7 @@ def _show_all(library: Path, asked: list[Question], as_json: bool) -> None:
     text.console.print(f"{sum(q.outcome is ItemOutcome.REVIEW for q in asked)} in review, {len(asked)} shown")
 
 
-def _show(library: Path, question: Question, *, causes: bool) -> None:
+def _show(library: Path, question: ReviewItem, *, causes: bool) -> None:
     style = text.STYLE[question.outcome]
     text.console.print(
         f"[{style}]{question.outcome.value}[/{style}] [bold]{escape(question.source)}[/bold]", soft_wrap=True

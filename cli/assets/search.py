@@ -11,14 +11,14 @@ from typing import Annotated, get_args
 import typer
 from rich.markup import escape
 
-from assetkit.annotate.name_reading import category_called
+from assetkit.annotate.name_reading import category_by_name
 from assetkit.library import catalog
 from assetkit.library.search.facts import Facts
 from assetkit.library.search.limits import limit_of
-from assetkit.library.search.match import Answer
-from assetkit.library.search.parse_query import read_request
-from assetkit.library.search.query import Field, Wish
-from assetkit.library.search.search import Found, Hit, search
+from assetkit.library.search.match import Match
+from assetkit.library.search.parse_query import parse_query
+from assetkit.library.search.query import Criterion, Field
+from assetkit.library.search.search import Hit, SearchResult, search
 from assetkit.taxonomy.material_classes import materials
 from assetkit.taxonomy.tables import categories, families
 from cli import text
@@ -73,8 +73,8 @@ def search_command(
         _limit("--max-size", "size_m", max_size),
         _limit("--max-mass", "mass_kg", max_mass),
     ]
-    wishes = (*read_request(request), *(wish for wish in flags if wish is not None))
-    found = search(assets, wishes, lambda wish: catalog.find_text(folder, wish))
+    criteria = (*parse_query(request), *(criterion for criterion in flags if criterion is not None))
+    found = search(assets, criteria, lambda criterion: catalog.find_text(folder, criterion))
     if as_json:
         print(json.dumps(_json(request, found, limit), indent=1))
     else:
@@ -88,34 +88,34 @@ def _library_and_request(words: list[str], library: Path | None) -> tuple[Path, 
     return library or Path("."), " ".join(words)
 
 
-def _category(name: str | None, assets: list[Facts]) -> Wish | None:
+def _category(name: str | None, assets: list[Facts]) -> Criterion | None:
     if name is None:
         return None
-    known = category_called(name)
+    known = category_by_name(name)
     stated = {a.category.value for a in assets}  # People may state categories outside the vocabulary.
     aliases = [alias for c in categories().values() for alias in c.aliases]
     value = known.id if known else _one_of("--category", name, [*categories(), *stated], aliases, accepted=stated)
-    return Wish(f"--category {name}", "category", (value,), reading=f"category {value}", names_thing=True, stated=True)
+    return Criterion(f"--category {name}", "category", (value,), reading=f"category {value}", is_kind=True, stated=True)
 
 
-def _chosen(flag: str, field: Field, value: str | None, allowed: Iterable[str]) -> Wish | None:
+def _chosen(flag: str, field: Field, value: str | None, allowed: Iterable[str]) -> Criterion | None:
     if value is None:
         return None
     listed = list(allowed)
     chosen = _one_of(flag, value, listed, accepted=listed)
-    return Wish(f"{flag} {value}", field, (chosen,), reading=f"{field} {chosen}", stated=True)
+    return Criterion(f"{flag} {value}", field, (chosen,), reading=f"{field} {chosen}", stated=True)
 
 
-def _colour(name: str | None) -> Wish | None:
+def _colour(name: str | None) -> Criterion | None:
     if name is None:
         return None
-    from assetkit.materials.colour_names import BASIC_TERMS, colour_called  # Loads matplotlib.
+    from assetkit.materials.colour_names import BASIC_TERMS, colour_by_name  # Loads matplotlib.
 
-    basic = colour_called(name.lower()) or _one_of("--colour", name, BASIC_TERMS, accepted=())
-    return Wish(f"--colour {name}", "colour", (basic,), reading=f"colour {basic}", stated=True)
+    basic = colour_by_name(name.lower()) or _one_of("--colour", name, BASIC_TERMS, accepted=())
+    return Criterion(f"--colour {name}", "colour", (basic,), reading=f"colour {basic}", stated=True)
 
 
-def _limit(flag: str, field: Field, value: str | None) -> Wish | None:
+def _limit(flag: str, field: Field, value: str | None) -> Criterion | None:
     if value is None:
         return None
     try:
@@ -123,7 +123,9 @@ def _limit(flag: str, field: Field, value: str | None) -> Wish | None:
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint=flag) from None
     low, high = (figure, float("inf")) if flag.startswith("--min") else (0.0, figure)
-    return Wish(f"{flag} {value}", field, low=low, high=high, reading=f"{field} {low:.4g} to {high:.4g}", stated=True)
+    return Criterion(
+        f"{flag} {value}", field, low=low, high=high, reading=f"{field} {low:.4g} to {high:.4g}", stated=True
+    )
 
 
 def _one_of(
@@ -138,14 +140,14 @@ def _one_of(
     raise typer.BadParameter(f"'{value}' is not known; {hint}", param_hint=flag)
 
 
-def _json(request: str, found: Found, limit: int) -> dict[str, object]:
+def _json(request: str, found: SearchResult, limit: int) -> dict[str, object]:
     return {
         "request": request,
-        "read": [{"words": w.words, "field": w.field, "as": w.reading, "optional": w.soft} for w in found.wishes],
+        "read": [{"words": w.words, "field": w.field, "as": w.reading, "optional": w.optional} for w in found.criteria],
         "unmatched": [w.words for w in found.unmatched],
         "total": len(found.hits),
         "hits": [_row(hit) for hit in found.hits[:limit]],
-        "near": [_row(hit) for hit in found.near],
+        "near": [_row(hit) for hit in found.near_misses],
     }
 
 
@@ -160,33 +162,35 @@ def _row(hit: Hit) -> dict[str, object]:
         "category_confidence": asset.category.confidence,
         "extent_m": asset.extent_m,
         "mass_kg": asset.mass_kg,
-        "why": [_answer(a) for a in hit.why],
-        "lacks": [_answer(a) for a in hit.lacks],
+        "why": [_match(a) for a in hit.matches],
+        "lacks": [_match(a) for a in hit.misses],
     }
 
 
-def _answer(answer: Answer) -> dict[str, object]:
+def _match(result: Match) -> dict[str, object]:
     return {
-        "words": answer.wish.words,
-        "field": answer.field,
-        "value": answer.value,
-        "confidence": round(answer.confidence, 3),
-        "evidence": answer.evidence,
+        "words": result.criterion.words,
+        "field": result.field,
+        "value": result.value,
+        "confidence": round(result.confidence, 3),
+        "evidence": result.evidence,
     }
 
 
-def _show(found: Found, limit: int) -> None:
-    for wish in found.wishes:
-        text.console.print(f"[dim]'{escape(wish.words)}' read as {escape(wish.reading)}[/dim]", soft_wrap=True)
-    for wish in found.unmatched:
-        text.console.print(f"[yellow]'{escape(wish.words)}' matched nothing[/yellow]", soft_wrap=True)
+def _show(found: SearchResult, limit: int) -> None:
+    for criterion in found.criteria:
+        text.console.print(
+            f"[dim]'{escape(criterion.words)}' read as {escape(criterion.reading)}[/dim]", soft_wrap=True
+        )
+    for criterion in found.unmatched:
+        text.console.print(f"[yellow]'{escape(criterion.words)}' matched nothing[/yellow]", soft_wrap=True)
     shown = found.hits[:limit]
     text.console.print(f"{len(found.hits)} found" + (f", {len(shown)} shown" if len(shown) < len(found.hits) else ""))
     for hit in shown:
         _show_hit(hit)
-    if found.near:
+    if found.near_misses:
         text.console.print("nearest misses:")
-        for hit in found.near:
+        for hit in found.near_misses:
             _show_hit(hit)
 
 
@@ -199,8 +203,8 @@ def _show_hit(hit: Hit) -> None:
         soft_wrap=True,
         highlight=False,
     )
-    for mark, answers in (("+", hit.why), ("-", hit.lacks)):
-        for a in answers:
+    for mark, results in (("+", hit.matches), ("-", hit.misses)):
+        for a in results:
             sure = f"{a.confidence:.0%}; " if a.confidence else ""
-            line = f"  {mark} '{a.wish.words}': {a.field} {a.value} ({sure}{a.evidence})"
+            line = f"  {mark} '{a.criterion.words}': {a.field} {a.value} ({sure}{a.evidence})"
             text.console.print(escape(line), soft_wrap=True, highlight=False)

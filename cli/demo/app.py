@@ -10,12 +10,12 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from assetkit.batch.ingest import Batch, default_jobs
+from assetkit.batch.item_cells import default_jobs
+from assetkit.batch.run_batch import ingest
 from assetkit.options import Options
-from assetkit.sources.discover import discover
 from cli import text
-from cli.assets.app import PRELOAD, WORKER, AsJson, run_batch
-from jobs.lock import exclusive
+from cli.assets.app import AsJson, shown_progress
+from cli.engines import SIMULATOR
 from schemas.diagnostics import Severity
 
 # Real meshes of two formats; the mug and the tray must keep their cavity, the torus its hole.
@@ -42,7 +42,7 @@ def demo(
 
     Example: `mana demo --out demo_out`
     """
-    from assetkit.library.judge_file import judge  # Loads USD, which other commands do not need.
+    from assetkit.library.judge_file import validate_file  # Loads USD, which other commands do not need.
     from assetkit.library.validate import main_usd_files
     from cli.demo.gap import gap_demo
     from cli.demo.gate import spoil_package
@@ -53,28 +53,23 @@ def demo(
     from cli.demo.search import search_demo
 
     data = data_folder()
-    found = [data / name for name in OBJECTS if (data / name).is_file()]
-    if not found:
+    meshes = [data / name for name in OBJECTS if (data / name).is_file()]
+    if not meshes:
         raise FileNotFoundError(data)
-    batch = Batch(
-        out=out / "library",
-        options=Options(license="Zlib", author="Bullet contributors"),
-        worker=WORKER,
-        preload=PRELOAD,
-        jobs=jobs,
-    )
-    with exclusive(batch.out):
-        report = run_batch(discover(found, root=data), batch, quiet=as_json)
-    verdicts = {file: judge(file) for file in main_usd_files(batch.out)}
-    made = next((p for item in report.items for p in item.packages), None)
-    spoiled = spoil_package(batch.out / made) if made else ()
+    library = out / "library"
+    options = Options(license="Zlib", author="Bullet contributors")
+    with shown_progress(quiet=as_json) as progress:
+        report = ingest(meshes, library, engine=SIMULATOR, options=options, root=data, jobs=jobs, progress=progress)
+    verdicts = {file: validate_file(file) for file in main_usd_files(library)}
+    first = next((p for item in report.items for p in item.packages), None)
+    spoiled = spoil_package(library / first) if first else ()
     with text.console.status("compiling a scene") if not as_json else nullcontext():
-        scene = scene_demo(batch.out, out)
+        scene = scene_demo(library, out)
     with text.console.status("putting objects into a recording") if not as_json else nullcontext():
-        replay = replay_demo(batch.out, data / "franka_panda", out)
+        replay = replay_demo(library, data / "franka_panda", out)
     with text.console.status("naming a hidden effect") if not as_json else nullcontext():
         gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
-    page = write_page(report, verdicts, spoiled, search_demo(batch.out), scene, replay, gap, out)
+    page = write_page(report, verdicts, spoiled, search_demo(library), scene, replay, gap, out)
     if as_json:
         print(report.model_dump_json(indent=1))
     else:

@@ -8,7 +8,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from assetkit.library.judge_file import judge
+from assetkit.library.judge_file import validate_file
 from schemas.diagnostics import Diagnostic, Severity
 
 MAIN, PHYSICS = "usd/{name}.usda", "usd/payloads/{name}_physics.usda"
@@ -39,7 +39,7 @@ class Spoiled:
 
 def spoil_package(package: Path) -> tuple[Spoiled, ...]:
     """Each of `SPOILS` in a copy of the released `package`, and what the gate and the outside validators say then."""
-    clean = {_words(d) for d in judge(package / MAIN.format(name=package.name))}
+    clean = {_words(d) for d in validate_file(package / MAIN.format(name=package.name))}
     found = []
     with tempfile.TemporaryDirectory(prefix="mana") as folder:
         for number, (what, layer, attribute, change) in enumerate(SPOILS):
@@ -53,7 +53,7 @@ def spoil_package(package: Path) -> tuple[Spoiled, ...]:
             file.write_text(text)
             said = [
                 d
-                for d in judge(copy / MAIN.format(name=package.name))
+                for d in validate_file(copy / MAIN.format(name=package.name))
                 if d.severity is not Severity.INFO and _words(d) not in clean
             ]
             outside = tuple(d for d in said if d.code in ("asset/simready-rule", "asset/usd-rule"))

@@ -16,7 +16,7 @@ from shapely.geometry.base import BaseGeometry
 
 from cli.replay.candidates import candidates
 from cli.replay.picture import picture
-from geom.convex.circumscribed_hull import outer_corners
+from geom.convex.circumscribed_hull import circumscribed_hull
 from geom.pose import apply
 from jobs.cache import write_atomically
 from replay.augmentation import prepare, variants
@@ -105,6 +105,6 @@ def _outlines(variant: Variant, packages: Path) -> list[tuple[str, BaseGeometry]
     found = []
     for one in variant.inserted:
         body = inserted_body(one, packages)
-        corners = np.concatenate([apply(body.X_WA, outer_corners(shape)) for shape in body.body.shapes])
+        corners = np.concatenate([apply(body.X_WA, circumscribed_hull(shape)) for shape in body.body.shapes])
         found.append((one.asset_id, MultiPoint(corners[:, :2]).convex_hull))
     return found

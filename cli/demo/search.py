@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from assetkit.library import catalog
-from assetkit.library.search.parse_query import read_request
-from assetkit.library.search.search import Found, search
+from assetkit.library.search.parse_query import parse_query
+from assetkit.library.search.search import SearchResult, search
 
 REQUESTS = ("mug I can pour from", "something I can put things into, under 1 kg")
 
@@ -17,13 +17,15 @@ class SearchDemo:
     """A request and what `mana assets search` finds for it."""
 
     request: str
-    found: Found
+    found: SearchResult
 
 
 def search_demo(library: Path) -> tuple[SearchDemo, ...]:
     """The answers of the `library` just made to `REQUESTS`."""
     assets = catalog.facts(library)
     return tuple(
-        SearchDemo(request, search(assets, read_request(request), lambda wish: catalog.find_text(library, wish)))
+        SearchDemo(
+            request, search(assets, parse_query(request), lambda criterion: catalog.find_text(library, criterion))
+        )
         for request in REQUESTS
     )

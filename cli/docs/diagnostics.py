@@ -1,9 +1,6 @@
-"""Write `docs/diagnostics/` from the table of codes: `python -m cli.docs.diagnostics [DIR]`."""
+"""Pages of `docs/diagnostics/` from the table of codes: an index, and one page per code."""
 
 from __future__ import annotations
-
-import sys
-from pathlib import Path
 
 from schemas.codes import CODES, CodeInfo
 
@@ -32,16 +29,6 @@ def file_name(code: str) -> str:
     return f"{code.replace('/', '-')}.md"
 
 
-def write(folder: Path) -> None:
-    """Write the index and one page per code; pages of codes that no longer exist are removed."""
-    folder.mkdir(parents=True, exist_ok=True)
-    wanted = {file_name(code): page(code, info) for code, info in CODES.items()} | {"index.md": index()}
-    for stale in folder.glob("*.md"):
-        if stale.name not in wanted:
-            stale.unlink()
-    for name, text in wanted.items():
-        (folder / name).write_text(text)
-
-
-if __name__ == "__main__":
-    write(Path(sys.argv[1] if len(sys.argv) > 1 else "docs/diagnostics"))
+def pages() -> dict[str, str]:
+    """Text by file name: the index and one page per code."""
+    return {file_name(code): page(code, info) for code, info in CODES.items()} | {"index.md": index()}

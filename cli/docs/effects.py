@@ -1,9 +1,7 @@
-"""Effects of the library as text: one row, one page, and `docs/reference/effects.md` (`python -m cli.docs.effects`)."""
+"""Effects of the library as text: one row for the terminal, one page `docs/reference/effects.md`."""
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 from schemas.gap import EFFECT_NAMES
@@ -101,7 +99,3 @@ def _section(effect: Effect) -> str:
 
 def _cell(text: str) -> str:
     return text.replace("|", "\\|")
-
-
-if __name__ == "__main__":
-    Path(sys.argv[1] if len(sys.argv) > 1 else "docs/reference/effects.md").write_text(page())

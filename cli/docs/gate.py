@@ -1,9 +1,6 @@
-"""Write `docs/reference/gate.md` from the rules of the gate: `python -m cli.docs.gate [FILE]`."""
+"""The page `docs/reference/gate.md` from the rules of the gate: one row per rule."""
 
 from __future__ import annotations
-
-import sys
-from pathlib import Path
 
 from cli.docs.diagnostics import file_name
 from gate.static_gate import RULES
@@ -24,7 +21,7 @@ Lengths, masses and angles are converted by the stage's own `metersPerUnit` and 
 in centimetres is judged like any other. Instances, nested frames, scaled bodies and bodies without mass (which engines
 compute from volume and density) are followed; values of the wrong type count as missing or as NaN.
 
-Each rule is one file in `usdio/rules/`. Bounds were set so that packages made of real assets, and files of others that
+Each rule is one file in `gate/rules/`. Bounds were set so that packages made of real assets, and files of others that
 simulate well, give no error; `benchmarks/gate/seeded_defects.py` measures what is caught.
 
 ## Rules
@@ -44,7 +41,3 @@ def _row(code: str, bound: str, source: str) -> str:
     link = f"[{code.removeprefix('asset/gate-')}](../diagnostics/{file_name(code)})"
     cells = [link, info.title, bound, info.why, source]
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
-
-
-if __name__ == "__main__":
-    Path(sys.argv[1] if len(sys.argv) > 1 else "docs/reference/gate.md").write_text(page())

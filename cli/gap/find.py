@@ -9,10 +9,10 @@ from itertools import count
 from pathlib import Path
 from typing import Protocol
 
-from assetkit.versions import code_hash, library_versions
 from cli.gap.problem import Case, case_of, traps_of
 from cli.gap.store import Store
 from jobs.cache import content_key, write_atomically
+from jobs.versions import code_hash, library_versions
 from schemas.diagnostics import Diagnostic
 from schemas.gap import GapReport
 from simgap.extension.extension import terms_of

@@ -57,8 +57,8 @@ class Layers:
             return SampleEdit(name, at, quat, package)
         own, worn = self._physical(body), self._plan.document.materials[material]
         made = wearing(own.body, own.density_kgm3, worn)
-        denser = made.mass.mass_kg / own.body.mass.mass_kg if at is not None else 1.0
-        return SampleEdit(name, at, quat, package, worn, made.contact if is_paired(worn) else None, denser)
+        density_factor = made.mass.mass_kg / own.body.mass.mass_kg if at is not None else 1.0
+        return SampleEdit(name, at, quat, package, worn, made.contact if is_paired(worn) else None, density_factor)
 
 
 def _scenes(folder: Path) -> dict[frozenset[tuple[str, str]], Path]:

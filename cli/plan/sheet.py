@@ -11,11 +11,11 @@ from rich.progress import Progress
 from cli.plan.realise import Layers
 from cli.stage_picture import stage_picture
 from jobs.cache import write_atomically
-from render.camera import View
+from render.camera import CameraView
 from runtime_plan import Plan, sample
 
 _TILE_PX, _GAP_PX = 320, 6
-_VIEW = View("tile", -70.0, 40.0)
+_VIEW = CameraView("tile", -70.0, 40.0)
 
 
 def draw_sheet(plan: Plan, folder: Path, n: int, seed: int, out: Path, progress: Progress) -> Path:

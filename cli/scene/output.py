@@ -8,7 +8,7 @@ from pathlib import Path
 from cli.scene.verdicts import in_words
 from cli.stage_picture import stage_picture
 from jobs.cache import write_atomically
-from render.camera import View
+from render.camera import CameraView
 from scenec.compile import Compiled
 from scenec.ir.problem import Solved
 from scenec.pictures.failure import failure
@@ -22,7 +22,7 @@ PLAN, PERSPECTIVE, FAILURE = "plan.png", "perspective.png", "failure.png"
 _OURS = re.compile(
     rf"({SCENE}(-\d+)?\.(usda|json))|({GRAPH}(-\d+)?\.(dot|json))|{RUNTIME_PLAN}|{PLAN}|{PERSPECTIVE}|{FAILURE}|{REPORT}"
 )
-_VIEW = View("perspective", -70.0, 34.0)  # Beside the default viewer, who stands at -y.
+_VIEW = CameraView("perspective", -70.0, 34.0)  # Beside the default viewer, who stands at -y.
 
 
 def write_output(compiled: Compiled, assets: Path | None, out: Path) -> CompileReport:

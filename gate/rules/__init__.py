@@ -1,1 +1,1 @@
-"""The rules of the static gate, one concept per file; `gate.static_gate` lists them in order."""
+"""The rules of the static gate, one concept per file; read `rule` first, `gate.static_gate` lists them in order."""

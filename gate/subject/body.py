@@ -17,7 +17,7 @@ from geom.pose import apply, inverse
 from schemas.model import FloatArray, IntArray
 from schemas.physics import MassProperties
 
-_FLAT = 1e-9  # A volume below this share of the cubed diagonal is none.
+_FLAT = 1e-9  # A volume below this share of the cubed diagonal counts as flat.
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ def hull_of(points: FloatArray) -> Hull | None:
 class Collider:
     """A prim with a collision API. `points_W` (n, 3) lie on its surface; empty for a type that has none.
 
-    `approximation` is that of a mesh ("" for other prims); `convex` says whether engines see exactly the hull of the
-    points.
+    `approximation` is that of a mesh ("" for other prims); `convex` is true when engines collide with exactly the hull
+    of the points.
     """
 
     prim: Any
@@ -79,9 +79,9 @@ class Collider:
 
 
 @dataclass(frozen=True)
-class Surface:
-    """A visible mesh or implicit shape as triangles: points (n, 3) in the world, triangles (m, 3) wound outwards as
-    the prim says. Triangles are empty when the topology is broken.
+class VisibleSurface:
+    """A visible mesh or implicit shape as triangles: points (n, 3) in the world, triangles (m, 3) wound outwards by
+    the prim's orientation. Triangles are empty when the topology is broken.
     """
 
     prim: Any
@@ -93,8 +93,8 @@ class Surface:
 class Body:
     """A prim with a rigid-body API.
 
-    X_WB     (4, 4) its pose with scale and shear taken out; `linear` (3, 3) its axes in the world as they stand.
-    mass_kg  as authored on the body; None when absent, zero or impossible, so that the mass rule alone speaks of it.
+    X_WB     (4, 4) its pose with scale and shear taken out; `linear` (3, 3) its axes in the world, scaled and sheared.
+    mass_kg  as authored on the body; None when absent, zero or impossible, which only the mass rule reports.
     """
 
     prim: Any
@@ -102,7 +102,7 @@ class Body:
     X_WB: FloatArray
     linear: FloatArray
     colliders: tuple[Collider, ...]
-    surfaces: tuple[Surface, ...]
+    surfaces: tuple[VisibleSurface, ...]
     mass_kg: float | None
 
     @property

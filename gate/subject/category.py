@@ -1,4 +1,4 @@
-"""What the asset says it is, and how large such things are."""
+"""Semantic labels of an asset, and the size range (m) of each known category."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -15,18 +15,20 @@ from pxr import Vt
 
 from gate.subject.values import raw
 
-UNKNOWN = ("unknown", "object", "")  # `object` stands in where nobody knows (usdio.write.package).
+UNKNOWN = ("unknown", "object", "")  # `object` is the label of an unknown category (usdio.write.package).
 _SIZES = Path(__file__).with_name("category_sizes.csv")
 
 
 def labels(prim: Any) -> dict[str, tuple[str, ...]]:
     """Taxonomy -> labels authored on a prim (UsdSemanticsLabelsAPI)."""
     applied = [s.partition(":")[2] for s in prim.GetAppliedSchemas() if s.startswith("SemanticsLabelsAPI:")]
-    found: dict[str, tuple[str, ...]] = {}
+    labels_by_taxonomy: dict[str, tuple[str, ...]] = {}
     for taxonomy in applied:
         value = raw(prim, f"semantics:labels:{taxonomy}")
-        found[taxonomy] = tuple(str(v) for v in value) if isinstance(value, Vt.TokenArray | Vt.StringArray) else ()
-    return found
+        labels_by_taxonomy[taxonomy] = (
+            tuple(str(v) for v in value) if isinstance(value, Vt.TokenArray | Vt.StringArray) else ()
+        )
+    return labels_by_taxonomy
 
 
 def words(name: str) -> str:

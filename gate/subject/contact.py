@@ -1,4 +1,4 @@
-"""Contact materials as bound to colliders."""
+"""Contact materials bound to collider prims, as OpenUSD resolves the bindings."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false

@@ -1,4 +1,4 @@
-"""Which bodies engines let collide."""
+"""Collision filtering between two bodies: joints, filtered pairs, self-collision of articulations."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false

@@ -1,4 +1,4 @@
-"""World transforms of prims in metres, at rest."""
+"""World transforms of prims at the default time, in metres: full matrices and nearest rigid poses."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -14,12 +14,12 @@ from pxr import Tf, UsdGeom
 from gate.subject.values import TIME
 from schemas.model import FloatArray
 
-_FALLBACK_METERS = 0.01  # UsdGeomLinearUnits: a stage that says nothing is in centimetres.
+_FALLBACK_METERS = 0.01  # UsdGeomLinearUnits: a stage without metersPerUnit is in centimetres.
 
 
 @dataclass(frozen=True)
 class Frames:
-    """Transforms of one stage; `meters_per_unit` is 1 when the file states nothing usable (the units rule says so)."""
+    """Transforms of one stage; `meters_per_unit` is 1 without a valid value (reported by the units rule)."""
 
     cache: Any
     meters_per_unit: float
@@ -38,7 +38,7 @@ class Frames:
     def matrix(self, prim: Any) -> FloatArray:
         """(4, 4) from the prim's own coordinates, in stage units, to the world in metres; column vectors.
 
-        NaN when OpenUSD cannot compute it (the transform rule says so).
+        NaN when OpenUSD cannot compute it (reported by the transform rule).
         """
         try:
             to_world = np.array(self.cache.GetLocalToWorldTransform(prim), dtype=np.float64).T
@@ -48,7 +48,7 @@ class Frames:
         return to_world
 
     def rigid(self, prim: Any) -> tuple[FloatArray, FloatArray]:
-        """The pose X_WP (4, 4) in metres with scale and shear taken out, and the prim's axes (3, 3) as they stand.
+        """The pose X_WP (4, 4) in metres with scale and shear taken out, and the prim's axes (3, 3) with them.
 
         The nearest rotation is the polar factor (Higham 1988), from the singular value decomposition. NaN when the
         transform is not finite.

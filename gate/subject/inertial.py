@@ -1,4 +1,4 @@
-"""Mass centre and inertia as a file states them, and how many materials a body shows."""
+"""Mass centre (m) and inertia (kg m2) of a body as authored, and whether its surfaces share one material."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -16,7 +16,7 @@ from schemas.model import FloatArray
 
 
 def stated_inertia(body: Body, subject: Subject) -> FloatArray | None:
-    """(3, 3) the stated tensor in kg m2 along the body's axes, or None where the inertia rule speaks."""
+    """(3, 3) the stated tensor in kg m2 along the body's axes, or None when invalid (reported by the inertia rule)."""
     moments = vector(body.prim, "physics:diagonalInertia", (0.0, 0.0, 0.0))
     quat_wxyz = quaternion(body.prim, "physics:principalAxes")
     if not (np.all(moments > 0.0) and np.all(np.isfinite(moments)) and np.all(np.isfinite(quat_wxyz))):
@@ -36,12 +36,12 @@ def mass_centre(body: Body, subject: Subject) -> FloatArray | None:
 
 
 def shows_one_material(body: Body) -> bool:
-    """True iff all visible surfaces of a body are bound to one material: little speaks for uneven density."""
-    looks = {look for surface in body.surfaces for look in _looks(surface.prim)}
-    return len(looks) == 1
+    """True iff all visible surfaces of a body are bound to one material, which suggests even density."""
+    paths = {path for surface in body.surfaces for path in _bound_material_paths(surface.prim)}
+    return len(paths) == 1
 
 
-def _looks(prim: UsdGeom.Imageable) -> set[str]:
+def _bound_material_paths(prim: UsdGeom.Imageable) -> set[str]:
     """Paths of the materials bound to a mesh and its subsets; "" for none."""
     prims = [prim]
     if prim.IsA(UsdGeom.Mesh):

@@ -1,4 +1,4 @@
-"""A joint between two bodies as both sides see it at rest."""
+"""A joint between two bodies: the joint frame of each side in the world at rest, limits, rest coordinate."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from geom.pose import shortest_rotation
 from schemas.model import FloatArray
 
 AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
-FREE = ("revolute", "prismatic")
+ONE_DOF_KINDS = ("revolute", "prismatic")
 
 
 @dataclass(frozen=True)
-class Side:
+class JointSide:
     """One end of a joint: the prim named (None = the world), the body that prim belongs to (None = static).
 
     `X_WJ` (4, 4) is the joint frame in the world as this side states it; NaN when it cannot be computed.
@@ -42,7 +42,7 @@ class Joint:
     kind: str
     enabled: bool
     axis: str
-    sides: tuple[Side, Side]
+    sides: tuple[JointSide, JointSide]
     limits: tuple[float, float]
     stated: tuple[bool, bool]
     collides: bool
@@ -55,7 +55,7 @@ class Joint:
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """The bodies it joins: two, or one that is held by the world."""
+        """The bodies it connects: two, or one that is fixed to the world."""
         return tuple(s.body for s in self.sides if s.body is not None)
 
     @property
@@ -68,8 +68,8 @@ class Joint:
         """Unit of its coordinate and limits."""
         return "deg" if self.kind == "revolute" else "m"
 
-    def rest(self) -> Rest | None:
-        """How the two frames lie to each other in the rest pose; None when a frame is not finite."""
+    def rest(self) -> JointRestState | None:
+        """The relative pose of the two frames at rest; None when a frame is not finite."""
         X_W0, X_W1 = (side.X_WJ for side in self.sides)
         if not (np.all(np.isfinite(X_W0)) and np.all(np.isfinite(X_W1))):
             return None
@@ -79,18 +79,18 @@ class Joint:
         axis = AXES.get(self.axis, AXES["X"])
         if self.kind == "prismatic":
             along = float(axis @ shift)
-            return Rest(along, float(np.linalg.norm(shift - along * axis)), _degrees(turn))
+            return JointRestState(along, float(np.linalg.norm(shift - along * axis)), _degrees(turn))
         gap_m = 0.0 if self.kind in ("distance", "generic") else float(np.linalg.norm(shift))
         if self.kind == "revolute":
             swing = shortest_rotation(axis, turn @ axis)
             twist = Rotation.from_matrix(swing.T @ turn).as_rotvec()
-            return Rest(float(np.rad2deg(axis @ twist)), gap_m, _degrees(swing))
-        return Rest(0.0, gap_m, _degrees(turn) if self.kind == "fixed" else 0.0)
+            return JointRestState(float(np.rad2deg(axis @ twist)), gap_m, _degrees(swing))
+        return JointRestState(0.0, gap_m, _degrees(turn) if self.kind == "fixed" else 0.0)
 
 
 @dataclass(frozen=True)
-class Rest:
-    """Joint coordinate (degrees or metres), and what the joint forbids yet is there: a gap (m) and a tilt (degrees)."""
+class JointRestState:
+    """Joint coordinate (degrees or metres) at rest, and the constraint violation: gap (m) and tilt (degrees)."""
 
     coordinate: float
     gap_m: float

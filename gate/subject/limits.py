@@ -1,4 +1,4 @@
-"""Limits and drives that sit on a joint per axis."""
+"""Per-axis limits of a joint (PhysicsLimitAPI), and the instances of multiple-apply schemas."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false

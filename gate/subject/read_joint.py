@@ -1,4 +1,4 @@
-"""Read joint prims (UsdPhysics)."""
+"""Reads joint prims (UsdPhysics) into `Joint`, lengths in metres, angles in degrees."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -13,7 +13,7 @@ from pxr import Usd, UsdPhysics
 
 from gate.subject.body import Body
 from gate.subject.frames import Frames
-from gate.subject.joint import Joint, Side
+from gate.subject.joint import Joint, JointSide
 from gate.subject.values import authored, flag, number, quaternion, text, vector
 from geom.pose import matrix_of
 from schemas.model import FloatArray
@@ -25,7 +25,7 @@ _KINDS = {
     "PhysicsFixedJoint": "fixed",
     "PhysicsDistanceJoint": "distance",
 }
-_LEAST_QUATERNION = 1e-3  # Anything shorter names no rotation; the joint-axis rule says so.
+_LEAST_QUATERNION = 1e-3  # Anything shorter is no rotation; reported by the joint-axis rule.
 
 
 def is_joint(prim: Usd.Prim) -> bool:
@@ -51,14 +51,16 @@ def read_joint(prim: Usd.Prim, frames: Frames, body_of: Callable[[Any], Body | N
     )
 
 
-def _side(prim: Usd.Prim, index: int, frames: Frames, body_of: Callable[[Any], Body | None]) -> Side:
+def _side(prim: Usd.Prim, index: int, frames: Frames, body_of: Callable[[Any], Body | None]) -> JointSide:
     relationship = prim.GetRelationship(f"physics:body{index}")
     targets = tuple(str(t) for t in relationship.GetForwardedTargets()) if relationship else ()
     target = prim.GetStage().GetPrimAtPath(targets[0]) if targets else None
     named = target if target is not None and target.IsValid() else None
     position = vector(prim, f"physics:localPos{index}", (0.0, 0.0, 0.0))
     quat_wxyz = quaternion(prim, f"physics:localRot{index}")
-    return Side(targets, named, None if named is None else body_of(named), _pose(named, position, quat_wxyz, frames))
+    return JointSide(
+        targets, named, None if named is None else body_of(named), _pose(named, position, quat_wxyz, frames)
+    )
 
 
 def _pose(prim: Usd.Prim | None, position: FloatArray, quat_wxyz: FloatArray, frames: Frames) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Meshes and implicit shapes of a stage as points and triangles in the world."""
+"""Converts meshes and implicit shapes of a stage into points and triangles in the world, metres."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom, UsdPhysics
 
-from gate.subject.body import Surface
+from gate.subject.body import VisibleSurface
 from gate.subject.frames import Frames
 from gate.subject.values import integers, number, rows, text
 from geom.mesh import primitives
@@ -25,7 +25,7 @@ _COLLIDER_SEGMENTS = 24  # within 1 % of the round shape, at a quarter of the po
 _CYCLE = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}  # cyclic, so handedness stays
 
 
-def surface_of(prim: Any, frames: Frames) -> Surface:
+def surface_of(prim: Any, frames: Frames) -> VisibleSurface:
     """The visible surface of a Mesh or implicit shape. Faces wind outwards after orientation and mirroring."""
     matrix = frames.matrix(prim)
     points, triangles = _mesh(prim) if prim.IsA(UsdGeom.Mesh) else _solid(prim)
@@ -33,7 +33,7 @@ def surface_of(prim: Any, frames: Frames) -> Surface:
     # the same rule (UsdGeomGprim, "orientation").
     if (np.linalg.det(matrix[:3, :3]) < 0.0) != (text(prim, "orientation") == UsdGeom.Tokens.leftHanded):
         triangles = triangles[:, ::-1]
-    return Surface(prim, apply(matrix, points), triangles)
+    return VisibleSurface(prim, apply(matrix, points), triangles)
 
 
 def collider_points(prim: Any, frames: Frames) -> FloatArray:
@@ -43,7 +43,7 @@ def collider_points(prim: Any, frames: Frames) -> FloatArray:
 
 
 def approximation_of(prim: Any) -> str:
-    """`physics:approximation` of a mesh collider; "none", the schema's fallback, when no API says otherwise."""
+    """`physics:approximation` of a mesh collider; "none", the schema's fallback, without the API."""
     if not prim.IsA(UsdGeom.Mesh):
         return ""
     return text(prim, "physics:approximation", "none") if prim.HasAPI(UsdPhysics.MeshCollisionAPI) else "none"
@@ -81,27 +81,27 @@ def _solid(prim: Any, segments: int = primitives.SEGMENTS) -> tuple[FloatArray, 
     bottom, top = (number(prim, f"radius{end}", size["radius"]) for end in ("Bottom", "Top"))
     match kind:
         case "Cube":
-            needed, make = [size["size"]], partial(primitives.cube, size["size"])
+            sizes, make = [size["size"]], partial(primitives.cube, size["size"])
         case "Sphere":
-            needed, make = [size["radius"]], partial(primitives.sphere, size["radius"], segments)
+            sizes, make = [size["radius"]], partial(primitives.sphere, size["radius"], segments)
         case "Cylinder" | "Cylinder_1":
-            needed, make = (
+            sizes, make = (
                 [size["height"], bottom, top],
                 partial(primitives.cylinder, size["height"], bottom, top, segments),
             )
         case "Cone":
             lengths = [size["height"], size["radius"]]
-            needed, make = lengths, partial(primitives.cylinder, *lengths, 0.0, segments)
+            sizes, make = lengths, partial(primitives.cylinder, *lengths, 0.0, segments)
         case "Capsule" | "Capsule_1":
-            needed, make = (
+            sizes, make = (
                 [bottom, top, size["height"] + bottom],
                 partial(primitives.capsule, size["height"], bottom, top, segments),
             )
         case "Plane":
-            needed, make = [size["width"], size["length"]], partial(primitives.plane, size["width"], size["length"])
+            sizes, make = [size["width"], size["length"]], partial(primitives.plane, size["width"], size["length"])
         case _:
             return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
-    if not all(np.isfinite(v) and v > 0.0 for v in needed):
+    if not all(np.isfinite(v) and v > 0.0 for v in sizes):
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
     shape = make()
     order = _CYCLE.get(text(prim, "axis", "Z"), _CYCLE["Z"])

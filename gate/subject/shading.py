@@ -1,4 +1,4 @@
-"""Shader networks: ids, constants, what feeds an input."""
+"""Shader networks: shader ids, constant input values, the shader connected to an input."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -28,7 +28,7 @@ def constant_value(shader_input: Any) -> FloatArray | None:
 
 
 def own_value(shader_input: Any) -> FloatArray | None:
-    """(k,) what stands at the input itself, whatever feeds it."""
+    """(k,) the value authored at the input itself, whatever is connected."""
     return _numbers(shader_input.GetAttr().Get(TIME))
 
 

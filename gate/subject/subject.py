@@ -1,4 +1,4 @@
-"""One reading of a stage for all rules."""
+"""One reading of a composed stage for all rules, in metres and kilograms; each value is read once, on first use."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
 
-from gate.subject.body import Body, Collider, Surface, stacked
+from gate.subject.body import Body, Collider, VisibleSurface, stacked
 from gate.subject.frames import Frames
 from gate.subject.joint import Joint
 from gate.subject.read_joint import is_joint, read_joint
@@ -30,7 +30,7 @@ _SHOWN = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
 
 @dataclass(frozen=True)
 class Subject:
-    """The composed stage of one asset, and what the rules ask of it. Everything is read once, when first asked for."""
+    """The composed stage of one asset, and the values that rules check; each is read once, on first use."""
 
     stage: Any
     main_file: Path
@@ -52,9 +52,9 @@ class Subject:
 
     @cached_property
     def metadata(self) -> dict[str, Any]:
-        """What the SimReady metadata of the root layer state; empty when there are none."""
-        found = self.stage.GetRootLayer().customLayerData.get(METADATA)
-        return dict(found) if isinstance(found, dict) else {}
+        """The SimReady metadata of the root layer; empty when there are none."""
+        metadata = self.stage.GetRootLayer().customLayerData.get(METADATA)
+        return dict(metadata) if isinstance(metadata, dict) else {}
 
     @cached_property
     def record(self) -> dict[str, Any] | None:
@@ -66,12 +66,12 @@ class Subject:
             return None
         return record if isinstance(record, dict) and "asset_id" in record else None
 
-    def recorded(self, *keys: str) -> Any:
-        """What the record holds under nested keys; None when it does not go that deep."""
-        found: Any = self.record
+    def record_value(self, *keys: str) -> Any:
+        """The value of the record under nested keys; None when there is none."""
+        value: Any = self.record
         for key in keys:
-            found = found.get(key) if isinstance(found, dict) else None
-        return found
+            value = value.get(key) if isinstance(value, dict) else None
+        return value
 
     @cached_property
     def released(self) -> bool:
@@ -79,13 +79,13 @@ class Subject:
         return bool(self.metadata) or self.record is not None
 
     @property
-    def required(self) -> Severity:
-        """For what only a released package must have: an error there, a remark on any other file."""
+    def required_severity(self) -> Severity:
+        """Severity of a violated package requirement: an error in a package, `info` in any other file."""
         return Severity.ERROR if self.released else Severity.INFO
 
     @property
-    def suspect(self) -> Severity:
-        """For what is wrong in a released package but may be meant elsewhere."""
+    def suspect_severity(self) -> Severity:
+        """Severity of a defect that may be intended outside packages: an error in a package, else a warning."""
         return Severity.ERROR if self.released else Severity.WARNING
 
     @cached_property
@@ -95,7 +95,7 @@ class Subject:
 
     @cached_property
     def kilograms_per_unit(self) -> float:
-        """1 when the file says nothing or nothing usable; the units rule speaks of that."""
+        """1 without a valid value, which the units rule reports."""
         try:
             value = float(self.stage.GetRootLayer().pseudoRoot.GetInfo("kilogramsPerUnit") or 1.0)
         except (TypeError, ValueError):
@@ -123,7 +123,7 @@ class Subject:
         return tuple(self._collider(prim) for prim in self.prims if prim.HasAPI(UsdPhysics.CollisionAPI))
 
     @cached_property
-    def surfaces(self) -> tuple[Surface, ...]:
+    def surfaces(self) -> tuple[VisibleSurface, ...]:
         """Meshes and implicit shapes that a final render draws, prototypes of point instancers left out."""
         return tuple(surface_of(prim, self.frames) for prim in self.visible_prims)
 
@@ -164,7 +164,7 @@ class Subject:
 
     @cached_property
     def visible_edges(self) -> EdgeCounts | None:
-        """How the faces of everything visible hang together; None when there is nothing or too much."""
+        """Edge counts of all visible surfaces; None when there are none or too many triangles."""
         return count_edges(self.surfaces)
 
     def body_of(self, prim: Any) -> Body | None:
@@ -204,17 +204,17 @@ class Subject:
 
     @cached_property
     def _by_owner_colliders(self) -> dict[str | None, list[Collider]]:
-        found: dict[str | None, list[Collider]] = {}
+        by_owner: dict[str | None, list[Collider]] = {}
         for collider in self.colliders:
-            found.setdefault(self._owner(collider.prim), []).append(collider)
-        return found
+            by_owner.setdefault(self._owner(collider.prim), []).append(collider)
+        return by_owner
 
     @cached_property
-    def _by_owner_surfaces(self) -> dict[str | None, list[Surface]]:
-        found: dict[str | None, list[Surface]] = {}
+    def _by_owner_surfaces(self) -> dict[str | None, list[VisibleSurface]]:
+        by_owner: dict[str | None, list[VisibleSurface]] = {}
         for surface in self.surfaces:
-            found.setdefault(self._owner(surface.prim), []).append(surface)
-        return found
+            by_owner.setdefault(self._owner(surface.prim), []).append(surface)
+        return by_owner
 
     def _collider(self, prim: Any) -> Collider:
         approximation = approximation_of(prim)

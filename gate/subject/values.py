@@ -1,4 +1,4 @@
-"""Attribute values of files that may hold anything: a wrong type reads as NaN, an absent value as the fallback."""
+"""Typed attribute values of untrusted files: a wrong type reads as NaN, an absent value as the fallback."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -22,7 +22,7 @@ def at(prim: Usd.Prim) -> Location:
 
 
 def raw(prim: Usd.Prim, name: str) -> Any:
-    """The value of an attribute as it stands, the schema's fallback included; None when there is none."""
+    """The value of an attribute, the schema's fallback included; None when there is none."""
     attribute = prim.GetAttribute(name)
     return attribute.Get(TIME) if attribute else None
 
@@ -92,7 +92,7 @@ def integers(prim: Usd.Prim, name: str) -> FloatArray:
         return np.zeros(0, dtype=np.int64)
 
 
-def figure(values: FloatArray) -> str:
+def format_numbers(values: FloatArray) -> str:
     """Numbers as a short text, for a diagnostic."""
     return "(" + ", ".join(f"{float(v):.6g}" for v in np.ravel(values)) + ")"
 

@@ -1,4 +1,4 @@
-"""The visible surface of an asset as one welded mesh."""
+"""Edge counts of the visible surface of an asset, welded into one mesh."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gate.subject.body import Surface
+from gate.subject.body import VisibleSurface
 from geom.mesh.edges import edges_of
 from geom.mesh.topology import repeats_point
 from geom.mesh.weld import weld_points
@@ -27,7 +27,7 @@ class EdgeCounts(NamedTuple):
     inconsistent: int
 
 
-def count_edges(surfaces: Sequence[Surface]) -> EdgeCounts | None:
+def count_edges(surfaces: Sequence[VisibleSurface]) -> EdgeCounts | None:
     """The counts; None when nothing is visible or there is too much of it."""
     drawn = [s for s in surfaces if len(s.triangles) and np.all(np.isfinite(s.points_W))]
     if not drawn or sum(len(s.triangles) for s in drawn) > MOST_TRIANGLES:

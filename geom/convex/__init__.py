@@ -1,1 +1,1 @@
-"""Convex shapes: hulls, support functions, primitive fits, unions, penetration depth, scaling."""
+"""Convex shapes: hulls, support functions, primitive fits, unions, penetration depth, scaling; read `hull` first."""

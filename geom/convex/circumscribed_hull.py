@@ -1,4 +1,4 @@
-"""Points whose convex hull holds a convex collision shape: its corners, or circumscribed ones where it is round."""
+"""Points (n, 3) whose convex hull encloses a convex collision shape: its corners, circumscribed where it is round."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from geom.pose import apply
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
-CORNERS = 32  # of the polygon around a circle: it reaches 0.5 % beyond
-_TURN = np.arange(CORNERS) * (2.0 * np.pi / CORNERS)
-CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)  # inscribed in the unit circle, counter-clockwise
-AROUND = CIRCLE / np.cos(np.pi / CORNERS)  # circumscribed
+CIRCLE_CORNERS = 32  # of the polygon around a circle: it extends 0.5 % beyond
+_TURN = np.arange(CIRCLE_CORNERS) * (2.0 * np.pi / CIRCLE_CORNERS)
+UNIT_CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)  # inscribed in the unit circle, counter-clockwise
+CIRCUMSCRIBED_CIRCLE = UNIT_CIRCLE / np.cos(np.pi / CIRCLE_CORNERS)  # circumscribed
 
 
-def outer_corners(shape: CollisionShape) -> FloatArray:
-    """(n, 3) points in the asset frame whose hull holds the shape, exactly where it is flat-sided."""
+def circumscribed_hull(shape: CollisionShape) -> FloatArray:
+    """(n, 3) points in the asset frame (metres) whose hull encloses the shape, exactly where its sides are flat."""
     if shape.points is not None:
         return apply(shape.X_AS, shape.points)
     if shape.kind == "box":
@@ -25,7 +25,10 @@ def outer_corners(shape: CollisionShape) -> FloatArray:
     elif shape.kind == "cylinder":
         radius, height = shape.size_m
         local = np.concatenate(
-            [np.column_stack([radius * AROUND, np.full(CORNERS, z)]) for z in (-0.5 * height, 0.5 * height)]
+            [
+                np.column_stack([radius * CIRCUMSCRIBED_CIRCLE, np.full(CIRCLE_CORNERS, z)])
+                for z in (-0.5 * height, 0.5 * height)
+            ]
         )
     else:
         ball = _around_ball() * shape.size_m[0]
@@ -35,6 +38,6 @@ def outer_corners(shape: CollisionShape) -> FloatArray:
 
 
 def _around_ball() -> FloatArray:
-    """(162, 3) corners of a polyhedron that holds the unit ball."""
+    """(162, 3) corners of a polyhedron circumscribed about the unit ball."""
     ball = trimesh.creation.icosphere(subdivisions=2)
     return ball.vertices / np.abs(np.einsum("ij,ij->i", ball.face_normals, ball.triangles[:, 0])).min()

@@ -1,4 +1,4 @@
-"""The union of convex collision shapes as half-spaces: rays through it, what lies inside, boxes clear of it."""
+"""The union of convex collision shapes as half-spaces (metres): ray entries and exits, inside tests, clear boxes."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ import numpy as np
 
 from geom.convex.hull import face_planes
 from geom.convex.support_function import surface
-from geom.mesh.farthest_points import spread
+from geom.mesh.farthest_points import farthest_points
 from geom.mesh.surface_distance import sample_surface
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 _AXES = 64
-_JOINED = 1e-4  # of the size: shapes closer than this along a ray count as one piece of matter
+_JOINED = 1e-4  # of the size: shapes closer than this along a ray count as one solid
 
 
 @dataclass(frozen=True)
 class _Convex:
     """Corners (n, 3); faces as outward unit normals (f, 3) with offsets (f,): inside where `normals @ x <= offsets`.
 
-    `axes` (a,) are the faces whose normals are tried to separate it from something: all, or some of a round thing.
+    `axes` (a,) are the faces whose normals are candidate separating axes: all, or a subset for a round shape.
     """
 
     points: FloatArray
@@ -32,7 +32,7 @@ class _Convex:
 
 
 class ConvexUnion:
-    """Convex shapes (curved ones inscribed) in one frame, metres."""
+    """A union of convex shapes (curved ones inscribed) in one frame, in metres."""
 
     def __init__(self, shapes: Sequence[CollisionShape]) -> None:
         """At least one shape, each with volume."""
@@ -45,7 +45,7 @@ class ConvexUnion:
         self.size = float(np.linalg.norm(self.high - self.low))
 
     def outer_samples(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """Places (k, 3) spread over the outer surface, k <= `count`, and outward unit normals (k, 3) there."""
+        """Points (k, 3) spread over the outer surface, k <= `count`, and outward unit normals (k, 3) there."""
         points, index = sample_surface(self._points, self._triangles, count, 0)
         corners = self._points[self._triangles[index]]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -54,57 +54,57 @@ class ConvexUnion:
         return points[outer], normals[outer]
 
     def inside(self, points: FloatArray) -> FloatArray:
-        """(k,) whether points (k, 3) lie in any shape."""
-        found = np.zeros(len(points), dtype=bool)
+        """(k,) True where points (k, 3) lie in any shape."""
+        is_inside = np.zeros(len(points), dtype=bool)
         for part in self._parts:
-            found |= (points @ part.normals.T <= part.offsets).all(axis=1)
-        return found
+            is_inside |= (points @ part.normals.T <= part.offsets).all(axis=1)
+        return is_inside
 
-    def way_through(self, starts: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """How far (k,) matter goes on without a gap from surface points along unit `directions`, and the outward
-        normals (k, 3) where it ends.
+    def first_exit(self, starts: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Lengths (k,) of rays from surface points along inward unit `directions` to the first gap behind them, and the
+        outward normals (k, 3) there.
         """
         spans = [_span(part, starts, directions) for part in self._parts]
-        reach, normal = np.zeros(len(starts)), np.zeros_like(starts)
+        length, normal = np.zeros(len(starts)), np.zeros_like(starts)
         slack = _JOINED * self.size
         for _ in spans:
-            before = reach.copy()
+            before = length.copy()
             for enter, leave, outward in spans:
-                further = (enter <= reach + slack) & (leave > reach)
-                reach = np.where(further, leave, reach)
+                further = (enter <= length + slack) & (leave > length)
+                length = np.where(further, leave, length)
                 normal = np.where(further[:, None], outward, normal)
-            if np.array_equal(before, reach):
+            if np.array_equal(before, length):
                 break
-        return reach, normal
+        return length, normal
 
     def first_entry(self, starts: FloatArray, directions: FloatArray) -> FloatArray:
-        """How far (k,) rays from outside along unit `directions` go until they meet the first shape; inf: none."""
-        reach = np.full(len(starts), np.inf)
+        """Lengths (k,) of rays from outside along unit `directions` (k, 3) to the first shape; inf without one."""
+        length = np.full(len(starts), np.inf)
         for part in self._parts:
             middle = 0.5 * (part.points.min(axis=0) + part.points.max(axis=0))
             radius = np.linalg.norm(part.points - middle, axis=1).max()
             beside = np.linalg.norm(np.cross(middle - starts, directions), axis=1)
-            near = np.flatnonzero(beside <= radius)  # The others pass by.
+            near = np.flatnonzero(beside <= radius)  # The other rays miss the shape.
             enter, leave, _ = _span(part, starts[near], directions[near])
-            met = (leave > 0.0) & (enter < reach[near])
-            reach[near] = np.where(met, np.maximum(enter, 0.0), reach[near])
-        return reach
+            met = (leave > 0.0) & (enter < length[near])
+            length[near] = np.where(met, np.maximum(enter, 0.0), length[near])
+        return length
 
     def last_exit(self, starts: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Where (k,) rays leave the furthest shape that they meet ahead, and the outward normals (k, 3) there."""
-        reach, normal = np.zeros(len(starts)), np.zeros_like(starts)
+        """Lengths (k,) of rays to their exit from the furthest shape ahead, and the outward normals (k, 3) there."""
+        length, normal = np.zeros(len(starts)), np.zeros_like(starts)
         for part in self._parts:
             _, leave, outward = _span(part, starts, directions)
-            further = leave > reach
-            reach = np.where(further, leave, reach)
+            further = leave > length
+            length = np.where(further, leave, length)
             normal = np.where(further[:, None], outward, normal)
-        return reach, normal
+        return length, normal
 
     def box_clear(self, X_AB: FloatArray, half_m: FloatArray) -> FloatArray:
-        """(k,) True where boxes with poses (k, 4, 4) and half edges (k, 3) are sure to touch no shape.
+        """(k,) True where boxes with poses (k, 4, 4) and half edges (k, 3) certainly touch no shape.
 
         A box and a shape are apart when an axis of the box or a face normal of the shape separates them. Pairs that
-        only a product of two edges would separate count as touching: on the safe side, by a hair.
+        only a cross product of two edges would separate count as touching, which is conservative.
         """
         centres, R_AB = X_AB[:, :3, 3], X_AB[:, :3, :3]
         radius = np.linalg.norm(half_m, axis=1)
@@ -119,8 +119,8 @@ class ConvexUnion:
             apart = ((local.min(axis=1) > half_m[near]) | (local.max(axis=1) < -half_m[near])).any(axis=1)
             left = near[~apart]
             normals, offsets = part.normals[part.axes], part.offsets[part.axes]
-            reach = np.abs(np.einsum("fj,kji->kfi", normals, R_AB[left])) @ half_m[left][:, :, None]
-            nearest = centres[left] @ normals.T - reach[:, :, 0]
+            half_width = np.abs(np.einsum("fj,kji->kfi", normals, R_AB[left])) @ half_m[left][:, :, None]
+            nearest = centres[left] @ normals.T - half_width[:, :, 0]
             clear[left[~(nearest > offsets).any(axis=1)]] = False
         return clear
 
@@ -129,21 +129,21 @@ def _convex(points: FloatArray, triangles: IntArray) -> _Convex:
     planes = np.column_stack(face_planes(points, triangles))
     _, first = np.unique(np.round(planes, 9), axis=0, return_index=True)
     planes = planes[np.sort(first)]
-    axes = spread(planes[:, :3], 0, _AXES, 0.0) if len(planes) > _AXES else np.arange(len(planes))
+    axes = farthest_points(planes[:, :3], 0, _AXES, 0.0) if len(planes) > _AXES else np.arange(len(planes))
     return _Convex(points, planes[:, :3], planes[:, 3], np.array(axes))
 
 
 def _span(part: _Convex, starts: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Where rays enter and leave a convex shape (k,), and the normals (k, 3) of the faces they leave by; a ray that
-    misses it leaves at -inf. Cyrus and Beck 1978.
+    """Lengths (k,) at which rays enter and leave a convex shape, and normals (k, 3) of the exit faces; a ray that
+    misses it leaves at -inf. Source: Cyrus and Beck 1978.
     """
     speed = directions @ part.normals.T
-    room = part.offsets - starts @ part.normals.T
+    margin = part.offsets - starts @ part.normals.T
     with np.errstate(divide="ignore", invalid="ignore"):
-        at = room / speed
+        at = margin / speed
     leaves = np.where(speed > 1e-12, at, np.inf)
     enter = np.where(speed < -1e-12, at, -np.inf).max(axis=1)
     last = leaves.argmin(axis=1)
     leave = leaves[np.arange(len(starts)), last]
-    misses = ((np.abs(speed) <= 1e-12) & (room < 0.0)).any(axis=1) | (leave < enter)
+    misses = ((np.abs(speed) <= 1e-12) & (margin < 0.0)).any(axis=1) | (leave < enter)
     return np.where(misses, np.inf, enter), np.where(misses, -np.inf, leave), part.normals[last]

@@ -1,4 +1,4 @@
-"""Convex hulls as collision shapes: outward, few points, no slivers."""
+"""Convex hulls of points (n, 3) as closed outward surfaces without slivers, reduced to few points; hull measures."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ MAX_POINTS = 64
 MERGE_TOLERANCE = 1e-6
 # Points that stick out of the reduced hull by less than this share of its size are left out.
 REDUCTION_TOLERANCE = 1e-3
-MAX_GROWTH = 1.1  # A hull that must grow more is not described by so few points; it then stays too small.
+MAX_GROWTH = 1.1  # Beyond this growth the reduced hull stays too small: so few points do not describe it.
 
 
 def convex_hull(points: FloatArray) -> tuple[FloatArray, IntArray]:
     """Points (n, 3) float64 and outward triangles (m, 3) int32 of the convex hull.
 
     Closed and free of zero-area faces: Manifold's Quickhull (Barber et al. 1996), then its simplification, which merges
-    points within 1e-6 of the size. (Qhull triangulates coplanar points into slivers, 1 mesh in 900 not closed.) Centred
-    and of unit size meanwhile, so that place and scale do not matter. Raises ValueError when the points span no volume.
+    points within 1e-6 of the size. (Qhull triangulates coplanar points into slivers, 1 mesh in 900 not closed.)
+    Computed centred and at unit size, so that place and scale do not matter. Raises ValueError when the points span no
+    volume.
     """
     centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
     scale = float(np.ptp(points, axis=0).max())
@@ -30,7 +31,7 @@ def convex_hull(points: FloatArray) -> tuple[FloatArray, IntArray]:
     unit = (points - centre) / scale
     corners, triangles = _simplified_hull(unit)
     if not _convex(corners, triangles):
-        # Among nearly coplanar points Manifold 3.x can take one inside for a corner, and fold the surface over it.
+        # Among nearly coplanar points Manifold 3.x can take an inner one as a corner and fold the surface over it.
         corners, triangles = _simplified_hull(unit[ConvexHull(unit).vertices])
     return corners * scale + centre, triangles
 
@@ -44,11 +45,11 @@ def _simplified_hull(points: FloatArray) -> tuple[FloatArray, IntArray]:
 
 
 def _convex(points: FloatArray, triangles: IntArray) -> bool:
-    """Whether a closed surface encloses what Qhull says the hull of its points does."""
+    """Whether a closed surface encloses the volume that Qhull finds for the hull of its points."""
     try:
         full = ConvexHull(points).volume
         return abs(volume(points, triangles) - full) <= 1e-5 * full  # A fold adds volume or loses some.
-    except QhullError:  # Too flat for Qhull to tell.
+    except QhullError:  # Too flat for Qhull.
         return True
 
 
@@ -70,7 +71,7 @@ def reduced_hull(
 
     Points are added farthest first (the order of Quickhull), which bounds the error at every step. A hull through a
     subset of the points is too small everywhere, so it is scaled about its centre until the volume is right: the error
-    is then shared between both sides of the surface; 1 leaves it inside. Raises
+    is then shared between both sides of the surface; at `most_growth` 1 the hull lies inside the full one. Raises
     ValueError when the points span no volume.
     """
     full, triangles = convex_hull(points)
@@ -83,8 +84,8 @@ def reduced_hull(
         normals, offsets = face_planes(*convex_hull(full[chosen]))
         outside = full @ normals.T - offsets
         beyond = [int(outside[:, f].argmax()) for f in np.argsort(-outside.max(axis=0), kind="stable")]
-        reach = outside.max(axis=1)
-        new = [p for p in dict.fromkeys(beyond) if reach[p] > tolerance and p not in chosen]
+        beyond_hull = outside.max(axis=1)
+        new = [p for p in dict.fromkeys(beyond) if beyond_hull[p] > tolerance and p not in chosen]
         if not new:
             break
         # A quarter at a time: close to one by one in quality, at a fraction of the hull computations.
@@ -101,9 +102,9 @@ def extreme_points(points: FloatArray, directions: int) -> IntArray:
     turn = np.arange(directions) * np.pi * (3.0 - np.sqrt(5.0))
     across = np.sqrt(1.0 - height**2)
     even = np.stack([across * np.cos(turn), across * np.sin(turn), height])
-    found = [points.argmax(axis=0), points.argmin(axis=0)]
-    found += [(points @ part).argmax(axis=0) for part in np.array_split(even, max(1, directions // 64), axis=1)]
-    return np.unique(np.concatenate(found))
+    indices = [points.argmax(axis=0), points.argmin(axis=0)]
+    indices += [(points @ part).argmax(axis=0) for part in np.array_split(even, max(1, directions // 64), axis=1)]
+    return np.unique(np.concatenate(indices))
 
 
 def volume(points: FloatArray, triangles: IntArray) -> float:
@@ -128,11 +129,11 @@ def thickness(points: FloatArray, triangles: IntArray) -> float:
 
 def contains(points: FloatArray, triangles: IntArray, queries: FloatArray, margin: float = 0.0) -> FloatArray:
     """(k,) True where a query (k, 3) lies inside the hull or less than `margin` outside one of its planes."""
-    return outside_by(points, triangles, queries) <= margin
+    return beyond_planes(points, triangles, queries) <= margin
 
 
-def outside_by(points: FloatArray, triangles: IntArray, queries: FloatArray) -> FloatArray:
-    """(k,) how far a query (k, 3) lies beyond the furthest face plane: at most its distance, negative inside."""
+def beyond_planes(points: FloatArray, triangles: IntArray, queries: FloatArray) -> FloatArray:
+    """(k,) largest signed distance of queries (k, 3) beyond a face plane: a lower bound outside, negative inside."""
     normals, offsets = face_planes(points, triangles)
     return (queries @ normals.T - offsets).max(axis=1)
 
@@ -142,6 +143,6 @@ def face_planes(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, Fl
     corners = points[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
-    kept = lengths > 1e-12 * lengths.max()
-    normals = normals[kept] / lengths[kept, None]
-    return normals, np.einsum("ij,ij->i", normals, corners[kept, 0])
+    has_area = lengths > 1e-12 * lengths.max()
+    normals = normals[has_area] / lengths[has_area, None]
+    return normals, np.einsum("ij,ij->i", normals, corners[has_area, 0])

@@ -1,4 +1,4 @@
-"""How deep two convex bodies overlap, and how much."""
+"""Penetration depth and shared volume of the convex hulls of points (n, 3) and (m, 3), in the unit of the points."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from schemas.model import FloatArray
 
-MOST_PAIRS = 4096  # of points; beyond, the bodies are thinned out, which can only lessen the depth
+MOST_PAIRS = 4096  # of points; beyond, only extreme points are used, which can only lessen the depth
 _DIRECTIONS = 64
 
 
@@ -17,7 +17,7 @@ def penetration_depth(points_a: FloatArray, points_b: FloatArray) -> float:
 
     Exact: the hulls overlap iff the origin lies inside the hull of all differences `a - b`, and the depth is its
     distance from the nearest face there (van den Bergen 2003, "Collision Detection in Interactive 3D Environments").
-    Beyond `MOST_PAIRS` differences the outermost points along even directions stand in, so the depth is a lower bound.
+    Beyond `MOST_PAIRS` differences only the extreme points along even directions are used, for a lower bound.
     """
     if box_overlap(points_a, points_b) <= 0.0:
         return 0.0

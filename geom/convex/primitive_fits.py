@@ -1,7 +1,7 @@
-"""Best box, sphere, cylinder and capsule for a convex set of points; None when a shape does not apply.
+"""Fits of a box, sphere, cylinder and capsule to the convex hull of points; None when a shape does not apply.
 
-All take points (n, 3) in metres and return a `CollisionShape` posed in the frame of the points. They look at the
-convex hull only; whether a fit is good is measured afterwards (`geom.decomposition.fidelity`).
+All functions take points (n, 3) in metres and return a `CollisionShape` posed in the frame of the points. The quality
+of a fit is measured elsewhere (`geom.decomposition.fidelity`).
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from geom.pose import matrix_of, pose, rotation_to_z
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
-# An axis-aligned box is preferred up to this volume over the smallest box: its frame means something to people.
+# An axis-aligned box is preferred up to this ratio of volumes to the smallest box: its frame has a meaning.
 ALIGNED_PREFERENCE = 1.02
 # The outline of a projection is resampled to this many points, so that dense corners do not weigh more.
 OUTLINE_SAMPLES = 180
-# Thinner than this share of their spread, points have no thickness but rounding.
+# Thinner than this share of their spread, points have only rounding as thickness.
 FLAT_SHARE = 1e-7
 
 
@@ -38,7 +38,7 @@ def fit_box(points: FloatArray) -> CollisionShape | None:
     centre = 0.5 * (low + high)
     scale = float(size.max())
     across = np.linalg.svd((points - centre) / max(scale, 1e-300), compute_uv=False)
-    if not across[-1] > FLAT_SHARE * across[0]:  # Of a plane turned by hand, rounding is the thickness.
+    if not across[-1] > FLAT_SHARE * across[0]:  # The thickness of a rotated plane is rounding.
         return None
     to_box, oriented = trimesh.bounds.oriented_bounds((points - centre) / scale, ordered=False)
     if np.prod(size / scale) <= ALIGNED_PREFERENCE * np.prod(oriented):
@@ -101,7 +101,7 @@ def _tubes(points: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, float, 
         try:
             outline = _resampled(local[ConvexHull(local[:, :2]).vertices, :2])
         except QhullError:
-            continue  # Seen along this axis the body is a line.
+            continue  # The projection along this axis is a line.
         circle, radius = _fit_ball(outline)
         low, high = local[:, 2].min(), local[:, 2].max()
         if radius > 0.0:

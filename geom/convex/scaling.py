@@ -1,4 +1,4 @@
-"""Collision shapes and bodies at another size."""
+"""Uniform scaling of collision shapes and rigid bodies about the origin of their frame."""
 
 from __future__ import annotations
 
@@ -16,6 +16,6 @@ def scaled(shape: CollisionShape, factor: float) -> CollisionShape:
 
 
 def scaled_body(body: RigidBody, factor: float) -> RigidBody:
-    """The body with shapes and mass centre at `factor` times their distances; mass and inertia as they are stated."""
+    """The body with shapes and mass centre scaled by `factor`; mass and inertia are unchanged."""
     mass = MassProperties(body.mass.mass_kg, body.mass.centre_of_mass_m * factor, body.mass.inertia_kgm2)
     return replace(body, shapes=tuple(scaled(shape, factor) for shape in body.shapes), mass=mass)

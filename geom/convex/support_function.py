@@ -1,4 +1,4 @@
-"""Support function of convex collision shapes: how far a body reaches in a direction. Everything in the asset frame.
+"""Support function of convex collision shapes and measures from it, in metres in the asset frame.
 
 Ericson, *Real-Time Collision Detection* (2005), section 9.5.4: the support function of a union is the largest of the
 supports of its members, so heights over a plane are exact without meshing curved shapes.
@@ -22,11 +22,11 @@ _TIP_RAD = np.radians(1.0)
 
 def support(shapes: Sequence[CollisionShape], directions_A: FloatArray) -> FloatArray:
     """The largest `x . d` (k,) in metres over the points x of all shapes, for unit directions d (k, 3)."""
-    reach = np.full(len(directions_A), -np.inf)
+    largest = np.full(len(directions_A), -np.inf)
     for shape in shapes:
         local = directions_A @ shape.X_AS[:3, :3]
-        np.maximum(reach, _local_support(shape, local) + directions_A @ shape.X_AS[:3, 3], out=reach)
-    return reach
+        np.maximum(largest, _local_support(shape, local) + directions_A @ shape.X_AS[:3, 3], out=largest)
+    return largest
 
 
 def bounds(shapes: Sequence[CollisionShape]) -> FloatArray:
@@ -55,11 +55,13 @@ def centre_heights(shapes: Sequence[CollisionShape], centre_m: FloatArray, down_
     return support(shapes, down_A) - down_A @ centre_m
 
 
-def foot(shapes: Sequence[CollisionShape], centre_m: FloatArray, down_A: FloatArray) -> tuple[float, FloatArray]:
-    """How far (m) the mass centre (3,) is from the edge of what the body stands on with `down_A` (3,) facing down, and
-    the down direction (3,) when it is tipped by one degree to that weakest side.
+def stability_margin(
+    shapes: Sequence[CollisionShape], centre_m: FloatArray, down_A: FloatArray
+) -> tuple[float, FloatArray]:
+    """Distance (m) of the mass centre (3,) from the edge of the support of a body at rest with `down_A` (3,) down, and
+    the     down direction (3,) after a tilt of one degree to that weakest side.
 
-    Measured as the lever of the weight, `rise / sin 1 deg`: 0 for what rolls, negative for what falls over.
+    Measured as the lever arm of the weight, `rise / sin 1 deg`: 0 for a body that rolls, negative for one that falls.
     """
     azimuths = np.arange(_AZIMUTHS) * (2.0 * np.pi / _AZIMUTHS)
     tipped = np.stack([np.cos(azimuths), np.sin(azimuths), np.full(_AZIMUTHS, -1.0 / np.tan(_TIP_RAD))], axis=1)

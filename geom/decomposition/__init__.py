@@ -1,1 +1,4 @@
-"""Convex decomposition of a solid: simplification, cutting planes, merging and trimming of hulls, fidelity."""
+"""Convex decomposition of a solid: simplification, cutting planes, merging, trimming and offsetting of hulls, fidelity.
+
+Read `decompose.py` first: it calls the steps in order.
+"""

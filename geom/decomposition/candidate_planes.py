@@ -1,4 +1,4 @@
-"""Planes worth trying as cuts: across the axes, and along the faces and bisectors of reflex edges."""
+"""Candidate cutting planes of a closed surface of unit size: across axes, along faces and bisectors of reflex edges."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A body as few convex hulls that fill it, and nothing else: cut apart, joined, trimmed."""
+"""Convex decomposition of a body into few hulls close to its shape: cut by planes, merged, trimmed, offset (metres)."""
 
 from __future__ import annotations
 
@@ -8,28 +8,29 @@ import numpy as np
 from manifold3d import Manifold, OpType
 
 from geom.decomposition.merge_hulls import merge_hulls
-from geom.decomposition.offset_hulls import raise_hulls
-from geom.decomposition.plane_cuts import Goal, cut_apart
-from geom.decomposition.simplified_body import Body, arrays
+from geom.decomposition.offset_hulls import offset_hulls
+from geom.decomposition.plane_cuts import CutGoal, cut_apart
+from geom.decomposition.simplified_body import SimplifiedBody
 from geom.decomposition.trim_hulls import FAR, trim_hulls
 from geom.features.cavities import Cavity, keeps_cavity
-from geom.mesh.surface_distance import SolidDistance, sample_surface
+from geom.mesh.manifold_arrays import manifold_arrays
+from geom.mesh.surface_distance import SignedDistance, sample_surface
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
-# Empty volume in all hulls, as a share of the body's: left by cutting; added by joining beyond what is asked, where
-# the hulls are close enough to the body to afford it.
+# Empty volume in all hulls, as a share of the body's: left by cutting; added by merging below the allowed number, where
+# the hulls are close enough to the body.
 CUT_SLACK, JOIN_SPARE = 0.03, 0.02
-# A hull should not reach further out of the body than this share of its diagonal.
-REACH = 0.03
-REACH_SAMPLES = 100
+# A hull should not extend further out of the body than this share of its diagonal.
+MAX_EXCESS_SHARE = 0.03
+EXCESS_SAMPLES = 100
 # Trimming starts above this ratio of volumes, and goes as deep as it takes of these shares of the diagonal.
 TRIM_ABOVE, TRIM_DEPTHS = 1.1, (0.0075, 0.015, 0.0225, 0.03)
-BLOCKED = 100.0  # Worse than any reach.
+BLOCKED = 100.0  # Larger than any relative excess.
 
 
 def convex_parts(
-    body: Body,
+    body: SimplifiedBody,
     seeds: Sequence[Manifold],
     cavities: Sequence[Cavity] = (),
     most: int = 32,
@@ -39,44 +40,44 @@ def convex_parts(
     """Points (k_i, 3) in metres of at most `most` convex hulls, more only when joining any two would close a cavity.
 
     `seeds` (unit frame) fill the body, for instance its connected parts; each is cut further where its hull holds
-    empty space, reaches out of the body or into one of `cavities` (metres), until there are `pieces`: more than twice
-    as many as hulls allowed, so that joining can choose. `balance` as in `plane_cuts.Goal`.
+    empty space, extends out of the body or into one of `cavities` (metres), until there are `pieces`: more than twice
+    the allowed number of hulls, so that merging has a choice. `balance` as in `plane_cuts.Goal`.
     Deterministic.
     """
-    distance = SolidDistance(*arrays(body.light))
+    distance = SignedDistance(*manifold_arrays(body.simplified))
 
-    def reach(hull: Manifold) -> float:
-        """How far the hull reaches out of the body; 1 is what is allowed."""
-        samples = sample_surface(*arrays(hull), REACH_SAMPLES, 0)[0]
-        return max(float(distance(samples).max()) / (REACH * body.size), 0.0)
+    def relative_excess(hull: Manifold) -> float:
+        """How far the hull extends out of the body, as a share of the allowed distance."""
+        samples = sample_surface(*manifold_arrays(hull), EXCESS_SAMPLES, 0)[0]
+        return max(float(distance(samples).max()) / (MAX_EXCESS_SHARE * body.size), 0.0)
 
     def blocks(hull: Manifold) -> bool:
-        points, triangles = arrays(hull)
+        points, triangles = manifold_arrays(hull)
         shape = CollisionShape("hull", (), np.eye(4), body.in_metres(points), triangles.astype(np.int32))
         return not all(keeps_cavity([shape], cavity) for cavity in cavities)
 
-    def unfit(hull: Manifold) -> float:
-        return BLOCKED if blocks(hull) else max(reach(hull) - 1.0, 0.0)
+    def violation(hull: Manifold) -> float:
+        return BLOCKED if blocks(hull) else max(relative_excess(hull) - 1.0, 0.0)
 
-    def fault(hull: Manifold) -> float:
-        return np.inf if blocks(hull) else reach(hull)
+    def merge_violation(hull: Manifold) -> float:
+        return np.inf if blocks(hull) else relative_excess(hull)
 
-    volume = body.light.volume()
-    cut = cut_apart(seeds, Goal(CUT_SLACK, pieces, unfit, balance))
-    hulls = merge_hulls([piece.hull for piece in cut], most, fault=fault)
+    volume = body.simplified.volume()
+    cut = cut_apart(seeds, CutGoal(CUT_SLACK, pieces, violation, balance))
+    hulls = merge_hulls([piece.hull for piece in cut], most, violation=merge_violation)
     if _union_volume(hulls) <= TRIM_ABOVE * volume:
-        hulls = merge_hulls(hulls, most, JOIN_SPARE * volume, fault)
+        hulls = merge_hulls(hulls, most, JOIN_SPARE * volume, merge_violation)
     trimmed, far = hulls, 0.0
     for depth in TRIM_DEPTHS:
         if _union_volume(trimmed) <= TRIM_ABOVE * volume:
             break
         # Deeper is not always thinner: what is a bulge at one depth may be a flat end at another.
         far = FAR * depth * body.size
-        deeper = trim_hulls(hulls, body.light, distance, depth * body.size)
+        deeper = trim_hulls(hulls, body.simplified, distance, depth * body.size)
         trimmed = min(trimmed, deeper, key=lambda hulls: sum(hull.volume() for hull in hulls))
     if far > 0.0:
-        trimmed = raise_hulls(trimmed, distance, far, lambda hull: not blocks(hull))
-    return [body.in_metres(arrays(hull)[0]) for hull in trimmed]
+        trimmed = offset_hulls(trimmed, distance, far, lambda hull: not blocks(hull))
+    return [body.in_metres(manifold_arrays(hull)[0]) for hull in trimmed]
 
 
 def _union_volume(hulls: Sequence[Manifold]) -> float:

@@ -1,4 +1,4 @@
-"""How well collision shapes stand for a solid: volume, two-way surface distance, and whether openings stay open."""
+"""Fidelity of collision shapes to a solid (metres): volume ratio, two-way surface distance, openings that stay open."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ _CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (
 
 
 @dataclass(frozen=True)
-class Reference:
-    """What candidates are measured against, prepared once: the outer surface of a solid.
+class ReferenceSurface:
+    """The outer surface of a solid, with samples, against which collision shapes are measured.
 
     points (n, 3), triangles (m, 3)  without the walls of sealed inner cavities, which touch nothing.
     probes                           (k, 3) points spread over it, `samples` of them evenly, then corners.
@@ -45,57 +45,57 @@ class Reference:
     volume_m3: float | None
 
 
-def reference(solid: Solid, samples: int = SAMPLES) -> Reference:
+def reference_surface(solid: Solid, samples: int = SAMPLES) -> ReferenceSurface:
     """The outer surface of `solid` with its probes. Deterministic."""
     outer = outer_surface(solid)
     inside = volume(*outer) if solid.kind == "closed" else None
-    return Reference(*outer, _probes(*outer, samples), samples, diagonal(outer[0]), inside)
+    return ReferenceSurface(*outer, _probes(*outer, samples), samples, diagonal(outer[0]), inside)
 
 
-def measure(
-    method: str, shapes: Sequence[CollisionShape], against: Solid | Reference, cavities: Sequence[Cavity]
+def measure_fidelity(
+    method: str, shapes: Sequence[CollisionShape], against: Solid | ReferenceSurface, cavities: Sequence[Cavity]
 ) -> Fidelity:
     """Figures of `shapes` against a solid, not yet accepted; see `schemas.physics.Fidelity`.
 
     `outside`: from the outer surface of the union of all shapes to the outer surface of the solid; a lid over an
-    opening shows here. `missing`: from the solid's surface to the union, 0 for what lies inside it: creases and parts
+    opening counts here. `missing`: from the solid's surface to the union, 0 for points inside it: creases and parts
     within parts cannot be touched. `volume_ratio` is None unless the solid is closed. A container is not kept either
     when a ball in it gets out through a gap. Deterministic. Raises ValueError for no shapes.
     """
     if not shapes:
         raise ValueError("no shapes to measure")
-    true = against if isinstance(against, Reference) else reference(against)
-    union = union_surface(shapes, SLIT_SHARE * true.size)
-    outside = _distances(_probes(*union, true.samples), true.points, true.triangles)
-    missing = np.zeros(len(true.probes))
-    uncovered = ~_within(shapes, true.probes)
-    missing[uncovered] = _distances(true.probes[uncovered], *union)
+    target = against if isinstance(against, ReferenceSurface) else reference_surface(against)
+    union = union_surface(shapes, SLIT_SHARE * target.size)
+    outside = _distances(_probes(*union, target.samples), target.points, target.triangles)
+    missing = np.zeros(len(target.probes))
+    uncovered = ~_within(shapes, target.probes)
+    missing[uncovered] = _distances(target.probes[uncovered], *union)
     is_open = all(keeps_cavity(shapes, cavity) for cavity in cavities)
-    kept = is_open and all(_holds_ball(union, true, cavity, float(missing.max())) for cavity in cavities)
+    all_kept = is_open and all(_holds_ball(union, target, cavity, float(missing.max())) for cavity in cavities)
     return Fidelity(
         method=method,
         shapes=len(shapes),
         vertices=sum(len(s.points) for s in shapes if s.points is not None),
-        volume_ratio=union_volume(shapes) / true.volume_m3 if true.volume_m3 is not None else None,
-        outside_p95=float(np.percentile(outside[: true.samples], 95)) / true.size,
-        outside_max=float(outside.max()) / true.size,
-        missing_p95=float(np.percentile(missing[: true.samples], 95)) / true.size,
-        missing_max=float(missing.max()) / true.size,
+        volume_ratio=union_volume(shapes) / target.volume_m3 if target.volume_m3 is not None else None,
+        outside_p95=float(np.percentile(outside[: target.samples], 95)) / target.size,
+        outside_max=float(outside.max()) / target.size,
+        missing_p95=float(np.percentile(missing[: target.samples], 95)) / target.size,
+        missing_max=float(missing.max()) / target.size,
         cavity_open=is_open if cavities else None,
-        cavity_kept=kept if cavities else None,
+        cavity_kept=all_kept if cavities else None,
         accepted=False,
     )
 
 
-def _holds_ball(union: tuple[FloatArray, IntArray], true: Reference, cavity: Cavity, gap_m: float) -> bool:
-    """Whether a ball in the cavity stays in as it does in the solid; `gap_m`: how far that lies from the shapes.
+def _holds_ball(union: tuple[FloatArray, IntArray], target: ReferenceSurface, cavity: Cavity, gap_m: float) -> bool:
+    """Whether a ball stays in the cavity of the shapes as in that of the solid; `gap_m`: largest distance between them.
 
     Where a ball gets out through a wall, that wall is about its radius away from the shapes.
     """
     if cavity.through or gap_m <= GAP_SHARE * cavity.probe_m:
         return True
     place = (cavity.way_m[-1], cavity.opening_m, cavity.direction, cavity.probe_m)
-    return not leaks(*union, *place) or leaks(true.points, true.triangles, *place)
+    return not leaks(*union, *place) or leaks(target.points, target.triangles, *place)
 
 
 def outer_surface(solid: Solid) -> tuple[FloatArray, IntArray]:
@@ -122,7 +122,7 @@ def union_surface(shapes: Sequence[CollisionShape], growth_m: float = 0.0) -> tu
 
 
 def _probes(points: FloatArray, triangles: IntArray, samples: int) -> FloatArray:
-    """`samples` points spread over a surface, then its corners, at most so many."""
+    """`samples` points spread over a surface, then its corners, at most as many."""
     corners = np.unique(triangles)
     corners = corners[:: max(1, -(-len(corners) // samples))]
     return np.concatenate([sample_surface(points, triangles, samples, 0)[0], points[corners]])

@@ -1,7 +1,7 @@
-"""Hulls of curved walls moved to the middle of the wall they stand for.
+"""Offsets of the hulls of curved walls: each hull is moved outward to the middle of the wall that it represents.
 
 Trimmed to the wall's thickness, the hull of a bent plate still lies on its chord: all of the bulge is missing, and on
-the hollow side it stands as far out of the wall. Moved outward by some of that, it is off by half as much everywhere.
+the hollow side it extends as far out of the wall. Moved outward by part of that, its error is half as large.
 """
 
 from __future__ import annotations
@@ -11,30 +11,30 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from manifold3d import Manifold
 
-from geom.decomposition.simplified_body import arrays
 from geom.decomposition.trim_hulls import outer_sides
-from geom.mesh.surface_distance import SolidDistance, sample_surface
+from geom.mesh.manifold_arrays import manifold_arrays
+from geom.mesh.surface_distance import SignedDistance, sample_surface
 
-# Tried moves, as shares of how far the hollow side lies from the wall; the best is where most samples are nearest.
+# Candidate offsets, as shares of the distance of the hollow side from the wall; the nearest hull is taken.
 SHARES = (0.0, 0.2, 0.35, 0.5)
 SAMPLES, NEAR_PERCENT = 200, 90.0
 
 
-def raise_hulls(
-    hulls: Sequence[Manifold], distance: SolidDistance, far: float, allowed: Callable[[Manifold], bool]
+def offset_hulls(
+    hulls: Sequence[Manifold], distance: SignedDistance, far: float, allowed: Callable[[Manifold], bool]
 ) -> list[Manifold]:
-    """The hulls, each moved away from its largest empty side as far as that brings its surface nearer to the body's.
+    """The hulls, each moved away from its largest empty side as far as its surface comes nearer to that of the body.
 
     `distance` is that to the surface of the body; an empty side lies more than `far` outside. A move must be `allowed`.
     """
     return [_raised(hull, distance, far, allowed) for hull in hulls]
 
 
-def _raised(hull: Manifold, distance: SolidDistance, far: float, allowed: Callable[[Manifold], bool]) -> Manifold:
+def _raised(hull: Manifold, distance: SignedDistance, far: float, allowed: Callable[[Manifold], bool]) -> Manifold:
     empty = [normal for normal, is_empty in outer_sides(hull, distance, far) if is_empty]
     if not empty:
         return hull
-    points, triangles = arrays(hull)
+    points, triangles = manifold_arrays(hull)
     # The sides come largest face first; the hollow one of a wall is the first that is empty.
     hollow = points[triangles].mean(axis=1)
     depth = float(distance(hollow[hollow @ empty[0] >= np.median(hollow @ empty[0])]).max())
@@ -42,6 +42,6 @@ def _raised(hull: Manifold, distance: SolidDistance, far: float, allowed: Callab
     return min((h for k, h in enumerate(tried) if k == 0 or allowed(h)), key=lambda h: _off(h, distance))
 
 
-def _off(hull: Manifold, distance: SolidDistance) -> float:
-    samples = sample_surface(*arrays(hull), SAMPLES, 0)[0]
+def _off(hull: Manifold, distance: SignedDistance) -> float:
+    samples = sample_surface(*manifold_arrays(hull), SAMPLES, 0)[0]
     return float(np.percentile(np.abs(distance(samples)), NEAR_PERCENT))

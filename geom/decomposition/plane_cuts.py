@@ -1,4 +1,4 @@
-"""Convex decomposition by plane cuts: always the cut that takes most empty space out of the hulls.
+"""Convex decomposition by plane cuts (unit size): each cut removes the most empty volume from the hulls.
 
 A volume objective over half spaces, as in Thul, Ladický, Jeong and Pollefeys 2018 ("Approximate convex decomposition
 and transfer for animated meshes"), with the planes at reflex edges among the candidates (Chazelle 1984, "Convex
@@ -18,7 +18,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from geom.decomposition.candidate_planes import STEPS, candidate_planes
-from geom.decomposition.simplified_body import arrays
+from geom.mesh.manifold_arrays import manifold_arrays
 from schemas.model import FloatArray, IntArray
 
 # A cut that lowers the balanced excess by less than this share is not worth a hull.
@@ -31,7 +31,7 @@ ON_PLANE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A closed body in one cell of the cuts, beside its convex hull."""
+    """A closed body in one cell of the cuts, and its convex hull."""
 
     body: Manifold
     hull: Manifold
@@ -44,7 +44,7 @@ class Piece:
     @cached_property
     def surface(self) -> tuple[FloatArray, IntArray]:
         """Points and triangles."""
-        return arrays(self.body)
+        return manifold_arrays(self.body)
 
     @cached_property
     def edges(self) -> tuple[IntArray, IntArray]:
@@ -64,34 +64,34 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Goal:
+class CutGoal:
     """When to stop cutting.
 
     slack       all excess together, as a share of the volume.
-    balance     power, above 1, of each excess in the sum that a cut lowers: many small ones are better than one large,
-                for halving a cup gains nothing yet, but its quarters will.
+    balance     power, above 1, of each excess in the sum that a cut lowers, which favours many small ones over one
+                large: halving a cup gains nothing yet, but quartering it does.
     most        pieces; joining neighbours afterwards is cheap.
-    unfit       what else makes a hull unfit, as a number above 0 (worst first): reaching too far, closing an opening.
+    violation   of other requirements by a hull, above 0 where violated (worst first): excess, a closed opening.
     """
 
     slack: float
     most: int
-    unfit: Callable[[Manifold], float]
+    violation: Callable[[Manifold], float]
     balance: float = 1.25
 
 
-def cut_apart(seeds: Sequence[Manifold], goal: Goal) -> list[Piece]:
-    """Convex-like pieces of the bodies `seeds` (unit size), which they fill together but for crumbs. Deterministic."""
+def cut_apart(seeds: Sequence[Manifold], goal: CutGoal) -> list[Piece]:
+    """Nearly convex pieces that fill the bodies `seeds` (unit size), crumbs (`CRUMB_SHARE`) excepted. Deterministic."""
     total = sum(seed.volume() for seed in seeds)
     open_, done = _pieces(seeds, CRUMB_SHARE * total), list[Piece]()
-    unfit: dict[Piece, float] = {}
+    violations: dict[Piece, float] = {}
     while open_ and len(open_) + len(done) < goal.most:
         if sum(p.excess for p in [*open_, *done]) > goal.slack * total:
             worst = max(open_, key=lambda p: p.excess)
         else:
-            unfit |= {p: goal.unfit(p.hull) for p in open_ if p not in unfit}
-            worst = max(open_, key=lambda p: unfit[p])
-            if unfit[worst] <= 0.0:
+            violations |= {p: goal.violation(p.hull) for p in open_ if p not in violations}
+            worst = max(open_, key=lambda p: violations[p])
+            if violations[worst] <= 0.0:
                 break
         open_ = [p for p in open_ if p is not worst]
         plane = best_cut(worst, goal.balance) if worst.excess > CRUMB_SHARE * total else None
@@ -103,10 +103,10 @@ def cut_apart(seeds: Sequence[Manifold], goal: Goal) -> list[Piece]:
     return done + open_
 
 
-def cut_around(body: Manifold, axis: FloatArray, place: FloatArray, planes: int) -> list[Manifold]:
+def cut_sectors(body: Manifold, axis: FloatArray, place: FloatArray, planes: int) -> list[Manifold]:
     """Connected pieces of `body` between `planes` even planes through the line along `axis` (3,) through `place` (3,).
 
-    A ring has to lie in several pieces before any hull leaves its hole open: with eight, 92 % of the hole's radius.
+    A ring must be cut into several pieces before their hulls leave its hole open: with eight, 92 % of its radius.
     """
     u, v = np.linalg.svd(axis[None])[2][1:]
     parts = [body]
@@ -127,7 +127,7 @@ def best_cut(piece: Piece, balance: float) -> tuple[FloatArray, float] | None:
     The best candidate is then moved along its normal, three times by half the step before.
     """
     points, triangles = piece.surface
-    planes = candidate_planes(points, triangles, *piece.edges, arrays(piece.hull)[0])
+    planes = candidate_planes(points, triangles, *piece.edges, manifold_arrays(piece.hull)[0])
     best = min(
         ((_cost(piece, n, d, balance), k) for k, (n, d) in enumerate(zip(*planes, strict=True))), default=(np.inf, 0)
     )
@@ -151,8 +151,8 @@ def _cost(piece: Piece, normal: FloatArray, offset: float, balance: float) -> fl
 def excess_after(piece: Piece, normal: FloatArray, offset: float) -> FloatArray:
     """Hull volume beyond the body's, of each part (k,) that a cut leaves; empty when the plane misses the piece.
 
-    Nothing is cut for it: the hull of a part is that of its points and those on the cut edges, and its volume is the
-    sum of cones from a point of the plane, to which the cut faces add nothing. A tube cut across leaves its inner
+    The body is not cut: the hull of a part is that of its points and those on the cut edges, and its volume is the sum
+    of cones from a point of the plane, to which the cut faces add nothing. A tube cut across leaves its inner
     surface as a part of negative volume, which belongs to the part whose box is around it (an estimate, good to 1 %).
     """
     points, triangles = piece.surface
@@ -217,8 +217,8 @@ def _cone(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
 def _with_inner_surfaces(
     groups: list[FloatArray], volumes: FloatArray, side: FloatArray
 ) -> tuple[list[FloatArray], FloatArray]:
-    """Parts of negative volume joined to the smallest part on the same side around them."""
-    volumes, alive = volumes.copy(), np.ones(len(groups), dtype=bool)
+    """The parts with those of negative volume joined to the smallest enclosing part on the same side."""
+    volumes, remains = volumes.copy(), np.ones(len(groups), dtype=bool)
     low, high = np.array([g.min(axis=0) for g in groups]), np.array([g.max(axis=0) for g in groups])
     for k in np.flatnonzero(volumes < -ON_PLANE):
         around = (low <= low[k] + ON_PLANE).all(axis=1) & (high >= high[k] - ON_PLANE).all(axis=1)
@@ -226,5 +226,5 @@ def _with_inner_surfaces(
         if around.any():
             holder = np.flatnonzero(around)[np.prod(high - low, axis=1)[around].argmin()]
             volumes[holder] += volumes[k]
-            alive[k] = False
-    return [g for g, kept in zip(groups, alive, strict=True) if kept], volumes[alive]
+            remains[k] = False
+    return [g for g, stays in zip(groups, remains, strict=True) if stays], volumes[remains]

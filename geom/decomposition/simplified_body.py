@@ -1,4 +1,4 @@
-"""Pre-flight of a decomposition: one closed body of unit size, with no more faces than its form needs."""
+"""Preparation of a decomposition: a closed surface (metres) as a manifold of unit size, with fewer faces."""
 
 from __future__ import annotations
 
@@ -7,35 +7,35 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64, OpType
 
-from geom.mesh.surface_distance import SolidDistance
+from geom.mesh.manifold_arrays import manifold_arrays
+from geom.mesh.surface_distance import SignedDistance
 from schemas.model import FloatArray, IntArray
 
 # Simplification errors tried, coarse to fine, in units of half the largest extent.
 ERRORS = (0.01, 0.005, 0.0025, 0.00125)
-# A part keeps its form when its volume changes by less than this share and 99 % of its points stay within so many
-# errors of what is left. Filled slits do not count: nothing goes in there.
+# A part keeps its shape when its volume changes by less than this share and 99 % of its points stay within so many
+# errors of the simplified surface. Filled slits do not count.
 VOLUME_CHANGE, LOST_ERRORS, LOST_PERCENT = 0.02, 2.0, 99.0
 PROBES = 4000
 
 
 @dataclass(frozen=True)
-class Body:
+class SimplifiedBody:
     """A solid in its unit frame (centred, largest half extent 1): `p_m = centre_m + scale_m * p`.
 
-    whole  every face, sealed inner cavities filled.
-    light  the same form with fewer faces.
-    size   diagonal of the bounding box in the unit frame.
+    full        every face, sealed inner cavities filled.
+    simplified  the same shape with fewer faces.
     """
 
-    whole: Manifold
-    light: Manifold
+    full: Manifold
+    simplified: Manifold
     centre_m: FloatArray
     scale_m: float
 
     @property
     def size(self) -> float:
         """Diagonal of the bounding box in the unit frame."""
-        box = np.asarray(self.whole.bounding_box())
+        box = np.asarray(self.full.bounding_box())
         return float(np.linalg.norm(box[3:] - box[:3]))
 
     def in_metres(self, points: FloatArray) -> FloatArray:
@@ -43,7 +43,7 @@ class Body:
         return self.centre_m + self.scale_m * points
 
 
-def prepare(points: FloatArray, triangles: IntArray) -> Body:
+def simplify_body(points: FloatArray, triangles: IntArray) -> SimplifiedBody:
     """The body inside a closed outward surface (metres), points (n, 3) and triangles (m, 3).
 
     Raises ValueError with the reason when there is none: nothing finite, no extent, not a closed oriented manifold.
@@ -63,11 +63,11 @@ def prepare(points: FloatArray, triangles: IntArray) -> Body:
     if body.status() != Error.NoError or not body.volume() > 0.0:
         raise ValueError("the surface is not a closed manifold")
     whole = _without_cavities(body)
-    return Body(whole, Manifold.compose([lighter(part) for part in whole.decompose()]), centre, scale)
+    return SimplifiedBody(whole, Manifold.compose([simplified(part) for part in whole.decompose()]), centre, scale)
 
 
-def lighter(part: Manifold) -> Manifold:
-    """`part` with the fewest faces that keep its form; itself when even the least error is too much (a thin wall)."""
+def simplified(part: Manifold) -> Manifold:
+    """`part` with the fewest faces that keep its shape; itself when even the least error is too much (a thin wall)."""
     for error in ERRORS:
         light = part.simplify(error)
         if abs(light.volume() - part.volume()) <= VOLUME_CHANGE * part.volume() and _covers(light, part, error):
@@ -75,14 +75,8 @@ def lighter(part: Manifold) -> Manifold:
     return part
 
 
-def arrays(body: Manifold) -> tuple[FloatArray, IntArray]:
-    """Points (n, 3) float64 and triangles (m, 3) int64 of a body."""
-    mesh = body.to_mesh64()
-    return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64)
-
-
 def _without_cavities(body: Manifold) -> Manifold:
-    """Nothing touches the inside of a sealed cavity: its walls would only cost hulls."""
+    """The body without sealed cavities: nothing touches their walls, which would only cost hulls."""
     parts = body.decompose()
     outer = [part for part in parts if part.volume() > 0.0]
     return body if len(outer) == len(parts) else Manifold.batch_boolean(outer, OpType.Add)
@@ -91,6 +85,6 @@ def _without_cavities(body: Manifold) -> Manifold:
 def _covers(light: Manifold, part: Manifold, error: float) -> bool:
     if light.num_tri() == part.num_tri():
         return True
-    points = arrays(part)[0]
-    beyond = SolidDistance(*arrays(light))(points[:: -(-len(points) // PROBES)])
+    points = manifold_arrays(part)[0]
+    beyond = SignedDistance(*manifold_arrays(light))(points[:: -(-len(points) // PROBES)])
     return bool(np.percentile(beyond, LOST_PERCENT) <= LOST_ERRORS * error)

@@ -1,8 +1,8 @@
-"""Hulls of curved walls made as thin as the wall: cut off on both sides.
+"""Trimming of the hulls of curved walls by planes, so that each is as thin as the wall.
 
-The hull of a bent plate is a lens: full between the plate and its chord. A convex shape can only be as thin as the
-plate when it gives up part of the plate. So the empty side goes, less than half a wall deep, and the bulge of the
-outer side, never deeper than a bound: the slab that stays still meets its neighbours, edge to edge.
+The hull of a bent plate is a lens, full between the plate and its chord. A convex shape can only be as thin as the
+plate when it gives up part of the plate. So the empty side is cut off, less than half a wall deep, and the bulge of the
+outer side, never deeper than a bound: the remaining slab still meets its neighbours, edge to edge.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from collections.abc import Sequence
 import numpy as np
 from manifold3d import Manifold
 
-from geom.decomposition.simplified_body import arrays
-from geom.mesh.surface_distance import SolidDistance, triangle_areas
+from geom.mesh.manifold_arrays import manifold_arrays
+from geom.mesh.surface_distance import SignedDistance, triangle_areas
 from schemas.model import FloatArray
 
 SIDES, BISECTIONS = 8, 7
 # Faces within this cosine of each other are one side.
 SAME_SIDE = 0.9
-# The upper half of a cap's height holds at most this share of its volume; a flat end (one half) is form, not bulge.
+# The upper half of a cap's height holds at most this share of its volume; a flat end (one half) is no bulge.
 BULGE = 0.42
 # A face is a joint when it lies deeper inside the body than this share of the bound, empty when as far outside.
 FAR = 0.2
@@ -31,7 +31,7 @@ BROAD = 0.1  # share of the largest face's area from which a face counts for a s
 KEPT = 1.02  # Each hull keeps the body's volume within it and this little more.
 
 
-def trim_hulls(hulls: Sequence[Manifold], body: Manifold, distance: SolidDistance, depth: float) -> list[Manifold]:
+def trim_hulls(hulls: Sequence[Manifold], body: Manifold, distance: SignedDistance, depth: float) -> list[Manifold]:
     """The hulls with empty sides and outer bulges cut off, each at most `depth` deep.
 
     No hull gets smaller than the part of `body` inside it; `distance` is that to the surface of `body`.
@@ -39,7 +39,7 @@ def trim_hulls(hulls: Sequence[Manifold], body: Manifold, distance: SolidDistanc
     return [_trimmed(hull, hull ^ body, distance, depth) for hull in hulls]
 
 
-def _trimmed(hull: Manifold, inside: Manifold, distance: SolidDistance, depth: float) -> Manifold:
+def _trimmed(hull: Manifold, inside: Manifold, distance: SignedDistance, depth: float) -> Manifold:
     least = KEPT * inside.volume()
     if hull.volume() * (1.0 - LEAST_CAP) <= least:
         return hull
@@ -47,8 +47,8 @@ def _trimmed(hull: Manifold, inside: Manifold, distance: SolidDistance, depth: f
     cuts = []
     for normal, is_empty in outer_sides(hull, distance, FAR * depth):
         most = min(depth, EMPTY_DEPTH * wall) if is_empty else depth
-        reach = _depth_for(hull, normal, least, most)
-        cap, upper_half = (hull.volume() - _cut(hull, normal, d).volume() for d in (reach, 0.5 * reach))
+        depth_reached = _depth_for(hull, normal, least, most)
+        cap, upper_half = (hull.volume() - _cut(hull, normal, d).volume() for d in (depth_reached, 0.5 * depth_reached))
         if cap >= LEAST_CAP * hull.volume() and (is_empty or upper_half <= BULGE * cap):
             cuts.append((cap, most, normal))
     for _, most, normal in sorted(cuts, key=lambda c: -c[0]):
@@ -68,16 +68,16 @@ def _depth_for(hull: Manifold, normal: FloatArray, least: float, depth: float) -
 
 
 def _cut(hull: Manifold, normal: FloatArray, depth: float) -> Manifold:
-    """The hull without what lies less than `depth` below its highest point along `normal`."""
+    """The hull without the part less than `depth` below its highest point along `normal`."""
     if depth <= 0.0:
         return hull
-    top = float((arrays(hull)[0] @ normal).max())
+    top = float((manifold_arrays(hull)[0] @ normal).max())
     return hull.trim_by_plane((-normal[0], -normal[1], -normal[2]), depth - top)
 
 
-def outer_sides(hull: Manifold, distance: SolidDistance, far: float) -> list[tuple[FloatArray, bool]]:
-    """The hull's largest sides but for joints to other pieces: the normal of a face in the middle, and is it empty."""
-    points, triangles = arrays(hull)
+def outer_sides(hull: Manifold, distance: SignedDistance, far: float) -> list[tuple[FloatArray, bool]]:
+    """The largest sides of a hull except joints to other pieces: the normal (3,) of a central face, True if empty."""
+    points, triangles = manifold_arrays(hull)
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     areas = triangle_areas(points[triangles])
     normals = np.cross(b - a, c - a) / np.maximum(2.0 * areas, np.finfo(float).tiny)[:, None]

@@ -1,7 +1,7 @@
-"""Where a long thing changes its section: blade and handle, bowl and handle, shaft and grip, cap or neck, stem.
+"""Regions of an elongated surface at which its cross-section changes: blade and handle, bowl, neck, cap, stem.
 
-The section is followed along the principal axis of the surface, so a turned or scaled object has the same regions.
-Ratios are those of things that hands use; none is a length.
+The section is sampled along the principal axis of the surface, so a rotated or scaled object has the same regions.
+Thresholds are ratios, chosen for hand-held objects; none is a length.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geom.features.regions import Faces, Region, Role
+from geom.features.regions import FaceGeometry, Role, SurfaceRegion
 from geom.mesh.surface_distance import sample_surface
 from schemas.model import FloatArray
 
 _SAMPLES, _SLICES = 8000, 48
-_LONG = 2.0  # times as long as wide: what is shorter has no direction of its own
+_LONG = 2.0  # times as long as wide: shorter objects have no clear axis
 _END = 0.1  # of the length: a working end or a grip is no shorter
 _CONTRAST = np.log(1.5)  # The two sides of a split differ in width or thickness by half or more ...
 _EXPLAINED = 0.6  # ... and the step, not a taper, explains most of how the section varies; a wedge leaves a quarter.
@@ -24,10 +24,10 @@ _STEM = 0.5  # times as wide as what it joins: a stem is held between two finger
 _LONGEST_STEM = 0.75
 
 
-class Profile(NamedTuple):
+class SectionProfile(NamedTuple):
     """The section of a surface along its axis, in slices of equal length; lengths in units of the surface.
 
-    along      (m,) where the middle of each triangle lies, 0..1.     long   length over the larger width.
+    along      (m,) position of each triangle's middle, 0..1.         long   length over the larger width.
     width      (s,) larger extent across, in the second principal axis.
     thickness  (s,) smaller extent across, in the third.
     """
@@ -38,8 +38,8 @@ class Profile(NamedTuple):
     thickness: FloatArray
 
 
-def profile(surface: Faces) -> Profile | None:
-    """The section along the axis in which the surface varies most; None when it has no length or is a line."""
+def section_profile(surface: FaceGeometry) -> SectionProfile | None:
+    """The section along the axis of largest variance; None when the surface has no length or is a line."""
     axes = _principal(surface)
     points = sample_surface(surface.points, surface.triangles, _SAMPLES, 0)[0] @ axes.T
     low, size = points.min(axis=0), np.ptp(points, axis=0)
@@ -51,53 +51,53 @@ def profile(surface: Faces) -> Profile | None:
     np.maximum.at(most, slices, points[:, 1:])
     across = np.maximum(most - least, 1e-3 * size[1])  # A slice that no sample met, or a sheet on edge.
     along = np.clip((surface.middle @ axes[0] - low[0]) / size[0], 0.0, 1.0)
-    return Profile(along, float(size[0] / size[1:].max()), across[:, 0], across[:, 1])
+    return SectionProfile(along, float(size[0] / size[1:].max()), across[:, 0], across[:, 1])
 
 
-def broad_regions(surface: Faces) -> tuple[Region, ...]:
-    """The `broad` and the `slim` end of a long thing: a bowl, a head, and the handle."""
-    section = profile(surface)
+def regions_by_width(surface: FaceGeometry) -> tuple[SurfaceRegion, ...]:
+    """The `broad` and the `slim` end of an elongated object: a bowl or a head, and the handle."""
+    section = section_profile(surface)
     return _split(section, section.width, ("broad", "slim")) if section else ()
 
 
-def stout_regions(surface: Faces) -> tuple[Region, ...]:
-    """The `stout` and the `thin` end of a long thing: a handle and a blade."""
-    section = profile(surface)
+def regions_by_thickness(surface: FaceGeometry) -> tuple[SurfaceRegion, ...]:
+    """The `stout` and the `thin` end of an elongated object: a handle and a blade."""
+    section = section_profile(surface)
     return _split(section, section.thickness, ("stout", "thin")) if section else ()
 
 
-def _split(section: Profile, values: FloatArray, roles: tuple[Role, Role]) -> tuple[Region, ...]:
+def _split(section: SectionProfile, values: FloatArray, roles: tuple[Role, Role]) -> tuple[SurfaceRegion, ...]:
     cut = _step(np.log(values)) if section.long >= _LONG else None
     if cut is None:
         return ()
     larger = section.along < cut / _SLICES
     if np.log(values[:cut]).mean() < np.log(values[cut:]).mean():
         larger = ~larger
-    return Region(roles[0], larger), Region(roles[1], ~larger)
+    return SurfaceRegion(roles[0], larger), SurfaceRegion(roles[1], ~larger)
 
 
-def end_regions(surface: Faces) -> tuple[Region, ...]:
-    """The end of a bottle that is narrower than the rest, equally wide all along, and ends in a step.
+def neck_regions(surface: FaceGeometry) -> tuple[SurfaceRegion, ...]:
+    """The end of a bottle that is narrower than the rest, of even width, and bounded by a step.
 
-    A `neck` when it is longer than wide, else a `cap`: closures are flat, since a hand turns them.
+    Its role is `neck` when it is longer than wide, else `stopper`: closures are flat, since a hand turns them.
     """
-    section = profile(surface)
+    section = section_profile(surface)
     if section is None:
         return ()
     width = np.sqrt(section.width * section.thickness)
-    found: list[Region] = []
+    ends: list[SurfaceRegion] = []
     for values, place in ((width, section.along), (width[::-1], 1.0 - section.along)):
         slices = _even_end(values)
         if slices:
             length = slices / _SLICES * section.long * max(section.width.max(), section.thickness.max())
             across = float(np.median(values[1:slices]))
-            found.append(Region("neck" if length > 1.5 * across else "stopper", place < slices / _SLICES))
-    return tuple(found) if len(found) == 1 else ()
+            ends.append(SurfaceRegion("neck" if length > 1.5 * across else "stopper", place < slices / _SLICES))
+    return tuple(ends) if len(ends) == 1 else ()
 
 
-def stem_regions(surface: Faces) -> tuple[Region, ...]:
+def stem_regions(surface: FaceGeometry) -> tuple[SurfaceRegion, ...]:
     """A `stem` between two wider ends, the longer one `over` it, the flat one its `foot`: a wine glass."""
-    section = profile(surface)
+    section = section_profile(surface)
     if section is None:
         return ()
     width = np.sqrt(section.width * section.thickness)
@@ -112,11 +112,11 @@ def stem_regions(surface: Faces) -> tuple[Region, ...]:
     if ends[0] > 0.5 * ends[1]:  # Two ends alike: a dumb-bell, an hourglass.
         return ()
     foot, over = along < ends[0], along >= 1.0 - ends[1]
-    return Region("stem", ~foot & ~over), Region("over", over), Region("foot", foot)
+    return SurfaceRegion("stem", ~foot & ~over), SurfaceRegion("over", over), SurfaceRegion("foot", foot)
 
 
-def _principal(surface: Faces) -> FloatArray:
-    """(3, 3) principal axes of the surface in rows, the one along which it varies most first; signs mean nothing."""
+def _principal(surface: FaceGeometry) -> FloatArray:
+    """(3, 3) principal axes of the surface in rows, by falling variance; signs are arbitrary."""
     corners = surface.points[surface.triangles]
     weight = surface.area / max(float(surface.area.sum()), np.finfo(float).tiny)
     centre = weight @ surface.middle

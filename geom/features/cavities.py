@@ -1,10 +1,8 @@
-"""Openings that a thing can go into: the inside of a mug, bowl, basket or bin, and large through-holes.
+"""Cavities of a solid that an object fits into: the inside of a mug, bowl, basket or bin, and large through-holes.
 
-Found by pouring water: seen along an opening direction, the surface is a landscape; what fills up before it runs off
-over the edge is a cavity (the depression filling of hydrology). What lies behind a neck
-(`geom.features.necked_cavities`) is added.
-Inner ground that a ray does not hit is closed by the support the object stands on, so pipes and rings hold water too;
-they are told apart as `through`.
+Method: depression filling, as in hydrology. Along an opening direction the surface is a heightfield, and a depression
+that fills up before it overflows is a cavity. Cavities behind a neck (`geom.features.necked_cavities`) are added.
+Inner cells that no ray hits are closed by the support below, so pipes and rings hold water too (`through`). Metres.
 """
 
 from __future__ import annotations
@@ -16,12 +14,12 @@ import numpy as np
 from pydantic import ConfigDict
 from scipy import ndimage
 
-from geom.convex.hull import contains, convex_hull, outside_by, volume
+from geom.convex.hull import beyond_planes, contains, convex_hull, volume
 from geom.convex.support_function import surface
 from geom.features.clearance_grid import ClearanceGrid, clearance_grid
-from geom.features.heightfield import landscape, wall_points, water_level
-from geom.features.leaks import widest_second_way
-from geom.features.necked_cavities import find_rooms
+from geom.features.heightfield import fill_depressions, heightfield, wall_points
+from geom.features.leaks import widest_leak
+from geom.features.necked_cavities import find_necked_cavities
 from geom.mesh.rays import Rays
 from geom.mesh.surface_distance import NearestOnSurface, closest_on_surface
 from geom.pose import rotation_to_z
@@ -39,14 +37,14 @@ LEAST_DEPTH_SHARE = 0.12
 # matters by its width, as a share of the diagonal.
 THROUGH_SHARE = 0.5
 THROUGH_DIAMETER_SHARE = 0.1
-# The mouth of a room is at least this wide, as a share of the edge of the cube that holds as much as the hull: what is
-# smaller lets air or a cable in.
+# The mouth of a necked cavity is at least this wide, as a share of the edge of a cube of the hull's volume: a smaller
+# one only lets air or a cable in.
 MOUTH_DIAMETER_SHARE = 0.1
-# A ball that gets less far than this share of the deepest water stands on partitions.
+# A ball that gets less deep than this share of the deepest water rests on partitions.
 COMPARTMENT_SHARE = 0.5
 FULLER = 1.2
 ALIGNED = 0.99  # cosine from which an axis counts as a coordinate axis
-# The probe ball, as a share of the opening diameter; it must go down this share of the way it goes in the solid.
+# The probe ball, as a share of the opening radius; it must get this share of the depth that it reaches in the solid.
 PROBE_SHARE, PROBE_DEPTH_SHARE = 0.6, 0.8
 PROBE_STEPS = 24
 
@@ -60,13 +58,13 @@ class Cavity:
     diameter_m  diameter of that circle, short by up to three grid cells.
     depth_m     from the rim to the ground below that centre.
     probe_m     radius of the probe ball, 60 % of the opening.
-    reach_m     how far below the rim the lowest point of that ball gets inside the solid.
+    reach_m     depth below the rim that the lowest point of that ball reaches in the solid.
     volume_m3   water it holds.
     through     the ground is mostly open: a pipe or ring rather than a container.
-    way_m       (k, 3) centres of the probe ball on its way in, as far as it must get.
-    second_m    60 % of the radius of the widest ball that gets out otherwise than by the mouth, as from a funnel, a
-                pot or a teapot; 0 where no opening is wide enough to count, and for `through`.
-    second_way_m  (j, 3) centres of a ball on that way.
+    way_m       (k, 3) centres of the probe ball on its path in, as deep as it must get.
+    second_m    60 % of the radius of the widest ball that leaves by another opening than the mouth, as from a funnel, a
+                pot or a teapot; 0 where no opening is wide enough, and for `through`.
+    second_way_m  (j, 3) centres of a ball on that path.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -85,11 +83,11 @@ class Cavity:
 
 
 def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
-    """Significant cavities along the six axis directions, upward first, then along the principal axes of a solid that
-    lies askew; none for a solid of kind `hull`.
+    """Significant cavities along the six axis directions, upward first, then along the principal axes of an oblique
+    solid; none for a solid of kind `hull`.
 
     A through-hole is listed once, not from both ends, and an opening seen along two directions as seen from the first,
-    unless it holds more the other way: a leaning bin.
+    unless its volume is larger along the other: a leaning bin.
     """
     if solid.kind == "hull":
         return ()
@@ -100,76 +98,84 @@ def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
     hull_volume = volume(*hull)
     surface_of = solid.points, solid.triangles
     walls, rays = wall_points(*surface_of), Rays(*surface_of)
-    found: list[Cavity] = []
-    for direction in (*DIRECTIONS, *_askew(hull[0])):
+    cavities: list[Cavity] = []
+    for direction in (*DIRECTIONS, *_oblique_axes(hull[0])):
         share = UPWARD_SHARE if direction[2] > ALIGNED else OTHER_SHARE
-        for cavity in _pour(solid, rays, walls, direction, share * hull_volume):
-            before = [other for other in found if _is_same(cavity, other)]
+        for cavity in _cavities_along(solid, rays, walls, direction, share * hull_volume):
+            before = [other for other in cavities if _is_same(cavity, other)]
             if not before:
-                found.append(cavity)
+                cavities.append(cavity)
             elif not cavity.through and all(cavity.volume_m3 > FULLER * other.volume_m3 for other in before):
-                found = [*(other for other in found if not _is_same(cavity, other)), cavity]
-    may_have_rooms = solid.kind != "closed" or volume(*surface_of) <= (1.0 - UPWARD_SHARE) * hull_volume
-    if not may_have_rooms and all(cavity.through for cavity in found):
-        return tuple(found)
+                cavities = [*(other for other in cavities if not _is_same(cavity, other)), cavity]
+    may_have_necked = solid.kind != "closed" or volume(*surface_of) <= (1.0 - UPWARD_SHARE) * hull_volume
+    if not may_have_necked and all(cavity.through for cavity in cavities):
+        return tuple(cavities)
     nearest = NearestOnSurface(*surface_of)
     grid = clearance_grid(*surface_of, nearest)
-    if may_have_rooms:
-        found = _with_rooms(solid, nearest, grid, walls, hull_volume, found)
-    return tuple(_with_second_way(grid, cavity, least_mouth_radius(hull_volume)) for cavity in found)
+    if may_have_necked:
+        cavities = _with_necked_cavities(solid, nearest, grid, walls, hull_volume, cavities)
+    return tuple(_with_leak(grid, cavity, least_mouth_radius(hull_volume)) for cavity in cavities)
 
 
-def _with_rooms(
+def _with_necked_cavities(
     solid: Solid,
     nearest: NearestOnSurface,
     grid: ClearanceGrid,
     walls: FloatArray,
     hull_volume: float,
-    found: Sequence[Cavity],
+    seen_cavities: Sequence[Cavity],
 ) -> list[Cavity]:
-    """`found` and the rooms behind a narrower mouth, whose water is mostly out of sight from above the mouth.
+    """`seen_cavities` and the necked cavities, whose volume is mostly hidden from above the mouth.
 
-    A room stands for an opening that was found already only where a straight drop does not get far into it.
+    A necked cavity replaces one that was already found only where a straight drop does not get far into it.
     """
     least_radius = least_mouth_radius(hull_volume)
-    cavities = list(found)
-    for room in find_rooms(nearest, grid, walls, UPWARD_SHARE * hull_volume, least_radius):
-        probe = PROBE_SHARE * room.radius
-        reach = _reach(solid, room.mouth, room.outward, probe, room.depth)
+    cavities = list(seen_cavities)
+    for necked in find_necked_cavities(nearest, grid, walls, UPWARD_SHARE * hull_volume, least_radius):
+        probe = PROBE_SHARE * necked.radius
+        depth_m = _insertion_depth(solid, necked.mouth, necked.outward, probe, necked.depth)
         cavity = Cavity(
-            room.outward, room.mouth, 2.0 * room.radius, room.depth, probe, reach, room.volume, False, room.way
+            necked.outward,
+            necked.mouth,
+            2.0 * necked.radius,
+            necked.depth,
+            probe,
+            depth_m,
+            necked.volume,
+            False,
+            necked.way,
         )
         same = [other for other in cavities if _is_same(cavity, other)]
-        if all(other.reach_m < COMPARTMENT_SHARE * room.depth for other in same):
+        if all(other.reach_m < COMPARTMENT_SHARE * necked.depth for other in same):
             cavities = [*(other for other in cavities if not _is_same(cavity, other)), cavity]
     return cavities
 
 
-def _with_second_way(grid: ClearanceGrid, cavity: Cavity, least_m: float) -> Cavity:
+def _with_leak(grid: ClearanceGrid, cavity: Cavity, least_m: float) -> Cavity:
     if cavity.through:
         return cavity
     place = (cavity.way_m[-1], cavity.opening_m, cavity.direction)
-    radius, way = widest_second_way(grid, *place, cavity.probe_m, least_m)
+    radius, way = widest_leak(grid, *place, cavity.probe_m, least_m)
     return replace(cavity, second_m=PROBE_SHARE * radius, second_way_m=way)
 
 
 def least_mouth_radius(hull_volume_m3: float) -> float:
-    """Radius in metres of the smallest ball for which a way in counts as an opening of a solid with such a hull."""
+    """Radius (m) of the smallest ball that must pass a mouth, for a solid with a hull of `hull_volume_m3`."""
     return 0.5 * MOUTH_DIAMETER_SHARE * hull_volume_m3 ** (1.0 / 3.0)
 
 
 def keeps_cavity(shapes: Sequence[CollisionShape], cavity: Cavity) -> bool:
-    """True iff the probe ball goes its way into the opening between the collision shapes, and a ball its second way."""
+    """True iff the probe ball can follow its path into the opening between the collision shapes, and its path out."""
     ways = ((cavity.way_m, cavity.probe_m), (cavity.second_way_m, cavity.second_m))
-    return all(_is_clear(shape, way, radius) for shape in shapes for way, radius in ways)
+    return all(_ball_clear(shape, way, radius) for shape in shapes for way, radius in ways)
 
 
-def _is_clear(shape: CollisionShape, centres_m: FloatArray, radius_m: float) -> bool:
-    """Whether balls at `centres_m` (k, 3) touch nothing of the shape."""
+def _ball_clear(shape: CollisionShape, centres_m: FloatArray, radius_m: float) -> bool:
+    """Whether balls at `centres_m` (k, 3) do not touch the shape."""
     points, triangles = surface(shape)
     hull = convex_hull(points)
     # Beyond a face plane by the radius is far enough; only the rest needs exact distances.
-    near = centres_m[outside_by(*hull, centres_m) < radius_m]
+    near = centres_m[beyond_planes(*hull, centres_m) < radius_m]
     if len(near) == 0:
         return True
     if contains(*hull, near).any():
@@ -178,8 +184,8 @@ def _is_clear(shape: CollisionShape, centres_m: FloatArray, radius_m: float) -> 
     return not bool((np.linalg.norm(nearest - near, axis=1) < radius_m).any())
 
 
-def _askew(points: FloatArray) -> FloatArray:
-    """Both directions (k, 3) of each principal axis of a hull's corners (n, 3) that is no coordinate axis."""
+def _oblique_axes(points: FloatArray) -> FloatArray:
+    """Both directions (k, 3) of each principal axis of hull corners (n, 3) that is no coordinate axis."""
     centred = points - points.mean(axis=0)
     axes = np.linalg.eigh(centred.T @ centred)[1].T
     axes = axes[np.abs(axes).max(axis=1) < ALIGNED]
@@ -187,7 +193,7 @@ def _askew(points: FloatArray) -> FloatArray:
 
 
 def _is_same(cavity: Cavity, other: Cavity) -> bool:
-    """Whether two findings are one opening: a pipe from its other end, or seen along a similar direction."""
+    """Whether two cavities are one opening: a pipe from its other end, or one seen along a similar direction."""
     cosine = float(cavity.direction @ other.direction)
     if cavity.through and other.through and cosine < -0.5:
         return True
@@ -195,17 +201,19 @@ def _is_same(cavity: Cavity, other: Cavity) -> bool:
     return cosine > 0.5 and apart < 0.5 * max(cavity.diameter_m, other.diameter_m)
 
 
-def _pour(solid: Solid, rays: Rays, walls: FloatArray, direction: FloatArray, least_volume_m3: float) -> list[Cavity]:
+def _cavities_along(
+    solid: Solid, rays: Rays, walls: FloatArray, direction: FloatArray, least_volume_m3: float
+) -> list[Cavity]:
     """Cavities that open along `direction` and hold at least `least_volume_m3`, and wide through-holes."""
     frame = rotation_to_z(direction)
     local = solid.points @ frame.T
-    ground, floor, step, corner = landscape(rays, solid.points, walls, frame)
+    ground, floor, step, corner = heightfield(rays, solid.points, walls, frame)
     open_floor = np.isneginf(ground)
     outside, _ = _label(open_floor)
     drain = open_floor & np.isin(outside, np.concatenate([outside[0], outside[-1], outside[:, 0], outside[:, -1]]))
     ground = np.where(open_floor & ~drain, floor, ground)
     depth = np.zeros(ground.shape)
-    depth[~drain] = water_level(ground)[~drain] - ground[~drain]
+    depth[~drain] = fill_depressions(ground)[~drain] - ground[~drain]
     size = float(np.linalg.norm(np.ptp(local, axis=0)))
 
     def cavity_in(pool: FloatArray) -> Cavity | None:
@@ -225,16 +233,16 @@ def _pour(solid: Solid, rays: Rays, walls: FloatArray, direction: FloatArray, le
         rim = float(ground[row, column]) + deepest
         opening = frame.T @ np.array([corner[0] + row * step, corner[1] + column * step, rim])
         probe = PROBE_SHARE * radius
-        reach = _reach(solid, opening, direction, probe, deepest)
-        way = _ball_centres(opening, direction, probe, np.linspace(0.0, PROBE_DEPTH_SHARE * reach, PROBE_STEPS))
-        return Cavity(direction, opening, 2.0 * radius, deepest, probe, reach, water, through, way)
+        depth_m = _insertion_depth(solid, opening, direction, probe, deepest)
+        way = _ball_centres(opening, direction, probe, np.linspace(0.0, PROBE_DEPTH_SHARE * depth_m, PROBE_STEPS))
+        return Cavity(direction, opening, 2.0 * radius, deepest, probe, depth_m, water, through, way)
 
     cavities: list[Cavity | None] = []
     for pool in _patches(depth > 0.02 * max(float(np.ptp(local[:, 2])), step)):
         cavity = cavity_in(pool)
         lowest = float(depth[pool].max())
         if cavity is None or cavity.reach_m < COMPARTMENT_SHARE * lowest:
-            # Partitions under water: each compartment counts for itself, unless there is but one.
+            # Partitions under water: each compartment is a cavity, unless there is only one.
             compartments = list(_patches(pool & (depth > COMPARTMENT_SHARE * lowest)))
             inner = [cavity_in(c) for c in compartments] if len(compartments) > 1 else []
             cavities += inner if any(inner) else [cavity]
@@ -250,8 +258,8 @@ def _patches(mask: FloatArray) -> Iterator[FloatArray]:
         yield labels == k
 
 
-def _reach(solid: Solid, opening: FloatArray, direction: FloatArray, radius: float, depth: float) -> float:
-    """How far below the rim the bottom of a ball gets before it touches the solid."""
+def _insertion_depth(solid: Solid, opening: FloatArray, direction: FloatArray, radius: float, depth: float) -> float:
+    """Depth below the rim at which the bottom of a ball first touches the solid, at most `depth`."""
     bottoms = np.linspace(0.0, depth, 4 * PROBE_STEPS)
     centres = _ball_centres(opening, direction, radius, bottoms)
     nearest, _ = closest_on_surface(centres, solid.points, solid.triangles)

@@ -1,4 +1,4 @@
-"""How far a ball may grow at each node of a grid around a surface: made once, asked for rooms and for ways out."""
+"""Clearance grid: the distance from each node of a regular grid to a surface, inf at the outermost nodes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ GRID_CELLS = 64
 
 @dataclass(frozen=True)
 class ClearanceGrid:
-    """nodes (n, 3); distance (n,) from each to the surface, inf at the outermost ones; in the unit of the points."""
+    """Nodes (n, 3) and the distance (n,) of each to the surface, inf at the outermost; in the unit of the points."""
 
     nodes: FloatArray
     distance: FloatArray
@@ -30,7 +30,7 @@ class ClearanceGrid:
 
 
 def clearance_grid(points: FloatArray, triangles: IntArray, nearest: NearestOnSurface | None = None) -> ClearanceGrid:
-    """64 cells along the longest edge of the box of points (n, 3) of triangles (m, 3); `nearest` of that surface."""
+    """A grid with 64 cells along the longest edge of the box of triangles (m, 3) over points (n, 3)."""
     nearest = nearest or NearestOnSurface(points, triangles)
     used = points[triangles].reshape(-1, 3)
     low, high = used.min(axis=0), used.max(axis=0)

@@ -1,9 +1,8 @@
-"""Insides of upright receptacles as stacks of cross-sections: mugs, bowls, boxes, bins, drawers. Lengths in metres.
+"""Containment volumes of upright receptacles (mugs, boxes, bins, drawers) as stacks of cross-sections, in metres.
 
-The openings are those of `geom.features.cavities`. Below the rim each horizontal cut through the solid leaves free
-regions; those
-that the region above looks down into belong to the inside. Where it leaks, as through the slots of a basket, the region
-above bounds it.
+The openings are those of `geom.features.cavities`. Below the rim each horizontal section of the solid leaves free
+regions; those that are visible from the region above belong to the inside. Where a region is open to the outside, as at
+the slots of a basket, the region above bounds it.
 """
 
 from __future__ import annotations
@@ -16,15 +15,15 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from geom.features.cavities import Cavity
-from geom.mesh.cross_sections import Sections
+from geom.mesh.cross_sections import CrossSections
 from geom.mesh.rays import Rays
 from schemas.model import FloatArray
 from schemas.physics import Solid
 
-# An opening looks up within 25 degrees.
+# Cosine: an opening faces up within 25 degrees.
 UPRIGHT = 0.9
 LAYERS = 12
-# The rim is known to a grid cell: the topmost closed cut is looked for from there down, by these shares of the depth.
+# The rim is known to a grid cell: the topmost closed section is searched from there down, at these shares of the depth.
 RIM_STEPS = (0.005, 0.02, 0.05, 0.1, 0.2, 0.3)
 # The opening is at least this share of the largest disc that fits, as the grid of `geom.features.cavities` sees it.
 LEAST_OPENING = 0.5
@@ -35,12 +34,12 @@ DETAIL_SHARE = 2e-3  # of the diameter of the opening, simplified away
 
 @dataclass(frozen=True)
 class Containment:
-    """One inside in the asset frame.
+    """One containment volume in the asset frame.
 
     opening        x and y of the free cross-section just below the rim.
-    floor_m, rim_m heights of its lowest point and of the rim, or of the topmost cut that is closed.
-    heights_m      (k,) middles of equally high layers from the floor up; `layers` what is free there.
-    volume_m3      what the layers hold.
+    floor_m, rim_m heights of its lowest point and of the rim, or of the topmost closed section.
+    heights_m      (k,) middles of equally high layers from the floor up; `layers` are the free regions there.
+    volume_m3      volume of all layers.
     """
 
     cavity: Cavity
@@ -53,17 +52,17 @@ class Containment:
 
 
 def find_containments(solid: Solid, cavities: Sequence[Cavity]) -> tuple[Containment, ...]:
-    """The insides behind those `cavities` that look up, the largest first."""
+    """The containment volumes of those `cavities` that face up, the largest first."""
     upright = [c for c in cavities if not c.through and c.direction[2] >= UPRIGHT]
     if not upright:
         return ()
-    cuts, rays = Sections(solid), Rays(solid.points, solid.triangles)
-    found = [inside for c in upright if (inside := _inside(cuts, rays, c)) is not None]
-    return tuple(sorted(found, key=lambda c: (-c.volume_m3, *c.cavity.opening_m.tolist())))
+    cuts, rays = CrossSections(solid), Rays(solid.points, solid.triangles)
+    containments = [inside for c in upright if (inside := _inside(cuts, rays, c)) is not None]
+    return tuple(sorted(containments, key=lambda c: (-c.volume_m3, *c.cavity.opening_m.tolist())))
 
 
-def _inside(cuts: Sections, rays: Rays, cavity: Cavity) -> Containment | None:
-    """None where no cut near the rim is closed."""
+def _inside(cuts: CrossSections, rays: Rays, cavity: Cavity) -> Containment | None:
+    """The containment volume of one cavity; None where no section near the rim is closed."""
     solid = cuts.solid
     top, depth_m = float(cavity.opening_m[2]), cavity.depth_m * float(cavity.direction[2])
     least = LEAST_OPENING * np.pi * (0.5 * cavity.diameter_m) ** 2
@@ -86,20 +85,20 @@ def _inside(cuts: Sections, rays: Rays, cavity: Cavity) -> Containment | None:
     layers = [_simple(layer, cavity) for layer in reversed(layers[1:])]
     volume = float(thickness * sum(layer.area for layer in layers))
     outline = _simple(opening, cavity)
-    assert isinstance(outline, shapely.Polygon), "what is simple stays a polygon"
+    assert isinstance(outline, shapely.Polygon), "a simplified polygon is a polygon"
     return Containment(cavity, outline, floor_m, rim_m, heights, tuple(layers), volume)
 
 
-def _opening_at(cuts: Sections, height_m: float, cavity: Cavity) -> shapely.Polygon | None:
+def _opening_at(cuts: CrossSections, height_m: float, cavity: Cavity) -> shapely.Polygon | None:
     """The free region around the middle of the opening; None where it is not closed all around."""
     middle = shapely.Point(cavity.opening_m[:2])
     closed, _ = _free(cuts, height_m)
     return next((part for part in closed if part.contains(middle)), None)
 
 
-def _free_below(cuts: Sections, rays: Rays, height_m: float, above: BaseGeometry, drop_m: float) -> BaseGeometry:
-    """What is free at a height below the region `above`, which lies `drop_m` higher: closed regions whole, open ones as
-    far as they lie under it; only those that are in sight from there, not behind a wall.
+def _free_below(cuts: CrossSections, rays: Rays, height_m: float, above: BaseGeometry, drop_m: float) -> BaseGeometry:
+    """The free region at a height below the region `above`, which lies `drop_m` higher: closed regions whole, open
+    ones as far as they lie under it; only those visible from there, not behind a wall.
     """
     closed, opened = _free(cuts, height_m)
     under = [above.intersection(part) for part in opened]
@@ -108,18 +107,18 @@ def _free_below(cuts: Sections, rays: Rays, height_m: float, above: BaseGeometry
 
 
 def _in_sight(rays: Rays, region: BaseGeometry, height_m: float, drop_m: float) -> bool:
-    """Whether any place of a region at a height can be seen from `drop_m` above."""
+    """Whether any point of a region at a height is visible from `drop_m` above."""
     places = _places(region)
     starts = np.column_stack([places, np.full(len(places), height_m + drop_m)])
-    return bool((rays.reach(starts, DOWN) >= drop_m).any())
+    return bool((rays.hit_distances(starts, DOWN) >= drop_m).any())
 
 
-def _free(cuts: Sections, height_m: float) -> tuple[list[shapely.Polygon], list[shapely.Polygon]]:
-    """The free regions of a horizontal cut: those that matter closes all around, and the others."""
+def _free(cuts: CrossSections, height_m: float) -> tuple[list[shapely.Polygon], list[shapely.Polygon]]:
+    """The free regions of a horizontal section: those enclosed by material all around, and the others."""
     points = cuts.solid.points
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
     sheet = shapely.box(*(low - 0.1 * (high - low)), *(high + 0.1 * (high - low)))
-    free = shapely.get_parts(sheet.difference(cuts.matter_at(height_m)))
+    free = shapely.get_parts(sheet.difference(cuts.section_at(height_m)))
     closed, opened = list[shapely.Polygon](), list[shapely.Polygon]()
     for part in free:
         (opened if part.intersects(sheet.exterior) else closed).append(part)
@@ -130,8 +129,8 @@ def _floor(rays: Rays, opening: shapely.Polygon, height_m: float) -> float | Non
     """Height of the lowest ground seen straight down through the opening; None where there is no ground."""
     places = _places(opening)
     starts = np.column_stack([places, np.full(len(places), height_m)])
-    reach = rays.reach(starts, DOWN)
-    ground = height_m - reach[np.isfinite(reach)]
+    drops = rays.hit_distances(starts, DOWN)
+    ground = height_m - drops[np.isfinite(drops)]
     return float(ground.min()) if len(ground) else None
 
 

@@ -1,4 +1,4 @@
-"""Grips: a thin, even end of an elongated object, as of a pan, a spoon or a hammer. Lengths in metres."""
+"""Elongated ends of a solid that a hand can grip: the handle of a pan, a spoon or a hammer. Lengths in metres."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from schemas.model import FloatArray
 from schemas.physics import Solid
 
 SAMPLES, SLICES = 6000, 40
-# What a hand closes around, how long it must be, and how much thinner than the rest.
+# Widths that a hand can close around, the shortest length, and how much thinner than the rest.
 THICKEST_M, THINNEST_M, SHORTEST_M = 0.05, 0.005, 0.06
 LEAST_SHARE, MOST_SHARE = 0.25, 0.93
 THINNER = 0.55
-EVEN = 2.0  # the widest slice over the narrowest: a cone or a stem that grows is no grip
+EVEN = 2.0  # the widest slice over the narrowest: a cone is no grip
 
 
 @dataclass(frozen=True)
-class Grip:
-    """The axis of a grip from the body (first) to its free end, (k, 3) points, and its greatest width."""
+class ElongatedEnd:
+    """The axis of an end as points (k, 3) from the body to its free tip, and its greatest width."""
 
     axis_m: FloatArray
     width_m: float
 
 
-def find_grip(solid: Solid) -> Grip | None:
-    """The grip at one end of the longest principal axis, the longer one of two; None without any."""
+def find_elongated_end(solid: Solid) -> ElongatedEnd | None:
+    """The thin, even end along the longest principal axis, the longer one of two; None without any."""
     if solid.kind == "hull":
         return None
     points, _ = sample_surface(solid.points, solid.triangles, SAMPLES, 0)
@@ -41,17 +41,17 @@ def find_grip(solid: Solid) -> Grip | None:
     slot = np.minimum(((along - along.min()) / length * SLICES).astype(int), SLICES - 1)
     widths, middles = np.zeros(SLICES), np.zeros((SLICES, 3))
     for k in range(SLICES):
-        own = local[slot == k]
-        if len(own) < 8:
+        in_slice = local[slot == k]
+        if len(in_slice) < 8:
             return None
-        low, high = own.min(axis=0), own.max(axis=0)
+        low, high = in_slice.min(axis=0), in_slice.max(axis=0)
         widths[k] = float((high - low)[1:].max())
         middles[k] = 0.5 * (low + high)
     body = float(widths.max())
     thin = (widths <= min(THICKEST_M, THINNER * body)) & (widths >= THINNEST_M)
     ends = []
     for order in (np.arange(SLICES), np.arange(SLICES)[::-1]):
-        # The very end may be rounded off.
+        # The outermost slice may be rounded off.
         run = int((~thin[order[1:]]).argmax()) + 1 if not thin[order[1:]].all() else SLICES
         inner = order[1:run]
         share = run / SLICES
@@ -62,4 +62,4 @@ def find_grip(solid: Solid) -> Grip | None:
         return None
     _, slices = max(ends, key=lambda end: end[0])
     axis = middles[slices] @ axes + points.mean(axis=0)
-    return Grip(axis[:: max(1, len(axis) // 6)], float(widths[slices].max()))
+    return ElongatedEnd(axis[:: max(1, len(axis) // 6)], float(widths[slices].max()))

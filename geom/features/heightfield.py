@@ -1,4 +1,4 @@
-"""A surface as a landscape seen along a direction, and the water that stays on it."""
+"""Heightfield of a surface along a direction, on a grid, and the filling of its depressions."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ GRID_CELLS = 64
 WALL_SAMPLES = 40_000
 
 
-class Landscape(NamedTuple):
+class Heightfield(NamedTuple):
     """Heights of a surface seen from above on a grid, one empty cell around; units of the points.
 
-    ground  (rows x, columns y) heights, -inf where nothing is.     floor   height of the lowest point.
+    ground  (rows x, columns y) heights, -inf where empty.         floor   height of the lowest point.
     step    edge of a cell.                                         corner  (2,) x and y of the first cell's centre.
     """
 
@@ -27,11 +27,11 @@ class Landscape(NamedTuple):
     corner: FloatArray
 
 
-def landscape(rays: Rays, points: FloatArray, walls: FloatArray, frame: FloatArray) -> Landscape:
-    """What is seen of the surface in `rays` from above, in axes whose rows are `frame` (3, 3), the last one up.
+def heightfield(rays: Rays, points: FloatArray, walls: FloatArray, frame: FloatArray) -> Heightfield:
+    """The heightfield of the surface in `rays`, in axes that are the rows of `frame` (3, 3), the last one up.
 
     Rays give the height at cell centres; `walls` (k, 3), points on faces and edges, add walls and rims thinner than a
-    cell, which no ray needs to hit. `points` (n, 3) span the grid.
+    cell, which rays may miss. `points` (n, 3) span the grid.
     """
     local = points @ frame.T
     low, high = local.min(axis=0), local.max(axis=0)
@@ -42,11 +42,11 @@ def landscape(rays: Rays, points: FloatArray, walls: FloatArray, frame: FloatArr
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     above = float(high[2]) + max(float((high - low).max()), step)
     starts = np.column_stack([grid, np.full(len(grid), above)]) @ frame
-    ground = (above - rays.reach(starts, -frame[2])).reshape(cells[0], cells[1])
+    ground = (above - rays.hit_distances(starts, -frame[2])).reshape(cells[0], cells[1])
     seen = walls @ frame.T
     cell = np.clip(np.rint((seen[:, :2] - corner) / step).astype(int), 0, cells - 1)
     np.maximum.at(ground, (cell[:, 0], cell[:, 1]), seen[:, 2])
-    return Landscape(ground, float(low[2]), step, corner)
+    return Heightfield(ground, float(low[2]), step, corner)
 
 
 def wall_points(points: FloatArray, triangles: IntArray) -> FloatArray:
@@ -70,7 +70,7 @@ def _along_edges(points: FloatArray, triangles: IntArray, step: float) -> FloatA
     return np.concatenate([points[np.unique(triangles)], start + share[:, None] * along])
 
 
-def water_level(ground: FloatArray) -> FloatArray:
+def fill_depressions(ground: FloatArray) -> FloatArray:
     """Level to which each cell fills before it drains over the grid's border or into a cell at -inf.
 
     The least level `max(ground, lowest neighbour's level)` over four neighbours (Planchon and Darboux 2002, "A fast,

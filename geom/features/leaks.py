@@ -1,4 +1,4 @@
-"""Whether a ball in a vessel gets out otherwise than through the mouth: between shapes that leave a gap, say."""
+"""Leaks of a vessel: whether a ball inside can leave by another opening than the mouth, on a clearance grid (m)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scipy import ndimage, sparse
 from geom.features.clearance_grid import ClearanceGrid, clearance_grid
 from schemas.model import FloatArray, IntArray
 
-# The grid sees a gap only where nodes lie in it: a ball this much smaller stands for the ball.
+# The grid resolves a gap only where nodes lie in it: a ball smaller by this factor is used.
 SMALLER = 0.9
 # Half a cell is the least distance from a wall that no step between two nodes crosses.
 LEAST_CELLS = 0.5
@@ -27,13 +27,13 @@ def leaks(
     """True iff a ball of `radius_m` can roll from `inside_m` (3,) to the outside without rising above the mouth.
 
     Surface: points (n, 3), triangles (m, 3), closed or not; above is along `outward` (3,) from `mouth_m` (3,). The
-    ball's centre moves over a grid. A ball too small for the grid counts as the smallest that the grid can tell. False
-    where the ball has no place at `inside_m`: what does not go in cannot come out.
+    ball's centre moves over a grid. A ball too small for the grid counts as the smallest that the grid resolves. False
+    where the ball does not fit at `inside_m`.
     """
     return _gets_out(_below(clearance_grid(points, triangles), mouth_m, outward), inside_m, radius_m)
 
 
-def widest_second_way(
+def widest_leak(
     around: ClearanceGrid,
     last_m: FloatArray,
     mouth_m: FloatArray,
@@ -41,11 +41,11 @@ def widest_second_way(
     probe_m: float,
     least_m: float,
 ) -> tuple[float, FloatArray]:
-    """Radius in metres, to 1 part in 30, of the widest ball that leaks, and places (k, 3) of its centre on its way.
+    """Radius in metres, to 1 part in 30, of the widest ball that leaks, and its centres (k, 3) on the path out.
 
-    0 and no place where even a ball of `least_m` does not. `last_m` (3,) is the last place of the probe ball on its
-    way in: no ball wider than that of `probe_m` is asked for, and a smaller one starts at its bottom, to which it
-    rolls. `around` is the grid of the surface; mouth as for `leaks`.
+    0 and no point where even a ball of `least_m` does not leak. `last_m` (3,) is the last centre of the probe ball on
+    its path in: no ball wider than `probe_m` is tested, and a smaller one starts at the bottom of the probe ball.
+    `around` is the grid of the surface; mouth as for `leaks`.
     """
     clearance = _below(around, mouth_m, outward)
 
@@ -62,12 +62,12 @@ def widest_second_way(
 
 
 def _below(around: ClearanceGrid, mouth_m: FloatArray, outward: FloatArray) -> ClearanceGrid:
-    """The grid without the room above the mouth."""
+    """The grid with clearance 0 above the mouth."""
     return replace(around, distance=np.where((around.nodes - mouth_m) @ outward < 0.0, around.distance, 0.0))
 
 
 def _free(clearance: ClearanceGrid, radius_m: float) -> FloatArray:
-    """(n,) True where a ball of that radius may be."""
+    """(n,) True at the nodes where a ball of that radius fits."""
     return clearance.distance >= max(SMALLER * radius_m, LEAST_CELLS * clearance.cell)
 
 
@@ -81,7 +81,7 @@ def _gets_out(clearance: ClearanceGrid, inside_m: FloatArray, radius_m: float) -
 
 
 def _way_out(clearance: ClearanceGrid, inside_m: FloatArray, radius_m: float) -> FloatArray:
-    """Nodes (k, 3) on the shortest way from `inside_m` to the grid's border; there is one."""
+    """Nodes (k, 3) on the shortest path from `inside_m` to the grid's border, which must exist."""
     free = _free(clearance, radius_m)
     index = np.where(free, np.arange(len(free)), -1).reshape(clearance.shape)
     pairs = [(np.delete(index, -1, axis), np.delete(index, 0, axis)) for axis in range(3)]

@@ -1,4 +1,4 @@
-"""The upright mirror plane of a surface near a heading: most things that have a front look alike on its two sides."""
+"""Mirror symmetry: the vertical plane near a heading in which a surface is most symmetric, and the mean error."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ _STEP_RAD = np.radians(3.0)
 _XATOL_RAD = np.radians(0.02)
 
 
-def mirror_heading(
+def mirror_plane_heading(
     points: FloatArray, triangles: IntArray, centre: FloatArray, near_rad: float, within_rad: float
 ) -> tuple[float, float] | None:
-    """Heading (rad about z, from x) of the upright plane through `centre` (3,) in which the surface, points (n, 3) and
-    triangles (m, 3), is its own mirror image best, and how far the image then lies off in the mean.
+    """Heading (rad about z, from x) of the vertical plane through `centre` (3,) in which the surface, points (n, 3) and
+    triangles (m, 3), is most nearly symmetric, and the mean distance of the mirror image from the surface.
 
-    Only headings within `within_rad` of `near_rad` are looked at; None when the best of them is at the border.
+    Only headings within `within_rad` of `near_rad` are tried; None when the best of them is at the border.
     """
     places, _ = sample_surface(points, triangles, _SAMPLES, 0)
     places = places - centre
@@ -36,5 +36,5 @@ def mirror_heading(
     if best in (0, len(headings) - 1):
         return None
     bracket = (float(headings[best - 1]), float(headings[best + 1]))
-    found = minimize_scalar(off, bounds=bracket, method="bounded", options={"xatol": _XATOL_RAD})
-    return float(found.x), float(found.fun)
+    minimum = minimize_scalar(off, bounds=bracket, method="bounded", options={"xatol": _XATOL_RAD})
+    return float(minimum.x), float(minimum.fun)

@@ -1,7 +1,7 @@
-"""Rooms behind a narrower mouth: the inside of a bottle, vase, flask or jug, whichever way its neck looks.
+"""Cavities behind a narrower mouth: the inside of a bottle, vase, flask or jug, in any direction of its neck.
 
-Where balls of growing radius can go tells them apart: a room is where a ball still fits that no longer comes out. Balls
-need no closed surface and no opening direction, and walls of any thickness hold them.
+Method: balls of growing radius on a clearance grid. A necked cavity is where a ball still fits that can no longer
+leave. This needs no closed surface, no opening direction and no least wall thickness.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from schemas.model import FloatArray, IntArray
 
 # Balls from one cell on, which no wall of this grid lets through (half a cell's diagonal would do), by this factor.
 RADIUS_STEP = 1.15
-# A room has walls around it: this share of the looks from its widest place end on the surface.
-WALLED_SHARE, LOOKS = 0.75, 400
-# The mouth's axis is seen from the walls this near, in radii; the mouth ends where the walls are further away than ...
+# A cavity is enclosed: at least this share of the rays from its widest place hits the surface.
+ENCLOSED_SHARE, RAY_COUNT = 0.75, 400
+# The mouth's axis is fitted to the walls within this distance, in radii; the mouth ends where the walls are further
+# than
 MOUTH_WALLS, FLARE = 1.3, 1.05
 MOUTH_NODES, MOUTH_STEPS = 3, (0.15, 0.05, 0.02)
 CENTRINGS = 8
@@ -30,15 +31,15 @@ RIM_STEP, RIM_STEPS = 0.1, 400
 
 
 @dataclass(frozen=True)
-class Room:
-    """One room with the widest way into it; lengths in the unit of the points.
+class NeckedCavity:
+    """One necked cavity with the widest path into it; lengths in the unit of the points.
 
-    mouth     (3,) middle of the narrowest place of the way, where its walls end on the outer side.
+    mouth     (3,) middle of the narrowest place of the path, where its walls end on the outer side.
     radius    of the ball that just passes the mouth.
     outward   (3,) unit vector along the mouth's axis.
-    way       (k, 3) centres of a ball on its way in, from outside to the widest place, about a radius from all walls.
-    depth     from the mouth to the furthest place of the room, along the axis.
-    volume    of all that balls of the mouth's size sweep in the room.
+    way       (k, 3) centres of a ball on its path in, from outside to the widest place, about a radius from all walls.
+    depth     from the mouth to the furthest point of the cavity, along the axis.
+    volume    swept by balls of the mouth's size inside the cavity.
     """
 
     mouth: FloatArray
@@ -49,40 +50,40 @@ class Room:
     volume: float
 
 
-def find_rooms(
+def find_necked_cavities(
     nearest: NearestOnSurface, grid: ClearanceGrid, walls: FloatArray, least_volume: float, least_radius: float
-) -> tuple[Room, ...]:
-    """Rooms of at least `least_volume` behind a mouth of at least `least_radius`, widest mouth last.
+) -> tuple[NeckedCavity, ...]:
+    """Cavities of at least `least_volume` behind a mouth of radius at least `least_radius`, widest mouth last.
 
     `walls` (k, 3) are points spread over the surface, to which `nearest` and `grid` belong. Deterministic.
     """
-    nodes, cell, room_to_move = grid.nodes, grid.cell, grid.distance.reshape(grid.shape)
-    rooms = []
-    for inside, outer in _closed_off(room_to_move, cell, least_volume):
+    nodes, cell, clearance = grid.nodes, grid.cell, grid.distance.reshape(grid.shape)
+    cavities = []
+    for inside, outer in _closed_off(clearance, cell, least_volume):
         swept = np.asarray(ndimage.distance_transform_edt(~inside)) * cell <= outer * RADIUS_STEP
         volume = float(swept.sum()) * cell**3
-        widest = int(np.where(inside, room_to_move, 0.0).argmax())
-        if volume < least_volume or nearest.walled_share(nodes[widest], LOOKS) < WALLED_SHARE:
+        widest = int(np.where(inside, clearance, 0.0).argmax())
+        if volume < least_volume or nearest.enclosed_share(nodes[widest], RAY_COUNT) < ENCLOSED_SHARE:
             continue
         way = nodes[_way_out(grid, outer, widest)][::-1]
         mouth, outward, radius = _mouth(nearest, way, walls)
         if radius >= least_radius:
             depth = float(((mouth - nodes[swept.reshape(-1)]) @ outward).max())
-            rooms.append(Room(mouth, radius, outward, _centred(nearest, way, radius), depth, volume))
-    return tuple(rooms)
+            cavities.append(NeckedCavity(mouth, radius, outward, _centred(nearest, way, radius), depth, volume))
+    return tuple(cavities)
 
 
 def _clearance(nearest: NearestOnSurface, queries: FloatArray) -> FloatArray:
     return np.linalg.norm(nearest(queries)[0] - queries, axis=1)
 
 
-def _closed_off(room_to_move: FloatArray, cell: float, least_volume: float) -> Iterator[tuple[FloatArray, float]]:
-    """Each set of grid nodes that a growing ball loses its way out of: its mask, and the last radius that came out."""
+def _closed_off(clearance: FloatArray, cell: float, least_volume: float) -> Iterator[tuple[FloatArray, float]]:
+    """Each set of grid nodes that a growing ball can no longer leave: its mask, and the last radius that could."""
     radius, before = cell, None
-    limit = float(room_to_move[np.isfinite(room_to_move)].max())
+    limit = float(clearance[np.isfinite(clearance)].max())
     while radius <= limit:
-        labels = np.zeros(room_to_move.shape, dtype=np.int32)
-        count = int(ndimage.label(room_to_move >= radius, output=labels))  # pyright: ignore[reportArgumentType]
+        labels = np.zeros(clearance.shape, dtype=np.int32)
+        count = int(ndimage.label(clearance >= radius, output=labels))  # pyright: ignore[reportArgumentType]
         outside = labels == labels[0, 0, 0]
         if before is not None and count > 1:
             for label, box in enumerate(ndimage.find_objects(labels), start=1):
@@ -96,15 +97,15 @@ def _closed_off(room_to_move: FloatArray, cell: float, least_volume: float) -> I
 
 
 def _way_out(grid: ClearanceGrid, radius: float, start: int) -> IntArray:
-    """Flat indices of a way from `start` to the grid's border that a ball of `radius` can go, well away from walls."""
+    """Flat node indices of a path from `start` to the grid's border for a ball of `radius`, well away from walls."""
     clearance = grid.distance
     number = np.arange(clearance.size).reshape(grid.shape)
     steps = [np.stack([np.delete(number, cut, axis).reshape(-1) for cut in (-1, 0)]) for axis in range(3)]
     a, b = np.concatenate(steps, axis=1)
     narrowest = np.minimum(clearance[a], clearance[b])
-    free = (narrowest >= radius) & np.isfinite(narrowest)  # Not along the border, where the way ends.
-    a, b, dread = a[free], b[free], (radius / narrowest[free]) ** 2
-    graph = coo_array((dread, (a, b)), shape=(clearance.size, clearance.size)).tocsr()
+    free = (narrowest >= radius) & np.isfinite(narrowest)  # Not along the border, where the path ends.
+    a, b, edge_cost = a[free], b[free], (radius / narrowest[free]) ** 2
+    graph = coo_array((edge_cost, (a, b)), shape=(clearance.size, clearance.size)).tocsr()
     length, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)[:2]
     border = np.flatnonzero(grid.border)
     node, way = int(border[np.argmin(length[border])]), []
@@ -115,7 +116,7 @@ def _way_out(grid: ClearanceGrid, radius: float, start: int) -> IntArray:
 
 
 def _centred(nearest: NearestOnSurface, way: FloatArray, radius: float) -> FloatArray:
-    """A way (k, 3) over grid nodes moved away from the walls until a ball of `radius` has its place, where it can."""
+    """A path (k, 3) over grid nodes moved away from the walls until a ball of `radius` fits, where possible."""
     for _ in range(CENTRINGS):
         away = way - nearest(way)[0]
         clearance = np.maximum(np.linalg.norm(away, axis=1, keepdims=True), np.finfo(float).tiny)
@@ -124,7 +125,7 @@ def _centred(nearest: NearestOnSurface, way: FloatArray, radius: float) -> Float
 
 
 def _mouth(nearest: NearestOnSurface, way: FloatArray, walls: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """Middle, axis (outward) and radius of the narrowest place on a way that leads in."""
+    """Middle, axis (outward) and radius of the narrowest place on a path that leads in."""
     clearance = _clearance(nearest, way)
     # The first and last nodes are no places to be narrow: one is outside, the other the widest.
     inner = np.arange(1, len(way) - 1) if len(way) > 2 else np.array([0])
@@ -135,14 +136,14 @@ def _mouth(nearest: NearestOnSurface, way: FloatArray, walls: FloatArray) -> tup
     outward, middle, radius = axis, way[at], float(clearance[at])
     for step in MOUTH_STEPS:
         across = step * radius * np.linalg.svd(axis[None])[2][1:]
-        tried = middle + np.stack(np.meshgrid(*2 * [np.arange(-3.0, 4.0)]), axis=-1).reshape(-1, 2) @ across
-        free = _clearance(nearest, tried)
-        middle, radius = tried[free.argmax()], float(free.max())
-        looks = walls - middle
-        far = np.linalg.norm(looks, axis=1)
+        candidates = middle + np.stack(np.meshgrid(*2 * [np.arange(-3.0, 4.0)]), axis=-1).reshape(-1, 2) @ across
+        free = _clearance(nearest, candidates)
+        middle, radius = candidates[free.argmax()], float(free.max())
+        to_walls = walls - middle
+        far = np.linalg.norm(to_walls, axis=1)
         near = (far > 0.0) & (far <= MOUTH_WALLS * radius)
-        looks = looks[near] / far[near, None]
-        axis = np.linalg.eigh(looks.T @ looks)[1][:, 0]
+        to_walls = to_walls[near] / far[near, None]
+        axis = np.linalg.eigh(to_walls.T @ to_walls)[1][:, 0]
     outward = axis if axis @ outward > 0.0 else -axis
     along = middle + RIM_STEP * radius * np.arange(RIM_STEPS)[:, None] * outward
     within = np.logical_and.accumulate(_clearance(nearest, along) <= FLARE * radius)

@@ -1,4 +1,4 @@
-"""Limbs of a body in one piece: what is much thinner than the rest and sticks out of it, such as handles and spouts."""
+"""Protrusions of a surface: parts much thinner than the body from which they extend, such as handles and spouts."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
-from geom.features.regions import Faces, Region, faces_of
-from geom.features.shape_diameter import shape_diameter, wet
+from geom.features.regions import FaceGeometry, SurfaceRegion, face_geometry
+from geom.features.shape_diameter import faces_in_openings, shape_diameter
 from geom.mesh.decimate import decimate
 from geom.mesh.edges import Edges, edges_of
 from geom.mesh.surface_distance import NearestOnSurface
@@ -17,43 +17,43 @@ from geom.mesh.topology import repeats_point
 from schemas.model import FloatArray, IntArray
 
 _FACES = 3000  # Thickness needs no more; the regions are carried back to all triangles.
-_THINNER = np.log(2.0)  # A hand closes around a limb, and not around the body.
-_LEAST, _MOST = 0.01, 0.5  # share of the surface of one limb: more is no limb but the body
-_LONGER = 2.0  # times as long as thick: a stub is no limb
-_MOST_LIMBS = 4
+_THINNER = np.log(2.0)  # A hand closes around a protrusion, and not around the body.
+_LEAST, _MOST = 0.01, 0.5  # share of one protrusion in the surface: a larger part is the body
+_LONGER = 2.0  # times as long as thick: a stub is no protrusion
+_MAX_COUNT = 4
 _SMOOTHED = 3
 
 
-def limb_regions(surface: Faces, openings: Sequence[FloatArray] = ()) -> tuple[Region, ...]:
-    """Limbs, the larger first: `loop` where the body is met twice, `arm` where once; at most four.
+def find_protrusions(surface: FaceGeometry, openings: Sequence[FloatArray] = ()) -> tuple[SurfaceRegion, ...]:
+    """Protrusions, the larger first: `loop` if joined to the body twice, `arm` if once; at most four.
 
-    `openings` (3,) are directions out of cavities, whose inside counts as full.
+    `openings` (3,) are directions out of cavities, whose inside counts as solid.
     """
-    welded = faces_of(*decimate(surface.points, surface.triangles, _FACES))
-    light = faces_of(welded.points, welded.triangles[~repeats_point(welded.triangles)])
+    welded = face_geometry(*decimate(surface.points, surface.triangles, _FACES))
+    light = face_geometry(welded.points, welded.triangles[~repeats_point(welded.triangles)])
     if len(light.triangles) == 0 or light.area.sum() <= 0.0:
         return ()
-    inner, edges = wet(light, openings), edges_of(light.triangles)
+    inner, edges = faces_in_openings(light, openings), edges_of(light.triangles)
     thick = np.log(np.maximum(shape_diameter(light, inner), 1e-6 * float(np.linalg.norm(light.extent))))
     thick = _smoothed(thick, edges)
     bound = _threshold(thick, light.area * ~inner)
     if bound is None:
         return ()
     thin = (thick < bound) & ~inner
-    found: list[tuple[float, Region, IntArray]] = []
-    for limb in light.pieces(thin):
-        share = light.area[limb].sum() / light.area.sum()
-        long = float(np.linalg.norm(np.ptp(light.middle[limb], axis=0)))
-        if not _LEAST < share < _MOST or long < _LONGER * float(np.exp(np.median(thick[limb]))):
+    protrusions: list[tuple[float, SurfaceRegion, IntArray]] = []
+    for part in light.pieces(thin):
+        share = light.area[part].sum() / light.area.sum()
+        long = float(np.linalg.norm(np.ptp(light.middle[part], axis=0)))
+        if not _LEAST < share < _MOST or long < _LONGER * float(np.exp(np.median(thick[part]))):
             continue
-        joints = _joints(light, limb, edges)
+        joints = _joints(light, part, edges)
         if joints:
-            found.append((float(share), Region("loop" if joints > 1 else "arm", limb), limb))
-    if not 1 <= len(found) <= _MOST_LIMBS:
+            protrusions.append((float(share), SurfaceRegion("loop" if joints > 1 else "arm", part), part))
+    if not 1 <= len(protrusions) <= _MAX_COUNT:
         return ()
-    found.sort(key=lambda f: (-round(f[0], 9), int(np.argmax(f[2]))))
+    protrusions.sort(key=lambda f: (-round(f[0], 9), int(np.argmax(f[2]))))
     _, nearest = NearestOnSurface(light.points, light.triangles)(surface.middle)
-    return tuple(Region(region.role, limb[nearest]) for _, region, limb in found)
+    return tuple(SurfaceRegion(region.role, part[nearest]) for _, region, part in protrusions)
 
 
 def _smoothed(values: FloatArray, edges: Edges) -> FloatArray:
@@ -69,7 +69,7 @@ def _smoothed(values: FloatArray, edges: Edges) -> FloatArray:
 
 
 def _threshold(thick: FloatArray, weight: FloatArray) -> float | None:
-    """Where two classes of thickness part best (Otsu 1979), None when they differ by less than a factor of two."""
+    """Threshold between two classes of log thickness (Otsu 1979); None when they differ by less than a factor 2."""
     counts, edges = np.histogram(thick, 64, weights=weight)
     middles = 0.5 * (edges[1:] + edges[:-1])
     below, above = np.cumsum(counts)[:-1], np.cumsum(counts[::-1])[::-1][1:]
@@ -81,9 +81,9 @@ def _threshold(thick: FloatArray, weight: FloatArray) -> float | None:
     return float(0.5 * (low[best] + high[best])) if high[best] - low[best] >= _THINNER else None
 
 
-def _joints(surface: Faces, limb: IntArray, edges: Edges) -> int:
-    """In how many separate places a limb meets the rest, by the rings of edges between them."""
-    inside = np.bincount(edges.of_face[limb].ravel(), minlength=len(edges.uses))
+def _joints(surface: FaceGeometry, part: IntArray, edges: Edges) -> int:
+    """Number of separate places where a part joins the rest, by the rings of edges between them."""
+    inside = np.bincount(edges.of_face[part].ravel(), minlength=len(edges.uses))
     ring = edges.points[(inside > 0) & (inside < edges.uses)]
     if len(ring) == 0:
         return 0

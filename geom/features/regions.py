@@ -1,7 +1,7 @@
-"""Regions of a surface that stand out by shape: what sticks out of a round body, plates and what carries them, ends.
+"""Regions of a surface by shape: protrusions of a round body, level plates and their posts, bosses on a level face.
 
-Everything is relative to the size of the object, which stands on z = its lowest point. Nothing is claimed where the
-shape is not plainly of that kind: no plate, no posts.
+All thresholds are relative to the size of the object, which rests on its lowest point with z up. A shape that is not
+clearly of a kind has no region of that kind.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from geom.mesh.topology import repeats_point
 from geom.mesh.weld import weld_points
 from schemas.model import FloatArray, IntArray
 
-# loop, arm: stick out of a round upright body and come back to it, or do not. slab: a level plate, post: what stands
-# under it, upright: what rises above it. boss: small body on top of a level face. `geom.features.axial_regions` has
-# the others:
-# wider and narrower, thicker and thinner end of a tool; narrow end of a bottle; stem of a glass, with its two ends.
+# loop, arm: protrusions of a round upright body that return to it, or do not. slab: a level plate, post: a support
+# under it, upright: a part above it. boss: a small body on top of a level face. `geom.features.axial_regions` has the
+# others: wider and narrower, thicker and thinner end of a tool; narrow end of a bottle; stem of a glass, with its two
+# ends.
 Role = Literal[
     "loop",
     "arm",
@@ -44,23 +44,23 @@ Role = Literal[
 ]
 _OUTLINE_FACES, _SAMPLES = 1000, 4000
 _ROUND = 0.6  # of all directions, in which the outline of a round body is a circle
-_PROUD = 1.06  # times the radius of the body: what reaches further sticks out
+_PROTRUDING = 1.06  # times the radius of the body: points further out belong to protrusions
 _LAYERS = 24
 _LEVEL = 0.9  # vertical component of the normal of a level face
 _PLATE_SHARE = 0.35  # of the footprint's box that the face of a plate covers
 
 
 @dataclass(frozen=True)
-class Region:
-    """`faces` (m,) True at the triangles of the region, and what it is by shape."""
+class SurfaceRegion:
+    """`faces` (m,) True at the triangles of the region, and its role by shape."""
 
     role: Role
     faces: IntArray
 
 
 @dataclass(frozen=True)
-class Faces:
-    """A welded surface and what is asked of its triangles: middles (m, 3), areas (m,), normals (m, 3)."""
+class FaceGeometry:
+    """A welded surface with the middles (m, 3), areas (m,) and unit normals (m, 3) of its triangles."""
 
     points: FloatArray
     triangles: IntArray
@@ -70,24 +70,24 @@ class Faces:
 
     @property
     def low(self) -> FloatArray:
-        """(3,) of the bounding box."""
+        """(3,) lowest corner of the bounding box."""
         return self.points.min(axis=0)
 
     @property
     def extent(self) -> FloatArray:
-        """(3,) of the bounding box."""
+        """(3,) edge lengths of the bounding box."""
         return np.ptp(self.points, axis=0)
 
     def pieces(self, chosen: IntArray) -> Iterator[IntArray]:
         """Masks (m,) of the edge-connected pieces of the triangles `chosen` (m,), the largest first."""
-        own = np.flatnonzero(chosen & ~repeats_point(self.triangles))
-        if len(own) == 0:
+        indices = np.flatnonzero(chosen & ~repeats_point(self.triangles))
+        if len(indices) == 0:
             return
-        count, label = face_components(edges_of(self.triangles[own]))
-        size = np.bincount(label, self.area[own], count)
+        count, label = face_components(edges_of(self.triangles[indices]))
+        size = np.bincount(label, self.area[indices], count)
         for piece in np.argsort(-size, kind="stable"):
             mask = np.zeros(len(self.triangles), dtype=bool)
-            mask[own[label == piece]] = True
+            mask[indices[label == piece]] = True
             yield mask
 
     def box(self, chosen: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -96,17 +96,19 @@ class Faces:
         return points.min(axis=0), points.max(axis=0)
 
 
-def faces_of(points: FloatArray, triangles: IntArray) -> Faces:
-    """The surface of triangles (m, 3), in order; equal points are one."""
-    welded, own = weld_points(points, triangles)
-    corners = welded[own]
+def face_geometry(points: FloatArray, triangles: IntArray) -> FaceGeometry:
+    """The geometry of triangles (m, 3), in order; equal points are welded."""
+    welded, faces = weld_points(points, triangles)
+    corners = welded[faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(cross, axis=1, keepdims=True)
-    return Faces(welded, own, corners.mean(axis=1), triangle_areas(corners), cross / np.where(length > 0, length, 1.0))
+    return FaceGeometry(
+        welded, faces, corners.mean(axis=1), triangle_areas(corners), cross / np.where(length > 0, length, 1.0)
+    )
 
 
-def side_regions(surface: Faces) -> tuple[Region, ...]:
-    """Loops and arms that stick out sideways of a round upright body (mug, teapot, pan), the larger first.
+def side_regions(surface: FaceGeometry) -> tuple[SurfaceRegion, ...]:
+    """Loops and arms that protrude sideways from a round upright body (mug, teapot, pan), the larger first.
 
     The body is the largest circle in the outline seen from above; at each height it is as wide as its surface is in the
     other directions. At most three, and none when the outline is not round otherwise.
@@ -119,27 +121,27 @@ def side_regions(surface: Faces) -> tuple[Region, ...]:
         return ()
     circle = shapely.maximum_inscribed_circle(outline, tolerance=0.002 * float(surface.extent[:2].max()))
     centre, radius = np.asarray(circle.coords)[0], circle.length
-    beyond = outline.difference(shapely.Point(*centre).buffer(_PROUD * radius, 64))
+    beyond = outline.difference(shapely.Point(*centre).buffer(_PROTRUDING * radius, 64))
     blobs = [b for b in shapely.get_parts(beyond) if b.area > 0.01 * np.pi * radius**2]
     sectors = [_sector(np.asarray(b.exterior.coords) - centre) for b in blobs]
     if not 1 <= len(sectors) <= 3 or sum(2.0 * half for _, half in sectors) > (1.0 - _ROUND) * 2.0 * np.pi:
         return ()
     widths = _widths(surface, centre, radius, sectors)
     away = surface.middle[:, :2] - centre
-    reach = np.linalg.norm(away, axis=1)
-    proud = reach > widths[_layer(surface, surface.middle)] + 0.04 * radius
-    found: list[Region] = []
+    radial_distance = np.linalg.norm(away, axis=1)
+    proud = radial_distance > widths[_layer(surface, surface.middle)] + 0.04 * radius
+    protrusions: list[SurfaceRegion] = []
     for sector in sectors:
         chosen = proud & _within(away, sector)
         if surface.area[chosen].sum() < 0.005 * surface.area.sum():
             continue
         role: Role = "loop" if _comes_back(surface, chosen, widths, centre, radius) else "arm"
-        found.append(Region(role, chosen))
-    return tuple(sorted(found, key=lambda r: -surface.area[r.faces].sum()))
+        protrusions.append(SurfaceRegion(role, chosen))
+    return tuple(sorted(protrusions, key=lambda r: -surface.area[r.faces].sum()))
 
 
-def plate_regions(surface: Faces) -> tuple[Region, ...]:
-    """A level plate on posts, with what rises above it: table, stool, chair. None without a plate and a post."""
+def plate_regions(surface: FaceGeometry) -> tuple[SurfaceRegion, ...]:
+    """A level plate, its posts, and the part above it: table, stool, chair. () without a plate and a post."""
     height, low = surface.extent[2], surface.low[2]
     slack = 0.012 * height
     corners = surface.points[surface.triangles][:, :, 2]
@@ -153,15 +155,15 @@ def plate_regions(surface: Faces) -> tuple[Region, ...]:
         posts = [p for p in surface.pieces(below) if _carries(surface, p, under)]
         if not posts:
             return ()
-        found = [Region("slab", slab), *(Region("post", p) for p in posts)]
+        parts = [SurfaceRegion("slab", slab), *(SurfaceRegion("post", p) for p in posts)]
         if surface.area[above].sum() > 0.02 * surface.area.sum():
-            found.append(Region("upright", above))
-        return tuple(found)
+            parts.append(SurfaceRegion("upright", above))
+        return tuple(parts)
     return ()
 
 
-def boss_regions(surface: Faces) -> tuple[Region, ...]:
-    """Small bodies on the highest level face of an object that fills what is under it: the studs of a brick."""
+def boss_regions(surface: FaceGeometry) -> tuple[SurfaceRegion, ...]:
+    """Small bodies on the highest level face of an object that is solid below it: the studs of a brick."""
     height, low = surface.extent[2], surface.low[2]
     slack = 0.012 * height
     top = next(iter(_levels(surface, up=True)), low)
@@ -172,10 +174,10 @@ def boss_regions(surface: Faces) -> tuple[Region, ...]:
     least = 0.002 * surface.area.sum()
     pieces = [p for p in surface.pieces(raised) if surface.area[p].sum() > least]
     small = all((np.subtract(*surface.box(p)[::-1])[:2] < 0.6 * surface.extent[:2]).all() for p in pieces)
-    return tuple(Region("boss", p) for p in pieces) if small else ()
+    return tuple(SurfaceRegion("boss", p) for p in pieces) if small else ()
 
 
-def _levels(surface: Faces, *, up: bool) -> Iterator[float]:
+def _levels(surface: FaceGeometry, *, up: bool) -> Iterator[float]:
     """Heights of level faces that cover enough of the footprint's box, from the top down."""
     sign = 1.0 if up else -1.0
     level = sign * surface.normal[:, 2] > _LEVEL
@@ -188,13 +190,13 @@ def _levels(surface: Faces, *, up: bool) -> Iterator[float]:
     least = (_PLATE_SHARE if up else 0.5 * _PLATE_SHARE) * float(surface.extent[:2].prod())
     enough = np.flatnonzero(summed >= least)
     for run in np.split(enough, np.flatnonzero(np.diff(enough) > 1) + 1)[::-1]:
-        own = level & np.isin(bins, run)
-        if own.any():
-            yield float(np.average(surface.middle[own, 2], weights=surface.area[own]))
+        in_level = level & np.isin(bins, run)
+        if in_level.any():
+            yield float(np.average(surface.middle[in_level, 2], weights=surface.area[in_level]))
 
 
-def _carries(surface: Faces, piece: IntArray, under: float) -> bool:
-    """Whether a piece is slender and reaches from the ground up to the plate."""
+def _carries(surface: FaceGeometry, piece: IntArray, under: float) -> bool:
+    """Whether a piece is slender and extends from the ground up to the plate."""
     low, high = surface.box(piece)
     height = under - surface.low[2]
     slender = (high - low)[:2] < 0.35 * surface.extent[:2]
@@ -214,22 +216,22 @@ def _within(away: FloatArray, sector: tuple[float, float]) -> IntArray:
     return np.abs(angles) <= sector[1]
 
 
-def _layer(surface: Faces, points: FloatArray) -> IntArray:
+def _layer(surface: FaceGeometry, points: FloatArray) -> IntArray:
     share = (points[:, 2] - surface.low[2]) / max(float(surface.extent[2]), np.finfo(float).tiny)
     return np.clip((share * _LAYERS).astype(np.int64), 0, _LAYERS - 1)
 
 
-def _widths(surface: Faces, centre: FloatArray, radius: float, sectors: list[tuple[float, float]]) -> FloatArray:
-    """(_LAYERS,) radius of the body by height, from its surface in the directions where nothing sticks out."""
+def _widths(surface: FaceGeometry, centre: FloatArray, radius: float, sectors: list[tuple[float, float]]) -> FloatArray:
+    """(_LAYERS,) radius of the body by height, from its surface in the directions without protrusions."""
     points = sample_surface(surface.points, surface.triangles, _SAMPLES, 0)[0]
     away = points[:, :2] - centre
     free = ~np.any([_within(away, s) for s in sectors], axis=0)
     widths = np.zeros(_LAYERS)
     np.maximum.at(widths, _layer(surface, points[free]), np.linalg.norm(away[free], axis=1))
-    return np.minimum(maximum_filter1d(widths, 3, mode="nearest"), _PROUD * radius)
+    return np.minimum(maximum_filter1d(widths, 3, mode="nearest"), _PROTRUDING * radius)
 
 
-def _comes_back(surface: Faces, chosen: IntArray, widths: FloatArray, centre: FloatArray, radius: float) -> bool:
+def _comes_back(surface: FaceGeometry, chosen: IntArray, widths: FloatArray, centre: FloatArray, radius: float) -> bool:
     """Whether a region and the body together enclose a hole, seen from the side."""
     out = surface.middle[chosen][:, :2].mean(axis=0) - centre
     out /= np.linalg.norm(out) or 1.0

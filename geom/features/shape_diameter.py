@@ -1,6 +1,6 @@
-"""How thick a body is below each triangle: the shape diameter function of Shapira, Shamir and Cohen-Or 2008.
+"""Shape diameter function (Shapira, Shamir and Cohen-Or 2008): the thickness of a body below each triangle (m,).
 
-The inside of a vessel counts as full, so that a mug is as thick as it is wide and its handle stays thin.
+The inside of a vessel counts as solid, so that a mug is as thick as it is wide and its handle stays thin.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geom.features.heightfield import landscape, wall_points, water_level
-from geom.features.regions import Faces
+from geom.features.heightfield import fill_depressions, heightfield, wall_points
+from geom.features.regions import FaceGeometry
 from geom.mesh.rays import Rays
 from geom.pose import rotation_to_z
 from schemas.model import FloatArray, IntArray
@@ -19,43 +19,43 @@ _RAYS, _CONE_RAD = 24, np.radians(45.0)
 _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 
 
-def shape_diameter(surface: Faces, inner: IntArray) -> FloatArray:
+def shape_diameter(surface: FaceGeometry, inner: IntArray) -> FloatArray:
     """(m,) lengths from each triangle inward to the far side: median over a cone, the diagonal where nothing is hit.
 
-    Triangles where `inner` (m,) is True are no far side; they get the diagonal. Directions follow each triangle's own
-    edges, so a turned surface has the same values.
+    Triangles where `inner` (m,) is True stop no ray; they get the diagonal. Directions follow each triangle's own
+    edges, so a rotated surface has the same values.
     """
     diagonal = float(np.linalg.norm(surface.extent))
-    asked = np.flatnonzero(~inner & (surface.area > 0.0))
+    outer = np.flatnonzero(~inner & (surface.area > 0.0))
     result = np.full(len(surface.triangles), diagonal)
-    if len(asked) == 0:
+    if len(outer) == 0:
         return result
-    rays = Rays(surface.points, surface.triangles[asked])
-    inward = -surface.normal[asked]
-    corners = surface.points[surface.triangles[asked]]
+    rays = Rays(surface.points, surface.triangles[outer])
+    inward = -surface.normal[outer]
+    corners = surface.points[surface.triangles[outer]]
     side = corners[:, 1] - corners[:, 0]
     side /= np.linalg.norm(side, axis=1, keepdims=True)
     across = np.cross(inward, side)
     lean = _CONE_RAD * np.sqrt((np.arange(_RAYS) + 0.5) / _RAYS)
     turn = _GOLDEN * np.arange(_RAYS)
-    starts = surface.middle[asked] + 1e-4 * diagonal * inward
-    lengths = np.empty((_RAYS, len(asked)))
+    starts = surface.middle[outer] + 1e-4 * diagonal * inward
+    lengths = np.empty((_RAYS, len(outer)))
     for k in range(_RAYS):
         aim = np.cos(lean[k]) * inward + np.sin(lean[k]) * (np.cos(turn[k]) * side + np.sin(turn[k]) * across)
-        lengths[k] = rays.reach(starts, aim)
-    result[asked] = np.minimum(np.median(lengths, axis=0), diagonal)
+        lengths[k] = rays.hit_distances(starts, aim)
+    result[outer] = np.minimum(np.median(lengths, axis=0), diagonal)
     return result
 
 
-def wet(surface: Faces, directions: Sequence[FloatArray]) -> IntArray:
-    """(m,) True at the triangles that water covers when the object stands with one of `directions` (3,) up."""
+def faces_in_openings(surface: FaceGeometry, directions: Sequence[FloatArray]) -> IntArray:
+    """(m,) True at the triangles inside openings: below the filling level with one of `directions` (3,) up."""
     result = np.zeros(len(surface.triangles), dtype=bool)
     rays = Rays(surface.points, surface.triangles)
     walls = wall_points(surface.points, surface.triangles)
     for up in directions:
         frame = rotation_to_z(up)
-        ground, _, step, corner = landscape(rays, surface.points, walls, frame)
-        level = water_level(ground)
+        ground, _, step, corner = heightfield(rays, surface.points, walls, frame)
+        level = fill_depressions(ground)
         for away in (1.0, 2.0):  # A wall may fill the cell it stands in, and hides the water there.
             place = (surface.middle + away * step * surface.normal) @ frame.T
             cell = np.rint((place[:, :2] - corner) / step).astype(int)

@@ -1,4 +1,4 @@
-"""The lip of a jug: where a rim sticks out in one direction from the ellipse it otherwise follows."""
+"""The spout of a jug: where its rim extends in one direction beyond the ellipse that it otherwise follows (metres)."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ import shapely
 from schemas.model import FloatArray
 
 RAYS = 72
-LEAST = 0.06  # of the mean radius by which a lip sticks out
-HOLLOW = 0.001  # of the area: a lip has hollow flanks, the corner of a triangle has none
-ALONE = 0.5  # Every other bulge is less than this share of it: a square has four corners.
+MIN_BULGE = 0.06  # least bulge of a spout, as a share of the mean radius
+MIN_CONCAVITY = 0.001  # of the area: the flanks of a spout are concave, those of a triangle's corner are not
+MAX_OTHER_BULGE = 0.5  # of the largest bulge, for every other one: a square has four corners
 
 
-def pouring_lip(loop_m: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """Tip (3,), horizontal outward direction (3,) and the points (k, 3) of the lip of a level rim (n, 3), or None.
+def find_spout(loop_m: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """Tip (3,), horizontal outward direction (3,) and the points (k, 3) of the spout of a level rim (n, 3), or None.
 
-    The radius over the angle around the middle is compared with its mean and its first two harmonics; one narrow
-    bulge is left of a lip, four of a rectangle.
+    The radius over the angle around the middle is compared with its mean and its first two harmonics; a spout
+    leaves one narrow bulge, a rectangle four.
     """
     outline = shapely.Polygon(loop_m[:, :2])
-    if outline.convex_hull.area < (1.0 + HOLLOW) * outline.area:
+    if outline.convex_hull.area < (1.0 + MIN_CONCAVITY) * outline.area:
         return None
     centre = np.array(outline.centroid.coords[0])
     angles = 2.0 * np.pi * np.arange(RAYS) / RAYS
@@ -29,21 +29,21 @@ def pouring_lip(loop_m: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]
     cuts = [outline.intersection(shapely.LineString([centre, end])).length for end in ends]
     radius = np.array(cuts)
     basis = np.stack([np.ones(RAYS), *(f(k * angles) for k in (1, 2) for f in (np.cos, np.sin))], axis=1)
-    # Fitted to what does not bulge: the lip itself must not bend the ellipse.
+    # Fitted to the rest of the rim: the spout itself must not bend the ellipse.
     smooth = basis @ np.linalg.lstsq(basis, radius, rcond=None)[0]
     for _ in range(4):
         level = np.minimum(radius, smooth + 0.01 * radius.mean())
         smooth = basis @ np.linalg.lstsq(basis, level, rcond=None)[0]
     bulge = radius - smooth
     top = int(bulge.argmax())
-    if bulge[top] < LEAST * radius.mean():
+    if bulge[top] < MIN_BULGE * radius.mean():
         return None
     within = np.abs((np.arange(RAYS) - top + RAYS // 2) % RAYS - RAYS // 2)
-    raised = bulge > ALONE * bulge[top]
+    raised = bulge > MAX_OTHER_BULGE * bulge[top]
     if raised[within > RAYS // 8].any():
         return None
-    own = np.flatnonzero(raised)
-    own = own[np.argsort((own - top + RAYS // 2) % RAYS, kind="stable")]
+    lip = np.flatnonzero(raised)
+    lip = lip[np.argsort((lip - top + RAYS // 2) % RAYS, kind="stable")]
     outward = np.array([np.cos(angles[top]), np.sin(angles[top]), 0.0])
     height = float(loop_m[:, 2].mean())
 
@@ -51,4 +51,4 @@ def pouring_lip(loop_m: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]
         flat = centre + radius[index, None] * np.stack([np.cos(angles[index]), np.sin(angles[index])], axis=1)
         return np.column_stack([flat, np.full(len(index), height)])
 
-    return at(np.array([top]))[0], outward, at(own)
+    return at(np.array([top]))[0], outward, at(lip)

@@ -1,8 +1,8 @@
-"""Faces that things can stand on: table tops, shelf boards, seats, tray floors. z is up; lengths in metres.
+"""Support surfaces of a solid: table tops, shelf boards, seats, tray floors. z is up; lengths in metres.
 
-All rules are shares of the object's own size, so that a doll's table has the anchors of a table. A surface is a level
-at which much near-horizontal area lies, what of it is connected, broad and flat, cut where something stands on it or
-where the clearance above it changes, and kept where something can be brought from above or from a side.
+All thresholds are shares of the object's own size, so that a doll's table has the anchors of a table. A support is a
+connected, broad and flat part of the near-horizontal area at one level. It is cut where something rises from it or
+where the clearance above it changes, and dropped where no object can be brought from above or from a side.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from shapely.geometry.base import BaseGeometry
 
-from geom.mesh.cross_sections import Sections
+from geom.mesh.cross_sections import CrossSections
 from geom.mesh.rays import Rays
 from schemas.model import FloatArray, IntArray
 from schemas.physics import Solid
 
-# A face counts from this steepness on; a whole surface leans by no more than the second.
+# Largest tilt of a single face, and of a whole surface.
 STEEPEST_RAD, TILT_RAD = np.radians(12.0), np.radians(4.0)
-LEVEL_RAD = np.radians(0.2)  # what leans less is level
+LEVEL_RAD = np.radians(0.2)  # a smaller tilt is level
 # Bumps, planks and seams within this share of the diagonal are one level, also gaps of twice the share of the breadth,
 # the root of the area of the hull of the footprint.
 STEP_SHARE, GAP_SHARE = 0.008, 0.01
@@ -35,35 +35,35 @@ DISC_SHARE, AREA_SHARE = 0.06, 0.04
 ROUGH_SHARE = 0.016
 # Neighbouring places belong together while the clearances differ by less than this share.
 SAME_CLEARANCE = 0.2
-# A side is open if this share of the places sees out of it.
+# A side is open if the rays from this share of the samples leave through it.
 OPEN_SHARE = 0.6
-# What is simplified away of outlines, as a share of the breadth.
+# Tolerance of the simplification of outlines, as a share of the breadth.
 DETAIL_SHARE = 2e-3
 MAIN_SHARE = 0.5
 UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)
-class Support:
+class SupportFace:
     """One surface in the asset frame.
 
     polygon     x and y of its outline and holes.
-    height_m    z of what a thing stands on: of the higher parts where it is uneven.
+    height_m    z on which an object rests: of the higher parts where the surface is uneven.
     normal      (3,) upward unit normal of the plane through it.
-    clearance_m least free height over it, None where the sky is free.
-    loads       (k, 3) unit vectors out of it along which a thing can leave: up, over the sides of the box around it.
+    clearance_m least free height over it, None where nothing is above it.
+    load_directions  (k, 3) unit vectors along which an object can leave: up, or over the sides of the box around it.
     """
 
     polygon: shapely.Polygon
     height_m: float
     normal: FloatArray
     clearance_m: float | None
-    loads: FloatArray
+    load_directions: FloatArray
 
 
 @dataclass(frozen=True)
 class _Scale:
-    """What is small and what is broad on one object, in metres."""
+    """Absolute thresholds for one object: lengths in metres, `area` in square metres."""
 
     step: float
     gap: float
@@ -72,30 +72,30 @@ class _Scale:
     detail: float
 
 
-def find_supports(solid: Solid) -> tuple[Support, ...]:
-    """Surfaces of a solid that stands upright, the main one first: the highest of those of at least half the largest
+def find_supports(solid: Solid) -> tuple[SupportFace, ...]:
+    """Support surfaces of an upright solid, the main one first: the highest of those of at least half the largest
     area, then these from top to bottom, then the others likewise. Both sides of a sheet (kind `shell`) may carry.
     """
     points, triangles = solid.points, solid.triangles
     scale = _scale_of(points[np.unique(triangles)])
     if scale is None:
         return ()
-    rays, cuts = Rays(points, triangles), Sections(solid)
-    found = []
+    rays, cuts = Rays(points, triangles), CrossSections(solid)
+    supports = []
     for corners, polygon in _levels(points[triangles], scale, sheet=solid.kind != "closed"):
         plane = _plane_of(corners, polygon)
         if plane is None or plane.tilt_rad > TILT_RAD:
             continue
         if plane.rough_m > ROUGH_SHARE * shapely.maximum_inscribed_circle(polygon).length:
             continue
-        standing = cuts.matter_at(plane.upper_m + 1.5 * scale.step)
+        standing = cuts.section_at(plane.upper_m + 1.5 * scale.step)
         for free in _parts(polygon.difference(standing), scale):
-            found += _clear_parts(free, plane, rays, scale)
-    return _in_order(found)
+            supports += _clear_parts(free, plane, rays, scale)
+    return _in_order(supports)
 
 
 def _scale_of(points: FloatArray) -> _Scale | None:
-    """None for what has no footprint."""
+    """The thresholds for an object with these points (n, 3); None without a footprint."""
     footprint = float(shapely.area(shapely.convex_hull(shapely.multipoints(points[:, :2]))))
     breadth, diagonal = float(np.sqrt(footprint)), float(np.linalg.norm(np.ptp(points, axis=0)))
     if breadth <= 1e-6 * diagonal:
@@ -107,8 +107,8 @@ def _scale_of(points: FloatArray) -> _Scale | None:
 def _levels(corners: FloatArray, scale: _Scale, *, sheet: bool) -> Iterator[tuple[FloatArray, shapely.Polygon]]:
     """Corners (k, 3, 3) of the near-horizontal faces of each level, and each broad polygon of theirs.
 
-    A level is the window of two steps of height that holds most area, then what lies within a step of the plane through
-    the largest polygon there: a large face may lean by more than the window. It is taken out, and so on.
+    A level is the window of two steps of height with the most area, then all faces within a step of the plane through
+    the largest polygon there: a large face may tilt by more than the window. It is removed, and so on.
     """
     left = _carrying(corners, sheet=sheet)
     while len(left):
@@ -152,9 +152,9 @@ def _closed_union(corners: FloatArray, gap: float) -> BaseGeometry:
 
 
 def _side_by_side(faces: NDArray[np.object_]) -> BaseGeometry | None:
-    """The union of faces of which no two overlap, which is quick to find; None where some do.
+    """The union of faces that do not overlap, by a fast method; None where some overlap.
 
-    GEOS refuses most faces that overlap, and what it makes of others is invalid or of another area.
+    GEOS rejects most faces that overlap; for others its result is invalid or of another area.
     """
     try:
         merged = shapely.coverage_union_all(faces)
@@ -165,8 +165,8 @@ def _side_by_side(faces: NDArray[np.object_]) -> BaseGeometry | None:
 
 
 def _parts(geometry: BaseGeometry, scale: _Scale, *, least_hole: float = 0.0) -> list[shapely.Polygon]:
-    """The broad polygons of a geometry, in a fixed order, without detail that nobody can stand on and without holes
-    that are smaller than `least_hole` (area).
+    """The broad polygons of a geometry, in a fixed order, without small detail and without holes
+    smaller than `least_hole` (area).
     """
     filled = [
         shapely.Polygon(p.exterior, [ring for ring in p.interiors if shapely.Polygon(ring).area > least_hole])
@@ -206,7 +206,7 @@ def _plane_of(corners: FloatArray, polygon: shapely.Polygon) -> _Plane | None:
     """Least-squares plane, by area, through the faces (k, 3, 3) whose middles lie in `polygon`; None where none do.
 
     Quadrature over a face: three quarters in its middle, the rest in its corners, exact for quadratic integrands.
-    `upper_m` is the height that nine tenths of the area stay below: what a thing stands on where it is uneven.
+    `upper_m` is the height that nine tenths of the area stay below: an object rests there where the surface is uneven.
     """
     centres = corners.mean(axis=1)
     areas = _plan_areas(corners) * shapely.contains_xy(polygon, centres[:, 0], centres[:, 1])
@@ -225,31 +225,35 @@ def _plane_of(corners: FloatArray, polygon: shapely.Polygon) -> _Plane | None:
 
 
 def _quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
-    """The least of `values` (k,) that at least this share of the weight does not exceed."""
+    """Weighted quantile: the least of `values` (k,) that this share of the weight does not exceed."""
     order = np.argsort(values, kind="stable")
     held = np.cumsum(weights[order])
     return float(values[order[np.searchsorted(held, share * held[-1] * (1.0 - 1e-9))]])
 
 
-def _clear_parts(polygon: shapely.Polygon, plane: _Plane, rays: Rays, scale: _Scale) -> Iterator[Support]:
-    """`polygon` cut where the clearance changes; what is too low or out of reach is left out."""
+def _clear_parts(polygon: shapely.Polygon, plane: _Plane, rays: Rays, scale: _Scale) -> Iterator[SupportFace]:
+    """The parts of `polygon` of even clearance; parts that are too low or that no object can reach are left out."""
     axes = _box_axes(polygon)
     cells = _cells(polygon, axes, 0.5 * scale.disc)
     inside = shapely.get_coordinates(shapely.point_on_surface(cells.geometries))
     starts = np.column_stack([inside, np.full(len(inside), plane.upper_m + scale.step)])
-    clearance = rays.reach(starts, UP) + scale.step
+    clearance = rays.hit_distances(starts, UP) + scale.step
     count, label = _patches(cells.index, clearance, clearance > scale.disc)
     for k in range(count):
-        own = label == k
-        whole = own.all()
-        for part in [polygon] if whole else _parts(shapely.union_all(cells.geometries[own]), scale):
-            here = own if whole else own & shapely.contains_xy(part.buffer(scale.gap), inside[:, 0], inside[:, 1])
+        in_patch = label == k
+        whole = in_patch.all()
+        for part in [polygon] if whole else _parts(shapely.union_all(cells.geometries[in_patch]), scale):
+            here = (
+                in_patch
+                if whole
+                else in_patch & shapely.contains_xy(part.buffer(scale.gap), inside[:, 0], inside[:, 1])
+            )
             least = float(clearance[here].min()) if here.any() else 0.0
             levels = starts[here] + [0.0, 0.0, 0.5 * min(least, 2.0 * scale.disc) - scale.step]
-            sides = [side for side in axes if np.isinf(rays.reach(levels, side)).mean() >= OPEN_SHARE]
+            sides = [side for side in axes if np.isinf(rays.hit_distances(levels, side)).mean() >= OPEN_SHARE]
             loads = np.array([UP, *sides] if np.isinf(least) else sides)
             if len(loads):
-                yield Support(part, plane.upper_m, plane.normal, None if np.isinf(least) else least, loads)
+                yield SupportFace(part, plane.upper_m, plane.normal, None if np.isinf(least) else least, loads)
 
 
 @dataclass(frozen=True)
@@ -261,15 +265,15 @@ class _Cells:
 
 
 def _cells(polygon: shapely.Polygon, axes: FloatArray, edge: float) -> _Cells:
-    """The polygon cut into squares of `edge` along its own box, so that turning it turns them along."""
+    """The polygon cut into squares of `edge` along its own box, so that they rotate with it."""
     R_BA = axes[:2, :2]
     low, high = (f(shapely.get_coordinates(polygon.exterior) @ R_BA.T, axis=0) for f in (np.min, np.max))
     count = np.maximum(np.ceil((high - low) / edge - 1e-9).astype(int), 1)
     index = np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 2)
     corners = low + (index[:, None] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])) * (high - low) / count
     pieces = shapely.intersection(shapely.polygons(corners @ R_BA), polygon)
-    kept = shapely.area(pieces) > 1e-6 * edge**2
-    return _Cells(pieces[kept], index[kept])
+    not_empty = shapely.area(pieces) > 1e-6 * edge**2
+    return _Cells(pieces[not_empty], index[not_empty])
 
 
 def _box_axes(polygon: shapely.Polygon) -> FloatArray:
@@ -286,39 +290,39 @@ def _box_axes(polygon: shapely.Polygon) -> FloatArray:
 
 
 def _patches(index: IntArray, clearance: FloatArray, is_clear: FloatArray) -> tuple[int, IntArray]:
-    """Number of patches of like clearance, and each cell's (k,), -1 where it is not clear."""
+    """Number of patches of similar clearance, and the patch (k,) of each cell, -1 where it is not clear."""
     number = {(i, j): k for k, (i, j) in enumerate(index.tolist()) if is_clear[k]}
     pairs = [
         (k, other)
         for (i, j), k in number.items()
         for other in (number.get((i + 1, j)), number.get((i, j + 1)))
-        if other is not None and _alike(clearance[k], clearance[other])
+        if other is not None and _similar(clearance[k], clearance[other])
     ]
     a, b = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     graph = coo_array((np.ones(len(a)), (a, b)), shape=(len(index), len(index)))
     label = connected_components(graph, directed=False)[1]
-    kept, renumbered = np.unique(label[is_clear], return_inverse=True)
+    patch_labels, renumbered = np.unique(label[is_clear], return_inverse=True)
     result = np.full(len(index), -1)
     result[is_clear] = renumbered
-    return len(kept), result
+    return len(patch_labels), result
 
 
-def _alike(a: float, b: float) -> bool:
+def _similar(a: float, b: float) -> bool:
     return a == b or abs(a - b) <= SAME_CLEARANCE * min(a, b)
 
 
 def _plan_areas(corners: FloatArray) -> FloatArray:
-    """Areas (k,) of triangles (k, 3, 3) seen from above."""
+    """Areas (k,) of triangles (k, 3, 3) projected on z = 0."""
     u, v = corners[:, 1, :2] - corners[:, 0, :2], corners[:, 2, :2] - corners[:, 0, :2]
     return 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 
-def _in_order(found: Sequence[Support]) -> tuple[Support, ...]:
-    largest = max((s.polygon.area for s in found), default=0.0)
+def _in_order(supports: Sequence[SupportFace]) -> tuple[SupportFace, ...]:
+    largest = max((s.polygon.area for s in supports), default=0.0)
 
-    def place(s: Support) -> tuple[float | bool, ...]:
+    def place(s: SupportFace) -> tuple[float | bool, ...]:
         centre = s.polygon.centroid
         is_small = s.polygon.area < MAIN_SHARE * largest
         return is_small, -s.height_m, -s.polygon.area, centre.x, centre.y
 
-    return tuple(sorted(found, key=place))
+    return tuple(sorted(supports, key=place))

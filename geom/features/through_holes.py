@@ -1,7 +1,7 @@
-"""Through-holes: tunnels through a solid that a hook, a finger or a peg goes through. Lengths in metres.
+"""Through-holes: tunnels through a solid for a hook, a finger or a peg. Lengths in metres.
 
-A tunnel that can be seen through is a hole in the silhouette along some direction; and a surface without handles in
-the sense of topology (genus 0) has none, however its silhouette looks.
+A straight tunnel is a hole in the silhouette along some direction; a surface of genus 0 has none, whatever its
+silhouette.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ LEAST_CELLS = 1.0  # inscribed radius of a hole, in cells
 
 @dataclass(frozen=True)
 class ThroughHole:
-    """One tunnel as seen along a direction.
+    """One tunnel in the silhouette along a direction.
 
-    centre_m    (3,) middle of the largest circle that goes through, at the depth of the matter around it.
+    centre_m    (3,) middle of the largest circle that passes through, at the depth of the material around it.
     direction   (3,) unit vector through it; diameter_m of that circle.
     outline_m   (k, 3) the loop around it.
-    bar_m       thickness of the matter on the side away from the mass of the object, in the plane of the loop; inf
+    bar_m       thickness of the material on the side away from the middle of the object, in the plane of the loop; inf
                 where there is none.
     bar_at_m    (3,) middle of that bar; bar_depth_m its thickness along the direction.
     offset      distance of the hole from the middle of the silhouette, as a share of the silhouette's radius.
@@ -53,21 +53,21 @@ class ThroughHole:
 
 
 def find_through_holes(solid: Solid) -> tuple[ThroughHole, ...]:
-    """Tunnels that can be seen through along 13 directions, the widest first; none for a solid of kind `hull`.
+    """Tunnels open along one of 13 directions, the widest first; none for a solid of kind `hull`.
 
-    One that is seen along several directions counts once, as it looks widest.
+    A tunnel open along several directions counts once, at its largest diameter.
     """
     if solid.kind == "hull" or (solid.kind == "closed" and genus(solid.triangles) == 0):
         return ()
     rays = Rays(solid.points, solid.triangles)
     directions = DIRECTIONS / np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
-    seen = [hole for direction in directions for hole in _holes_along(solid.points, rays, direction)]
-    seen.sort(key=lambda h: (-round(h.diameter_m, 9), *np.round(h.centre_m, 9).tolist()))
-    kept: list[ThroughHole] = []
-    for hole in seen:
-        if all(np.linalg.norm(hole.centre_m - other.centre_m) > 0.75 * other.diameter_m for other in kept):
-            kept.append(hole)
-    return tuple(kept)
+    candidates = [hole for direction in directions for hole in _holes_along(solid.points, rays, direction)]
+    candidates.sort(key=lambda h: (-round(h.diameter_m, 9), *np.round(h.centre_m, 9).tolist()))
+    distinct: list[ThroughHole] = []
+    for hole in candidates:
+        if all(np.linalg.norm(hole.centre_m - other.centre_m) > 0.75 * other.diameter_m for other in distinct):
+            distinct.append(hole)
+    return tuple(distinct)
 
 
 def genus(triangles: IntArray) -> int:
@@ -94,11 +94,11 @@ def _holes_along(points: FloatArray, rays: Rays, direction: FloatArray) -> list[
     x, y = (corner[i] + step * np.arange(cells[i]) for i in range(2))
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     starts = np.column_stack([grid, np.full(len(grid), low[2] - step)]) @ R_VA
-    front = rays.reach(starts, direction).reshape(cells[0], cells[1])
+    front = rays.hit_distances(starts, direction).reshape(cells[0], cells[1])
     empty = np.isinf(front)
     labels, count = _label(empty)
     outside = set(np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])).tolist())
-    found = []
+    holes = []
     for k in range(1, count + 1):
         hole = labels == k
         if k in outside or hole.sum() < LEAST_CELLS**2 * np.pi:
@@ -108,8 +108,8 @@ def _holes_along(points: FloatArray, rays: Rays, direction: FloatArray) -> list[
         radius = float(clearance[row, column]) - 0.5
         if radius < LEAST_CELLS:
             continue
-        found.append(_hole(hole, empty, (int(row), int(column)), radius, (corner, step, low[2] - step), rays, R_VA))
-    return found
+        holes.append(_hole(hole, empty, (int(row), int(column)), radius, (corner, step, low[2] - step), rays, R_VA))
+    return holes
 
 
 def _hole(
@@ -132,11 +132,11 @@ def _hole(
     inner, outer = _bar(hole, empty, np.array(middle), away)
 
     def depths(cells: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Where matter begins along the view, and how thick it is there."""
+        """The depth (k,) at which material begins along the view, and its thickness (k,) there."""
         from_ = np.column_stack([corner + step * cells, np.full(len(cells), start)]) @ R_VA
-        first = rays.reach(from_, R_VA[2])
+        first = rays.hit_distances(from_, R_VA[2])
         within = from_ + (first + 1e-4 * step)[:, None] * R_VA[2]
-        return start + first, rays.reach(np.where(np.isfinite(within), within, 0.0), R_VA[2])
+        return start + first, rays.hit_distances(np.where(np.isfinite(within), within, 0.0), R_VA[2])
 
     ring = np.argwhere(ndimage.binary_dilation(hole, iterations=2) & ~empty).astype(float)
     begin, thick = depths(ring)
@@ -168,19 +168,19 @@ def _hole(
 
 
 def _bar(hole: FloatArray, empty: FloatArray, middle: FloatArray, away: FloatArray) -> tuple[float, float]:
-    """Where matter begins and ends, in cells from the middle of a hole on the way out of the silhouette."""
-    reach = np.arange(0.0, float(np.hypot(*empty.shape)), 0.5)
-    cells = np.rint(middle + reach[:, None] * away).astype(int)
+    """Where the bar begins and ends, in cells from the middle of a hole on the line out of the silhouette."""
+    distance = np.arange(0.0, float(np.hypot(*empty.shape)), 0.5)
+    cells = np.rint(middle + distance[:, None] * away).astype(int)
     inside = ((cells >= 0) & (cells < np.array(empty.shape))).all(axis=1)
-    cells, reach = cells[inside], reach[inside]
+    cells, distance = cells[inside], distance[inside]
     matter = ~empty[cells[:, 0], cells[:, 1]]
     if not matter.any():
         return 0.0, np.inf
     first = int(matter.argmax())
     after = np.flatnonzero(~matter[first:])
     if not len(after) or matter[first + int(after[0]) :].any():  # The outer side must be free.
-        return float(reach[first]), np.inf
-    return float(reach[first]), float(reach[first + int(after[0])])
+        return float(distance[first]), np.inf
+    return float(distance[first]), float(distance[first + int(after[0])])
 
 
 def _label(mask: FloatArray) -> tuple[IntArray, int]:

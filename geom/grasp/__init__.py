@@ -1,1 +1,1 @@
-"""Parallel-jaw grasps on a surface: gripper model, antipodal pairs, contact patches."""
+"""Parallel-jaw grasps on a surface (metres, newtons): gripper model, antipodal pairs, contact patches."""

@@ -1,4 +1,4 @@
-"""What pads touch around the two places that they close on, and the force that then holds a weight.
+"""Contact patches of gripper pads on a body (metres), and the grip force (newtons) that holds its weight.
 
 Howe and Cutkosky 1996, "Practical force-motion models for sliding manipulation": a patch of friction carries a force
 and a moment about its normal as long as both together lie in an ellipsoid.
@@ -14,13 +14,13 @@ from geom.convex.convex_union import ConvexUnion
 from geom.grasp.gripper import Gripper
 from schemas.model import FloatArray
 
-GIVES_M = 0.001  # Rubber gives way by so much: what lies so far back is still touched.
+GIVES_M = 0.001  # Compliance of the rubber: points this far behind the first contact are still touched.
 _GRID = 3  # points along an edge of a pad
-LEAST_ARM_M = 0.001  # of friction about the normal: pads are never quite points
+LEAST_ARM_M = 0.001  # of friction about the normal: no contact is a point
 
 
 @dataclass(frozen=True)
-class Patches:
+class ContactPatches:
     """For each grasp (k,): `share` of the smaller patch of its pad, `arm_m` of the friction of both pads about their
     normal (mean distance from the middle of the patch), and the middle of both patches (k, 3).
     """
@@ -30,8 +30,8 @@ class Patches:
     middle_m: FloatArray
 
 
-def pad_patches(union: ConvexUnion, X_AG: FloatArray, width_m: FloatArray, gripper: Gripper) -> Patches:
-    """What pads in poses X_AG (k, 4, 4) touch of a body that is `width_m` (k,) wide between them."""
+def contact_patches(union: ConvexUnion, X_AG: FloatArray, width_m: FloatArray, gripper: Gripper) -> ContactPatches:
+    """Contact patches of pads in poses X_AG (k, 4, 4) on a body that is `width_m` (k,) wide between them."""
     steps = (np.arange(_GRID) + 0.5) / _GRID - 0.5
     y, z = (axis.ravel() for axis in np.meshgrid(gripper.pad_m[0] * steps, gripper.pad_m[1] * steps, indexing="ij"))
     share, arm, middle = np.full(len(X_AG), np.inf), np.zeros(len(X_AG)), np.zeros((len(X_AG), 3))
@@ -48,16 +48,16 @@ def pad_patches(union: ConvexUnion, X_AG: FloatArray, width_m: FloatArray, gripp
         share = np.minimum(share, touched.mean(axis=1))
         arm += 0.5 * np.maximum((weight * distance).sum(axis=1), LEAST_ARM_M)
         middle += 0.5 * np.einsum("kij,kj->ki", X_AG[:, :3, 1:3], centre)
-    return Patches(share, arm, X_AG[:, :3, 3] + middle)
+    return ContactPatches(share, arm, X_AG[:, :3, 3] + middle)
 
 
 def holding_force(
     weight_n: float, lever_m: FloatArray, arm_m: FloatArray, angle_rad: FloatArray, friction: float
 ) -> FloatArray:
-    """(k,) newtons with which each of two pads just holds a weight whose mass centre is `lever_m` off their line.
+    """Force (k,) in newtons with which each of two pads just holds a weight at `lever_m` (k,) from their line.
 
-    The weight pulls along the pads and turns the body about their normal. A squeeze along a line that leans by
-    `angle_rad` to a normal uses up part of the friction itself.
+    The weight acts along the pads and as a moment about their normal. A grip force along a line at `angle_rad` to a
+    normal uses up part of the friction itself.
     """
     left = np.sqrt(np.maximum(friction**2 - np.tan(angle_rad) ** 2, (0.1 * friction) ** 2))
     return weight_n / (2.0 * left) * np.hypot(1.0, lever_m / arm_m)

@@ -1,4 +1,4 @@
-"""A parallel-jaw gripper as boxes, for what must stay clear of an object and of the ground.
+"""A parallel-jaw gripper as three boxes (metres), for collision tests with an object and the ground.
 
 Frame G: origin between the pads, +z along the approach, x the closing axis.
 """
@@ -18,31 +18,31 @@ class Gripper:
     """Sizes in metres, force of each pad in newtons; by default about those of the Franka Hand (80 mm, 70 N).
 
     pad_m     width (y) and height (z) of a pad, which is as wide as its finger; the fingers end with the pads.
-    reach_m   from the hand to the middle of the pads; hand_m the box of the hand with what carries it (x, y, z).
-    spare_m   by how much the pads stand off on each side before they close where they open that wide, else `least_m`.
+    palm_to_pad_m  from the hand to the middle of the pads; hand_m the box of hand and wrist (x, y, z).
+    spare_m   clearance of each pad before it closes, where the opening allows; at least `least_m`.
     """
 
     opening_m: float = 0.08
     pad_m: tuple[float, float] = (0.02, 0.02)
     finger_m: float = 0.012
-    reach_m: float = 0.045
+    palm_to_pad_m: float = 0.045
     hand_m: tuple[float, float, float] = (0.2, 0.064, 0.1)
     spare_m: float = 0.005
     least_m: float = 0.002
     force_n: float = 70.0
 
     def widest_m(self) -> float:
-        """The widest thing it takes."""
+        """The largest width that it can grasp, in metres."""
         return self.opening_m - 2.0 * self.least_m
 
     def open_for(self, width_m: FloatArray) -> FloatArray:
-        """(k,) how far the pads are apart before they close on widths (k,)."""
+        """Openings (k,) in metres before the pads close on widths (k,)."""
         return np.minimum(width_m + 2.0 * self.spare_m, self.opening_m)
 
 
 def boxes(gripper: Gripper, opening_m: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Poses X_GB (k, 3, 4, 4) and half edges (k, 3, 3) of left finger, right finger and hand for openings (k,)."""
-    tip, root = 0.5 * gripper.pad_m[1], -gripper.reach_m
+    tip, root = 0.5 * gripper.pad_m[1], -gripper.palm_to_pad_m
     finger = 0.5 * np.array([gripper.finger_m, gripper.pad_m[0], tip - root])
     half = np.stack([finger, finger, 0.5 * np.array(gripper.hand_m)])
     X_GB = np.tile(pose(), (len(opening_m), 3, 1, 1))
@@ -54,7 +54,7 @@ def boxes(gripper: Gripper, opening_m: FloatArray) -> tuple[FloatArray, FloatArr
 
 
 def lowest(X_AB: FloatArray, half_m: FloatArray, up_A: FloatArray) -> FloatArray:
-    """(k,) the least reach along `up_A` (3,) of any of the boxes with poses (k, b, 4, 4) and half edges (k, b, 3)."""
+    """Lowest coordinate (k,) along `up_A` (3,) of boxes with poses (k, b, 4, 4) and half edges (k, b, 3)."""
     centres = X_AB[..., :3, 3] @ up_A
-    reach = (np.abs(np.einsum("i,kbij->kbj", up_A, X_AB[..., :3, :3])) * half_m).sum(axis=2)
-    return (centres - reach).min(axis=1)
+    half_extent = (np.abs(np.einsum("i,kbij->kbj", up_A, X_AB[..., :3, :3])) * half_m).sum(axis=2)
+    return (centres - half_extent).min(axis=1)

@@ -1,1 +1,1 @@
-"""Mass properties of solids: volume, centre of mass, inertia, principal axes and bounds on them."""
+"""Mass, centre of mass and inertia of solids (kg, m, kg m2), principal axes, bounds on them; read `inertia` first."""

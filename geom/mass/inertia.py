@@ -1,4 +1,4 @@
-"""Mass, mass centre and inertia of bodies, exact for their geometry. Kilograms and metres; axes of the given points.
+"""Mass, mass centre and inertia tensor of bodies, exact for their geometry, in the axes of the given points (kg, m).
 
 Every body reduces to three moments about some point: mass, first moment and second moment `S = ∫ x xᵀ dm`; they add,
 and `I = tr(S) 1 - S`. Tetrahedra and triangles have closed moments (Blow and Binstock 2004, "How to find the inertia
@@ -14,46 +14,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geom.convex.hull import convex_hull, thickness
 from geom.mesh.surface_distance import triangle_areas
 from schemas.model import FloatArray, IntArray
-from schemas.physics import MassProperties, Solid
+from schemas.physics import MassProperties
 
 TRIANGLE_INEQUALITY_TOLERANCE = 1e-9
-# A hull thinner than this share of its diagonal says nothing about volume; a plate of the assumed wall does.
-FLAT_SHARE = 1e-3
-PLATE_WALL_M = 1e-3
-
-
-def mass_properties(solid: Solid, density_kgm3: float) -> tuple[MassProperties, str, float]:
-    """Mass properties of a physical surface filled with one density, the method, and a confidence in 0..1.
-
-    First that applies: volume of the closed surface, open surface times wall thickness, volume of the convex hull,
-    oriented box (flat remains; at least `PLATE_WALL_M` thick). The confidence is about the geometry alone, not about
-    the density or about what is inside. Raises ValueError when the surface has no area and no extent.
-    """
-    if solid.kind == "closed":
-        closed = of_closed_surface(solid.points, solid.triangles, density_kgm3)
-        if closed.mass_kg > 0.0 and is_physical(closed.inertia_kgm2):
-            return closed, "volume of the closed surface", 0.95
-    if solid.kind == "shell" and solid.wall_thickness_m is not None:
-        sheet = of_sheet(solid.points, solid.triangles, solid.wall_thickness_m, density_kgm3)
-        if sheet.mass_kg > 0.0:
-            return sheet, "area times wall thickness", 0.5
-    try:
-        points, triangles = convex_hull(solid.points)
-        if thickness(points, triangles) > FLAT_SHARE * np.linalg.norm(np.ptp(points, axis=0)):
-            return of_closed_surface(points, triangles, density_kgm3), "volume of the convex hull", 0.3
-    except ValueError:
-        pass  # Flat: the box below stands in.
-    return _of_bounding_plate(solid.points, density_kgm3), "oriented box", 0.15
 
 
 def of_closed_surface(points: FloatArray, triangles: IntArray, density_kgm3: float) -> MassProperties:
     """Mass properties of the volume inside a closed, outward triangle surface; points (n, 3), triangles (m, 3).
 
-    Signed tetrahedra from the centre of the points, so that a far-away origin costs no digits. Inward shells subtract.
-    A mass of zero or below means that the surface is not closed and outward; the caller decides.
+    Signed tetrahedra from the centre of the points, so that a far-away origin costs no precision. Inward shells
+    subtract. A mass of zero or below means that the surface is not closed and outward; the caller decides.
     """
     origin = _middle(points)
     a, b, c = np.moveaxis(points[triangles] - origin, 1, 0)
@@ -82,27 +54,27 @@ def of_sheet(points: FloatArray, triangles: IntArray, thickness_m: float, densit
 
 
 def of_box(size_m: Sequence[float], density_kgm3: float) -> MassProperties:
-    """A box of full edge lengths (x, y, z), centred on the origin."""
+    """Mass properties of a box of full edge lengths (x, y, z), centred on the origin."""
     x, y, z = size_m
     mass = density_kgm3 * x * y * z
     return MassProperties(mass, np.zeros(3), mass / 12.0 * np.diag([y * y + z * z, x * x + z * z, x * x + y * y]))
 
 
 def of_sphere(radius_m: float, density_kgm3: float) -> MassProperties:
-    """A ball centred on the origin."""
+    """Mass properties of a ball centred on the origin."""
     mass = density_kgm3 * 4.0 / 3.0 * np.pi * radius_m**3
     return MassProperties(mass, np.zeros(3), 0.4 * mass * radius_m**2 * np.eye(3))
 
 
 def of_cylinder(radius_m: float, height_m: float, density_kgm3: float) -> MassProperties:
-    """A cylinder along z, centred on the origin."""
+    """Mass properties of a cylinder along z, centred on the origin."""
     mass = density_kgm3 * np.pi * radius_m**2 * height_m
     across = mass * (3.0 * radius_m**2 + height_m**2) / 12.0
     return MassProperties(mass, np.zeros(3), np.diag([across, across, 0.5 * mass * radius_m**2]))
 
 
 def of_capsule(radius_m: float, height_m: float, density_kgm3: float) -> MassProperties:
-    """A capsule along z, centred on the origin; `height_m` without its caps.
+    """Mass properties of a capsule along z, centred on the origin; `height_m` without its caps.
 
     Two half balls, each with its mass centre 3r/8 beyond the end of the cylinder, and the cylinder.
     """
@@ -110,8 +82,8 @@ def of_capsule(radius_m: float, height_m: float, density_kgm3: float) -> MassPro
     cap = of_sphere(radius_m, density_kgm3).mass_kg / 2.0
     # Half ball: 2/5 m r² about the centre of its flat face, on every axis through it.
     about_face = 0.4 * cap * radius_m**2
-    reach = 3.0 * radius_m / 8.0
-    across = about_face - cap * reach**2 + cap * (reach + height_m / 2.0) ** 2
+    centre_offset = 3.0 * radius_m / 8.0
+    across = about_face - cap * centre_offset**2 + cap * (centre_offset + height_m / 2.0) ** 2
     inertia = tube.inertia_kgm2 + 2.0 * np.diag([across, across, about_face])
     return MassProperties(tube.mass_kg + 2.0 * cap, np.zeros(3), inertia)
 
@@ -130,7 +102,7 @@ def inertia_about(body: MassProperties, point_m: FloatArray) -> FloatArray:
 
 
 def combine(bodies: Sequence[MassProperties]) -> MassProperties:
-    """One rigid body made of several that do not overlap. Raises ValueError for no bodies."""
+    """Mass properties of one rigid body made of several that do not overlap. Raises ValueError for no bodies."""
     if not bodies:
         raise ValueError("no bodies to combine")
     mass = sum(b.mass_kg for b in bodies)
@@ -141,7 +113,7 @@ def combine(bodies: Sequence[MassProperties]) -> MassProperties:
 
 
 def scaled(body: MassProperties, factor: float) -> MassProperties:
-    """The same shape with `factor` times the density."""
+    """Mass properties of the same shape at `factor` times the density."""
     return MassProperties(body.mass_kg * factor, body.centre_of_mass_m, body.inertia_kgm2 * factor)
 
 
@@ -157,22 +129,6 @@ def is_physical(inertia_kgm2: FloatArray, tolerance: float = TRIANGLE_INEQUALITY
         return False
     low, middle, high = np.linalg.eigvalsh(inertia_kgm2)
     return bool(low > 0.0 and high <= low + middle + tolerance * high)
-
-
-def _of_bounding_plate(points: FloatArray, density_kgm3: float) -> MassProperties:
-    """The box along the principal directions of the points, at least as thick as a plate."""
-    centred = points - _middle(points)
-    axes = np.linalg.eigh(centred.T @ centred)[1]
-    if np.linalg.det(axes) < 0.0:
-        axes[:, 0] = -axes[:, 0]
-    along = centred @ axes
-    size = np.ptp(along, axis=0)
-    if not size.max() > 0.0:
-        raise ValueError("all points coincide")
-    X_AB = np.eye(4)
-    X_AB[:3, :3] = axes
-    X_AB[:3, 3] = _middle(points) + axes @ (0.5 * (along.min(axis=0) + along.max(axis=0)))
-    return moved(of_box(np.maximum(size, PLATE_WALL_M), density_kgm3), X_AB)
 
 
 def _about_centre(mass: float, first: FloatArray, second: FloatArray, origin: FloatArray) -> MassProperties:

@@ -1,4 +1,4 @@
-"""Principal moments and axes of an inertia tensor, and its change of frame."""
+"""Principal moments and axes of an inertia tensor (3, 3), and the tensor in a rotated frame."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def principal_axes(inertia_kgm2: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Principal moments (3,) ascending and `quat_wxyz` (4,) of the principal frame, w >= 0.
 
     With R the rotation matrix of the quaternion, `inertia = R diag(moments) R^T`. A tensor that is already diagonal
-    keeps its axes (identity, moments in axis order), so that symmetric bodies do not get arbitrary rotated frames.
+    keeps its axes (identity, moments in axis order), so that symmetric bodies do not get arbitrary frames.
     The tensor (3, 3) must be symmetric; its antisymmetric rounding residue is ignored.
     """
     symmetric = 0.5 * (inertia_kgm2 + inertia_kgm2.T)
@@ -32,12 +32,12 @@ def inertia_from_principal(moments: FloatArray, quat_wxyz: FloatArray) -> FloatA
     return axes @ np.diag(moments) @ axes.T
 
 
-def turned_tensor(inertia: FloatArray, linear: FloatArray) -> FloatArray:
+def rotated_tensor(inertia: FloatArray, linear: FloatArray) -> FloatArray:
     """(3, 3) tensor `R I R^T` seen from an outer frame, R being the orthogonal part of `linear` (3, 3).
 
-    `linear` maps directions of the inner frame to the outer one and may scale or mirror; scale says nothing about a
-    tensor given in kg m^2. Source: polar decomposition `linear = R P` (Higham 1986). A singular `linear` leaves R to
-    chance along the lost direction.
+    `linear` maps directions of the inner frame to the outer one and may scale or mirror; scale does not change a
+    tensor given in kg m^2. Source: polar decomposition `linear = R P` (Higham 1986). A singular `linear` leaves R
+    undetermined along the lost direction.
     """
     R, _ = polar(linear)
     turned = R @ inertia @ R.T

@@ -1,4 +1,7 @@
-"""The edge-connected components of a mesh, measured: area, volume, extent, closedness, nesting."""
+"""Edge-connected components of a triangle mesh: label of each face, area, volume, box, closedness, winding, nesting.
+
+From welded points (n, 3) and triangles (m, 3); lengths in the unit of the points.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +14,12 @@ from geom.mesh.surface_distance import NearestOnSurface, triangle_areas
 from geom.mesh.winding_number import winding_numbers
 from schemas.model import FloatArray, IntArray
 
+# Points of a component that are tested for lying inside another one.
 INSIDE_PROBES = 8
-MOST_SOLID_ANGLES = 20_000_000
-# Volume over area ** 1.5 below which a closed surface encloses nothing but rounding; a ball has 0.094.
-LEAST_COMPACTNESS = 1e-7
+# Above this many pairs of point and triangle the parity of rays replaces the winding number.
+MAX_SOLID_ANGLES = 20_000_000
+# Volume over area ** 1.5 below which a closed surface encloses only rounding; a ball has 0.094.
+MIN_COMPACTNESS = 1e-7
 
 
 @dataclass(frozen=True)
@@ -27,7 +32,7 @@ class Components:
     volume     (k,) signed volume about the component's own centre; meaningful where `closed` and `consistent`.
     low, high  (k, 3) bounding boxes.
     closed     (k,) every edge has an even number of faces.
-    consistent (k,) no edge with two faces is run through twice in the same direction, and closed ones cancel.
+    consistent (k,) no edge with two faces has both half-edges in one direction; in closed components all cancel.
     boundary   (k,) boundary edges.
     """
 
@@ -48,13 +53,13 @@ class Components:
 
     @property
     def solid(self) -> FloatArray:
-        """(k,) closed and consistently wound, so that `volume` has a meaning."""
+        """(k,) True where closed and consistently wound, so that `volume` is defined."""
         return self.closed & self.consistent
 
     @property
-    def turned_in(self) -> FloatArray:
-        """(k,) solid with a negative volume beyond rounding; a double-sided sheet encloses none."""
-        return self.solid & (self.volume < -LEAST_COMPACTNESS * self.area**1.5)
+    def inside_out(self) -> FloatArray:
+        """(k,) True where solid with a negative volume beyond rounding; a double-sided sheet has none."""
+        return self.solid & (self.volume < -MIN_COMPACTNESS * self.area**1.5)
 
     @property
     def extent(self) -> FloatArray:
@@ -99,25 +104,28 @@ def opposite_container(
 ) -> IntArray:
     """For each component (k,): the smallest closed component that contains it and is oppositely wound, or -1.
 
-    This is what makes an inner shell a cavity: solid outside, turned-in inside. Containment is bounding box first, then
-    the winding number of up to eight of its points. `volume` (k,) are signed volumes, zero where a component encloses
-    none; by default those of the solid ones. A surface with small holes still winds about what is inside.
+    An inner shell with such a container is a cavity: the outer shell is wound outward, the inner one inward.
+    Containment compares bounding boxes, then the winding number at up to eight points. `volume` (k,) are signed
+    volumes, zero where a component encloses none; by default those of the solid ones. A surface with small holes still
+    winds about points inside it.
     """
     volume = np.where(parts.solid, parts.volume, 0.0) if volume is None else volume
     parent = np.full(parts.count, -1, dtype=np.int64)
     inward, outward = np.flatnonzero(volume < 0.0), np.flatnonzero(volume > 0.0)
-    few, many = sorted((inward, outward), key=len)  # Pairs are sought from the rarer side: most files have no cavity.
+    few, many = sorted(
+        (inward, outward), key=len
+    )  # Pairs are searched from the smaller set: most files have no cavity.
     pairs = [np.zeros((0, 2), dtype=np.int64)]
     for part in few:
         around = (parts.low[many] < parts.low[part]).all(axis=1) & (parts.high[many] > parts.high[part]).all(axis=1)
         within = (parts.low[many] > parts.low[part]).all(axis=1) & (parts.high[many] < parts.high[part]).all(axis=1)
         pairs += [np.stack(np.broadcast_arrays(many[around], part), axis=1)]
         pairs += [np.stack(np.broadcast_arrays(part, many[within]), axis=1)]
-    found = np.concatenate(pairs)
-    outers = np.unique(found[:, 0])
+    outer_inner = np.concatenate(pairs)
+    outers = np.unique(outer_inner[:, 0])
     groups = np.split(np.argsort(parts.label, kind="stable"), np.cumsum(parts.faces)[:-1])
     for outer in outers[np.argsort(-np.abs(volume[outers]), kind="stable")]:
-        inners = np.sort(found[found[:, 0] == outer, 1])
+        inners = np.sort(outer_inner[outer_inner[:, 0] == outer, 1])
         probes = [_spread(np.unique(triangles[groups[inner]])) for inner in inners]
         inside = _inside(points[np.concatenate(probes)], points, triangles[groups[outer]])
         first = np.cumsum([0, *(len(p) for p in probes)])[:-1]
@@ -125,13 +133,13 @@ def opposite_container(
     return parent
 
 
-def _spread(own: IntArray) -> IntArray:
-    """Up to eight of the points `own` (k,), evenly spread over their numbers."""
-    return own[np.linspace(0, len(own) - 1, min(INSIDE_PROBES, len(own))).astype(np.int64)]
+def _spread(points: IntArray) -> IntArray:
+    """Up to `INSIDE_PROBES` of the point indices (k,), at even steps."""
+    return points[np.linspace(0, len(points) - 1, min(INSIDE_PROBES, len(points))).astype(np.int64)]
 
 
 def _inside(probes: FloatArray, points: FloatArray, triangles: IntArray) -> FloatArray:
-    """(k,) True for probes (k, 3) that the surface winds about; by the parity of rays where that costs too much."""
-    if len(probes) * len(triangles) <= MOST_SOLID_ANGLES:
+    """(k,) True for probes (k, 3) inside the surface, by winding numbers or, where these are slow, by ray parity."""
+    if len(probes) * len(triangles) <= MAX_SOLID_ANGLES:
         return np.abs(winding_numbers(probes, points[triangles])) > 0.5
     return NearestOnSurface(points, triangles).inside(probes)

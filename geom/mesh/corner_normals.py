@@ -1,4 +1,4 @@
-"""Corner normals for meshes that come without."""
+"""Unit normals of faces (m, 3) and of triangle corners (m, 3, 3), from points (n, 3) and triangles (m, 3)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Horizontal cuts through a surface, as polygons in x and y."""
+"""Horizontal cross-sections of a solid (metres) as shapely geometries in x and y."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from geom.mesh.surface_distance import NearestOnSurface
 from schemas.model import FloatArray
 from schemas.physics import Solid
 
-ROUNDING = 1e-7  # of the extent: ends of cuts through two faces meet
+ROUNDING = 1e-7  # of the extent: ends of the cuts through two neighbouring faces coincide
 
 
-class Sections:
-    """Cuts through one solid; what they share is made once."""
+class CrossSections:
+    """Horizontal cross-sections of one solid; the cut mesh and the search tree are built once."""
 
     def __init__(self, solid: Solid) -> None:
         self.solid = solid
@@ -25,13 +25,13 @@ class Sections:
         self._grid = ROUNDING * float(np.ptp(solid.points, axis=0).max())
 
     def outline_at(self, height_m: float) -> BaseGeometry:
-        """The lines in which the plane z = `height_m` cuts the faces, joined where they meet; empty where it misses."""
+        """The lines (x, y) in which the plane z = `height_m` cuts the faces, joined where they meet; may be empty."""
         segments = trimesh.intersections.mesh_plane(self._mesh, [0.0, 0.0, 1.0], [0.0, 0.0, height_m])
         ends = np.asarray(segments, dtype=np.float64).reshape(-1, 2, 3)[:, :, :2]
         return shapely.union_all(shapely.linestrings(ends), grid_size=self._grid)
 
-    def matter_at(self, height_m: float) -> BaseGeometry:
-        """What the plane z = `height_m` cuts out of a solid; of a sheet its walls, of the thickness assumed."""
+    def section_at(self, height_m: float) -> BaseGeometry:
+        """The area (x, y) of the solid in the plane z = `height_m`; of a shell its cut walls, as thick as assumed."""
         lines = self.outline_at(height_m)
         if self.solid.kind == "shell":
             return lines.buffer(0.5 * (self.solid.wall_thickness_m or 0.0))

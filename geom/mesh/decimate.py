@@ -1,4 +1,4 @@
-"""Fewer triangles for the same surface, with the error measured."""
+"""Decimation of triangle surfaces by quadric edge collapse, with attributes and the measured distance to the source."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 import fast_simplification
 import numpy as np
 
-from geom.mesh.surface_distance import closest_on_surface, two_way
+from geom.mesh.surface_distance import closest_on_surface, two_way_distance
 from geom.mesh.topology import degenerate_faces
 from geom.mesh.weld import weld_points
 from schemas.model import FloatArray, IntArray, Mesh
@@ -29,14 +29,14 @@ def decimate(points: FloatArray, triangles: IntArray, target_faces: int) -> tupl
     centre = 0.5 * (welded.min(axis=0) + welded.max(axis=0))
     scale = float(np.ptp(welded, axis=0).max()) or 1.0
     unit = ((welded - centre) / scale).astype(np.float32)
-    light = fast_simplification.simplify(unit, faces, target_count=max(4, target_faces))
-    return np.asarray(light[0], dtype=np.float64) * scale + centre, np.asarray(light[1], dtype=np.int32)
+    simplified = fast_simplification.simplify(unit, faces, target_count=max(4, target_faces))
+    return np.asarray(simplified[0], dtype=np.float64) * scale + centre, np.asarray(simplified[1], dtype=np.int32)
 
 
 def decimate_mesh(mesh: Mesh, target_faces: int) -> tuple[Mesh, Figures]:
     """`mesh` with about `target_faces` faces; each new corner takes the attributes of the nearest source point.
 
-    A corner looks from slightly inside its own face, so that it lands on the right side of a UV seam or hard edge.
+    Each corner is moved slightly into its own face first, so that it finds the right side of a UV seam or hard edge.
     Figures: `triangles_before`, `triangles_after`, `surface_distance_p95_m`, `surface_distance_max_m`.
     """
     points, triangles = decimate(mesh.points, mesh.triangles, target_faces)
@@ -47,24 +47,24 @@ def decimate_mesh(mesh: Mesh, target_faces: int) -> tuple[Mesh, Figures]:
     nearest, source = closest_on_surface(inward.reshape(-1, 3), mesh.points, mesh.triangles)
     weights = _barycentric(nearest, mesh.points[mesh.triangles[source]])
 
-    def carried(values: FloatArray) -> FloatArray:
+    def interpolated(values: FloatArray) -> FloatArray:
         mixed = np.einsum("kc,kcx->kx", weights, values[source].astype(np.float64))
         return mixed.reshape(len(triangles), 3, -1).astype(values.dtype)
 
     normals = None
     if mesh.normals is not None:
-        normals = carried(mesh.normals)
+        normals = interpolated(mesh.normals)
         normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), np.finfo(np.float32).tiny)
-    light = replace(
+    decimated = replace(
         mesh,
         points=points,
         triangles=triangles,
         normals=normals,
-        uvs=tuple(carried(uv) for uv in mesh.uvs),
-        colors=None if mesh.colors is None else carried(mesh.colors),
+        uvs=tuple(interpolated(uv) for uv in mesh.uvs),
+        colors=None if mesh.colors is None else interpolated(mesh.colors),
     )
-    d = two_way(mesh.points, mesh.triangles, points, triangles, DISTANCE_SAMPLES, 0)
-    return light, _figures(len(mesh.triangles), len(triangles), max(d.a_to_b_p95, d.b_to_a_p95), d.hausdorff)
+    d = two_way_distance(mesh.points, mesh.triangles, points, triangles, DISTANCE_SAMPLES, 0)
+    return decimated, _figures(len(mesh.triangles), len(triangles), max(d.a_to_b_p95, d.b_to_a_p95), d.hausdorff)
 
 
 def _figures(before: int, after: int, p95_m: float, max_m: float) -> Figures:

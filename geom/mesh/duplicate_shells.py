@@ -1,4 +1,4 @@
-"""Find closed shells that occur more than once in the same place."""
+"""Duplicate faces and closed shells of a triangle mesh: which faces (m,) repeat others at the same place."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ COPY_TOLERANCE = 1e-4
 
 
 def surplus_shells(points: FloatArray, triangles: IntArray, parts: Components) -> tuple[int, FloatArray]:
-    """How many copies of closed shells are surplus, and the faces (m,) that belong to them; the first copy stays.
+    """Number of surplus copies of closed shells, and a mask (m,) of their faces; the first copy stays.
 
     Two cases: copies whose points were welded, so that every face of a closed component occurs k times, wound the same
     way; and separate closed components whose points coincide within 1e-4 of their diagonal and whose volumes have the
@@ -32,16 +32,16 @@ def later_copies(keys: IntArray) -> FloatArray:
 
 
 def oriented_keys(triangles: IntArray) -> IntArray:
-    """Each face (m, 3) turned so that its smallest index comes first; equal rows are equal faces, same side up."""
+    """Each face (m, 3) rotated so that its smallest index comes first; equal rows are equal faces of equal winding."""
     turn = triangles.argmin(axis=1)[:, None] + np.arange(3)
     return np.take_along_axis(triangles, turn % 3, axis=1)
 
 
 def has_reverse(triangles: IntArray) -> FloatArray:
-    """(m,) True for faces whose reverse, the same points the other way round, is also among them."""
+    """(m,) True for faces whose reverse, the same points in opposite winding, is also among them."""
     both = row_numbers(np.concatenate([oriented_keys(triangles), oriented_keys(triangles[:, [0, 2, 1]])]))
-    own, reverse = np.split(both, 2)
-    return np.isin(reverse, own)
+    forward, reverse = np.split(both, 2)
+    return np.isin(reverse, forward)
 
 
 def row_numbers(rows: IntArray) -> IntArray:

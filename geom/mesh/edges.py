@@ -1,4 +1,7 @@
-"""Edges of a triangle mesh and the graphs they make: components, fans around points, consistent winding."""
+"""Edges of a triangle mesh and graphs over them: connected components, fans around points, consistent winding.
+
+All functions take triangles (m, 3) of point indices, none of which repeats an index in one face.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +64,7 @@ def face_components(edges: Edges, through: FloatArray | None = None) -> tuple[in
 def corner_fans(triangles: IntArray, edges: Edges) -> tuple[int, IntArray]:
     """Number of fans and the fan (m, 3) of each corner.
 
-    A fan is a set of faces around one point that hang together by edges at that point. A manifold point has one fan.
+    A fan is a set of faces around one point that are connected by edges at that point. A manifold point has one fan.
     """
     m, e = len(triangles), len(edges.uses)
     corner = np.arange(3 * m).reshape(m, 3)
@@ -78,18 +81,18 @@ def corner_fans(triangles: IntArray, edges: Edges) -> tuple[int, IntArray]:
 
 
 def corners_at(triangles: IntArray, points: IntArray) -> list[tuple[IntArray, IntArray]]:
-    """For each of `points`: rows (k,) and columns (k,) of the corners that name it, in ascending order."""
+    """For each of `points`: rows (k,) and columns (k,) of the corners that refer to it, in ascending order."""
     flat = triangles.reshape(-1)
-    found = np.flatnonzero(np.isin(flat, points))
-    found = found[np.argsort(flat[found], kind="stable")]
-    first, last = (np.searchsorted(flat[found], points, side=side) for side in ("left", "right"))
-    return [(found[a:b] // 3, found[a:b] % 3) for a, b in zip(first, last, strict=True)]
+    corners = np.flatnonzero(np.isin(flat, points))
+    corners = corners[np.argsort(flat[corners], kind="stable")]
+    first, last = (np.searchsorted(flat[corners], points, side=side) for side in ("left", "right"))
+    return [(corners[a:b] // 3, corners[a:b] % 3) for a, b in zip(first, last, strict=True)]
 
 
 def consistent_flips(edges: Edges) -> tuple[FloatArray, FloatArray]:
-    """Which faces (m,) to turn so that neighbours agree, and which (m,) lie on a one-sided (non-orientable) sheet.
+    """Masks (m,): faces to flip so that neighbours agree, and faces on a one-sided (non-orientable) sheet.
 
-    Winding spreads across edges with exactly two faces. In each sheet the minority by count is turned. Method: a face
+    Winding spreads across edges with exactly two faces. In each sheet the minority by count is flipped. Method: a face
     and its reverse are two nodes; neighbours that agree join equal nodes, others crosswise; a sheet can be oriented
     iff its two covers stay apart.
     """

@@ -1,4 +1,4 @@
-"""Edit the faces of a `Mesh` so that every corner attribute follows."""
+"""Edits of a `Mesh` that keep all corner attributes (normals, UVs, colours) in step with its triangles (m, 3)."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from scipy.sparse import csr_array
 from schemas.model import FloatArray, IntArray, Mesh
 
 
-def keep_faces(mesh: Mesh, kept: FloatArray) -> Mesh:
-    """The faces where `kept` (m,) is True, or listed by index in that order; points stay as they are."""
-    if kept.dtype == np.bool_:
-        kept = np.flatnonzero(kept)
-    if np.array_equal(kept, np.arange(len(mesh.triangles))):
+def keep_faces(mesh: Mesh, selected: FloatArray) -> Mesh:
+    """The faces where `selected` (m,) is True, or listed by index in that order; points are unchanged."""
+    if selected.dtype == np.bool_:
+        selected = np.flatnonzero(selected)
+    if np.array_equal(selected, np.arange(len(mesh.triangles))):
         return mesh
     return replace(
         mesh,
-        triangles=mesh.triangles[kept],
-        normals=None if mesh.normals is None else mesh.normals[kept],
-        uvs=tuple(uv[kept] for uv in mesh.uvs),
-        colors=None if mesh.colors is None else mesh.colors[kept],
+        triangles=mesh.triangles[selected],
+        normals=None if mesh.normals is None else mesh.normals[selected],
+        uvs=tuple(uv[selected] for uv in mesh.uvs),
+        colors=None if mesh.colors is None else mesh.colors[selected],
     )
 
 
@@ -35,10 +35,10 @@ def only_used_points(mesh: Mesh) -> Mesh:
 
 
 def flip_faces(mesh: Mesh, flipped: FloatArray) -> Mesh:
-    """Turn the faces where `flipped` (m,) is True: corners 1 and 2 swap.
+    """`mesh` with the faces where `flipped` (m,) is True reversed: corners 1 and 2 swap.
 
-    Their normals change sign where they would look away from the turned face; a file may hold good normals on faces
-    that are wound the wrong way.
+    Normals change sign where they would point away from the reversed face; a file may have correct normals on faces of
+    the wrong winding.
     """
 
     if not flipped.any():
@@ -52,7 +52,7 @@ def flip_faces(mesh: Mesh, flipped: FloatArray) -> Mesh:
     triangles = swap(mesh.triangles)
     normals = None if mesh.normals is None else swap(mesh.normals)
     if normals is not None:
-        away = flipped & (facing(mesh.points, triangles, normals) < 0.0).all(axis=1)
+        away = flipped & (normal_cosines(mesh.points, triangles, normals) < 0.0).all(axis=1)
         normals = np.where(away[:, None, None], -normals, normals)
     return replace(
         mesh,
@@ -64,13 +64,13 @@ def flip_faces(mesh: Mesh, flipped: FloatArray) -> Mesh:
 
 
 def turn_normals(mesh: Mesh, turned: FloatArray) -> Mesh:
-    """`mesh` with the normals of the faces where `turned` (m,) is True reversed; without normals it stays as it is."""
+    """`mesh` with the normals of the faces where `turned` (m,) is True negated; a mesh without normals is unchanged."""
     if mesh.normals is None:
         return mesh
     return replace(mesh, normals=np.where(turned[:, None, None], -mesh.normals, mesh.normals))
 
 
-def facing(points: FloatArray, triangles: IntArray, normals: FloatArray) -> FloatArray:
+def normal_cosines(points: FloatArray, triangles: IntArray, normals: FloatArray) -> FloatArray:
     """(m, 3) cosine between each corner normal (m, 3, 3) and the normal of its face; zero for faces without area."""
     corners = points[triangles]
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -1,4 +1,7 @@
-"""A cap refined to the density of its rim and bent so that it continues the surface around it smoothly."""
+"""Refinement and fairing of the triangles over a hole, so that they continue the surrounding surface smoothly.
+
+Source: Liepa 2003, "Filling holes in meshes".
+"""
 
 from __future__ import annotations
 
@@ -18,8 +21,8 @@ MOST_NEW_POINTS = 1500
 def fair_patch(points: FloatArray, around: IntArray, cap: IntArray) -> tuple[FloatArray, IntArray]:
     """New points (k, 3) and triangles (m, 3) in place of `cap`; the triangles count the new points from `len(points)`.
 
-    `around` (f, 3) are the faces that touch the rim. Refinement: triangles are split at their middle and edges swapped
-    towards Delaunay until the spacing matches that at the rim. Fairing: the new points minimise the squared
+    `around` (f, 3) are the faces that touch the rim. Refinement: triangles are split at their centroid and edges are
+    swapped towards Delaunay until the spacing matches that of the rim. Fairing: the new points minimise the squared
     scale-dependent umbrella vectors of themselves and of the rim, whose other neighbours lie on the surface, so that
     the patch meets it with a common tangent. Source: Liepa 2003, "Filling holes in meshes", sections 4 and 5.
     """
@@ -41,8 +44,10 @@ def _refined(points: FloatArray, outside: IntArray, inside: IntArray) -> tuple[F
     for _ in range(ROUNDS):
         corners = points[inside]
         middle = corners.mean(axis=1)
-        reach = np.linalg.norm(corners - middle[:, None], axis=2)
-        split = (DENSITY * reach > np.maximum(spacing[inside], spacing[inside].mean(axis=1)[:, None])).all(axis=1)
+        corner_distance = np.linalg.norm(corners - middle[:, None], axis=2)
+        split = (DENSITY * corner_distance > np.maximum(spacing[inside], spacing[inside].mean(axis=1)[:, None])).all(
+            axis=1
+        )
         if not split.any() or len(points) + split.sum() > len(spacing) + MOST_NEW_POINTS:
             break
         new = len(points) + np.arange(int(split.sum()))
@@ -71,15 +76,15 @@ def _relaxed(points: FloatArray, triangles: IntArray) -> IntArray:
     swaps = 0
     while pending and swaps < 10 * len(faces):
         a, b = pending.pop()
-        one, other = at.get((a, b)), at.get((b, a))
-        if one is None or other is None:
+        face_a, face_b = at.get((a, b)), at.get((b, a))
+        if face_a is None or face_b is None:
             continue
-        c, d = _opposite(faces[one], a, b), _opposite(faces[other], a, b)
+        c, d = _opposite(faces[face_a], a, b), _opposite(faces[face_b], a, b)
         joined = (c, d) in at or (d, c) in at
         if joined or _angle(points, c, a, b) + _angle(points, d, a, b) <= np.pi + 1e-9:
             continue
-        faces[one], faces[other] = (c, a, d), (d, b, c)
-        for i in (one, other):
+        faces[face_a], faces[face_b] = (c, a, d), (d, b, c)
+        for i in (face_a, face_b):
             for k in range(3):
                 at[faces[i][k], faces[i][(k + 1) % 3]] = i
         del at[a, b], at[b, a]
@@ -98,7 +103,7 @@ def _angle(points: FloatArray, at: int, a: int, b: int) -> float:
 
 
 def _faired(points: FloatArray, triangles: IntArray, patch: IntArray, known: int) -> FloatArray:
-    """(k, 3) the points from `known` on, moved so that the umbrella vectors at the points of `patch` are least."""
+    """(k, 3) the points from `known` on, at which the umbrella vectors at the points of `patch` are least."""
     edges = edges_of(triangles).points
     weight = 1.0 / np.maximum(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1), np.finfo(float).tiny)
     rows, columns = np.concatenate([edges, edges[:, ::-1]]).T

@@ -1,4 +1,4 @@
-"""Choosing few out of many so that they lie far from one another."""
+"""Farthest-point sampling: a few rows of a feature array (k, d) that lie far from one another."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import numpy as np
 from schemas.model import FloatArray
 
 
-def spread(features: FloatArray, first: int, most: int, least: float) -> list[int]:
+def farthest_points(features: FloatArray, first: int, most: int, least: float) -> list[int]:
     """Indices of up to `most` rows of `features` (k, d), far from one another (at least `least`), from `first` on.
 
-    Farthest-point sampling, Gonzalez 1985; of equals the earliest.
+    Source: Gonzalez 1985; among equal distances the earliest row is taken.
     """
     chosen = [first]
     apart = np.round(np.linalg.norm(features - features[first], axis=1), 9)

@@ -1,4 +1,4 @@
-"""The one check that every reader makes on its points."""
+"""The check of all readers that the coordinates of points (n, 3) are finite."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def require_finite(
 ) -> None:
     """Raise InvalidInput `asset/nonfinite-vertices` when a coordinate of (n, 3) `points` is NaN or infinite.
 
-    `row` is what the source calls a point; `numbers` (n,) says how it numbers them, where not from 0 on.
+    `row` is the word of the source format for a point; `numbers` (n,) are its point numbers unless they start at 0.
     """
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if not len(bad):

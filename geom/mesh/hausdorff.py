@@ -1,4 +1,7 @@
-"""Hausdorff distance between triangle surfaces, enclosed between a distance attained and a bound proved."""
+"""One-sided Hausdorff distance from triangles to a surface: a distance attained by a point and a proven upper bound.
+
+Source: Tang, Lee and Kim 2009, "Interactive Hausdorff distance computation for general polygonal models".
+"""
 
 from __future__ import annotations
 
@@ -9,17 +12,17 @@ import numpy as np
 from geom.mesh.surface_distance import NearestOnSurface, triangle_areas
 from schemas.model import FloatArray, IntArray
 
-# Parts looked at before the search gives up and leaves a wider gap; the first look at every triangle is not counted.
+# Parts examined before the search stops and leaves a wider gap; the first examination of each triangle is free.
 BUDGET = 400_000
 _TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
-class Reach:
-    """How far one surface reaches away from another, in the unit of the points.
+class DistanceBounds:
+    """Bounds of the largest distance from one surface to another, in the unit of the points.
 
-    attained  distance of the point `at` (3,), which lies on the first surface: a lower bound that is no guess.
-    bound     no point of the first surface is further away; `bound - attained` is the gap the search left.
+    attained  distance of the point `at` (3,) of the first surface: a lower bound.
+    bound     upper bound over all points of the first surface; `bound - attained` is the gap that the search left.
     """
 
     attained: float
@@ -27,10 +30,10 @@ class Reach:
     at: FloatArray
 
 
-NO_REACH = Reach(0.0, 0.0, np.full(3, np.nan))
+ZERO_DISTANCE = DistanceBounds(0.0, 0.0, np.full(3, np.nan))
 
 
-def reach(
+def one_sided_hausdorff(
     corners: FloatArray,
     points: FloatArray,
     triangles: IntArray,
@@ -38,20 +41,19 @@ def reach(
     *,
     solid: bool = False,
     budget: int = BUDGET,
-) -> Reach:
+) -> DistanceBounds:
     """The largest distance from the triangles `corners` (k, 3, 3) to the surface `points`, `triangles`.
 
-    With `solid` the surface is closed and outward, and what lies inside it is at no distance.
+    With `solid` the surface is closed and wound outward, and points inside it have distance 0.
 
     Branch and bound. The distance to one triangle is convex, so over a part it is largest at a corner; the distance to
     the surface is at most that to the triangle nearest to the part's centroid, and at most the centroid's distance plus
     the part's radius. Parts that may exceed the largest distance found by more than `tolerance` are quartered, until
-    none is left or the `budget` is spent. Deterministic. Source: Tang, Lee and Kim 2009, "Interactive Hausdorff
-    distance computation for general polygonal models". Raises ValueError when the surface has no area.
+    none is left or the `budget` is spent. Deterministic. Raises ValueError when the surface has no area.
     """
     parts = corners[triangle_areas(corners) > 0.0]
     if len(parts) == 0:
-        return NO_REACH
+        return ZERO_DISTANCE
     target, surface = NearestOnSurface(points, triangles), points[triangles]
     vertices = np.unique(parts.reshape(-1, 3), axis=0)
     away = _distances(vertices, surface[target(vertices)[1]])
@@ -78,7 +80,7 @@ def reach(
             undecided[:] = False
         bound = max(bound, attained, float(bounds[~undecided].max(initial=0.0)))
         parts = _quartered(parts[undecided])
-    return Reach(attained, bound, at)
+    return DistanceBounds(attained, bound, at)
 
 
 def _distances(queries: FloatArray, corners: FloatArray) -> FloatArray:

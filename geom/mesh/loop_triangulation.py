@@ -1,4 +1,4 @@
-"""Triangles over a closed loop in space that continue the surface around it with the least bending."""
+"""Triangulation of a closed loop of points (n, 3) in space that bends least against the surface around it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def triangulate_loop(rim: FloatArray, normals: FloatArray, forbidden: FloatArray
 
     `normals` (n, 3) are those of the faces beyond each side, from point i to i + 1; `forbidden` (n, n) is True for
     pairs that may not be joined, because the surface has that edge. Minimises the sum over all sides and chords of
-    length times bending angle, so that planes and cylinders come out as they were. Dynamic programming over sub-loops:
+    length times bending angle, so that planes and cylinders are continued exactly. Dynamic programming over sub-loops:
     Liepa 2003, "Filling holes in meshes", section 3, with the additive measure of Alboul and van Damme 1996.
     """
     count = len(rim)
@@ -51,13 +51,13 @@ def triangulate_loop(rim: FloatArray, normals: FloatArray, forbidden: FloatArray
     return np.array(_triangles(apex, count))
 
 
-def carried_on(
+def continued_faces(
     points: FloatArray, normals: FloatArray, loop: IntArray, triangles: IntArray
 ) -> tuple[IntArray, FloatArray]:
-    """For each of `triangles` (m, 3) over a loop: which face beyond the loop it carries on, and across which bend.
+    """For each of `triangles` (m, 3) over a loop: the face (m,) beyond the loop that it continues, and the bend (m,).
 
-    `normals` (n, 3) are those of the faces beyond the loop's sides. A triangle carries on the face that it bends away
-    from least, directly or through other triangles; the bend (m,) is the largest angle on that way, in radians.
+    `normals` (n, 3) are those of the faces beyond the loop's sides. A triangle continues the face from which it
+    bends least, directly or through other triangles; the bend is the largest angle on that path, in radians.
     """
     rim = loop.tolist()
     both = np.concatenate([normals, unit_normals(points[triangles])])
@@ -71,8 +71,8 @@ def carried_on(
     bends = sorted((float(_angle(both[i], both[j])), i, j) for i, j in links)
     source = np.append(np.arange(len(rim)), np.full(len(triangles), -1))
     across = np.append(np.zeros(len(rim)), np.full(len(triangles), np.pi))
-    while found := next(((bend, i, j) for bend, i, j in bends if (source[i] < 0) != (source[j] < 0)), None):
-        bend, i, j = found
+    while link := next(((bend, i, j) for bend, i, j in bends if (source[i] < 0) != (source[j] < 0)), None):
+        bend, i, j = link
         known, new = (j, i) if source[i] < 0 else (i, j)
         source[new], across[new] = source[known], max(bend, across[known])
     return np.maximum(source[len(rim) :], 0), across[len(rim) :]
@@ -94,12 +94,12 @@ def _angle(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def _triangles(apex: IntArray, count: int) -> list[tuple[int, int, int]]:
-    found: list[tuple[int, int, int]] = []
+    triangles: list[tuple[int, int, int]] = []
     pending = [(0, count - 1)]
     while pending:
         i, j = pending.pop()
         if j - i >= 2:
             k = int(apex[i, j])
-            found.append((i, k, j))
+            triangles.append((i, k, j))
             pending += [(k, j), (i, k)]
-    return found
+    return triangles

@@ -1,4 +1,4 @@
-"""Cut polygons into triangles."""
+"""Triangulation of polygons in space, with or without holes: fans where convex, else ear clipping (manifold3d)."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def newell_normals(rings: np.ndarray) -> np.ndarray:
 
 
 def _convex(rings: np.ndarray) -> np.ndarray:
-    """(f,) True where every corner of the (f, k, 3) polygons turns the same way and the ring goes round once."""
+    """(f,) True where every corner of the (f, k, 3) polygons turns the same way and the ring winds once."""
     normals = newell_normals(rings)
     edges = np.roll(rings, -1, axis=1) - rings
     turns = np.einsum("fki,fi->fk", np.cross(np.roll(edges, 1, axis=1), edges), normals)
@@ -80,7 +80,7 @@ def triangulate_with_holes(rings: list[np.ndarray]) -> np.ndarray:
     flat = [(r - origin) @ axes for r in rings]
     scale = max(float(np.abs(f).max()) for f in flat)
     starts = np.cumsum([0, *(len(f) for f in flat)])
-    # The triangulator wants the outline counter-clockwise and holes clockwise: turn those that are not.
+    # The triangulator needs the outline counter-clockwise and holes clockwise: reverse the others.
     position = [
         np.arange(start, start + len(f)) if (_area(f) > 0) == (i == 0) else np.arange(start + len(f) - 1, start - 1, -1)
         for i, (start, f) in enumerate(zip(starts[:-1], flat, strict=True))

@@ -1,4 +1,4 @@
-"""Triangles of the implicit shapes of UsdGeom: cube, plane, and the bodies of revolution.
+"""Tessellation of the implicit shapes of UsdGeom: cube, plane, and bodies of revolution.
 
 Shapes follow the OpenUSD schema (UsdGeom: Cube, Plane, Sphere, Cylinder, Cone, Capsule): centred on the origin, the
 axis along +z. Curved shapes are inscribed; rings start on +x and have a multiple of four corners, so the bounding box

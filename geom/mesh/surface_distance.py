@@ -1,4 +1,7 @@
-"""Distances between two triangle surfaces, measured at sampled points against the exact other surface."""
+"""Point samples of triangle surfaces, nearest points on them, and distances between two surfaces, by Open3D.
+
+Surfaces are points (n, 3) and triangles (m, 3); distances are in the unit of the points.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,7 @@ class SurfaceDistance:
         return max(self.a_to_b_max, self.b_to_a_max)
 
 
-def two_way(
+def two_way_distance(
     points_a: FloatArray,
     triangles_a: IntArray,
     points_b: FloatArray,
@@ -42,7 +45,7 @@ def two_way(
     samples: int = 4000,
     seed: int = 0,
 ) -> SurfaceDistance:
-    """Sampled distances between surfaces A and B; the same arguments always give the same figures.
+    """Sampled distances between surfaces A and B; equal arguments give equal values.
 
     Points (n, 3) and triangles (m, 3) of both. Raises ValueError when a surface has no area.
     """
@@ -76,19 +79,19 @@ def triangle_areas(corners: FloatArray) -> FloatArray:
     return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
 
 
-# Three directions at odd angles to each other and to the axes.
-_UNLIKE = np.array([[0.8413, 0.3571, 0.4057], [-0.4421, 0.7879, 0.4289], [0.2717, -0.5233, -0.8076]])
+# Three directions at irregular angles to each other and to the axes.
+_RAY_DIRECTIONS = np.array([[0.8413, 0.3571, 0.4057], [-0.4421, 0.7879, 0.4289], [0.2717, -0.5233, -0.8076]])
 
 
 class NearestOnSurface:
-    """A surface that answers many rounds of nearest-point queries; the tree over its triangles is built once.
+    """Nearest points on one surface for many queries; the search tree over its triangles is built once.
 
-    Exact up to single precision of the surface's extent: it is centred and scaled to unit size first, so its place in
-    the world does not matter. Raises ValueError when the surface has no area.
+    Exact up to single precision of the surface's extent: it is centred and scaled to unit size first, so its position
+    in the world does not matter. Raises ValueError when the surface has no area.
     """
 
     def __init__(self, points: FloatArray, triangles: IntArray) -> None:
-        import open3d as o3d  # Costs a second and 200 MB: loaded only when distances are asked for.
+        import open3d as o3d  # Costs a second and 200 MB: loaded only when distances are needed.
 
         self._kept = np.flatnonzero(triangle_areas(points[triangles]) > 0.0)  # A zero-area triangle yields NaN.
         if self._kept.size == 0:
@@ -105,29 +108,29 @@ class NearestOnSurface:
 
     def __call__(self, queries: FloatArray) -> tuple[FloatArray, IntArray]:
         """For each query (k, 3): the nearest point of the surface (k, 3) and the triangle (k,) it lies on."""
-        asked = ((queries - self._centre) / self._scale).astype(np.float32)
-        answer = self._scene.compute_closest_points(self._tensor(asked))
+        unit_queries = ((queries - self._centre) / self._scale).astype(np.float32)
+        answer = self._scene.compute_closest_points(self._tensor(unit_queries))
         nearest = answer["points"].numpy().astype(np.float64) * self._scale + self._centre
         return nearest, self._kept[answer["primitive_ids"].numpy().astype(np.int64)]
 
     def inside(self, queries: FloatArray) -> FloatArray:
-        """(k,) True for queries (k, 3) inside the surface, which must be closed: the parity of most of three rays.
+        """(k,) True for queries (k, 3) inside the surface, which must be closed: majority of three ray parities.
 
-        The rays run in unlike directions, along no plane that shapes are made of; occupancy by Open3D sends all three
-        nearly along x, where one runs in the plane of a face the others do too.
+        The three directions differ widely and lie in no plane that is usual in shapes. The occupancy test of Open3D
+        casts all three nearly along x, so that all of them run in the plane of the same face.
         """
         odd = np.zeros(len(queries), dtype=np.int64)
-        for direction in _UNLIKE:
+        for direction in _RAY_DIRECTIONS:
             rays = np.tile(direction, (len(queries), 2))
             rays[:, :3] = (queries - self._centre) / self._scale
             odd += self._scene.count_intersections(self._tensor(rays.astype(np.float32))).numpy() % 2
         return odd >= 2
 
-    def walled_share(self, place: FloatArray, looks: int) -> float:
-        """The share of `looks` even directions (Fibonacci lattice) in which the surface is seen from `place` (3,)."""
-        height = 1.0 - (2.0 * np.arange(looks) + 1.0) / looks
-        turn, across = np.arange(looks) * np.pi * (3.0 - np.sqrt(5.0)), np.sqrt(1.0 - height**2)
-        rays = np.tile((place - self._centre) / self._scale, (looks, 2))
+    def enclosed_share(self, origin: FloatArray, count: int) -> float:
+        """The share of `count` even directions (Fibonacci lattice) whose rays from `origin` (3,) hit the surface."""
+        height = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+        turn, across = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0)), np.sqrt(1.0 - height**2)
+        rays = np.tile((origin - self._centre) / self._scale, (count, 2))
         rays[:, 3:] = np.stack([across * np.cos(turn), across * np.sin(turn), height], axis=1)
         hits = self._scene.cast_rays(self._tensor(rays.astype(np.float32)))["t_hit"].numpy()
         return float(np.isfinite(hits).mean())
@@ -138,8 +141,8 @@ def closest_on_surface(queries: FloatArray, points: FloatArray, triangles: IntAr
     return NearestOnSurface(points, triangles)(queries)
 
 
-class SolidDistance:
-    """Distance to the surface of one closed body, negative inside: built once, asked often."""
+class SignedDistance:
+    """Signed distance to the surface of one closed body, negative inside; the search tree is built once."""
 
     def __init__(self, points: FloatArray, triangles: IntArray) -> None:
         """Points (n, 3) and triangles (m, 3) of a closed surface about the origin, of about unit size."""
@@ -150,18 +153,18 @@ class SolidDistance:
         self._scene.add_triangles(self._tensor(points.astype(np.float32)), self._tensor(triangles.astype(np.uint32)))
 
     def __call__(self, queries: FloatArray) -> FloatArray:
-        """(k,) for queries (k, 3); inside is where most of three rays leave through an odd number of faces."""
-        asked = self._tensor(np.ascontiguousarray(queries, dtype=np.float32))
-        return self._scene.compute_signed_distance(asked, nsamples=3).numpy().astype(np.float64)
+        """Distances (k,) of queries (k, 3); a point is inside when most of three rays cross an odd number of faces."""
+        query_tensor = self._tensor(np.ascontiguousarray(queries, dtype=np.float32))
+        return self._scene.compute_signed_distance(query_tensor, nsamples=3).numpy().astype(np.float64)
 
 
 def _one_way(
     points_a: FloatArray, triangles_a: IntArray, points_b: FloatArray, triangles_b: IntArray, samples: int, seed: int
 ) -> tuple[float, float, float]:
     """Mean and 95th percentile over samples of A, and the maximum over samples and vertices, against B."""
-    spread, _ = sample_surface(points_a, triangles_a, samples, seed)
+    samples_a, _ = sample_surface(points_a, triangles_a, samples, seed)
     vertices = points_a[np.unique(triangles_a)]
-    queries = np.concatenate([spread, vertices])
+    queries = np.concatenate([samples_a, vertices])
     nearest, _ = closest_on_surface(queries, points_b, triangles_b)
     distances = np.linalg.norm(queries - nearest, axis=1)
     sampled = distances[:samples]

@@ -1,4 +1,4 @@
-"""Observe a triangle mesh: counts of what is good and what is wrong with it, nothing changed."""
+"""Topology of a triangle mesh as counts: components, open and non-manifold edges, degenerate and duplicate faces."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SOUP_LEAST_FACES = 20
 
 
 def observe(points: FloatArray, triangles: IntArray, name: str) -> Topology:
-    """Everything counted on the surface after welding equal points; inputs (n, 3) and (m, 3), free of NaN.
+    """The counts of a surface after welding equal points; points (n, 3) and triangles (m, 3), free of NaN.
 
     Degenerate faces repeat a point or have a height below 1e-6 of their longest edge; duplicates share their three
     points with an earlier face. Faces that repeat a point take no part in the edge counts. Runs in near-linear time.
@@ -43,7 +43,7 @@ def observe(points: FloatArray, triangles: IntArray, name: str) -> Topology:
         non_manifold_edges=int((edges.uses > 2).sum()),
         non_manifold_vertices=len(bow_ties(proper, edges)),
         inconsistent_edges=int(((edges.uses == 2) & (edges.net != 0)).sum()),
-        inverted=bool((parts.turned_in & (parent < 0)).any()),
+        inverted=bool((parts.inside_out & (parent < 0)).any()),
         watertight=watertight,
         duplicate_shells=surplus_shells(points, proper, parts)[0],
         inner_shells=int(((parent >= 0) & (parts.volume < 0.0)).sum()),
@@ -55,7 +55,7 @@ def observe(points: FloatArray, triangles: IntArray, name: str) -> Topology:
 
 
 def is_triangle_soup(topology: Topology) -> bool:
-    """True iff no two faces share an edge and there are too many for that to be a design: no surface at all."""
+    """True iff no two faces share an edge and there are more than 20 faces: separate triangles, no surface."""
     faces = topology.triangles - topology.degenerate_faces
     return faces > SOUP_LEAST_FACES and topology.boundary_edges >= 3 * faces and topology.components >= faces
 
@@ -66,7 +66,7 @@ def is_all_degenerate(topology: Topology) -> bool:
 
 
 def repeats_point(triangles: IntArray) -> FloatArray:
-    """(m,) True where a face names one point twice."""
+    """(m,) True where a face repeats a point."""
     a, b, c = triangles.T
     return (a == b) | (b == c) | (c == a)
 
@@ -81,7 +81,7 @@ def degenerate_faces(points: FloatArray, triangles: IntArray) -> FloatArray:
 
 
 def duplicate_faces(triangles: IntArray) -> FloatArray:
-    """(m,) True where an earlier face has the same three points, in whatever order."""
+    """(m,) True where an earlier face has the same three points, in any order."""
     return later_copies(np.sort(triangles, axis=1))
 
 
@@ -109,15 +109,15 @@ def _extent(points: FloatArray) -> tuple[float, float, float]:
 def _count_thin(points: FloatArray, triangles: IntArray, parts: Components) -> int:
     """Components whose least extent in their principal axes is below 1 % of the largest."""
     pairs = np.unique(np.repeat(parts.label, 3) * len(points) + triangles.reshape(-1))
-    label, own = pairs // max(len(points), 1), points[pairs % max(len(points), 1)]
+    label, component_points = pairs // max(len(points), 1), points[pairs % max(len(points), 1)]
     count = np.maximum(np.bincount(label, minlength=parts.count), 1)
-    centre = np.stack([np.bincount(label, own[:, k], parts.count) / count for k in range(3)], axis=1)
-    own = own - centre[label]
+    centre = np.stack([np.bincount(label, component_points[:, k], parts.count) / count for k in range(3)], axis=1)
+    component_points = component_points - centre[label]
     spread = np.empty((parts.count, 3, 3))
     for i in range(3):
         for j in range(3):
-            spread[:, i, j] = np.bincount(label, own[:, i] * own[:, j], parts.count)
-    turned = np.einsum("kx,kxy->ky", own, np.linalg.eigh(spread)[1][label])
+            spread[:, i, j] = np.bincount(label, component_points[:, i] * component_points[:, j], parts.count)
+    turned = np.einsum("kx,kxy->ky", component_points, np.linalg.eigh(spread)[1][label])
     low, high = np.full((parts.count, 3), np.inf), np.full((parts.count, 3), -np.inf)
     np.minimum.at(low, label, turned)
     np.maximum.at(high, label, turned)

@@ -1,4 +1,4 @@
-"""Merge points that are meant to be one, so that neighbouring faces share them."""
+"""Welding: merges points (n, 3) at equal or nearly equal positions, so that neighbouring faces share them."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ def weld_points(points: FloatArray, triangles: IntArray, tolerance: float | None
     if len(triangles) == 0:
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int32)
     used, index = np.unique(triangles, return_inverse=True)
-    kept = np.asarray(points, dtype=np.float64)[used] + 0.0  # -0.0 and 0.0 are one point
-    kept, index = _merge(kept, index.reshape(-1), _equal_groups(kept))
-    length = tolerance if tolerance is not None else TOLERANCE_PER_DIAGONAL * diagonal(kept)
-    kept, index = _merge(kept, index, _near_groups(kept, length))
-    return kept, index.reshape(-1, 3).astype(np.int32)
+    merged = np.asarray(points, dtype=np.float64)[used] + 0.0  # -0.0 and 0.0 are one point
+    merged, index = _merge(merged, index.reshape(-1), _equal_groups(merged))
+    length = tolerance if tolerance is not None else TOLERANCE_PER_DIAGONAL * diagonal(merged)
+    merged, index = _merge(merged, index, _near_groups(merged, length))
+    return merged, index.reshape(-1, 3).astype(np.int32)
 
 
 def diagonal(points: FloatArray) -> float:

@@ -1,4 +1,4 @@
-"""How often a surface winds around a point."""
+"""Generalised winding numbers of a triangle surface about points (k, 3)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faces drawn a second time from behind, for renderers that cull: looks, not matter."""
+"""Removal of back faces: copies of faces in reverse winding, added for renderers that cull back sides."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Boundary loops of open surfaces, and what each is: a hole to fill, the mouth of a container, the rim of a sheet."""
+"""Boundary loops of open surfaces (n, 3), (m, 3), and their class: hole to fill, mouth of a container, or sheet."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from scipy.spatial import ConvexHull, QhullError
 
 from geom.mesh.components import Components
 from geom.mesh.edges import Edges
-from geom.mesh.loop_triangulation import carried_on, triangulate_loop, unit_normals
+from geom.mesh.loop_triangulation import continued_faces, triangulate_loop, unit_normals
 from geom.mesh.surface_distance import triangle_areas
 from schemas.model import FloatArray, IntArray
 
 OpeningKind = Literal["holes", "container", "sheet"]
 
-# A loop this small against the cross-section behind it is a hole, whatever it looks like.
+# A loop this small against the cross-section behind it is a hole, whatever its shape.
 PINHOLE_SHARE = 0.02
 # Up to this share a loop is a hole when the surface around it lies in its plane (a gap in a wall) ...
 HOLE_SHARE = 0.25
 SLIT_SHARE = 2e-4
 # ... which is measured as the mean cosine between the loop's normal and the normals of the faces along it.
 FLUSH_COSINE = 0.5
-CRUMB_AREA_SHARE = 1e-3
+MIN_AREA_SHARE = 1e-3
 # One missing triangle is recognised by its three edges up to this share of the closed area.
 TRIANGLE_AREA_SHARE = 0.15
 COARSE_EDGES, COARSE_AREA_SHARE = 10, 0.25
@@ -59,7 +59,7 @@ class Opening:
 
 @dataclass(frozen=True)
 class OpenBody:
-    """One open component with its loops and the verdict.
+    """One open component with its loops and its class `kind`.
 
     faces          (f,) face indices, ascending.
     complete       the loops use every boundary edge.
@@ -74,30 +74,32 @@ class OpenBody:
     capped_volume: float
 
 
-def judge_open_bodies(points: FloatArray, triangles: IntArray, edges: Edges, parts: Components) -> tuple[OpenBody, ...]:
-    """A verdict on every component that has boundary edges, wound consistently beforehand.
+def classify_open_bodies(
+    points: FloatArray, triangles: IntArray, edges: Edges, parts: Components
+) -> tuple[OpenBody, ...]:
+    """The class of every component that has boundary edges; the faces must be wound consistently beforehand.
 
     holes      every loop is a hole and together they are at most 30 % of the closed area (at most 10 % when the body is
                thin-walled, with a volume below 0.015 area ** 1.5): filled. A loop is one if
                (a) it has three edges and at most 15 % of the closed area, or
                (b) it spans at most 2 % of the component's cross-section parallel to it (in a thin-walled body also only
                    0.02 % of the closed area: the end of a wire is no hole), or
-               (c) it spans at most 25 % and lies flush in the surface: the faces along it look, on average, less than
-                   60 degrees away from the loop's normal. A scan's open base patches are such; the neck of a bottle
-                   is not, because its wall stands upright on the loop; or
-               (d) it has at most 10 edges and 25 % of the closed area, and its cap carries on the faces around it
+               (c) it spans at most 25 % and lies flush in the surface: the normals of the faces along it are,
+                   on average, less than 60 degrees from the loop's normal. The open base patches of a scan are such
+                   holes; the neck of a bottle is not, because its wall is perpendicular to the loop; or
+               (d) it has at most 10 edges and 25 % of the closed area, and its cap continues the faces around it
                    without a bend of 30 degrees: missing sides of a coarse model.
     container  not `holes`, and capping every loop would enclose at least 70 % of the hull and a volume of at least
                0.015 area ** 1.5: there is a deep interior, and a mouth that belongs to the shape. Never to be filled.
     sheet      the rest: cards, planes, cloth, boards. Nothing to fill. Components with less than 0.1 % of the whole
-               area are not looked at and count as sheets without openings.
+               area are not examined and count as sheets without openings.
     """
-    worth = parts.area >= CRUMB_AREA_SHARE * parts.area.sum()
+    large_enough = parts.area >= MIN_AREA_SHARE * parts.area.sum()
     order = np.argsort(parts.label, kind="stable")
     groups = np.split(order, np.cumsum(parts.faces)[:-1])
     return tuple(
         _judge(points, triangles, edges, groups[part])
-        if worth[part]
+        if large_enough[part]
         else OpenBody("sheet", groups[part], (), False, float(parts.area[part]), 0.0)
         for part in np.flatnonzero(parts.boundary > 0)
     )
@@ -151,10 +153,10 @@ def _simple_loops(path: list[int], start: IntArray, end: IntArray) -> list[IntAr
 
 
 def _judge(points: FloatArray, triangles: IntArray, edges: Edges, faces: IntArray) -> OpenBody:
-    own = points[np.unique(triangles[faces])]
-    centre = 0.5 * (own.min(axis=0) + own.max(axis=0))
+    body_points = points[np.unique(triangles[faces])]
+    centre = 0.5 * (body_points.min(axis=0) + body_points.max(axis=0))
     corners = points[triangles[faces]] - centre
-    outline = _extremes(own - centre)
+    outline = _extremes(body_points - centre)
     area = float(triangle_areas(corners).sum())
     volume = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
     openings = tuple(_measure(points, triangles, outline, loop) for loop in boundary_loops(triangles, edges, faces))
@@ -193,7 +195,7 @@ def _carries_on(opening: Opening, points: FloatArray, triangles: IntArray, close
     cap = triangulate_loop(rim, normals, np.zeros((len(rim), len(rim)), dtype=bool))
     if cap is None:
         return False
-    return bool((carried_on(rim, normals, np.arange(len(rim)), cap)[1] < SMOOTH_BEND_RAD).all())
+    return bool((continued_faces(rim, normals, np.arange(len(rim)), cap)[1] < SMOOTH_BEND_RAD).all())
 
 
 def _measure(points: FloatArray, triangles: IntArray, outline: FloatArray, loop: tuple[IntArray, IntArray]) -> Opening:
@@ -215,7 +217,7 @@ def _measure(points: FloatArray, triangles: IntArray, outline: FloatArray, loop:
 
 
 def _extremes(points: FloatArray) -> FloatArray:
-    """The points that reach furthest in 400 even directions (Fibonacci lattice): a hull within about 1 % of area."""
+    """The extreme points (k, 3) in 400 even directions (Fibonacci lattice): a hull within about 1 % of area."""
     height = 1.0 - (2.0 * np.arange(400) + 1.0) / 400
     turn = np.arange(400) * np.pi * (3.0 - np.sqrt(5.0))
     radius = np.sqrt(1.0 - height**2)

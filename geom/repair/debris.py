@@ -1,4 +1,4 @@
-"""Find floating debris: tiny pieces of surface that touch nothing."""
+"""Floating debris of a triangle surface: a mask (m,) of the faces of tiny pieces that touch nothing else."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from geom.mesh.surface_distance import NearestOnSurface, triangle_areas
 from geom.mesh.topology import FRAGMENT_AREA_SHARE, FRAGMENT_EXTENT_SHARE
 from schemas.model import FloatArray, IntArray
 
-# All debris together; more is a surface made of patches, or an object of many parts.
+# Area of all debris together; with more, the surface is made of patches or the object of many parts.
 MOST_AREA_SHARE = 0.01
-# Pairs of pieces are compared: beyond this many the answer is not worth the time, and everything stays.
+# All pairs of pieces are compared: beyond this many pieces nothing is removed.
 MOST_PIECES = 2000
 
 
@@ -43,12 +43,12 @@ def loose_debris(points: FloatArray, triangles: IntArray) -> FloatArray:
     if small.size == 0:
         return none
     group, groups = _groups(low[small], high[small], extent[small])
-    own = np.flatnonzero(tiny[label])
+    tiny_faces = np.flatnonzero(tiny[label])
     rest = NearestOnSurface(points, triangles[~tiny[label]])
-    corner = corners[own].reshape(-1, 3)
+    corner = corners[tiny_faces].reshape(-1, 3)
     gaps = np.linalg.norm(rest(corner)[0] - corner, axis=1).reshape(-1, 3).min(axis=1)
     gap = np.full(count, np.inf)
-    np.minimum.at(gap, label[own], gaps)
+    np.minimum.at(gap, label[tiny_faces], gaps)
     floats = np.ones(groups, dtype=bool)
     np.logical_and.at(floats, group, gap[small] > extent[small])
     group_low, group_high = np.full((groups, 3), np.inf), np.full((groups, 3), -np.inf)

@@ -1,4 +1,4 @@
-"""Split edges along which two solids touch."""
+"""Splitting of non-manifold edges along which solids touch, so that each wedge of solid has its own edge."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from geom.repair.vertices import CONTACT_ANGLE, split_fans
 from schemas.model import FloatArray, IntArray, Mesh
 
 Figures = dict[str, float]
-# More such edges are a voxel model, which is meant so.
+# With more such edges the mesh is a voxel model and stays as it is.
 MOST_TOUCHING_SHARE = 0.05
 
 
@@ -22,8 +22,8 @@ def split_touching_edges(mesh: Mesh) -> tuple[Mesh, Figures]:
     An edge is split where its faces bound separate wedges of solid: in turning order about the edge they alternate
     between leaving and entering matter, and no two lie against each other. Each wedge gets points of its own, moved
     into it by 1e-5 of the diagonal, so that no later welding joins them again. Parts in contact share whole faces and
-    stay; so do voxel models, in which more than 5 % of the edges are such. Source of the idea: Guéziec, Taubin, Lazarus
-    and Horn 2001, "Cutting and stitching".
+    are unchanged; so are voxel models, in which more than 5 % of the edges are such. Source of the idea: Guéziec,
+    Taubin, Lazarus and Horn 2001, "Cutting and stitching".
     """
     edges = edges_of(mesh.triangles)
     crowded = np.flatnonzero((edges.uses > 2) & (edges.uses % 2 == 0) & (edges.net == 0))
@@ -43,7 +43,7 @@ def split_touching_edges(mesh: Mesh) -> tuple[Mesh, Figures]:
 
 
 def _apart(points: FloatArray, triangles: IntArray, edges: Edges, crowded: IntArray) -> Edges:
-    """The edges with a number of its own for every wedge after the first."""
+    """The edges, with a separate number for every wedge after the first."""
     of_face, count = edges.of_face.copy(), len(edges.uses)
     flat = edges.of_face.reshape(-1)
     halves = np.flatnonzero(np.isin(flat, crowded))

@@ -1,10 +1,10 @@
-"""Drop faces that add nothing to the surface: without area, present already, backs of solids; and fins on a solid."""
+"""Removal of surplus faces of a `Mesh`: degenerate and duplicate ones, back faces of solids, folded flaps, fins."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from geom.mesh.components import LEAST_COMPACTNESS, components_of
+from geom.mesh.components import MIN_COMPACTNESS, components_of
 from geom.mesh.duplicate_shells import has_reverse, later_copies, oriented_keys, row_numbers
 from geom.mesh.edges import Edges, consistent_flips, edges_of, face_components
 from geom.mesh.edit import keep_faces
@@ -36,28 +36,28 @@ def drop_surplus_faces(mesh: Mesh) -> tuple[Mesh, Figures]:
     proper = ~repeats_point(mesh.triangles)
     same = np.zeros(len(proper), dtype=bool)
     same[proper] = later_copies(oriented_keys(mesh.triangles[proper]))
-    kept = np.flatnonzero(proper & ~same)
-    reverse = _odd_copies(mesh.triangles[kept])
-    kept, gone, reversed_count = kept[~reverse], kept[reverse], int(reverse.sum())
-    flips, _ = consistent_flips(edges_of(mesh.triangles[kept]))
-    kept = _exchanged(mesh.triangles, kept, gone, flips)
-    flaps = _folded_flaps(mesh.points, mesh.triangles[kept])
-    kept, reversed_count = kept[~flaps], reversed_count + int(flaps.sum())
-    hanging = _hanging_slivers(mesh.points, mesh.triangles[kept])
-    kept, hanging_count = kept[~hanging], int(hanging.sum())
+    remaining = np.flatnonzero(proper & ~same)
+    reverse = _odd_copies(mesh.triangles[remaining])
+    remaining, dropped, reversed_count = remaining[~reverse], remaining[reverse], int(reverse.sum())
+    flips, _ = consistent_flips(edges_of(mesh.triangles[remaining]))
+    remaining = _exchanged(mesh.triangles, remaining, dropped, flips)
+    flaps = _folded_flaps(mesh.points, mesh.triangles[remaining])
+    remaining, reversed_count = remaining[~flaps], reversed_count + int(flaps.sum())
+    hanging = _hanging_slivers(mesh.points, mesh.triangles[remaining])
+    remaining, hanging_count = remaining[~hanging], int(hanging.sum())
     figures: Figures = {
         "degenerate_faces": int((~proper).sum()) + hanging_count,
         "duplicate_faces": int(same.sum()) + reversed_count,
     }
-    return keep_faces(mesh, kept), figures
+    return keep_faces(mesh, remaining), figures
 
 
 def drop_backs_of_solids(mesh: Mesh) -> tuple[Mesh, Figures]:
     """`mesh` (welded, no repeated points) with the outer side only of closed bodies that are drawn from both sides.
 
     Such a component has most of its faces in both windings (`DOUBLE_SIDED_SHARE`), and one of each pair makes a closed
-    surface with two faces at every edge that encloses a volume: nobody sees its inside. Of each pair the face stays
-    that looks outwards, whatever the order in the file. Sheets, which are seen from both sides, and bodies in contact,
+    surface with two faces at every edge that encloses a volume: its inside is never visible. Of each pair the outward
+    face stays, whatever the order in the file. Sheets, which are seen from both sides, and bodies in contact,
     which share single faces, keep theirs. Figures: `back_faces` removed.
     """
     back = reversed_copies(mesh.triangles)
@@ -66,23 +66,23 @@ def drop_backs_of_solids(mesh: Mesh) -> tuple[Mesh, Figures]:
     _, whole = face_components(edges_of(mesh.triangles))
     share = np.bincount(whole, has_reverse(mesh.triangles)) / np.bincount(whole)
     doubled = (share >= DOUBLE_SIDED_SHARE)[whole]
-    front, gone = np.flatnonzero(doubled & ~back), np.flatnonzero(doubled & back)
+    front, dropped = np.flatnonzero(doubled & ~back), np.flatnonzero(doubled & back)
     single = mesh.triangles[front]
     edges = edges_of(single)
     flips, _ = consistent_flips(edges)
     agreed = np.where(flips[:, None], single[:, [0, 2, 1]], single)
     parts = components_of(mesh.points, agreed)
     crowded = np.bincount(parts.label, (edges.uses[edges.of_face] != 2).any(axis=1), parts.count) > 0
-    compact = np.abs(parts.volume) > LEAST_COMPACTNESS * parts.area**1.5
+    compact = np.abs(parts.volume) > MIN_COMPACTNESS * parts.area**1.5
     body = (parts.solid & compact & ~crowded)[parts.label]
-    outer = _exchanged(mesh.triangles, front, gone, flips ^ (parts.volume < 0.0)[parts.label])[body]
+    outer = _exchanged(mesh.triangles, front, dropped, flips ^ (parts.volume < 0.0)[parts.label])[body]
     settled = np.isin(whole, whole[front[body]])
-    kept = np.sort(np.concatenate([np.flatnonzero(~settled), outer]))
-    return keep_faces(mesh, kept), {"back_faces": len(mesh.triangles) - len(kept)}
+    remaining = np.sort(np.concatenate([np.flatnonzero(~settled), outer]))
+    return keep_faces(mesh, remaining), {"back_faces": len(mesh.triangles) - len(remaining)}
 
 
 def true_degenerates(mesh: Mesh) -> int:
-    """Faces of `mesh`, as read, that name one point twice with the same texture coordinates.
+    """Faces of `mesh`, as read, that repeat one point with the same texture coordinates.
 
     Where the coordinates differ the face is the collapsed side of a quad, as at the pole of a sphere: by design.
     """
@@ -143,15 +143,15 @@ def _odd_copies(triangles: IntArray) -> FloatArray:
     return later & (((uses > 2) & (uses % 2 == 1)).all(axis=1) | _surplus_sheets(later, edges))
 
 
-def _exchanged(triangles: IntArray, kept: IntArray, gone: IntArray, flips: FloatArray) -> IntArray:
-    """`kept` (k,) faces, exchanged for their reverses in `gone` where `flips` (k,) asks to turn them."""
-    if len(gone) == 0:
-        return kept
-    key = row_numbers(np.sort(triangles[np.concatenate([kept, gone])], axis=1))
-    of_kept, of_gone = key[: len(kept)], key[len(kept) :]
-    order = np.argsort(of_gone, kind="stable")
-    place = order[np.minimum(np.searchsorted(of_gone, of_kept, sorter=order), len(gone) - 1)]
-    return np.where(flips & (of_gone[place] == of_kept), gone[place], kept)
+def _exchanged(triangles: IntArray, remaining: IntArray, dropped: IntArray, flips: FloatArray) -> IntArray:
+    """`remaining` (k,) faces, replaced by their reverses in `dropped` where `flips` (k,) is True."""
+    if len(dropped) == 0:
+        return remaining
+    key = row_numbers(np.sort(triangles[np.concatenate([remaining, dropped])], axis=1))
+    of_remaining, of_dropped = key[: len(remaining)], key[len(remaining) :]
+    order = np.argsort(of_dropped, kind="stable")
+    place = order[np.minimum(np.searchsorted(of_dropped, of_remaining, sorter=order), len(dropped) - 1)]
+    return np.where(flips & (of_dropped[place] == of_remaining), dropped[place], remaining)
 
 
 def _surplus_sheets(later: FloatArray, edges: Edges) -> FloatArray:
@@ -163,9 +163,9 @@ def _surplus_sheets(later: FloatArray, edges: Edges) -> FloatArray:
     """
     copies = np.flatnonzero(later)
     of_copies = edges.of_face[copies]
-    own = np.bincount(of_copies.reshape(-1), minlength=len(edges.uses))
-    _, sheet = face_components(edges, own > 0)
-    mends = ((edges.uses - own)[of_copies] == 2).all(axis=1)
+    copy_uses = np.bincount(of_copies.reshape(-1), minlength=len(edges.uses))
+    _, sheet = face_components(edges, copy_uses > 0)
+    mends = ((edges.uses - copy_uses)[of_copies] == 2).all(axis=1)
     whole = np.ones(sheet.max() + 1, dtype=bool)
     np.logical_and.at(whole, sheet[copies], mends)
     _, label = face_components(edges)

@@ -1,4 +1,4 @@
-"""How far the piece that is missing at a filled hole may lie from its cap."""
+"""Uncertainty of a filled hole: how far the missing surface may lie from the cap, in the unit of the points."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.mesh.edges import edges_of
-from geom.mesh.loop_triangulation import carried_on, unit_normals
+from geom.mesh.loop_triangulation import continued_faces, unit_normals
 from geom.mesh.surface_distance import triangle_areas
 from geom.repair.boundary_loops import Opening
 from schemas.model import FloatArray, IntArray
 
-# A face steeper than this against the cap is a side of the design: it tells nothing about the piece between.
+# A face steeper than this against the cap is a side of the design and no evidence about the missing piece.
 STEEP_COSINE = 0.5
-# Of so few triangles, not much larger than the largest face beyond the rim, a cap can be what was there.
+# A cap of so few triangles, not much larger than the largest face beyond the rim, may be the original surface.
 FEW_TRIANGLES, SAME_SIZE = 8, 1.33
 CREASE_RAD, MINUTE_RAD = float(np.radians(60.0)), float(np.radians(0.5))
 # Flat sides are sought in caps of up to this many triangles; more are a curved surface.
@@ -24,32 +24,34 @@ _TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
-class Doubt:
-    """A length that a person should know about, and the point (3,) where it applies; same unit as the points."""
+class ShapeUncertainty:
+    """A possible deviation of a repaired shape: its length and the point `at` (3,), in the unit of the points."""
 
     length: float
     at: FloatArray
 
 
-def cap_doubt(points: FloatArray, triangles: IntArray, opening: Opening, cap: IntArray, around: IntArray) -> Doubt:
+def fill_uncertainty(
+    points: FloatArray, triangles: IntArray, opening: Opening, cap: IntArray, around: IntArray
+) -> ShapeUncertainty:
     """How far the `cap` (k, 3) of an opening of the surface may lie from the piece that is missing.
 
     `around` (f, 3) are the faces near the rim. A cap of one triangle is exact, and so is a small one that looks like
     its neighbourhood (`_looks_alike`): no point of the surface is missing there. Otherwise the missing piece is
     modelled as smooth (`_off_quadric`), or as flat sides that meet at edges (`_off_planes`) where these fit the cap
-    four times better. The doubt is the largest distance between model and cap, looked at in the middles of the cap's
+    four times better. The uncertainty is the largest distance between model and cap, at the middles of the cap's
     triangles and edges.
     """
     corners, beyond = points[cap], points[triangles[opening.faces]]
     centre = points[opening.points].mean(axis=0)
     if len(cap) == 1 or (len(cap) <= FEW_TRIANGLES and _looks_alike(points, beyond, opening, cap, around)):
-        return Doubt(0.0, centre)
+        return ShapeUncertainty(0.0, centre)
     inside = np.concatenate([corners.mean(axis=1), *(0.5 * (corners[:, k] + corners[:, k - 1]) for k in range(3))])
     off = _off_quadric(points, beyond, opening, inside)
     if len(cap) <= MOST_SIDES:
         flat = _off_planes(points, beyond, opening, cap, inside)
         off = flat if flat.max() < CLEARLY_FLAT * off.max() else off
-    return Doubt(float(off.max()), inside[off.argmax()])
+    return ShapeUncertainty(float(off.max()), inside[off.argmax()])
 
 
 def _looks_alike(points: FloatArray, beyond: FloatArray, opening: Opening, cap: IntArray, around: IntArray) -> bool:
@@ -65,38 +67,38 @@ def _looks_alike(points: FloatArray, beyond: FloatArray, opening: Opening, cap: 
     cosines = np.einsum("ij,ij->i", normals[pairs[first] // 3], normals[pairs[first + 1] // 3])
     bends = np.arccos(np.clip(cosines, -1.0, 1.0))
     most = bends[bends < CREASE_RAD].max(initial=0.0)
-    return bool(carried_on(points, unit_normals(beyond), opening.points, cap)[1].max() <= 1.1 * most + MINUTE_RAD)
+    return bool(continued_faces(points, unit_normals(beyond), opening.points, cap)[1].max() <= 1.1 * most + MINUTE_RAD)
 
 
 def _off_planes(
     points: FloatArray, beyond: FloatArray, opening: Opening, cap: IntArray, inside: FloatArray
 ) -> FloatArray:
-    """Distances of points (4 k, 3) of the cap from the planes that the faces beyond the rim carry on.
+    """Distances of points (4 k, 3) of the cap from the planes of the faces beyond the rim that it continues.
 
-    Each triangle of the cap belongs to the plane of the face it bends away from least, directly or through others.
+    Each triangle of the cap continues the plane of the face from which it bends least, directly or through others.
     """
     normals = unit_normals(beyond)
-    own, _ = carried_on(points, normals, opening.points, cap)
-    own = np.tile(own, 4)
-    return np.abs(np.einsum("ij,ij->i", inside - beyond[own, 0], normals[own]))
+    source_face, _ = continued_faces(points, normals, opening.points, cap)
+    source_face = np.tile(source_face, 4)
+    return np.abs(np.einsum("ij,ij->i", inside - beyond[source_face, 0], normals[source_face]))
 
 
 def _off_quadric(points: FloatArray, beyond: FloatArray, opening: Opening, inside: FloatArray) -> FloatArray:
     """Heights of points (k, 3) of the cap over a smooth model of the missing piece.
 
     Over the rim's mean plane: a quadric fitted to the rim and to the slopes of the faces beyond it (least squares,
-    sides weighted by length), plus what it misses of the rim, carried inwards with the inverse squared distance.
+    sides weighted by length), plus its residual at the rim, interpolated inwards with the inverse squared distance.
     """
     centre = points[opening.points].mean(axis=0)
     frame = _loop_frame(points[opening.points] - centre)
     size = float(np.linalg.norm(points[opening.points] - centre, axis=1).max())
     rim = (points[opening.points] - centre) @ frame.T / size
     quadric = _fitted_quadric(rim, unit_normals(beyond) @ frame.T)
-    seen = (inside - centre) @ frame.T / size
-    missed = rim[:, 2] - _terms(rim) @ quadric
-    closeness = 1.0 / np.maximum(((seen[:, None] - rim) ** 2).sum(axis=2), 1e-12)
-    model = _terms(seen) @ quadric + (closeness @ missed) / closeness.sum(axis=1)
-    return size * np.abs(model - seen[:, 2])
+    local = (inside - centre) @ frame.T / size
+    residual = rim[:, 2] - _terms(rim) @ quadric
+    closeness = 1.0 / np.maximum(((local[:, None] - rim) ** 2).sum(axis=2), 1e-12)
+    model = _terms(local) @ quadric + (closeness @ residual) / closeness.sum(axis=1)
+    return size * np.abs(model - local[:, 2])
 
 
 def _fitted_quadric(rim: FloatArray, normals: FloatArray) -> FloatArray:
@@ -105,12 +107,12 @@ def _fitted_quadric(rim: FloatArray, normals: FloatArray) -> FloatArray:
     middle, length = 0.5 * (rim + ahead), np.linalg.norm(ahead - rim, axis=1)
     sloped = normals[:, 2] > STEEP_COSINE
     u, v = middle[sloped, 0], middle[sloped, 1]
-    zero, one = np.zeros(len(u)), np.ones(len(u))
+    zero, ones = np.zeros(len(u)), np.ones(len(u))
     slopes = -normals[sloped, :2] / normals[sloped, 2:]
     rows = [
         _terms(middle),
-        np.stack([zero, one, zero, 2 * u, v, zero], axis=1),
-        np.stack([zero, zero, one, zero, u, 2 * v], axis=1),
+        np.stack([zero, ones, zero, 2 * u, v, zero], axis=1),
+        np.stack([zero, zero, ones, zero, u, 2 * v], axis=1),
     ]
     known = np.concatenate([middle[:, 2], slopes[:, 0], slopes[:, 1]])
     weight = np.sqrt(np.concatenate([length, length[sloped], length[sloped]]) / length.sum())

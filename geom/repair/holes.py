@@ -1,4 +1,4 @@
-"""Fill boundary loops with triangles."""
+"""Hole filling: caps of triangles over the boundary loops of a `Mesh`, with corner attributes and uncertainty."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from geom.mesh.loop_triangulation import MOST_POINTS, triangulate_loop, unit_nor
 from geom.mesh.surface_distance import triangle_areas
 from geom.mesh.weld import diagonal
 from geom.repair.boundary_loops import OpenBody, Opening
-from geom.repair.fill_uncertainty import Doubt, cap_doubt
+from geom.repair.fill_uncertainty import ShapeUncertainty, fill_uncertainty
 from schemas.model import FloatArray, IntArray, Mesh
 
 Figures = dict[str, float]
@@ -25,36 +25,40 @@ Figures = dict[str, float]
 FLAT_ENOUGH = 2.5e-3
 
 
-def fill_openings(mesh: Mesh, openings: Sequence[Opening]) -> tuple[Mesh, Figures, tuple[Doubt, ...]]:
-    """`mesh` with each loop closed by a cap that continues its winding, and how far each cap may be off (`cap_doubt`).
+def fill_openings(mesh: Mesh, openings: Sequence[Opening]) -> tuple[Mesh, Figures, tuple[ShapeUncertainty, ...]]:
+    """`mesh` with each loop closed by a cap of the same winding, the counts, and the uncertainty of each cap.
 
-    A cap that may be off by much becomes a smooth patch (`fair_patch`) if that lessens the doubt. Corners on the rim
-    take UV and colour of the rim's faces, new ones a mean of these, weighted with the inverse squared distance.
+    A cap of large uncertainty (`fill_uncertainty`) becomes a smooth patch (`fair_patch`) if that lessens it. Corners on
+    the rim take UV and colour of the rim's faces, new ones a mean of these, weighted with the inverse squared distance.
     Figures: `holes` filled, `filled_area`.
     """
-    points, flat = caps_of(mesh.points, mesh.triangles, openings)
+    points, flat = triangulate_caps(mesh.points, mesh.triangles, openings)
     bound = FLAT_ENOUGH * diagonal(mesh.points)
     near = _touching(mesh.triangles, np.concatenate([[-1], *(o.points for o in openings)]))
     wide = _touching(mesh.triangles, near)
-    caps, doubts, bent = [], [], []
+    caps, uncertainties, bent = [], [], []
     for opening, cap in zip(openings, flat, strict=True):
         around = _touching(near, opening.points)
         neighbours = _touching(wide, around)
-        doubt, added = cap_doubt(points, mesh.triangles, opening, cap, neighbours), np.zeros((0, 3))
-        if doubt.length > bound:
+        uncertainty, added = fill_uncertainty(points, mesh.triangles, opening, cap, neighbours), np.zeros((0, 3))
+        if uncertainty.length > bound:
             new, patch = fair_patch(points, around, cap)
-            better = cap_doubt(np.concatenate([points, new]), mesh.triangles, opening, patch, neighbours)
-            if better.length < doubt.length:
-                doubt, cap, added = better, patch, new
+            better = fill_uncertainty(np.concatenate([points, new]), mesh.triangles, opening, patch, neighbours)
+            if better.length < uncertainty.length:
+                uncertainty, cap, added = better, patch, new
         points = np.concatenate([points, added])
         caps.append(cap)
-        doubts.append(doubt)
+        uncertainties.append(uncertainty)
         bent.append(len(added) > 0)
     new = np.concatenate([*caps, np.zeros((0, 3), dtype=np.int64)])
     filled = append_faces(mesh, points, new, _attribute_mix(mesh, points, openings, caps))
     figures: Figures = {"holes": len(openings), "filled_area": float(triangle_areas(points[new]).sum())}
     smooth = np.repeat(bent, [len(cap) for cap in caps]) if caps else np.zeros(0, dtype=bool)
-    return _with_smooth_patches(filled, near, len(mesh.triangles) + np.flatnonzero(smooth)), figures, tuple(doubts)
+    return (
+        _with_smooth_patches(filled, near, len(mesh.triangles) + np.flatnonzero(smooth)),
+        figures,
+        tuple(uncertainties),
+    )
 
 
 def _touching(triangles: IntArray, points: IntArray) -> IntArray:
@@ -69,10 +73,10 @@ def _attribute_mix(mesh: Mesh, points: FloatArray, openings: Sequence[Opening], 
         at = mesh.triangles[opening.faces] == opening.points[:, None]  # Each rim point is a corner of the face there.
         corner = 3 * opening.faces + at.argmax(axis=1)
         rim = points[opening.points]
-        own = np.searchsorted(opening.points, cap.reshape(-1), sorter=(order := np.argsort(opening.points)))
-        own = order[np.minimum(own, len(order) - 1)]
-        on_rim = opening.points[own] == cap.reshape(-1)
-        for vertex, index, sits in zip(cap.reshape(-1), own, on_rim, strict=True):
+        rim_index = np.searchsorted(opening.points, cap.reshape(-1), sorter=(order := np.argsort(opening.points)))
+        rim_index = order[np.minimum(rim_index, len(order) - 1)]
+        on_rim = opening.points[rim_index] == cap.reshape(-1)
+        for vertex, index, sits in zip(cap.reshape(-1), rim_index, on_rim, strict=True):
             weights = np.array([1.0]) if sits else 1.0 / ((points[vertex] - rim) ** 2).sum(axis=1)
             data.append(weights / weights.sum())
             columns.append(corner[[index]] if sits else corner)
@@ -93,20 +97,20 @@ def _with_smooth_patches(mesh: Mesh, near: IntArray, faces: IntArray) -> Mesh:
 
 
 def capped_body(points: FloatArray, triangles: IntArray, body: OpenBody) -> tuple[FloatArray, IntArray]:
-    """The faces of one `body` of a surface, then a cap for each of its loops (`caps_of`); points may be unused.
+    """The faces of one `body` of a surface and a cap for each loop (`triangulate_caps`); some points may be unused.
 
-    `body` numbers the faces of the whole surface; what comes out numbers its own.
+    `body.faces` index the whole surface; the returned triangles (k, 3) index the returned points.
     """
-    own = triangles[body.faces]
+    faces = triangles[body.faces]
     openings = [replace(o, faces=np.searchsorted(body.faces, o.faces)) for o in body.openings]
-    points, caps = caps_of(points, own, openings)
-    return points, np.concatenate([own, *caps]).astype(triangles.dtype)
+    points, caps = triangulate_caps(points, faces, openings)
+    return points, np.concatenate([faces, *caps]).astype(triangles.dtype)
 
 
-def caps_of(
+def triangulate_caps(
     points: FloatArray, triangles: IntArray, openings: Sequence[Opening]
 ) -> tuple[FloatArray, tuple[IntArray, ...]]:
-    """Points and one cap (k, 3) for each loop; `openings` number the points and faces of this very surface.
+    """Points and one cap (k, 3) for each loop; `openings` index the points and faces of this surface.
 
     A loop of at most 150 points is triangulated in space with the least bending (`loop_triangulation`), a longer one in
     its mean plane (ear clipping, manifold3d), neither with new points. Where that would repeat an edge the mesh has, or

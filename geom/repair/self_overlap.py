@@ -1,4 +1,4 @@
-"""How much of a closed surface's volume is counted wrong because the surface passes through itself."""
+"""Self-overlap of a closed surface: the volume that its signed volume miscounts where it passes through itself."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 from schemas.model import FloatArray, IntArray
 
 RAYS_PER_SIDE = 48
-_OFFSETS = (0.5137, 0.4871)  # Off the middle of the cells: rays through points and edges of regular models are useless.
+# Not the middle of the cells: rays through points and edges of regular models are ambiguous.
+_OFFSETS = (0.5137, 0.4871)
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ def self_overlap(points: FloatArray, triangles: IntArray) -> Overlap:
 
 
 def _grid(low: FloatArray, high: FloatArray, axis: int) -> tuple[FloatArray, float]:
-    """Ray origins (k, 3) before the box and the area each ray stands for."""
+    """Ray origins (k, 3) before the box and the area that each ray represents."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     steps = (high - low) / RAYS_PER_SIDE
     along = [low[k] + (np.arange(RAYS_PER_SIDE) + o) * steps[k] for k, o in zip((u, v), _OFFSETS, strict=True)]

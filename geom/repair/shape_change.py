@@ -1,4 +1,4 @@
-"""How far an edited surface lies from the surface it was made from, and which faces the edit touched."""
+"""Shape change of an edit: two-way Hausdorff distance between the surface before and after, and the changed faces."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geom.mesh.hausdorff import NO_REACH, Reach, reach
+from geom.mesh.hausdorff import ZERO_DISTANCE, DistanceBounds, one_sided_hausdorff
 from geom.mesh.surface_distance import triangle_areas
 from geom.mesh.weld import diagonal
 from schemas.model import FloatArray, IntArray
@@ -20,13 +20,13 @@ TOLERANCE_SHARE = 1e-4
 class ShapeChange:
     """Two-way distance between a surface before and after an edit, in the unit of the points.
 
-    removed  reach of the faces that are gone from the surface that is left.
-    added    reach of the new faces from the surface that was.
+    removed  distance of the removed faces from the surface after the edit.
+    added    distance of the new faces from the surface before it.
     diagonal of the surface before.
     """
 
-    removed: Reach
-    added: Reach
+    removed: DistanceBounds
+    added: DistanceBounds
     diagonal: float
 
     @property
@@ -36,7 +36,7 @@ class ShapeChange:
 
     @property
     def bound(self) -> float:
-        """What the Hausdorff distance certainly does not exceed."""
+        """A proven upper bound of the Hausdorff distance."""
         return max(self.removed.bound, self.added.bound)
 
     @property
@@ -46,19 +46,19 @@ class ShapeChange:
 
 
 def shape_change(before: Surface, after: Surface) -> ShapeChange:
-    """The distance both ways; faces with the same three corners on either side lie at none and cost nothing.
+    """The distance both ways; faces with the same three corners on both sides have distance 0.
 
-    Infinite when nothing is left, or nothing was there, to measure against.
+    Infinite when one of the surfaces is empty.
     """
-    gone, new = changed_faces(before, after)
+    removed, added = changed_faces(before, after)
     size = diagonal(before[0][np.unique(before[1])])
-    return ShapeChange(_reach(gone, before, after, size), _reach(new, after, before, size), size)
+    return ShapeChange(_reach(removed, before, after, size), _reach(added, after, before, size), size)
 
 
 def changed_faces(before: Surface, after: Surface) -> tuple[FloatArray, FloatArray]:
     """(m,) True for faces of `before` that `after` lacks, and the other way round; winding does not matter."""
-    own, other = _face_numbers(*before), _face_numbers(*after)
-    return ~np.isin(own, other), ~np.isin(other, own)
+    faces_before, faces_after = _face_numbers(*before), _face_numbers(*after)
+    return ~np.isin(faces_before, faces_after), ~np.isin(faces_after, faces_before)
 
 
 def _face_numbers(points: FloatArray, triangles: IntArray) -> IntArray:
@@ -78,9 +78,9 @@ def _mixed(bits: IntArray) -> IntArray:
     return bits ^ (bits >> np.uint64(31))
 
 
-def _reach(moved: FloatArray, mine: Surface, theirs: Surface, size: float) -> Reach:
+def _reach(moved: FloatArray, mine: Surface, theirs: Surface, size: float) -> DistanceBounds:
     if not moved.any():
-        return NO_REACH
+        return ZERO_DISTANCE
     if not triangle_areas(theirs[0][theirs[1]]).any():
-        return Reach(np.inf, np.inf, mine[0][mine[1][moved][0, 0]])
-    return reach(mine[0][mine[1][moved]], *theirs, TOLERANCE_SHARE * size)
+        return DistanceBounds(np.inf, np.inf, mine[0][mine[1][moved][0, 0]])
+    return one_sided_hausdorff(mine[0][mine[1][moved]], *theirs, TOLERANCE_SHARE * size)

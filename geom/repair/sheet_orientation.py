@@ -1,4 +1,7 @@
-"""Which side of an open sheet is its outside: the one that is seen from outside."""
+"""Orientation of open sheets: faces to flip so that the side that sees more of the sky is the front.
+
+The share of the sky that each side sees is estimated by rays from samples of the sheet (m, 3).
+"""
 
 from __future__ import annotations
 
@@ -12,20 +15,20 @@ from geom.mesh.edges import consistent_flips, edges_of, face_components
 from geom.mesh.surface_distance import sample_surface, triangle_areas
 from geom.mesh.topology import repeats_point
 from geom.mesh.weld import weld_points
-from geom.repair.boundary_loops import CRUMB_AREA_SHARE
+from geom.repair.boundary_loops import MIN_AREA_SHARE
 from schemas.model import FloatArray, IntArray
 
-# A sheet is inside out when its front is seen less than this share of its back. A half ball has 1/2, a gutter of half a
-# pipe 0.64, two walls at a right angle 0.71, a card 1: from there on either side may be meant.
+# A sheet is inside out when its front sees less of the sky than this share of what its back sees. A half ball has 1/2,
+# a gutter of half a pipe 0.64, two walls at a right angle 0.71, a card 1: from there on either side may be meant.
 CLEAR_RATIO = 2.0 / 3.0
-# A sheet that is hardly seen at all, hidden in other parts, shows no side.
-LEAST_SEEN = 0.02
+# A sheet that sees hardly any sky, hidden in other parts, has no decidable side.
+MIN_VISIBLE_SHARE = 0.02
 SAMPLES, DIRECTIONS = 256, 32
 _LIFT = 1e-5  # of the size: where rays start above the face
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 
 
-class Sides(NamedTuple):
+class SideVisibility(NamedTuple):
     """How much of the sky each side of a sheet sees (0 to 1), averaged over its area with cosine weights."""
 
     front: float
@@ -34,67 +37,67 @@ class Sides(NamedTuple):
     @property
     def is_inside_out(self) -> bool:
         """Whether the back is clearly the outside."""
-        return self.back >= LEAST_SEEN and self.front < CLEAR_RATIO * self.back
+        return self.back >= MIN_VISIBLE_SHARE and self.front < CLEAR_RATIO * self.back
 
     @property
     def is_outside_in(self) -> bool:
         """Whether the front is clearly the outside, as it should be."""
-        return Sides(self.back, self.front).is_inside_out
+        return SideVisibility(self.back, self.front).is_inside_out
 
 
-class Sheet(NamedTuple):
-    """A sheet with faces to turn: all its `faces` (k,), and of what is seen of it the share of its inner side."""
+class FlippedSheet(NamedTuple):
+    """A sheet with faces to flip: its `faces` (k,), and the share of its inner side in the sky that both sides see."""
 
     faces: IntArray
     inner_share: float
 
 
-class Turned(NamedTuple):
-    """Faces (m,) to turn, and the sheets they are in."""
+class SheetFlips(NamedTuple):
+    """A mask (m,) of the faces to flip, and the sheets that contain them."""
 
     flips: FloatArray
-    sheets: tuple[Sheet, ...]
+    sheets: tuple[FlippedSheet, ...]
 
 
-def sheet_flips(points: FloatArray, triangles: IntArray, owner: IntArray) -> Turned:
+def sheet_flips(points: FloatArray, triangles: IntArray, owner: IntArray) -> SheetFlips:
     """The faces of open sheets that are wound inside out, among `triangles` (m, 3) of the meshes `owner` (m,).
 
-    A sheet hangs together by edges of two faces, also across meshes. First neighbours are made to agree, by turning the
-    minority; then the sheet turns when its back is clearly the side seen from outside, both by itself and with all
-    else in the way. For a vessel the figures have a closed form: its outside sees all of the sky, its inside as much as
-    the area of the mouth over its own (reciprocity of view factors; Howell and Menguc, *Thermal Radiation Heat
+    A sheet is connected by edges of two faces, also across meshes. First neighbours are made to agree, by flipping the
+    minority; then the whole sheet is flipped when its back clearly sees more of the sky, both alone and with all other
+    surfaces as occluders. For a vessel the shares have a closed form: its outside sees all of the sky, its inside as
+    much as the area of the mouth over its own (reciprocity of view factors; Howell and Menguc, *Thermal Radiation Heat
     Transfer*).
 
     Left as they are: sheets with two like sides (`CLEAR_RATIO`); those whose outside other parts hide, as the lining of
-    a double wall or a card on a board; one-sided ones (a Moebius strip), those drawn from both sides, and crumbs below
+    a double wall or a card on a board; one-sided ones (a Moebius strip), those drawn from both sides, and sheets below
     0.1 % of the area.
     """
-    flips, found = np.zeros(len(triangles), dtype=bool), list[Sheet]()
+    flips, flipped_sheets = np.zeros(len(triangles), dtype=bool), list[FlippedSheet]()
     welded = weld_points(points, triangles)[1]
     areas, doubled = triangle_areas(points[triangles]), has_reverse(welded)
-    everything: Sky | None = None
+    all_surfaces: SkyVisibility | None = None
     for faces in _sheets(points, triangles, welded, owner):
-        if doubled[faces].any() or not areas[faces].sum() > CRUMB_AREA_SHARE * areas.sum():
+        if doubled[faces].any() or not areas[faces].sum() > MIN_AREA_SHARE * areas.sum():
             continue
         minority, one_sided = consistent_flips(edges_of(welded[faces]))
         if one_sided.any():
             continue
-        everything = everything or Sky(points, triangles)
+        all_surfaces = all_surfaces or SkyVisibility(points, triangles)
         agreeing = np.where(minority[:, None], triangles[faces][:, [0, 2, 1]], triangles[faces])
-        seen = (everything.seen_by(agreeing), Sky(points, agreeing).seen_by(agreeing))
+        seen = (all_surfaces.of_sheet(agreeing), SkyVisibility(points, agreeing).of_sheet(agreeing))
         inside_out = all(sides.is_inside_out for sides in seen)
         turned = ~minority if inside_out else minority
         if turned.any() and (inside_out or all(sides.is_outside_in for sides in seen)):
             flips[faces] = turned
-            found.append(Sheet(faces, max(min(sides) / sum(sides) for sides in seen)))
-    return Turned(flips, tuple(found))
+            flipped_sheets.append(FlippedSheet(faces, max(min(sides) / sum(sides) for sides in seen)))
+    return SheetFlips(flips, tuple(flipped_sheets))
 
 
-class Sky:
-    """What faces see between all others; the search tree over them is built once."""
+class SkyVisibility:
+    """The share of the sky that sheets see past occluding surfaces; the search tree is built once."""
 
     def __init__(self, points: FloatArray, triangles: IntArray) -> None:
-        """Points (n, 3) and triangles (m, 3) of everything that stands in the way."""
+        """Points (n, 3) and triangles (m, 3) of the occluding surfaces."""
         import open3d as o3d  # Costs a second and 200 MB: loaded only when there are sheets.
 
         solid = triangles[triangle_areas(points[triangles]) > 0.0]
@@ -107,8 +110,8 @@ class Sky:
             self._tensor(self._points.astype(np.float32)), self._tensor(np.ascontiguousarray(solid.astype(np.uint32)))
         )
 
-    def seen_by(self, triangles: IntArray) -> Sides:
-        """The sides of the sheet of `triangles` (k, 3), which must have area: rays from points spread over it."""
+    def of_sheet(self, triangles: IntArray) -> SideVisibility:
+        """Visible sky of both sides of the sheet of `triangles` (k, 3), which must have area, by rays from samples."""
         starts, face = sample_surface(self._points, triangles, SAMPLES, 0)
         corners = self._points[triangles[face]]
         along = corners[:, 1] - corners[:, 0]
@@ -119,7 +122,7 @@ class Sky:
         local = _cosine_directions(len(starts))
         front = np.einsum("kij,kdj->kdi", frames, local)
         back = np.einsum("kij,kdj->kdi", frames, local * [1.0, 1.0, -1.0])
-        return Sides(self._free(starts + _LIFT * normals, front), self._free(starts - _LIFT * normals, back))
+        return SideVisibility(self._free(starts + _LIFT * normals, front), self._free(starts - _LIFT * normals, back))
 
     def _free(self, starts: FloatArray, directions: FloatArray) -> float:
         """The share of rays (k, d, 3) from `starts` (k, 3) that hit nothing."""
@@ -129,7 +132,7 @@ class Sky:
 
 
 def _cosine_directions(count: int) -> FloatArray:
-    """(count, d, 3) upward unit vectors, each row of d spread by the cosine of their height and turned unlike others.
+    """(count, d, 3) upward unit vectors, each row of d cosine-distributed and rotated differently.
 
     Even points of a disc, lifted onto the half ball (Malley's method).
     """
@@ -141,12 +144,12 @@ def _cosine_directions(count: int) -> FloatArray:
 
 
 def _sheets(points: FloatArray, triangles: IntArray, welded: IntArray, owner: IntArray) -> list[IntArray]:
-    """The faces (k,) of each sheet: what is open in its own mesh, joined over all meshes by edges of two faces."""
+    """The faces (k,) of each sheet: the open components of each mesh, joined over all meshes by edges of two faces."""
     is_open, proper = np.zeros(len(triangles), dtype=bool), ~repeats_point(welded)
     for mesh in np.unique(owner):
-        own = np.flatnonzero((owner == mesh) & proper)
-        parts = components_of(points, welded[own])
-        is_open[own] = ~parts.closed[parts.label]
+        mesh_faces = np.flatnonzero((owner == mesh) & proper)
+        parts = components_of(points, welded[mesh_faces])
+        is_open[mesh_faces] = ~parts.closed[parts.label]
     faces = np.flatnonzero(is_open)
     if len(faces) == 0:
         return []

@@ -1,4 +1,4 @@
-"""Drop copies of closed shells and stray fragments."""
+"""Removal of duplicate closed shells and of stray open fragments of a `Mesh`."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ def drop_duplicate_shells(mesh: Mesh) -> tuple[Mesh, Figures]:
     proper = np.flatnonzero(~repeats_point(mesh.triangles))
     parts = components_of(mesh.points, mesh.triangles[proper])
     count, surplus = surplus_shells(mesh.points, mesh.triangles[proper], parts)
-    kept = np.ones(len(mesh.triangles), dtype=bool)
-    kept[proper[surplus]] = False
-    return keep_faces(mesh, kept), {"shells": count}
+    remains = np.ones(len(mesh.triangles), dtype=bool)
+    remains[proper[surplus]] = False
+    return keep_faces(mesh, remains), {"shells": count}
 
 
 def drop_fragments(mesh: Mesh) -> tuple[Mesh, Figures]:

@@ -1,4 +1,4 @@
-"""Stitch T-junctions: points that lie on the side of a neighbouring face instead of being its corner."""
+"""Stitching of T-junctions: points on the side of a neighbouring face, which is split so that they become corners."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ ROUNDS = 8
 def stitch_t_junctions(mesh: Mesh) -> tuple[Mesh, Figures]:
     """`mesh` (welded, no repeated points) whose open sides are split at the open points that lie on them.
 
-    Kept only where it closes components: panels that merely lie side by side stay as they are. Nothing moves; corners
-    at the split get the attributes of the side there. Figures: `t_junctions` stitched.
+    The result is used only if it closes components: panels that merely lie side by side are unchanged. No point moves;
+    new corners get the interpolated attributes of the side. Figures: `t_junctions` stitched.
     """
     stitched, count = mesh, 0
     for _ in range(ROUNDS):
-        stitched, found = _split_once(stitched)
-        if not found:
+        stitched, split_points = _split_once(stitched)
+        if not split_points:
             break
-        count += found
+        count += split_points
     if count and _open_area(stitched) < _open_area(mesh):
         return stitched, {"t_junctions": count}
     return mesh, {"t_junctions": 0}
 
 
 def _split_once(mesh: Mesh) -> tuple[Mesh, int]:
-    """Every face split at one of its sides, if points lie on it; how many points that were."""
+    """The mesh with every face split at one of its sides where points lie on it, and the number of these points."""
     edges = edges_of(mesh.triangles)
-    found = _points_on_sides(mesh.points, mesh.triangles, edges)
+    split_sides = _points_on_sides(mesh.points, mesh.triangles, edges)
     sides: dict[int, tuple[int, IntArray, FloatArray]] = {}
-    for face, side, points, at in found:
+    for face, side, points, at in split_sides:
         sides.setdefault(face, (side, points, at))
     if not sides:
         return mesh, 0
@@ -57,15 +57,15 @@ def _split_once(mesh: Mesh) -> tuple[Mesh, int]:
             weight[2, corner[2]] = 1.0
             weights.append(weight)
             source.append(face)
-    kept = np.setdiff1d(np.arange(len(mesh.triangles)), list(sides))
-    whole = np.broadcast_to(np.eye(3), (len(kept), 3, 3))
-    made = remix_faces(
+    unsplit = np.setdiff1d(np.arange(len(mesh.triangles)), list(sides))
+    whole = np.broadcast_to(np.eye(3), (len(unsplit), 3, 3))
+    split = remix_faces(
         mesh,
-        np.concatenate([mesh.triangles[kept], np.array(triangles, dtype=np.int32)]),
-        np.concatenate([kept, np.array(source)]),
+        np.concatenate([mesh.triangles[unsplit], np.array(triangles, dtype=np.int32)]),
+        np.concatenate([unsplit, np.array(source)]),
         np.concatenate([whole, np.array(weights)]),
     )
-    return made, sum(len(points) for _, points, _ in sides.values())
+    return split, sum(len(points) for _, points, _ in sides.values())
 
 
 def _points_on_sides(
@@ -81,7 +81,7 @@ def _points_on_sides(
     tree = KDTree(points[rim])
     middle, half = 0.5 * (points[tail] + points[head]), 0.5 * np.linalg.norm(points[head] - points[tail], axis=1)
     near = tree.query_ball_point(middle, half)  # Finds the ends or not, by rounding.
-    found = []
+    split_sides = []
     for i in range(len(near)):
         candidates = rim[np.array(near[i], dtype=np.int64)]
         candidates = candidates[(candidates != tail[i]) & (candidates != head[i])]
@@ -94,8 +94,8 @@ def _points_on_sides(
         on = (off <= tolerance) & (at > margin) & (at < 1.0 - margin)
         if on.any():
             order = np.argsort(at[on], kind="stable")
-            found.append((int(face[i]), int(side[i]), candidates[on][order], at[on][order]))
-    return found
+            split_sides.append((int(face[i]), int(side[i]), candidates[on][order], at[on][order]))
+    return split_sides
 
 
 def _open_area(mesh: Mesh) -> float:

@@ -1,4 +1,4 @@
-"""Split points in which two solids touch."""
+"""Splitting of non-manifold vertices at which solids touch, so that each fan of faces has its own point."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ def split_fans(mesh: Mesh, vertices: IntArray, fan: IntArray) -> Mesh:
     for vertex, (rows, columns) in zip(vertices, corners_at(mesh.triangles, vertices), strict=True):
         labels = fan[rows, columns]
         for label in np.unique(labels):
-            own = labels == label
-            cone = _cone(mesh.points, mesh.triangles[rows[own]], columns[own], int(vertex))
+            in_fan = labels == label
+            cone = _cone(mesh.points, mesh.triangles[rows[in_fan]], columns[in_fan], int(vertex))
             inward = cone[:, 1:].reshape(-1, 3).mean(axis=0)
-            triangles[rows[own], columns[own]] = len(mesh.points) + len(points) - 1
+            triangles[rows[in_fan], columns[in_fan]] = len(mesh.points) + len(points) - 1
             points.append(mesh.points[vertex] + PART_PER_DIAGONAL * diagonal(mesh.points) * inward[None])
     return replace(mesh, points=np.concatenate(points), triangles=triangles)
 

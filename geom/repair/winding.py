@@ -1,4 +1,4 @@
-"""Turn faces so that closed surfaces look outwards and cavities inwards."""
+"""Winding of faces: flips that make closed surfaces face outward and their cavities inward."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from geom.mesh.components import Components, components_of, opposite_container
 from geom.mesh.edges import consistent_flips, edges_of
 from geom.mesh.edit import flip_faces
-from geom.repair.boundary_loops import judge_open_bodies
+from geom.repair.boundary_loops import classify_open_bodies
 from schemas.model import FloatArray, IntArray, Mesh
 
 Figures = dict[str, float]
@@ -16,7 +16,7 @@ Figures = dict[str, float]
 def orient(mesh: Mesh, fixed: FloatArray | None = None) -> tuple[Mesh, Figures]:
     """`mesh` (welded, no repeated points) with its solids wound outwards. Figures: `flipped_faces`.
 
-    Components with a face where `fixed` (m,) is True are left alone.
+    Components with a face where `fixed` (m,) is True are unchanged.
     """
     flips = outward_flips(mesh.points, mesh.triangles)
     if fixed is not None:
@@ -26,12 +26,12 @@ def orient(mesh: Mesh, fixed: FloatArray | None = None) -> tuple[Mesh, Figures]:
 
 
 def outward_flips(points: FloatArray, triangles: IntArray) -> FloatArray:
-    """(m,) True where a face must turn.
+    """(m,) True where a face must be flipped.
 
-    First neighbours are made to agree, spreading across edges with two faces, by turning the minority. Then closed
-    components with negative volume turn, and with them what they hold as a cavity, so that cavities stay inward; so do
-    nearly closed ones (`openings`: holes) whose capped volume is negative. Other open sheets keep the winding they
-    have: they have no outside.
+    First neighbours are made to agree, spreading across edges with two faces, by flipping the minority. Then closed
+    components with negative volume are flipped together with their cavities, so that cavities stay inward; so are
+    nearly closed ones (class `holes` of `boundary_loops`) whose capped volume is negative. Other open sheets keep their
+    winding: they have no outside.
     """
     edges = edges_of(triangles)
     before = components_of(points, triangles, edges)
@@ -41,9 +41,9 @@ def outward_flips(points: FloatArray, triangles: IntArray) -> FloatArray:
     agreed = edges_of(turned)
     parts = components_of(points, turned, agreed)
     volume = np.where(parts.solid, parts.volume, 0.0)
-    outward = parts.turned_in
+    outward = parts.inside_out
     nearly_closed = np.zeros(parts.count, dtype=bool)
-    for body in judge_open_bodies(points, turned, agreed, parts):
+    for body in classify_open_bodies(points, turned, agreed, parts):
         if body.kind == "holes":
             part = parts.label[body.faces[0]]
             nearly_closed[part] = True

@@ -1,1 +1,4 @@
-"""Solids from surfaces: closed bodies, open parts, shells with thickness, self-intersections, volume shares."""
+"""Physical solids from visual surfaces: closed bodies, open parts, thickened sheets, self-intersections, volume shares.
+
+Read `solidify.py` first: it chooses between the methods of the others.
+"""

@@ -1,4 +1,4 @@
-"""Split visual surfaces into closed bodies and what stays open; unite the bodies."""
+"""Closed bodies of visual meshes, their open parts, and the union of bodies (manifold3d), in the unit of the points."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from geom.mesh.edges import edges_of
 from geom.mesh.edit import keep_faces, merge_surfaces
 from geom.mesh.weld import weld
 from geom.repair.back_faces import drop_back_faces
-from geom.repair.boundary_loops import OpenBody, judge_open_bodies
+from geom.repair.boundary_loops import OpenBody, classify_open_bodies
 from geom.repair.faces import drop_fins, drop_surplus_faces
 from geom.repair.holes import capped_body
 from geom.repair.shells import drop_duplicate_shells, drop_fragments
@@ -29,13 +29,13 @@ LEADING_PART_SHARE = 0.5
 
 @dataclass(frozen=True)
 class Bodies:
-    """What the visual surfaces hold.
+    """The closed bodies and open parts of visual meshes.
 
     tidied       each mesh, cleaned (`tidy`).
     by_mesh      closed bodies of each mesh that leaves nothing open, else ().
     closed       closed outward bodies over all meshes, each with its inward cavity shells.
-    open         the components that stay open, welded together, and the verdicts on them; the faces of a verdict
-                 index into `open_surface`, which still holds the capped bodies.
+    open         the components that stay open, welded together; their classes are `open_bodies`, whose faces index
+                 into `open_surface`, which still contains the capped bodies.
     cavities     cavity shells in `closed`.
     filled       loops capped to close a body.
     closed_area, open_area  visible area of either, caps not counted.
@@ -46,7 +46,7 @@ class Bodies:
     closed: tuple[Surface, ...]
     open: Mesh
     open_surface: Surface
-    verdicts: tuple[OpenBody, ...]
+    open_bodies: tuple[OpenBody, ...]
     cavities: int
     filled: int
     closed_area: float
@@ -73,21 +73,21 @@ def sort_bodies(meshes: Sequence[Mesh]) -> Bodies:
     closed, cavities, closed_area = closed + solids, cavities + inner, closed_area + area
     edges = edges_of(rest.triangles)
     parts = components_of(rest.points, rest.triangles, edges)
-    verdicts = judge_open_bodies(rest.points, rest.triangles, edges, parts)
+    open_bodies = classify_open_bodies(rest.points, rest.triangles, edges, parts)
     total = closed_area + float(parts.area.sum())
-    kept = np.ones(len(rest.triangles), dtype=bool)
-    capped = tuple(v for v in verdicts if _is_body(v, total))
+    is_open = np.ones(len(rest.triangles), dtype=bool)
+    capped = tuple(v for v in open_bodies if _is_body(v, total))
     for body in capped:
         closed.append(outward(*capped_body(rest.points, rest.triangles, body)))
         closed_area += body.area
-        kept[body.faces] = False
+        is_open[body.faces] = False
     return Bodies(
         tidied=tidied,
         by_mesh=tuple(by_mesh),
         closed=tuple(closed),
-        open=keep_faces(rest, kept),
+        open=keep_faces(rest, is_open),
         open_surface=(rest.points, rest.triangles),
-        verdicts=tuple(v for v in verdicts if not _is_body(v, total)),
+        open_bodies=tuple(v for v in open_bodies if not _is_body(v, total)),
         cavities=cavities,
         filled=sum(len(v.openings) for v in capped),
         closed_area=closed_area,
@@ -111,7 +111,8 @@ def tidy(mesh: Mesh) -> Mesh:
 def unite(bodies: Sequence[Surface]) -> Surface | None:
     """The union of closed bodies as one closed outward surface, or None when a body is not an oriented manifold.
 
-    Source: manifold3d, guaranteed-manifold booleans. Points are centred meanwhile; a single body is returned as it is.
+    Source: manifold3d, guaranteed-manifold booleans. Computed about the common centre; a single body is returned
+    unchanged.
     """
     centre = np.mean([points.mean(axis=0) for points, _ in bodies], axis=0)
     solids = [as_manifold(points - centre, triangles) for points, triangles in bodies]
@@ -128,7 +129,7 @@ def unite(bodies: Sequence[Surface]) -> Surface | None:
 
 
 def as_manifold(points: FloatArray, triangles: IntArray) -> manifold3d.Manifold:
-    """A manifold3d body; its `status()` tells whether the surface is an oriented manifold."""
+    """A manifold3d body; its `status()` is an error when the surface is no oriented manifold."""
     points, triangles = _compact(points, triangles)
     return manifold3d.Manifold(
         manifold3d.Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(triangles, dtype=np.uint64))
@@ -136,7 +137,7 @@ def as_manifold(points: FloatArray, triangles: IntArray) -> manifold3d.Manifold:
 
 
 def signed_volume(points: FloatArray, triangles: IntArray) -> float:
-    """Volume enclosed by a closed surface, about its own centre, so that its place does not matter."""
+    """Volume enclosed by a closed surface, about its own centre, so that its position does not matter."""
     if len(triangles) == 0:
         return 0.0
     corners = points[triangles]

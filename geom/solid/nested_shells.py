@@ -1,4 +1,4 @@
-"""Closed bodies that lie wholly inside the matter of others: a core, or a cavity whose shell lost its winding."""
+"""Closed bodies wholly inside the material of others: inner cores, or cavities whose shell lost its winding."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from geom.mass.inertia import of_closed_surface
 from geom.solid.closed_bodies import Surface, as_manifold, signed_volume, unite
 from schemas.physics import MassProperties
 
-# Bodies below this share of the largest matter to nothing; this also bounds their number.
+# Bodies below this share of the largest are negligible; this also bounds their number.
 LEAST_SHARE = 1e-3
-# What may stand out of the body around it by rounding, as a share of the inner body.
+# Volume that may lie outside the surrounding body by rounding, as a share of the inner body.
 SLACK_SHARE = 1e-6
 
 
 def enclosed_matter(bodies: Sequence[Surface]) -> MassProperties | None:
-    """What `bodies` (closed, outward) hold that lie wholly inside another one of them, at 1 kg/m3, counted once.
+    """Mass properties at 1 kg/m3 of the union of those `bodies` (closed, outward) wholly inside another one.
 
-    None when there are none. Inside means inside matter: a ball in the cavity of a hollow box is not.
+    None when there are none. Inside means in the material: a ball in the cavity of a hollow box is not.
     """
     volumes = np.array([signed_volume(*body) for body in bodies])
     free: list[Surface] = []
@@ -37,5 +37,5 @@ def _lies_within(inner: Surface, outer: Surface) -> bool:
     if (inner[0] <= low).any() or (inner[0] >= high).any():
         return False
     centre = 0.5 * (low + high)
-    own, around = (as_manifold(points - centre, triangles) for points, triangles in (inner, outer))
-    return not own.is_empty() and (own - around).volume() <= SLACK_SHARE * own.volume()
+    inner_solid, outer_solid = (as_manifold(points - centre, triangles) for points, triangles in (inner, outer))
+    return not inner_solid.is_empty() and (inner_solid - outer_solid).volume() <= SLACK_SHARE * inner_solid.volume()

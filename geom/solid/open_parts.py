@@ -1,4 +1,4 @@
-"""What open parts add to the closed bodies beside them: bodies whose mouths are hidden, walls grown from sheets."""
+"""Closed surfaces (metres) that open parts add to the closed bodies: bodies with hidden mouths, walls from sheets."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from geom.solid.thicken import thicken
 from schemas.model import FloatArray, IntArray
 from schemas.physics import MassProperties
 
-# Open parts that reach no further out of the bodies, as a share of the diagonal, are decoration: labels, decals, trim.
+# Open parts that extend less than this share of the diagonal beyond the bodies are decoration: labels, decals, trim.
 DECORATION_SHARE = 0.01
 WALL_FACES = 1500
-# Loose faces do not collapse into fewer; a wall of more plates than this takes minutes.
+# Unconnected faces cannot be decimated; a wall of more plates than this takes minutes.
 MOST_PLATES = 4 * WALL_FACES
 
 
 @dataclass(frozen=True)
 class Additions:
-    """What open parts add to the closed bodies, each closed and outward.
+    """The closed, outward surfaces that open parts add to the closed bodies.
 
     capped  parts all of whose mouths other bodies hide, with the hidden faces put back.
-    wall    the sheets that stand free, as one wall; None without any.
-    hulls   where they are too many faces to grow a wall from: their hulls.
+    wall    the free sheets as one wall; None without any.
+    hulls   the hulls of sheets with too many faces to grow a wall from.
     """
 
     capped: tuple[Surface, ...] = ()
@@ -41,18 +41,18 @@ class Additions:
 
 
 def additions(bodies: Bodies, united: Surface, wall_m: float, size: float, *, hidden: bool = True) -> Additions:
-    """What the open parts of `bodies` add that reach out of the `united` closed ones by more than 1 % of `size` (m).
+    """The additions of the open parts of `bodies` that extend beyond the `united` ones by more than 1 % of `size` (m).
 
     A part that encloses a volume once its mouths are capped, with every cap inside the bodies or on them, is a body
     whose hidden faces were left out (a foot under a seat, an eye in a head). All else is a sheet and gets walls of
     `wall_m`, so that its cavity stays open. Without `hidden` every open part is a sheet.
     """
-    if not bodies.verdicts:
+    if not bodies.open_bodies:
         return Additions()
     nearest, slack = NearestOnSurface(*united), DECORATION_SHARE * size
     capped: list[Surface] = []
     sheets: list[OpenBody] = []
-    for part in bodies.verdicts:
+    for part in bodies.open_bodies:
         if not _outside(nearest, _spread(bodies.open_surface, part.faces), slack).any():
             continue
         body = _with_hidden_faces(bodies, part, nearest, slack) if hidden else None
@@ -72,7 +72,7 @@ def additions(bodies: Bodies, united: Surface, wall_m: float, size: float, *, hi
 
 
 def wall_bodies(bodies: Bodies, wall_m: float) -> tuple[Surface, ...]:
-    """All that is open in `bodies` as one wall of `wall_m`; () when that is nothing."""
+    """All open parts of `bodies` as one wall of `wall_m`; () when there are none."""
     points, triangles = decimate(bodies.open.points, bodies.open.triangles, WALL_FACES)
     if len(triangles) > MOST_PLATES or not triangle_areas(points[triangles]).any():
         return ()
@@ -80,7 +80,7 @@ def wall_bodies(bodies: Bodies, wall_m: float) -> tuple[Surface, ...]:
 
 
 def matter_of_wall(wall: Surface, united: Surface) -> MassProperties | None:
-    """What a `wall` holds (at 1 kg/m3) that the `united` bodies do not; None where that is nothing."""
+    """Mass properties at 1 kg/m3 of a `wall` outside the `united` bodies; None where it is empty."""
     centre = united[0].mean(axis=0)
     rest: Manifold = as_manifold(wall[0] - centre, wall[1]) - as_manifold(united[0] - centre, united[1])
     if rest.is_empty():
@@ -115,7 +115,7 @@ def _outside(nearest: NearestOnSurface, points: FloatArray, slack: float) -> Flo
 
 
 def _hull(surface: Surface, part: OpenBody, wall_m: float) -> Sequence[Surface]:
-    """The hull of a part, a flat one as a slab of `wall_m`."""
+    """The convex hull of a part; of a flat part a slab of thickness `wall_m`."""
     points = surface[0][np.unique(surface[1][part.faces])]
     try:
         return [convex_hull(points)]

@@ -1,4 +1,4 @@
-"""How far the physical surface of an asset lies from the visible one."""
+"""Distances (m) between the visible meshes of an asset and its physical solid, in both directions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from geom.mesh.edit import merge_surfaces
-from geom.mesh.hausdorff import Reach, reach
+from geom.mesh.hausdorff import DistanceBounds, one_sided_hausdorff
 from geom.mesh.weld import diagonal
 from geom.repair.shape_change import changed_faces
 from schemas.model import Mesh
@@ -19,14 +19,14 @@ BUDGET = 50_000
 
 @dataclass(frozen=True)
 class SolidDistance:
-    """Matter that the visible surface does not show, and visible parts that have none; lengths in metres.
+    """Largest distances between a solid and the visible surface, in metres.
 
-    added    reach of the solid's surface from the visible one: caps, hulls, voxels.
-    missing  reach of the visible surface out of the solid; what lies inside a closed solid is at no distance.
+    added    from the solid's surface to the visible one: caps, hulls, voxels.
+    missing  from the visible surface to the solid; points inside a closed solid have distance 0.
     """
 
-    added: Reach
-    missing: Reach
+    added: DistanceBounds
+    missing: DistanceBounds
 
     @property
     def attained(self) -> float:
@@ -35,18 +35,18 @@ class SolidDistance:
 
     @property
     def bound(self) -> float:
-        """What neither distance exceeds."""
+        """A proven upper bound of both distances."""
         return max(self.added.bound, self.missing.bound)
 
 
 def solid_distance(meshes: Sequence[Mesh], solid: Solid) -> SolidDistance:
-    """The distances between the visible `meshes` and their `solid`; faces that both have cost nothing."""
+    """The distances between the visible `meshes` and their `solid`; faces that both have are skipped."""
     points, triangles, _ = merge_surfaces(meshes)
     tolerance = TOLERANCE_SHARE * diagonal(points)
     left_out, added = changed_faces((points, triangles), (solid.points, solid.triangles))
     return SolidDistance(
-        reach(solid.points[solid.triangles[added]], points, triangles, tolerance, budget=BUDGET),
-        reach(
+        one_sided_hausdorff(solid.points[solid.triangles[added]], points, triangles, tolerance, budget=BUDGET),
+        one_sided_hausdorff(
             points[triangles[left_out]],
             solid.points,
             solid.triangles,

@@ -1,4 +1,4 @@
-"""From visual meshes to the physical surface that mass and collision are based on."""
+"""The physical solid of an asset from its visual meshes (metres): closed union, shell, voxel proxy or convex hull."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from schemas.physics import MassProperties, Solid
 
 Figures = dict[str, float | int | str]
 
-# The closed bodies stand for the asset when they carry at least this share of the visible area.
+# The closed bodies represent the asset when they have at least this share of the visible area.
 CLOSED_AREA_SHARE = 0.5
 LEADING_SHARE = 0.5
 WALL_PER_DIAGONAL = 0.01
@@ -31,7 +31,7 @@ LEAST_WALL_M, MOST_WALL_M = 0.5e-3, 5e-3
 FLAT_SHARE = 1e-3
 VOXEL_TOLERANCE_CELLS = 2.0
 DISTANCE_SAMPLES = 2000
-# Inner shells that hold less of the solid change nothing, filled or empty.
+# Inner shells with a smaller share of the volume are negligible, filled or empty.
 CORE_SHARE = 0.01
 
 
@@ -43,14 +43,14 @@ def solidify(
     wall_m: float | None = None,
     sheets: bool = False,
 ) -> tuple[Solid, Figures]:
-    """The physical surface of `meshes` (metres), and how it came about. At least one face must have area.
+    """The physical surface of `meshes` (metres), and the figures of the method. At least one face must have area.
 
     `bodies` are those of the meshes where they are known already (`sort_bodies`). With `rebuild` the meshes are too
     damaged for the first two rules, and the third is tried before them. `wall_m` is how thick sheets are, by default
-    1 % of the diagonal within 0.5 to 5 mm; with `sheets` somebody said that what is open is a sheet, so that neither
-    voxels nor hulls stand in for it.
+    1 % of the diagonal within 0.5 to 5 mm; with `sheets` all open parts are declared to be sheets, so that neither
+    voxels nor hulls replace them.
 
-    Closed parts are solid and open parts sheets, each for itself. First rule that applies:
+    Closed parts are solid, open parts are sheets. The first rule that applies:
     1. Closed bodies, holes filled and hidden faces closed (`solid_bodies`, `openings`), carry at least half of the
        area: `closed`, their union (method `union`) with what open parts add to it (`open_parts`): walls grown from
        sheets (method `union_and_walls`), rarely hulls (`union_and_hulls`). Open decoration is left out.
@@ -88,7 +88,7 @@ def solidify(
         "area_m2": float(triangle_areas(solid.points[solid.triangles]).sum()),
         "naive_volume_m3": naive,
         "union_volume_m3": signed_volume(*united) if united else 0.0,
-        "components": len(bodies.closed) + len(bodies.verdicts),
+        "components": len(bodies.closed) + len(bodies.open_bodies),
         "cavities": bodies.cavities,
         "filled_openings": bodies.filled,
         "open_area_share": bodies.open_area / total if total > 0.0 else 0.0,
@@ -97,21 +97,21 @@ def solidify(
 
 
 def core_of(meshes: Sequence[Mesh], bodies: Bodies) -> MassProperties | None:
-    """What the bodies of `meshes` hold that lie inside others of the same render material (`enclosed_matter`).
+    """Mass properties at 1 kg/m3 of the bodies inside others of the same render material (`enclosed_matter`).
 
-    A part of another material is a part, no lost cavity.
+    A body of another material is a separate part, not a lost cavity.
     """
-    by_look: dict[int | None, list[Surface]] = {}
-    for mesh, own in zip(meshes, bodies.by_mesh, strict=True):
-        by_look.setdefault(mesh.material, []).extend(own)
-    cores = [core for group in by_look.values() if (core := enclosed_matter(group)) is not None]
+    by_material: dict[int | None, list[Surface]] = {}
+    for mesh, mesh_bodies in zip(meshes, bodies.by_mesh, strict=True):
+        by_material.setdefault(mesh.material, []).extend(mesh_bodies)
+    cores = [core for group in by_material.values() if (core := enclosed_matter(group)) is not None]
     return combine(cores) if cores else None
 
 
 def _of_open(bodies: Bodies, points: FloatArray, triangles: IntArray, *, sheets: bool) -> tuple[Solid, str]:
     """Rules 2 to 4, for all faces; the thickness of a shell is left to the caller."""
     shell = Solid(points, triangles, kind="shell")
-    mouthed = [v for v in bodies.verdicts if any(o.section_share > HOLE_SHARE for o in v.openings)]
+    mouthed = [v for v in bodies.open_bodies if any(o.section_share > HOLE_SHARE for o in v.openings)]
     containers = sum(v.area for v in mouthed if v.kind == "container")
     half = LEADING_SHARE * bodies.open_area
     if sheets or _is_flat(points) or containers >= half > 0.0 or any(v.area >= half > 0.0 for v in mouthed):
@@ -124,31 +124,33 @@ def _of_open(bodies: Bodies, points: FloatArray, triangles: IntArray, *, sheets:
 
 
 def _voxel_solid(points: FloatArray, triangles: IntArray) -> Solid | None:
-    """A voxel proxy of the surface if it lies close to it; walls and sheets inside are at no distance."""
+    """A voxel proxy of the surface if it lies close to it; walls and sheets inside have distance 0."""
     proxy = voxel_hull(points, triangles)
     if proxy is None:
         return None
     solid = NearestOnSurface(proxy[0], proxy[1])
-    seen, _ = sample_surface(points, triangles, DISTANCE_SAMPLES, 0)
-    missing = np.where(solid.inside(seen), 0.0, np.linalg.norm(solid(seen)[0] - seen, axis=1))
-    made, _ = sample_surface(proxy[0], proxy[1], DISTANCE_SAMPLES, 0)
-    added = np.linalg.norm(closest_on_surface(made, points, triangles)[0] - made, axis=1)
+    surface_samples, _ = sample_surface(points, triangles, DISTANCE_SAMPLES, 0)
+    missing = np.where(
+        solid.inside(surface_samples), 0.0, np.linalg.norm(solid(surface_samples)[0] - surface_samples, axis=1)
+    )
+    proxy_samples, _ = sample_surface(proxy[0], proxy[1], DISTANCE_SAMPLES, 0)
+    added = np.linalg.norm(closest_on_surface(proxy_samples, points, triangles)[0] - proxy_samples, axis=1)
     if max(np.percentile(missing, P95), np.percentile(added, P95)) > VOXEL_TOLERANCE_CELLS * proxy[2]:
         return None
     return Solid(proxy[0], proxy[1], kind="closed")
 
 
 def _with_open_parts(bodies: Bodies, united: Surface, wall_m: float, *, sheets: bool) -> tuple[Solid, str]:
-    """The `united` bodies with what the open parts add; as they are where that cannot be united with them."""
+    """The `united` bodies with what the open parts add; unchanged where these cannot be united."""
     size = diagonal(np.concatenate([mesh.points for mesh in bodies.tidied]))
-    found = additions(bodies, united, wall_m, size, hidden=not sheets)
-    more = (*found.capped, *found.hulls)
+    added = additions(bodies, united, wall_m, size, hidden=not sheets)
+    more = (*added.capped, *added.hulls)
     full = unite([united, *more]) if more else united
     if full is None:
         return Solid(*united, kind="closed"), "union"
-    if found.wall is None:
-        return Solid(*full, kind="closed"), "union_and_hulls" if found.hulls else "union"
-    whole, walls = unite([full, found.wall]), matter_of_wall(found.wall, full)
+    if added.wall is None:
+        return Solid(*full, kind="closed"), "union_and_hulls" if added.hulls else "union"
+    whole, walls = unite([full, added.wall]), matter_of_wall(added.wall, full)
     if whole is None or walls is None:
         return Solid(*full, kind="closed"), "union"
     return Solid(*whole, kind="closed", wall_thickness_m=wall_m, walls=walls), "union_and_walls"

@@ -1,4 +1,4 @@
-"""A closed body from an open sheet: the sheet grown by half a wall to both sides."""
+"""Thickening of an open sheet to a closed wall (metres), by half the thickness to each side."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A closed stand-in for a surface that encloses volume but has gaps: what a flood from outside does not reach."""
+"""Voxel hull: a closed proxy for a surface with gaps, bounding what a flood fill from outside does not reach."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ LEAST_PIECE_SHARE = 0.01
 BERTH_CELLS = 0.75
 # ... and then comes nearer in this many steps, as far as the surface lets it.
 APPROACH_STEPS = 2
-# A node on a face is on neither side; from there the flood could leave on the other.
+# A node on a face is on neither side: the flood could cross the face there.
 ON_SURFACE = 0.05
 
 
 def voxel_hull(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray, float] | None:
     """Points, triangles of a closed outward surface and the cell size used; None when nothing lies inside.
 
-    The longest side has 56 cells. Outside is what a flood through the grid reaches from a corner, first with a berth
-    around the surface, then up to it along links that no face cuts; sheets and walls inside do not matter. The surface
+    The longest side has 56 cells. Outside is what a flood through the grid reaches from a corner, first at a distance
+    from the surface, then up to it along links that no face cuts; sheets and walls inside do not matter. The surface
     is the zero level of the distance signed with that (manifold3d level set, marching tetrahedra), accurate to about
     half a cell at sharp edges. Idea: Nooruddin and Turk 2003, "Simplification and repair of polygonal models using
     volumetric techniques".
@@ -55,10 +55,10 @@ def voxel_hull(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, Int
     )
     if body.status() != manifold3d.Error.NoError or body.is_empty():
         return None
-    pieces = body.decompose()  # Cavities come out with negative volume; the flood has not been there.
+    pieces = body.decompose()  # Cavities have negative volume; the flood fill did not reach them.
     largest = max(piece.volume() for piece in pieces)
-    kept = [piece for piece in pieces if piece.volume() >= LEAST_PIECE_SHARE * largest]
-    mesh = manifold3d.Manifold.batch_boolean(kept, manifold3d.OpType.Add).to_mesh64()
+    large_pieces = [piece for piece in pieces if piece.volume() >= LEAST_PIECE_SHARE * largest]
+    mesh = manifold3d.Manifold.batch_boolean(large_pieces, manifold3d.OpType.Add).to_mesh64()
     return np.array(mesh.vert_properties)[:, :3] + centre, np.array(mesh.tri_verts).astype(np.int32), cell
 
 
@@ -97,7 +97,7 @@ def _without_specks(inside: FloatArray) -> FloatArray:
 
 
 class _Trilinear:
-    """Trilinear interpolation of a grid, as the scalar function that the level set asks for."""
+    """Trilinear interpolation of a grid, as the scalar function of the level set."""
 
     def __init__(self, field: FloatArray, start: FloatArray, cell: float) -> None:
         self.values = field.tolist()

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from geom.convex.circumscribed_hull import outer_corners
+from geom.convex.circumscribed_hull import circumscribed_hull
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
@@ -56,7 +56,7 @@ def cover(shapes: Sequence[CollisionShape], protrusion_m: float) -> Cover:
 
     None sticks out by more than `protrusion_m`, or 3 % of the size of its shape where that is more.
     """
-    parts = [_ball(s) if s.kind == "sphere" else _polytope(outer_corners(s), protrusion_m) for s in shapes]
+    parts = [_ball(s) if s.kind == "sphere" else _polytope(circumscribed_hull(s), protrusion_m) for s in shapes]
     if not parts:
         return Cover(np.zeros((0, 3)), np.zeros(0), 0.0, 0.0)
     return Cover(

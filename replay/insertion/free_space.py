@@ -10,7 +10,7 @@ import shapely
 from shapely.geometry import MultiPoint, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from geom.convex.circumscribed_hull import outer_corners
+from geom.convex.circumscribed_hull import circumscribed_hull
 from geom.pose import apply
 from replay.envelope.envelope import Envelope
 from replay.envelope.trajectory import as_robot
@@ -41,7 +41,7 @@ class Obstacle:
 def obstacles(episode: Episode) -> tuple[Obstacle, ...]:
     """Fixtures, and links and objects that never move."""
     found = [
-        _obstacle(name, apply(fixture.X_WB, outer_corners(shape)))
+        _obstacle(name, apply(fixture.X_WB, circumscribed_hull(shape)))
         for fixture in episode.fixtures
         for name, shape in zip(fixture.shape_names, fixture.shapes, strict=True)
     ]
@@ -49,7 +49,7 @@ def obstacles(episode: Episode) -> tuple[Obstacle, ...]:
         poses, moving = link_poses(robot, robot.q[:1], robot.X_WR[:1])[0], moving_links(robot)
         still = [number for number in range(len(robot.links)) if number not in moving]
         found += [
-            _obstacle(robot.links[number].name, apply(poses[number], outer_corners(shape)))
+            _obstacle(robot.links[number].name, apply(poses[number], circumscribed_hull(shape)))
             for number in still
             for shape in robot.links[number].shapes
         ]

@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from geom.minkowski import eroded, meets
+from geom.minkowski import eroded, minkowski_difference
 from geom.pose import matrix_of, quat_of
 from replay.insertion.candidates import Candidate, outlines
 from replay.insertion.free_space import Room, grown
@@ -103,7 +103,7 @@ def _placed(places: Sequence[Site], candidate: Candidate, put: Sequence[Put], rn
         for turn in range(YAWS):
             yaw = float(np.remainder(start + turn * 2.0 * np.pi / YAWS + np.pi, 2.0 * np.pi) - np.pi)
             outline = _hull(points @ _turned(yaw).T)
-            region = eroded(free, outline).difference(shapely.union_all([meets(one, outline) for one in taken]))
+            region = eroded(free, outline).difference(shapely.union_all([minkowski_difference(one, outline) for one in taken]))
             seen = region.intersection(site.seen) if wants_seen else region
             if seen.area > LEAST_AREA_M2:
                 return _at(site, candidate, points, seen, yaw, len(put), rng)

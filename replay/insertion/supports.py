@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from shapely.geometry import MultiPoint, Point, Polygon
 
-from geom.convex.circumscribed_hull import CORNERS, outer_corners
+from geom.convex.circumscribed_hull import CIRCLE_CORNERS, circumscribed_hull
 from geom.pose import apply
 from replay.recording.episode import Episode, Fixture
 from schemas.model import FloatArray
@@ -58,16 +58,16 @@ def _of_fixture(fixture: Fixture) -> list[Support]:
 
 
 def _top(shape: CollisionShape, X_WB: FloatArray) -> tuple[float, Polygon]:
-    corners = apply(X_WB, outer_corners(shape))
+    corners = apply(X_WB, circumscribed_hull(shape))
     height = float(corners[:, 2].max())
     top = corners[corners[:, 2] > height - LEVEL_M][:, :2]
     face = MultiPoint(top).convex_hull
     if not isinstance(face, Polygon) or shape.kind in ("sphere", "capsule"):
         return height, Polygon()
-    if shape.kind == "cylinder" and len(top) < CORNERS:  # it lies: what is level is a side of the polygon around it
+    if shape.kind == "cylinder" and len(top) < CIRCLE_CORNERS:  # it lies: what is level is a side of the polygon around it
         return height, Polygon()
     if shape.kind == "cylinder":  # its corners lie around the circle, by at most this share of the radius
-        face = face.buffer(-shape.size_m[0] * (1.0 / np.cos(np.pi / CORNERS) - np.cos(np.pi / CORNERS)))
+        face = face.buffer(-shape.size_m[0] * (1.0 / np.cos(np.pi / CIRCLE_CORNERS) - np.cos(np.pi / CIRCLE_CORNERS)))
     return height, face
 
 
@@ -76,7 +76,7 @@ def _rests(episode: Episode) -> list[FloatArray]:
     spots = []
     for body in [body for body in episode.objects if body.shapes]:
         for X_WB in (body.X_WB[0], body.X_WB[-1]):
-            lowest = min(float(apply(X_WB, outer_corners(shape))[:, 2].min()) for shape in body.shapes)
+            lowest = min(float(apply(X_WB, circumscribed_hull(shape))[:, 2].min()) for shape in body.shapes)
             spots.append(np.array([X_WB[0, 3], X_WB[1, 3], lowest]))
     return spots
 

@@ -15,6 +15,7 @@ from scenec.bind.anchors import drawn_surface, drawn_volume, recorded_surface, r
 from scenec.bind.primitives import UPRIGHT, shape_of, stable_quats_wxyz, top_of
 from scenec.bind.prisms import scaled, stance_of
 from scenec.ir.problem import Body, Stance, Surface, Volume
+from scenec.ir.single_assets import SingleAsset
 from scenec.source.hint import did_you_mean
 from schemas.anchors import ContainmentVolume, SupportSurface
 from schemas.asset import AssetRecord
@@ -26,7 +27,6 @@ from usdio.reread.body import reread_body
 
 MOST_SEEN = 5_000
 Quat_wxyz = tuple[float, float, float, float]
-Single = Inline | FixedAsset  # an asset that is no pool
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class AssetLibrary:
         self._geometries: dict[tuple[str, float], Geometry] = {}
         self._bodies: dict[tuple[str, float, Orientation, bool], Body] = {}
         self._records: dict[str, bytes] = {}
-        self._seen: dict[tuple[int, float], tuple[Single, Geometry]] = {}  # by object, for one that is asked for again
+        self._seen: dict[tuple[int, float], tuple[SingleAsset, Geometry]] = {}  # by object, for one that is asked for again
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -77,7 +77,7 @@ class AssetLibrary:
         self.__dict__.pop("names", None)
 
     def body(
-        self, asset: Single, scale: float = 1.0, orientation: Orientation = "upright", sections: bool = False
+        self, asset: SingleAsset, scale: float = 1.0, orientation: Orientation = "upright", sections: bool = False
     ) -> Body:
         """The asset in each way it may stand, what tapers cut into `sections` (see scenec.bind.prisms).
 
@@ -98,7 +98,7 @@ class AssetLibrary:
             )
         return self._bodies[key]
 
-    def geometry(self, asset: Single, scale: float = 1.0) -> Geometry:
+    def geometry(self, asset: SingleAsset, scale: float = 1.0) -> Geometry:
         """All that the asset offers. Raises InvalidInput as `body` does."""
         seen = self._seen.get((id(asset), scale))
         if seen is not None and seen[0] is asset:
@@ -112,14 +112,14 @@ class AssetLibrary:
         self._seen[id(asset), scale] = asset, self._geometries[key]
         return self._geometries[key]
 
-    def surface(self, asset: Single, scale: float, wanted: str | AuthoredPolygon, name: str) -> Surface | None:
+    def surface(self, asset: SingleAsset, scale: float, wanted: str | AuthoredPolygon, name: str) -> Surface | None:
         """The surface `wanted` (`auto` for the main one); a drawn one is called `name`. None when there is none."""
         geometry = self.geometry(asset, scale)
         if isinstance(wanted, AuthoredPolygon):
             return drawn_surface(name, wanted, geometry.shapes)
         return next((s for s in geometry.surfaces if wanted in ("auto", s.name)), None)
 
-    def volume(self, asset: Single, scale: float, wanted: str | AuthoredPolygon, name: str) -> Volume | None:
+    def volume(self, asset: SingleAsset, scale: float, wanted: str | AuthoredPolygon, name: str) -> Volume | None:
         """The volume `wanted` (`auto` for the main one); a drawn one is called `name`. None when there is none."""
         geometry = self.geometry(asset, scale)
         if isinstance(wanted, AuthoredPolygon):

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from geom.pose import pose
-from scenec.bind.asset_library import AssetLibrary, Geometry, Single, swing_and_yaw
+from scenec.bind.asset_library import AssetLibrary, Geometry, swing_and_yaw
 from scenec.bind.bind_relations import lower_relations
 from scenec.bind.choice_spans import candidate_path
 from scenec.bind.variants import AS_WRITTEN, ASSETS, Choice
@@ -32,6 +32,7 @@ from scenec.ir.problem import (
     Thing,
     Volume,
 )
+from scenec.ir.single_assets import SingleAsset
 from scenec.source.tree import Spans
 from schemas.diagnostics import Diagnostic, Label, any_error, finding
 from schemas.scene.program import (
@@ -244,7 +245,7 @@ class Lowering:
         self._add(finding("scene/missing-anchor", headline, labels=labels), ("anchors", anchor, kind))
         return None
 
-    def _candidate(self, name: str, asset: Single) -> tuple[Label, ...]:
+    def _candidate(self, name: str, asset: SingleAsset) -> tuple[Label, ...]:
         """Where an asset is a candidate of an object, as a label; none where the object is no pool."""
         variant = self.choice.combination.get(ASSETS, AS_WRITTEN)
         at = candidate_path(self.program, name, asset.id, variant) if isinstance(asset, FixedAsset) else None

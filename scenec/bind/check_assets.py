@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import get_args
 
 from scenec.bind.asset_library import AssetLibrary
-from scenec.bind.variants import singles
 from scenec.ir.problem import Path
+from scenec.ir.single_assets import single_assets
 from scenec.source.hint import did_you_mean
 from scenec.source.listing import written_assets
 from scenec.source.tree import Spans
@@ -43,7 +43,7 @@ def _check(
         for k, candidates in enumerate(asset.candidates):
             for n, name in enumerate(candidates.assets):
                 places.setdefault(name, (*path, "candidates", k, "assets", n))
-    for single in singles(asset):
+    for single in single_assets(asset):
         at = (*path, "id") if isinstance(asset, FixedAsset) else path
         at = places.get(single.id, at) if isinstance(single, FixedAsset) else at
         try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from geom.convex.circumscribed_hull import CIRCLE
+from geom.convex.circumscribed_hull import UNIT_CIRCLE
 from geom.pose import pose
 from scenec.ir.problem import Surface
 from schemas.physics import CollisionShape
@@ -34,7 +34,7 @@ def top_of(primitive: Inline) -> tuple[Surface, ...]:
         x, y, z = primitive.size_m
         return (Surface(TOP, shapely.box(-0.5 * x, -0.5 * y, 0.5 * x, 0.5 * y), np.array([0.0, 0.0, z])),)
     if isinstance(primitive, CylinderAsset):
-        circle = shapely.Polygon(primitive.radius_m * CIRCLE)
+        circle = shapely.Polygon(primitive.radius_m * UNIT_CIRCLE)
         return (Surface(TOP, circle, np.array([0.0, 0.0, primitive.height_m])),)
     return ()
 

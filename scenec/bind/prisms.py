@@ -1,6 +1,6 @@
 """Collision shapes seen from above: each convex shape as an outline and the heights it spans.
 
-Outlines hold the shape: curved ones are circumscribed by polygons of `CORNERS` corners, so that what is clear of the
+Outlines hold the shape: curved ones are circumscribed by polygons of `CIRCLE_CORNERS` corners, so that what is clear of the
 outline is clear of the shape. Heights are exact.
 """
 
@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from geom.convex.circumscribed_hull import AROUND, outer_corners
+from geom.convex.circumscribed_hull import CIRCUMSCRIBED_CIRCLE, circumscribed_hull
 from geom.convex.support_function import support
 from geom.pose import matrix_of
 from scenec.ir.problem import FloatArray, Slab, Stance
@@ -41,7 +41,7 @@ def stance_of(
     ]
     if sections:
         least_m2 = TAPERS * shapely.union_all([shapely.Polygon(slab.outline_m) for slab in whole]).area
-        corners = [outer_corners(shape) @ R_SP.T - [0.0, 0.0, ground] for shape in shapes]
+        corners = [circumscribed_hull(shape) @ R_SP.T - [0.0, 0.0, ground] for shape in shapes]
         whole = [part for slab, points in zip(whole, corners, strict=True) for part in _cut_up(slab, points, least_m2)]
     return Stance(quat_wxyz, tuple(whole), -ground, name)
 
@@ -72,7 +72,7 @@ def slabs_between(shapes: Sequence[CollisionShape], low_m: float, high_m: float)
         part = (
             _seen(shape, np.eye(3))
             if shape.kind in ("sphere", "capsule")
-            else _cut(outer_corners(shape), low_m, high_m)
+            else _cut(circumscribed_hull(shape), low_m, high_m)
         )
         outline = _hull(part)
         if len(outline) >= 3:
@@ -98,10 +98,10 @@ def _heights(shape: CollisionShape, R_SP: FloatArray) -> tuple[float, float]:
 def _seen(shape: CollisionShape, R_SP: FloatArray) -> FloatArray:
     """(n, 2) points whose hull holds the projection of the shape onto the ground."""
     if shape.kind not in ("sphere", "capsule"):
-        return outer_corners(shape) @ R_SP[:2].T
+        return circumscribed_hull(shape) @ R_SP[:2].T
     half = 0.5 * shape.size_m[1] if shape.kind == "capsule" else 0.0
     ends = shape.X_AS[:3, 3] + np.outer([-half, half], shape.X_AS[:3, 2])
-    return ((ends @ R_SP[:2].T)[:, None] + shape.size_m[0] * AROUND).reshape(-1, 2)
+    return ((ends @ R_SP[:2].T)[:, None] + shape.size_m[0] * CIRCUMSCRIBED_CIRCLE).reshape(-1, 2)
 
 
 def _cut(points: FloatArray, low_m: float, high_m: float) -> FloatArray:

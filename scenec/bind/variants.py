@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from itertools import product
 from math import prod
 
-from scenec.bind.asset_library import Single
 from scenec.ir.names import Names, upright
-from schemas.scene.program import Asset, AssetVariant, Background, FixedAsset, PoolAsset, SlotGroup
+from scenec.ir.single_assets import SingleAsset, single_assets
+from schemas.scene.program import AssetVariant, Background, FixedAsset, SlotGroup
 
 MAX_COMBINATIONS = 256
 AS_WRITTEN = "as_written"
@@ -25,20 +25,10 @@ class Choice:
     """One combination: which assets each object may have (several: their union), background and slots."""
 
     combination: Combination
-    objects: Mapping[str, tuple[Single, ...]]
+    objects: Mapping[str, tuple[SingleAsset, ...]]
     background: Background | None
-    background_asset: Single | None
+    background_asset: SingleAsset | None
     assign: dict[str, dict[str, str]] = field(default_factory=dict)
-
-
-def singles(asset: Asset | str) -> tuple[Single, ...]:
-    """The assets that an authored asset may be, each once, in order."""
-    if isinstance(asset, str):
-        return (FixedAsset(type="fixed", id=asset),)
-    if isinstance(asset, PoolAsset):
-        ids = dict.fromkeys(one for candidates in asset.candidates for one in candidates.assets)
-        return tuple(FixedAsset(type="fixed", id=one) for one in ids)
-    return (asset,)
 
 
 class Variety:
@@ -57,7 +47,7 @@ class Variety:
         self.slots: dict[str, dict[str, dict[str, str]]] = {v.group: {AS_WRITTEN: {}} for v in variants.slots}
         for variant in variants.slots:
             self.slots[variant.group][variant.id] = variant.assign
-        self.written = {thing.id: singles(thing.asset) for thing in program.objects}
+        self.written = {thing.id: single_assets(thing.asset) for thing in program.objects}
         self.together: frozenset[str] = frozenset()
 
     @property
@@ -66,15 +56,15 @@ class Variety:
         pools = any(len(found) > 1 for found in self.written.values())
         return pools or len(self.assets) > 1 or bool(self.slots) or bool(self.background_keys())
 
-    def candidates(self, name: str, variant: str) -> tuple[Single, ...]:
+    def candidates(self, name: str, variant: str) -> tuple[SingleAsset, ...]:
         """What an object may be under an asset variant."""
         changed = self.assets[variant]
         asset = None if changed is None else changed.objects.get(name)
-        return self.written[name] if asset is None else singles(asset)
+        return self.written[name] if asset is None else single_assets(asset)
 
     def background_keys(self) -> frozenset[str]:
         """Keys of the background: they reach everything."""
-        pool = any(b is not None and len(singles(b.asset)) > 1 for b in self.backgrounds.values())
+        pool = any(b is not None and len(single_assets(b.asset)) > 1 for b in self.backgrounds.values())
         return frozenset([*([BACKGROUNDS] if len(self.backgrounds) > 1 else []), *([BACKGROUND_POOL] if pool else [])])
 
     def keys_of(self, node: str) -> frozenset[str]:
@@ -129,7 +119,7 @@ class Variety:
             objects[name] = found if name in self.together and one is None else (_named(found, one),)
         behind = None
         if background is not None:
-            behind = _named(singles(background.asset), combination.get(BACKGROUND_POOL))
+            behind = _named(single_assets(background.asset), combination.get(BACKGROUND_POOL))
         assign = {group: found[combination.get(slot_key(group), AS_WRITTEN)] for group, found in self.slots.items()}
         return Choice(dict(combination), objects, background, behind, assign)
 
@@ -151,15 +141,15 @@ class Variety:
         for variant, background, *assigned in product(variants, backgrounds, *(self.slots[group] for group in groups)):
             yield variant, background, dict(zip(map(slot_key, groups), assigned, strict=True))
 
-    def _pools(self, variant: str, keys: Collection[str]) -> Iterator[tuple[str, tuple[Single, ...]]]:
+    def _pools(self, variant: str, keys: Collection[str]) -> Iterator[tuple[str, tuple[SingleAsset, ...]]]:
         for name in self.written:
             found = self.candidates(name, variant)
             if len(found) > 1 and name not in self.together and f"objects.{name}" in keys:
                 yield name, found
 
-    def _behind(self, background: str, keys: Collection[str]) -> tuple[Single | None, ...]:
+    def _behind(self, background: str, keys: Collection[str]) -> tuple[SingleAsset | None, ...]:
         made = self.backgrounds[background]
-        found = () if made is None else singles(made.asset)
+        found = () if made is None else single_assets(made.asset)
         return found if BACKGROUND_POOL in keys and found else found[:1] or (None,)
 
     def _size(self, variant: str, background: str, keys: Collection[str]) -> int:
@@ -174,5 +164,5 @@ def slot_key(group: str) -> str:
     return f"variants.slots.{group}"
 
 
-def _named(found: tuple[Single, ...], name: str | None) -> Single:
+def _named(found: tuple[SingleAsset, ...], name: str | None) -> SingleAsset:
     return next((one for one in found if isinstance(one, FixedAsset) and one.id == name), found[0])

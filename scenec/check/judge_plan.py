@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from scene_check.batch import WORLD, Form, SceneRules, Stands
-from scene_check.check_batch import check_many
-from scene_check.from_plan import rules_of
+from scene_check.batch import WORLD, BatchPoses, SceneRules, StanceGeometry
+from scene_check.check_batch import check_batch
+from scene_check.from_plan import scene_rules
 from scenec.ir.problem import FloatArray
 from schemas.scene.runtime_plan import PlanCombination, PlanPool, RuntimePlan
 
@@ -18,16 +18,16 @@ EMPTY_M = 2e-6  # by which a cell may miss its footprint: what rounding takes
 def judge(plan: RuntimePlan) -> None:
     """Raises RuntimeError when the judge refuses a scene, or a cell is empty: a defect of ours, not of the program."""
     for one in plan.combinations:
-        rules = rules_of(plan, one)
+        rules = scene_rules(plan, one)
         count = EACH * max((len(pool.cases) for pool in one.pools), default=0)
         for begin in range(0, count, LOT):
             scenes = np.arange(begin, min(begin + LOT, count))
-            for k, violations in check_many(rules, extremes(rules, one, scenes)):
+            for k, violations in check_batch(rules, extremes(rules, one, scenes)):
                 cases = {pool.things[0]: int(scenes[k]) % len(pool.cases) for pool in one.pools}
                 raise RuntimeError(f"{plan.scene}: the checker refuses cases {cases}: {violations[0]}")
 
 
-def extremes(rules: SceneRules, one: PlanCombination, scenes: np.ndarray) -> Stands:
+def extremes(rules: SceneRules, one: PlanCombination, scenes: np.ndarray) -> BatchPoses:
     """The given scenes (n,) by number: each case in turn, its things at ends of yaw intervals and corners of cells."""
     count, names = len(scenes), [thing.id for thing in one.things]
     origin, yaw = np.zeros((count, len(names), 3)), np.zeros((count, len(names)))
@@ -44,11 +44,11 @@ def extremes(rules: SceneRules, one: PlanCombination, scenes: np.ndarray) -> Sta
         c, s = np.cos(heading), np.sin(heading)
         origin[:, i] = base + np.stack([c * at[:, 0] - s * at[:, 1], s * at[:, 0] + c * at[:, 1], at[:, 2]], axis=1)
         yaw[:, i] = heading + turn
-    return Stands(origin, yaw, form, np.ones(form.shape, dtype=bool))
+    return BatchPoses(origin, yaw, form, np.ones(form.shape, dtype=bool))
 
 
 def _in_place(
-    forms: tuple[Form, ...], pool: PlanPool, k: int, scenes: np.ndarray, number: int
+    forms: tuple[StanceGeometry, ...], pool: PlanPool, k: int, scenes: np.ndarray, number: int
 ) -> tuple[FloatArray, FloatArray, np.ndarray]:
     # Origins (n, 3) in A, yaws (n,) and forms (n,) of thing k of a pool.
     chosen = scenes % len(pool.cases)

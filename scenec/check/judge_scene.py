@@ -124,7 +124,7 @@ def _object(thing: Thing, at: Placement, pose: LevelPose, place: CheckPlace) -> 
         x_m=domain.x_m,
         y_m=domain.y_m,
         yaw_range_rad=domain.yaw_rad,
-        spots=tuple(_spot(spot) for spot in domain.spots if spot.stance == at.stance or not spotted),
+        fixed_poses=tuple(_spot(spot) for spot in domain.spots if spot.stance == at.stance or not spotted),
         stance=at.stance,
         stances=tuple(spot.stance for spot in domain.spots) or domain.stances,
     )

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from scenec.explain.relaxed import nodes, relaxed, rules
 from scenec.ir.problem import Infeasible, Path, Problem, Proof, Result, Solved
+from scenec.ir.relaxed import nodes, relaxed, rules
 from scenec.proofs import refutation
 
 Feasible = Callable[[Problem], Result]

@@ -14,8 +14,8 @@ from itertools import islice
 import numpy as np
 
 from scenec.explain.minimal_conflict import Conflict, Feasible
-from scenec.explain.relaxed import CLEARANCE, relaxed
 from scenec.ir.problem import WORLD_PARENT, Domain, Path, Problem, RelationIR, Solved, Surface, Thing, Volume
+from scenec.ir.relaxed import CLEARANCE, relaxed
 from scenec.proofs import prove_cheaply
 from scenec.source.tree import written
 from schemas.scene.compiled import Suggestion

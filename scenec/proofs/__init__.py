@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from scenec.explain.relaxed import relaxed
 from scenec.ir.problem import Problem, Proof, Volume
+from scenec.ir.relaxed import relaxed
 from scenec.proofs.apart import near_and_far
 from scenec.proofs.areas import more_area_than_there_is
 from scenec.proofs.axes import too_long_along_an_axis

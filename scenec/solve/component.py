@@ -8,12 +8,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from scenec.ir.problem import Placement
 from scenec.solve.fixed_poses import match_spots
 from scenec.solve.grid import spread_grid
-from scenec.solve.loosen import loosened
 from scenec.solve.model import Model
 from scenec.solve.placed import Placed
 from scenec.solve.repair import repaired
 from scenec.solve.search import Effort, is_dense
 from scenec.solve.shelf import pack_shelves
+from scenec.solve.yaw_jitter import loosened
 
 FAMILY_SHARE = 0.3  # of the steps; the rest is for exact search
 

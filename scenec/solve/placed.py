@@ -9,7 +9,7 @@ from shapely import Polygon
 
 from scenec.ir.problem import FloatArray, Placement
 from scenec.solve.planar import ROUND_OUT, SEGMENTS, outline_of, polygon
-from scenec.solve.resting import Resting
+from scenec.solve.resting import ContactGeometry
 from scenec.solve.shapes import Turned
 
 
@@ -54,9 +54,9 @@ class Placed:
         )
 
     @cached_property
-    def resting(self) -> Resting:
-        """The same as part of a pile."""
-        return Resting(self)
+    def contact(self) -> ContactGeometry:
+        """The geometry of its own body by which it stands on others and carries them."""
+        return ContactGeometry(self.slabs[: self.turned.shape.own])
 
 
 def footprint_distance(a: Placed, b: Placed) -> float:

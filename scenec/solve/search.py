@@ -195,7 +195,7 @@ def _on_contents(
     found = levels(model, assignment, thing.name)
     poses = poses_to_try(model, thing, rng, dense=True)[:TRIES] if found else []
     middle_of = {
-        pose: model.put(thing.name, Placement(-ox, -oy, pose[1], pose[0])).resting.foot.centroid for pose in poses
+        pose: model.put(thing.name, Placement(-ox, -oy, pose[1], pose[0])).contact.foot.centroid for pose in poses
     }
     for base, _, middles in found:
         for stance, yaw in poses[:COLUMN_TRIES]:

@@ -18,7 +18,7 @@ from shapely.geometry.base import BaseGeometry
 from scenec.ir.problem import Volume
 from scenec.solve.model import SLACK_M, Model
 from scenec.solve.placed import Placed, bounds_gap
-from scenec.solve.resting import CONTACT_M, GRAIN_M, Resting
+from scenec.solve.resting import CONTACT_M, GRAIN_M
 
 
 class Level(NamedTuple):
@@ -37,41 +37,41 @@ def stands_on_contents(model: Model, placed: Placed) -> bool:
 
 def fallen(model: Model, assignment: Mapping[str, Placed], parent: str, place: str) -> set[str]:
     """Names of contents of a place that are not held, or that what stands on them would tip; empty without a pile."""
-    inside = [p for p in assignment.values() if p.parent == parent and p.place == place]
-    if not any(stands_on_contents(model, placed) for placed in inside):
+    contents = {p.name: p for p in assignment.values() if p.parent == parent and p.place == place}
+    if not any(stands_on_contents(model, placed) for placed in contents.values()):
         return set()
-    resting = {placed.name: placed.resting for placed in inside}
-    touched = {name: _supports(model, name, resting) for name in resting}
-    pressed: dict[str, list[BaseGeometry]] = {name: [] for name in resting}
+    touched = {name: _supports(model, name, contents) for name in contents}
+    pressed: dict[str, list[BaseGeometry]] = {name: [] for name in contents}
     wrong: set[str] = set()
-    for name in sorted(resting, key=lambda n: (-resting[n].low_m, n)):  # from the top down
-        one = resting[name]
-        if not stands_on_contents(model, one.placed):
-            support = one.foot.convex_hull
-            held = not pressed[name] or support.covers(one.middle)
+    for name in sorted(contents, key=lambda n: (-contents[n].contact.low_m, n)):  # from the top down
+        contact = contents[name].contact
+        if not stands_on_contents(model, contents[name]):
+            support = contact.foot.convex_hull
+            held = not pressed[name] or support.covers(contact.middle)
         else:
             support = shapely.union_all(list(touched[name].values())).convex_hull
-            held = support.buffer(-one.room_m).covers(one.middle)
+            held = support.buffer(-contact.stability_margin_m).covers(contact.middle)
         if not held or not all(support.buffer(SLACK_M).covers(load) for load in pressed[name]):
             wrong.add(name)
             continue
         for below, area in touched[name].items():
-            pressed[below] += [area] if len(touched[name]) > 1 else [one.middle, *pressed[name]]
+            pressed[below] += [area] if len(touched[name]) > 1 else [contact.middle, *pressed[name]]
     return wrong
 
 
-def _supports(model: Model, name: str, resting: dict[str, Resting]) -> dict[str, BaseGeometry]:
+def _supports(model: Model, name: str, contents: Mapping[str, Placed]) -> dict[str, BaseGeometry]:
     # Where each other content touches it from below.
-    one = resting[name]
-    if not stands_on_contents(model, one.placed):
+    placed = contents[name]
+    if not stands_on_contents(model, placed):
         return {}
-    found = {
-        other.placed.name: other.top_at(one.low_m).intersection(one.foot)
-        for other in resting.values()
-        if other is not one and other.placed.name not in model.carriers
-        if abs(other.high_m - one.low_m) <= CONTACT_M and bounds_gap(one.placed, other.placed) < 0.0
+    low_m, foot = placed.contact.low_m, placed.contact.foot
+    areas = {
+        other.name: other.contact.top_at(low_m).intersection(foot)
+        for other in contents.values()
+        if other is not placed and other.name not in model.carriers
+        if abs(other.contact.high_m - low_m) <= CONTACT_M and bounds_gap(placed, other) < 0.0
     }
-    return {other: area for other, area in found.items() if not area.is_empty}
+    return {other: area for other, area in areas.items() if not area.is_empty}
 
 
 def levels(model: Model, assignment: Mapping[str, Placed], name: str) -> list[Level]:
@@ -82,7 +82,7 @@ def levels(model: Model, assignment: Mapping[str, Placed], name: str) -> list[Le
         return []
     floor = float(thing.place.origin_P_m[2])
     mates = [
-        placed.resting
+        placed.contact
         for placed in assignment.values()
         if placed.parent == thing.parent and placed.place == thing.place.name and placed.name not in model.carriers
         if placed.name != name

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 
 import shapely
 
-from scenec.bind.variants import singles
 from scenec.ir.names import MAX_THINGS, Names
 from scenec.ir.problem import Path
+from scenec.ir.single_assets import single_assets
 from scenec.source.check_colours import check_colours
 from scenec.source.check_ownership import check_ownership
 from scenec.source.check_relations import check_relations
@@ -204,7 +204,7 @@ def _polygon(polygon: shapely.Polygon, spans: Spans, path: Path) -> Iterator[Dia
 
 
 def _splits(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
-    candidates = (one for item in written_assets(program) for one in singles(item.asset))
+    candidates = (one for item in written_assets(program) for one in single_assets(item.asset))
     named = sorted({one.id for one in candidates if isinstance(one, FixedAsset)})
     for side, assets in (("train", program.split.train), ("eval", program.split.eval)):
         for i, asset in enumerate(assets):  # A split may be that of many programs: only what looks like a slip is said.

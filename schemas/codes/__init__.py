@@ -1,5 +1,5 @@
 """Every diagnostic code, in one explicit table. Each has a page under `docs/diagnostics/` made from its row
-(`python -m cli.docs.diagnostics`) and a smallest bad input in `tests/support/bad_inputs/assets.py`; one test proves
+(`make docs`) and a smallest bad input in `tests/support/bad_inputs/assets.py`; one test proves
 that the three agree.
 
 A code names the pattern found, never the remedy. Codes are stable: extend, never rename.

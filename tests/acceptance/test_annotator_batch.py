@@ -1,4 +1,4 @@
-"""A model is asked about pictures: what reaches records and report, and what never reaches a file."""
+"""Annotation of pictures by a model: what reaches records and report, and what never reaches a file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from assetkit.options import Endpoint, Options
 from assetkit.sources.discover import discover
 from assetkit.stage import Draft, Semantics, Tools
 from assetkit.stages.canonicalize import Canonicalize
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 from assetkit.stages.semantics import DescribeObject
 from cli.main import app
 from schemas.asset import AssetRecord
@@ -50,7 +50,7 @@ def test_an_endpoint_that_fails_and_recovers(tmp_path: Path, monkeypatch: pytest
         of_anything = record.physics.mass_kg
 
         item, totals, record = ingested(server)
-        assert server.asked[-1].headers["authorization"] == f"Bearer {KEY}"
+        assert server.requests[-1].headers["authorization"] == f"Bearer {KEY}"
         assert "asset/annotator-unreachable" not in item.codes
         category = record.semantics.category
         assert (category.value, category.source, category.method) == ("sponge", "inferred", "looker, prompt 1")
@@ -60,15 +60,15 @@ def test_an_endpoint_that_fails_and_recovers(tmp_path: Path, monkeypatch: pytest
         assert record.physics.mass_kg != of_anything  # Later stages came from no store of the run before.
         spent = {name: totals[f"endpoint_{name}"] for name in ("requests", "input_tokens", "output_tokens", "usd")}
         assert spent == {"requests": 1, "input_tokens": 1000, "output_tokens": 50, "usd": 0.0025}
-        assert len(server.asked) == 2
+        assert len(server.requests) == 2
 
 
 def described(server: Server, folder: Path, file: str, *, lost: bool = False, **said) -> Outcome[Semantics]:
     """The outcome of the stage, with pictures drawn and the question sent as in a batch."""
     (folder / file).write_text(obj_text(PAD, "# units: m, z up\n"))
-    asked = Endpoint(url=server.url, model="looker", seconds=10.0)
-    options = Options(units="m", up_axis="z", endpoint=asked, **said)
-    draft = Draft("part", file, take_in(discover([folder / file])[0], options).objects[0])
+    model = Endpoint(url=server.url, model="looker", seconds=10.0)
+    options = Options(units="m", up_axis="z", endpoint=model, **said)
+    draft = Draft("part", file, ReadSource().run(discover([folder / file])[0], options).objects[0])
     tools = Tools(FakeSimulator(), folder / "work", options, endpoint_lost=lost)
     return DescribeObject().run(replace(draft, canonicalize=Canonicalize().run(draft, tools).value), tools)
 
@@ -90,7 +90,7 @@ def test_contradicted_pictures_go_to_a_person(tmp_path: Path):
     assert outcome.review
     assert outcome.value.section.category.value == "unknown"
     assert "asset/category-contradicted" in [d.code for d in outcome.diagnostics]
-    pictures = [p for p in json.loads(server.asked[-1].body)["messages"][1]["content"] if p["type"] == "image_url"]
+    pictures = [p for p in json.loads(server.requests[-1].body)["messages"][1]["content"] if p["type"] == "image_url"]
     assert len({p["image_url"]["url"] for p in pictures}) == 4
     assert all(p["image_url"]["url"].startswith("data:image/png;base64,iVBOR") for p in pictures)
 
@@ -98,7 +98,7 @@ def test_contradicted_pictures_go_to_a_person(tmp_path: Path):
 def test_a_lost_endpoint_is_left_alone(tmp_path: Path):
     with endpoint(says(openai(answer(book=0.95)))) as server:
         outcome = described(server, tmp_path, "sponge.obj", lost=True)
-        assert server.asked == []
+        assert server.requests == []
     assert outcome.value is not None
     assert outcome.value.section.category.value == "sponge"
     assert [d.code for d in outcome.diagnostics] == ["asset/annotator-unreachable"]

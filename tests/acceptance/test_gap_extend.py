@@ -12,7 +12,7 @@ import pybullet
 import pytest
 from typer.testing import CliRunner
 
-from assetkit.library.judge_file import judge
+from assetkit.library.judge_file import validate_file
 from assetkit.package.record import read_record
 from cli.gap.extend import _body, extend
 from cli.main import app
@@ -106,7 +106,7 @@ def expected_inertia(package: Path) -> np.ndarray:
 
 
 def test_every_judge_accepts_the_new_package(extended: tuple[Path, dict]):
-    findings = judge(extended[0] / "usd" / f"{extended[0].name}.usda")
+    findings = validate_file(extended[0] / "usd" / f"{extended[0].name}.usda")
     assert [d.code for d in findings if d.severity is Severity.ERROR] == []
 
 

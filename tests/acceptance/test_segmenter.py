@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from typer.testing import CliRunner
 
-from assetkit.parts.segmenter import SEEN
+from assetkit.parts.segmenter import MODEL_TRUST
 from cli.main import app
 
 GOOD = """
@@ -52,7 +52,7 @@ def test_its_regions_become_parts_and_what_was_left_out_is_told(figure: Path) ->
     record = json.loads((figure.parent / "library/thing/record.json").read_text())
     (label,) = [p["value"]["label"] for p in record["parts"] if "learned" in p["value"]["sources"]]
     assert (label["value"], label["inputs"]) == ("head", ["segmenter my segmenter.py"])
-    assert label["confidence"] == pytest.approx(SEEN * 0.9)
+    assert label["confidence"] == pytest.approx(MODEL_TRUST * 0.9)
     (told,) = [d["headline"] for d in item["diagnostics"] if d["code"] == "asset/segmenter-failed"]
     assert "1 with a name not asked for" in told
     script.write_text("raise SystemExit('no model here')", encoding="utf-8")

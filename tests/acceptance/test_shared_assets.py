@@ -10,11 +10,11 @@ import csv
 import numpy as np
 import pytest
 
+from assetkit.geometry.canonical_model import canonicalize
+from assetkit.materials.normalize import normalize
 from assetkit.options import Options
 from assetkit.sources.discover import discover
-from assetkit.stages.appearance import normalize
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 from tests.conftest import SHARED
 
 ASSETS = SHARED / "assets"
@@ -47,7 +47,7 @@ def test_the_manifest_is_found(shared_assets):
 @pytest.mark.shared
 @pytest.mark.parametrize("row", [pytest.param(r, id=r["id"]) for r in rows()])
 def test_row(row: dict[str, str], candidates):
-    taken = take_in(candidates[str(ASSETS / row["path"])], Options())
+    taken = ReadSource().run(candidates[str(ASSETS / row["path"])], Options())
     codes = {d.code for d in taken.diagnostics if d.severity == "error"}
     repairs = {r.name for r in taken.repairs}
     volume = 0.0

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from assetkit.batch.ingest import Batch, ingest
+from assetkit.batch.item_cells import PRELOAD, Batch, run_items
 from assetkit.options import Options
 from assetkit.sources.discover import discover
-from cli.assets.app import PRELOAD, WORKER
+from cli.engines import SIMULATOR
 from geom.mesh.primitives import cylinder
 from jobs import warm
 from jobs.cell import Limits
@@ -48,8 +48,8 @@ def test_warm_and_cold_packages_are_equal(tmp_path: Path):
     source.write_text("\n".join([*lines, ""]))
     items: dict[str, ReportItem] = {}
     for preload in (PRELOAD, ""):
-        batch = Batch(tmp_path / (preload or "cold"), Options(units="m"), WORKER, preload)
-        for item in ingest(discover([source]), batch):
+        batch = Batch(tmp_path / (preload or "cold"), Options(units="m"), SIMULATOR, preload=preload)
+        for item in run_items(discover([source]), batch):
             items[preload] = item
             served = warm._server is not None and warm._server.requests is not None
             assert served == bool(preload)

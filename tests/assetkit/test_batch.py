@@ -13,18 +13,18 @@ from typing import cast
 
 import pytest
 
-from assetkit.batch import ownership, result_store
-from assetkit.batch.ingest import Batch, ingest
+from assetkit.acceptance import judge_package
+from assetkit.batch import ownership, result_store, worker
+from assetkit.batch.item_cells import Batch, run_items
 from assetkit.batch.report import build_report, write_report
 from assetkit.options import Options
 from assetkit.package import release
 from assetkit.pipeline import process_source
 from assetkit.sources.discover import discover
 from assetkit.stage import Appearance, Draft, Tools
-from assetkit.stage_log import Entry, Journal
-from assetkit.stages import acceptance
+from assetkit.stage_log import Entry, StageLog
 from assetkit.stages.appearance import NormalizeAppearance
-from cli.assets import cell
+from cli.engines import SIMULATOR
 from gate.static_gate import gate
 from jobs.cell import Limits
 from schemas.diagnostics import Diagnostic, finding
@@ -37,8 +37,8 @@ import json, sys
 from collections.abc import Generator
 from pathlib import Path
 from typing import cast
-from assetkit import memory
-from assetkit.batch.ingest import candidate_of
+from assetkit.batch import result_store
+from assetkit.batch.item_cells import candidate_of
 from schemas.report import ReportItem
 request = json.loads(Path(sys.argv[1]).read_text())
 candidate = candidate_of(request)
@@ -55,7 +55,7 @@ if full.exists() and 'storage' in text: raise OSError(28, 'No space left on devi
 item = ReportItem(source=candidate.given, outcome='accepted', seconds={'intake': 0.1})
 if 'verdict' in text: item = ReportItem(source=candidate.given, outcome='rejected', codes=(text.split()[1],))
 if 'grows' in text: candidate.file.path.write_text('good')
-memory.remember(Path(request['note']), memory.stored_from(item, candidate, Path(request['out'])))
+result_store.write_stored(Path(request["note"]), result_store.stored_from(item, candidate, Path(request['out'])))
 """
 
 
@@ -68,16 +68,18 @@ def sources(tmp_path: Path) -> Path:
     return folder
 
 
-RECORD_SAMPLE = Path(__file__).parents[2] / "data" / "record.json"
+RECORD_SAMPLE = Path(__file__).parents[1] / "data" / "record.json"
 
 
 def batch(out: Path, **changes) -> Batch:
     worker = (sys.executable, "-c", GOOD)
-    return Batch(out=out, options=Options(), worker=worker, limits=Limits(5.0, 4096), **changes)
+    return Batch(
+        out=out, options=Options(), engine="sim.fake:FakeSimulator", worker=worker, limits=Limits(5.0, 4096), **changes
+    )
 
 
 def run(folder: Path, this: Batch) -> dict[str, ReportItem]:
-    return {Path(i.source).stem: i for i in ingest(discover([folder]), this)}
+    return {Path(i.source).stem: i for i in run_items(discover([folder]), this)}
 
 
 def runs(out: Path) -> dict[str, int]:
@@ -111,7 +113,7 @@ def test_an_unchanged_source_is_not_made_again_and_a_changed_one_is(sources: Pat
 
 def test_other_options_are_another_result(sources: Path, tmp_path: Path):
     run(sources, batch(tmp_path / "out"))
-    other = Batch(tmp_path / "out", Options(units="mm"), (sys.executable, "-c", GOOD))
+    other = Batch(tmp_path / "out", Options(units="mm"), SIMULATOR, (sys.executable, "-c", GOOD))
     assert all(i.cached == () for i in run(sources, other).values())
 
 
@@ -142,16 +144,16 @@ def test_an_unwritable_store_is_no_verdict_on_the_source(
     sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """Errors of this process: the note of `a` cannot be written once."""
-    this, written = batch(tmp_path / "out"), result_store.remember
+    this, written = batch(tmp_path / "out"), result_store.write_stored
 
-    def full(note: Path, stored: result_store.Stored) -> None:
+    def full(note: Path, stored: result_store.StoredResult) -> None:
         if Path(stored.item.source).stem == "a":
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         written(note, stored)
 
-    monkeypatch.setattr(result_store, "remember", full)
+    monkeypatch.setattr(result_store, "write_stored", full)
     assert run(sources, this)["a"].codes == ("asset/storage-failed",)
-    monkeypatch.setattr(result_store, "remember", written)
+    monkeypatch.setattr(result_store, "write_stored", written)
     again = run(sources, batch(tmp_path / "out", resume=True))
     assert {n: (i.outcome, i.cached) for n, i in again.items()} == {
         "a": (ItemOutcome.ACCEPTED, ()),
@@ -184,10 +186,10 @@ def test_packages_survive_an_error_of_the_storage(tmp_path: Path):
     (tmp_path / "mug.obj").write_text("mug")
     [mug] = discover([tmp_path / "mug.obj"])
     release.publish(package(tmp_path, "mug"), tmp_path / "mug")
-    ownership.claim(mug, ["mug"], tmp_path)
-    ownership.claim(mug, [], tmp_path, complete=False)
+    ownership.record_ownership(mug, ["mug"], tmp_path)
+    ownership.record_ownership(mug, [], tmp_path, complete=False)
     assert (tmp_path / "mug").exists()
-    ownership.claim(mug, [], tmp_path)
+    ownership.record_ownership(mug, [], tmp_path)
     assert not (tmp_path / "mug").exists()
 
 
@@ -213,12 +215,12 @@ def test_a_package_removed_while_it_is_judged_is_no_verdict(
         shutil.rmtree(work if removed == "work" else main_file.parent.parent)
         return gate(main_file)
 
-    monkeypatch.setattr(acceptance, "gate", gate_without_files)
+    monkeypatch.setattr(judge_package, "gate", gate_without_files)
     lost = process()
     assert lost.outcome is ItemOutcome.REJECTED
     assert lost.codes[-1] == "asset/storage-failed"
     assert "asset/package-invalid" not in lost.codes
-    monkeypatch.setattr(acceptance, "gate", gate)
+    monkeypatch.setattr(judge_package, "gate", gate)
     made = process()
     assert made.packages == ("cube",)
     assert "acceptance" not in made.cached
@@ -254,6 +256,7 @@ def test_a_source_removed_while_it_is_read_is_missing(sources: Path, tmp_path: P
         "root": str(sources),
         "format": "obj",
         "asset_id": "a",
+        "engine": SIMULATOR,
         "options": Options().model_dump(),
         "out": str(tmp_path / "out"),
         "fresh": False,
@@ -262,8 +265,8 @@ def test_a_source_removed_while_it_is_read_is_missing(sources: Path, tmp_path: P
     }
     request.write_text(json.dumps(asked))
     source.unlink()
-    cell.main(str(request))
-    stored = result_store.recall(tmp_path / "note.json")
+    worker.main(str(request))
+    stored = result_store.read_stored(tmp_path / "note.json")
     assert stored is not None
     assert stored.item.codes == ("asset/source-missing",)
     assert "export" not in stored.item.diagnostics[0].help
@@ -274,11 +277,11 @@ def test_ctrl_c_stores_finished_items_and_nothing_of_running_ones(sources: Path,
         (sources / f"{name}.obj").write_text("hang")
     this = batch(tmp_path / "out", jobs=5)
     candidates = discover([sources])
-    running = cast(Generator[ReportItem], ingest(candidates, this))
+    running = cast(Generator[ReportItem], run_items(candidates, this))
     finished = [next(running) for _ in range(3)]
     running.close()
     assert {Path(i.source).stem for i in finished} == set("abc")
-    notes = [result_store.recall(result_store.file_of(c, this.out, this.options)) for c in candidates]
+    notes = [result_store.read_stored(result_store.result_file(c, this.out, this.options)) for c in candidates]
     assert sum(n is not None for n in notes) == 3
     assert all(n is None or not n.item.codes for n in notes)
     for name in ("x", "y"):
@@ -297,7 +300,7 @@ def test_fresh_and_root_and_code_are_other_results(sources: Path, tmp_path: Path
     this = batch(tmp_path / "out")
     run(sources, this)
     assert run(sources, batch(tmp_path / "out", fresh=True))["a"].cached == ()
-    wider = {Path(i.source).stem: i for i in ingest(discover([sources], root=tmp_path), this)}
+    wider = {Path(i.source).stem: i for i in run_items(discover([sources], root=tmp_path), this)}
     assert wider["a"].cached == ()
     monkeypatch.setattr(result_store, "library_versions", lambda: {"code": "other"})
     assert run(sources, this)["a"].cached == ()
@@ -329,12 +332,12 @@ def test_a_package_that_is_no_longer_made_is_withdrawn_and_namesakes_keep_theirs
         (tmp_path / folder / "mug.obj").write_text(folder)
     first, second = (discover([tmp_path / f / "mug.obj"])[0] for f in ("one", "two"))
     release.publish(package(tmp_path, "mug"), tmp_path / "mug")
-    ownership.claim(first, ["mug"], tmp_path)
-    assert ownership.settle(first, tmp_path).asset_id == "mug"
-    assert ownership.settle(second, tmp_path).asset_id.startswith("mug-")
-    ownership.claim(first, [], tmp_path)
+    ownership.record_ownership(first, ["mug"], tmp_path)
+    assert ownership.resolve_asset_id(first, tmp_path).asset_id == "mug"
+    assert ownership.resolve_asset_id(second, tmp_path).asset_id.startswith("mug-")
+    ownership.record_ownership(first, [], tmp_path)
     assert not (tmp_path / "mug").exists()
-    assert ownership.settle(second, tmp_path).asset_id == "mug"
+    assert ownership.resolve_asset_id(second, tmp_path).asset_id == "mug"
 
 
 def test_the_output_folder_is_no_source(sources: Path, tmp_path: Path):
@@ -368,12 +371,12 @@ def test_a_bug_in_a_stage_is_reported_as_such(sources: Path, tmp_path: Path, mon
 
 
 def test_outcome_of_a_journal():
-    assert Journal().outcome is ItemOutcome.ACCEPTED
+    assert StageLog().outcome is ItemOutcome.ACCEPTED
     repair = Repair(name="hole_fill", code="asset/small-holes", stage="canonicalize")
-    assert Journal({"a": Entry(repairs=(repair,))}).outcome is ItemOutcome.REPAIRED
-    assert Journal({"a": Entry(repairs=(repair,)), "b": Entry(review=True)}).outcome is ItemOutcome.REVIEW
+    assert StageLog({"a": Entry(repairs=(repair,))}).outcome is ItemOutcome.REPAIRED
+    assert StageLog({"a": Entry(repairs=(repair,)), "b": Entry(review=True)}).outcome is ItemOutcome.REVIEW
     refused = finding("asset/path-escape", "out")
-    assert Journal({"a": Entry((refused,), review=True)}).outcome is ItemOutcome.REJECTED
+    assert StageLog({"a": Entry((refused,), review=True)}).outcome is ItemOutcome.REJECTED
 
 
 def test_report_json_has_the_stable_keys(sources: Path, tmp_path: Path):

@@ -1,1 +1,1 @@
-"""Tests of `gate`."""
+"""Tests of `gate`; seeded defects are in `tests/suites/gate`."""

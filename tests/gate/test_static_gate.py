@@ -20,7 +20,7 @@ from pxr import Usd, UsdGeom, UsdPhysics
 from gate.rules.collider import collider_cavity
 from gate.static_gate import RULES, gate
 from geom.convex.penetration import box_overlap, penetration_depth, shared_volume
-from geom.mass.inertia import mass_properties
+from geom.solid.solid_mass import mass_properties
 from schemas.diagnostics import Diagnostic
 from schemas.package import PackageContent
 from schemas.physics import Solid
@@ -29,8 +29,8 @@ from tests.support.gate_packages import cabinet
 from usdio.write.package import write_package
 
 
-def errors(found: tuple[Diagnostic, ...]) -> list[str]:
-    return [f"{d.code} {d.headline} {d.where} {d.value} {d.bound}" for d in found if d.severity == "error"]
+def errors(findings: tuple[Diagnostic, ...]) -> list[str]:
+    return [f"{d.code} {d.headline} {d.where} {d.value} {d.bound}" for d in findings if d.severity == "error"]
 
 
 def convex_package(shape: trimesh.Trimesh, density_kgm3: float) -> PackageContent:
@@ -226,5 +226,5 @@ def test_instances_and_internal_references_are_followed(tmp_path: Path) -> None:
     stage.GetPrimAtPath("/Car/wheel_2").GetAttribute("physics:mass").Set(2000.0)
     UsdPhysics.RigidBodyAPI.Apply(tyre.GetPrim())
     stage.GetRootLayer().Save()
-    found = {(d.code, d.where.prim) for d in gate(file)}
-    assert ("asset/gate-nested-body", "/Car/wheel_2/shape/tyre") in found
+    prims_by_code = {(d.code, d.where.prim) for d in gate(file)}
+    assert ("asset/gate-nested-body", "/Car/wheel_2/shape/tyre") in prims_by_code

@@ -11,7 +11,7 @@ from geom.mesh.components import components_of
 from geom.mesh.edges import edges_of
 from geom.mesh.topology import observe
 from geom.mesh.weld import weld
-from geom.repair.boundary_loops import judge_open_bodies
+from geom.repair.boundary_loops import classify_open_bodies
 from geom.repair.faces import drop_backs_of_solids, drop_fins, drop_surplus_faces, true_degenerates
 from geom.repair.holes import capped_body, fill_openings
 from geom.repair.shells import drop_duplicate_shells, drop_fragments
@@ -28,7 +28,7 @@ def seen(mesh: Mesh):
 def bodies_of(surface):
     points, triangles = surface
     edges = edges_of(triangles)
-    return judge_open_bodies(points, triangles, edges, components_of(points, triangles, edges))
+    return classify_open_bodies(points, triangles, edges, components_of(points, triangles, edges))
 
 
 def assert_attributes_follow(mesh: Mesh) -> None:

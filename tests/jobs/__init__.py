@@ -1,1 +1,1 @@
-"""Tests of `jobs`."""
+"""Tests of `jobs`: cells, folder lock, scheduling."""

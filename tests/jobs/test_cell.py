@@ -1,3 +1,5 @@
+"""Cells: a child process ends with a status, its output is kept, and its limits and grandchildren are enforced."""
+
 import subprocess
 import sys
 import time

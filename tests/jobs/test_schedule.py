@@ -1,3 +1,5 @@
+"""Scheduling: every item runs once, at most `jobs` at a time, and an exception stops the batch only."""
+
 import sys
 import threading
 import time

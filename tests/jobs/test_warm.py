@@ -1,4 +1,4 @@
-"""Warm cells are cells: all that `test_cell.py` says of cold ones holds, and nothing passes from one to the next."""
+"""Warm cells behave as cold ones in `test_cell.py`, and no state passes from one to the next."""
 
 from __future__ import annotations
 

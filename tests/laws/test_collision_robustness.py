@@ -10,9 +10,9 @@ import pytest
 import trimesh
 
 from assetkit.colliders.choose import choose_colliders
-from assetkit.colliders.decompose import CPU_SECONDS, MOST_FACES, Settings, decompose
+from assetkit.colliders.decompose import CPU_SECONDS, MOST_FACES, DecompositionSettings, decompose
 from geom.convex.hull import contains, thickness, volume
-from geom.decomposition.simplified_body import prepare
+from geom.decomposition.simplified_body import simplify_body
 from geom.solid.solidify import solidify
 from schemas.model import Mesh
 from schemas.physics import Solid
@@ -90,14 +90,14 @@ def test_what_is_no_surface_is_refused_by_name(broken):
     else:
         points, triangles = points[:0], triangles[:0]
     with pytest.raises(ValueError, match=r"finite|does not exist|empty|closed manifold"):
-        prepare(points, triangles)
+        simplify_body(points, triangles)
 
 
 def test_equal_bytes_twice(tmp_path):
     ball = trimesh.creation.icosphere(subdivisions=4)
     points = np.array(ball.vertices) * (1.0 + 0.3 * np.sin(5.0 * np.array(ball.vertices)[:, [2]]))
-    body = prepare(points, np.array(ball.faces))
-    for settings in (Settings(method="cuts"), Settings()):
+    body = simplify_body(points, np.array(ball.faces))
+    for settings in (DecompositionSettings(method="cuts"), DecompositionSettings()):
         first, again = (decompose(body, settings, tmp_path).shapes for _ in range(2))
         assert [s.points.tobytes() for s in first] == [s.points.tobytes() for s in again]  # pyright: ignore
 
@@ -105,10 +105,10 @@ def test_equal_bytes_twice(tmp_path):
 def test_too_many_faces_never_reach_coacd(tmp_path):
     rough = trimesh.creation.icosphere(subdivisions=5)
     noise = np.random.default_rng(0).uniform(0.85, 1.15, size=(len(rough.vertices), 1))
-    body = prepare(np.array(rough.vertices) * noise, np.array(rough.faces))
-    assert body.light.num_tri() > MOST_FACES
+    body = simplify_body(np.array(rough.vertices) * noise, np.array(rough.faces))
+    assert body.simplified.num_tri() > MOST_FACES
     started = time.process_time()
-    assert "faces" in decompose(body, Settings(), tmp_path).reason
+    assert "faces" in decompose(body, DecompositionSettings(), tmp_path).reason
     assert time.process_time() - started < CPU_SECONDS
 
 
@@ -117,8 +117,8 @@ def test_a_million_faces_take_bounded_time(tmp_path):
     points = np.array(ball.vertices)
     points = points * (1.0 + 0.2 * np.sin(4.0 * points[:, [0]]))
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime + time.process_time()
-    body = prepare(points, np.array(ball.faces))
-    found = decompose(body, Settings(method="cuts"), tmp_path)
+    body = simplify_body(points, np.array(ball.faces))
+    found = decompose(body, DecompositionSettings(method="cuts"), tmp_path)
     spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime + time.process_time() - before
     assert len(ball.faces) > 1_000_000
     assert 0 < len(found.shapes) <= 32

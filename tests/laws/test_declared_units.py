@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.options import METERS_PER_UNIT, Options
 from assetkit.sources.discover import discover
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 from tests.support.bad_inputs.assets import gltf_json, obj_text, text
 
 Extent = tuple[float, float, float]
@@ -115,7 +115,7 @@ MAKERS: dict[str, Maker] = {
 
 
 def released_extent(file: Path, options: Options) -> Extent:
-    [item] = take_in(discover([file])[0], options).objects
+    [item] = ReadSource().run(discover([file])[0], options).objects
     outcome = canonicalize(item, file.name, options)
     assert outcome.value is not None
     assert not outcome.review

@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from geom.mass.inertia import combine, is_physical, mass_properties, moved
+from geom.mass.inertia import combine, is_physical, moved
 from geom.pose import pose
+from geom.solid.solid_mass import mass_properties
 from geom.solid.solidify import solidify
 from schemas.model import Mesh
 from schemas.physics import MassProperties, Solid

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from assetkit.geometry.distortion import DISTORTION_BOUND
 from assetkit.geometry.repair import RepairResult, repair_geometry
-from geom.mesh.hausdorff import reach
+from geom.mesh.hausdorff import one_sided_hausdorff
 from geom.mesh.weld import diagonal
 from geom.solid.closed_bodies import signed_volume
 from geom.solid.solidify import solidify
@@ -37,7 +37,7 @@ def mended(surface) -> RepairResult:
 def distance_share(one, other) -> float:
     """Two-way distance between surfaces, as a share of the first one's diagonal."""
     size = diagonal(one[0])
-    ways = [reach(a[0][a[1]], *b, 1e-4 * size).attained for a, b in ((one, other), (other, one))]
+    ways = [one_sided_hausdorff(a[0][a[1]], *b, 1e-4 * size).attained for a, b in ((one, other), (other, one))]
     return max(ways) / size
 
 

@@ -18,7 +18,7 @@ from assetkit.sources.discover import discover
 from assetkit.stage import Draft, Previews, Tools
 from assetkit.stages.appearance import NormalizeAppearance
 from assetkit.stages.canonicalize import Canonicalize
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.physics import AuthorPhysics
 from assetkit.stages.semantics import DescribeObject
@@ -39,7 +39,7 @@ Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 def finished(file: Path, options: Options | None = None) -> tuple[Draft, list[str], list[Repair]]:
     """The draft after every stage but previews and acceptance, with all codes and repairs."""
     options = options or Options()
-    taken = take_in(discover([file])[0], options)
+    taken = ReadSource().run(discover([file])[0], options)
     draft = Draft("part", file.name, taken.objects[0])
     codes, repairs = [d.code for d in taken.diagnostics], list(taken.repairs)
     for stage in STAGES:

@@ -1,1 +1,1 @@
-"""Tests of `render`."""
+"""Tests of `render`: pictures of assets and their surfaces."""

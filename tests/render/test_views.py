@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw
 from geom.mesh.primitives import cube
 from render import window
 from render.__main__ import NO_OPENGL, main
-from render.camera import FILL, HERO_VIEW, STANDARD_VIEWS, View, annotation_frame, camera
+from render.camera import FILL, HERO_VIEW, STANDARD_VIEWS, CameraView, annotation_frame, camera
 from render.collision import shape_color
 from render.request import RenderRequest
 from render.studio import BACKGROUND_SRGB, contact_shadow
@@ -51,7 +51,7 @@ EDGES = st.floats(0.01, 1.0)
 
 @settings(deadline=None, max_examples=60)
 @given(st.tuples(EDGES, EDGES, EDGES), st.sampled_from([*STANDARD_VIEWS, HERO_VIEW]))
-def test_the_camera_fits_the_box_exactly(size: tuple[float, float, float], view: View) -> None:
+def test_the_camera_fits_the_box_exactly(size: tuple[float, float, float], view: CameraView) -> None:
     extent = np.array(size) / max(size)
     corners = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5])).reshape(3, -1).T * extent
     seen = camera(view, extent).project(corners, 2)

@@ -146,8 +146,8 @@ class Refuse:
             raise ImportError(f"{name} is not there")
 sys.meta_path.insert(0, Refuse())
 import runtime_plan
-plan = runtime_plan.read_plan(sys.argv[1])
-drawn = runtime_plan.sampler(plan, 3, 0)
+plan = runtime_plan.load(sys.argv[1])
+drawn = runtime_plan.sample(plan, 3, 0)
 print(drawn.position_m.tobytes().hex())
 """
 KNOWN = (

@@ -7,8 +7,18 @@ import pytest
 from shapely import box
 
 from scene_check import CheckPlace, CheckPrism, CheckReach, check
-from scene_check.batch import WORLD, Form, KeepOutRule, PlaceRule, RelationRule, SceneRules, Stands, ThingRule, scene_of
-from scene_check.check_batch import check_many, suspects
+from scene_check.batch import (
+    WORLD,
+    BatchPoses,
+    KeepOutRule,
+    PlaceRule,
+    RelationRule,
+    SceneRules,
+    StanceGeometry,
+    ThingRule,
+    scene_at,
+)
+from scene_check.check_batch import check_batch, unproven
 
 FRONT = np.array([1.0, 0.0])
 
@@ -24,8 +34,8 @@ def ell(high: float = 0.05) -> tuple[CheckPrism, ...]:
     return foot, CheckPrism(np.array([(-0.05, -0.05), (-0.03, -0.05), (-0.03, 0.05), (-0.05, 0.05)]), 0.0, high)
 
 
-def form(*prisms: CheckPrism, stance: int = 0, height: float = 0.0) -> Form:
-    return Form(prisms, FRONT, height, stance)
+def form(*prisms: CheckPrism, stance: int = 0, height: float = 0.0) -> StanceGeometry:
+    return StanceGeometry(prisms, FRONT, height, stance)
 
 
 HOLED = box(-0.5, -0.4, 0.5, 0.4) - box(0.3, 0.2, 0.4, 0.3)
@@ -56,7 +66,9 @@ def rules(yaw: float) -> SceneRules:
         ThingRule("ell", (form(*ell()), form(prism(0.08, 0.03), stance=1, height=0.01)), 0, stances=(0,)),
         ThingRule("cup", (form(prism(0.05, 0.05, 0.0, 0.1)), form(prism(0.07, 0.04, 0.0, 0.08))), 1),
         ThingRule("egg", (form(prism(0.04, 0.04)),), 2),
-        ThingRule("peg", (form(prism(0.03, 0.03)),), 0, spots=((0.45, -0.35, 0.0, 0.0, 0), (0.4, -0.35, 0.02, 0.1, 0))),
+        ThingRule(
+            "peg", (form(prism(0.03, 0.03)),), 0, fixed_poses=((0.45, -0.35, 0.0, 0.0, 0), (0.4, -0.35, 0.02, 0.1, 0))
+        ),
     )
     return SceneRules(
         things,
@@ -79,7 +91,7 @@ def rules(yaw: float) -> SceneRules:
     )
 
 
-def scenes(yaw: float, n: int, seed: int, astray_m: float) -> Stands:
+def scenes(yaw: float, n: int, seed: int, astray_m: float) -> BatchPoses:
     """Around a sound scene, everything up to `astray_m` away from where it should be, some of it by micrometres."""
     rng = np.random.default_rng(seed)
     local = np.array([(-0.2, 0.05), (0.2, 0.1), (0.2, -0.2), (0.03, 0.0), (0.0, 0.0), (0.45, -0.35)])
@@ -101,15 +113,15 @@ def scenes(yaw: float, n: int, seed: int, astray_m: float) -> Stands:
     forms[:, 3] = rng.integers(0, 2, n)
     forms[:, 2] = rng.integers(0, 8, n) == 0
     origin[:, 2, 2] += 0.01 * forms[:, 2]
-    return Stands(origin, turn, forms, rng.random((n, 6)) > 0.01 * (astray_m > 0))
+    return BatchPoses(origin, turn, forms, rng.random((n, 6)) > 0.01 * (astray_m > 0))
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7])
 @pytest.mark.parametrize("astray_m", [0.0, 0.003, 0.05, 0.4])
 def test_equal_to_the_judge_of_one_scene(yaw: float, astray_m: float):
     given, stands = rules(yaw), scenes(yaw, 300, 5, astray_m)
-    one_by_one = {k: found for k in range(300) if (found := check(scene_of(given, stands, k)))}
-    assert dict(check_many(given, stands)) == one_by_one
+    one_by_one = {k: found for k in range(300) if (found := check(scene_at(given, stands, k)))}
+    assert dict(check_batch(given, stands)) == one_by_one
     assert 0 < len(one_by_one) <= 300
 
 
@@ -118,5 +130,5 @@ def test_a_sound_scene_is_proven_by_bounds_alone():
     upright = stands.form[:, 2] == 0
     relaxed = given.relations[:2] + given.relations[3:]  # `near` of a thing of two pieces has no bound
     wide = replace(given, relations=relaxed)
-    assert not suspects(wide, stands)[upright].any()
-    assert suspects(wide, stands)[~upright].all()
+    assert not unproven(wide, stands)[upright].any()
+    assert unproven(wide, stands)[~upright].all()

@@ -148,8 +148,8 @@ def test_ranges_spots_and_stances():
     assert kinds(block("a", 0.1, 0.0, yaw=-np.pi + 0.05, yaw_range_rad=(3.0, 3.3))) == []
     assert kinds(block("a", 0.1, 0.0, yaw=0.5, yaw_range_rad=(-0.4, 0.4))) == [("range", ("a",))]
     assert kinds(block("a", 0.05, 0.0, x_m=(0.1, 0.2))) == [("range", ("a",))]
-    assert kinds(block("a", 0.1, 0.0, spots=((0.1, 0.0, 0.0, 2 * np.pi),))) == []
-    assert kinds(block("a", 0.1, 0.0, spots=((0.1, 0.01, 0.0, 0.0),))) == [("spot", ("a",))]
+    assert kinds(block("a", 0.1, 0.0, fixed_poses=((0.1, 0.0, 0.0, 2 * np.pi),))) == []
+    assert kinds(block("a", 0.1, 0.0, fixed_poses=((0.1, 0.01, 0.0, 0.0),))) == [("spot", ("a",))]
     assert kinds(block("a", 0.1, 0.0, stance=2, stances=(0, 1))) == [("stance", ("a",))]
 
 

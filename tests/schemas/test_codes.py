@@ -10,7 +10,7 @@ from assetkit.sources.discover import discover
 from assetkit.stage import Draft, Tools
 from assetkit.stages.appearance import NormalizeAppearance
 from assetkit.stages.canonicalize import Canonicalize
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.physics import AuthorPhysics
 from assetkit.stages.semantics import DescribeObject
@@ -37,7 +37,7 @@ GATE = "asset/gate-"  # Rules over released USD files; tests/gate/test_static_ga
 
 def findings(file: Path, options: Options) -> list[Diagnostic]:
     """What the stages up to semantics say about a file, and physics where the source states some."""
-    taken = take_in(discover([file])[0], options)
+    taken = ReadSource().run(discover([file])[0], options)
     found = list(taken.diagnostics)
     for item in taken.objects[:1]:
         draft = Draft("part", file.name, item)

@@ -1,4 +1,4 @@
-"""Small models for the renderer, and what its pictures show."""
+"""Small models for the renderer, and colours read from its pictures."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from geom.mesh.primitives import cube
-from render.camera import STANDARD_VIEWS, Camera, View, camera
+from render.camera import STANDARD_VIEWS, CameraView, PinholeCamera, camera
 from render.request import RenderRequest
 from render.views import model_frame, render_all
 from schemas.evidence import Evidence
@@ -76,13 +76,13 @@ def linear(srgb: np.ndarray) -> np.ndarray:
     return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 
-def lens(content: Model, view: View) -> tuple[Camera, np.ndarray]:
+def lens(content: Model, view: CameraView) -> tuple[PinholeCamera, np.ndarray]:
     """The camera of a view, and all points of the model in the annotation frame."""
     frame = model_frame(content)
     return camera(view, frame.extent), frame.from_asset(np.concatenate([mesh.points for mesh in content.meshes]))
 
 
-def at(picture: np.ndarray, content: Model, view: View, point_m: tuple[float, float, float]) -> np.ndarray:
+def at(picture: np.ndarray, content: Model, view: CameraView, point_m: tuple[float, float, float]) -> np.ndarray:
     """Mean colour of the 3 x 3 pixels around the place where `point_m` is seen."""
     frame = model_frame(content)
     x, y = camera(view, frame.extent).project(frame.from_asset(np.array([point_m])), len(picture))[0].astype(int)

@@ -1,4 +1,4 @@
-"""A model's endpoint on this machine that answers as it is told: well, badly, late, at length, or with malice."""
+"""A model's endpoint on this machine that answers by a script: well, badly, late, at length, or with malice."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 Respond = Callable[[BaseHTTPRequestHandler], None]
 
 
-class Asked(NamedTuple):
+class Request(NamedTuple):
     """One request as it came over the wire."""
 
     path: str
@@ -22,11 +22,11 @@ class Asked(NamedTuple):
 
 
 class Server(NamedTuple):
-    """`url` to ask; `script` is used up from the front, its last entry stays; `asked` fills with requests."""
+    """`url` of the server; `script` is used up from the front, its last entry stays; `requests` collects what came."""
 
     url: str
     script: list[Respond]
-    asked: list[Asked]
+    requests: list[Request]
 
 
 @contextmanager
@@ -38,9 +38,9 @@ def endpoint(*script: Respond) -> Iterator[Server]:
         def do_POST(self) -> None:
             body = self.rfile.read(int(self.headers["Content-Length"])).decode()
             headers = {name.lower(): value for name, value in self.headers.items()}
-            state.asked.append(Asked(self.path, headers, body))
+            state.requests.append(Request(self.path, headers, body))
             respond = state.script.pop(0) if len(state.script) > 1 else state.script[0]
-            with suppress(OSError):  # The client had enough.
+            with suppress(OSError):  # The client hung up.
                 respond(self)
 
         def log_message(self, *_: Any) -> None:
@@ -59,8 +59,8 @@ def endpoint(*script: Respond) -> Iterator[Server]:
 def answer(*, roles: dict[str, float] | None = None, description: str = "A vessel.", **categories: float) -> str:
     """The text of an answer that keeps the schema."""
     ranked = [{"category": name, "confidence": chance} for name, chance in categories.items()]
-    told = [{"role": name, "confidence": chance} for name, chance in (roles or {}).items()]
-    return json.dumps({"categories": ranked, "roles": told, "description": description})
+    ranked_roles = [{"role": name, "confidence": chance} for name, chance in (roles or {}).items()]
+    return json.dumps({"categories": ranked, "roles": ranked_roles, "description": description})
 
 
 def openai(text: str | None, finish: str = "stop") -> str:

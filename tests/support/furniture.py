@@ -6,7 +6,7 @@ import numpy as np
 from manifold3d import Manifold, OpType
 from scipy.spatial.transform import Rotation
 
-from geom.decomposition.simplified_body import arrays
+from geom.mesh.manifold_arrays import manifold_arrays
 from schemas.physics import Solid
 
 
@@ -33,6 +33,6 @@ def open_box(x: float, y: float, z: float, wall: float) -> Manifold:
 
 
 def solid_of(body: Manifold, yaw_rad: float = 0.0, scale: float = 1.0) -> Solid:
-    points, triangles = arrays(body)
+    points, triangles = manifold_arrays(body)
     R = Rotation.from_euler("z", yaw_rad).as_matrix()
     return Solid(scale * np.asarray(points, dtype=np.float64) @ R.T, triangles.astype(np.int32), "closed")

@@ -116,8 +116,8 @@ def cabinet(folder: Path, scale: float = 1.0) -> Path:
     UsdSemantics.LabelsAPI.Apply(root, "wikidata_qcode").CreateLabelsAttr(["Q614806"])
     contact = Contact(static_friction=0.5, dynamic_friction=0.4, restitution=0.1)
     material = author_contact_material(stage, ROOT, contact, DENSITY_KGM3, "wood")
-    look = _look(stage)
-    masses = {name: _link(stage, name, scale, material, look) for name in LINKS}
+    visual_material = _visual_material(stage)
+    masses = {name: _link(stage, name, scale, material, visual_material) for name in LINKS}
     _joints(stage, scale)
     _metadata(stage, sum(m.mass_kg for m in masses.values()))
     stage.GetRootLayer().Save()
@@ -142,7 +142,7 @@ def seeded(edit: Callable[[Usd.Stage], object], main_file: Path, folder: Path) -
 
 
 def origin_of(link: str) -> np.ndarray:
-    """(3,) where a link's frame stands in the asset, at scale 1: the door's in its hinge, else in the drawing's."""
+    """(3,) origin of a link's frame in the asset at scale 1: the hinge for the door, else the drawing's origin."""
     return _shift() + (np.array(HINGE_M) if link == "door" else np.zeros(3))
 
 
@@ -154,7 +154,7 @@ def _shift() -> np.ndarray:
     return -np.array([*(0.5 * (low + high)[:2]), low[2]])
 
 
-def _link(stage: Usd.Stage, name: str, scale: float, material: Sdf.Path, look: Sdf.Path) -> MassProperties:
+def _link(stage: Usd.Stage, name: str, scale: float, material: Sdf.Path, visual_material: Sdf.Path) -> MassProperties:
     path = ROOT.AppendChild(name)
     link = UsdGeom.Xform.Define(stage, path)
     origin = scale * origin_of(name)
@@ -169,7 +169,7 @@ def _link(stage: Usd.Stage, name: str, scale: float, material: Sdf.Path, look: S
         points, triangles = np.array(box.vertices), np.array(box.faces, dtype=np.int32)
         mesh = define_mesh(stage, path.AppendPath(f"Visuals/{board.name}"), points, triangles)
         author_normals(mesh, face_normals(points, triangles), UsdGeom.Tokens.uniform)
-        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(UsdShade.Material.Get(stage, look))
+        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(UsdShade.Material.Get(stage, visual_material))
     UsdGeom.Xform.Define(stage, path.AppendChild("Visuals"))
     author_colliders(stage, path, shapes, [material] * len(shapes), set())
     return mass
@@ -180,7 +180,7 @@ def _times(scale: float, lengths: tuple[float, float, float]) -> tuple[float, fl
     return scale * x, scale * y, scale * z
 
 
-def _look(stage: Usd.Stage) -> Sdf.Path:
+def _visual_material(stage: Usd.Stage) -> Sdf.Path:
     material = UsdShade.Material.Define(stage, ROOT.AppendPath("Materials/oak"))
     UsdGeom.Scope.Define(stage, ROOT.AppendChild("Materials"))
     label_material(material, "wood")

@@ -1,6 +1,6 @@
 """LeRobot's own library writes and opens data sets, by the interpreter that has it; `Library` asks it.
 
-`make test` makes that interpreter (`tools/torch-environment.sh`). As a script it answers requests line by line: it
+`make peers` makes that interpreter (`tools/torch-environment.sh`). As a script it answers requests line by line: it
 imports what takes seconds once, and has the library of the asked version in a fork.
 """
 
@@ -16,11 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from tests.support.torch_environment import FOLDER, made
+from tests.support.peers import ENVIRONMENTS, peer_python
 
 VERSIONS = ("v2.1", "v3.0")
 FPS = 20
 NAME = "tests/recorded"
+FOLDER = ENVIRONMENTS["torch"]
 
 
 class Library:
@@ -29,8 +30,8 @@ class Library:
     def __init__(self, home: Path) -> None:
         apart = {"HF_HUB_OFFLINE": "1", "HF_HOME": str(home), "SVT_LOG": "1", "PYTHONPATH": str(FOLDER.parent)}
         pipe = subprocess.PIPE
-        self._child = subprocess.Popen([str(made()), "-m", __name__], stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT,
-                                       text=True, env=os.environ | apart)  # fmt: skip
+        command, env = [str(peer_python("torch")), "-m", __name__], os.environ | apart
+        self._child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT, text=True, env=env)
 
     def ask(self, version: str, folder: Path, episode: int | None = None) -> str:
         """Writes the data set `given.npz` beside a folder, or opens an episode of it into `found.npz`; what it said."""

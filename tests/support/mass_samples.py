@@ -9,11 +9,11 @@ import numpy as np
 import trimesh
 from numpy.testing import assert_allclose
 
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.mass.estimate import MassEvidence, mass_evidence
 from assetkit.options import Options
+from assetkit.physics.mass_inputs import mass_inputs_of
 from assetkit.stage import Canonical, Draft, Intake
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.physics import clues_of
 from geom.features.cavities import find_cavities
 from geom.mass.inertia import moved, of_box
 from geom.pose import pose
@@ -43,10 +43,10 @@ def weighed(
     item = Intake("obj", (), model, (x, y, z))
     canonical = canonicalize(item, file, options or Options()).value
     assert canonical is not None
-    clues = clues_of(Draft("case", file, item, canonicalize=canonical), canonical)
-    found = mass_evidence(canonical.solid, [file], replace(clues, cavities=find_cavities(canonical.solid)))
+    mass_inputs = mass_inputs_of(Draft("case", file, item, canonicalize=canonical), canonical)
+    mass = mass_evidence(canonical.solid, [file], replace(mass_inputs, cavities=find_cavities(canonical.solid)))
     back = pose(None, [-v for v in canonical.section.origin_offset_m])
-    return found, canonical, moved(found.properties, back)
+    return mass, canonical, moved(mass.properties, back)
 
 
 def box(size, at=NOWHERE, name="part") -> Mesh:

@@ -43,14 +43,14 @@ def cylinder(radius: float = 0.5, height: float = 1.0) -> tuple[np.ndarray, np.n
     return _from(trimesh.creation.cylinder(radius=radius, height=height, sections=24))
 
 
-def without(surface, gone) -> tuple[np.ndarray, np.ndarray]:
+def without(surface, is_gone) -> tuple[np.ndarray, np.ndarray]:
     """The surface without the faces for which `gone(centroid, normal)` holds."""
     points, triangles = surface
     corners = points[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    kept = [not gone(c, n) for c, n in zip(corners.mean(axis=1), normals, strict=True)]
-    return points, triangles[kept]
+    remaining = [not is_gone(c, n) for c, n in zip(corners.mean(axis=1), normals, strict=True)]
+    return points, triangles[remaining]
 
 
 def lidless(surface) -> tuple[np.ndarray, np.ndarray]:

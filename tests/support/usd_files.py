@@ -1,4 +1,4 @@
-"""Small USD files, and what the reader makes of them."""
+"""Writes small USD files for tests, and reads them with `assetkit.readers.usd`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ QUAD = """int[] faceVertexCounts = [4]
 
 
 def write(folder: Path, body: str, header: str = HEADER, root: str = 'def Xform "Root"') -> Path:
-    """A layer with one root prim; closing braces get the line breaks that the grammar wants around them."""
+    """A layer with one root prim; closing braces get the line breaks that the grammar requires."""
     path = folder / "part.usda"
     body = body.replace("}", "\n}\n")
     path.write_text(f"#usda 1.0\n(\n {header}\n)\n{root} {{\n {body}\n}}\n")

@@ -1,1 +1,1 @@
-"""Tests of `usdio`."""
+"""Tests of `usdio`: reading, writing and re-reading of USD files."""

@@ -8,7 +8,7 @@ from pxr import Sdf
 
 from tests.support import package_samples as samples
 from usdio.names import identifier, prim_names
-from usdio.source_names import renamed, source_names
+from usdio.write.source_names import rename_findings, source_names
 
 
 @given(st.lists(st.text(max_size=8), max_size=12))
@@ -35,8 +35,8 @@ def test_examples() -> None:
 def test_changed_names_are_said_and_kept() -> None:
     plain = source_names(samples.model([samples.box_mesh(name="body")]))
     assert plain == {"Visuals/body": "body", "Materials/neutral": "neutral"}
-    assert renamed(plain) == ()
+    assert rename_findings(plain) == ()
     awkward = source_names(samples.model([samples.box_mesh(name=name) for name in ("a b", "a b", "ok")]))
     assert awkward["Visuals/a_b_2"] == "a b"
-    (found,) = renamed(awkward)
-    assert (found.code, found.value, found.severity) == ("asset/name-sanitised", 2, "info")
+    (diagnostic,) = rename_findings(awkward)
+    assert (diagnostic.code, diagnostic.value, diagnostic.severity) == ("asset/name-sanitised", 2, "info")

@@ -1,1 +1,1 @@
-"""Reading of foreign USD: meshes, materials, physics, instances, packages, guarded against hostile layers."""
+"""Reads foreign USD into `schemas.model.Model`, guarded against hostile layers. Start with `asset`."""

@@ -1,4 +1,5 @@
-"""Read a foreign USD asset into a `Model`: guard, compose, measure, convert."""
+"""Reads a foreign USD asset into a `Model` in the stage's own units: pins its layers, composes, converts meshes,
+materials and physics."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -19,12 +20,12 @@ from schemas.model import Mesh, Model, Node
 from schemas.outcome import Outcome, Repair
 from usdio.quiet import quiet
 from usdio.read import stage_metadata
-from usdio.read.gprim_placement import Census, Placed, census
-from usdio.read.layer_guard import Layers, check_layers, message
+from usdio.read.gprim_mesh import GprimMesh, submesh, transformed
+from usdio.read.gprim_placement import PlacedGprim, StageGprims, find_gprims
+from usdio.read.layer_guard import PinnedLayers, check_layers, message
 from usdio.read.materials import LoadTexture, MaterialTable
-from usdio.read.meshes import SOLIDS, UNREAD, read_mesh, read_solid
+from usdio.read.meshes import IMPLICIT_SHAPES, UNSUPPORTED, read_implicit_shape, read_mesh
 from usdio.read.physics import stated_physics
-from usdio.read.surface import Surface, part, placed
 
 _STAGE: Final = "intake"
 _CYCLES: Final = (Pcp.ErrorType_ArcCycle, Pcp.ErrorType_SublayerCycle)
@@ -40,23 +41,23 @@ def read_stage(
 ) -> Outcome[Model]:
     """The model in a USD, USDA, USDC or USDZ file, world transforms applied, in the stage's own units and axes.
 
-    `visited` collects the files that references led to, `missing` where below the root others were expected.
+    `visited` collects the files that references resolve to, `missing` the paths below the root that do not exist.
     `load_texture(data, name, *, where)` decodes image bytes and returns the texture or None, with findings. No file
-    outside `root` is opened and nothing is printed. Variants stay as selected, time stands at the first sample.
+    outside `root` is opened and nothing is printed. Variants stay as selected; values are those of the first sample.
 
-    Raises InvalidInput as `check_layers`, `read_mesh`, `census` and `stage_facts` do, and `asset/missing-dependency`
-    (nothing is left without an absent layer), `asset/no-faces`, `asset/empty-geometry`, `asset/schema-error` for
-    values that OpenUSD itself refuses.
+    Raises InvalidInput as `check_layers`, `read_mesh`, `find_gprims` and `meters_per_unit` do, and
+    `asset/missing-dependency` (without an absent layer no geometry is left), `asset/no-faces`, `asset/empty-geometry`,
+    `asset/schema-error` for values that OpenUSD itself refuses.
     """
     with quiet():
         try:
             layers = check_layers(path, root)
             outcome = _read(layers, load_texture)
-            site = layers.site(layers.root)
+            location = layers.location_of(layers.root)
             if visited is not None:
-                visited |= site.visited
+                visited |= location.visited
             if missing is not None:
-                missing |= site.missing
+                missing |= location.missing
             return outcome
         except Tf.ErrorException as error:
             headline, reason = "OpenUSD refuses a value in the file", message(error).rpartition(" : ")[2].strip("' \n")
@@ -67,45 +68,45 @@ def read_stage(
     raise InvalidInput(finding("asset/schema-error", headline, where=where, value=reason[:300]))
 
 
-def _read(layers: Layers, load_texture: LoadTexture) -> Outcome[Model]:
+def _read(layers: PinnedLayers, load_texture: LoadTexture) -> Outcome[Model]:
     stage = Usd.Stage.Open(layers.root, Usd.Stage.LoadAll)
-    where = layers.site(layers.root).where()
+    where = layers.location_of(layers.root).where()
     composed = _composition(stage, layers)
     unit, axis = stage_metadata.meters_per_unit(stage, where), stage_metadata.up_axis(stage, where)
     start = stage_metadata.start_prim(stage, where)
-    found = census(start.value, layers)
+    gprims = find_gprims(start.value, layers)
     table = MaterialTable(layers, load_texture)
-    shapes = _shapes(found, table, where)
+    shapes = _shapes(gprims, table, where)
     if not shapes.value:
-        raise InvalidInput(_nothing(found, composed.diagnostics, where))
+        raise InvalidInput(_no_surface(gprims, composed.diagnostics, where))
     masses, contacts = stated_physics(stage, start.value, shapes.value, where)
     model = Model(
         meshes=shapes.value,
         materials=tuple(entry.material for entry in table.entries),
         textures=tuple(table.textures),
-        nodes=_with_meshes(found.nodes, shapes.value),
+        nodes=_with_meshes(gprims.nodes, shapes.value),
         meters_per_unit=unit.value,
         up_axis=axis.value,
-        hints=(*stage_metadata.hints(stage, start.value), *_subdivision_hints(found)),
+        hints=(*stage_metadata.hints(stage, start.value), *_subdivision_hints(gprims)),
         metadata=stage_metadata.metadata(stage, start.value),
         masses=masses,
         contacts=contacts,
     )
     parts = (composed, unit, axis, start, shapes)
-    diagnostics = [d for one in parts for d in one.diagnostics] + table.diagnostics
+    diagnostics = [d for part in parts for d in part.diagnostics] + table.diagnostics
     diagnostics += stage_metadata.layer_contradictions(layers, where)
-    diagnostics += _left_out(found, where)
-    diagnostics += [*_animation(found, where), *_clips(layers), *_articulation(stage, where)]
-    repairs = [r for one in parts for r in one.repairs] + table.repairs
+    diagnostics += _unsupported_prims(gprims, where)
+    diagnostics += [*_animation(gprims, where), *_clips(layers), *_articulation(stage, where)]
+    repairs = [r for part in parts for r in part.repairs] + table.repairs
     return Outcome(model, tuple(diagnostics), tuple(repairs))
 
 
-def _composition(stage: Usd.Stage, layers: Layers) -> Outcome[None]:
-    """What composing revealed: absent layers that the selected variants need, references to absent prims.
+def _composition(stage: Usd.Stage, layers: PinnedLayers) -> Outcome[None]:
+    """Composition errors: absent layers that the selected variants need, references to absent prims.
 
     Raises InvalidInput `asset/cyclic-reference` when arcs run in a circle.
     """
-    where = layers.site(layers.root).where()
+    where = layers.location_of(layers.root).where()
     notes: dict[str, Diagnostic] = {}
     for error in stage.GetCompositionErrors():
         text = str(error)
@@ -121,31 +122,31 @@ def _composition(stage: Usd.Stage, layers: Layers) -> Outcome[None]:
             prim = re.search(r"@<(/[^>]*)>\s*introduced", text)
             headline = f"a reference names prim '{prim[1] if prim else '?'}', which does not exist; it was left out"
             notes[headline] = finding("asset/missing-dependency", headline, where=where, severity=Severity.WARNING)
-    found = tuple(notes[key] for key in sorted(notes, key=lambda k: (notes[k].headline, k)))
+    diagnostics = tuple(notes[key] for key in sorted(notes, key=lambda k: (notes[k].headline, k)))
     repairs = tuple(
         Repair(name="missing_dependency", code=d.code, stage=_STAGE, before={"reference": str(d.value or d.headline)})
-        for d in found
+        for d in diagnostics
     )
-    return Outcome(None, found, repairs)
+    return Outcome(None, diagnostics, repairs)
 
 
-def _shapes(found: Census, table: MaterialTable, where: Location) -> Outcome[tuple[Mesh, ...]]:
+def _shapes(gprims: StageGprims, table: MaterialTable, where: Location) -> Outcome[tuple[Mesh, ...]]:
     """All meshes in the model frame, one per gprim and material; each prim is triangulated once."""
     meshes: list[Mesh] = []
     notes: list[Diagnostic] = []
     repairs: list[Repair] = []
-    surfaces: dict[str, Surface | None] = {}
-    for item in found.placed:
+    surfaces: dict[str, GprimMesh | None] = {}
+    for item in gprims.placed:
         path = str(item.prim.GetPath())
         at = where.model_copy(update={"prim": path})
         if path not in surfaces:
-            outcome = (read_solid if item.prim.GetTypeName() in SOLIDS else read_mesh)(item.prim, at)
+            outcome = (read_implicit_shape if item.prim.GetTypeName() in IMPLICIT_SHAPES else read_mesh)(item.prim, at)
             surfaces[path] = outcome.value
             notes += outcome.diagnostics
         surface = surfaces[path]
         if surface is None:
             continue
-        moved, replaced = placed(surface, item.X_WP, at)
+        moved, replaced = transformed(surface, item.X_WP, at)
         if replaced:
             corners = moved.triangles.size
             headline = f"{replaced} of {corners} corner normals are zero or not finite"
@@ -156,7 +157,7 @@ def _shapes(found: Census, table: MaterialTable, where: Location) -> Outcome[tup
     return Outcome(tuple(meshes), tuple(notes), tuple(repairs))
 
 
-def _split(item: Placed, surface: Surface, table: MaterialTable) -> list[Mesh]:
+def _split(item: PlacedGprim, surface: GprimMesh, table: MaterialTable) -> list[Mesh]:
     """One Mesh per material subset, and one for the faces that no subset claims."""
     free = np.ones(len(surface.triangles), dtype=bool)
     for _, rows in surface.subsets:
@@ -170,66 +171,67 @@ def _split(item: Placed, surface: Surface, table: MaterialTable) -> list[Mesh]:
         material = table.add(prim, surface.constant_color, double_sided=surface.double_sided)
         entry = None if material is None else table.entries[material]
         uv_names = entry.uv_names if entry else ()
-        mesh = part(surface, rows, uv_names, colors=entry is None or entry.shows_mesh_colors)
+        mesh = submesh(surface, rows, uv_names, colors=entry is None or entry.shows_mesh_colors)
         name = f"{item.prim.GetName()}{suffix}{copy}"
         meshes.append(replace(mesh, name=name, material=material, source_path=str(item.prim.GetPath())))
     return meshes
 
 
 def _with_meshes(nodes: tuple[Node, ...], meshes: tuple[Mesh, ...]) -> tuple[Node, ...]:
-    """`nodes`, each knowing the meshes read from its own prim."""
+    """`nodes`, each with the indices of the meshes read from its own prim."""
     owned: dict[str, list[int]] = {}
     for index, mesh in enumerate(meshes):
         owned.setdefault(mesh.source_path, []).append(index)
     return tuple(replace(node, meshes=tuple(owned.get(node.path, ()))) for node in nodes)
 
 
-def _nothing(found: Census, absent: tuple[Diagnostic, ...], where: Location) -> Diagnostic:
+def _no_surface(gprims: StageGprims, absent: tuple[Diagnostic, ...], where: Location) -> Diagnostic:
     """Why the asset holds no surface at all."""
     if absent:
         headline = f"no geometry is left: {absent[0].headline}"
         return finding(
             "asset/missing-dependency", headline, where=absent[0].where, value=absent[0].value, because=absent
         )
-    points = next((p.prim for p in found.placed if p.prim.GetAttribute("points").Get()), None)
-    bare = points or next(iter(found.faceless), None)
+    points = next((p.prim for p in gprims.placed if p.prim.GetAttribute("points").Get()), None)
+    bare = points or next(iter(gprims.faceless), None)
     if bare:
         at = where.model_copy(update={"prim": str(bare.GetPath())})
         return finding("asset/no-faces", f"{bare.GetTypeName()} prims have no triangles to read", where=at)
     return finding("asset/empty-geometry", "the stage holds no surface", where=where)
 
 
-def _left_out(found: Census, where: Location) -> tuple[Diagnostic, ...]:
-    """One finding that counts the prims without triangles; curves and points alone are worth no warning."""
-    kinds = Counter(str(prim.GetTypeName()) for prim in found.faceless)
+def _unsupported_prims(gprims: StageGprims, where: Location) -> tuple[Diagnostic, ...]:
+    """One finding that counts the prims without triangles; only `info` when all are curves and points."""
+    kinds = Counter(str(prim.GetTypeName()) for prim in gprims.faceless)
     if not kinds:
         return ()
     listed = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
-    severity = None if set(kinds) & set(UNREAD) else Severity.INFO
-    at = where.model_copy(update={"prim": str(found.faceless[0].GetPath())})
+    severity = None if set(kinds) & set(UNSUPPORTED) else Severity.INFO
+    at = where.model_copy(update={"prim": str(gprims.faceless[0].GetPath())})
     headline = f"{listed}: prims without triangles were left out"
-    return (finding("asset/geometry-left-out", headline, where=at, value=len(found.faceless), severity=severity),)
+    return (finding("asset/geometry-left-out", headline, where=at, value=len(gprims.faceless), severity=severity),)
 
 
-def _subdivision_hints(found: Census) -> tuple[str, ...]:
-    """A remark when smooth subdivision was asked for explicitly: the control cage was read."""
-    for item in found.placed:
+def _subdivision_hints(gprims: StageGprims) -> tuple[str, ...]:
+    """A hint when a subdivision scheme is authored: the control cage was read."""
+    for item in gprims.placed:
         scheme = UsdGeom.Mesh(item.prim).GetSubdivisionSchemeAttr() if item.prim.GetTypeName() == "Mesh" else None
         if scheme and scheme.HasAuthoredValue() and scheme.Get() != UsdGeom.Tokens.none:
             return (f"subdivisionScheme {scheme.Get()}: the control cage was read",)
     return ()
 
 
-def _animation(found: Census, where: Location) -> tuple[Diagnostic, ...]:
-    if found.animated is None:
+def _animation(gprims: StageGprims, where: Location) -> tuple[Diagnostic, ...]:
+    if gprims.animated is None:
         return ()
-    at = where.model_copy(update={"prim": str(found.animated.GetPath())})
+    at = where.model_copy(update={"prim": str(gprims.animated.GetPath())})
     return (finding("asset/animation-dropped", "the stage is animated; its first sample was taken", where=at),)
 
 
-def _clips(layers: Layers) -> tuple[Diagnostic, ...]:
+def _clips(layers: PinnedLayers) -> tuple[Diagnostic, ...]:
     return tuple(
-        finding("asset/animation-dropped", "value clips were left out", where=site.where()) for site in layers.clips
+        finding("asset/animation-dropped", "value clips were left out", where=location.where())
+        for location in layers.clips
     )
 
 
@@ -243,8 +245,8 @@ def _articulation(stage: Usd.Stage, where: Location) -> tuple[Diagnostic, ...]:
         return ()
     names = [str(p.GetPath()) for p in joints or roots]
     at = where.model_copy(update={"prim": names[0]})
-    what = "joints" if joints else "bodies under one articulation"
-    headline = f"the source declares {len(joints) or len(bodies)} {what}, which are not carried over"
+    connected = "joints" if joints else "bodies under one articulation"
+    headline = f"the source declares {len(joints) or len(bodies)} {connected}, which are not carried over"
     return (finding("asset/articulated-source", headline, where=at, value=", ".join(names)),)
 
 

@@ -1,4 +1,4 @@
-"""Where a USD file lives: on disk, or inside a USDZ package. References are resolved from here and nowhere else."""
+"""Location of a USD file, on disk or inside a USDZ package, and the only resolution of references from it."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -19,11 +19,11 @@ from usdio.read.usdz import check_package
 
 
 @dataclass(frozen=True)
-class Site:
+class AssetLocation:
     """A file below `root`; `inner` names an entry when `path` is a USDZ package.
 
-    `visited` logs the files that references led to, `missing` the places below the root where others were expected;
-    sites reached from one another share both.
+    `visited` collects the files that references resolve to, `missing` the paths below the root that do not exist;
+    locations resolved from one another share both.
     """
 
     path: Path
@@ -34,7 +34,7 @@ class Site:
 
     @property
     def identifier(self) -> str:
-        """The name OpenUSD knows the file by."""
+        """The layer identifier of the file in OpenUSD."""
         return Ar.JoinPackageRelativePath([str(self.path), self.inner]) if self.inner else str(self.path)
 
     @property
@@ -62,7 +62,7 @@ class Site:
         with zipfile.ZipFile(self.path) as package, package.open(self.inner) as entry:
             return entry.read(limit)
 
-    def resolve(self, uri: str, *, prim: str | None = None) -> Site | None:
+    def resolve(self, uri: str, *, prim: str | None = None) -> AssetLocation | None:
         """The file that a reference in this file names, or None when there is none.
 
         Raises InvalidInput as `schemas.references.resolve_reference` does, and, for a USDZ target, as `check_package`.
@@ -71,36 +71,36 @@ class Site:
         outer, inner = Ar.SplitPackageRelativePathOuter(uri) if Ar.IsPackageRelativePath(uri) else (uri, "")
         folder = self.path.parent / posixpath.dirname(self.inner)
         try:
-            found = resolve_reference(outer, base=folder, root=self.root, where=where)
+            target_path = resolve_reference(outer, base=folder, root=self.root, where=where)
         except OSError:  # A name too long for the file system names nothing on it.
             return None
         if self.inner:
             entry = self._entry(outer)
             return replace(self, inner=entry) if entry and not inner else None
-        if found is None:
+        if target_path is None:
             expected = expected_path(outer, base=folder, root=self.root)
             self.missing.update([expected] if expected else [])
             return None
-        self.visited.add(found)
-        target = replace(self, path=found, inner="")
-        return _enter(target, inner) if found.suffix.lower() == ".usdz" else target
+        self.visited.add(target_path)
+        target = replace(self, path=target_path, inner="")
+        return _enter(target, inner) if target_path.suffix.lower() == ".usdz" else target
 
     def _entry(self, uri: str) -> str | None:
-        """The package entry named by `uri`: seen from this layer's folder, then from the package's root."""
+        """The package entry named by `uri`: relative to this layer's folder, else to the package's root."""
         text = unquote(uri.strip()).replace("\\", "/")
         with zipfile.ZipFile(self.path) as package:
             names = package.namelist()
         for start in dict.fromkeys((posixpath.dirname(self.inner), "")):
-            wanted = posixpath.normpath(posixpath.join(start, text))
-            if wanted in names:
-                return wanted
-            similar = sorted(n for n in names if n.lower() == wanted.lower())
+            entry = posixpath.normpath(posixpath.join(start, text))
+            if entry in names:
+                return entry
+            similar = sorted(n for n in names if n.lower() == entry.lower())
             if len(similar) == 1:
                 return similar[0]
         return None
 
 
-def _enter(package: Site, inner: str = "") -> Site | None:
+def _enter(package: AssetLocation, inner: str = "") -> AssetLocation | None:
     """The layer `inner`, or else the root layer, of a checked USDZ package; None when it has no such entry."""
     first = check_package(package.path, where=package.where())
     if not inner:
@@ -109,7 +109,7 @@ def _enter(package: Site, inner: str = "") -> Site | None:
         return replace(package, inner=inner) if inner in archive.namelist() else None
 
 
-def site_of(path: Path, root: Path) -> Site:
-    """The site of an asset's main file; for a USDZ package its root layer. Raises as `check_package`."""
-    site = Site(path.resolve(), root.resolve())
-    return (_enter(site) if site.path.suffix.lower() == ".usdz" else None) or site
+def locate_asset(path: Path, root: Path) -> AssetLocation:
+    """The location of an asset's main file; for a USDZ package its root layer. Raises as `check_package`."""
+    location = AssetLocation(path.resolve(), root.resolve())
+    return (_enter(location) if location.path.suffix.lower() == ".usdz" else None) or location

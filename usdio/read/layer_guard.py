@@ -1,8 +1,8 @@
-"""Open the layers of a USD asset one by one, before anything is composed, and pin every reference.
+"""Opens the layers of a USD asset one by one, before composition, checks them and pins every reference.
 
 Each layer is opened as a private, anonymous copy, and every sublayer, reference and payload is rewritten to the copy
 of the file it names. OpenUSD's own resolver, which would search the working directory and any absolute path, is thus
-never asked for a file, and reading the same asset twice in one process cannot meet a stale layer.
+never used, and reading the same asset twice in one process cannot meet a stale layer.
 """
 
 # pxr has no type stubs.
@@ -20,7 +20,7 @@ from typing import Any, Final, Literal
 from pxr import Sdf, Tf, Usd
 
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
-from usdio.read.asset_location import Site, site_of
+from usdio.read.asset_location import AssetLocation, locate_asset
 from usdio.read.materialx import material_x_layer
 
 MAX_LAYERS: Final = 4096
@@ -32,23 +32,23 @@ _CRATE: Final = b"PXR-USDC"
 
 
 @dataclass(frozen=True)
-class Layers:
+class PinnedLayers:
     """The private copies of an asset's layers.
 
-    `sites` maps a copy's identifier to the file it came from; `absent` maps the identifier put in place of a file that
-    is not there, or is no USD, to the finding to report if composition turns out to need it. `clips` names files whose
-    value clips were dropped. `kept` holds the copies alive.
+    `locations` maps a copy's identifier to the file it came from; `absent` maps the placeholder identifier of a file
+    that does not exist, or is not USD, to the finding to report if composition needs it. `clips` lists files whose
+    value clips were dropped. `copies` keeps the layers alive.
     """
 
     root: Sdf.Layer
-    sites: dict[str, Site]
+    locations: dict[str, AssetLocation]
     absent: dict[str, Diagnostic]
-    clips: tuple[Site, ...]
-    kept: tuple[Sdf.Layer, ...] = field(repr=False)
+    clips: tuple[AssetLocation, ...]
+    copies: tuple[Sdf.Layer, ...] = field(repr=False)
 
-    def site(self, layer: Sdf.Layer) -> Site:
+    def location_of(self, layer: Sdf.Layer) -> AssetLocation:
         """The file a layer came from; the root file for layers made in memory (the session layer)."""
-        return self.sites.get(layer.identifier, self.sites[self.root.identifier])
+        return self.locations.get(layer.identifier, self.locations[self.root.identifier])
 
 
 @dataclass(frozen=True)
@@ -61,72 +61,74 @@ class _Arc:
     target: Sdf.Path
 
 
-def check_layers(path: Path, root: Path) -> Layers:
+def check_layers(path: Path, root: Path) -> PinnedLayers:
     """The asset's layers, reachable through any variant, checked and pinned to files below `root`.
 
     Raises InvalidInput: `asset/path-escape`, `asset/remote-reference`, `asset/cyclic-reference` (layers that sublayer
     each other, a prim that refers to itself or an ancestor), `asset/parse-error`, `asset/truncated`,
     `asset/wrong-content`, `asset/lfs-pointer`, `asset/resource-limit`. A missing layer is no error here.
     """
-    start = site_of(path, root)
-    layers: dict[Site, Sdf.Layer] = {}
-    targets: dict[Site, dict[str, Site | None]] = {}
-    sublayers: dict[Site, set[Site]] = {}
-    clips: list[Site] = []
+    start = locate_asset(path, root)
+    layers: dict[AssetLocation, Sdf.Layer] = {}
+    targets: dict[AssetLocation, dict[str, AssetLocation | None]] = {}
+    sublayers: dict[AssetLocation, set[AssetLocation]] = {}
+    clips: list[AssetLocation] = []
     pending = [start]
     variables: dict[str, Any] = {}
     while pending:
-        site = pending.pop()
-        if site in layers:
+        location = pending.pop()
+        if location in layers:
             continue
         if len(layers) >= MAX_LAYERS:
             raise InvalidInput(
                 finding("asset/resource-limit", "the asset has too many layers", value=len(layers), bound=MAX_LAYERS)
             )
-        layer = layers[site] = _open(site)
+        layer = layers[location] = _open(location)
         variables = variables or dict(layer.expressionVariables)
-        targets[site] = {}
+        targets[location] = {}
         specs = _specs(layer)
         for arc in _arcs(layer, specs):
-            target = _follow(arc, site, layer, variables)
+            target = _follow(arc, location, layer, variables)
             if arc.uri:
-                targets[site][arc.uri] = target
-            if target == site or not arc.uri:
-                _check_ancestor(arc, site, layer)
+                targets[location][arc.uri] = target
+            if target == location or not arc.uri:
+                _check_ancestor(arc, location, layer)
             elif target is not None and target.extension in (*_FORMATS, "mtlx"):
                 pending.append(target)
                 if arc.kind == "sublayer":
-                    sublayers.setdefault(site, set()).add(target)
-        _check_assets(layer, site, specs)
+                    sublayers.setdefault(location, set()).add(target)
+        _check_assets(layer, location, specs)
         if _drop_clips(specs):
-            clips.append(site)
+            clips.append(location)
     _check_sublayer_cycle(sublayers)
     absent = _pin(layers, targets)
-    sites = {layer.identifier: site for site, layer in layers.items()}
-    return Layers(layers[start], sites, absent, tuple(clips), tuple(layers.values()))
+    locations = {layer.identifier: location for location, layer in layers.items()}
+    return PinnedLayers(layers[start], locations, absent, tuple(clips), tuple(layers.values()))
 
 
-def _open(site: Site) -> Sdf.Layer:
+def _open(location: AssetLocation) -> Sdf.Layer:
     """A private copy of one layer file. Raises InvalidInput when it is not readable USD (or MaterialX)."""
-    where = site.where()
-    head = site.read(4096)
+    where = location.where()
+    head = location.read(4096)
     if not head.strip():
         raise InvalidInput(finding("asset/truncated", "the file is empty", where=where, value=len(head), unit="bytes"))
     if head.lstrip().startswith(_LFS_POINTER):
         raise InvalidInput(finding("asset/lfs-pointer", "git-LFS pointer text stands in for the layer", where=where))
-    if site.extension == "mtlx":
-        return material_x_layer(site)
-    if site.extension not in _FORMATS or _HTML.match(head) or not _looks_like_usd(head, site.extension):
-        headline = f"the file is named .{site.extension} but holds {'an HTML page' if _HTML.match(head) else 'no USD'}"
+    if location.extension == "mtlx":
+        return material_x_layer(location)
+    if location.extension not in _FORMATS or _HTML.match(head) or not _looks_like_usd(head, location.extension):
+        headline = (
+            f"the file is named .{location.extension} but holds {'an HTML page' if _HTML.match(head) else 'no USD'}"
+        )
         raise InvalidInput(finding("asset/wrong-content", headline, where=where))
-    data = site.read()
-    # A crate file says in bytes 16..24 where its table of contents starts (OpenUSD, crateFile.h, _BootStrap).
+    data = location.read()
+    # Bytes 16..24 of a crate file are the offset of its table of contents (OpenUSD, crateFile.h, _BootStrap).
     if head.startswith(_CRATE) and not 0 < int.from_bytes(data[16:24], "little") < len(data):
         raise InvalidInput(finding("asset/truncated", "the table of contents lies behind the end", where=where))
     try:
-        layer = Sdf.Layer.OpenAsAnonymous(site.identifier)
+        layer = Sdf.Layer.OpenAsAnonymous(location.identifier)
     except Tf.ErrorException as error:
-        raise InvalidInput(_parse_error(error, site, data)) from error
+        raise InvalidInput(_parse_error(error, location, data)) from error
     if layer is None:
         raise InvalidInput(finding("asset/parse-error", "OpenUSD cannot read the layer", where=where))
     return layer
@@ -137,18 +139,18 @@ def _looks_like_usd(head: bytes, extension: str) -> bool:
     return (text and extension != "usdc") or (crate and extension != "usda")
 
 
-def _parse_error(error: Tf.ErrorException, site: Site, data: bytes) -> Diagnostic:
+def _parse_error(error: Tf.ErrorException, location: AssetLocation, data: bytes) -> Diagnostic:
     """`asset/parse-error` with the position OpenUSD reports; `asset/truncated` when that is the end of the text."""
     text = message(error)
     match = _POSITION.search(text)
     if match is None:
         code = "asset/truncated" if data.startswith(_CRATE) else "asset/parse-error"
-        return finding(code, "OpenUSD cannot read the layer", where=site.where(), value=_reason(text, site))
+        return finding(code, "OpenUSD cannot read the layer", where=location.where(), value=_reason(text, location))
     line, column = int(match[1]), int(match[2])
-    where = site.where(line=line, column=column)
+    where = location.where(line=line, column=column)
     if line >= len(data.rstrip().splitlines()) and not data.rstrip().endswith(b"}"):
         return finding("asset/truncated", "the text ends inside a prim or value", where=where)
-    return finding("asset/parse-error", "the layer has a syntax error", where=where, value=_reason(match[3], site))
+    return finding("asset/parse-error", "the layer has a syntax error", where=where, value=_reason(match[3], location))
 
 
 def message(error: Tf.ErrorException) -> str:
@@ -159,9 +161,9 @@ def message(error: Tf.ErrorException) -> str:
         return undecodable.object.decode(errors="replace")
 
 
-def _reason(text: str, site: Site) -> str:
+def _reason(text: str, location: AssetLocation) -> str:
     """OpenUSD's message without its C++ names and without the folder the asset lies in."""
-    text = text.replace(f"{site.root}/", "")
+    text = text.replace(f"{location.root}/", "")
     text = re.sub(r"Error in '.*?' at line \d+ in file \S+ : ", "", text)
     text = re.sub(r"\s*parse error matching \S+?::(\w+)", r"expected \1", text)
     return " ".join(text.split()).strip("' \"")[:300]
@@ -194,10 +196,10 @@ def _prims(specs: list[Sdf.Spec]) -> Iterator[Sdf.PrimSpec]:
             yield spec
 
 
-def _follow(arc: _Arc, site: Site, layer: Sdf.Layer, variables: dict[str, Any]) -> Site | None:
+def _follow(arc: _Arc, location: AssetLocation, layer: Sdf.Layer, variables: dict[str, Any]) -> AssetLocation | None:
     uri = _evaluate(arc.uri, {**dict(layer.expressionVariables), **variables})
     file, _ = Sdf.Layer.SplitIdentifier(uri) if uri else ("", {})
-    return site.resolve(file, prim=str(arc.prim)) if file else None
+    return location.resolve(file, prim=str(arc.prim)) if file else None
 
 
 def _evaluate(uri: str, variables: dict[str, Any]) -> str:
@@ -208,7 +210,7 @@ def _evaluate(uri: str, variables: dict[str, Any]) -> str:
     return value if isinstance(value, str) else ""
 
 
-def _check_ancestor(arc: _Arc, site: Site, layer: Sdf.Layer) -> None:
+def _check_ancestor(arc: _Arc, location: AssetLocation, layer: Sdf.Layer) -> None:
     target = arc.target
     if target.isEmpty and layer.HasDefaultPrim():
         target = layer.GetDefaultPrimAsPath()
@@ -217,24 +219,24 @@ def _check_ancestor(arc: _Arc, site: Site, layer: Sdf.Layer) -> None:
             finding(
                 "asset/cyclic-reference",
                 f"{arc.prim if arc.kind == 'reference' else 'the layer'} contains itself",
-                where=site.where(prim=str(arc.prim)),
+                where=location.where(prim=str(arc.prim)),
                 value=str(target) if arc.kind == "reference" else arc.uri,
             )
         )
 
 
-def _check_sublayer_cycle(sublayers: dict[Site, set[Site]]) -> None:
+def _check_sublayer_cycle(sublayers: dict[AssetLocation, set[AssetLocation]]) -> None:
     try:
         TopologicalSorter(sublayers).prepare()
     except CycleError as error:
-        cycle: list[Site] = error.args[1]
-        names = " > ".join(site.name for site in cycle)
+        cycle: list[AssetLocation] = error.args[1]
+        names = " > ".join(location.name for location in cycle)
         raise InvalidInput(
             finding("asset/cyclic-reference", "layers contain each other", where=cycle[0].where(), value=names)
         ) from error
 
 
-def _check_assets(layer: Sdf.Layer, site: Site, specs: list[Sdf.Spec]) -> None:
+def _check_assets(layer: Sdf.Layer, location: AssetLocation, specs: list[Sdf.Spec]) -> None:
     """Raise for asset-valued attributes and metadata (textures, clips) that name something outside the root."""
     for spec in specs:
         where = str(spec.path)
@@ -248,7 +250,7 @@ def _check_assets(layer: Sdf.Layer, site: Site, specs: list[Sdf.Spec]) -> None:
         else:
             continue
         for asset in _asset_paths(values):
-            site.resolve(_evaluate(asset, dict(layer.expressionVariables)), prim=where)
+            location.resolve(_evaluate(asset, dict(layer.expressionVariables)), prim=where)
 
 
 def _asset_paths(value: Any) -> Iterator[str]:
@@ -264,30 +266,32 @@ def _asset_paths(value: Any) -> Iterator[str]:
             yield from _asset_paths(item)
 
 
-def _pin(layers: dict[Site, Sdf.Layer], targets: dict[Site, dict[str, Site | None]]) -> dict[str, Diagnostic]:
-    """Rewrite all dependencies to the private copies; returns the stand-ins for files that are not there."""
+def _pin(
+    layers: dict[AssetLocation, Sdf.Layer], targets: dict[AssetLocation, dict[str, AssetLocation | None]]
+) -> dict[str, Diagnostic]:
+    """Rewrite all dependencies to the private copies; findings on absent files by placeholder identifier."""
     absent: dict[str, Diagnostic] = {}
-    for site, layer in layers.items():
-        for uri in filter(None, layer.GetCompositionAssetDependencies()):  # "" stands for references within the layer
-            target = targets[site].get(uri)
+    for location, layer in layers.items():
+        for uri in filter(None, layer.GetCompositionAssetDependencies()):  # "" is a reference within the layer
+            target = targets[location].get(uri)
             if target in layers:
-                _redirect(layer, site, uri, layers[target].identifier)
+                _redirect(layer, location, uri, layers[target].identifier)
                 continue
-            stand_in = f"anon:0x0:absent-{len(absent)}.usda"
-            _redirect(layer, site, uri, stand_in)
+            placeholder = f"anon:0x0:absent-{len(absent)}.usda"
+            _redirect(layer, location, uri, placeholder)
             why = "is not there" if target is None else "is not a USD or MaterialX layer"
-            absent[stand_in] = finding(
+            absent[placeholder] = finding(
                 "asset/missing-dependency",
                 f"layer '{uri}' {why}; it was left out",
-                where=site.where(),
+                where=location.where(),
                 value=uri,
                 severity=Severity.WARNING,
             )
     return absent
 
 
-def _redirect(layer: Sdf.Layer, site: Site, uri: str, identifier: str) -> None:
-    """Let every arc of `layer` that names `uri` name `identifier` instead.
+def _redirect(layer: Sdf.Layer, location: AssetLocation, uri: str, identifier: str) -> None:
+    """Replace `uri` by `identifier` in every arc of `layer`.
 
     OpenUSD stops at the sublayers when one of them matches and leaves references to the same file as they are, so the
     call is repeated; what then still names the file must not be composed. Raises InvalidInput `asset/schema-error`.
@@ -296,12 +300,12 @@ def _redirect(layer: Sdf.Layer, site: Site, uri: str, identifier: str) -> None:
         layer.UpdateCompositionAssetDependency(uri, identifier)
     if uri in layer.GetCompositionAssetDependencies():
         headline = f"the reference to '{uri}' cannot be pinned to a file"
-        raise InvalidInput(finding("asset/schema-error", headline, where=site.where(), value=uri))
+        raise InvalidInput(finding("asset/schema-error", headline, where=location.where(), value=uri))
 
 
 def _drop_clips(specs: list[Sdf.Spec]) -> bool:
     """Remove value clips, whose files OpenUSD would open by itself; True when there were any."""
-    found = [prim for prim in _prims(specs) if prim.HasInfo(Usd.Tokens.clips)]
-    for prim in found:
+    prims = [prim for prim in _prims(specs) if prim.HasInfo(Usd.Tokens.clips)]
+    for prim in prims:
         prim.ClearInfo(Usd.Tokens.clips)
-    return bool(found)
+    return bool(prims)

@@ -1,4 +1,4 @@
-"""Read bound UsdShade materials as `schemas.model.Material`, with the textures they use."""
+"""Converts the UsdShade materials bound to gprims into `schemas.model.Material`, with the textures they use."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -16,21 +16,30 @@ from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Material, Texture
 from schemas.outcome import Repair
 from schemas.references import tile_references
-from usdio.read.layer_guard import Layers
-from usdio.read.pbr import Color, Conversion
-from usdio.read.shader_dialects import PREVIEW, Dialect, dialect_of
-from usdio.read.shader_graph import EARLIEST, Fed, Image, Primvar, feed, identifier, node_behind, plain
+from usdio.read.layer_guard import PinnedLayers
+from usdio.read.pbr import Color, MaterialConversion
+from usdio.read.shader_dialects import PREVIEW, ShaderDialect, dialect_of
+from usdio.read.shader_graph import (
+    EARLIEST,
+    ImageSource,
+    InputSource,
+    PrimvarSource,
+    input_source,
+    shader_identifier,
+    source_node,
+    to_json,
+)
 
 LoadTexture = Callable[..., tuple[Texture | None, tuple[Diagnostic, ...]]]
 _STAGE: Final = "intake"
 
 
 @dataclass(frozen=True)
-class Entry:
+class ConvertedMaterial:
     """One converted material.
 
-    `uv_names` are the primvars its textures read, in the order of `TextureUse.uv_set`; `shows_mesh_colors` tells
-    whether its colour comes from the mesh; `source_name` is the name of the material prim.
+    `uv_names` are the primvars its textures read, in the order of `TextureUse.uv_set`; `shows_mesh_colors` is
+    true when its colour comes from the mesh; `source_name` is the name of the material prim.
     """
 
     material: Material
@@ -45,13 +54,13 @@ class MaterialTable:
     `entries`, `textures`, `diagnostics` and `repairs` grow as `add` is called.
     """
 
-    def __init__(self, layers: Layers, load_texture: LoadTexture) -> None:
+    def __init__(self, layers: PinnedLayers, load_texture: LoadTexture) -> None:
         self._layers = layers
         self._load_texture = load_texture
         self._known: dict[tuple[str, Color | None, bool], int] = {}
         self._dangling: set[str] = set()
         self._texture_names: dict[str, str | None] = {}
-        self.entries: list[Entry] = []
+        self.entries: list[ConvertedMaterial] = []
         self.textures: list[Texture] = []
         self.diagnostics: list[Diagnostic] = []
         self.repairs: list[Repair] = []
@@ -66,24 +75,30 @@ class MaterialTable:
             self._note_dangling(prim)
             if color is None:
                 return None
-        wanted = color if not source or reads_display_color(source) else None
-        key = (str(source.GetPath()) if source else "", wanted, double_sided)
+        constant_color = color if not source or reads_display_color(source) else None
+        key = (str(source.GetPath()) if source else "", constant_color, double_sided)
         if key not in self._known:
-            entry, notes = self._convert(source, wanted, double_sided) if source else (_plain(wanted, double_sided), [])
+            entry, notes = (
+                self._convert(source, constant_color, double_sided)
+                if source
+                else (_plain_material(constant_color, double_sided), [])
+            )
             self._known[key] = self._index_of(entry, notes)
         return self._known[key]
 
-    def _index_of(self, entry: Entry, notes: list[Diagnostic]) -> int:
-        """Where `entry` stands, appended unless an equal one, from another reference to the same file, is there."""
+    def _index_of(self, entry: ConvertedMaterial, notes: list[Diagnostic]) -> int:
+        """The index of `entry`, appended unless an equal one, from another reference to the same file, exists."""
         for index, known in enumerate(self.entries):
             renamed = replace(known.material, name=entry.material.name)
             if known.source_name == entry.source_name and replace(known, material=renamed) == entry:
                 return index
         self.diagnostics += notes
-        self.entries.append(replace(entry, material=replace(entry.material, name=self._free(entry.material.name))))
+        self.entries.append(
+            replace(entry, material=replace(entry.material, name=self._unused_name(entry.material.name)))
+        )
         return len(self.entries) - 1
 
-    def _free(self, name: str) -> str:
+    def _unused_name(self, name: str) -> str:
         taken = {entry.material.name for entry in self.entries}
         return next(n for n in (name, *(f"{name}_{i}" for i in range(2, len(taken) + 3))) if n not in taken)
 
@@ -102,56 +117,56 @@ class MaterialTable:
         self.repairs.append(Repair(name=name, code=diagnostic.code, stage=_STAGE, before=dict(before)))
 
     def _where(self, prim: Usd.Prim) -> Location:
-        return self._layers.site(self._layers.root).where(prim=str(prim.GetPath()))
+        return self._layers.location_of(self._layers.root).where(prim=str(prim.GetPath()))
 
     def _convert(
         self, source: UsdShade.Material, color: Color | None, double_sided: bool
-    ) -> tuple[Entry, list[Diagnostic]]:
+    ) -> tuple[ConvertedMaterial, list[Diagnostic]]:
         """The converted material, and what did not fit the model."""
         name = source.GetPrim().GetName()
         shader = surface_shader(source)
         if shader is None:
-            return replace(_plain(color, double_sided, name), shows_mesh_colors=True, source_name=name), []
+            return replace(_plain_material(color, double_sided, name), shows_mesh_colors=True, source_name=name), []
         ports = {port.GetBaseName(): port for port in shader.GetInputs()}
-        dialect = dialect_of(identifier(shader), tuple(ports))
-        fed = _read(dialect, ports)
-        from_mesh = isinstance(fed.get("base_color"), Primvar)
+        dialect = dialect_of(shader_identifier(shader), tuple(ports))
+        sources = _read(dialect, ports)
+        from_mesh = isinstance(sources.get("base_color"), PrimvarSource)
         if from_mesh:
-            fed["base_color"] = color or (1.0, 1.0, 1.0)
+            sources["base_color"] = color or (1.0, 1.0, 1.0)
         where = self._where(source.GetPrim())
-        conversion = Conversion(fed, self._texture, where)
+        conversion = MaterialConversion(sources, self._texture, where)
         material = conversion.material(name, double_sided, _unmapped(source, shader, dialect, ports))
         notes = conversion.diagnostics
         if material.unmapped:
             headline = f"'{name}' has {dialect.name} properties beyond the metallic-roughness model"
-            kept = ", ".join(sorted(material.unmapped))
-            notes.append(finding("asset/material-extension-fallback", headline, where=where, value=kept))
-        return Entry(material, tuple(conversion.uv_names), from_mesh, name), notes
+            names = ", ".join(sorted(material.unmapped))
+            notes.append(finding("asset/material-extension-fallback", headline, where=where, value=names))
+        return ConvertedMaterial(material, tuple(conversion.uv_names), from_mesh, name), notes
 
-    def _texture(self, image: Image) -> str | None:
-        """The name of the texture an image node reads, or None with a warning when it cannot be had."""
-        uri = plain(image.file.Get(EARLIEST))
+    def _texture(self, image: ImageSource) -> str | None:
+        """The name of the texture an image node reads, or None with a warning when it cannot be read."""
+        uri = to_json(image.file.Get(EARLIEST))
         stack = image.file.GetPropertyStack(EARLIEST)
-        site = self._layers.site(stack[0].layer) if stack else self._layers.site(self._layers.root)
-        where = site.where(prim=str(image.file.GetPath()))
-        tiles = [t for u in tile_references(uri) if (t := site.resolve(u, prim=where.prim)) is not None]
-        found = next(iter(tiles), None)
-        key = found.identifier if found else f"{site.identifier} {uri}"
+        location = self._layers.location_of(stack[0].layer) if stack else self._layers.location_of(self._layers.root)
+        where = location.where(prim=str(image.file.GetPath()))
+        tiles = [t for u in tile_references(uri) if (t := location.resolve(u, prim=where.prim)) is not None]
+        target = next(iter(tiles), None)
+        key = target.identifier if target else f"{location.identifier} {uri}"
         if key in self._texture_names:
             return self._texture_names[key]
-        if found is None:
+        if target is None:
             self._texture_names[key] = None
             diagnostic = finding("asset/missing-texture", f"texture '{uri}' is absent", where=where, value=uri)
             self._repaired(diagnostic, "missing_texture", texture=uri)
             return None
         if len(tiles) > 1:
-            headline = f"'{uri}' has {len(tiles)} tiles; all of the surface shows {found.name}"
+            headline = f"'{uri}' has {len(tiles)} tiles; all of the surface shows {target.name}"
             diagnostic = finding("asset/unsupported-texture", headline, where=where, value=uri)
             self._repaired(diagnostic, "unsupported_texture", texture=uri)
         names = {texture.name for texture in self.textures}
-        stem = posixpath.splitext(found.name)[0]
+        stem = posixpath.splitext(target.name)[0]
         name = next(n for n in (stem, *(f"{stem}_{i}" for i in range(2, len(names) + 3))) if n not in names)
-        texture, diagnostics = self._load_texture(found.read(), name, where=where)
+        texture, diagnostics = self._load_texture(target.read(), name, where=where)
         for diagnostic in diagnostics:
             repair = diagnostic.code.removeprefix("asset/").replace("-", "_")
             self._repaired(diagnostic, repair, texture=uri)
@@ -161,8 +176,8 @@ class MaterialTable:
         return self._texture_names[key]
 
 
-def _plain(color: Color | None, double_sided: bool, name: str = "displayColor") -> Entry:
-    return Entry(Material(name, base_color=color or (0.8, 0.8, 0.8), double_sided=double_sided))
+def _plain_material(color: Color | None, double_sided: bool, name: str = "displayColor") -> ConvertedMaterial:
+    return ConvertedMaterial(Material(name, base_color=color or (0.8, 0.8, 0.8), double_sided=double_sided))
 
 
 def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
@@ -180,10 +195,13 @@ def surface_shader(material: UsdShade.Material) -> UsdShade.Shader | None:
     shaders = [
         node[0]
         for output in sorted(material.GetSurfaceOutputs(), key=lambda o: o.GetFullName())
-        if (node := node_behind(output))
+        if (node := source_node(output))
     ]
-    found = [shader for shader in shaders if shader and identifier(shader)]
-    return next((s for s in found if dialect_of(identifier(s), ()) is PREVIEW), found[0] if found else None)
+    identified = [shader for shader in shaders if shader and shader_identifier(shader)]
+    return next(
+        (s for s in identified if dialect_of(shader_identifier(s), ()) is PREVIEW),
+        identified[0] if identified else None,
+    )
 
 
 def reads_display_color(material: UsdShade.Material) -> bool:
@@ -192,38 +210,38 @@ def reads_display_color(material: UsdShade.Material) -> bool:
     if shader is None:
         return True
     ports = {port.GetBaseName(): port for port in shader.GetInputs()}
-    name = dialect_of(identifier(shader), tuple(ports)).inputs["base_color"]
-    return name in ports and isinstance(feed(ports[name]), Primvar)
+    name = dialect_of(shader_identifier(shader), tuple(ports)).inputs["base_color"]
+    return name in ports and isinstance(input_source(ports[name]), PrimvarSource)
 
 
-def _read(dialect: Dialect, ports: dict[str, UsdShade.Input]) -> dict[str, Fed]:
-    """What feeds each quantity: authored values over the dialect's defaults, image inputs over both."""
-    fed: dict[str, Fed] = dict(dialect.defaults)
+def _read(dialect: ShaderDialect, ports: dict[str, UsdShade.Input]) -> dict[str, InputSource]:
+    """The source of each quantity: authored values over the dialect's defaults, image inputs over both."""
+    sources: dict[str, InputSource] = dict(dialect.defaults)
     for quantity, name in dialect.inputs.items():
-        value = feed(ports[name]) if name in ports else None
+        value = input_source(ports[name]) if name in ports else None
         if value is not None:
-            fed[quantity] = value
+            sources[quantity] = value
     for quantity, name in dialect.maps.items():
-        value = feed(ports[name]) if name in ports else None
-        if isinstance(value, Image):
-            fed[f"{quantity}_map"] = value
-    packed = fed.get("orm_map")
-    if fed.get("orm_switch") and isinstance(packed, Image):
-        fed["occlusion_map"] = replace(packed, channel="r")
-        fed["roughness_map"] = replace(packed, channel="g")
-        fed["metallic_map"] = replace(packed, channel="b")
-    return fed
+        value = input_source(ports[name]) if name in ports else None
+        if isinstance(value, ImageSource):
+            sources[f"{quantity}_map"] = value
+    packed = sources.get("orm_map")
+    if sources.get("orm_switch") and isinstance(packed, ImageSource):
+        sources["occlusion_map"] = replace(packed, channel="r")
+        sources["roughness_map"] = replace(packed, channel="g")
+        sources["metallic_map"] = replace(packed, channel="b")
+    return sources
 
 
 def _unmapped(
-    source: UsdShade.Material, shader: UsdShade.Shader, dialect: Dialect, ports: dict[str, UsdShade.Input]
+    source: UsdShade.Material, shader: UsdShade.Shader, dialect: ShaderDialect, ports: dict[str, UsdShade.Input]
 ) -> dict[str, Any]:
     """Source properties without a field in `Material`: leftover inputs, and for foreign shaders the whole network."""
     known = {*dialect.inputs.values(), *dialect.maps.values()}
     left = {name: _authored(port.GetAttr()) for name, port in sorted(ports.items()) if name not in known}
-    kept: dict[str, Any] = {identifier(shader): left} if left else {}
+    unmapped: dict[str, Any] = {shader_identifier(shader): left} if left else {}
     if dialect is PREVIEW:
-        return kept
+        return unmapped
     network = {
         str(prim.GetPath().MakeRelativePath(source.GetPath())): {
             a.GetName(): _authored(a)
@@ -233,9 +251,9 @@ def _unmapped(
         for prim in Usd.PrimRange(source.GetPrim())
         if prim.IsA(UsdShade.Shader)
     }
-    return {**kept, "shader": identifier(shader), "network": network}
+    return {**unmapped, "shader": shader_identifier(shader), "network": network}
 
 
 def _authored(attribute: Usd.Attribute) -> Any:
-    """What the attribute says, as JSON: the paths it is connected to, else its value."""
-    return [str(path) for path in attribute.GetConnections()] or plain(attribute.Get(EARLIEST))
+    """The attribute as JSON: the paths it is connected to, else its value."""
+    return [str(path) for path in attribute.GetConnections()] or to_json(attribute.Get(EARLIEST))

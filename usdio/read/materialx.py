@@ -1,4 +1,4 @@
-"""Read a MaterialX document as a USD layer, since the OpenUSD wheels ship without their MaterialX plugin.
+"""Converts a MaterialX document into a USD layer, since the OpenUSD wheels ship without their MaterialX plugin.
 
 The layer follows the layout of OpenUSD's usdMtlx plugin: materials under /MaterialX/Materials, their shaders below
 them (here with the node graphs each of them needs), shader ids `ND_<category>_<type>` (MaterialX 1.38 specification).
@@ -15,7 +15,7 @@ from lxml import etree
 from pxr import Sdf, Tf, Usd, UsdShade
 
 from schemas.diagnostics import InvalidInput, finding
-from usdio.read.asset_location import Site
+from usdio.read.asset_location import AssetLocation
 
 MAX_DEPTH: Final = 16
 _INCLUDE: Final = "{http://www.w3.org/2001/XInclude}include"
@@ -32,14 +32,14 @@ _TYPES: Final = {
 }
 
 
-def material_x_layer(site: Site) -> Sdf.Layer:
+def material_x_layer(location: AssetLocation) -> Sdf.Layer:
     """An anonymous layer with the document's materials; asset paths stay relative to the document.
 
     Raises InvalidInput `asset/parse-error` for broken XML, `asset/cyclic-reference` for inclusions without end, and
-    whatever `Site.resolve` raises for an include that escapes. No entity or DTD is ever loaded.
+    whatever `AssetLocation.resolve` raises for an include that escapes. No entity or DTD is ever loaded.
     """
-    document = _document(site, 0)
-    layer = Sdf.Layer.CreateAnonymous(f"{site.name}.usda")
+    document = _document(location, 0)
+    layer = Sdf.Layer.CreateAnonymous(f"{location.name}.usda")
     stage = Usd.Stage.Open(layer)
     scope = stage.DefinePrim("/MaterialX", "Scope")
     stage.SetDefaultPrim(scope)
@@ -54,21 +54,21 @@ def material_x_layer(site: Site) -> Sdf.Layer:
     return layer
 
 
-def _document(site: Site, depth: int) -> etree._Element:
+def _document(location: AssetLocation, depth: int) -> etree._Element:
     if depth > MAX_DEPTH:
         raise InvalidInput(
-            finding("asset/cyclic-reference", "MaterialX files include each other without end", where=site.where())
+            finding("asset/cyclic-reference", "MaterialX files include each other without end", where=location.where())
         )
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
     try:
-        document = etree.fromstring(site.read(), parser)
+        document = etree.fromstring(location.read(), parser)
     except etree.XMLSyntaxError as error:
-        where = site.where(line=error.lineno)
+        where = location.where(line=error.lineno)
         raise InvalidInput(
             finding("asset/parse-error", f"not a MaterialX document: {error.msg}", where=where)
         ) from error
     for include in document.findall(_INCLUDE):
-        target = site.resolve(include.get("href", ""))
+        target = location.resolve(include.get("href", ""))
         if target is not None:
             document.extend(list(_document(target, depth + 1)))
     return document
@@ -129,7 +129,7 @@ def _author_input(
 
 
 def _value(element: etree._Element, scope: etree._Element):
-    """The literal value of an input as its USD type wants it, or None when absent or unreadable."""
+    """The literal value of an input in its USD type, or None when absent or unreadable."""
     text = element.get("value")
     if text is None:
         return None

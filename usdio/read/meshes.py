@@ -1,4 +1,4 @@
-"""Read one UsdGeom gprim as triangles with per-corner attributes, in its own frame."""
+"""Reads one UsdGeom gprim as triangles with per-corner attributes, in the frame of the prim."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -16,16 +16,16 @@ from geom.mesh.finite import require_finite
 from geom.mesh.polygon_triangulation import triangulate_polygons
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.outcome import Outcome
-from usdio.read.surface import Surface, turned
+from usdio.read.gprim_mesh import GprimMesh, with_reversed_winding
 
 # Where an attribute has samples, the earliest counts; otherwise its default value.
 EARLIEST: Final = Usd.TimeCode.EarliestTime()
-SOLIDS: Final = ("Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1", "Plane")
+IMPLICIT_SHAPES: Final = ("Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1", "Plane")
 FACELESS: Final = ("Points", "BasisCurves", "NurbsCurves", "HermiteCurves")
-UNREAD: Final = ("NurbsPatch", "TetMesh", "Volume")  # These bound or fill a body, but not by triangles.
+UNSUPPORTED: Final = ("NurbsPatch", "TetMesh", "Volume")  # These bound or fill a body, but not by triangles.
 
 
-def read_solid(prim: Usd.Prim, where: Location) -> Outcome[Surface]:
+def read_implicit_shape(prim: Usd.Prim, where: Location) -> Outcome[GprimMesh]:
     """The tessellated implicit shape (UsdGeom: Cube, Sphere, Cylinder, Cone, Capsule, Plane), 48 segments around.
 
     The outcome's value is None when a size is zero. Raises InvalidInput `asset/nonfinite-vertices` for a size that is
@@ -38,7 +38,7 @@ def read_solid(prim: Usd.Prim, where: Location) -> Outcome[Surface]:
     order = {"X": [2, 0, 1], "Y": [1, 2, 0]}.get(_token(prim, "axis", "Z"), [0, 1, 2])  # cyclic: handedness stays
     topology = _Topology(shape.triangles.reshape(-1), np.arange(shape.triangles.size).reshape(-1, 3), np.arange(0))
     constant, colors, notes = _display_color(prim, topology, where)
-    surface = Surface(
+    surface = GprimMesh(
         shape.points[:, order],
         shape.triangles,
         shape.normals[..., order],
@@ -49,7 +49,7 @@ def read_solid(prim: Usd.Prim, where: Location) -> Outcome[Surface]:
     return Outcome(surface, notes)
 
 
-def read_mesh(prim: Usd.Prim, where: Location) -> Outcome[Surface]:
+def read_mesh(prim: Usd.Prim, where: Location) -> Outcome[GprimMesh]:
     """The triangulated control cage of a Mesh prim; the value is None when the prim has no points or no faces.
 
     Faces listed in `holeIndices` are left out. Attributes whose length fits no interpolation are dropped with a
@@ -77,7 +77,7 @@ def read_mesh(prim: Usd.Prim, where: Location) -> Outcome[Surface]:
     uvs, uv_notes = _uvs(prim, topology, where)
     constant, colors, color_notes = _display_color(prim, topology, where)
     normals, normal_notes = _normals(prim, topology, where)
-    surface = Surface(
+    surface = GprimMesh(
         points,
         indices[topology.corners],
         normals,
@@ -88,7 +88,9 @@ def read_mesh(prim: Usd.Prim, where: Location) -> Outcome[Surface]:
         _double_sided(prim),
     )
     left_handed = _token(prim, "orientation", "rightHanded") == UsdGeom.Tokens.leftHanded
-    return Outcome(turned(surface) if left_handed else surface, (*notes, *uv_notes, *color_notes, *normal_notes))
+    return Outcome(
+        with_reversed_winding(surface) if left_handed else surface, (*notes, *uv_notes, *color_notes, *normal_notes)
+    )
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,7 @@ class _Topology:
     corners: np.ndarray
     faces: np.ndarray
 
-    def spread(self, values: np.ndarray, interpolation: str) -> np.ndarray | None:
+    def per_corner(self, values: np.ndarray, interpolation: str) -> np.ndarray | None:
         """(m, 3, k) per-corner values from (v, k) authored ones (UsdGeomPrimvar), or None when the length is wrong."""
         m = len(self.corners)
         if interpolation == UsdGeom.Tokens.constant:
@@ -175,7 +177,7 @@ def _primvar_corners(primvar: UsdGeom.Primvar, width: int, topology: _Topology) 
         if len(order) == 0 or order.min() < 0 or order.max() >= len(values):
             return None
         values = values[order]
-    return topology.spread(values, primvar.GetInterpolation())
+    return topology.per_corner(values, primvar.GetInterpolation())
 
 
 def _misfit(name: str, where: Location) -> Diagnostic:
@@ -190,7 +192,7 @@ def _misfit(name: str, where: Location) -> Diagnostic:
 
 def _uvs(prim: Usd.Prim, topology: _Topology, where: Location) -> tuple[dict[str, np.ndarray], tuple[Diagnostic, ...]]:
     """UV sets by primvar name: every texture coordinate, and two-component arrays named like one."""
-    found: dict[str, np.ndarray] = {}
+    uv_sets: dict[str, np.ndarray] = {}
     notes: list[Diagnostic] = []
     for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
         kind, name = primvar.GetTypeName(), primvar.GetPrimvarName()
@@ -203,8 +205,8 @@ def _uvs(prim: Usd.Prim, topology: _Topology, where: Location) -> tuple[dict[str
         if values is None or not np.isfinite(values).all():
             notes.append(_misfit(f"primvars:{name}", where))
         else:
-            found[name] = values
-    return {name: found[name] for name in sorted(found, key=lambda n: (n != "st", n))}, tuple(notes)
+            uv_sets[name] = values
+    return {name: uv_sets[name] for name in sorted(uv_sets, key=lambda n: (n != "st", n))}, tuple(notes)
 
 
 _TYPES = Sdf.ValueTypeNames
@@ -248,7 +250,7 @@ def _normals(prim: Usd.Prim, topology: _Topology, where: Location) -> tuple[np.n
     authored = _array(mesh.GetNormalsAttr(), (-1, 3), np.float64)
     if len(authored) == 0:
         return None, ()
-    values = topology.spread(authored, mesh.GetNormalsInterpolation())
+    values = topology.per_corner(authored, mesh.GetNormalsInterpolation())
     return values, () if values is not None else (_misfit("normals", where),)
 
 

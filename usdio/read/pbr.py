@@ -1,4 +1,4 @@
-"""Turn what feeds a surface shader into the metallic-roughness `Material`."""
+"""Converts the inputs of a surface shader into the metallic-roughness `Material` of `schemas.model`."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -13,39 +13,41 @@ import numpy as np
 
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Channel, Material, TextureUse
-from usdio.read.shader_graph import EARLIEST, Fed, Image, plain
+from usdio.read.shader_graph import EARLIEST, ImageSource, InputSource, to_json
 
 Color = tuple[float, float, float]
 _NITS_OF_WHITE: Final = 1000.0  # OpenPBR emission is in nits; this much is shown as full white.
 _F0: Final = 0.04  # Reflectance of common dielectrics at normal incidence.
 
 
-class Conversion:
-    """One material on its way from `fed` quantities (the keys of `shader_dialects`) to `Material`.
+class MaterialConversion:
+    """Conversion of one material from its `sources` (by the quantities of `shader_dialects`) to `Material`.
 
-    `texture` gives the name of the texture an image reads, or None when there is none. `uv_names` (the primvars of the
-    UV sets, in the order of `TextureUse.uv_set`) and `diagnostics` are complete once `material` has returned.
+    `texture` returns the name of the texture an image reads, or None when there is none. `uv_names` (the primvars of
+    the UV sets, in the order of `TextureUse.uv_set`) and `diagnostics` are complete once `material` has returned.
     """
 
-    def __init__(self, fed: dict[str, Fed], texture: Callable[[Image], str | None], where: Location) -> None:
-        self._fed, self._texture, self._where = fed, texture, where
+    def __init__(
+        self, sources: dict[str, InputSource], texture: Callable[[ImageSource], str | None], where: Location
+    ) -> None:
+        self._sources, self._texture, self._where = sources, texture, where
         self.uv_names: list[str] = []
         self.diagnostics: list[Diagnostic] = []
-        self._odd: dict[str, Any] = {}
+        self._unmapped_inputs: dict[str, Any] = {}
 
     def material(self, name: str, double_sided: bool, unmapped: dict[str, Any]) -> Material:
         """The material called `name`; values outside their range are clamped with a warning."""
-        fed = self._fed
+        sources = self._sources
         base, base_map = self._color("base_color", (0.8, 0.8, 0.8))
         base = _times(base, self._constant("base_tint", (1.0, 1.0, 1.0)), self._number("base_weight", 1.0))
         metallic, metallic_map = self._scalar("metallic", 0.0)
         roughness, roughness_map = self._scalar("roughness", 0.5)
-        if fed.get("specular_workflow") in (1.0, True):
+        if sources.get("specular_workflow") in (1.0, True):
             base, metallic = self._from_specular(base)
             metallic_map = None
         emissive, emissive_map = self._color("emissive", (0.0, 0.0, 0.0))
         emissive = _times(emissive, (1.0, 1.0, 1.0), self._emission())
-        shows = bool(fed.get("opacity_switch", True))
+        shows = bool(sources.get("opacity_switch", True))
         opacity, opacity_map = self._scalar("opacity", 1.0) if shows else (1.0, None)
         cutoff = self._number("cutoff", 0.0)
         see_through = opacity_map is not None or opacity < 1.0
@@ -72,18 +74,18 @@ class Conversion:
             clearcoat=self._clamped("clearcoat", self._number("clearcoat", 0.0)),
             clearcoat_roughness=self._clamped("clearcoat_roughness", self._number("clearcoat_roughness", 0.0)),
             transmission=self._clamped("transmission", self._number("transmission", 0.0)),
-            unmapped={**unmapped, **self._odd},
+            unmapped={**unmapped, **self._unmapped_inputs},
         )
 
     def _emission(self) -> float:
         """The factor 0..1 on the emissive colour: switch, weight, and luminance in nits."""
-        if not self._fed.get("emissive_switch", True):
+        if not self._sources.get("emissive_switch", True):
             return 0.0
         nits = self._number("emissive_luminance", _NITS_OF_WHITE)
         return self._number("emissive_weight", 1.0) * min(nits / _NITS_OF_WHITE, 1.0)
 
     def _constant(self, quantity: str, default: Color) -> Color:
-        value = self._fed.get(quantity)
+        value = self._sources.get(quantity)
         if isinstance(value, float):
             return (value, value, value)
         if isinstance(value, tuple) and len(value) >= 3 and all(map(math.isfinite, value)):
@@ -91,10 +93,10 @@ class Conversion:
         return default
 
     def _number(self, quantity: str, default: float) -> float:
-        """A scalar quantity; an image in its place, which no field can hold, is set down as unmapped."""
-        value = self._fed.get(quantity)
-        if isinstance(value, Image):
-            self._odd[f"{quantity}_texture"] = plain(value.file.Get(EARLIEST))
+        """A scalar quantity; an image in its place, for which there is no field, is recorded as unmapped."""
+        value = self._sources.get(quantity)
+        if isinstance(value, ImageSource):
+            self._unmapped_inputs[f"{quantity}_texture"] = to_json(value.file.Get(EARLIEST))
         if isinstance(value, tuple) and value:
             value = sum(value[:3]) / len(value[:3])
         if isinstance(value, bool | float):
@@ -122,13 +124,13 @@ class Conversion:
             return self._constant(quantity, default), None
         bias = image.bias[0] if len(set(image.bias[:3])) == 1 else 0.0
         if any(image.bias[:3]) and bias == 0.0:
-            self._odd[f"{quantity}_bias"] = list(image.bias)
+            self._unmapped_inputs[f"{quantity}_bias"] = list(image.bias)
         if bias:
             scale = sum(image.scale[:3]) / 3.0
-            use = self._use(image, image.channel, scale, bias)
-            return (1.0, 1.0, 1.0) if use else self._absent(image, default), use
-        use = self._use(image, image.channel)
-        return (image.scale[0], image.scale[1], image.scale[2]) if use else self._absent(image, default), use
+            use = self._texture_use(image, image.channel, scale, bias)
+            return (1.0, 1.0, 1.0) if use else self._fallback_color(image, default), use
+        use = self._texture_use(image, image.channel)
+        return (image.scale[0], image.scale[1], image.scale[2]) if use else self._fallback_color(image, default), use
 
     def _scalar(self, quantity: str, default: float) -> tuple[float, TextureUse | None]:
         image = self._image(quantity)
@@ -137,36 +139,38 @@ class Conversion:
         channel: Channel = "r" if image.channel == "rgb" else image.channel
         at = "rgba".index(channel)
         if image.bias[at]:
-            use = self._use(image, channel, image.scale[at], image.bias[at])
+            use = self._texture_use(image, channel, image.scale[at], image.bias[at])
             return 1.0 if use else default, use
-        use = self._use(image, channel)
+        use = self._texture_use(image, channel)
         if use is None and image.fallback:
             return image.fallback[at], None
         return image.scale[at] if use else default, use
 
-    def _absent(self, image: Image, default: Color) -> Color:
-        """The colour that stands in for an absent image."""
+    def _fallback_color(self, image: ImageSource, default: Color) -> Color:
+        """The colour that replaces an absent image."""
         return (image.fallback[0], image.fallback[1], image.fallback[2]) if image.fallback else default
 
     def _normal(self) -> tuple[TextureUse | None, float]:
-        """The normal map, as plain texels, and its strength (UsdPreviewSurface asks for scale 2, bias -1)."""
+        """The normal map, as plain texels, and its strength (UsdPreviewSurface: scale 2, bias -1)."""
         image = self._image("normal")
         if image is None:
             return None, 1.0
         if image.scale[1] < 0:
-            self._odd["normal_scale"] = list(image.scale)
-        use = self._use(image, "rgb")
+            self._unmapped_inputs["normal_scale"] = list(image.scale)
+        use = self._texture_use(image, "rgb")
         strength = image.scale[0] / 2.0 if image.bias[0] else 1.0
         return use, strength * self._number("normal_scale", 1.0) if use else 1.0
 
-    def _image(self, quantity: str) -> Image | None:
+    def _image(self, quantity: str) -> ImageSource | None:
         for key in (f"{quantity}_map", quantity):
-            value = self._fed.get(key)
-            if isinstance(value, Image):
+            value = self._sources.get(key)
+            if isinstance(value, ImageSource):
                 return value
         return None
 
-    def _use(self, image: Image, channel: Channel, scale: float = 1.0, bias: float = 0.0) -> TextureUse | None:
+    def _texture_use(
+        self, image: ImageSource, channel: Channel, scale: float = 1.0, bias: float = 0.0
+    ) -> TextureUse | None:
         texture = self._texture(image)
         if texture is None:
             return None
@@ -174,13 +178,17 @@ class Conversion:
         if uv_name not in self.uv_names:
             self.uv_names.append(uv_name)
         uv_scale, uv_offset, rotation = image.uv_scale, image.uv_offset, image.uv_rotation_rad
-        own = self._fed.get("uv_scale"), self._fed.get("uv_offset"), self._fed.get("uv_rotation_deg")
-        if isinstance(own[0], tuple):
-            uv_scale = (own[0][0], own[0][1])
-        if isinstance(own[1], tuple):
-            uv_offset = (own[1][0], own[1][1])
-        if isinstance(own[2], float):
-            rotation = math.radians(own[2])
+        shader_transform = (
+            self._sources.get("uv_scale"),
+            self._sources.get("uv_offset"),
+            self._sources.get("uv_rotation_deg"),
+        )
+        if isinstance(shader_transform[0], tuple):
+            uv_scale = (shader_transform[0][0], shader_transform[0][1])
+        if isinstance(shader_transform[1], tuple):
+            uv_offset = (shader_transform[1][0], shader_transform[1][1])
+        if isinstance(shader_transform[2], float):
+            rotation = math.radians(shader_transform[2])
         return TextureUse(
             texture=texture,
             channel=channel,
@@ -198,12 +206,12 @@ class Conversion:
         """Base colour and metalness of a specular-workflow surface.
 
         Solves the reflectance model of the metallic workflow for metalness, as in the Khronos note on converting
-        KHR_materials_pbrSpecularGlossiness. A specular texture has no field and is set down as unmapped.
+        KHR_materials_pbrSpecularGlossiness. A specular texture has no field and is recorded as unmapped.
         """
         specular = self._constant("specular_color", (0.0, 0.0, 0.0))
         image = self._image("specular_color")
         if image is not None:
-            self._odd["specular_color_texture"] = plain(image.file.Get(EARLIEST))
+            self._unmapped_inputs["specular_color_texture"] = to_json(image.file.Get(EARLIEST))
         return metallic_from_specular(diffuse, specular)
 
 

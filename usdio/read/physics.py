@@ -1,4 +1,4 @@
-"""What a foreign stage states about mass and contact (UsdPhysics MassAPI, MaterialAPI), in the frame of the model."""
+"""Mass and contact values of a foreign stage (UsdPhysics MassAPI, MaterialAPI), in the model frame, masses in kg."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -13,14 +13,14 @@ from typing import Any, Final, get_args
 import numpy as np
 from pxr import Tf, Usd, UsdGeom, UsdPhysics
 
-from geom.mass.principal_axes import inertia_from_principal, turned_tensor
+from geom.mass.principal_axes import inertia_from_principal, rotated_tensor
 from geom.pose import apply
 from schemas.diagnostics import Location
 from schemas.model import Mesh
 from schemas.stated_physics import Combine, StatedContact, StatedMass
-from usdio.read.gprim_placement import matrix
+from usdio.contact_material import bound_contact_material
+from usdio.read.gprim_placement import column_matrix
 from usdio.read.meshes import EARLIEST
-from usdio.reread.body import bound_contact_material
 
 _FRICTION_COMBINE: Final = "physxMaterial:frictionCombineMode"
 
@@ -28,9 +28,9 @@ _FRICTION_COMBINE: Final = "physxMaterial:frictionCombineMode"
 def stated_physics(
     stage: Usd.Stage, start: Usd.Prim, meshes: Sequence[Mesh], where: Location
 ) -> tuple[tuple[StatedMass, ...], tuple[StatedContact, ...]]:
-    """What prims at or below `start` state about `meshes`, posed in the world, lengths in stage units, masses in kg.
+    """Mass and contact values of prims at or below `start` for `meshes`: world frame, stage units of length, kg.
 
-    Zero means "not stated", as the schema defines; other values are passed on as they are, however absurd. A mass
+    Zero means "not stated", as the schema defines; other values are passed on unchecked. A mass
     centre goes through the whole transform; a tensor is only turned, because UsdPhysics gives it in kg and stage
     units whatever the scale of its prim (`UsdPhysics.RigidBodyAPI.ComputeMassProperties` does the same).
     """
@@ -49,7 +49,7 @@ class _Reader:
         for mesh in meshes:
             self._triangles[mesh.source_path] = self._triangles.get(mesh.source_path, 0) + len(mesh.triangles)
         prims = tuple(Usd.PrimRange(start, Usd.TraverseInstanceProxies()))
-        # Prototypes of a point instancer may stand elsewhere; nothing there speaks for one copy alone.
+        # Values on prototypes of a point instancer hold for no single copy and are not read.
         self._surfaces = {str(p.GetPath()): p for p in prims if str(p.GetPath()) in self._triangles}
         self._hidden = [
             p for p in prims if p.HasAPI(UsdPhysics.CollisionAPI) and str(p.GetPath()) not in self._surfaces
@@ -63,31 +63,31 @@ class _Reader:
         to the surface, then the density of its contact material. Never across the border of a rigid body.
         """
         sources: dict[str, tuple[Usd.Prim, list[str]]] = {}
-        silent: list[str] = []
+        unstated: list[str] = []
         for path, prim in self._surfaces.items():
             source = self._source_of_mass(prim)
             if source is None:
-                silent.append(path)
+                unstated.append(path)
             else:
                 sources.setdefault(str(source.GetPath()), (source, []))[1].append(path)
-        found = [self._mass(source, covers) for source, covers in sources.values()]
-        for body in dict.fromkeys(self._body[path] for path in silent):
-            hidden = self._mass_of_hidden(body, [path for path in silent if self._body[path] == body])
-            found += [] if hidden is None else [hidden]
-        return found
+        statements = [self._mass(source, covers) for source, covers in sources.values()]
+        for body in dict.fromkeys(self._body[path] for path in unstated):
+            hidden = self._mass_of_hidden(body, [path for path in unstated if self._body[path] == body])
+            statements += [] if hidden is None else [hidden]
+        return statements
 
     def contacts(self) -> list[StatedContact]:
         """One statement per contact material, over the surfaces whose colliders use it.
 
-        A hidden collider speaks for the surfaces below it, or else for all of its body.
+        A hidden collider counts for the surfaces below it, or else for all of its body.
         """
-        spoken = [(prim, [path]) for path, prim in self._surfaces.items()]
+        covered_by = [(prim, [path]) for path, prim in self._surfaces.items()]
         for prim in self._hidden:
             below = [path for path in self._surfaces if path.startswith(f"{prim.GetPath()}/")]
             body = self._body_of(prim)
-            spoken.append((prim, below or [path for path in self._surfaces if self._body[path] == body]))
+            covered_by.append((prim, below or [path for path in self._surfaces if self._body[path] == body]))
         materials: dict[str, tuple[Usd.Prim, dict[str, None]]] = {}
-        for prim, covers in spoken:
+        for prim, covers in covered_by:
             material = _contact_material(prim)
             if material is not None:
                 materials.setdefault(str(material.GetPath()), (material, {}))[1].update(dict.fromkeys(covers))
@@ -113,7 +113,7 @@ class _Reader:
         return material if material is not None and _number(material, "density") else None
 
     def _mass_of_hidden(self, body: Usd.Prim, covers: Sequence[str]) -> StatedMass | None:
-        """What the hidden colliders of `body` state, for surfaces nobody else spoke of.
+        """The mass from the hidden colliders of `body`, for surfaces without a statement of their own.
 
         Masses add up; densities count only when they agree, because it is unknown which surface is which collider.
         """
@@ -123,7 +123,7 @@ class _Reader:
         if not stated or None in sources:
             return None
         if all(s.mass_kg is not None for s in stated):
-            return _added(stated)
+            return _summed(stated)
         return stated[0] if len({(s.mass_kg, s.density) for s in stated}) == 1 else None
 
     def _mass(self, prim: Usd.Prim, covers: Iterable[str]) -> StatedMass:
@@ -137,14 +137,14 @@ class _Reader:
         mass, density = _number(prim, "mass"), _number(prim, "density")
         if mass is None or not prim.HasAPI(UsdPhysics.MassAPI):
             return replace(statement, density=None if density is None else density * self._kilograms_per_unit)
-        X_WP = matrix(UsdGeom.XformCache(EARLIEST).GetLocalToWorldTransform(prim))
+        X_WP = column_matrix(UsdGeom.XformCache(EARLIEST).GetLocalToWorldTransform(prim))
         centre, inertia = _centre(prim), _inertia(prim)
         return replace(
             statement,
             method="UsdPhysics mass",
             mass_kg=mass * self._kilograms_per_unit,
             centre=None if centre is None else apply(X_WP, centre[None])[0],
-            inertia=None if inertia is None else turned_tensor(inertia, X_WP[:3, :3]) * self._kilograms_per_unit,
+            inertia=None if inertia is None else rotated_tensor(inertia, X_WP[:3, :3]) * self._kilograms_per_unit,
         )
 
     def _contact(self, material: Usd.Prim, covers: tuple[str, ...]) -> StatedContact:
@@ -161,7 +161,7 @@ class _Reader:
 
 
 def _kilograms_per_unit(stage: Usd.Stage) -> float:
-    """1 where the stage is silent or says nonsense."""
+    """1 when the stage states no valid value."""
     try:
         value = float(UsdPhysics.GetStageKilogramsPerUnit(stage))
     except Tf.ErrorException:
@@ -180,19 +180,19 @@ def _authored(prim: Usd.Prim, name: str) -> Any:
 
 
 def _number(prim: Usd.Prim, name: str) -> float | None:
-    """Mass or density as authored; zero stands for "not stated"."""
+    """Mass or density as authored; zero means "not stated"."""
     value = _authored(prim, f"physics:{name}")
     return float(value) if value else None
 
 
 def _centre(prim: Usd.Prim) -> np.ndarray | None:
-    """The authored mass centre in the prim's own frame; minus infinity stands for "not stated"."""
+    """The authored mass centre in the prim's own frame; minus infinity means "not stated"."""
     value = _authored(prim, "physics:centerOfMass")
     return None if value is None or np.isneginf(value).any() else np.asarray(value, dtype=np.float64)
 
 
 def _inertia(prim: Usd.Prim) -> np.ndarray | None:
-    """`R diag(diagonalInertia) R^T` in the prim's own frame; a zero diagonal stands for "not stated"."""
+    """`R diag(diagonalInertia) R^T` in the prim's own frame; a zero diagonal means "not stated"."""
     moments = _authored(prim, "physics:diagonalInertia")
     if moments is None or not np.any(moments):
         return None
@@ -204,12 +204,12 @@ def _inertia(prim: Usd.Prim) -> np.ndarray | None:
 
 
 def _combine(material: Usd.Prim) -> Combine:
-    """The rule PhysX keeps beside the schema; UsdPhysics itself has none, and engines then take the average."""
+    """The combine rule of the PhysX schema; UsdPhysics itself has none, and engines then take the average."""
     rules: dict[str, Combine] = {"min": "minimum", "max": "maximum", **{r: r for r in get_args(Combine)}}
     return rules.get(str(_authored(material, _FRICTION_COMBINE)), "average")
 
 
-def _added(parts: Sequence[StatedMass]) -> StatedMass:
+def _summed(parts: Sequence[StatedMass]) -> StatedMass:
     """The masses of several colliders of one body; their common centre only when every one states its own."""
     if len(parts) == 1:
         return parts[0]

@@ -1,4 +1,4 @@
-"""Which of several USD files are assets, and which are layers of another one."""
+"""Root layers among several USD files: those that no other file names as sublayer, reference or payload."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -16,7 +16,7 @@ from usdio.quiet import quiet
 def root_files(files: Sequence[Path]) -> list[Path]:
     """The files that no other one of them names as sublayer, reference or payload; all when they name each other.
 
-    A file that cannot be opened counts as an asset, so that somebody says so.
+    A file that cannot be opened counts as an asset, so that reading it reports why.
     """
     named: set[Path] = set()
     with quiet():

@@ -1,4 +1,4 @@
-"""What the common surface shaders call their inputs.
+"""Input names of common surface shaders, by quantity of the metallic-roughness model.
 
 Sources: UsdPreviewSurface specification 2.6; MaterialX 1.38 standard_surface, gltf_pbr and open_pbr_surface node
 definitions (OpenPBR 1.1); NVIDIA OmniPBR.mdl and OmniSurface parameters.
@@ -11,10 +11,10 @@ from typing import Any, Final
 
 
 @dataclass(frozen=True)
-class Dialect:
-    """One shader's vocabulary.
+class ShaderDialect:
+    """The input names of one surface shader.
 
-    identifiers  a shader speaks the dialect when its id contains one of these.
+    identifiers  a shader uses the dialect when its id contains one of these.
     inputs       our quantity -> name of the input that holds its value or connection.
     maps         our quantity -> name of an input that holds an image file directly (MDL style).
     defaults     our quantity -> value when nothing is authored.
@@ -27,7 +27,7 @@ class Dialect:
     defaults: dict[str, Any] = field(default_factory=dict)
 
 
-PREVIEW: Final = Dialect(
+PREVIEW: Final = ShaderDialect(
     "UsdPreviewSurface",
     ("UsdPreviewSurface",),
     {
@@ -53,7 +53,7 @@ PREVIEW: Final = Dialect(
         "specular_color": (0.0, 0.0, 0.0),
     },
 )
-STANDARD_SURFACE: Final = Dialect(
+STANDARD_SURFACE: Final = ShaderDialect(
     "standard_surface",
     ("standard_surface", "StandardSurface"),
     {
@@ -80,7 +80,7 @@ STANDARD_SURFACE: Final = Dialect(
         "clearcoat_roughness": 0.1,
     },
 )
-OPEN_PBR: Final = Dialect(
+OPEN_PBR: Final = ShaderDialect(
     "open_pbr_surface",
     ("open_pbr", "OpenPBR"),
     {
@@ -106,7 +106,7 @@ OPEN_PBR: Final = Dialect(
         "ior": 1.5,
     },
 )
-GLTF_PBR: Final = Dialect(
+GLTF_PBR: Final = ShaderDialect(
     "gltf_pbr",
     ("gltf_pbr",),
     {
@@ -125,7 +125,7 @@ GLTF_PBR: Final = Dialect(
     },
     defaults={"base_color": (1.0, 1.0, 1.0), "metallic": 1.0, "roughness": 1.0, "ior": 1.5},
 )
-OMNI_PBR: Final = Dialect(
+OMNI_PBR: Final = ShaderDialect(
     "OmniPBR",
     ("OmniPBR", "OmniGlass", "OmniSurface"),
     {
@@ -168,8 +168,8 @@ OMNI_PBR: Final = Dialect(
 DIALECTS: Final = (PREVIEW, STANDARD_SURFACE, OPEN_PBR, GLTF_PBR, OMNI_PBR)
 
 
-def dialect_of(identifier: str, names: tuple[str, ...]) -> Dialect:
-    """The dialect a shader speaks: by its id, else the one that knows most of its authored input `names`."""
+def dialect_of(identifier: str, names: tuple[str, ...]) -> ShaderDialect:
+    """The dialect of a shader: by its id, else the one with most of its authored input `names`."""
     for dialect in DIALECTS:
         if any(part in identifier for part in dialect.identifiers):
             return dialect

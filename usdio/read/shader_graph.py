@@ -1,4 +1,4 @@
-"""Follow a shader input through a UsdShade network to the value, image or primvar that feeds it."""
+"""Resolves a shader input through a UsdShade network to its source: a constant, an image or a primvar."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -16,17 +16,17 @@ from schemas.model import Channel
 
 EARLIEST: Final = Usd.TimeCode.EarliestTime()
 MAX_DEPTH: Final = 32
-_FILES: Final = ("file", "filename", "texture")
-_THROUGH: Final = ("in", "in1", "input", "fg", "default")
+_FILE_INPUTS: Final = ("file", "filename", "texture")
+_PASS_THROUGH_INPUTS: Final = ("in", "in1", "input", "fg", "default")
 _CHANNELS: Final[dict[str, Channel]] = {"r": "r", "g": "g", "b": "b", "a": "a", "outr": "r", "outg": "g", "outb": "b"}
 _WRAPS: Final = {"clamp": "clamp", "mirror": "mirror", "black": "black", "constant": "black"}
 
 
 @dataclass(frozen=True)
-class Image:
+class ImageSource:
     """One use of an image file. `file` is the attribute that holds the path; scale and bias act on RGBA texels.
 
-    `primvar` names the texture coordinates, "" when the network does not say. `fallback` replaces an absent image.
+    `primvar` names the texture coordinates, "" when the network names none. `fallback` replaces an absent image.
     """
 
     file: Usd.Attribute
@@ -43,21 +43,21 @@ class Image:
 
 
 @dataclass(frozen=True)
-class Primvar:
+class PrimvarSource:
     """A value read from a primvar of the mesh."""
 
     name: str
 
 
-Fed = float | bool | str | tuple[float, ...] | Image | Primvar | None
+InputSource = float | bool | str | tuple[float, ...] | ImageSource | PrimvarSource | None
 
 
-def feed(port: UsdShade.Input) -> Fed:
-    """What feeds `port`: a constant, an image, a primvar, or None when nothing is authored or it cannot be told."""
-    return _feed(port, 0) if port else None
+def input_source(port: UsdShade.Input) -> InputSource:
+    """The source of `port`: a constant, an image, a primvar, or None when nothing is authored or none is found."""
+    return _input_source(port, 0) if port else None
 
 
-def plain(value: Any) -> Any:
+def to_json(value: Any) -> Any:
     """A USD value as JSON: vectors and arrays as lists, asset paths and tokens as text."""
     if isinstance(value, Sdf.AssetPath):
         return value.path
@@ -66,38 +66,38 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
     if isinstance(value, dict):
-        return {str(k): plain(v) for k, v in sorted(value.items())}
+        return {str(k): to_json(v) for k, v in sorted(value.items())}
     if isinstance(value, Gf.Quatf | Gf.Quatd | Gf.Quath):
         return [value.GetReal(), *value.GetImaginary()]
     try:
-        return [plain(item) for item in value]
+        return [to_json(item) for item in value]
     except TypeError:
         return str(value)
 
 
-def identifier(shader: UsdShade.Shader) -> str:
+def shader_identifier(shader: UsdShade.Shader) -> str:
     """The shader's id, or for an MDL source the name of its material."""
     prim = shader.GetPrim()
     for name in ("info:id", "info:mdl:sourceAsset:subIdentifier", "info:mdl:sourceAsset"):
         value = prim.GetAttribute(name).Get() if prim.HasAttribute(name) else None
         if value:
-            return str(plain(value))
+            return str(to_json(value))
     return ""
 
 
-def _feed(port: UsdShade.Input, depth: int) -> Fed:
+def _input_source(port: UsdShade.Input, depth: int) -> InputSource:
     if depth > MAX_DEPTH:
         return None
-    node = node_behind(port)
+    node = source_node(port)
     if node is not None:
-        return _node(*node, depth)
+        return _node_source(*node, depth)
     sources = UsdShade.Utils.GetValueProducingAttributes(port)
     value = sources[0].Get(EARLIEST) if sources else None
     is_file = isinstance(value, Sdf.AssetPath)
-    return (Image(sources[0]) if plain(value) else None) if is_file else _constant(value)
+    return (ImageSource(sources[0]) if to_json(value) else None) if is_file else _constant(value)
 
 
-def node_behind(port: UsdShade.Input | UsdShade.Output) -> tuple[UsdShade.Shader, str] | None:
+def source_node(port: UsdShade.Input | UsdShade.Output) -> tuple[UsdShade.Shader, str] | None:
     """The shader, and the name of its output, that feeds `port` through any interfaces; None when a value does.
 
     Some exporters connect to outputs they never declare; the shader named by the connection counts then.
@@ -112,7 +112,7 @@ def node_behind(port: UsdShade.Input | UsdShade.Output) -> tuple[UsdShade.Shader
     return None
 
 
-def _constant(value: Any) -> Fed:
+def _constant(value: Any) -> InputSource:
     if value is None or isinstance(value, bool | str):
         return value
     if isinstance(value, float | int):
@@ -128,46 +128,49 @@ def _shortest(value: float) -> float:
     return float(str(np.float32(value)))
 
 
-def _node(shader: UsdShade.Shader, output: str, depth: int) -> Fed:
-    kind = identifier(shader)
+def _node_source(shader: UsdShade.Shader, output: str, depth: int) -> InputSource:
+    kind = shader_identifier(shader)
     if kind.startswith("UsdPrimvarReader") or "geompropvalue" in kind or "geomcolor" in kind:
-        name = feed(shader.GetInput("varname")) or feed(shader.GetInput("geomprop"))
-        return Primvar(str(name or "displayColor"))
+        name = input_source(shader.GetInput("varname")) or input_source(shader.GetInput("geomprop"))
+        return PrimvarSource(str(name or "displayColor"))
     if "constant" in kind.lower():
-        return _feed(shader.GetInput("value"), depth + 1)
-    file = next((port for name in _FILES if (port := shader.GetInput(name))), None)
+        return _input_source(shader.GetInput("value"), depth + 1)
+    file = next((port for name in _FILE_INPUTS if (port := shader.GetInput(name))), None)
     if file is not None:
-        image = _feed(file, depth + 1)
-        return _sampled(shader, image.file, kind, output) if isinstance(image, Image) else _fallback(shader)
-    return _behind(shader, output, depth)
+        image = _input_source(file, depth + 1)
+        return _image_source(shader, image.file, kind, output) if isinstance(image, ImageSource) else _fallback(shader)
+    return _first_image_upstream(shader, output, depth)
 
 
-def _behind(shader: UsdShade.Shader, output: str, depth: int) -> Fed:
-    """The first image found behind an arithmetic node; the node itself is not evaluated."""
+def _first_image_upstream(shader: UsdShade.Shader, output: str, depth: int) -> InputSource:
+    """The first image upstream of an arithmetic node; the node itself is not evaluated."""
     names = [port.GetBaseName() for port in shader.GetInputs()]
-    ordered = sorted(names, key=lambda n: (_THROUGH.index(n) if n in _THROUGH else len(_THROUGH), n))
+    ordered = sorted(
+        names,
+        key=lambda n: (_PASS_THROUGH_INPUTS.index(n) if n in _PASS_THROUGH_INPUTS else len(_PASS_THROUGH_INPUTS), n),
+    )
     for name in ordered:
-        found = _feed(shader.GetInput(name), depth + 1)
-        if isinstance(found, Image):
-            if output in _CHANNELS and found.channel == "rgb":
-                return replace(found, channel=_CHANNELS[output])
-            return found
+        source = _input_source(shader.GetInput(name), depth + 1)
+        if isinstance(source, ImageSource):
+            if output in _CHANNELS and source.channel == "rgb":
+                return replace(source, channel=_CHANNELS[output])
+            return source
     return None
 
 
-def _sampled(shader: UsdShade.Shader, file: Usd.Attribute, kind: str, output: str) -> Image:
+def _image_source(shader: UsdShade.Shader, file: Usd.Attribute, kind: str, output: str) -> ImageSource:
     channel = _CHANNELS.get(output, "r" if kind.endswith("_float") else "rgb")
     names = ("wrapS", "wrapT") if "UsdUVTexture" in kind else ("uaddressmode", "vaddressmode")
-    wraps = [_WRAPS.get(str(feed(shader.GetInput(name))), "repeat") for name in names]
-    where = _coordinates(shader.GetInput("st") or shader.GetInput("texcoord"))
-    tiling = feed(shader.GetInput("uvtiling"))
+    wraps = [_WRAPS.get(str(input_source(shader.GetInput(name))), "repeat") for name in names]
+    where = _texture_coordinates(shader.GetInput("st") or shader.GetInput("texcoord"))
+    tiling = input_source(shader.GetInput("uvtiling"))
     if isinstance(tiling, tuple) and len(tiling) == 2:
         where["uv_scale"] = tiling
-    return Image(
+    return ImageSource(
         file,
         channel,
-        _four(feed(shader.GetInput("scale")), 1.0),
-        _four(feed(shader.GetInput("bias")), 0.0),
+        _four(input_source(shader.GetInput("scale")), 1.0),
+        _four(input_source(shader.GetInput("bias")), 0.0),
         _fallback(shader),
         wraps[0],
         wraps[1],
@@ -175,34 +178,34 @@ def _sampled(shader: UsdShade.Shader, file: Usd.Attribute, kind: str, output: st
     )
 
 
-def _coordinates(port: UsdShade.Input) -> dict[str, Any]:
-    """Primvar name and transform of the texture coordinates that feed `port`, as fields of `Image`."""
-    found: dict[str, Any] = {}
+def _texture_coordinates(port: UsdShade.Input) -> dict[str, Any]:
+    """Primvar name and transform of the texture coordinates that feed `port`, as fields of `ImageSource`."""
+    fields: dict[str, Any] = {}
     for _ in range(MAX_DEPTH):
-        node = node_behind(port) if port else None
+        node = source_node(port) if port else None
         if node is None:
-            return found
+            return fields
         shader = node[0]
-        kind = identifier(shader)
+        kind = shader_identifier(shader)
         if "UsdPrimvarReader" in kind or "geompropvalue" in kind:
-            name = feed(shader.GetInput("varname")) or feed(shader.GetInput("geomprop"))
-            return {**found, "primvar": str(name)} if isinstance(name, str) else found
-        if kind.startswith("UsdTransform2d") and not found:
-            scale, offset = feed(shader.GetInput("scale")), feed(shader.GetInput("translation"))
-            angle = feed(shader.GetInput("rotation"))
-            found["uv_scale"] = scale if isinstance(scale, tuple) else (1.0, 1.0)
-            found["uv_offset"] = offset if isinstance(offset, tuple) else (0.0, 0.0)
-            found["uv_rotation_rad"] = math.radians(angle) if isinstance(angle, float) else 0.0
+            name = input_source(shader.GetInput("varname")) or input_source(shader.GetInput("geomprop"))
+            return {**fields, "primvar": str(name)} if isinstance(name, str) else fields
+        if kind.startswith("UsdTransform2d") and not fields:
+            scale, offset = input_source(shader.GetInput("scale")), input_source(shader.GetInput("translation"))
+            angle = input_source(shader.GetInput("rotation"))
+            fields["uv_scale"] = scale if isinstance(scale, tuple) else (1.0, 1.0)
+            fields["uv_offset"] = offset if isinstance(offset, tuple) else (0.0, 0.0)
+            fields["uv_rotation_rad"] = math.radians(angle) if isinstance(angle, float) else 0.0
         port = shader.GetInput("in") or shader.GetInput("texcoord")
-    return found
+    return fields
 
 
 def _fallback(shader: UsdShade.Shader) -> tuple[float, ...] | None:
-    value = feed(shader.GetInput("fallback"))
+    value = input_source(shader.GetInput("fallback"))
     return value if isinstance(value, tuple) else None
 
 
-def _four(value: Fed, default: float) -> tuple[float, ...]:
+def _four(value: InputSource, default: float) -> tuple[float, ...]:
     if isinstance(value, tuple) and len(value) == 4 and np.isfinite(value).all():
         return value
     return (default,) * 4

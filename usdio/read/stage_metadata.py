@@ -1,4 +1,4 @@
-"""What a foreign stage says about itself: unit, up axis, default prim, authorship, free text."""
+"""Metadata of a foreign stage: length unit, up axis, default prim, authorship, free texts."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -16,14 +16,14 @@ from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, fi
 from schemas.evidence import Evidence, declared, default, inferred
 from schemas.model import Axis
 from schemas.outcome import Repair
-from usdio.read.layer_guard import Layers
-from usdio.read.meshes import SOLIDS
-from usdio.read.shader_graph import plain
+from usdio.read.layer_guard import PinnedLayers
+from usdio.read.meshes import IMPLICIT_SHAPES
+from usdio.read.shader_graph import to_json
 
 T = TypeVar("T")
 _STAGE: Final = "intake"
-_FALLBACK_METERS: Final = 0.01  # UsdGeomLinearUnits: a stage that says nothing is in centimetres.
-_SURFACES: Final = ("Mesh", *SOLIDS)
+_FALLBACK_METERS: Final = 0.01  # UsdGeomLinearUnits: a stage without metersPerUnit is in centimetres.
+_SURFACES: Final = ("Mesh", *IMPLICIT_SHAPES)
 _FALLBACK_AXIS: Final[Axis] = "y"
 _BY_STANDARD: Final = 0.5  # confidence of a value that holds only because the file leaves it out
 # our key -> words that name it in customLayerData, assetInfo or SimReady_Metadata, compared without case and marks.
@@ -39,15 +39,15 @@ _KEYS: Final = {
 }
 
 
-class Fact(NamedTuple, Generic[T]):
-    """One thing the stage states, with what was wrong about the statement."""
+class MetadataReading(NamedTuple, Generic[T]):
+    """A metadata value of the stage, with findings on it and repairs of it."""
 
     value: T
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
 
 
-def meters_per_unit(stage: Usd.Stage, where: Location) -> Fact[Evidence[float]]:
+def meters_per_unit(stage: Usd.Stage, where: Location) -> MetadataReading[Evidence[float]]:
     """Evidence for the length of one unit in metres; USD's fallback 0.01 with confidence 0.5 when none is authored.
 
     A value of another type than double is used and repaired. Raises InvalidInput `asset/invalid-unit-value` when it is
@@ -55,7 +55,9 @@ def meters_per_unit(stage: Usd.Stage, where: Location) -> Fact[Evidence[float]]:
     """
     key = UsdGeom.Tokens.metersPerUnit
     if not stage.HasAuthoredMetadata(key):
-        return Fact(declared(_FALLBACK_METERS, "USD fallback, metersPerUnit is not authored", confidence=_BY_STANDARD))
+        return MetadataReading(
+            declared(_FALLBACK_METERS, "USD fallback, metersPerUnit is not authored", confidence=_BY_STANDARD)
+        )
     authored = _raw(stage, key)
     try:
         value = float(authored)
@@ -67,7 +69,7 @@ def meters_per_unit(stage: Usd.Stage, where: Location) -> Fact[Evidence[float]]:
             finding("asset/invalid-unit-value", headline, where=where, value=str(authored), bound=0.0, unit="m")
         )
     try:
-        return Fact(declared(float(UsdGeom.GetStageMetersPerUnit(stage)), "metersPerUnit"))
+        return MetadataReading(declared(float(UsdGeom.GetStageMetersPerUnit(stage)), "metersPerUnit"))
     except Tf.ErrorException:
         note = finding(
             "asset/invalid-unit-value",
@@ -80,14 +82,16 @@ def meters_per_unit(stage: Usd.Stage, where: Location) -> Fact[Evidence[float]]:
         return _repaired(declared(value, "metersPerUnit, wrong value type", confidence=0.9), note, value)
 
 
-def up_axis(stage: Usd.Stage, where: Location) -> Fact[Evidence[Axis]]:
+def up_axis(stage: Usd.Stage, where: Location) -> MetadataReading[Evidence[Axis]]:
     """Evidence for the up axis: Y or Z as declared; X or another spelling inferred and repaired; USD's Y if absent."""
     key = UsdGeom.Tokens.upAxis
     if not stage.HasAuthoredMetadata(key):
-        return Fact(declared(_FALLBACK_AXIS, "USD fallback, upAxis is not authored", confidence=_BY_STANDARD))
+        return MetadataReading(
+            declared(_FALLBACK_AXIS, "USD fallback, upAxis is not authored", confidence=_BY_STANDARD)
+        )
     authored = str(_raw(stage, key))
     if authored in (UsdGeom.Tokens.y, UsdGeom.Tokens.z):
-        return Fact(declared(_axis(authored) or _FALLBACK_AXIS, "upAxis"))
+        return MetadataReading(declared(_axis(authored) or _FALLBACK_AXIS, "upAxis"))
     axis = _axis(authored)
     read_as = axis or _FALLBACK_AXIS
     headline = f"upAxis '{authored}' is not allowed by USD; the file was read {read_as}-up"
@@ -97,14 +101,14 @@ def up_axis(stage: Usd.Stage, where: Location) -> Fact[Evidence[Axis]]:
     return _repaired(inferred(axis, "upAxis outside USD's rules", 0.8), note, authored)
 
 
-def start_prim(stage: Usd.Stage, where: Location) -> Fact[Usd.Prim]:
+def start_prim(stage: Usd.Stage, where: Location) -> MetadataReading[Usd.Prim]:
     """The default prim, or the pseudo-root when there is none; a default prim that does not exist is repaired."""
     layer = stage.GetRootLayer()
     if not layer.HasDefaultPrim():
-        return Fact(stage.GetPseudoRoot())
+        return MetadataReading(stage.GetPseudoRoot())
     prim = stage.GetDefaultPrim()
     if prim:
-        return Fact(prim)
+        return MetadataReading(prim)
     headline = f"defaultPrim '{layer.defaultPrim}' does not exist; the whole stage was read"
     note = finding("asset/invalid-default-prim", headline, where=where, value=layer.defaultPrim)
     return _repaired(stage.GetPseudoRoot(), note, layer.defaultPrim)
@@ -119,15 +123,15 @@ def hints(stage: Usd.Stage, start: Usd.Prim) -> tuple[str, ...]:
     return tuple(dict.fromkeys(text for text in texts if text))
 
 
-def layer_contradictions(layers: Layers, where: Location) -> tuple[Diagnostic, ...]:
+def layer_contradictions(layers: PinnedLayers, where: Location) -> tuple[Diagnostic, ...]:
     """Warnings about layers that hold geometry and state another unit or up axis than the root layer.
 
-    Composition converts neither; the root layer's word counts (UsdGeomLinearUnits). None where an `xformOp` says that
-    the difference was resolved (`unitsResolve`).
+    Composition converts neither; the root layer's value holds (UsdGeomLinearUnits). None where an
+    `xformOp` resolves the difference (`unitsResolve`).
     """
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     root = layers.root.pseudoRoot
-    for layer in layers.kept if len(layers.kept) > 1 else ():
+    for layer in layers.copies if len(layers.copies) > 1 else ():
         paths: list[Sdf.Path] = []
         layer.Traverse(Sdf.Path.absoluteRootPath, paths.append)
         if any(path.name.endswith(":unitsResolve") for path in paths):
@@ -135,13 +139,13 @@ def layer_contradictions(layers: Layers, where: Location) -> tuple[Diagnostic, .
         specs = (layer.GetPrimAtPath(path) for path in paths if path.IsPrimPath())
         if layer == layers.root or not any(spec and spec.typeName in _SURFACES for spec in specs):
             continue
-        name = layers.site(layer).name
+        name = layers.location_of(layer).name
         for key in (UsdGeom.Tokens.metersPerUnit, UsdGeom.Tokens.upAxis):
-            said = layer.pseudoRoot.GetInfo(key) if layer.pseudoRoot.HasInfo(key) else None
-            if said is not None and said != root.GetInfo(key):
-                headline = f"layer {name} states {key} {said}, the stage {root.GetInfo(key)}; the stage's was used"
-                found.append(finding("asset/contradictory-evidence", headline, where=where, value=str(said)))
-    return tuple(sorted(found, key=lambda d: d.headline))
+            authored = layer.pseudoRoot.GetInfo(key) if layer.pseudoRoot.HasInfo(key) else None
+            if authored is not None and authored != root.GetInfo(key):
+                headline = f"layer {name} states {key} {authored}, the stage {root.GetInfo(key)}; the stage's was used"
+                diagnostics.append(finding("asset/contradictory-evidence", headline, where=where, value=str(authored)))
+    return tuple(sorted(diagnostics, key=lambda d: d.headline))
 
 
 def metadata(stage: Usd.Stage, start: Usd.Prim) -> dict[str, str]:
@@ -151,17 +155,19 @@ def metadata(stage: Usd.Stage, start: Usd.Prim) -> dict[str, str]:
     for prim in (start, *start.GetChildren()) if start.IsPseudoRoot() else (start,):
         pairs += _texts(dict(prim.GetAssetInfo()))
         pairs += _texts(dict(prim.GetCustomData()))
-    found: dict[str, list[str]] = {}
+    texts_by_key: dict[str, list[str]] = {}
     for path, value in pairs:
         for part in path.split(":"):
             word = re.sub(r"[^a-z]", "", part.lower())
             key = next((key for key, words in _KEYS.items() if word in words), None)
             if key is not None:
-                found.setdefault(key, []).append(value)
+                texts_by_key.setdefault(key, []).append(value)
                 break
-    if "generator" not in found and (made := re.match(r"\s*(blender v[\d.]+)", layer.documentation, re.IGNORECASE)):
-        found["generator"] = [made[1]]
-    return {key: "; ".join(dict.fromkeys(found[key])) for key in sorted(found)}
+    if "generator" not in texts_by_key and (
+        match := re.match(r"\s*(blender v[\d.]+)", layer.documentation, re.IGNORECASE)
+    ):
+        texts_by_key["generator"] = [match[1]]
+    return {key: "; ".join(dict.fromkeys(texts_by_key[key])) for key in sorted(texts_by_key)}
 
 
 def _raw(stage: Usd.Stage, key: str) -> Any:
@@ -185,10 +191,10 @@ def _texts(tree: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
         elif isinstance(value, Sdf.AssetPath | bool | int | float):
             continue
         elif value:
-            yield f"{prefix}{key}", ", ".join(str(v) for v in plain(value))
+            yield f"{prefix}{key}", ", ".join(str(v) for v in to_json(value))
 
 
-def _repaired(value: T, note: Diagnostic, authored: float | str) -> Fact[T]:
+def _repaired(value: T, note: Diagnostic, authored: float | str) -> MetadataReading[T]:
     name = note.code.removeprefix("asset/").replace("-", "_")
     repair = Repair(name=name, code=note.code, stage=_STAGE, before={"authored": authored})
-    return Fact(value, (note,), (repair,))
+    return MetadataReading(value, (note,), (repair,))

@@ -1,4 +1,4 @@
-"""Inspect a USDZ package before OpenUSD opens it (USDZ specification, 1.3: an uncompressed, unencrypted ZIP)."""
+"""Checks a USDZ package before OpenUSD opens it (USDZ specification, 1.3: an uncompressed, unencrypted ZIP)."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Re-reading of what Mana wrote: bodies of packages and whole scenes, for judges."""
+"""Reads written packages (`body`) and scenes (`scene`) back from disk, as a simulator would."""

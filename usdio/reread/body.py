@@ -1,4 +1,6 @@
-"""Read a released package back from disk, as a simulator would: body, colliders, visible surface."""
+"""Reads a released package back from disk, as a simulator would: rigid body, contact materials, visible surface.
+
+Input is the main USD file; output is in the asset frame, metres and kilograms."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -8,13 +10,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
+from pxr import Usd, UsdGeom, UsdPhysics
 
 from geom.mass.principal_axes import inertia_from_principal
 from geom.pose import apply, shortest_rotation
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
+from usdio.contact_material import bound_contact_material
 from usdio.stage import open_stage
 
 _AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
@@ -76,27 +79,21 @@ def visible_meshes(stage: Usd.Stage) -> list[Usd.Prim]:
 
 def collider_prims(body: Usd.Prim) -> list[Usd.Prim]:
     """Enabled collider prims that belong to `body`: below it, or itself, and not below another body."""
-    found: list[Usd.Prim] = []
+    colliders: list[Usd.Prim] = []
     prims = iter(Usd.PrimRange(body))
     for prim in prims:
         if prim != body and prim.HasAPI(UsdPhysics.RigidBodyAPI):
             prims.PruneChildren()
         elif prim.HasAPI(UsdPhysics.CollisionAPI) and UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get():
-            found.append(prim)
-    return found
+            colliders.append(prim)
+    return colliders
 
 
 def pose_in(prim: Usd.Prim, ancestor: Usd.Prim) -> FloatArray:
-    """(4, 4) transform from `prim` to `ancestor`, column vectors (USD keeps rows); scale is still in it."""
+    """(4, 4) transform from `prim` to `ancestor`, for column vectors (USD uses row vectors); scale included."""
     cache = UsdGeom.XformCache()
     to_world = cache.GetLocalToWorldTransform(prim)
     return np.array(to_world * cache.GetLocalToWorldTransform(ancestor).GetInverse()).T
-
-
-def bound_contact_material(prim: Usd.Prim) -> UsdPhysics.MaterialAPI | None:
-    """The contact material of a collider (purpose `physics`, else the all-purpose one), or None."""
-    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
-    return UsdPhysics.MaterialAPI(material.GetPrim()) if material and material.GetPrim() else None
 
 
 def _shape(prim: Usd.Prim, body: Usd.Prim, main_file: Path) -> CollisionShape:
@@ -137,12 +134,14 @@ def _mass(body: Usd.Prim, main_file: Path) -> MassProperties:
 
 
 def contact_of(body: Usd.Prim, main_file: Path) -> Contact:
-    """The contact material of the colliders of `body`; of several the one written first, that of the largest part."""
+    """The contact material of the colliders of `body`; of several the first authored, which is the largest part's."""
     bound = [api for prim in collider_prims(body) if (api := bound_contact_material(prim)) is not None]
     if not bound:
         raise _invalid("no collider with a contact material", main_file)
     siblings = [prim.GetPath() for prim in bound[0].GetPrim().GetParent().GetChildren()]
-    api = min(bound, key=lambda one: siblings.index(path) if (path := one.GetPath()) in siblings else len(siblings))
+    api = min(
+        bound, key=lambda material: siblings.index(path) if (path := material.GetPath()) in siblings else len(siblings)
+    )
     return _contact_of(api)
 
 
@@ -156,10 +155,10 @@ def _contact_of(api: UsdPhysics.MaterialAPI) -> Contact:
 
 
 def _triangles(mesh: UsdGeom.Mesh) -> IntArray:
-    """(m, 3) int32; our own writer only makes triangles."""
+    """(m, 3) int32; Mana's writer only authors triangles."""
     return np.asarray(mesh.GetFaceVertexIndicesAttr().Get(), dtype=np.int32).reshape(-1, 3)
 
 
-def _invalid(what: str, main_file: Path, prim: Usd.Prim | None = None) -> InvalidInput:
+def _invalid(content: str, main_file: Path, prim: Usd.Prim | None = None) -> InvalidInput:
     where = Location(file=main_file.name, prim=None if prim is None else str(prim.GetPath()))
-    return InvalidInput(finding("asset/package-invalid", f"the package holds {what}", where=where))
+    return InvalidInput(finding("asset/package-invalid", f"the package holds {content}", where=where))

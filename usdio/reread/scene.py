@@ -1,4 +1,4 @@
-"""Read a written scene back from disk, as a simulator would: every body with its pose, and what stands still."""
+"""Reads a written scene back from disk, as a simulator would: every body, dynamic or static, with its world pose."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -14,11 +14,11 @@ from pxr import Usd, UsdGeom, UsdPhysics
 from geom.convex.scaling import scaled_body
 from schemas.model import FloatArray
 from schemas.physics import MassProperties, RigidBody
-from usdio.read.gprim_placement import matrix
+from usdio.read.gprim_placement import column_matrix
 from usdio.reread.body import body_of, contact_of, shapes_of
 from usdio.stage import open_stage
 
-_STILL = MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
+_STATIC_MASS = MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 @dataclass(frozen=True)
@@ -32,21 +32,23 @@ class SceneBody:
 
 
 def reread_scene(file: Path) -> tuple[SceneBody, ...]:
-    """What is below `/World/Background` and `/World/Objects`; scale is applied to shapes and mass centres.
+    """The bodies below `/World/Background` and `/World/Objects`; scale is applied to shapes and mass centres.
 
     Names are those of the program. Raises InvalidInput (`asset/package-invalid`) as `reread_body` does.
     """
     stage = open_stage(file)
-    found = [prim for prim in (stage.GetPrimAtPath("/World/Background"),) if prim]
-    found += stage.GetPrimAtPath("/World/Objects").GetChildren()
-    return tuple(_scene_body(prim, file) for prim in found)
+    prims = [prim for prim in (stage.GetPrimAtPath("/World/Background"),) if prim]
+    prims += stage.GetPrimAtPath("/World/Objects").GetChildren()
+    return tuple(_scene_body(prim, file) for prim in prims)
 
 
 def _scene_body(prim: Usd.Prim, file: Path) -> SceneBody:
-    X_WA = matrix(UsdGeom.XformCache().GetLocalToWorldTransform(prim))
+    X_WA = column_matrix(UsdGeom.XformCache().GetLocalToWorldTransform(prim))
     scale = float(np.cbrt(np.linalg.det(X_WA[:3, :3])))
     X_WA[:3, :3] /= scale
     enabled = prim.HasAPI(UsdPhysics.RigidBodyAPI) and UsdPhysics.RigidBodyAPI(prim).GetRigidBodyEnabledAttr().Get()
     name = prim.GetCustomDataByKey("mana:id") or prim.GetName()
-    body = body_of(prim, file) if enabled else RigidBody(name, shapes_of(prim, file), _STILL, contact_of(prim, file))
+    body = (
+        body_of(prim, file) if enabled else RigidBody(name, shapes_of(prim, file), _STATIC_MASS, contact_of(prim, file))
+    )
     return SceneBody(str(name), scaled_body(body, scale), X_WA, bool(enabled))

@@ -1,1 +1,1 @@
-"""Writing of USD: packages, meshes, materials, physics, scenes, samples, episodes."""
+"""Authors USD: packages (start with `package`), their meshes, materials and physics, scenes, samples, episodes."""

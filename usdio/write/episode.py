@@ -1,7 +1,7 @@
-"""Write a variant of a recording as a stage: what was recorded with time samples, and what was put in as a layer.
+"""Writes a variant of a recording as a USD stage: recorded motion as time samples, inserted objects as a layer.
 
-`replay.usda` has two layers below it: `context.usda` (inserted objects, lights) over `motion.usdc` (what was recorded).
-One time code is one second: the time code of a sample is its stamp, bit for bit.
+`replay.usda` has two sublayers: `context.usda` (inserted objects, lights) over `motion.usdc` (recorded bodies and
+cameras). One time code is one second: the time code of a sample equals its time stamp, bit for bit.
 """
 
 # pxr has no type stubs.
@@ -24,7 +24,7 @@ from schemas.scene.samples import SampledLighting
 from usdio.names import prim_names
 from usdio.write.physics import author_contact_material, author_shape
 from usdio.write.primitive import CONTACT, DENSITY_KGM3
-from usdio.write.sample import SampleEdit, light, wear
+from usdio.write.sample import SampleEdit, author_sampled_lighting, bind_sampled_material
 from usdio.write.scene import PACKAGES, author_lights, author_object, author_physics_scene, copy_package, main_file
 
 REPLAY, MOTION, CONTEXT = "replay.usda", "motion.usdc", "context.usda"
@@ -32,13 +32,13 @@ INSERTED = Sdf.Path("/World/Inserted")
 _ROOT = Sdf.Path("/World")
 _APERTURE = 0.24  # Height of the film: 24 mm in tenths of a metre, as UsdGeomCamera counts.
 _NEAR_FAR_M = (0.01, 1000.0)
-# Linear RGB: robots light grey, what is handled orange, what stands warm grey.
+# Linear RGB: robots light grey, handled objects orange, fixtures warm grey.
 COLORS = {"Robots": (0.72, 0.74, 0.77), "Objects": (0.85, 0.32, 0.06), "Fixtures": (0.42, 0.38, 0.33)}
 
 
 @dataclass(frozen=True)
 class TimedBody:
-    """A recorded body: X_WB (n, 4, 4) at the stamps, or (1, 4, 4) where it stands; shapes in B.
+    """A recorded body: X_WB (n, 4, 4) at the stamps, or (1, 4, 4) when static; shapes in B.
 
     `group` is Robots, Objects or Fixtures; `owner` the robot that a link belongs to, else empty.
     """
@@ -62,8 +62,8 @@ class TimedCamera:
 
 
 @dataclass(frozen=True)
-class PutIn:
-    """An inserted object that never moves, and what its drawn material makes of it."""
+class InsertedObject:
+    """An inserted static object, and the edit that its sampled material requires."""
 
     item: PlacedObject
     edit: SampleEdit | None = None
@@ -72,8 +72,8 @@ class PutIn:
 def write_replay(folder: Path, t_s: FloatArray, about: dict[str, str | int]) -> Path:
     """`replay.usda`: the stage over both layers, from the first stamp of t_s (n,) to the last.
 
-    USD keeps one sample for each time code: of rows with the same stamp the last counts. The rows that it lost are in
-    `mana:rowsBehindTheSameStamp` of the layer's custom data, `about` beside them.
+    USD keeps one sample for each time code: of rows with the same stamp the last counts. The indices of the
+    dropped rows are in `mana:rowsBehindTheSameStamp` of the layer's custom data, beside `about`.
     """
     layer = Sdf.Layer.CreateAnonymous(".usda")
     layer.subLayerPaths = [f"./{CONTEXT}", f"./{MOTION}"]
@@ -82,17 +82,17 @@ def write_replay(folder: Path, t_s: FloatArray, about: dict[str, str | int]) -> 
     steps = np.diff(t_s)
     if (steps > 0.0).any():
         layer.framesPerSecond = float(round(1.0 / np.median(steps[steps > 0.0]), 3))
-    lost = Vt.IntArray(np.flatnonzero(np.append(steps == 0.0, False)).tolist())
+    dropped_rows = Vt.IntArray(np.flatnonzero(np.append(steps == 0.0, False)).tolist())
     data = {f"mana:{key}": about[key] for key in sorted(about)}
-    layer.customLayerData = {**data, "mana:rows": len(t_s), "mana:rowsBehindTheSameStamp": lost}
+    layer.customLayerData = {**data, "mana:rows": len(t_s), "mana:rowsBehindTheSameStamp": dropped_rows}
     return _saved(layer, folder / REPLAY)
 
 
 def write_motion(folder: Path, t_s: FloatArray, bodies: Sequence[TimedBody], cameras: Sequence[TimedCamera]) -> Path:
     """`motion.usdc`: `/World/Robots/<robot>/<link>`, `/World/Objects`, `/World/Fixtures`, `/World/Cameras`.
 
-    Every pose is one matrix in W, double precision. What moves is a kinematic body, what stands a collider; shapes are
-    the collision shapes of the recording, drawn.
+    Every pose is one matrix in W, double precision. Moving bodies are kinematic, fixtures are static colliders; the
+    collision shapes of the recording are also the drawn ones.
     """
     layer = Sdf.Layer.CreateAnonymous(".usdc")
     stage = Usd.Stage.Open(layer)
@@ -100,14 +100,14 @@ def write_motion(folder: Path, t_s: FloatArray, bodies: Sequence[TimedBody], cam
     contact = author_contact_material(stage, _world(stage), CONTACT, DENSITY_KGM3, "unknown")
     times = t_s.tolist()
     for (group, owner), path in _scopes(stage, bodies).items():
-        some = [body for body in bodies if (body.group, body.owner) == (group, owner)]
-        for name, body in zip(prim_names([b.name for b in some], "body"), some, strict=True):
-            prim = _posed(UsdGeom.Xform.Define(stage, path.AppendChild(name)), times, body.X_WB, body.name)
+        members = [body for body in bodies if (body.group, body.owner) == (group, owner)]
+        for name, body in zip(prim_names([b.name for b in members], "body"), members, strict=True):
+            prim = _author_pose(UsdGeom.Xform.Define(stage, path.AppendChild(name)), times, body.X_WB, body.name)
             _author_shapes(stage, prim, body, contact)
     lenses = _group(stage, _ROOT.AppendChild("Cameras"))
     for name, camera in zip(prim_names([c.name for c in cameras], "camera"), cameras, strict=True):
         lens = UsdGeom.Camera.Define(stage, lenses.AppendChild(name))
-        _posed(lens, times, camera.X_WC, camera.name)
+        _author_pose(lens, times, camera.X_WC, camera.name)
         lens.CreateVerticalApertureAttr(_APERTURE)
         lens.CreateHorizontalApertureAttr(_APERTURE * camera.width_px / camera.height_px)
         lens.CreateFocalLengthAttr(_APERTURE / 2.0 / math.tan(camera.fovy_rad / 2.0))
@@ -117,10 +117,12 @@ def write_motion(folder: Path, t_s: FloatArray, bodies: Sequence[TimedBody], cam
     return _saved(layer, folder / MOTION)
 
 
-def write_context(folder: Path, inserted: Sequence[PutIn], lighting: SampledLighting | None, library: Path) -> Path:
-    """`context.usda`: the inserted objects below `/World/Inserted`, lights as drawn; packages are copied beside.
+def write_context(
+    folder: Path, inserted: Sequence[InsertedObject], lighting: SampledLighting | None, library: Path
+) -> Path:
+    """`context.usda`: the inserted objects below `/World/Inserted`, sampled lights; packages are copied beside.
 
-    It opens alone, too. Raises FileNotFoundError for a package that is not in `library`.
+    The layer also opens alone. Raises FileNotFoundError for a package that is not in `library`.
     """
     layer = Sdf.Layer.CreateAnonymous(".usda")
     stage = Usd.Stage.Open(layer)
@@ -129,21 +131,21 @@ def write_context(folder: Path, inserted: Sequence[PutIn], lighting: SampledLigh
     author_physics_scene(stage)
     author_lights(stage)
     if lighting is not None:
-        light(stage, lighting)
+        author_sampled_lighting(stage, lighting)
     contact = author_contact_material(stage, world, CONTACT, DENSITY_KGM3, "inline")
     group = _group(stage, INSERTED)
-    paths = [group.AppendChild(name) for name in inserted_prims([one.item.id for one in inserted])]
-    for path, one in zip(paths, inserted, strict=True):
-        package = one.item.package
+    paths = [group.AppendChild(name) for name in inserted_prims([entry.item.id for entry in inserted])]
+    for path, entry in zip(paths, inserted, strict=True):
+        package = entry.item.package
         if package is not None:
             copy_package(library / package, folder / PACKAGES / package)
-        author_object(stage, path, one.item, contact, folder, moves=False)
-        if one.edit is not None and one.edit.material is not None:
-            wear(stage, stage.GetPrimAtPath(path), one.edit.material, one.edit)
-    del stage  # A living stage would look for the packages at once, and not beside the file.
-    for path, one in zip(paths, inserted, strict=True):
-        if one.item.package is not None:
-            main = f"./{main_file(folder, one.item.package).relative_to(folder).as_posix()}"
+        author_object(stage, path, entry.item, contact, folder, moves=False)
+        if entry.edit is not None and entry.edit.material is not None:
+            bind_sampled_material(stage, stage.GetPrimAtPath(path), entry.edit.material, entry.edit)
+    del stage  # A live stage would resolve the packages at once, relative to the anonymous layer.
+    for path, entry in zip(paths, inserted, strict=True):
+        if entry.item.package is not None:
+            main = f"./{main_file(folder, entry.item.package).relative_to(folder).as_posix()}"
             layer.GetPrimAtPath(path).referenceList.prependedItems = [Sdf.Reference(main)]
     return _saved(layer, folder / CONTEXT)
 
@@ -154,7 +156,7 @@ def inserted_prims(names: Sequence[str]) -> list[str]:
 
 
 def _conventions(layer: Sdf.Layer) -> None:
-    """In each layer: where a layer's time codes per second differ from those of the root, USD stretches its time."""
+    """Units, up axis and time codes of a layer; USD rescales the time of a layer whose time codes per second differ."""
     root = layer.pseudoRoot
     root.SetInfo("metersPerUnit", 1.0)
     root.SetInfo("kilogramsPerUnit", 1.0)
@@ -176,19 +178,19 @@ def _group(stage: Usd.Stage, path: Sdf.Path) -> Sdf.Path:
 
 def _scopes(stage: Usd.Stage, bodies: Sequence[TimedBody]) -> dict[tuple[str, str], Sdf.Path]:
     """The prim that holds the bodies of a group and owner."""
-    found = {}
+    scopes = {}
     for group in dict.fromkeys(body.group for body in bodies):
         path = _group(stage, _ROOT.AppendChild(group))
         owners = list(dict.fromkeys(body.owner for body in bodies if body.group == group))
         for name, owner in zip(prim_names(owners, "robot"), owners, strict=True):
-            found[group, owner] = _group(stage, path.AppendChild(name)) if owner else path
-    return found
+            scopes[group, owner] = _group(stage, path.AppendChild(name)) if owner else path
+    return scopes
 
 
-def _posed(form: UsdGeom.Xformable, times: Sequence[float], X_W: FloatArray, name: str) -> Usd.Prim:
-    """One matrix for each stamp, or one where it never moves; USD multiplies rows: its matrices are ours turned.
+def _author_pose(form: UsdGeom.Xformable, times: Sequence[float], X_W: FloatArray, name: str) -> Usd.Prim:
+    """Author one matrix for each stamp, or one when static; transposed, because USD uses row vectors.
 
-    Samples go to the layer without notices in between, which take most of the time.
+    Samples are set in one change block: change notices would take most of the time.
     """
     prim = form.GetPrim()
     attribute = form.AddTransformOp(UsdGeom.XformOp.PrecisionDouble).GetAttr()

@@ -1,7 +1,7 @@
-"""Author grasps as SimReady reads them: an Xform `grasp_identifier_NN` with a line of two points (GSP.001).
+"""Authors grasps in SimReady's convention: an Xform `grasp_identifier_NN` with a line of two points (GSP.001).
 
-SimReady's benchmark wants the Xform and `points` of a child; its static rule wants that child to be BasisCurves. MuJoCo
-refuses a file with any curve in it, so curves are the choice of a variant: `grasp_lines` is `points` unless selected.
+SimReady's benchmark requires the Xform and `points` of a child; its static rule requires that child to be BasisCurves.
+MuJoCo rejects files with curves, so a variant set decides: `grasp_lines` is `points` unless `curves` is selected.
 """
 
 # pxr has no type stubs.
@@ -22,7 +22,7 @@ VARIANT_SET, POINTS, CURVES = "grasp_lines", "points", "curves"
 def author_grasps(stage: Usd.Stage, root: Sdf.Path, lines_m: Sequence[tuple[Point3, Point3]]) -> None:
     """Define `<root>/grasp_identifier_NN/grasp_identifier_NN_line` for the two ends of each line, asset frame.
 
-    Their purpose is guide: they are no look. Without a grasp there is no variant set.
+    Their purpose is guide, so they are not rendered. Without a grasp there is no variant set.
     """
     if not lines_m:
         return

@@ -1,4 +1,7 @@
-"""Author UsdPreviewSurface materials (specification: openusd.org/release/spec_usdpreviewsurface.html)."""
+"""Authors UsdPreviewSurface materials from `schemas.model.Material`.
+
+Specification: openusd.org/release/spec_usdpreviewsurface.html.
+"""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -12,15 +15,15 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade
 
 from schemas.model import Material, Model, TextureUse
 from usdio.names import prim_names
-from usdio.write.mesh_materials import Look, uv_primvar
+from usdio.write.mesh_materials import MeshMaterial, uv_primvar
 
-# UsdPreviewSurface has no transmission. Opacity stands in; some is kept so that clear glass stays visible.
+# UsdPreviewSurface has no transmission. Opacity replaces it; some is kept so that clear glass stays visible.
 _LEAST_GLASS_OPACITY = 0.2
 _IDENTITY_UV = ((1.0, 1.0), 0.0, (0.0, 0.0))
 
 
 def texture_uses(material: Material) -> tuple[TextureUse, ...]:
-    """Every sampling that reaches the written shader."""
+    """Every texture use that reaches the written shader."""
     uses = (
         material.base_color_texture,
         material.metallic_texture,
@@ -33,27 +36,29 @@ def texture_uses(material: Material) -> tuple[TextureUse, ...]:
     return tuple(use for use in uses if use is not None)
 
 
-def texture_files(model: Model, looks: Sequence[Look]) -> dict[str, str]:
-    """Texture.name -> file name below `textures/` of every texture that some look uses, in model order."""
-    used = {use.texture for look in looks for use in texture_uses(look.material)}
+def texture_files(model: Model, mesh_materials: Sequence[MeshMaterial]) -> dict[str, str]:
+    """Texture.name -> file name below `textures/` of every texture that a mesh material uses, in model order."""
+    used = {use.texture for mesh_material in mesh_materials for use in texture_uses(mesh_material.material)}
     textures = [texture for texture in model.textures if texture.name in used]
     names = prim_names((texture.name for texture in textures), "texture")
     return {texture.name: f"{file}.{texture.extension}" for file, texture in zip(names, textures, strict=True)}
 
 
 def author_materials(
-    stage: Usd.Stage, root: Sdf.Path, looks: Sequence[Look], textures: Mapping[str, str], label: str
+    stage: Usd.Stage, root: Sdf.Path, mesh_materials: Sequence[MeshMaterial], textures: Mapping[str, str], label: str
 ) -> None:
-    """Define `<root>/Materials/<look>` for every distinct look.
+    """Define `<root>/Materials/<name>` for every distinct mesh material.
 
     `textures` maps Texture.name to an asset path relative to the layer; `label` is the material type for SL.MAT.001.
     """
     scope = UsdGeom.Scope.Define(stage, root.AppendChild("Materials")).GetPath()
-    for name, look in sorted({look.prim_name: look for look in looks}.items()):
+    for name, mesh_material in sorted(
+        {mesh_material.prim_name: mesh_material for mesh_material in mesh_materials}.items()
+    ):
         material = UsdShade.Material.Define(stage, scope.AppendChild(name))
         label_material(material, label)
-        material.GetPrim().SetCustomDataByKey("mana:sourceName", look.material.name)
-        _Network(stage, material, look, textures).author()
+        material.GetPrim().SetCustomDataByKey("mana:sourceName", mesh_material.material.name)
+        _Network(stage, material, mesh_material, textures).author()
 
 
 def label_material(material: UsdShade.Material, label: str) -> None:
@@ -64,20 +69,22 @@ def label_material(material: UsdShade.Material, label: str) -> None:
 class _Network:
     """The shader network of one material while it is being authored."""
 
-    def __init__(self, stage: Usd.Stage, material: UsdShade.Material, look: Look, textures: Mapping[str, str]) -> None:
+    def __init__(
+        self, stage: Usd.Stage, material: UsdShade.Material, mesh_material: MeshMaterial, textures: Mapping[str, str]
+    ) -> None:
         self._stage = stage
         self._material = material
-        self._look = look
+        self._mesh_material = mesh_material
         self._textures = textures
         self._shared: dict[tuple[object, ...], UsdShade.Shader] = {}
         self._surface = self._shader("surface", "UsdPreviewSurface")
 
     def author(self) -> None:
         """Author every input of the surface and connect it to the material."""
-        source = self._look.material
+        source = self._mesh_material.material
         self._input("useSpecularWorkflow", Sdf.ValueTypeNames.Int, 0)
         self._color("diffuseColor", source.base_color, source.base_color_texture)
-        if self._look.vertex_colors:
+        if self._mesh_material.vertex_colors:
             reader = self._primvar_reader("vertex_color", "UsdPrimvarReader_float3", "displayColor")
             output = reader.CreateOutput("result", Sdf.ValueTypeNames.Float3)
             self._surface.GetInput("diffuseColor").ConnectToSource(output)
@@ -95,7 +102,7 @@ class _Network:
         self._material.CreateSurfaceOutput().ConnectToSource(surface_output)
 
     def _opacity(self) -> None:
-        source = self._look.material
+        source = self._mesh_material.material
         clear = max(1.0 - source.transmission, _LEAST_GLASS_OPACITY) if source.transmission > 0.0 else 1.0
         if source.alpha_mode == "opaque":
             self._input("opacity", Sdf.ValueTypeNames.Float, clear)
@@ -103,14 +110,14 @@ class _Network:
         self._scalar("opacity", source.opacity * clear, source.opacity_texture)
         threshold = source.alpha_cutoff if source.alpha_mode == "mask" else 0.0
         self._input("opacityThreshold", Sdf.ValueTypeNames.Float, threshold)
-        if self._look.vertex_colors and source.opacity_texture is None:
+        if self._mesh_material.vertex_colors and source.opacity_texture is None:
             reader = self._primvar_reader("vertex_opacity", "UsdPrimvarReader_float", "displayOpacity")
             output = reader.CreateOutput("result", Sdf.ValueTypeNames.Float)
             self._surface.GetInput("opacity").ConnectToSource(output)
 
     def _normal(self) -> None:
-        """Tangent-space map in [0, 1] to vectors: scale 2, bias -1; `normal_scale` stretches x and y as glTF says."""
-        source = self._look.material
+        """Tangent-space map in [0, 1] to vectors: scale 2, bias -1; `normal_scale` scales x and y as in glTF."""
+        source = self._mesh_material.material
         if source.normal_texture is None:
             return
         s = source.normal_scale

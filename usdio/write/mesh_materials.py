@@ -1,4 +1,4 @@
-"""Which USD material each mesh is drawn with."""
+"""The USD material of each mesh: source materials, with or without vertex colours, under unique prim names."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ NEUTRAL = Material(name="neutral")
 
 
 @dataclass(frozen=True)
-class Look:
+class MeshMaterial:
     """One USD material: a source material, with its base colour taken from vertex colours or not."""
 
     prim_name: str
@@ -20,12 +20,12 @@ class Look:
     vertex_colors: bool = False
 
 
-def looks_per_mesh(model: Model) -> tuple[Look, ...]:
-    """The look of every mesh, in mesh order; equal looks are the same object.
+def materials_per_mesh(model: Model) -> tuple[MeshMaterial, ...]:
+    """The material of every mesh, in mesh order; equal ones are the same object.
 
     A mesh without material gets a neutral grey one, because everything visible must be bound (VM.MAT.001). Vertex
-    colours are used where no base colour texture stands against them: UsdPreviewSurface cannot multiply the two. One
-    source material may thus become two looks.
+    colours are used where there is no base colour texture: UsdPreviewSurface cannot multiply the two. One source
+    material may thus become two USD materials.
     """
     keys = [_key(model, index) for index in range(len(model.meshes))]
     unique = sorted(set(keys), key=lambda key: (len(model.materials) if key[0] is None else key[0], key[1]))
@@ -33,13 +33,15 @@ def looks_per_mesh(model: Model) -> tuple[Look, ...]:
     names = prim_names(
         (m.name + ("_vertex_colors" if k[1] else "") for m, k in zip(materials, unique, strict=True)), MATERIAL_FALLBACK
     )
-    looks = {key: Look(name, material, key[1]) for key, name, material in zip(unique, names, materials, strict=True)}
-    return tuple(looks[key] for key in keys)
+    mesh_materials = {
+        key: MeshMaterial(name, material, key[1]) for key, name, material in zip(unique, names, materials, strict=True)
+    }
+    return tuple(mesh_materials[key] for key in keys)
 
 
 def material_prim_names(model: Model) -> dict[str, str]:
     """Prim name -> source name of every material that is written, in order of first use."""
-    return {look.prim_name: look.material.name for look in looks_per_mesh(model)}
+    return {mesh_material.prim_name: mesh_material.material.name for mesh_material in materials_per_mesh(model)}
 
 
 def uv_primvar(uv_set: int) -> str:

@@ -1,4 +1,4 @@
-"""Author the visible meshes of a package."""
+"""Authors the visible meshes of a package: topology, normals, UV sets, colours, material binding, part subsets."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -15,7 +15,7 @@ from geom.mesh.corner_normals import corner_normals, face_vectors
 from schemas.model import FloatArray, IntArray, Mesh, Model
 from schemas.parts import Part
 from usdio.names import prim_names
-from usdio.write.mesh_materials import Look, uv_primvar
+from usdio.write.mesh_materials import MeshMaterial, uv_primvar
 
 MESH_FALLBACK = "mesh"
 PART_FAMILY = "manaPart"
@@ -28,27 +28,27 @@ def mesh_prim_names(model: Model) -> dict[str, str]:
 
 
 def author_meshes(
-    stage: Usd.Stage, root: Sdf.Path, model: Model, looks: Sequence[Look], parts: Sequence[Part] = ()
+    stage: Usd.Stage, root: Sdf.Path, model: Model, mesh_materials: Sequence[MeshMaterial], parts: Sequence[Part] = ()
 ) -> set[bytes]:
-    """Define `<root>/Visuals/<mesh>` for every mesh with triangles; `looks` holds one per mesh.
+    """Define `<root>/Visuals/<mesh>` for every mesh with triangles; `mesh_materials` holds one per mesh.
 
-    Points keep their order and sharing. Each of `parts` becomes a face subset of the
-    meshes it is seen on. A mesh that repeats an earlier one in place, shape and look is left out:
-    it adds nothing visible and fails VG.008. Returns the listings taken, see `distinct_listing`.
+    Points keep their order and sharing. Each of `parts` becomes a face subset of the meshes it lies on. A mesh that
+    equals an earlier one in position, shape and material is left out: it adds nothing visible and fails VG.008. Returns
+    the corner orders taken, see `distinct_corner_order`.
     """
     UsdGeom.Xform.Define(stage, root.AppendChild("Visuals"))
     taken: set[bytes] = set()
     written: set[bytes] = set()
-    for name, mesh, look in zip(mesh_prim_names(model), model.meshes, looks, strict=True):
+    for name, mesh, mesh_material in zip(mesh_prim_names(model), model.meshes, mesh_materials, strict=True):
         if len(mesh.triangles) == 0:
             continue
-        identity = _identity(mesh, look)
+        identity = _mesh_key(mesh, mesh_material)
         if identity in written:
             continue
         written.add(identity)
         path = root.AppendChild("Visuals").AppendChild(name)
-        corners = distinct_listing(mesh.points, mesh.triangles, taken)
-        prim = _author_mesh(stage, path, _relisted(mesh, corners), look, root)
+        corners = distinct_corner_order(mesh.points, mesh.triangles, taken)
+        prim = _author_mesh(stage, path, _with_corner_order(mesh, corners), mesh_material, root)
         _author_parts(prim, name, corners[::3] // 3, parts)
     return taken
 
@@ -67,12 +67,14 @@ def define_mesh(stage: Usd.Stage, path: Sdf.Path, points: FloatArray, triangles:
 
 
 def author_normals(mesh: UsdGeom.Mesh, normals: FloatArray, interpolation: str) -> None:
-    """`primvars:normals` (never the plain `normals` attribute: VG.027 wants one of the two)."""
+    """`primvars:normals` (never the plain `normals` attribute: VG.027 allows one of the two)."""
     primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("normals", Sdf.ValueTypeNames.Normal3fArray, interpolation)
     primvar.Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(normals, dtype=np.float32).reshape(-1, 3)))
 
 
-def _author_mesh(stage: Usd.Stage, path: Sdf.Path, mesh: Mesh, look: Look, root: Sdf.Path) -> UsdGeom.Mesh:
+def _author_mesh(
+    stage: Usd.Stage, path: Sdf.Path, mesh: Mesh, mesh_material: MeshMaterial, root: Sdf.Path
+) -> UsdGeom.Mesh:
     prim = define_mesh(stage, path, mesh.points, mesh.triangles)
     author_normals(prim, _outward_normals(mesh), UsdGeom.Tokens.faceVarying)
     primvars = UsdGeom.PrimvarsAPI(prim)
@@ -81,21 +83,21 @@ def _author_mesh(stage: Usd.Stage, path: Sdf.Path, mesh: Mesh, look: Look, root:
             uv_primvar(uv_set), Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
         )
         primvar.Set(Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(uvs, dtype=np.float32).reshape(-1, 2)))
-    _author_colors(prim, mesh, look)
-    prim.CreateDoubleSidedAttr(look.material.double_sided)
+    _author_colors(prim, mesh, mesh_material)
+    prim.CreateDoubleSidedAttr(mesh_material.material.double_sided)
     prim.GetPrim().SetCustomDataByKey("mana:sourceName", mesh.name)
     prim.GetPrim().SetCustomDataByKey("mana:sourcePath", mesh.source_path)
     UsdShade.MaterialBindingAPI.Apply(prim.GetPrim())
     # By path: the material lives in another layer, so `Bind` has no prim to take here.
     binding = prim.GetPrim().CreateRelationship(UsdShade.Tokens.materialBinding, custom=False)
-    binding.SetTargets([root.AppendChild("Materials").AppendChild(look.prim_name)])
+    binding.SetTargets([root.AppendChild("Materials").AppendChild(mesh_material.prim_name)])
     return prim
 
 
 def _author_parts(mesh: UsdGeom.Mesh, name: str, listed: IntArray, parts: Sequence[Part]) -> None:
-    """A subset per part with triangles on the mesh `name`; `listed` (m,) says which triangle stands at each place.
+    """A subset per part with triangles on the mesh `name`; `listed` (m,) is the source triangle of each authored face.
 
-    Parts may lie within each other, so their family is unrestricted. What nobody knows is not written.
+    Parts may lie within each other, so their family is unrestricted. Unknown labels and materials are not written.
     """
     for part in parts:
         places = np.flatnonzero(part.mask(name, len(listed))[listed])
@@ -113,16 +115,16 @@ def _author_parts(mesh: UsdGeom.Mesh, name: str, listed: IntArray, parts: Sequen
         UsdGeom.Subset.SetFamilyType(mesh, PART_FAMILY, UsdGeom.Tokens.unrestricted)
 
 
-def _author_colors(prim: UsdGeom.Mesh, mesh: Mesh, look: Look) -> None:
+def _author_colors(prim: UsdGeom.Mesh, mesh: Mesh, mesh_material: MeshMaterial) -> None:
     """displayColor: the vertex colours times the base colour, or the base colour alone for viewers without shaders."""
-    base = np.clip(np.asarray(look.material.base_color, dtype=np.float32), 0.0, 1.0)
+    base = np.clip(np.asarray(mesh_material.material.base_color, dtype=np.float32), 0.0, 1.0)
     if mesh.colors is None:
         color, interpolation = base.reshape(1, 3), UsdGeom.Tokens.constant
     else:
         rgba = np.clip(mesh.colors.reshape(-1, 4).astype(np.float32), 0.0, 1.0)
         color, interpolation = rgba[:, :3] * base, UsdGeom.Tokens.faceVarying
-        if look.material.alpha_mode != "opaque":
-            opacity = np.ascontiguousarray(rgba[:, 3] * np.float32(look.material.opacity))
+        if mesh_material.material.alpha_mode != "opaque":
+            opacity = np.ascontiguousarray(rgba[:, 3] * np.float32(mesh_material.material.opacity))
             prim.CreateDisplayOpacityPrimvar(interpolation).Set(Vt.FloatArray.FromNumpy(opacity))
     prim.CreateDisplayColorPrimvar(interpolation).Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(color)))
 
@@ -142,11 +144,11 @@ def _outward_normals(mesh: Mesh) -> FloatArray:
     return -normals if agreement < 0.0 else normals
 
 
-def distinct_listing(points: FloatArray, triangles: IntArray, taken: set[bytes]) -> IntArray:
+def distinct_corner_order(points: FloatArray, triangles: IntArray, taken: set[bytes]) -> IntArray:
     """A corner order (3 m,) under which points and triangles are unlike every mesh in `taken`, which grows by it.
 
-    VG.008 calls two meshes coincident when their lists of points (to 1e-6) and indices agree. A collider that equals
-    the visible box is meant to; listing its faces, or the corners within them, in another cyclic order says so.
+    VG.008 calls two meshes coincident when their lists of points (to 1e-6) and indices agree. A collider may well
+    equal the visible box; listing its faces, or the corners within them, in another cyclic order makes them distinct.
     """
     place = np.round(points.astype(np.float32).astype(np.float64), 6).tobytes()
     flat = np.ascontiguousarray(triangles, dtype=np.int32).reshape(-1)
@@ -160,22 +162,22 @@ def distinct_listing(points: FloatArray, triangles: IntArray, taken: set[bytes])
     return order.reshape(-1)
 
 
-def _relisted(mesh: Mesh, corners: IntArray) -> Mesh:
-    """`mesh` with its corners, and all that hangs on them, in the order `corners` (3 m,)."""
+def _with_corner_order(mesh: Mesh, corners: IntArray) -> Mesh:
+    """`mesh` with its corners, and all corner attributes, in the order `corners` (3 m,)."""
 
-    def follow(values: FloatArray) -> FloatArray:
+    def reordered(values: FloatArray) -> FloatArray:
         return values.reshape(-1, values.shape[2])[corners].reshape(values.shape)
 
     return replace(
         mesh,
         triangles=mesh.triangles.reshape(-1)[corners].reshape(-1, 3),
-        normals=None if mesh.normals is None else follow(mesh.normals),
-        uvs=tuple(follow(uvs) for uvs in mesh.uvs),
-        colors=None if mesh.colors is None else follow(mesh.colors),
+        normals=None if mesh.normals is None else reordered(mesh.normals),
+        uvs=tuple(reordered(uvs) for uvs in mesh.uvs),
+        colors=None if mesh.colors is None else reordered(mesh.colors),
     )
 
 
-def _identity(mesh: Mesh, look: Look) -> bytes:
+def _mesh_key(mesh: Mesh, mesh_material: MeshMaterial) -> bytes:
     arrays = (mesh.points.astype(np.float32), mesh.triangles, mesh.normals, mesh.colors, *mesh.uvs)
     parts = (np.ascontiguousarray(a).tobytes() for a in arrays if a is not None)
-    return b"".join((look.prim_name.encode(), *parts))
+    return b"".join((mesh_material.prim_name.encode(), *parts))

@@ -1,4 +1,4 @@
-"""Write one released package: main USD file, payload layers, textures, thumbnail (design: asset package)."""
+"""Writes one released package from `PackageContent`: main USD file, payload layers, textures, thumbnail."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -17,14 +17,14 @@ from schemas.physics import SurfaceMaterial
 from usdio.names import identifier, prim_names
 from usdio.write.grasps import author_grasps
 from usdio.write.materials import author_materials, texture_files
-from usdio.write.mesh_materials import looks_per_mesh
+from usdio.write.mesh_materials import materials_per_mesh
 from usdio.write.meshes import author_meshes
 from usdio.write.physics import author_body, author_colliders, author_contact_material
 
 USD_FOLDER = "usd"
 UNKNOWN = "unknown"
-# What is true of every asset: Wikidata's "object". SL.* and SR.004 demand a label and a Q-code even when nobody
-# knows what the thing is; the category field still says "unknown".
+# Wikidata's "object", true of every asset. SL.* and SR.004 demand a label and a Q-code even when the category is not
+# known; the category field still holds "unknown".
 OBJECT_LABEL, OBJECT_QCODE = "object", "Q488383"
 _DEFAULT_EPOCH_S = 315532800  # 1980-01-01, the first day ZIP archives can hold; no clock is ever read.
 
@@ -43,13 +43,13 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     payloads.mkdir(parents=True, exist_ok=True)
     root = Sdf.Path.absoluteRootPath.AppendChild(identifier(content.asset_id, "asset"))
     label = content.physical_material or UNKNOWN
-    looks = looks_per_mesh(content.model)
-    files = texture_files(content.model, looks)
+    mesh_materials = materials_per_mesh(content.model)
+    files = texture_files(content.model, mesh_materials)
 
     meshes, materials, physics = _new_layer(root), _new_layer(root), _new_layer(root)
-    taken = author_meshes(Usd.Stage.Open(meshes), root, content.model, looks, content.parts)
+    taken = author_meshes(Usd.Stage.Open(meshes), root, content.model, mesh_materials, content.parts)
     paths = {name: f"../textures/{file}" for name, file in files.items()}
-    author_materials(Usd.Stage.Open(materials), root, looks, paths, label)
+    author_materials(Usd.Stage.Open(materials), root, mesh_materials, paths, label)
     stage = Usd.Stage.Open(physics)
     author_colliders(stage, root, content.shapes, _contact_materials(stage, root, content), taken)
     author_grasps(stage, root, content.grasp_lines_m)
@@ -87,7 +87,7 @@ def _contact_materials(stage: Usd.Stage, root: Sdf.Path, content: PackageContent
 
 
 def _base_layer(root: Sdf.Path, stem: str) -> Sdf.Layer:
-    """The asset as it looks, without physics. ISA.001 wants base, meshes and physics layers by these names."""
+    """The visual layers, without physics. ISA.001 requires base, meshes and physics layers by these names."""
     layer = _new_layer(root)
     names = (f"./{stem}_meshes.usdc", f"./{stem}_materials.usda")
     layer.GetPrimAtPath(root).referenceList.prependedItems = [Sdf.Reference(name) for name in names]
@@ -95,7 +95,7 @@ def _base_layer(root: Sdf.Path, stem: str) -> Sdf.Layer:
 
 
 def _main_layer(content: PackageContent, root: Sdf.Path) -> Sdf.Layer:
-    """The root layer: units, provenance, body and labels; looks and colliders are payloads."""
+    """The root layer: units, provenance, body and labels; visuals and colliders are payloads."""
     layer = _new_layer(root)
     stage = Usd.Stage.Open(layer)
     prim = stage.GetDefaultPrim()
@@ -107,15 +107,15 @@ def _main_layer(content: PackageContent, root: Sdf.Path) -> Sdf.Layer:
     UsdSemantics.LabelsAPI.Apply(prim, "wikidata_qcode").CreateLabelsAttr([_qcode(content)])
     metadata = _metadata(content)
     repeated = {key: metadata[key] for key in ("asset_name", "asset_type", "source_file", "usd_date_generated")}
-    layer.customLayerData = {"SimReady_Metadata": metadata, **repeated}  # SR.001, SR.004 want both
-    del stage  # A living stage would look for the payload files at once.
+    layer.customLayerData = {"SimReady_Metadata": metadata, **repeated}  # SR.001 and SR.004 require both
+    del stage  # A live stage would resolve the payload files at once.
     names = (f"{content.asset_id}_base.usda", f"{content.asset_id}_physics.usda")
     layer.GetPrimAtPath(root).payloadList.prependedItems = [Sdf.Payload(f"./payloads/{name}") for name in names]
     return layer
 
 
 def _metadata(content: PackageContent) -> dict[str, object]:
-    """The provenance fields of SR.004; what nobody knows is "unknown"."""
+    """The provenance fields of SR.004; unknown values are "unknown"."""
     points = np.concatenate([mesh.points for mesh in content.model.meshes if len(mesh.points)])
     extent = np.ptp(points, axis=0)
     seconds = int(os.environ.get("SOURCE_DATE_EPOCH", _DEFAULT_EPOCH_S))

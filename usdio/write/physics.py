@@ -1,4 +1,4 @@
-"""Author body, colliders and contact material of a package (UsdPhysics)."""
+"""Authors body, mass, colliders and contact materials of a package (UsdPhysics)."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -16,7 +16,7 @@ from geom.pose import apply, quat_of
 from schemas.physics import CollisionShape, Contact, MassProperties
 from usdio.names import identifier
 from usdio.write.materials import label_material
-from usdio.write.meshes import author_normals, define_mesh, distinct_listing
+from usdio.write.meshes import author_normals, define_mesh, distinct_corner_order
 
 CONTACT_MATERIALS = "PhysicsMaterials"
 
@@ -46,17 +46,17 @@ def author_contact_material(
     return material.GetPath()
 
 
-def author_contact_values(material: Usd.Prim, contact: Contact | None, denser: float = 1.0) -> None:
-    """Friction, restitution and combine rule of a contact material, where given; its density times `denser`."""
+def author_contact_values(material: Usd.Prim, contact: Contact | None, density_factor: float = 1.0) -> None:
+    """Friction, restitution and combine rule of a contact material, where given; its density times `density_factor`."""
     api = UsdPhysics.MaterialAPI(material)
     if contact is not None:
         api.CreateStaticFrictionAttr(contact.static_friction)
         api.CreateDynamicFrictionAttr(contact.dynamic_friction)
         api.CreateRestitutionAttr(contact.restitution)
-        # UsdPhysics has no combine rule; engines take the average unless told otherwise: it rides along as data.
+        # UsdPhysics has no combine rule; engines take the average by default: the rule is kept as custom data.
         material.SetCustomDataByKey("mana:combine", contact.combine)
-    if denser != 1.0:
-        api.GetDensityAttr().Set(denser * api.GetDensityAttr().Get())
+    if density_factor != 1.0:
+        api.GetDensityAttr().Set(density_factor * api.GetDensityAttr().Get())
 
 
 def author_colliders(
@@ -68,8 +68,8 @@ def author_colliders(
 ) -> None:
     """Define `<root>/Colliders/collider_<n>` for every shape: purpose guide, collision API, bound contact material.
 
-    `materials` are the paths of their contact materials, one per shape. `taken` are the listings of the visible
-    meshes, see `distinct_listing`.
+    `materials` are the paths of their contact materials, one per shape. `taken` are the corner orders of the
+    visible meshes, see `distinct_corner_order`.
     """
     colliders = UsdGeom.Xform.Define(stage, root.AppendChild("Colliders")).GetPath()
     for index, (shape, material) in enumerate(zip(shapes, materials, strict=True)):
@@ -78,7 +78,7 @@ def author_colliders(
         UsdGeom.Imageable(prim).CreatePurposeAttr(UsdGeom.Tokens.guide)
         binding = UsdShade.MaterialBindingAPI.Apply(prim)
         binding.Bind(UsdShade.Material.Get(stage, material), materialPurpose="physics")
-        # MuJoCo's USD reader looks at the all-purpose binding only.
+        # MuJoCo's USD reader reads the all-purpose binding only.
         binding.Bind(UsdShade.Material.Get(stage, material))
 
 
@@ -93,7 +93,7 @@ def _hull(stage: Usd.Stage, path: Sdf.Path, shape: CollisionShape, taken: set[by
     if shape.points is None or shape.triangles is None:
         raise ValueError("a hull shape needs points and triangles")
     points = apply(shape.X_AS, shape.points)
-    corners = distinct_listing(points, shape.triangles, taken)
+    corners = distinct_corner_order(points, shape.triangles, taken)
     triangles = shape.triangles.reshape(-1)[corners].reshape(-1, 3)
     mesh = define_mesh(stage, path, points, triangles)
     author_normals(mesh, face_normals(points, triangles), UsdGeom.Tokens.uniform)
@@ -123,7 +123,7 @@ def _primitive(stage: Usd.Stage, path: Sdf.Path, shape: CollisionShape) -> Usd.P
 
 
 def _pose(xformable: UsdGeom.Xformable, X_AS: np.ndarray, edges_m: tuple[float, ...] | None) -> None:
-    """Translate and orient as X_AS says; the unit cube is then scaled to its edges."""
+    """Author translation and orientation of X_AS; the unit cube is then scaled to its edges."""
     w, x, y, z = (float(v) for v in quat_of(X_AS[:3, :3]))
     xformable.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(*(float(v) for v in X_AS[:3, 3])))
     xformable.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(w, x, y, z))

@@ -1,4 +1,4 @@
-"""Author an inline primitive of a scene: what is seen is what collides."""
+"""Authors an inline primitive of a scene (box, cylinder, sphere); one prim is both visual and collider."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -15,7 +15,7 @@ from schemas.physics import Contact, MassProperties
 from schemas.scene.program import BoxAsset, CylinderAsset, Inline
 from usdio.write.physics import author_body
 
-DENSITY_KGM3 = 500.0  # Wood and filled boxes; only where the program states no mass.
+DENSITY_KGM3 = 500.0  # Of wood and filled boxes; used only where the program states no mass.
 CONTACT = Contact(static_friction=0.6, dynamic_friction=0.5, restitution=0.1)
 _GREY = "#b8bdc4"
 
@@ -54,8 +54,8 @@ def primitive_mass(primitive: Inline, scale: float, mass_kg: float | None) -> Ma
     else:
         middle_m = scale * primitive.radius_m
         solid = of_sphere(middle_m, DENSITY_KGM3)
-    wanted = solid if mass_kg is None else scaled(solid, mass_kg / solid.mass_kg)
-    return moved(wanted, pose(None, (0.0, 0.0, middle_m)))
+    body = solid if mass_kg is None else scaled(solid, mass_kg / solid.mass_kg)
+    return moved(body, pose(None, (0.0, 0.0, middle_m)))
 
 
 def _define(stage: Usd.Stage, path: Sdf.Path, primitive: Inline, scale: float) -> UsdGeom.Gprim:
@@ -84,7 +84,7 @@ def _define(stage: Usd.Stage, path: Sdf.Path, primitive: Inline, scale: float) -
 
 
 def _linear_rgb(color: str) -> tuple[float, float, float]:
-    """Linear RGB of a CSS colour, the space of `displayColor`; grey for what is none."""
+    """Linear RGB of a CSS colour, the space of `displayColor`; grey when it is not valid."""
     try:
         red, green, blue, *_ = ImageColor.getrgb(color)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Give a package on disk other mass properties and another contact material; everything else keeps its bytes."""
+"""Replaces mass properties and contact materials of a package on disk; all other files keep their bytes."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -15,11 +15,11 @@ from usdio.write.physics import CONTACT_MATERIALS, author_body, author_contact_v
 _METADATA = "SimReady_Metadata"
 
 
-def rewrite_physics(main_file: Path, mass: MassProperties, contact: Contact | None, densities: float) -> None:
+def rewrite_physics(main_file: Path, mass: MassProperties, contact: Contact | None, density_factor: float) -> None:
     """Author the body and the contact materials of a package that `write_package` wrote.
 
-    Every material becomes `densities` times as dense; all get `contact`, None leaves them theirs. Raises OSError when
-    writing fails.
+    The density of every material is multiplied by `density_factor`; all get `contact`, None keeps theirs. Raises
+    OSError when writing fails.
     """
     layer = Sdf.Layer.OpenAsAnonymous(str(main_file))
     stage = Usd.Stage.Open(layer, Usd.Stage.LoadNone)
@@ -33,7 +33,7 @@ def rewrite_physics(main_file: Path, mass: MassProperties, contact: Contact | No
     physics = Sdf.Layer.OpenAsAnonymous(str(physics_file))
     payload = Usd.Stage.Open(physics)
     for material in payload.GetPrimAtPath(root.AppendChild(CONTACT_MATERIALS)).GetChildren():
-        author_contact_values(material, contact, densities)
+        author_contact_values(material, contact, density_factor)
     for changed, path in ((layer, main_file), (physics, physics_file)):
         if not changed.Export(str(path)):
             raise OSError(f"USD could not write {path.name}")

@@ -1,4 +1,4 @@
-"""One sample of a plan as a layer over a compiled scene: what differs, and nothing else."""
+"""Writes one sample of a plan as a USD layer over a compiled scene: only the opinions that differ."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -28,9 +28,9 @@ _ROOT = Sdf.Path("/World")
 
 @dataclass(frozen=True)
 class SampleEdit:
-    """One object of a sample: its pose in W (None: as compiled), which package it is, and what a material makes of it.
+    """The edit of one object: its pose in W (None: as compiled), its package, and its sampled material.
 
-    `contact` and `denser` belong to `material`: the contact as it then is, and by how much mass and inertia grow.
+    `contact` is the resulting contact with `material`; `density_factor` multiplies mass and inertia.
     """
 
     name: str
@@ -39,7 +39,7 @@ class SampleEdit:
     package: str | None = None
     material: PairedMaterial | None = None
     contact: Contact | None = None
-    denser: float = 1.0
+    density_factor: float = 1.0
 
 
 def write_sample(
@@ -59,11 +59,11 @@ def write_sample(
     world = stage.GetPrimAtPath(_ROOT)
     stage.SetDefaultPrim(world)
     prims = [*world.GetChildren(), *world.GetChild("Objects").GetChildren()]
-    found = {prim.GetCustomDataByKey("mana:id"): prim for prim in prims}
+    prim_of = {prim.GetCustomDataByKey("mana:id"): prim for prim in prims}
     for edit in edits:
-        _edit(stage, found[edit.name], edit, packages, file.parent)
+        _edit(stage, prim_of[edit.name], edit, packages, file.parent)
     if lighting is not None:
-        light(stage, lighting)
+        author_sampled_lighting(stage, lighting)
     if not layer.Save():
         raise OSError(f"USD could not write {file.name}")
     return file
@@ -72,44 +72,44 @@ def write_sample(
 def _edit(stage: Usd.Stage, prim: Usd.Prim, edit: SampleEdit, packages: Path, folder: Path) -> None:
     if edit.package is not None:
         main = min((packages / edit.package / USD_FOLDER).glob("*.usda"))
-        wanted = Path(os.path.relpath(main, folder)).as_posix()
+        main_path = Path(os.path.relpath(main, folder)).as_posix()
         if not any(ref.assetPath.endswith(f"{edit.package}/{USD_FOLDER}/{main.name}") for ref in _references(prim)):
-            prim.GetReferences().SetReferences([Sdf.Reference(f"./{wanted}")])
+            prim.GetReferences().SetReferences([Sdf.Reference(f"./{main_path}")])
             scale = prim.GetAttribute("xformOp:scale")
-            if scale:  # The scene below states mass and inertia of the asset it was compiled with.
+            if scale:  # The compiled scene states mass and inertia of the asset it was compiled with.
                 author_scaled_mass(prim, main, float(scale.Get()[0]))
     if edit.position_m is not None and edit.quat_wxyz is not None:
         prim.GetAttribute("xformOp:translate").Set(Gf.Vec3d(*edit.position_m))
         prim.GetAttribute("xformOp:orient").Set(Gf.Quatd(*edit.quat_wxyz))
     if edit.material is not None:
-        wear(stage, prim, edit.material, edit)
+        bind_sampled_material(stage, prim, edit.material, edit)
 
 
 def _references(prim: Usd.Prim) -> list[Sdf.Reference]:
     return [ref for spec in prim.GetPrimStack() for ref in spec.referenceList.GetAddedOrExplicitItems()]
 
 
-def wear(stage: Usd.Stage, prim: Usd.Prim, source: PairedMaterial, edit: SampleEdit) -> None:
-    """Bind the material over all that the prim has below it; mass and inertia change with it."""
+def bind_sampled_material(stage: Usd.Stage, prim: Usd.Prim, source: PairedMaterial, edit: SampleEdit) -> None:
+    """Bind the material stronger than the bindings below `prim`; mass and inertia are scaled by its density."""
     scope = UsdGeom.Scope.Define(stage, _ROOT.AppendChild("SampledMaterials")).GetPath()
     name = identifier(f"{source.id}_{edit.name}", "material")
     material = UsdShade.Material.Define(stage, scope.AppendChild(name))
     label_material(material, source.id)
     binding = UsdShade.MaterialBindingAPI.Apply(prim)
-    over = UsdShade.Tokens.strongerThanDescendants
+    stronger = UsdShade.Tokens.strongerThanDescendants
     if (source.base_color, source.roughness, source.metallic) != (None, None, None):
         _surface(stage, material, source)
-        binding.Bind(material, over)
+        binding.Bind(material, stronger)
     if edit.contact is not None:
         api = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
         if source.density_kgm3 is not None:
             api.CreateDensityAttr(source.density_kgm3)
         author_contact_values(material.GetPrim(), edit.contact)
-        binding.Bind(material, over, "physics")
+        binding.Bind(material, stronger, "physics")
         mass = UsdPhysics.MassAPI(prim)
-        if edit.denser != 1.0 and mass.GetMassAttr().HasAuthoredValue():
-            mass.GetMassAttr().Set(edit.denser * mass.GetMassAttr().Get())
-            mass.GetDiagonalInertiaAttr().Set(edit.denser * mass.GetDiagonalInertiaAttr().Get())
+        if edit.density_factor != 1.0 and mass.GetMassAttr().HasAuthoredValue():
+            mass.GetMassAttr().Set(edit.density_factor * mass.GetMassAttr().Get())
+            mass.GetDiagonalInertiaAttr().Set(edit.density_factor * mass.GetDiagonalInertiaAttr().Get())
 
 
 def _surface(stage: Usd.Stage, material: UsdShade.Material, source: PairedMaterial) -> None:
@@ -123,21 +123,24 @@ def _surface(stage: Usd.Stage, material: UsdShade.Material, source: PairedMateri
     material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
 
 
-def light(stage: Usd.Stage, drawn: SampledLighting) -> None:
-    """The channels on both lights of the scene; `intensity` is the lamp's, the dome keeps its share of it."""
+def author_sampled_lighting(stage: Usd.Stage, lighting: SampledLighting) -> None:
+    """Author the sampled intensity, exposure, temperature and rotation on lamp and dome.
+
+    `intensity` is that of the lamp; the dome keeps its ratio to it.
+    """
     lights = _ROOT.AppendChild("Lights")
     lamp, dome = (stage.GetPrimAtPath(lights.AppendChild(name)) for name in ("Lamp", "Dome"))
-    share = UsdLux.LightAPI(dome).GetIntensityAttr().Get() / UsdLux.LightAPI(lamp).GetIntensityAttr().Get()
-    for prim, part in ((lamp, 1.0), (dome, share)):
+    dome_share = UsdLux.LightAPI(dome).GetIntensityAttr().Get() / UsdLux.LightAPI(lamp).GetIntensityAttr().Get()
+    for prim, share in ((lamp, 1.0), (dome, dome_share)):
         light = UsdLux.LightAPI(prim)
-        if drawn.intensity is not None:
-            light.CreateIntensityAttr(part * drawn.intensity)
-        if drawn.exposure is not None:
-            light.CreateExposureAttr(drawn.exposure)
-        if drawn.temperature_K is not None:
+        if lighting.intensity is not None:
+            light.CreateIntensityAttr(share * lighting.intensity)
+        if lighting.exposure is not None:
+            light.CreateExposureAttr(lighting.exposure)
+        if lighting.temperature_K is not None:
             light.CreateEnableColorTemperatureAttr(True)
-            light.CreateColorTemperatureAttr(drawn.temperature_K)
-    if drawn.rotation is not None:
+            light.CreateColorTemperatureAttr(lighting.temperature_K)
+    if lighting.rotation is not None:
         form = UsdGeom.Xformable(dome)
         form.ClearXformOpOrder()
-        form.AddRotateZOp().Set(math.degrees(drawn.rotation))
+        form.AddRotateZOp().Set(math.degrees(lighting.rotation))

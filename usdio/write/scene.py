@@ -1,7 +1,7 @@
-"""Write a compiled scene as a USD stage with the packages it uses beside it, so that the folder can be handed on.
+"""Writes a compiled scene as a USD stage with copies of the packages it uses beside it: a self-contained folder.
 
-Packages are copied, not referenced where they lie: ingest replaces packages in a library in place, and a scene that was
-checked must stay as it was checked; a folder that holds all it refers to also opens on any machine.
+Packages are copied, not referenced in the library: ingest replaces packages in place, and a checked scene must not
+change afterwards; a self-contained folder also opens on any machine.
 """
 
 # pxr has no type stubs.
@@ -31,7 +31,7 @@ _PREVIEWS = "previews"
 def write_scene(scene: CompiledScene, library: Path | None, file: Path) -> Path:
     """Write the stage `file` (.usda) and copy the packages of `library` that it uses to `packages/` beside it.
 
-    `/World/Background` does not move, every object is a body of its own below `/World/Objects`; poses are those of the
+    `/World/Background` is static, every object is a rigid body below `/World/Objects`; poses are those of the
     compiled scene. The same scene gives the same bytes. Returns `file`; raises OSError when writing fails.
     """
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -59,7 +59,7 @@ def write_scene(scene: CompiledScene, library: Path | None, file: Path) -> Path:
     objects = [group.GetPath().AppendChild(name) for name in object_prims(scene)]
     for path, item in zip(objects, scene.objects, strict=True):
         author_object(stage, path, item, contact, file.parent, moves=True)
-    del stage, world, group  # A living stage would look for the packages at once, and not beside `file`.
+    del stage, world, group  # A live stage would resolve the packages at once, relative to the anonymous layer.
     for path, item in zip([background, *objects] if scene.background is not None else objects, placed, strict=True):
         if item.package is not None:
             main = f"./{main_file(file.parent, item.package).relative_to(file.parent).as_posix()}"
@@ -87,7 +87,7 @@ def author_physics_scene(stage: Usd.Stage) -> None:
 
 
 def author_lights(stage: Usd.Stage) -> None:
-    """`/World/Lights`: a soft dome and one lamp, so that the stage is not dark where it is opened."""
+    """`/World/Lights`: a soft dome and one lamp, so that the stage is not dark in a viewer."""
     scope = UsdGeom.Scope.Define(stage, _ROOT.AppendChild("Lights")).GetPath()
     UsdLux.DomeLight.Define(stage, scope.AppendChild("Dome")).CreateIntensityAttr(700.0)
     lamp = UsdLux.DistantLight.Define(stage, scope.AppendChild("Lamp"))
@@ -126,7 +126,7 @@ def main_file(folder: Path, package: str) -> Path:
 
 
 def _adapt_body(prim: Usd.Prim, item: PlacedObject, main: Path, *, moves: bool) -> None:
-    """What stands still has the body of its package switched off, which leaves its colliders.
+    """Disable the body of a static object, which keeps its colliders; scale the mass of a dynamic one.
 
     A scaled body keeps its density: mass goes with the cube of the scale, moments of inertia with the fifth power.
     """
@@ -146,13 +146,13 @@ def author_scaled_mass(prim: Usd.Prim, main: Path, scale: float) -> None:
 
 
 def copy_package(source: Path, target: Path) -> None:
-    """The package without its previews; files that are there with the same bytes stay untouched."""
+    """Copy a package without its previews; files that exist with the same bytes stay untouched."""
     if not source.is_dir():
         raise FileNotFoundError(source)
     for file in sorted(path for path in source.rglob("*") if path.is_file()):
         inside = file.relative_to(source)
-        there = target / inside
-        if inside.parts[0] == _PREVIEWS or (there.is_file() and there.read_bytes() == file.read_bytes()):
+        copy = target / inside
+        if inside.parts[0] == _PREVIEWS or (copy.is_file() and copy.read_bytes() == file.read_bytes()):
             continue
-        there.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(file, there)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, copy)

@@ -1,1 +1,1 @@
-"""Finding assets by words: a request is read as wishes, each asset answers each wish with evidence."""
+"""Search in a library: a request is parsed into criteria (`query`), and each asset is matched with each (`match`)."""

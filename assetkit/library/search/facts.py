@@ -1,4 +1,4 @@
-"""What the catalog keeps of a record so that it can be searched; the record stays the truth."""
+"""Searchable facts and texts of one asset record, as the catalog stores them; the record stays authoritative."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NamedTuple
 from pydantic import BaseModel, ConfigDict
 
 from assetkit.annotate.annotator import UNKNOWN
-from assetkit.annotate.name_reading import category_called
+from assetkit.annotate.name_reading import category_by_name
 from assetkit.taxonomy.words import words_of
 from schemas.affordances import Affordance
 from schemas.asset import AssetRecord
@@ -19,8 +19,8 @@ from schemas.evidence import Evidence
 _LOST_PICTURE = {"asset/missing-texture", "asset/corrupt-texture", "asset/unsupported-texture"}
 
 
-class Sure(NamedTuple):
-    """A value of the record, how sure it is, and by what."""
+class RatedValue(NamedTuple):
+    """A value of the record with its confidence (0..1) and the source and method it comes from."""
 
     value: str
     confidence: float
@@ -28,28 +28,28 @@ class Sure(NamedTuple):
 
 
 class Facts(BaseModel):
-    """One asset as search sees it. Lengths in metres, masses in kilograms; `colours` are shares of the surface.
+    """The searchable facts of one asset. Lengths in metres, masses in kilograms; `colours` are shares of the surface.
 
-    `colours` is None where nobody knows them: no material states one, or a picture was lost. `possible` are the
-    categories that came into question, with their chance. `tasks` holds the words of each affordance.
+    `colours` is None where they are unknown: no material states one, or a picture was lost. `possible` holds the
+    hypotheses of the category with their probabilities. `tasks` holds the words of each affordance.
     """
 
     model_config = ConfigDict(frozen=True)
 
     asset_id: str
     outcome: str
-    category: Sure
-    family: Sure
+    category: RatedValue
+    family: RatedValue
     possible: tuple[tuple[str, float], ...]
-    roles: tuple[Sure, ...]
-    materials: tuple[Sure, ...]
+    roles: tuple[RatedValue, ...]
+    materials: tuple[RatedValue, ...]
     colours: dict[str, float] | None
     extent_m: tuple[float, float, float]
     extent_confidence: float
     mass_kg: float
     mass_confidence: float
-    anchors: tuple[Sure, ...]
-    tasks: tuple[Sure, ...]
+    anchors: tuple[RatedValue, ...]
+    tasks: tuple[RatedValue, ...]
     parts: tuple[str, ...]
 
 
@@ -71,18 +71,22 @@ def facts_of(record: AssetRecord) -> Facts:
     return Facts(
         asset_id=record.asset_id,
         outcome=record.outcome.value,
-        category=_sure(semantics.category),
-        family=_sure(semantics.family),
+        category=_rated(semantics.category),
+        family=_rated(semantics.family),
         possible=tuple((h.category, h.score) for h in semantics.hypotheses),
-        roles=tuple(map(_sure, semantics.roles)),
-        materials=tuple(_sure(m) for m in {m.value: m for m in reversed(materials)}.values()),
+        roles=tuple(map(_rated, semantics.roles)),
+        materials=tuple(_rated(m) for m in {m.value: m for m in reversed(materials)}.values()),
         colours=None if lost or not record.appearance.colours else record.appearance.colours,
         extent_m=record.geometry.extent_m.value,
         extent_confidence=record.geometry.extent_m.confidence,
         mass_kg=physics.mass_kg.value,
         mass_confidence=physics.mass_kg.confidence,
-        anchors=tuple(Sure(a.value.kind, a.confidence, a.value.anchor_id) for a in record.anchors),
-        tasks=tuple(Sure(_spoken(a.value), a.confidence, a.method) for a in record.affordances if a.confidence > 0.0),
+        anchors=tuple(RatedValue(a.value.kind, a.confidence, a.value.anchor_id) for a in record.anchors),
+        tasks=tuple(
+            RatedValue(_affordance_words(a.value), a.confidence, a.method)
+            for a in record.affordances
+            if a.confidence > 0.0
+        ),
         parts=tuple(p.value.name for p in record.parts),
     )
 
@@ -90,7 +94,7 @@ def facts_of(record: AssetRecord) -> Facts:
 def texts_of(record: AssetRecord) -> Texts:
     """The texts of a record, split into words so that `CoffeeMug_v2` is found by "mug"."""
     semantics = record.semantics
-    known = category_called(semantics.category.value)
+    known = category_by_name(semantics.category.value)
     others = [record.physics.material.value, semantics.family.value, semantics.category.value]
     others += [role.value for role in semantics.roles] + [part.value.name for part in record.parts]
     return Texts(
@@ -101,16 +105,16 @@ def texts_of(record: AssetRecord) -> Texts:
     )
 
 
-def _sure(evidence: Evidence[str]) -> Sure:
-    return Sure(evidence.value, evidence.confidence, f"{evidence.source}: {evidence.method}")
+def _rated(evidence: Evidence[str]) -> RatedValue:
+    return RatedValue(evidence.value, evidence.confidence, f"{evidence.source}: {evidence.method}")
 
 
-def _spoken(affordance: Affordance) -> str:
-    """What it is, what it serves and how, in words."""
+def _affordance_words(affordance: Affordance) -> str:
+    """Kind, task and interaction of an affordance, in words."""
     return f"{affordance.kind} {affordance.task} {affordance.interaction}".replace("_", " ")
 
 
 def _words(texts: Sequence[str]) -> str:
-    """Each word of the texts once, as it stands and as it is split; texts that say nothing is known are left out."""
-    said = [unicodedata.normalize("NFC", text) for text in texts if text != UNKNOWN]
-    return " ".join(dict.fromkeys(word for text in said for word in (*re.findall(r"[^\W_]+", text), *words_of(text))))
+    """Each word of the texts once, as written and as split at case changes; the text "unknown" is left out."""
+    known = [unicodedata.normalize("NFC", text) for text in texts if text != UNKNOWN]
+    return " ".join(dict.fromkeys(word for text in known for word in (*re.findall(r"[^\W_]+", text), *words_of(text))))

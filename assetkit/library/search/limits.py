@@ -1,11 +1,11 @@
-"""Limits of size and mass in a request: "under 10 cm", "between 5 and 8 in", "at least 200 g", "12 cm tall"."""
+"""Parses limits of size (m) and mass (kg) in a request: "under 10 cm", "between 5 and 8 in", "at least 200 g"."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
 
-from assetkit.library.search.query import Field, Wish
+from assetkit.library.search.query import Criterion, Field
 
 ABOUT = 0.2  # "About 10 cm", or just "10 cm": within 20 %.
 _LENGTH_M = {"mm": 0.001, "cm": 0.01, "m": 1.0, "meter": 1.0, "metre": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
@@ -25,11 +25,13 @@ _NUMBER = rf"(?:{_THOUSANDS}|\d*[.,]\d+|\d+)"
 
 def _pattern(units: Mapping[str, float]) -> re.Pattern[str]:
     """Limits in these units; "and" joins two figures only behind "between" or "from"."""
-    unit = "|".join(sorted((*units, *(p for p, one in _PLURALS.items() if one in units)), key=len, reverse=True))
+    unit = "|".join(
+        sorted((*units, *(p for p, singular in _PLURALS.items() if singular in units)), key=len, reverse=True)
+    )
     return re.compile(
         rf"(?:(?P<most>{_MOST})|(?P<least>{_LEAST})|(?:about|around|roughly)|(?P<span>between|from))?\s*"
         rf"(?<![\w.,])(?P<first>{_NUMBER})"
-        rf"(?:\s*(?P<own>{unit})?\s*(?:(?(span)and|to)|to|-)\s*(?P<second>{_NUMBER}))?\s*(?P<unit>{unit})\b"
+        rf"(?:\s*(?P<first_unit>{unit})?\s*(?:(?(span)and|to)|to|-)\s*(?P<second>{_NUMBER}))?\s*(?P<unit>{unit})\b"
         r"(?:\s+(?P<upright>tall|high|in height)\b|\s+(?:long|wide|across|in size|in length)\b)?"
     )
 
@@ -40,16 +42,16 @@ _KINDS: tuple[tuple[Field, Mapping[str, float], re.Pattern[str]], ...] = (
 )
 
 
-def read_limits(request: str) -> tuple[tuple[Wish, ...], str]:
+def read_limits(request: str) -> tuple[tuple[Criterion, ...], str]:
     """The limits in a lower-case request, and what is left of it.
 
-    A length limits the longest edge of the box around the asset, or its height where the words say so.
+    A length limits the longest edge of the bounding box of the asset, or its height where the words are about height.
     """
-    wishes: list[Wish] = []
+    criteria: list[Criterion] = []
     for field, units, pattern in _KINDS:
-        wishes += [_wish(match, field, units) for match in pattern.finditer(request)]
+        criteria += [_criterion(match, field, units) for match in pattern.finditer(request)]
         request = pattern.sub(" ; ", request)
-    return tuple(wishes), request
+    return tuple(criteria), request
 
 
 def limit_of(text: str, field: Field) -> float:
@@ -61,11 +63,11 @@ def limit_of(text: str, field: Field) -> float:
     return _figure(match[1]) * units[_singular(match[2])]
 
 
-def _wish(match: re.Match[str], field: Field, units: Mapping[str, float]) -> Wish:
+def _criterion(match: re.Match[str], field: Field, units: Mapping[str, float]) -> Criterion:
     scale = units[_singular(match["unit"])]
     if field == "size_m" and (match["upright"] or re.search("taller|higher|lower", match[0])):
         field = "height_m"
-    first = _figure(match["first"]) * (units[_singular(match["own"])] if match["own"] else scale)
+    first = _figure(match["first"]) * (units[_singular(match["first_unit"])] if match["first_unit"] else scale)
     if match["second"]:
         low, high = sorted((first, _figure(match["second"]) * scale))
     elif match["most"]:
@@ -74,7 +76,7 @@ def _wish(match: re.Match[str], field: Field, units: Mapping[str, float]) -> Wis
         low, high = first, float("inf")
     else:
         low, high = first * (1 - ABOUT), first * (1 + ABOUT)
-    return Wish(match[0].strip(), field, low=low, high=high, reading=f"{field} {low:.4g} to {high:.4g}")
+    return Criterion(match[0].strip(), field, low=low, high=high, reading=f"{field} {low:.4g} to {high:.4g}")
 
 
 def _singular(unit: str) -> str:

@@ -1,7 +1,7 @@
-"""A request in words, read as wishes: limits first, then phrases, the thing wanted, its colours and materials.
+"""Parses a request in English into criteria: limits first, then phrases, the kind of object, colours and materials.
 
-What no vocabulary knows is looked for in the texts of the assets. In English compounds the last noun is the thing: a
-"mug holder" is no mug (as in `annotate.name_reading`).
+A word outside the vocabularies becomes a criterion on the texts of the assets. In English compounds the last noun is
+the head: a "mug holder" is no mug (as in `annotate.name_reading`).
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from importlib import resources
 from itertools import groupby
 from typing import NamedTuple
 
-from assetkit.annotate.name_reading import category_called
+from assetkit.annotate.name_reading import category_by_name
 from assetkit.library.search.limits import read_limits
-from assetkit.library.search.query import Wish
+from assetkit.library.search.query import Criterion
 from assetkit.taxonomy.material_classes import materials
 from assetkit.taxonomy.tables import Category, categories, families, fillers, other_things
 from assetkit.taxonomy.words import singulars, words_of
@@ -27,7 +27,7 @@ _LONGEST = 4
 _SIZES_M = {"tiny": (0.0, 0.03), "small": (0.0, 0.10), "large": (0.30, float("inf")), "huge": (1.0, float("inf"))}
 _EDIBLE = "food"  # As a material it is what things hold, not what they are made of: "bowl for fruit".
 _JOINING = frozenset(("or", "and"))
-_BEFORE_DENIED = frozenset(("a", "an", "the", "any", "for", "to"))
+_BEFORE_NEGATED = frozenset(("a", "an", "the", "any", "for", "to"))
 _ALTERNATIVE = frozenset(("or", "nor"))
 
 
@@ -43,69 +43,72 @@ class _Noun(NamedTuple):
     family: str = ""
 
 
-def read_request(request: str) -> tuple[Wish, ...]:
-    """The wishes of a request, in the order of their kinds; () when it is empty. A request without a word that says
-    anything is a wish for itself, so that it finds nothing rather than everything.
+def parse_query(request: str) -> tuple[Criterion, ...]:
+    """The criteria of a request, in the order of their kinds; () when it is empty. A request without any meaningful
+    word is a criterion on the texts, so that it finds nothing rather than everything.
     """
     plain = unicodedata.normalize("NFC", request).lower()
     limits, rest = read_limits(plain)
     words = re.findall(r"[^\W\d_]+|\d+|;", rest)
     taken: dict[int, _Phrase] = dict(_phrases(words))
-    denied = _denied(words, taken)
-    things, used = _things(words, taken, denied)
-    left = [i for i in range(len(words)) if i not in taken and i not in used and words[i] != ";"]
-    wanted = [categories()[v] for t in things if t.field == "category" for v in t.values]
-    asked = [
-        replace(_asked(phrase, text, wanted), denied=bool({i for i in denied if taken.get(i) == phrase}))
-        for phrase, text in _spoken(words, taken)
+    negated = _negated_positions(words, taken)
+    kinds, kind_positions = _kind_criteria(words, taken, negated)
+    left = [i for i in range(len(words)) if i not in taken and i not in kind_positions and words[i] != ";"]
+    kind_categories = [categories()[v] for c in kinds if c.field == "category" for v in c.values]
+    phrases = [
+        replace(_of_phrase(phrase, text, kind_categories), negated=bool({i for i in negated if taken.get(i) == phrase}))
+        for phrase, text in _phrase_texts(words, taken)
         if phrase.kind not in ("stop", "not")
     ]
-    refused, said = _refused(words, [i for i in left if i in denied])
-    named = [_property(words, i, things) for i in left if i not in said]
-    found = (*things, *refused, *(_denying(w) if i in denied else w for i, w in named), *asked, *limits)
-    if found or not plain.strip():
-        return found
-    return (Wish(request.strip(), "text", reading="nothing that could be looked for"),)
+    excluded, excluded_positions = _excluded_kinds(words, [i for i in left if i in negated])
+    properties = [_property(words, i, kinds) for i in left if i not in excluded_positions]
+    of_words = [_negation(criterion) if i in negated else criterion for i, criterion in properties]
+    criteria = (*kinds, *excluded, *of_words, *phrases, *limits)
+    if criteria or not plain.strip():
+        return criteria
+    return (Criterion(request.strip(), "text", reading="nothing that could be looked for"),)
 
 
-def _denied(words: Sequence[str], taken: dict[int, _Phrase]) -> set[int]:
-    """Positions that "not" (the next word or name) and "without" (all words up to the next phrase, over "or") deny."""
-    denied: set[int] = set()
+def _negated_positions(words: Sequence[str], taken: dict[int, _Phrase]) -> set[int]:
+    """Positions negated by "not" (the next word or name) and "without" (all words up to the next phrase, over "or")."""
+    negated: set[int] = set()
     for i, phrase in taken.items():
         if phrase.kind != "not" or taken.get(i + 1) == phrase:
             continue
         j = i + 1
-        while j < len(words) and words[j] in _BEFORE_DENIED and taken[j].kind == "stop":
+        while j < len(words) and words[j] in _BEFORE_NEGATED and taken[j].kind == "stop":
             j += 1
         end = j + 1
         while end < len(words) and (taken.get(end) == taken.get(j) or words[end] in _ALTERNATIVE) and words[end] != ";":
             end += 1
         if phrase.value == "one" and j not in taken:
             end = max((e for e in range(j + 1, j + _LONGEST) if _noun(words, j, min(e, len(words)))), default=j + 1)
-        denied |= set(range(j, end)) & set(range(len(words)))
-    return denied
+        negated |= set(range(j, end)) & set(range(len(words)))
+    return negated
 
 
-def _refused(words: Sequence[str], positions: Sequence[int]) -> tuple[tuple[Wish, ...], set[int]]:
-    """Denied kinds of things, and the positions that name them: "not a mug", "other than a coffee mug"."""
-    found = [_head(words, list(run)) for run in _neighbours(positions)]
-    nouns = [noun for noun in found if noun is not None and noun.category is not None]
-    wishes = []
+def _excluded_kinds(words: Sequence[str], positions: Sequence[int]) -> tuple[tuple[Criterion, ...], set[int]]:
+    """Negated kinds of objects, and the positions that name them: "not a mug", "other than a coffee mug"."""
+    heads = [_head(words, list(run)) for run in _consecutive(positions)]
+    nouns = [noun for noun in heads if noun is not None and noun.category is not None]
+    criteria = []
     for noun in nouns:
         category = noun.category.id if noun.category else ""
-        said = " ".join(words[noun.start : noun.end])
-        wishes.append(_denying(Wish(said, "category", (category,), reading=f"category {category}")))
-    return tuple(wishes), {i for noun in nouns for i in range(noun.start, noun.end)}
+        phrase = " ".join(words[noun.start : noun.end])
+        criteria.append(_negation(Criterion(phrase, "category", (category,), reading=f"category {category}")))
+    return tuple(criteria), {i for noun in nouns for i in range(noun.start, noun.end)}
 
 
-def _neighbours(positions: Sequence[int]) -> Iterator[list[int]]:
+def _consecutive(positions: Sequence[int]) -> Iterator[list[int]]:
     """Runs of positions that follow one another."""
     for _, run in groupby(enumerate(positions), key=lambda entry: entry[1] - entry[0]):
         yield [position for _, position in run]
 
 
-def _denying(wish: Wish) -> Wish:
-    return replace(wish, words=f"not {wish.words}", reading=f"not: {wish.reading}", denied=True, soft=False)
+def _negation(criterion: Criterion) -> Criterion:
+    return replace(
+        criterion, words=f"not {criterion.words}", reading=f"not: {criterion.reading}", negated=True, optional=False
+    )
 
 
 def _phrases(words: Sequence[str]) -> Iterator[tuple[int, _Phrase]]:
@@ -122,40 +125,42 @@ def _phrases(words: Sequence[str]) -> Iterator[tuple[int, _Phrase]]:
             start += 1
 
 
-def _spoken(words: Sequence[str], taken: dict[int, _Phrase]) -> Iterator[tuple[_Phrase, str]]:
+def _phrase_texts(words: Sequence[str], taken: dict[int, _Phrase]) -> Iterator[tuple[_Phrase, str]]:
     """Each phrase once, with its words."""
     for phrase in dict.fromkeys(taken.values()):
         yield phrase, " ".join(words[i] for i, p in taken.items() if p == phrase)
 
 
-def _asked(phrase: _Phrase, words: str, wanted: Sequence[Category]) -> Wish:
+def _of_phrase(phrase: _Phrase, words: str, kinds: Sequence[Category]) -> Criterion:
     if phrase.kind == "size":
-        return _size_word(phrase.value, words, wanted)
+        return _size_word(phrase.value, words, kinds)
     reading = {"task": "something to", "anchor": "an anchor of kind", "role": "the role"}[phrase.kind]
     field = "task" if phrase.kind == "task" else "anchor" if phrase.kind == "anchor" else "role"
-    return Wish(words, field, (phrase.value,), reading=f"{reading} {phrase.value}")
+    return Criterion(words, field, (phrase.value,), reading=f"{reading} {phrase.value}")
 
 
-def _size_word(value: str, words: str, wanted: Sequence[Category]) -> Wish:
-    """A size word is relative to what is usual for the thing wanted: "small" is below the middle of the usual range."""
+def _size_word(value: str, words: str, kinds: Sequence[Category]) -> Criterion:
+    """A size word is relative to the usual sizes of the category: "small" is below the middle of their range."""
     low, high = _SIZES_M[value]
-    if len(wanted) == 1:
-        usual = wanted[0].large_m
+    if len(kinds) == 1:
+        usual = kinds[0].large_m
         middle = (usual[0] * usual[1]) ** 0.5
         low, high = (0.0, middle) if value in ("tiny", "small") else (middle, float("inf"))
-    reading = f"longest edge {low:.3g} to {high:.3g} m" + (f", as {wanted[0].id} go" if len(wanted) == 1 else "")
-    return Wish(words, "size_m", low=low, high=high, reading=reading, soft=True)
+    reading = f"longest edge {low:.3g} to {high:.3g} m" + (f", as {kinds[0].id} go" if len(kinds) == 1 else "")
+    return Criterion(words, "size_m", low=low, high=high, reading=reading, optional=True)
 
 
-def _things(words: Sequence[str], taken: dict[int, _Phrase], denied: set[int]) -> tuple[tuple[Wish, ...], set[int]]:
-    """The wish for the kind of thing, and the positions that said it; () when no category or family is named.
+def _kind_criteria(
+    words: Sequence[str], taken: dict[int, _Phrase], negated: set[int]
+) -> tuple[tuple[Criterion, ...], set[int]]:
+    """The criterion on the kind of object, and the positions that name it; () when no category or family is named.
 
-    The head of the first run of words that holds a noun is the thing; the heads of runs that "or" and "and" join to it
+    The head of the first run of words that holds a noun is the kind; the heads of runs that "or" and "and" join to it
     are alternatives.
     """
     runs = [run for run in _runs(words, taken) if run]
     heads = [(run, _head(words, run)) for run in runs]
-    known = [(run, noun) for run, noun in heads if noun is not None and noun.start not in denied]
+    known = [(run, noun) for run, noun in heads if noun is not None and noun.start not in negated]
     if not known or (known[0][1].category is None and not known[0][1].family):
         return (), set()
     chosen = [known[0]]
@@ -166,16 +171,16 @@ def _things(words: Sequence[str], taken: dict[int, _Phrase], denied: set[int]) -
         chosen.append((run, noun))
     nouns = [noun for _, noun in chosen]
     used = {i for noun in nouns for i in range(noun.start, noun.end)}
-    said = " or ".join(" ".join(words[n.start : n.end]) for n in nouns)
+    phrase = " or ".join(" ".join(words[n.start : n.end]) for n in nouns)
     if nouns[0].family:
         title = families()[nouns[0].family].title
-        return (Wish(said, "family", (nouns[0].family,), reading=f"family {title}", names_thing=True),), used
+        return (Criterion(phrase, "family", (nouns[0].family,), reading=f"family {title}", is_kind=True),), used
     values = tuple(dict.fromkeys(n.category.id for n in nouns if n.category))
-    return (Wish(said, "category", values, reading=f"category {' or '.join(values)}", names_thing=True),), used
+    return (Criterion(phrase, "category", values, reading=f"category {' or '.join(values)}", is_kind=True),), used
 
 
 def _runs(words: Sequence[str], taken: dict[int, _Phrase]) -> Iterator[list[int]]:
-    """Stretches of neighbouring positions that no phrase has taken."""
+    """Runs of consecutive positions that belong to no phrase."""
     run: list[int] = []
     for i, word in enumerate(words):
         if i in taken or word == ";":
@@ -187,7 +192,7 @@ def _runs(words: Sequence[str], taken: dict[int, _Phrase]) -> Iterator[list[int]
 
 
 def _head(words: Sequence[str], run: Sequence[int]) -> _Noun | None:
-    """The last noun of a run; a colour or material counts only where no other noun stands."""
+    """The last noun of a run; a colour or material counts only where there is no other noun."""
     nouns: list[_Noun] = []
     start, stop = run[0], run[-1] + 1
     while start < stop:
@@ -208,29 +213,29 @@ def _noun(words: Sequence[str], start: int, end: int) -> _Noun | None:
     family = _families().get(name)
     if family:
         return _Noun(start, end, None, family)
-    category = category_called(name)
+    category = category_by_name(name)
     if category is not None:
         return _Noun(start, end, category)
     outside = any(form in _outside() for form in (name, *singulars(name)))
     return _Noun(start, end, None) if outside and not _is_adjective(name) else None
 
 
-def _property(words: Sequence[str], i: int, things: Sequence[Wish]) -> tuple[int, Wish]:
-    """The position and the wish of a word that names neither phrase nor thing: colour, material, part, or any text."""
-    from assetkit.materials.colour_names import colour_called  # Loads matplotlib.
+def _property(words: Sequence[str], i: int, kinds: Sequence[Criterion]) -> tuple[int, Criterion]:
+    """Position and criterion of a word that is neither in a phrase nor a kind: colour, material, part or text."""
+    from assetkit.materials.colour_names import colour_by_name  # Loads matplotlib.
 
     word = words[i]
-    colour = colour_called(word) if word in fillers() else None
+    colour = colour_by_name(word) if word in fillers() else None
     if colour is not None:
-        return i, Wish(word, "colour", (colour,), reading=f"colour {colour}")
+        return i, Criterion(word, "colour", (colour,), reading=f"colour {colour}")
     forms = (word, *singulars(word))
     made_of = tuple(m.name for m in materials().values() if m.name != _EDIBLE and (word == m.name or word in m.words))
     if made_of:
-        return i, Wish(word, "material", made_of, reading=f"material {' or '.join(made_of)}")
+        return i, Criterion(word, "material", made_of, reading=f"material {' or '.join(made_of)}")
     part = next((form for form in forms if form in _parts()), None)
-    if part is not None and (things or "with" in words[:i]):
-        return i, Wish(word, "part", (part,), reading=f"a part called {part}")
-    return i, Wish(word, "text", forms, reading="a word in the texts of the asset", soft=bool(things))
+    if part is not None and (kinds or "with" in words[:i]):
+        return i, Criterion(word, "part", (part,), reading=f"a part called {part}")
+    return i, Criterion(word, "text", forms, reading="a word in the texts of the asset", optional=bool(kinds))
 
 
 def _is_adjective(word: str) -> bool:
@@ -246,7 +251,7 @@ def _table() -> dict[tuple[str, ...], _Phrase]:
 
 @cache
 def _families() -> dict[str, str]:
-    """Family ids by what people call them: the id, and without a plural s."""
+    """Family ids by their names: the id in words, with and without a plural s."""
     named = {family.replace("_", " "): family for family in families()}
     return named | {name.removesuffix("s"): family for name, family in named.items()}
 

@@ -1,4 +1,4 @@
-"""What a request asks for, wish by wish."""
+"""A search request as data: one criterion per property that the assets should have."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ Field = Literal[
 
 
 @dataclass(frozen=True)
-class Wish:
-    """One thing asked for.
+class Criterion:
+    """One property that an asset should have.
 
-    words    of the request (or the flag) that say it.        values  any of these will do, in the field's vocabulary.
-    low, high  limits of a figure in the field's unit.        reading what the words were taken for.
-    names_thing  whether it says what kind of thing is wanted: without an answer to it nothing is a hit.
-    soft     an asset without it ranks lower and is still a hit.
-    stated   only what the record states counts, no mere chance (flags).
-    denied   it must not be so: "not red", "without a handle".
+    words      words of the request, or the flag, that were read as this criterion.
+    values     any of these matches, in the field's vocabulary.
+    low, high  limits of a figure in the field's unit.
+    reading    what the words were taken for.
+    is_kind    whether it names the kind of object: an asset that does not match it is no hit.
+    optional   an asset that does not match it ranks lower and is still a hit.
+    stated     only a value that the record states counts, no mere hypothesis (flags).
+    negated    the property must be absent: "not red", "without a handle".
     """
 
     words: str
@@ -29,7 +31,7 @@ class Wish:
     low: float = 0.0
     high: float = float("inf")
     reading: str = ""
-    names_thing: bool = False
-    soft: bool = False
+    is_kind: bool = False
+    optional: bool = False
     stated: bool = False
-    denied: bool = False
+    negated: bool = False

@@ -1,4 +1,4 @@
-"""Search: the assets of a library that grant the wishes of a request, best first, each with its reasons."""
+"""Ranks the assets of a library by how well they match the criteria of a request; each hit has its reasons."""
 
 from __future__ import annotations
 
@@ -7,69 +7,69 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from assetkit.library.search.facts import Facts
-from assetkit.library.search.match import Answer, TextHit, judge
-from assetkit.library.search.query import Wish
+from assetkit.library.search.match import Match, TextHit, match_criterion
+from assetkit.library.search.query import Criterion
 
-UNMET_SOFT = 0.3  # What a soft wish costs that is not granted.
+UNMET_OPTIONAL_SCORE = 0.3  # Factor in the score for an optional criterion without a match.
 MAX_NEAR = 5
-FindText = Callable[[Wish], TextHit]
+FindText = Callable[[Criterion], TextHit]
 
 
 @dataclass(frozen=True)
 class Hit:
-    """An asset with its answers; `score` in 0..1 ranks it, `lacks` are the answers that say no."""
+    """An asset with the criteria that it matches and those that it misses; `score` in 0..1 ranks it."""
 
     asset: Facts
     score: float
-    why: tuple[Answer, ...]
-    lacks: tuple[Answer, ...]
+    matches: tuple[Match, ...]
+    misses: tuple[Match, ...]
 
 
 @dataclass(frozen=True)
-class Found:
-    """What a search found.
+class SearchResult:
+    """Outcome of a search.
 
-    hits       assets that grant every wish that is not soft, best first.
-    near       where these are few: assets that grant what kind of thing is wanted and miss something else.
-    unmatched  wishes that no asset at all grants.
+    hits         assets that match every criterion that is not optional, best first.
+    near_misses  where these are few: assets of the right kind that miss another criterion.
+    unmatched    criteria that no asset matches.
     """
 
-    wishes: tuple[Wish, ...]
+    criteria: tuple[Criterion, ...]
     hits: tuple[Hit, ...]
-    near: tuple[Hit, ...]
-    unmatched: tuple[Wish, ...]
+    near_misses: tuple[Hit, ...]
+    unmatched: tuple[Criterion, ...]
 
 
-def search(assets: Sequence[Facts], wishes: Sequence[Wish], find_text: FindText) -> Found:
-    """The assets that grant the wishes. `find_text` looks for the words of one wish in the texts of all assets: full
-    text, or anything that answers alike, such as the likeness of meanings.
+def search(assets: Sequence[Facts], criteria: Sequence[Criterion], find_text: FindText) -> SearchResult:
+    """The assets that match the criteria. `find_text` looks for the words of one criterion in the texts of all assets:
+    by full text, or by any other measure, such as similarity of meaning.
     """
-    texts: Mapping[Wish, TextHit] = {w: find_text(w) for w in wishes if w.field == "text"}
-    judged = [_hit(asset, [judge(w, asset, texts) for w in wishes]) for asset in assets]
-    judged.sort(key=lambda hit: (-hit.score, hit.asset.asset_id))
-    granted = {answer.wish for hit in judged for answer in hit.why}
-    hits = tuple(hit for hit in judged if _is_hit(hit))
-    missed = [hit for hit in judged if not _is_hit(hit) and _is_near(hit, wishes)]
-    near = sorted(missed, key=lambda hit: (len(hit.lacks), -hit.score, hit.asset.asset_id))
-    unmatched = tuple(w for w in wishes if w not in granted)
-    return Found(tuple(wishes), hits, tuple(near[:MAX_NEAR]) if len(hits) < MAX_NEAR else (), unmatched)
+    texts: Mapping[Criterion, TextHit] = {c: find_text(c) for c in criteria if c.field == "text"}
+    scored = [_score(asset, [match_criterion(c, asset, texts) for c in criteria]) for asset in assets]
+    scored.sort(key=lambda hit: (-hit.score, hit.asset.asset_id))
+    matched = {result.criterion for hit in scored for result in hit.matches}
+    hits = tuple(hit for hit in scored if _is_hit(hit))
+    missed = [hit for hit in scored if not _is_hit(hit) and _is_near_miss(hit, criteria)]
+    near = sorted(missed, key=lambda hit: (len(hit.misses), -hit.score, hit.asset.asset_id))
+    unmatched = tuple(c for c in criteria if c not in matched)
+    return SearchResult(tuple(criteria), hits, tuple(near[:MAX_NEAR]) if len(hits) < MAX_NEAR else (), unmatched)
 
 
-def _hit(asset: Facts, answers: Sequence[Answer]) -> Hit:
-    """The score is the geometric mean of the confidences, so that one doubtful answer counts whatever the others."""
-    why = tuple(a for a in answers if a.confidence > 0.0)
-    lacks = tuple(a for a in answers if a.confidence == 0.0)
-    counted = [a.confidence for a in why] + [UNMET_SOFT] * len(lacks)
-    score = math.exp(sum(map(math.log, counted)) / len(counted)) if counted else 0.0
-    return Hit(asset, round(score, 4), why, lacks)
+def _score(asset: Facts, results: Sequence[Match]) -> Hit:
+    """The score is the geometric mean of the confidences, so that one doubtful match counts whatever the others."""
+    matches = tuple(r for r in results if r.confidence > 0.0)
+    misses = tuple(r for r in results if r.confidence == 0.0)
+    factors = [r.confidence for r in matches] + [UNMET_OPTIONAL_SCORE] * len(misses)
+    score = math.exp(sum(map(math.log, factors)) / len(factors)) if factors else 0.0
+    return Hit(asset, round(score, 4), matches, misses)
 
 
 def _is_hit(hit: Hit) -> bool:
-    return all(answer.wish.soft for answer in hit.lacks)
+    return all(result.criterion.optional for result in hit.misses)
 
 
-def _is_near(hit: Hit, wishes: Sequence[Wish]) -> bool:
-    """Of the kind that is wanted; where no kind is named, granting at least half of the wishes."""
-    if any(w.names_thing for w in wishes):
-        return not any(a.wish.names_thing for a in hit.lacks)
-    return len(hit.why) >= len(hit.lacks)
+def _is_near_miss(hit: Hit, criteria: Sequence[Criterion]) -> bool:
+    """Whether the asset is of the right kind; where no kind is named, whether it matches half of `criteria` or more."""
+    if any(c.is_kind for c in criteria):
+        return not any(r.criterion.is_kind for r in hit.misses)
+    return len(hit.matches) >= len(hit.misses)

@@ -16,10 +16,10 @@ PRIMITIVES = ("triangles", "polylist", "polygons", "tristrips", "trifans")
 
 
 @dataclass(frozen=True)
-class Part:
+class TriangleSet:
     """The triangles of one primitive, in the frame of its geometry; arrays as in `schemas.model.Mesh`."""
 
-    symbol: str  # stands for a material until an instance binds it
+    symbol: str  # placeholder of a material until an instance binds it
     points: np.ndarray
     triangles: np.ndarray
     normals: np.ndarray | None
@@ -36,7 +36,7 @@ class _Input:
     values: np.ndarray
 
 
-def read_geometry(geometry: Element, document: Document) -> tuple[Part, ...]:
+def read_geometry(geometry: Element, document: Document) -> tuple[TriangleSet, ...]:
     """The surface primitives of a `geometry` element; lines, splines and empty primitives give nothing.
 
     Raises InvalidInput: `asset/parse-error` for unreadable positions, `asset/nonfinite-vertices`,
@@ -48,18 +48,18 @@ def read_geometry(geometry: Element, document: Document) -> tuple[Part, ...]:
             severity = Severity.INFO if other.tag == "spline" else None
             headline = f"<{other.tag}> geometry is not read"
             left_out = finding("asset/geometry-left-out", headline, where=document.place(other), severity=severity)
-            document.say(left_out, once=f"{other.tag}")
+            document.report(left_out, once=f"{other.tag}")
         return ()
     if (line := next(mesh.iterchildren("lines", "linestrips"), None)) is not None:
         where = document.place(line)
         headline = "lines were left out"
         left_out = finding("asset/geometry-left-out", headline, where=where, severity=Severity.INFO)
-        document.say(left_out, once="lines")
+        document.report(left_out, once="lines")
     parts = (_read_primitive(p, mesh, document) for p in mesh if p.tag in PRIMITIVES)
     return tuple(p for p in parts if p is not None)
 
 
-def _read_primitive(primitive: Element, mesh: Element, document: Document) -> Part | None:
+def _read_primitive(primitive: Element, mesh: Element, document: Document) -> TriangleSet | None:
     inputs, width = _inputs(primitive, mesh, document)
     points = next((i.values for i in inputs if i.semantic == "POSITION"), np.zeros((0, 3)))
     position = next((i.offset for i in inputs if i.semantic == "POSITION"), 0)
@@ -90,10 +90,10 @@ def _read_primitive(primitive: Element, mesh: Element, document: Document) -> Pa
     if len(counts) == 0:
         return None
     cut, _ = triangulate_polygons(points, table[:, position], counts)
-    return _part(primitive.get("material") or "", points, table[cut], inputs, position, where, document)
+    return _with_attributes(primitive.get("material") or "", points, table[cut], inputs, position, where, document)
 
 
-def _part(
+def _with_attributes(
     symbol: str,
     points: np.ndarray,
     table: np.ndarray,
@@ -101,8 +101,8 @@ def _part(
     position: int,
     where: Location,
     document: Document,
-) -> Part:
-    """The part of (m, 3, width) index rows."""
+) -> TriangleSet:
+    """The primitive of (m, 3, width) index rows."""
     triangles = table[..., position]
     normals = colors = None
     uvs: dict[int, np.ndarray] = {}
@@ -121,7 +121,7 @@ def _part(
             colors = np.concatenate([srgb_to_linear(values[..., :3]), alpha], axis=-1).astype(np.float32)
     used, renumbered = compact(points, triangles)
     sets = tuple(sorted(uvs))
-    return Part(symbol, used, renumbered, normals, tuple(uvs[s] for s in sets), sets, colors)
+    return TriangleSet(symbol, used, renumbered, normals, tuple(uvs[s] for s in sets), sets, colors)
 
 
 def _inputs(primitive: Element, mesh: Element, document: Document) -> tuple[list[_Input], int]:
@@ -136,8 +136,15 @@ def _inputs(primitive: Element, mesh: Element, document: Document) -> tuple[list
             for inner in target.findall("input"):
                 source = _local(mesh, inner.get("source"), document)
                 if source is not None:
-                    found = (inner.get("semantic") or "").upper()
-                    inputs.append(_Input(found, offset, _integer(inner.get("set")), _source(source, found, document)))
+                    inner_semantic = (inner.get("semantic") or "").upper()
+                    inputs.append(
+                        _Input(
+                            inner_semantic,
+                            offset,
+                            _integer(inner.get("set")),
+                            _source(source, inner_semantic, document),
+                        )
+                    )
         elif target is not None and target.tag == "source":
             semantic = "POSITION" if semantic == "VERTEX" else semantic
             values = _source(target, semantic, document)
@@ -167,7 +174,7 @@ def _source(source: Element, semantic: str, document: Document) -> np.ndarray:
                 finding("asset/parse-error", f"a coordinate is unreadable: {error}", where=where)
             ) from None
         headline = f"{semantic} values are unreadable and were dropped: {error}"
-        document.say(
+        document.report(
             finding("asset/schema-error", headline, where=where, severity=Severity.WARNING), "attribute_dropped"
         )
         return np.zeros((0, 3))
@@ -238,7 +245,7 @@ def _with_holes(ph: Element, width: int, position: int, points: np.ndarray) -> l
     table = np.concatenate(rings)
     index = table[:, position]
     if index.min() < 0 or index.max() >= len(points) or points.shape[1] < 3 or not np.isfinite(points).all():
-        return [table]  # the checks on plain polygons will say what is wrong
+        return [table]  # the checks on plain polygons report what is wrong
     return [table[t] for t in triangulate_with_holes([points[r[:, position], :3] for r in rings])]
 
 
@@ -265,4 +272,4 @@ def _declared_count(primitive: Element) -> int:
 def _drop(primitive: Element, why: str, document: Document) -> None:
     headline = f"<{primitive.tag}>: {why}"
     diagnostic = finding("asset/schema-error", headline, where=document.place(primitive), severity=Severity.WARNING)
-    document.say(diagnostic, "primitive_dropped", primitive=str(primitive.tag))
+    document.report(diagnostic, "primitive_dropped", primitive=str(primitive.tag))

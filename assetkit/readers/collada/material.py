@@ -90,15 +90,15 @@ def _values(
             numbers = document.numbers(value)
         except ValueError:
             numbers = np.zeros(0)
-        wanted = 1 if element.tag in _FLOATS else 3
-        mistyped = wanted == 1 and value.tag == "color"
-        if mistyped or len(numbers) < wanted or not np.isfinite(numbers).all():
+        length = 1 if element.tag in _FLOATS else 3
+        mistyped = length == 1 and value.tag == "color"
+        if mistyped or len(numbers) < length or not np.isfinite(numbers).all():
             text = (value.text or "").strip()[:60]
             what = f"is a <{value.tag}>" if mistyped else f"'{text}' is not numeric"
             headline = f"material '{name}': {element.tag} {what}; the default is used"
             diagnostic = finding("asset/invalid-material-value", headline, where=document.place(value), value=text)
-            document.say(diagnostic, "invalid_material_value", material=name, property=element.tag)
-        elif wanted == 1:
+            document.report(diagnostic, "invalid_material_value", material=name, property=element.tag)
+        elif length == 1:
             floats[element.tag] = float(numbers[0])
         else:
             colors[element.tag] = tuple(float(n) for n in numbers[:4])
@@ -108,8 +108,8 @@ def _values(
 def _resolved(element: Element, effect: Element) -> Element | None:
     """The `float` or `color` below `element`, through a `param` reference if there is one."""
     for tag in ("float", "color"):
-        if (found := element.find(tag)) is not None:
-            return found
+        if (value := element.find(tag)) is not None:
+            return value
     param = element.find("param")
     target = None if param is None else _parameter(effect, param.get("ref") or "")
     if target is None:
@@ -204,7 +204,7 @@ def _opacity(
     if opacity > 0.0:
         return opacity
     headline = f"material '{name}' would be invisible ({mode}, transparency {transparency:g}); it is read as opaque"
-    document.say(
+    document.report(
         finding(
             "asset/invalid-material-value", headline, where=document.place(element), value=0.0, severity=Severity.INFO
         )

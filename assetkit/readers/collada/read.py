@@ -1,5 +1,6 @@
-"""COLLADA 1.4 and 1.5 (.dae). Source: Khronos, "COLLADA Digital Asset Schema Release 1.4.1" (2008).
+"""Reads COLLADA 1.4 and 1.5 (.dae) into a source model.
 
+Source: Khronos, "COLLADA Digital Asset Schema Release 1.4.1" (2008).
 Read from the XML itself: pycollada drops whole nodes for a missing material and whole geometries for one comma.
 """
 
@@ -9,7 +10,7 @@ import math
 
 import numpy as np
 
-from assetkit.readers.collada.geometry import Part, read_geometry
+from assetkit.readers.collada.geometry import TriangleSet, read_geometry
 from assetkit.readers.collada.material import read_material
 from assetkit.readers.collada.scene import Placement, read_scene
 from assetkit.readers.collada.xml import Document, Element, parse
@@ -50,7 +51,7 @@ def read_dae(source: SourceFile) -> Outcome[Model]:
         _raise_without_faces(document)
     if (animation := document.root.find("library_animations//channel")) is not None:
         headline = "the file is animated; the pose its nodes state was taken"
-        document.say(finding("asset/animation-dropped", headline, where=document.place(animation)))
+        document.report(finding("asset/animation-dropped", headline, where=document.place(animation)))
     notes = document.notes + Notes(tuple(textures.diagnostics), tuple(textures.repairs))
     hints, metadata = _texts(document)
     model = Model(
@@ -82,7 +83,7 @@ def _unit(document: Document) -> Evidence[float]:
     if "," in text:
         headline = f"<unit meter='{text}'> has a decimal comma; it is read as {value:g} m"
         diagnostic = finding("asset/invalid-unit-value", headline, where=place, value=text, severity=Severity.WARNING)
-        document.say(diagnostic, "invalid_unit_value", meter=text)
+        document.report(diagnostic, "invalid_unit_value", meter=text)
     return declared(value, "COLLADA <unit meter>", inputs=(f"meter={text}",))
 
 
@@ -93,22 +94,22 @@ def _up_axis(document: Document) -> Evidence[Axis]:
         return declared(_UP[text], "COLLADA <up_axis>")
     if element is not None and text:
         headline = f"<up_axis> is '{text}', not X_UP, Y_UP or Z_UP; y is assumed"
-        document.say(finding("asset/invalid-up-axis", headline, where=document.place(element), value=text))
+        document.report(finding("asset/invalid-up-axis", headline, where=document.place(element), value=text))
     return declared("y", "COLLADA default up axis, Y_UP", confidence=_BY_STANDARD)
 
 
 def _meshes(
     placements: tuple[Placement, ...], document: Document, textures: TextureTable, source: SourceFile
 ) -> tuple[tuple[Mesh, ...], tuple[Material, ...]]:
-    parts: dict[Element, tuple[Part, ...]] = {}
+    triangle_sets: dict[Element, tuple[TriangleSet, ...]] = {}
     meshes: list[Mesh] = []
     materials: list[Material] = []
     index: dict[tuple[str, tuple[tuple[str, int], ...]], int] = {}
     triangles = 0
     for placement in placements:
-        if placement.geometry not in parts:
-            parts[placement.geometry] = read_geometry(placement.geometry, document)
-        for number, part in enumerate(parts[placement.geometry]):
+        if placement.geometry not in triangle_sets:
+            triangle_sets[placement.geometry] = read_geometry(placement.geometry, document)
+        for number, part in enumerate(triangle_sets[placement.geometry]):
             triangles += len(part.triangles)
             if triangles > MAX_TRIANGLES:
                 headline = "the instances expand to too many triangles"
@@ -137,7 +138,7 @@ def _meshes(
     return tuple(meshes), tuple(materials)
 
 
-def _uv_index(bound: Element, part: Part) -> dict[str, int]:
+def _uv_index(bound: Element, part: TriangleSet) -> dict[str, int]:
     """Texture-coordinate names of the effect -> position among the part's UV sets."""
     names = {b.get("semantic") or "": b.get("input_set") or "0" for b in bound.findall("bind_vertex_input")}
     sets = {str(s): i for i, s in enumerate(part.uv_sets)}
@@ -154,13 +155,13 @@ def _material(
         diagnostic = finding(
             "asset/missing-material", headline, where=document.where, value=target, severity=Severity.INFO
         )
-        document.say(diagnostic, once=f"material {target}")
+        document.report(diagnostic, once=f"material {target}")
         return Material(target)
     name = element.get("name") or target
     return read_material(name, element, uv_index, document, textures, source.path.parent)
 
 
-def _placed(part: Part, placement: Placement, name: str, material: int | None) -> Mesh:
+def _placed(part: TriangleSet, placement: Placement, name: str, material: int | None) -> Mesh:
     """The part in the frame of the model. A mirroring transform turns the winding back: outside stays so."""
     X = placement.X_WG
     A = X[:3, :3]
@@ -195,7 +196,7 @@ def _with_meshes(nodes: tuple[Node, ...], meshes: tuple[Mesh, ...]) -> tuple[Nod
 
 
 def _texts(document: Document) -> tuple[tuple[str, ...], dict[str, str]]:
-    """Texts that may tell units or axes, verbatim; and what the file says about itself."""
+    """Texts that may state units or axes, verbatim; and title, author, copyright and generator."""
     asset = document.root.find("asset")
     if asset is None:
         return (), {}

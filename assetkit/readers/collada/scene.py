@@ -1,4 +1,4 @@
-"""The COLLADA scene graph: which geometry stands where, and with which material."""
+"""Walks the COLLADA scene graph: the pose and the material bindings of each instance of a geometry."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Placement:
 def read_scene(document: Document) -> tuple[tuple[Placement, ...], tuple[Node, ...]]:
     """Every geometry instance below the scene, depth first, and all nodes of the hierarchy.
 
-    Skins stand in their bind shape, morphs in their base shape. Cameras and lights are passed over. Where the scene
+    Skins keep their bind shape, morphs their base shape. Cameras and lights are passed over. Where the scene
     shows no geometry although the file has some, every geometry is placed once, untransformed.
     Raises InvalidInput: `asset/cyclic-reference`, `asset/resource-limit`, `asset/parse-error` for a bad transform,
     `asset/missing-dependency` for instances from other files.
@@ -136,7 +136,7 @@ def _matrix(element: Element, document: Document) -> np.ndarray:
     except ValueError:
         values = np.zeros(0)
     if len(values) == 0 and element.tag != "bind_shape_matrix":
-        return np.eye(4)  # an empty element: nothing is said
+        return np.eye(4)  # an empty element states no transform
     if len(values) != count or not np.isfinite(values).all():
         raise InvalidInput(
             finding(

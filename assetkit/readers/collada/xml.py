@@ -29,7 +29,7 @@ class Document:
     where: Location
     notes: Notes = field(default_factory=Notes)
     by_id: dict[str, Element] = field(default_factory=dict)
-    _said: set[str] = field(default_factory=set)
+    _reported: set[str] = field(default_factory=set)
 
     def place(self, element: Element) -> Location:
         """Where `element` begins."""
@@ -40,15 +40,17 @@ class Document:
         element = self.by_id.get((url or "").strip().removeprefix("#"))
         return element if element is not None and element.tag == tag else None
 
-    def say(self, diagnostic: Diagnostic, repair: str | None = None, *, once: str = "", **before: str | float) -> None:
+    def report(
+        self, diagnostic: Diagnostic, repair: str | None = None, *, once: str = "", **before: str | float
+    ) -> None:
         """Add a finding, with its repair if it has one; with `once` set, only the first under that key."""
-        if once and once in self._said:
+        if once and once in self._reported:
             return
-        self._said.add(once)
+        self._reported.add(once)
         self.notes += repaired(diagnostic, repair, **before) if repair else Notes((diagnostic,))
 
     def numbers(self, element: Element) -> np.ndarray:
-        """(n,) float64 values of the element's text; decimal commas are read as points and said once.
+        """(n,) float64 values of the element's text; decimal commas are read as points and reported once.
 
         Raises ValueError for anything that is not a number.
         """
@@ -63,7 +65,7 @@ class Document:
             diagnostic = finding(
                 "asset/schema-error", headline, where=self.place(element), value=tokens[0], severity=Severity.WARNING
             )
-            self.say(diagnostic, "decimal_comma", once="decimal comma", example=tokens[0])
+            self.report(diagnostic, "decimal_comma", once="decimal comma", example=tokens[0])
             tokens = [t.replace(",", ".") for t in tokens]
         return np.array([float("nan") if _MSVC.fullmatch(t) else float(t) for t in tokens], dtype=np.float64)
 

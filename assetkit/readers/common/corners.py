@@ -1,4 +1,4 @@
-"""What the polygon formats (OBJ, PLY, COLLADA) share once their text is parsed: indices, corners, normals, colours."""
+"""Checks and conversions of parsed polygon data (OBJ, PLY, COLLADA): indices, corners, normals, colours."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def unit_normals(
 ) -> tuple[np.ndarray, Notes]:
     """(m, 3, 3) float32 unit corner normals; zero or non-finite ones become the normal of their triangle.
 
-    None of OBJ, PLY and COLLADA asks for unit length, so other lengths are normalised without a word; nor is
+    None of OBJ, PLY and COLLADA requires unit length, so other lengths are normalised without a finding; nor is
     anything lost where a triangle has no area and hence no normal.
     """
     with np.errstate(all="ignore"):

@@ -1,4 +1,4 @@
-"""Image files found inside assets: recognised by content, measured before they are decoded, kept byte for byte."""
+"""Loads image files of assets as textures: recognised by content, size checked before decoding, bytes kept."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _UNSUPPORTED: tuple[tuple[bytes, str], ...] = (
 
 
 def load_texture(data: bytes, name: str, *, where: Location) -> tuple[Texture | None, tuple[Diagnostic, ...]]:
-    """The texture in `data`, called `name`, or None with the warning that says why there is none.
+    """The texture in `data`, called `name`, or None with a warning for the reason.
 
     PNG and JPEG keep their bytes; WebP, BMP, TGA, GIF (first frame) and TIFF (first page) become PNG. The image is
     decoded in full once, so that damage shows here and not in a renderer. Warnings: `asset/unsupported-texture` for
@@ -68,7 +68,7 @@ def load_texture(data: bytes, name: str, *, where: Location) -> tuple[Texture | 
         return _texture(image, data, name), ()
     except (InvalidInput, MemoryError):
         raise
-    except Image.DecompressionBombError as error:  # The WebP plugin refuses before it tells the size.
+    except Image.DecompressionBombError as error:  # The WebP plugin refuses before it gives the size.
         raise _too_large(f"texture '{name}': {error}", where, None) from error
     except Exception as error:  # On damaged bytes Pillow's plugins raise whatever their parsing trips over.
         headline = f"texture '{name}' cannot be decoded: {_reason(data, error)}"

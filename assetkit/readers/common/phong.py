@@ -1,4 +1,4 @@
-"""Phong-era material values (MTL, COLLADA) as metallic-roughness ones."""
+"""Converts Phong material values (MTL, COLLADA) to metallic-roughness values."""
 
 from __future__ import annotations
 

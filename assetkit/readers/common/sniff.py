@@ -1,4 +1,4 @@
-"""Look at the first bytes of a file before trusting its name."""
+"""Recognises the format of a file by its first bytes, and refuses files whose content contradicts their extension."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _JSON = re.compile(rb'\s*\{\s*"')
 
 
 def sniff(data: bytes) -> tuple[str, tuple[str, ...]] | None:
-    """What the first bytes say: a name and the extensions it goes by (lower case, no dot). None if they say nothing."""
+    """The format by the first bytes: its name and extensions (lower case, no dot). None if they match no format."""
     head = data[:4096].removeprefix(b"\xef\xbb\xbf")
     for name, extensions, magic in _MAGIC:
         if head.startswith(magic):

@@ -1,4 +1,4 @@
-"""The textures of one model while it is being read."""
+"""Collects the textures of one model while it is read: each image is loaded once; lost ones are reported."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ class Accessors:
 
         Normalised integers come as float32 in 0..1 or -1..1 (3.6.2.2), others in their own type.
         Raises InvalidInput: `asset/schema-error` for a wrong type or index, `asset/accessor-out-of-bounds` when it
-        passes the end of its view, `asset/resource-limit` when it stands for more than 1 GiB of zeros.
+        passes the end of its view, `asset/resource-limit` when it means more than 1 GiB of zeros.
         """
         accessor = self.described[reference.as_index(self.described, "accessors")]
         type_ = accessor.require("type").as_string()

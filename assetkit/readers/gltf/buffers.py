@@ -1,4 +1,4 @@
-"""Buffers and buffer views: bytes from the GLB chunk, data URIs, files and EXT_meshopt_compression."""
+"""Reads buffers and buffer views: bytes from the GLB chunk, data URIs, files and EXT_meshopt_compression."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class View:
 
 
 class Buffers:
-    """Lazily opened buffers of one document; nothing is opened that no accessor or image asks for."""
+    """Lazily opened buffers of one document; nothing is opened that no accessor or image refers to."""
 
     def __init__(self, source: SourceFile, document: Json, chunk: memoryview | None) -> None:
         self._source = source

@@ -1,4 +1,4 @@
-"""Which glTF extensions a file may require."""
+"""The glTF extensions that a file may require, and the check that it requires no other."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Final
 from assetkit.readers.gltf.json import Json
 from schemas.diagnostics import InvalidInput, finding
 
-# Material extensions change the look only; what has no counterpart is kept in `Material.unmapped`.
+# Material extensions change the appearance only; what has no counterpart is kept in `Material.unmapped`.
 _MATERIAL: Final = (
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -24,7 +24,7 @@ _MATERIAL: Final = (
     "KHR_materials_variants",
     "KHR_materials_volume",
 )
-# Physics extensions never change the look; masses, mass centres, tensors and friction are read (`gltf_physics`).
+# Physics extensions never change the appearance; masses, mass centres, tensors and friction are read (`physics`).
 _PHYSICS: Final = ("KHR_implicit_shapes", "KHR_physics_rigid_bodies", "OMI_physics_body", "OMI_physics_shape")
 SUPPORTED: Final = frozenset(
     (

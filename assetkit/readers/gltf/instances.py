@@ -1,4 +1,4 @@
-"""EXT_mesh_gpu_instancing: one node draws its mesh many times."""
+"""Poses of the copies of a mesh that one node draws (EXT_mesh_gpu_instancing)."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ _MISSING: Final = object()
 
 @dataclass(frozen=True)
 class Json:
-    """One JSON value and where it stands (`pointer` as in RFC 6901). All methods raise InvalidInput on a wrong type."""
+    """One JSON value and its place (`pointer` as in RFC 6901). All methods raise InvalidInput on a wrong type."""
 
     value: Any
     file: str
@@ -25,7 +25,7 @@ class Json:
         return Location(file=self.file, prim=self.pointer or "/")
 
     def schema_error(self, headline: str) -> InvalidInput:
-        """The exception that says what is wrong with this value."""
+        """The exception for what is wrong with this value."""
         shown = repr(self.value)
         shown = shown if len(shown) <= 60 else shown[:57] + "..."
         return InvalidInput(finding("asset/schema-error", headline, where=self.where, value=shown))
@@ -51,14 +51,14 @@ class Json:
         return member
 
     def members(self) -> tuple[Json, ...]:
-        """The members of this object in file order; `key` tells their names."""
+        """The members of this object in file order; `key` holds their names."""
         if not isinstance(self.value, dict):
             raise self.schema_error(f"expected an object, found {_type(self.value)}")
         return tuple(self._child(key, value) for key, value in self.value.items())
 
     @property
     def key(self) -> str:
-        """The member name or array index this value stands under."""
+        """The member name or array index of this value."""
         return self.pointer.rpartition("/")[2].replace("~1", "/").replace("~0", "~")
 
     def items(self, key: str) -> tuple[Json, ...]:

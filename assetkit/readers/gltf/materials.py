@@ -1,4 +1,4 @@
-"""glTF materials as `schemas.model.Material` (glTF 2.0, section 3.9 and the KHR_materials_* extensions)."""
+"""Reads glTF materials as `schemas.model.Material` (glTF 2.0, section 3.9 and the KHR_materials_* extensions)."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class _Reader:
         return self._metallic_roughness(material.object("pbrMetallicRoughness"), result, lit)
 
     def _metallic_roughness(self, pbr: Json, base: Material, lit: bool) -> Material:
-        """`base` with the values of `pbr`; an unlit surface is matt, whatever they say."""
+        """`base` with the values of `pbr`; an unlit surface is matt, whatever they are."""
         *color, alpha = self._fractions(pbr, "baseColorFactor", (1.0, 1.0, 1.0, 1.0))
         surface = pbr.get("metallicRoughnessTexture") if lit else None
         result = replace(
@@ -92,7 +92,7 @@ class _Reader:
         return replace(base, unmapped=unmapped)
 
     def _extension(self, extension: Json, base: Material) -> tuple[Material, bool]:
-        """`base` with what `extension` says, and whether nothing of it is lost."""
+        """`base` with the values of `extension`, and whether nothing of it is lost."""
         present = {member.key for member in extension.members()}
         match extension.key:
             case "KHR_materials_ior":
@@ -116,7 +116,7 @@ class _Reader:
     def _specular_glossiness(self, extension: Json, base: Material) -> Material:
         """Metallic-roughness values for KHR_materials_pbrSpecularGlossiness, by the conversion its appendix gives.
 
-        A specular texture tells metal from paint per texel, which one factor cannot: the surface then counts as a
+        A specular texture separates metal from paint per texel, which one factor cannot: the surface then counts as a
         dielectric of the diffuse colour.
         """
         *diffuse, alpha = self._fractions(extension, "diffuseFactor", (1.0, 1.0, 1.0, 1.0))
@@ -137,7 +137,7 @@ class _Reader:
     def _with_base(
         self, material: Material, color: tuple[float, float, float], alpha: float, info: Json | None
     ) -> Material:
-        """`material` with base colour and opacity; alpha counts only where the alpha mode asks for it (3.9.4)."""
+        """`material` with base colour and opacity; alpha counts only where the alpha mode uses it (3.9.4)."""
         used = self._textures.use(info)
         texture = None if used is None else used[0]
         opacity_texture = None

@@ -1,4 +1,4 @@
-"""The node hierarchy: where each mesh stands in the model (glTF 2.0, sections 3.5 and 3.6.1)."""
+"""The node hierarchy: the pose of each node in the model, metres (glTF 2.0, sections 3.5 and 3.6.1)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a glTF file states about mass and contact: KHR_physics_rigid_bodies (draft) and OMI_physics_body."""
+"""Stated masses (kg, kg m2) and contacts of a glTF file: KHR_physics_rigid_bodies (draft) and OMI_physics_body."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from assetkit.readers.gltf.json import Json
 from assetkit.readers.gltf.nodes import PlacedNode
-from geom.mass.principal_axes import inertia_from_principal, turned_tensor
+from geom.mass.principal_axes import inertia_from_principal, rotated_tensor
 from geom.pose import apply, to_wxyz
 from schemas.diagnostics import Diagnostic, finding
 from schemas.model import Mesh, Node
@@ -88,18 +88,18 @@ class GltfPhysics:
             where=motion.where,
             mass_kg=mass,
             centre=apply(X_MN, _vector(motion, "centerOfMass")[None])[0] if motion.get("centerOfMass") else None,
-            inertia=None if inertia is None else turned_tensor(inertia, X_MN[:3, :3]),
+            inertia=None if inertia is None else rotated_tensor(inertia, X_MN[:3, :3]),
         )
 
     def _meshes_below(self, index: int) -> list[Mesh]:
         """Meshes at the node and below it, without those of bodies further down."""
-        found, waiting = list[Mesh](), [index]
+        below, waiting = list[Mesh](), [index]
         while waiting:
             node = waiting.pop()
-            found += self._own.get(node, [])
+            below += self._own.get(node, [])
             children = [child.as_index(self._json, "nodes") for child in self._json[node].items("children")]
             waiting += [c for c in reversed(children) if not self._moves(c)]
-        return found
+        return below
 
     def _body_above(self, index: int) -> int:
         """The moving node at or above the node, else its root."""

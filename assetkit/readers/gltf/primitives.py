@@ -1,4 +1,4 @@
-"""Mesh primitives: triangles with corner attributes in the frame of their mesh (glTF 2.0, section 3.7.2)."""
+"""Reads mesh primitives: triangles with corner attributes in the frame of their mesh (glTF 2.0, section 3.7.2)."""
 
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ def _decode_draco(packed: Json, buffers: Buffers) -> tuple[dict[str, np.ndarray]
 
 
 def _triangles(attributes: _Attributes, vertices: int, where: Location) -> tuple[np.ndarray, Notes]:
-    """(m, 3) vertex indices, all below `vertices`, wound as glTF 2.0, 3.7.2.1 says for each mode."""
+    """(m, 3) vertex indices, all below `vertices`, wound as glTF 2.0, 3.7.2.1 defines for each mode."""
     order = np.arange(vertices) if attributes.indices is None else attributes.indices.astype(np.int64)
     notes = Notes()
     if attributes.mode == _TRIANGLES:
@@ -183,9 +183,9 @@ def _triangles(attributes: _Attributes, vertices: int, where: Location) -> tuple
         return faces, notes
     missing = np.any(faces >= vertices, axis=1)
     stray = stray_faces(missing, where, points=vertices)
-    kept = faces[~missing]
-    repairs = tuple(r.model_copy(update={"after": {"faces": len(kept), "bad_faces": 0}}) for r in stray.repairs)
-    return kept, notes + replace(stray, repairs=repairs)
+    existing = faces[~missing]
+    repairs = tuple(r.model_copy(update={"after": {"faces": len(existing), "bad_faces": 0}}) for r in stray.repairs)
+    return existing, notes + replace(stray, repairs=repairs)
 
 
 def _distinct(faces: np.ndarray) -> np.ndarray:
@@ -262,7 +262,7 @@ def _colors(attributes: _Attributes, corners: np.ndarray, where: Location) -> tu
         return None, Notes()
     stored = attributes.values["COLOR_0"]
     values = stored[corners].astype(np.float32)
-    if stored.dtype.kind in "iu":  # Integer colours are fractions even when the file forgets to say so.
+    if stored.dtype.kind in "iu":  # Integer colours are fractions even when the file does not declare it.
         values /= np.float32(np.iinfo(stored.dtype).max)
     bad = ~np.isfinite(values).all(axis=2)
     if bad.any():

@@ -29,8 +29,8 @@ _METADATA: Final = ("author", "copyright", "generator", "license", "source", "ti
 def read_gltf(source: SourceFile) -> Outcome[Model]:
     """The model in a .gltf or .glb file: points in the model frame (glTF axes: y up, +z forward), metres.
 
-    One Mesh per node and primitive, and per copy where a node draws several. Skinned meshes stand in the pose their
-    joints are stored in, morph targets keep their default weights, material variants their default look; cameras and
+    One Mesh per node and primitive, and per copy where a node draws several. Skinned meshes have the pose their
+    joints are stored in, morph targets keep their default weights, material variants their default; cameras and
     lights are left out.
     Raises InvalidInput for every fatal finding; repaired ones are in the outcome.
     """
@@ -69,9 +69,9 @@ def _read_materials(
     notes = Notes()
     for index in used:
         name = described[index].string("name", "") or f"material_{index}"
-        material, found = read_material(described[index], name, textures)
+        material, material_notes = read_material(described[index], name, textures)
         materials.append(material)
-        notes += found
+        notes += material_notes
     renumbered = {index: i for i, index in enumerate(used)}
     return (
         tuple(materials),
@@ -81,28 +81,30 @@ def _read_materials(
 
 
 def _animation_notes(document: Json) -> Notes:
-    found = {"animations": len(document.items("animations")), "skins": len(document.items("skins"))}
-    named = [key for key, count in found.items() if count]
+    counts = {"animations": len(document.items("animations")), "skins": len(document.items("skins"))}
+    named = [key for key, count in counts.items() if count]
     if not named:
         return Notes()
-    what = " and ".join(f"{found[key]} {key}" for key in named)
+    what = " and ".join(f"{counts[key]} {key}" for key in named)
     headline = f"{what} are left out; meshes stand in their stored pose"
     where = document.require(named[0]).where
-    return Notes((finding("asset/animation-dropped", headline, where=where, value=found[named[0]]),))
+    return Notes((finding("asset/animation-dropped", headline, where=where, value=counts[named[0]]),))
 
 
 def _hints(document: Json) -> tuple[str, ...]:
-    """Generator, copyright, extras of asset and scenes, names of nodes and meshes: they may tell units or axes."""
+    """Generator, copyright, extras of asset and scenes, names of nodes and meshes: they may state units or axes."""
     asset = document.object("asset")
     holders = (asset, *document.items("scenes")[:_HINT_NAMES])
     extras = (e.value for holder in holders if (e := holder.get("extras")) is not None and isinstance(e.value, dict))
-    said = (f"{key}: {value}" for e in extras for key, value in e.items() if isinstance(value, str | int | float))
+    extra_texts = (
+        f"{key}: {value}" for e in extras for key, value in e.items() if isinstance(value, str | int | float)
+    )
     names = (n.string("name", "") for key in ("nodes", "meshes") for n in document.items(key)[:_HINT_NAMES])
-    return tuple(t for t in (asset.string("generator", ""), asset.string("copyright", ""), *said, *names) if t)
+    return tuple(t for t in (asset.string("generator", ""), asset.string("copyright", ""), *extra_texts, *names) if t)
 
 
 def _metadata(document: Json) -> dict[str, str]:
-    """What the file says about itself, in `asset` and, as Sketchfab and others write it, in `asset.extras`."""
+    """Author, license and the like from `asset` and, as Sketchfab and others write it, from `asset.extras`."""
     asset = document.object("asset")
     extras = asset.get("extras")
     loose = extras.value if extras is not None and isinstance(extras.value, dict) else {}

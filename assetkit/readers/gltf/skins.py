@@ -28,7 +28,7 @@ class Skins:
     def of(self, node: PlacedNode) -> np.ndarray | None:
         """(j, 4, 4) transforms of the joints of the node's skin; None without one, or when a joint is not shown.
 
-        The node's own transform does not count: vertices stand where their joints put them (3.7.3.3).
+        The node's own transform does not count: joints alone place the vertices (3.7.3.3).
         Raises InvalidInput `asset/schema-error` for skins that break the format.
         """
         index = self._nodes[node.index].index("skin", self._skins, "skins")
@@ -50,7 +50,7 @@ class Skins:
 
 
 def posed(geometry: Primitive, X_MJ: np.ndarray, where: Location) -> Primitive:
-    """`geometry` where its joints hold it: linear blend skinning; the result stands in the model frame.
+    """`geometry` posed by its joints (linear blend skinning), in the model frame.
 
     A vertex without weights follows the first joint. Where the joints mirror, corners run the other way.
     Raises InvalidInput `asset/schema-error` for a weighted joint that is not there and `asset/nonfinite-vertices`.

@@ -1,4 +1,4 @@
-"""Textures of a glTF document: which image a material samples, and how (glTF 2.0, section 3.8)."""
+"""Loads the textures of a glTF document: the image that a material samples, and how (glTF 2.0, section 3.8)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SOURCES: Final = ("EXT_texture_webp", "KHR_texture_basisu")
 
 
 class Textures:
-    """Loads each image that a material in use names, once; collects the textures and what was found on the way."""
+    """Loads each image that a material in use names, once; collects the textures and findings."""
 
     def __init__(self, source: SourceFile, document: Json, buffers: Buffers) -> None:
         self._source = source
@@ -80,7 +80,7 @@ class Textures:
     def _load(self, texture: Json) -> Texture | None:
         """The first source of `texture` that can be had. Findings count only when none can."""
         described = [texture, *(e for name in _SOURCES if (e := texture.extension(name)) is not None)]
-        found: list[Diagnostic] = []
+        findings: list[Diagnostic] = []
         for candidate in described:
             index = candidate.index("source", self._images, "images")
             if index is None:
@@ -88,10 +88,10 @@ class Textures:
             loaded, diagnostics = self._image(index)
             if loaded is not None:
                 return loaded
-            found.extend(diagnostics)
-        if not found:
-            found.append(finding("asset/missing-texture", "the texture names no image", where=texture.where))
-        for diagnostic in found:
+            findings.extend(diagnostics)
+        if not findings:
+            findings.append(finding("asset/missing-texture", "the texture names no image", where=texture.where))
+        for diagnostic in findings:
             name = diagnostic.code.removeprefix("asset/").replace("-", "_")
             self.notes += repaired(diagnostic, name, texture=texture.pointer)
         return None

@@ -1,4 +1,4 @@
-"""Wavefront MTL material libraries.
+"""Reads Wavefront MTL material libraries into metallic-roughness materials.
 
 Sources: Wavefront "Advanced Visualizer" appendix B (MTL 4.2) and the PBR extension by Exocortex/Blender
 (Pr, Pm, Pc, Pcr, norm).
@@ -44,7 +44,7 @@ _FIELDS = frozenset({"kd", "ke", "ns", "ni", "d", "tr", "pr", "pm", "pc", "pcr"}
 
 @dataclass(frozen=True)
 class Statement:
-    """One line of a library: the keyword as written, the text after it, and where it stands."""
+    """One line of a library: the keyword as written, the text after it, and its place."""
 
     keyword: str
     text: str
@@ -60,7 +60,7 @@ class _Block:
 def read_mtl(path: Path, source: SourceFile, textures: TextureTable) -> tuple[tuple[Material, ...], Notes]:
     """The materials of one library in file order; images go to `textures`, sought from the library's folder.
 
-    Colours are taken as display (sRGB) values and become linear: the format says nothing, and tools show them so.
+    Colours are taken as display (sRGB) values and become linear: the format leaves it open, and tools show them so.
     A picture in map_Kd replaces Kd (exporters write any Kd beside it); Kd then stays in `unmapped`.
     Unreadable values are dropped with `asset/invalid-material-value`. A name defined twice keeps the first.
     """
@@ -71,9 +71,9 @@ def read_mtl(path: Path, source: SourceFile, textures: TextureTable) -> tuple[tu
     for block in blocks:
         if block.name in materials:
             continue
-        material, found = _material(block, path.parent, textures)
+        material, material_notes = _material(block, path.parent, textures)
         materials[block.name] = material
-        notes += found
+        notes += material_notes
     return tuple(materials.values()), notes
 
 
@@ -98,14 +98,14 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
         for key, statement in block.statements.items()
         if key in _MAPS and (use := _texture_use(statement, folder, textures)) is not None
     }
-    opacity, found = _opacity(values, block)
+    opacity, opacity_notes = _opacity(values, block)
     bump = next((maps[k] for k in ("norm", "map_bump", "bump") if k in maps and _is_normal(k, maps[k], textures)), None)
     base = maps.get("map_kd")
     mask = maps.get("map_d")
     emissive = values.get("ke", (0.0, 0.0, 0.0))
     taken = {*(_FIELDS & values.keys()), *maps}
     taken -= ({"kd"} if base else set()) | ({"bump", "map_bump"} if bump is None else set())
-    taken -= {"d", "tr"} if found.diagnostics else set()
+    taken -= {"d", "tr"} if opacity_notes.diagnostics else set()
     material = Material(
         name=block.name,
         base_color=(1.0, 1.0, 1.0) if base else linear_rgb(values.get("kd", (0.8, 0.8, 0.8))),
@@ -125,7 +125,7 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
         clearcoat_roughness=unit_interval(values.get("pcr", (0.0,))[0]),
         unmapped=_unmapped(block, values, taken),
     )
-    return material, notes + found
+    return material, notes + opacity_notes
 
 
 def _values(block: _Block) -> tuple[dict[str, tuple[float, ...]], Notes]:
@@ -138,11 +138,11 @@ def _values(block: _Block) -> tuple[dict[str, tuple[float, ...]], Notes]:
             continue
         if key == "d" and words[:1] == ["-halo"]:
             words = words[1:]
-        wanted = 3 if key in _COLORS else 1
-        numbers = _numbers(words[:wanted])
+        length = 3 if key in _COLORS else 1
+        numbers = _numbers(words[:length])
         if len(words) == 1:
-            numbers = numbers * wanted
-        if len(numbers) == wanted:
+            numbers = numbers * length
+        if len(numbers) == length:
             values[key] = numbers
             continue
         diagnostic = finding(

@@ -1,4 +1,7 @@
-"""Wavefront OBJ: polygons, groups, materials. Source: Wavefront "Advanced Visualizer" appendix B1 (OBJ 3.0)."""
+"""Reads Wavefront OBJ files into a source model: polygons, groups, materials.
+
+Source: Wavefront "Advanced Visualizer" appendix B1 (OBJ 3.0).
+"""
 
 from __future__ import annotations
 
@@ -75,15 +78,15 @@ def _raise_without_faces(text: ObjText, where: Location) -> None:
 
 def _left_out(text: ObjText, where: Location) -> Notes:
     """A remark on points and lines, a warning about curved surfaces."""
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     if text.other_elements:
         headline = f"{text.other_elements} points or lines were left out"
-        found.append(finding("asset/geometry-left-out", headline, where=where, severity=Severity.INFO))
+        diagnostics.append(finding("asset/geometry-left-out", headline, where=where, severity=Severity.INFO))
     if text.surface_lines:
         headline = f"{len(text.surface_lines)} curved surfaces (surf) were left out"
         at = where.model_copy(update={"line": text.surface_lines[0]})
-        found.append(finding("asset/geometry-left-out", headline, where=at))
-    return Notes(tuple(found))
+        diagnostics.append(finding("asset/geometry-left-out", headline, where=at))
+    return Notes(tuple(diagnostics))
 
 
 def _points(text: ObjText, where: Location) -> tuple[np.ndarray, np.ndarray | None, Notes]:
@@ -117,7 +120,7 @@ def _materials(
 ) -> tuple[tuple[Material, ...], dict[str, int], Notes]:
     """The materials that faces use, their index by name, and what is missing.
 
-    Names without a definition become neutral materials, so that the name stays as a sign of what the part is.
+    Names without a definition become neutral materials, so that the name remains as a clue to the part.
     A file that names no library at all is not at fault for them; one that does is.
     """
     defined: dict[str, Material] = {}
@@ -127,8 +130,8 @@ def _materials(
         where = Location(file=source.relative, line=line, column=1)
         paths, absent = _library_paths(names, source, where)
         for path in paths:
-            found, read_notes = read_mtl(path, source, textures)
-            defined = {**{m.name: m for m in found}, **defined}
+            library_materials, read_notes = read_mtl(path, source, textures)
+            defined = {**{m.name: m for m in library_materials}, **defined}
             notes += read_notes
         for name in absent:
             missing_library = True
@@ -194,9 +197,9 @@ def _meshes(
         if start == stop:
             continue
         picked = corners[tri_corners[order[start:stop]]]  # (m, 3 corners, v/vt/vn)
-        mesh, found = _mesh(key, picked, points, colors, uvs, normals, used.get(key[2]), where)
+        mesh, mesh_notes = _mesh(key, picked, points, colors, uvs, normals, used.get(key[2]), where)
         meshes.append(mesh)
-        notes += found
+        notes += mesh_notes
     return tuple(meshes), notes
 
 

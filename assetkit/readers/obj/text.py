@@ -1,4 +1,4 @@
-"""The text of an OBJ file as rows of tokens and arrays of numbers, with the line of every row."""
+"""Splits the text of an OBJ file into rows of tokens and arrays of numbers, with the line of every row."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ HINT_LINES = 50
 
 @dataclass
 class Faces:
-    """Face records as they come: the text after `f`, lines, and what was in force when they came.
+    """Face records in file order: the text after `f`, lines, and the object, group and material in force.
 
     runs  (first face, index into keys, v, vt and vn counts so far): relative indices count back from there.
     """
@@ -59,7 +59,7 @@ class ObjText:
 
 
 def scan(data: bytes, where: Location) -> ObjText:
-    """Sort the lines of an OBJ file by keyword; unknown statements are passed over, as the format asks.
+    """Sort the lines of an OBJ file by keyword; unknown statements are passed over, as the format requires.
 
     Raises InvalidInput `asset/parse-error` when there is text but no line of it is an OBJ statement.
     """

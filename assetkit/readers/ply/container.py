@@ -1,4 +1,4 @@
-"""The PLY container: header, and elements as columns of numbers."""
+"""Parses the PLY container: the header, and elements as columns of numbers, ASCII or binary."""
 
 from __future__ import annotations
 
@@ -118,8 +118,8 @@ def parse_header(data: bytes, where: Location) -> Header:
     return Header(order, tuple(elements), tuple(comments), textures, end.end())
 
 
-def read_tables(header: Header, data: bytes, wanted: Sequence[str], where: Location) -> dict[str, Table]:
-    """The elements named in `wanted`, by name; reading stops after the last of them.
+def read_tables(header: Header, data: bytes, names: Sequence[str], where: Location) -> dict[str, Table]:
+    """The elements named in `names`, by name; reading stops after the last of them.
 
     Raises InvalidInput: `asset/truncated` when an element announces more rows than the rest of the file can hold
     (checked before any allocation) or the data end early; `asset/parse-error` for a value that is not a number.
@@ -128,9 +128,9 @@ def read_tables(header: Header, data: bytes, wanted: Sequence[str], where: Locat
     reader = _Text(data, header.offset, where) if header.order == "" else _Binary(data, header, where)
     for element in header.elements:
         table = reader.read(element) if element.count and element.properties else _empty(element)
-        if element.name in wanted:
+        if element.name in names:
             tables[element.name] = table
-        if len(tables) == len(set(wanted)):
+        if len(tables) == len(set(names)):
             break
     return tables
 

@@ -1,4 +1,7 @@
-"""PLY: triangles, polygons, colours, texture coordinates. Source: Greg Turk, "The PLY Polygon File Format" (1994)."""
+"""Reads PLY files into a source model: triangles, polygons, colours, texture coordinates.
+
+Source: Greg Turk, "The PLY Polygon File Format" (1994).
+"""
 
 from __future__ import annotations
 
@@ -156,8 +159,8 @@ def _unrolled(corners: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.n
                 t[1::2] = t[1::2, [1, 0, 2]]
                 triangles.append(t)
     every = np.concatenate(triangles) if triangles else np.zeros((0, 3), np.int64)
-    kept = every[(every[:, 0] != every[:, 1]) & (every[:, 1] != every[:, 2]) & (every[:, 0] != every[:, 2])]
-    return kept.reshape(-1), np.full(len(kept), 3)
+    distinct = every[(every[:, 0] != every[:, 1]) & (every[:, 1] != every[:, 2]) & (every[:, 0] != every[:, 2])]
+    return distinct.reshape(-1), np.full(len(distinct), 3)
 
 
 def _normals(

@@ -220,8 +220,8 @@ def _json_of(data: bytes) -> tuple[bytes, Callable[[bytes], bytes]]:
 
 def _holders(value: Any) -> list[Any]:
     below = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    own = [value] if isinstance(value, dict | list) else []
-    return own + [h for child in below for h in _holders(child)]
+    holders = [value] if isinstance(value, dict | list) else []
+    return holders + [h for child in below for h in _holders(child)]
 
 
 def edit_xml(rng: Random, data: bytes) -> bytes:

@@ -13,50 +13,60 @@ from pathlib import Path
 
 import numpy as np
 
+from assetkit.geometry.canonical_model import canonicalize
+from assetkit.materials.normalize import normalize
 from assetkit.options import Options
 from assetkit.sources.discover import discover
 from assetkit.stage import Intake
-from assetkit.stages.appearance import normalize
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 from schemas.diagnostics import Diagnostic, Severity
 from schemas.model import Mesh
 
 
 def examine(folder: Path, file: Path) -> dict[str, object]:
     """What became of `file` below `folder`: `accepted` objects, `codes`, `broken` promises, `trace` of an exception."""
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     broken: list[str] = []
-    made = 0
+    canonical_count = 0
     try:
         candidates = [c for c in discover([folder]) if c.file.path == file] or discover([file])
         if not candidates:
             return {"made": 0, "codes": ["(an empty folder)"], "broken": []}
-        taken = take_in(candidates[0], Options())
-        found += taken.diagnostics
-        if not taken.objects and not any(d.severity is Severity.ERROR for d in found):
+        taken = ReadSource().run(candidates[0], Options())
+        findings += taken.diagnostics
+        if not taken.objects and not any(d.severity is Severity.ERROR for d in findings):
             broken.append("nothing came back and nothing was said")
         for item in taken.objects[:2]:
             broken += promises(item)
             outcome = canonicalize(item, file.name, Options())
-            found += outcome.diagnostics
+            findings += outcome.diagnostics
             if outcome.value is not None:
-                made += 1
+                canonical_count += 1
                 broken += [p for m in outcome.value.meshes for p in mesh_promises(m)]
                 if not all(0 < e < 1e5 or e == 0 for e in outcome.value.section.extent_m.value):
                     broken.append(f"extent {outcome.value.section.extent_m.value}")
             elif not any(d.severity is Severity.ERROR for d in outcome.diagnostics):
                 broken.append("canonicalize gave nothing and said nothing")
-            found += normalize(item.model).diagnostics
+            findings += normalize(item.model).diagnostics
     except MemoryError:
         raise
     except Exception:
-        return {"made": made, "codes": [d.code for d in found], "broken": broken, "trace": traceback.format_exc()}
-    for diagnostic in found:
+        return {
+            "made": canonical_count,
+            "codes": [d.code for d in findings],
+            "broken": broken,
+            "trace": traceback.format_exc(),
+        }
+    for diagnostic in findings:
         if str(folder) in diagnostic.model_dump_json():
             broken.append(f"an absolute path in {diagnostic.code}: {diagnostic.headline} {diagnostic.where}")
-    codes = {d.code: d.severity.value for d in found}
-    return {"made": made, "codes": sorted(codes), "errors": [c for c in codes if codes[c] == "error"], "broken": broken}
+    codes = {d.code: d.severity.value for d in findings}
+    return {
+        "made": canonical_count,
+        "codes": sorted(codes),
+        "errors": [c for c in codes if codes[c] == "error"],
+        "broken": broken,
+    }
 
 
 def promises(item: Intake) -> list[str]:

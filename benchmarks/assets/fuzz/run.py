@@ -20,10 +20,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
-from assetkit.batch.ingest import LOST_CODES, Batch, ingest
+from assetkit.batch.item_cells import LOST_CODES, Batch, run_items
 from assetkit.options import Options
 from assetkit.sources.discover import MESH_FORMATS, discover
 from benchmarks.assets.fuzz.mutations import mutate
+from cli.engines import SIMULATOR
 from jobs.cell import Limits
 from jobs.warm import run_module, warm_cells
 
@@ -49,7 +50,7 @@ class Seed:
 
 def seeds_in(folders: list[Path]) -> list[Seed]:
     """The seeds below `folders`, in the order of their paths; equal names and sizes count once."""
-    found: dict[tuple[str, int], Seed] = {}
+    seeds: dict[tuple[str, int], Seed] = {}
     for candidate in discover(folders):
         path, root = candidate.file.path, candidate.file.root
         if path.suffix.lower() not in MESH_FORMATS or path.is_symlink():
@@ -60,8 +61,8 @@ def seeds_in(folders: list[Path]) -> list[Seed]:
             root = path.parent
             files = [path]
         if 0 < size <= MAX_SEED_BYTES and len(files) <= 40:
-            found.setdefault((path.name, size), Seed(root if len(files) > 1 else path.parent, path))
-    return list(found.values())
+            seeds.setdefault((path.name, size), Seed(root if len(files) > 1 else path.parent, path))
+    return list(seeds.values())
 
 
 def make_case(rng: Random, seed: Seed, folder: Path) -> tuple[Path, str]:
@@ -191,9 +192,8 @@ def run_full(accepted: dict[str, str]) -> None:
     ends: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as out:
         candidates = discover([Path(file) for file in accepted])
-        limits, worker = FULL_LIMITS, "cli.assets.cell"
-        batch = Batch(Path(out), Options(), worker, preload="cli.assets.preload", limits=limits, fresh=True)
-        for item in ingest(candidates, batch):
+        batch = Batch(Path(out), Options(), SIMULATOR, limits=FULL_LIMITS, fresh=True)
+        for item in run_items(candidates, batch):
             bugs = BUGS & set(item.codes)
             ends[f"{item.outcome.value}{' BUG' if bugs else ''}"] += 1
             if bugs:

@@ -1,10 +1,10 @@
-"""Mass bounds of compact things of unknown material beside what such things weigh.
+"""Compares mass bounds of compact objects of unknown material with their true masses.
 
     python -m benchmarks.assets.masses.everyday
 
 `everyday_masses.csv` holds common objects as closed boxes, cylinders (diameter, height) and balls, with the source of
-each mass: rules of games, standards, the YCB set, density times volume, sheets of makers. Their names are not told to
-the pipeline. Each is asked about twice: from the shape alone, and with metallic surfaces where the metal is bare.
+each mass: rules of games, standards, the YCB set, density times volume, sheets of makers. The pipeline does
+not get their names. Each is estimated twice: from the shape alone, and with metallic surfaces where the metal is bare.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from assetkit.mass.estimate import mass_evidence
-from assetkit.mass.parts import Clues
+from assetkit.mass.parts import MassEvidenceInputs
 from geom.convex.support_function import surface
 from schemas.physics import CollisionShape, ShapeKind, Solid
 
@@ -42,19 +42,19 @@ def things() -> Iterator[Thing]:
             yield Thing(row["name"], _solid(row["shape"], size_m), row["bare_metal"] == "yes", float(row["mass_kg"]))
 
 
-def bounds_kg(thing: Thing, *, told: bool) -> tuple[float, float]:
-    """Mass bounds from the shape; `told` adds the look of bare metal."""
-    clues = Clues(dense=METAL if told and thing.bare_metal else "")
-    evidence = mass_evidence(thing.solid, ["thing"], clues).mass_kg
+def bounds_kg(thing: Thing, *, with_metal: bool) -> tuple[float, float]:
+    """Mass bounds from the shape; `with_metal` adds the appearance of bare metal."""
+    mass_inputs = MassEvidenceInputs(dense_reason=METAL if with_metal and thing.bare_metal else "")
+    evidence = mass_evidence(thing.solid, ["thing"], mass_inputs).mass_kg
     return evidence.bounds or (evidence.value, evidence.value)
 
 
 def main() -> None:
     table = list(things())
-    for told in (False, True):
-        rows = [(thing, *bounds_kg(thing, told=told)) for thing in table]
+    for with_metal in (False, True):
+        rows = [(thing, *bounds_kg(thing, with_metal=with_metal)) for thing in table]
         outside = [row for row in rows if not row[1] <= row[0].mass_kg <= row[2]]
-        print(f"{'shape and look' if told else 'shape alone'}: {len(rows) - len(outside)} of {len(rows)} inside")
+        print(f"{'shape and look' if with_metal else 'shape alone'}: {len(rows) - len(outside)} of {len(rows)} inside")
         for thing, low, high in outside:
             side = "heavier" if thing.mass_kg > high else "lighter"
             print(f"  {thing.name:26} {thing.mass_kg:8.4g} kg, {side} than [{low:.4g}, {high:.4g}]")

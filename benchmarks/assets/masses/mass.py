@@ -1,10 +1,10 @@
-"""Mass and volume beside the truth of a manifest, without colliders, pictures or packages.
+"""Compares estimated mass and volume with the truth of a manifest, without colliders, pictures or packages.
 
     python -m benchmarks.assets.masses.mass ASSETS_DIR OUT.jsonl [--only TEXT]
 
 Takes the rows of `ASSETS_DIR/manifest.csv` with `mass_kg` or `truth_volume_m3` in the formats that are read; of robot
 descriptions with a published mass, which state one of their own, the mesh. One process, one object after the other.
-Things with a published mass are asked about three times: as they are, with the rows of the prior table left out that
+Objects with a published mass are estimated three times: as they are, with the rows of the prior table left out that
 were written from them (`own row left out`), and with names of files, folders, nodes and materials taken away
 (`stripped`). Finished rows stand in OUT.jsonl and are not made again; delete it to start anew.
 """
@@ -19,13 +19,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.mass.estimate import mass_evidence
 from assetkit.options import Options
-from assetkit.sources.discover import Candidate, discover
+from assetkit.physics.mass_inputs import mass_inputs_of
+from assetkit.readers.by_format import READERS
+from assetkit.sources.discover import SourceAsset, discover
 from assetkit.stage import Draft, Intake, Tools
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import READERS, take_in
-from assetkit.stages.physics import clues_of
+from assetkit.stages.intake import ReadSource
 from assetkit.stages.semantics import DescribeObject
 from geom.features.cavities import find_cavities
 from sim.fake import FakeSimulator
@@ -66,9 +67,9 @@ def main() -> None:
     summary([table[row["id"]] for row in rows])
 
 
-def measured(row: dict[str, str], candidate: Candidate) -> dict:
+def measured(row: dict[str, str], candidate: SourceAsset) -> dict:
     """Our figures for one row beside its truth."""
-    item = take_in(candidate, Options()).objects[0]
+    item = ReadSource().run(candidate, Options()).objects[0]
     name = candidate.file.path.name
     runs = {NAMED: estimated(row["id"], name, item)}
     if row["mass_kg"]:
@@ -88,17 +89,17 @@ def estimated(asset_id: str, name: str, item: Intake, *, without: str = "") -> d
     assert canonical is not None, f"{asset_id} has no size"
     draft = Draft(asset_id, name, item, canonicalize=canonical)
     described = DescribeObject().run(draft, Tools(FakeSimulator(), Path(), Options())).value
-    clues = replace(clues_of(replace(draft, semantics=described), canonical), without_row=without)
-    found = mass_evidence(canonical.solid, [name], replace(clues, cavities=find_cavities(canonical.solid)))
+    mass_inputs = replace(mass_inputs_of(replace(draft, semantics=described), canonical), excluded_row=without)
+    evidence = mass_evidence(canonical.solid, [name], replace(mass_inputs, cavities=find_cavities(canonical.solid)))
     return {
         "kind": canonical.solid.kind,
-        "category": clues.category,
-        "material": found.material.value,
-        "source": found.mass_kg.source,
+        "category": mass_inputs.category,
+        "material": evidence.material.value,
+        "source": evidence.mass_kg.source,
         "volume_m3": canonical.section.volume_m3.value,
-        "mass_kg": found.mass_kg.value,
-        "bounds_kg": found.mass_kg.bounds or (found.mass_kg.value,) * 2,
-        "method": found.mass_kg.method,
+        "mass_kg": evidence.mass_kg.value,
+        "bounds_kg": evidence.mass_kg.bounds or (evidence.mass_kg.value,) * 2,
+        "method": evidence.mass_kg.method,
     }
 
 

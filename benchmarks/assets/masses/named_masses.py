@@ -1,10 +1,10 @@
-"""Mass bounds of things whose names are told, beside what such things weigh.
+"""Compares mass bounds of objects with known names with their true masses.
 
     python -m benchmarks.assets.masses.named_masses [--list]
 
 `named_masses.csv` holds 131 common objects outside the development data as plain shapes: boxes, cylinders and ellipses
 (two widths, height), balls, wedges (half of a box), cups (width at the bottom and the top, height, wall); the YCB set
-by its published table, the rest by trade sizes and rules, from general knowledge. Each is asked about three times: by
+by its published table, the rest by trade sizes and rules, from general knowledge. Each is estimated three times: by
 its name, by its name with its own row left out of the prior table (`usual_masses.csv`), and without a name.
 """
 
@@ -23,10 +23,10 @@ from shapely import Polygon
 
 from assetkit.annotate.annotator import Observation
 from assetkit.annotate.embedded import EmbeddedAnnotator
-from assetkit.annotate.name_reading import category_called
+from assetkit.annotate.name_reading import category_by_name
 from assetkit.annotate.shape_check import shape_of
 from assetkit.mass.estimate import mass_evidence
-from assetkit.mass.parts import Clues
+from assetkit.mass.parts import MassEvidenceInputs
 from schemas.physics import Solid
 
 TABLE = Path(__file__).with_name("named_masses.csv")
@@ -72,15 +72,15 @@ def weighed(thing: Thing, name: str, *, without: str = "") -> Row:
     """Bounds of `thing` when its file is called `name`; `without` names an object whose row is left out."""
     points = thing.solid.points
     seen = Observation(name, (), (), (), (), shape_of(points, thing.solid))
-    known = category_called(EmbeddedAnnotator().annotate(seen).category)
-    clues = Clues(
+    known = category_by_name(EmbeddedAnnotator().annotate(seen).category)
+    mass_inputs = MassEvidenceInputs(
         category=known.id if known else "",
         names=(name,),
-        usual_kg=known.mass_kg if known else None,
-        without_row=without,
+        category_range_kg=known.mass_kg if known else None,
+        excluded_row=without,
     )
-    mass = mass_evidence(thing.solid, [name], clues).mass_kg
-    return Row(thing, clues.category, mass.bounds or (mass.value, mass.value))
+    mass = mass_evidence(thing.solid, [name], mass_inputs).mass_kg
+    return Row(thing, mass_inputs.category, mass.bounds or (mass.value, mass.value))
 
 
 def main() -> None:

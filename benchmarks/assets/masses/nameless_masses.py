@@ -1,4 +1,4 @@
-"""How narrow mass bounds can be when nothing tells what a thing is.
+"""Compares methods to bound the mass of objects of unknown category, by the width of the bounds.
 
     python -m benchmarks.assets.masses.nameless_masses
 
@@ -25,10 +25,10 @@ from scipy.spatial.distance import cdist
 from assetkit.annotate.shape_check import compare, misfit, shape_of
 from assetkit.mass.bounds import mean_thickness
 from assetkit.mass.category_mass import mixture_of
-from assetkit.mass.normal_mixture import Mixture
+from assetkit.mass.normal_mixture import NormalMixture
 from assetkit.mass.unknown_density import unknown_density
+from assetkit.taxonomy.category_masses import masses_of_kind
 from assetkit.taxonomy.tables import categories
-from assetkit.taxonomy.usual_masses import kinds_of
 from benchmarks.assets.masses import everyday, named_masses
 from geom.convex.hull import convex_hull, volume
 from schemas.model import FloatArray
@@ -53,7 +53,7 @@ def main() -> None:
     report("like things", masses - hulls - of_like_things(features[:, 1:], masses - hulls))
     mixtures = [among_categories(solid) for solid in solids]
     known = [(mixture, mass) for mixture, mass in zip(mixtures, masses, strict=True) if mixture is not None]
-    bounds = np.array([mixture.central(HELD) for mixture, _ in known])
+    bounds = np.array([mixture.central_interval(HELD) for mixture, _ in known])
     inside = sum(low <= mass <= high for (low, high), (_, mass) in zip(bounds, known, strict=True))
     width = math.exp(float(np.ptp(bounds, axis=1).mean()))
     held = f"{inside} of {len(known)} inside the central {100 * HELD:.0f} %"
@@ -83,15 +83,17 @@ def of_like_things(features: FloatArray, values: FloatArray) -> FloatArray:
     return np.median(values[np.argsort(apart, axis=1, kind="stable")[:, :LIKE]], axis=1)
 
 
-def among_categories(solid: Solid) -> Mixture | None:
+def among_categories(solid: Solid) -> NormalMixture | None:
     """The usual masses of all categories that the shape allows, one weight each; None when it allows none."""
     shape = shape_of(solid.points, solid)
     fitting = [
         category
         for category in categories().values()
-        if misfit(category, shape.extents_m) <= 1.0 and all(f.leaves >= 1.0 for f in compare(category, shape))
+        if misfit(category, shape.extents_m) <= 1.0 and all(f.remaining_chance >= 1.0 for f in compare(category, shape))
     ]
-    kinds = [(kind, sum(k.weight for k in kinds_of(c.id, []))) for c in fitting for kind in kinds_of(c.id, [])]
+    kinds = [
+        (kind, sum(k.weight for k in masses_of_kind(c.id, []))) for c in fitting for kind in masses_of_kind(c.id, [])
+    ]
     return mixture_of(solid, [kind.model_copy(update={"weight": kind.weight / total}) for kind, total in kinds])
 
 

@@ -81,7 +81,7 @@ def spread(files: list[Path], count: int) -> list[Path]:
 
 
 def label(file: Path) -> str:
-    """A short name that tells files apart on every machine."""
+    """A short name that distinguishes files on every machine."""
     return f"{file.parent.name}/{file.name}"
 
 
@@ -156,8 +156,8 @@ def ending(cost: Cost, folder: Path) -> str:
         return "ok"
     if cost.returncode == -24 or cost.wall_s > 1800.0:
         return "time-out"
-    said = cost.output.strip().splitlines()
-    return (said[-1] if said else f"exit {cost.returncode}").replace(f"{folder}/", "")[:100]
+    lines = cost.output.strip().splitlines()
+    return (lines[-1] if lines else f"exit {cost.returncode}").replace(f"{folder}/", "")[:100]
 
 
 def figures(cost: Cost, near: Likeness) -> tuple[float, ...]:

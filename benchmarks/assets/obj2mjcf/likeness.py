@@ -13,8 +13,8 @@ from assetkit.library.validate import main_usd_files
 from assetkit.package.record import read_record
 from geom.convex.hull import convex_hull
 from geom.convex.support_function import surface
-from geom.decomposition.fidelity import measure, union_surface
-from geom.mesh.surface_distance import two_way
+from geom.decomposition.fidelity import measure_fidelity, union_surface
+from geom.mesh.surface_distance import two_way_distance
 from geom.pose import matrix_of
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, Solid
@@ -51,8 +51,8 @@ def likeness(parts: Sequence[FloatArray], points: FloatArray, triangles: IntArra
     low, size = points.min(axis=0), float(np.linalg.norm(np.ptp(points, axis=0)))
     shapes = [shape for part in parts if (shape := _hull((part - low) / size)) is not None]
     solid = Solid((points - low) / size, triangles, "shell")
-    figures = measure("any", shapes, solid, ())
-    union = two_way(*union_surface(shapes), solid.points, triangles)
+    figures = measure_fidelity("any", shapes, solid, ())
+    union = two_way_distance(*union_surface(shapes), solid.points, triangles)
     return Likeness(
         hulls=len(parts),
         p95=100 * max(figures.outside_p95, figures.missing_p95),

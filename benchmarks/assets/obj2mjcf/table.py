@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from statistics import median
 
-SINGLE = {"box", "sphere", "capsule", "cylinder", "hull"}  # Methods that do not take a mesh apart.
+SINGLE_SHAPES = {"box", "sphere", "capsule", "cylinder", "hull"}  # Methods that do not take a mesh apart.
 HEADINGS = (
     *("file", "triangles", "ours", "method", "CPU s", "obj2mjcf CPU s", "ratio", "MiB", "obj2mjcf MiB"),
     *("hulls", "obj2mjcf hulls", "p95 %", "obj2mjcf p95 %", "mean %", "obj2mjcf mean %"),
@@ -45,7 +45,7 @@ class Row:
     @property
     def both_decomposed(self) -> bool:
         """Whether both took the mesh apart, rather than ours standing in with one box, cylinder, hull ..."""
-        return self.compared and not SINGLE & set(self.ours_method.split("+"))
+        return self.compared and not SINGLE_SHAPES & set(self.ours_method.split("+"))
 
     @property
     def compared(self) -> bool:

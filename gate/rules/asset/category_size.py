@@ -1,4 +1,4 @@
-"""Rule: the asset has a size that things of its category have."""
+"""Rule: the longest visible edge lies in the size range of the labelled category."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.category import category_sizes, known_category, labels
 from gate.subject.values import at
@@ -17,7 +17,7 @@ _FAR = 3.0  # times beyond the range: the unit or the label is wrong; below, it 
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
-    """A finding when the longest visible edge is not that of the category in the label, if the table knows it."""
+    """A finding when the longest visible edge is outside the range of the labelled category, if the table lists it."""
     points = subject.visible_points_W
     category = next((c for label in labels(subject.root).get("class", ()) if (c := known_category(label))), None)
     if category is None or len(points) == 0:
@@ -33,7 +33,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             value=longest_m,
             bound=least_m if longest_m < least_m else most_m,
             unit="m",
-            severity=subject.suspect if far else Severity.WARNING,
+            severity=subject.suspect_severity if far else Severity.WARNING,
         )
 
 

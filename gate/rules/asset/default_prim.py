@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from pxr import Kind, Usd, UsdGeom
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -24,15 +24,17 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     if not prim:
         named = stage.GetRootLayer().defaultPrim
         headline = f"the default prim '{named}' does not exist" if named else "there is no default prim"
-        yield finding(CODE, headline, severity=Severity.ERROR if named else subject.suspect)
+        yield finding(CODE, headline, severity=Severity.ERROR if named else subject.suspect_severity)
         return
     if not prim.IsActive() or prim.IsAbstract():
         yield finding(CODE, "the default prim is inactive or abstract", where=at(prim))
     roots = stage.GetPseudoRoot().GetChildren()
     if len(roots) > 1:
-        yield finding(CODE, "there are several root prims", value=len(roots), bound=1, severity=subject.required)
+        yield finding(
+            CODE, "there are several root prims", value=len(roots), bound=1, severity=subject.required_severity
+        )
     if not prim.IsA(UsdGeom.Xformable):
-        yield finding(CODE, "the default prim has no transform", where=at(prim), severity=subject.suspect)
+        yield finding(CODE, "the default prim has no transform", where=at(prim), severity=subject.suspect_severity)
     kind = str(Usd.ModelAPI(prim).GetKind())
     if kind != Kind.Tokens.component:
         yield finding(
@@ -41,7 +43,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             where=at(prim),
             value=kind,
             bound="component",
-            severity=subject.required,
+            severity=subject.required_severity,
         )
 
 

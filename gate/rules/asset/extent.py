@@ -1,4 +1,4 @@
-"""Rule: the visible size is possible and is the size that the metadata states."""
+"""Rule: the visible size is possible and equals `asset_extents` of the metadata."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.values import at, figure
+from gate.subject.values import at, format_numbers
 from geom.pose import apply, inverse
 from schemas.diagnostics import Diagnostic, Severity, finding
 
@@ -22,7 +22,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding when the longest visible edge is impossible or unusual, or `asset_extents` disagrees with it."""
     points = subject.visible_points_W
     if len(points) == 0:
-        return  # The not-visible rule says so.
+        return  # Reported by the not-visible rule.
     X_WR, _ = subject.frames.rigid(subject.root)
     extent_m = np.ptp(apply(inverse(X_WR), points), axis=0)
     longest_m = float(extent_m.max())
@@ -43,8 +43,8 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     stated = np.asarray(subject.metadata.get("asset_extents", extent_m), dtype=object)
     if stated.shape != (3,) or not _close(stated.astype(np.float64), extent_m):
         headline = "the metadata state another size than the visible one"
-        value = figure(stated) if stated.shape == (3,) else str(stated)
-        yield finding(CODE, headline, where=where, value=value, bound=figure(extent_m), unit="m")
+        value = format_numbers(stated) if stated.shape == (3,) else str(stated)
+        yield finding(CODE, headline, where=where, value=value, bound=format_numbers(extent_m), unit="m")
 
 
 def _close(stated: np.ndarray, extent_m: np.ndarray) -> bool:

@@ -1,4 +1,4 @@
-"""Rule: every file the asset names exists."""
+"""Rule: every file that the asset refers to exists."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -11,7 +11,7 @@ from typing import Any
 
 from pxr import Sdf, UsdShade
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
 from schemas.diagnostics import Diagnostic, Location, Severity, finding

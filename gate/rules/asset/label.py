@@ -1,11 +1,11 @@
-"""Rule: labels say one thing, and the same as the metadata and the name."""
+"""Rule: semantic labels are well formed and agree with the metadata and the asset name."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.category import UNKNOWN, category_sizes, known_category, labels, words
 from gate.subject.values import at
@@ -20,10 +20,10 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     root = subject.root
     if root.IsPseudoRoot():
         return
-    where, found = at(root), labels(root)
-    for taxonomy, values in found.items():
+    where, labels_by_taxonomy = at(root), labels(root)
+    for taxonomy, values in labels_by_taxonomy.items():
         if not values or not all(v.strip() for v in values):
-            yield finding(CODE, f"the {taxonomy} label is empty", where=where, severity=subject.suspect)
+            yield finding(CODE, f"the {taxonomy} label is empty", where=where, severity=subject.suspect_severity)
         elif taxonomy == "wikidata_qcode" and not all(_QCODE.fullmatch(v) for v in values):
             yield finding(
                 CODE, "the Wikidata label is no Q-code", where=where, value=", ".join(values), bound="Q<number>"
@@ -31,13 +31,13 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     if not subject.released:
         return
     for taxonomy, field in (("class", "category"), ("wikidata_qcode", "qcode")):
-        values, stated = found.get(taxonomy, ()), str(subject.metadata.get(field, ""))
+        values, stated = labels_by_taxonomy.get(taxonomy, ()), str(subject.metadata.get(field, ""))
         if not values:
             yield finding(CODE, f"there is no {taxonomy} label", where=where)
         elif stated and not any(_same(value, stated) for value in values):
             headline = f"the {taxonomy} label is not what the metadata state"
             yield finding(CODE, headline, where=where, value=", ".join(values), bound=stated)
-    yield from _against_name(subject, found.get("class", ()))
+    yield from _against_name(subject, labels_by_taxonomy.get("class", ()))
 
 
 def _same(label: str, stated: str) -> bool:

@@ -1,4 +1,4 @@
-"""Rule: the metadata count and weigh what is there."""
+"""Rule: mass and number of bodies in the metadata equal those of the bodies."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, finding

@@ -1,4 +1,4 @@
-"""Rule: engine parameters are numbers."""
+"""Rule: vendor attributes (PhysX, Newton, MuJoCo) hold no NaN."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
 from schemas.diagnostics import Diagnostic, finding

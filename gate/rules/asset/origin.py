@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.body import diagonal
-from gate.subject.values import at, figure
+from gate.subject.values import at, format_numbers
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-origin"
@@ -22,7 +22,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         return
     X_WR, _ = subject.frames.rigid(subject.root)
     if not np.allclose(X_WR, np.eye(4), atol=1e-6):
-        position = figure(X_WR[:3, 3])
+        position = format_numbers(X_WR[:3, 3])
         yield finding(CODE, "the default prim is moved or turned", where=at(subject.root), value=position, unit="m")
         return
     points = subject.visible_points_W

@@ -1,4 +1,4 @@
-"""Rule: the asset is self-contained."""
+"""Rule: the asset is self-contained: relative paths that stay in the package."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -12,7 +12,7 @@ from typing import Any
 
 from pxr import Ar, Sdf
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
 from schemas.diagnostics import Diagnostic, Location, finding
@@ -27,7 +27,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     for where, path, resolved in _named(subject):
         if _ABSOLUTE.match(path):
             headline = "a file is named by an absolute path or address"
-            yield finding(CODE, headline, where=where, value=path, severity=subject.suspect)
+            yield finding(CODE, headline, where=where, value=path, severity=subject.suspect_severity)
         elif package is not None and resolved and not Path(resolved).resolve().is_relative_to(package):
             yield finding(CODE, "a file lies outside the package", where=where, value=path)
 

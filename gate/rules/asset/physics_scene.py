@@ -1,4 +1,4 @@
-"""Rule: gravity is the world's business, and down."""
+"""Rule: a package has no physics scene; gravity elsewhere has a possible magnitude and points down."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -10,9 +10,9 @@ from collections.abc import Iterator
 import numpy as np
 from pxr import UsdGeom, UsdPhysics
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.values import at, figure, number, vector
+from gate.subject.values import at, format_numbers, number, vector
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-physics-scene"
@@ -47,8 +47,8 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 CODE,
                 "gravity does not point down",
                 where=at(prim),
-                value=figure(direction),
-                bound=figure(-up),
+                value=format_numbers(direction),
+                bound=format_numbers(-up),
                 severity=Severity.WARNING if np.isfinite(length) else Severity.ERROR,
             )
 

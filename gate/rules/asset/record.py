@@ -1,4 +1,4 @@
-"""Rule: the USD says what its record.json says."""
+"""Rule: the USD agrees with its record.json on size, category, mass properties and contact."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -9,10 +9,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.category import UNKNOWN, labels, words
-from gate.subject.values import at, figure, number, quaternion, vector
+from gate.subject.values import at, format_numbers, number, quaternion, vector
 from geom.mass.principal_axes import inertia_from_principal
 from schemas.diagnostics import Diagnostic, finding
 
@@ -21,20 +21,25 @@ RELATIVE = 1e-3  # USD keeps single precision.
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
-    """A finding per figure of the record that the USD contradicts: size, category, mass properties, contact."""
+    """A finding per value of the record that the USD contradicts: size, category, mass properties, contact."""
     if subject.record is None:
         return
     where = at(subject.root)
-    for what, unit, found, stated in _figures(subject):
+    for quantity, unit, authored, stated in _figures(subject):
         scale = float(np.abs(stated).max())
-        if found.shape != stated.shape or not float(np.abs(found - stated).max()) <= RELATIVE * scale:
-            headline = f"{what} is not that of the record"
-            yield finding(CODE, headline, where=where, value=figure(found), bound=figure(stated), unit=unit)
-    category, found = subject.recorded("semantics", "category", "value"), labels(subject.root).get("class", ())
+        if authored.shape != stated.shape or not float(np.abs(authored - stated).max()) <= RELATIVE * scale:
+            headline = f"{quantity} is not that of the record"
+            yield finding(
+                CODE, headline, where=where, value=format_numbers(authored), bound=format_numbers(stated), unit=unit
+            )
+    category, class_labels = (
+        subject.record_value("semantics", "category", "value"),
+        labels(subject.root).get("class", ()),
+    )
     known = isinstance(category, str) and category not in UNKNOWN
-    if known and found and all(words(label) != words(category) for label in found):
+    if known and class_labels and all(words(label) != words(category) for label in class_labels):
         headline = "the class label is not the category of the record"
-        yield finding(CODE, headline, where=where, value=", ".join(found), bound=category)
+        yield finding(CODE, headline, where=where, value=", ".join(class_labels), bound=category)
 
 
 def _figures(subject: Subject) -> Iterator[tuple[str, str, np.ndarray, np.ndarray]]:
@@ -70,9 +75,9 @@ def _one_body(subject: Subject, body: Body) -> Iterator[tuple[str, str, np.ndarr
     centre, inertia = _array(subject, "physics", "centre_of_mass_m"), _array(subject, "physics", "inertia_kgm2")
     if centre is not None and body.diagonal_m > 0.0:
         # Lengths near zero are judged against the size of the body, not against themselves.
-        found = vector(body.prim, "physics:centerOfMass", (0.0, 0.0, 0.0))
-        if float(np.abs(found - centre).max()) > RELATIVE * body.diagonal_m:
-            yield "the mass centre", "m", found, centre
+        authored = vector(body.prim, "physics:centerOfMass", (0.0, 0.0, 0.0))
+        if float(np.abs(authored - centre).max()) > RELATIVE * body.diagonal_m:
+            yield "the mass centre", "m", authored, centre
     shapes = _shapes(subject)
     if shapes is not None:
         yield "the number of colliders", "", np.array(len(body.active_colliders)), np.array(shapes)
@@ -85,7 +90,7 @@ def _one_body(subject: Subject, body: Body) -> Iterator[tuple[str, str, np.ndarr
 def _array(subject: Subject, section: str, key: str) -> np.ndarray | None:
     """The numbers of an Evidence; None where the record has another form."""
     try:
-        array = np.asarray(subject.recorded(section, key, "value"), dtype=np.float64)
+        array = np.asarray(subject.record_value(section, key, "value"), dtype=np.float64)
     except (TypeError, ValueError):
         return None
     return array if array.size and np.all(np.isfinite(array)) else None
@@ -93,7 +98,10 @@ def _array(subject: Subject, section: str, key: str) -> np.ndarray | None:
 
 def _shapes(subject: Subject) -> int | None:
     """How many shapes the chosen collision candidate has."""
-    method, candidates = subject.recorded("physics", "collision_method"), subject.recorded("physics", "candidates")
+    method, candidates = (
+        subject.record_value("physics", "collision_method"),
+        subject.record_value("physics", "candidates"),
+    )
     for candidate in candidates if isinstance(candidates, list) else ():
         if isinstance(candidate, dict) and candidate.get("method") == method:
             shapes = candidate.get("shapes")
@@ -103,7 +111,7 @@ def _shapes(subject: Subject) -> int | None:
 
 def _contact(subject: Subject, key: str) -> float | None:
     try:
-        contacts = [c["value"] for c in subject.recorded("physics", "contacts")]
+        contacts = [c["value"] for c in subject.record_value("physics", "contacts")]
         return float(contacts[0][key]) if len(contacts) == 1 else None
     except (KeyError, TypeError, ValueError):
         return None

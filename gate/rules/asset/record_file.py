@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Iterator
 from pathlib import Path
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from schemas.diagnostics import Diagnostic, Location, finding
 
@@ -18,7 +18,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
     Files that the record does not list are left alone: nothing in the package could name them without a changed byte.
     """
-    hashes = subject.recorded("hashes")
+    hashes = subject.record_value("hashes")
     for name, expected in sorted(hashes.items()) if isinstance(hashes, dict) else ():
         found = _sha256(subject.package_folder, name)
         if found is None:

@@ -1,10 +1,10 @@
-"""Rule: the asset holds still."""
+"""Rule: the asset has no time samples, which engines ignore."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding

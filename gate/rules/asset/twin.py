@@ -10,10 +10,10 @@ from xml.etree import ElementTree
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.inertial import mass_centre, stated_inertia
-from gate.subject.values import at, figure
+from gate.subject.values import at, format_numbers
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import FloatArray
 
@@ -31,7 +31,7 @@ class Twin(NamedTuple):
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
-    """In a package of one body with one URDF file of one link below `export`: a finding per figure that differs."""
+    """In a package of one body with one URDF file of one link below `export`: a finding per value that differs."""
     files = sorted((subject.package_folder / "export").glob("*.urdf")) if subject.released else []
     if len(files) != 1 or len(subject.active_bodies) != 1:
         return
@@ -51,13 +51,20 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         ("inertia", "kg m2", inertia, twin.inertia_kgm2, float(np.abs(twin.inertia_kgm2).max())),
         ("number of colliders", "", len(body.active_colliders), twin.shapes, 1.0),
     )
-    for what, unit, value, bound, scale in rows:
+    for quantity, unit, value, bound, scale in rows:
         if value is None:
-            continue  # The mass and inertia rules say so.
-        found, stated = np.asarray(value, dtype=np.float64), np.asarray(bound, dtype=np.float64)
-        if not float(np.abs(found - stated).max()) <= RELATIVE * scale:
-            headline = f"the {what} is not that of the URDF twin"
-            yield finding(CODE, headline, where=at(body.prim), value=figure(found), bound=figure(stated), unit=unit)
+            continue  # Reported by the mass and inertia rules.
+        authored, stated = np.asarray(value, dtype=np.float64), np.asarray(bound, dtype=np.float64)
+        if not float(np.abs(authored - stated).max()) <= RELATIVE * scale:
+            headline = f"the {quantity} is not that of the URDF twin"
+            yield finding(
+                CODE,
+                headline,
+                where=at(body.prim),
+                value=format_numbers(authored),
+                bound=format_numbers(stated),
+                unit=unit,
+            )
 
 
 def _read(file: Path) -> Twin | None:

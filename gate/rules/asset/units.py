@@ -1,4 +1,4 @@
-"""Rule: metres, kilograms, z up."""
+"""Rule: the stage states metres, kilograms and z up."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from schemas.diagnostics import Diagnostic, Severity, finding
 
@@ -29,13 +29,13 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             yield finding(CODE, f"{name} is {value}, which USD does not allow", value=str(value), bound=expected)
         elif value != expected:
             headline = f"{name} is {value}, not {expected} as in a released package"
-            yield finding(CODE, headline, value=value, bound=expected, severity=subject.required)
+            yield finding(CODE, headline, value=value, bound=expected, severity=subject.required_severity)
 
 
 def _missing(subject: Subject, name: str) -> Iterator[Diagnostic]:
     """Where there is physics a missing length or axis is a guess about every number."""
     physical = bool(subject.bodies or subject.colliders) and FALLBACK[name] != EXPECTED[name]
-    severity = subject.suspect if physical else subject.required
+    severity = subject.suspect_severity if physical else subject.required_severity
     if severity is not Severity.INFO:
         headline = f"{name} is not stated; USD then assumes {FALLBACK[name]}"
         yield finding(CODE, headline, value="absent", bound=EXPECTED[name], severity=severity)

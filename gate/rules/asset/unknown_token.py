@@ -1,4 +1,4 @@
-"""Rule: a word of a closed vocabulary is one of its words."""
+"""Rule: a token attribute holds one of the tokens that its schema allows."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -10,7 +10,7 @@ from typing import Any
 
 from pxr import Sdf
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
 from schemas.diagnostics import Diagnostic, finding
@@ -23,7 +23,7 @@ EXTENDED = {"physics:approximation": ("sdf", "sphereFill")}
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per attribute whose schema lists the allowed tokens and whose value is none of them.
 
-    Readers then fall back to whatever they like: a purpose nobody knows is drawn by one and hidden by the next.
+    Readers differ on unknown tokens: an unknown purpose is drawn by one and hidden by the next.
     """
     for attribute in subject.attributes:
         if attribute.GetTypeName() != Sdf.ValueTypeNames.Token:

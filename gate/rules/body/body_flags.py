@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, flag, number
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -30,7 +30,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         where = at(body.prim)
         if not body.enabled:
             headline = "the body is disabled: it is scenery"
-            yield finding(CODE, headline, where=where, severity=subject.suspect)
+            yield finding(CODE, headline, where=where, severity=subject.suspect_severity)
         for name, headline, elsewhere in FLAGS:
             if flag(body.prim, name, fallback=False):
                 severity = Severity.ERROR if subject.released else elsewhere

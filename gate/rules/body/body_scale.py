@@ -1,4 +1,4 @@
-"""Rule: bodies stand unscaled and unmirrored."""
+"""Rule: the world transform of a body has no scale, shear or mirroring."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.values import at, figure
+from gate.subject.values import at, format_numbers
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-body-scale"
@@ -19,16 +19,16 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per body whose transform, ancestors included, is no rigid motion: engines drop or misread the rest."""
     for body in subject.bodies:
         if not np.all(np.isfinite(body.linear)):
-            continue  # The transform rule says so.
+            continue  # Reported by the transform rule.
         deviation = float(np.abs(body.linear.T @ body.linear - np.eye(3)).max())
         if deviation > _TOLERANCE or np.linalg.det(body.linear) < 0.0:
             yield finding(
                 CODE,
                 "the body is scaled, sheared or mirrored",
                 where=at(body.prim),
-                value=figure(np.linalg.norm(body.linear, axis=0)),
+                value=format_numbers(np.linalg.norm(body.linear, axis=0)),
                 bound="(1, 1, 1)",
-                severity=subject.suspect,
+                severity=subject.suspect_severity,
             )
 
 

@@ -1,4 +1,4 @@
-"""Rule: mass and collider volume together give a density some material has."""
+"""Rule: mass over collider volume is a density that some material has (kg/m3)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.body import hull_of, stacked
 from gate.subject.values import at
@@ -44,19 +44,19 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             value=value,
             bound=bound,
             unit="kg/m3",
-            severity=subject.suspect if impossible else Severity.WARNING,
+            severity=subject.suspect_severity if impossible else Severity.WARNING,
         )
 
 
 def _volumes(body: Body) -> tuple[float, float]:
     """The largest volume the material can have, and that of the hull around everything (m3)."""
     cloud = stacked([body.collider_points_W, body.visible_points_W])
-    around = body.hull_W or hull_of(cloud)
+    hull = body.hull_W or hull_of(cloud)
     edges = np.ptp(cloud, axis=0)
     box_area = 2.0 * float(edges[0] * edges[1] + edges[1] * edges[2] + edges[2] * edges[0])
-    if around is None:
+    if hull is None:
         return float(np.prod(edges)) + _SKIN_M * box_area, float(np.prod(edges))
-    hull_m3 = around.solid.mass_kg
+    hull_m3 = hull.solid.mass_kg
     filled_m3 = body.filled.mass_kg if body.filled is not None else hull_m3
     return min(filled_m3, hull_m3) + _SKIN_M * box_area, hull_m3
 

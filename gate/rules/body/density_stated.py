@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
 from gate.rules.body.density import LEAST_KGM3, MOST_KGM3
+from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.contact import contact_material
 from gate.subject.values import at, number
@@ -31,9 +31,9 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 value=density,
                 bound=LEAST_KGM3 if density < LEAST_KGM3 else MOST_KGM3,
                 unit="kg/m3",
-                severity=subject.suspect if density > 0.0 else Severity.ERROR,
+                severity=subject.suspect_severity if density > 0.0 else Severity.ERROR,
             )
-    # A package lists the material of every part; what a collider holds inside may be denser than what it touches with.
+    # A package lists the material of every part; the inside of a collider may be denser than its contact material.
     listed = [number(prim, "physics:density", 0.0) * to_si for prim in subject.contact_materials]
     densest = max(listed, default=0.0) if subject.released and len(listed) > 1 else 0.0
     for body in subject.active_bodies:
@@ -46,12 +46,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 value=body.mass_kg,
                 bound=MOST_RATIO * most_kg,
                 unit="kg",
-                severity=subject.suspect,
+                severity=subject.suspect_severity,
             )
 
 
 def _most_kg(body: Body, to_si: float, least_kgm3: float) -> float:
-    """Mass of all colliders, with a skin of 1 mm, filled with the density of their material; inf when none says.
+    """Mass of all colliders, with a skin of 1 mm, filled with the density of their material; inf without a density.
 
     No material counts as less dense than `least_kgm3`.
     """

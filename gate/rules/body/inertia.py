@@ -1,4 +1,4 @@
-"""Rule: the principal moments belong to some real mass distribution."""
+"""Rule: the principal moments are those of a possible mass distribution (triangle inequality)."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from pxr import UsdPhysics
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.values import at, figure, quaternion, vector
+from gate.subject.values import at, format_numbers, quaternion, vector
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-inertia"
@@ -27,12 +27,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     """
     for body in subject.active_bodies:
         if not body.prim.HasAPI(UsdPhysics.MassAPI):
-            continue  # The mass rule says so.
+            continue  # Reported by the mass rule.
         moments = np.sort(vector(body.prim, "physics:diagonalInertia", (0.0, 0.0, 0.0)))
         quat_wxyz = quaternion(body.prim, "physics:principalAxes")
         if not np.any(moments) and not np.any(quat_wxyz):
             if subject.released:
-                yield finding(CODE, "the body has no inertia", where=at(body.prim), value=figure(moments))
+                yield finding(CODE, "the body has no inertia", where=at(body.prim), value=format_numbers(moments))
             continue
         if np.any(moments) or subject.released:
             yield from _moments(body.prim, moments)
@@ -45,7 +45,7 @@ def _moments(prim: Any, moments: np.ndarray) -> Iterator[Diagnostic]:
     where = at(prim)
     if not np.all(np.isfinite(moments)) or moments[0] <= 0.0:
         headline = "a principal moment of inertia is not positive"
-        yield finding(CODE, headline, where=where, value=figure(moments), bound=0.0, unit="kg m2")
+        yield finding(CODE, headline, where=where, value=format_numbers(moments), bound=0.0, unit="kg m2")
     elif moments[0] + moments[1] < moments[2] * (1.0 - _RELATIVE):
         headline = "the moments of inertia break the triangle inequality"
         largest, others = float(moments[2]), float(moments[0] + moments[1])

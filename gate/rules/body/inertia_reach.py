@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.body import stacked
 from gate.subject.inertial import mass_centre, stated_inertia
 from gate.subject.values import at
-from geom.mass.inertia_bounds import inertia_reach
+from geom.mass.inertia_bounds import rms_distance_and_bound
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-inertia-reach"
@@ -25,7 +25,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         points = body.in_body(stacked(clouds))
         if inertia is None or centre is None or body.mass_kg is None or len(points) == 0:
             continue
-        value, bound = inertia_reach(inertia / body.mass_kg, points - centre, SLACK * body.diagonal_m)
+        value, bound = rms_distance_and_bound(inertia / body.mass_kg, points - centre, SLACK * body.diagonal_m)
         if value > bound > 0.0:
             yield finding(
                 CODE,
@@ -34,7 +34,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 value=value,
                 bound=bound,
                 unit="m",
-                severity=subject.suspect,
+                severity=subject.suspect_severity,
             )
 
 

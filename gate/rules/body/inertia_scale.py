@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.inertial import shows_one_material, stated_inertia
 from gate.subject.values import at
@@ -42,7 +42,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 where=at(body.prim),
                 value=ratio,
                 bound=LEAST_RATIO / slack if ratio < 1.0 else MOST_RATIO * slack,
-                severity=subject.suspect,
+                severity=subject.suspect_severity,
             )
             continue
         # The shape of the tensor, whatever its size: axes swapped or turned show here.
@@ -54,7 +54,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 where=at(body.prim),
                 value=apart,
                 bound=MOST_APART,
-                severity=subject.suspect,
+                severity=subject.suspect_severity,
             )
         elif subject.released:
             yield from _unusual(body, ratio)

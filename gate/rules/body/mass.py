@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pxr import UsdPhysics
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.values import at, authored, number
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -41,7 +41,7 @@ def _authored(subject: Subject, prim: Any) -> Iterator[Diagnostic]:
         yield finding(CODE, headline, where=at(prim), value=mass, bound=bound, unit="kg", severity=Severity.WARNING)
     if not prim.HasAPI(UsdPhysics.MassAPI):
         headline = "physics:mass is ignored: PhysicsMassAPI is not applied"
-        yield finding(CODE, headline, where=at(prim), value=mass, unit="kg", severity=subject.suspect)
+        yield finding(CODE, headline, where=at(prim), value=mass, unit="kg", severity=subject.suspect_severity)
 
 
 def _absent(subject: Subject, body: Body) -> Iterator[Diagnostic]:
@@ -50,7 +50,7 @@ def _absent(subject: Subject, body: Body) -> Iterator[Diagnostic]:
     headline = "the mass is left to the engine" if computable else "there is no mass and no volume to compute it from"
     if subject.released:
         headline = "the body has no mass"
-    severity = subject.required if computable else subject.suspect
+    severity = subject.required_severity if computable else subject.suspect_severity
     if severity is not Severity.INFO:
         yield finding(CODE, headline, where=at(body.prim), value=0.0, bound=LEAST_KG, unit="kg", severity=severity)
 

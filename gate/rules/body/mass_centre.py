@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.body import diagonal, hull_of, stacked
 from gate.subject.values import at, vector
@@ -42,7 +42,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 value=outside_m,
                 bound=bound_m,
                 unit="m",
-                severity=subject.suspect if np.isfinite(outside_m) else Severity.ERROR,
+                severity=subject.suspect_severity if np.isfinite(outside_m) else Severity.ERROR,
             )
 
 

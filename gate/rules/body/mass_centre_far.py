@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.inertial import mass_centre, shows_one_material
 from gate.subject.values import at

@@ -1,4 +1,4 @@
-"""Rule: mass is stated once."""
+"""Rule: mass is stated once, on the body alone."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 from pxr import UsdPhysics
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, number
 from schemas.diagnostics import Diagnostic, finding
@@ -21,7 +21,7 @@ CODE = "asset/gate-mass-twice"
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per density beside a mass, and per collider with a mass or density of its own in a body with a mass.
 
-    The body's mass wins everywhere (UsdPhysicsMassAPI), so that the other number is dead or a mistake.
+    The body's mass wins everywhere (UsdPhysicsMassAPI), so that the other number is unused or a mistake.
     """
     for body in subject.active_bodies:
         if body.mass_kg is None:
@@ -30,9 +30,9 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         names |= {
             str(c.prim.GetPath()): ("physics:mass", "physics:density") for c in body.colliders if c.prim != body.prim
         }
-        for path, wanted in names.items():
+        for path, attributes in names.items():
             prim = subject.stage.GetPrimAtPath(path)
-            for name in wanted if prim.HasAPI(UsdPhysics.MassAPI) else ():
+            for name in attributes if prim.HasAPI(UsdPhysics.MassAPI) else ():
                 value = number(prim, name, 0.0)
                 if value != 0.0 or np.isnan(value):
                     yield finding(
@@ -41,7 +41,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                         where=at(prim),
                         value=value,
                         bound=body.mass_kg,
-                        severity=subject.required,
+                        severity=subject.required_severity,
                     )
 
 

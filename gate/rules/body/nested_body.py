@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, finding
@@ -13,7 +13,7 @@ CODE = "asset/gate-nested-body"
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
-    """A finding per body under another one that no joint holds, and per body inside an instance."""
+    """A finding per body below another one that no joint connects, and per body inside an instance."""
     joined = {body.path for joint in subject.joints for body in joint.bodies}
     for body in subject.bodies:
         if body.prim.IsInstanceProxy():
@@ -21,7 +21,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         outer = subject.body_of(body.prim.GetParent())
         if outer is not None and body.path not in joined:
             headline = f"the body lies below the body {outer.path} and nothing joins them"
-            yield finding(CODE, headline, where=at(body.prim), severity=subject.suspect)
+            yield finding(CODE, headline, where=at(body.prim), severity=subject.suspect_severity)
 
 
 RULE = Rule(CODE, "bodies side by side, or nested and joined; none in an instance", "SimReady RB.006, RB.012", check)

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.values import at, figure, quaternion
+from gate.subject.values import at, format_numbers, quaternion
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-transform"
@@ -25,18 +25,18 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     for prim in prims.values():
         matrix = subject.frames.matrix(prim)
         if not np.all(np.isfinite(matrix)):
-            yield finding(CODE, "the transform is not finite", where=at(prim), value=figure(matrix[:3, 3]))
+            yield finding(CODE, "the transform is not finite", where=at(prim), value=format_numbers(matrix[:3, 3]))
             continue
         scale = np.linalg.norm(matrix[:3, :3], axis=0) / subject.frames.meters_per_unit
         if scale.min() < _LEAST_SCALE:
             headline = "the transform flattens the prim"
-            yield finding(CODE, headline, where=at(prim), value=figure(scale), bound=_LEAST_SCALE)
+            yield finding(CODE, headline, where=at(prim), value=format_numbers(scale), bound=_LEAST_SCALE)
     for attribute in subject.attributes:
         if attribute.GetName().startswith("xformOp:orient") and attribute.GetNumTimeSamples() == 0:
             length = float(np.linalg.norm(quaternion(attribute.GetPrim(), attribute.GetName())))
             if not abs(length - 1.0) <= _UNIT_TOLERANCE:  # Some readers normalise it, others scale by it.
                 headline, where = "an orientation is no unit quaternion", at(attribute.GetPrim())
-                yield finding(CODE, headline, where=where, value=length, bound=1.0, severity=subject.suspect)
+                yield finding(CODE, headline, where=where, value=length, bound=1.0, severity=subject.suspect_severity)
 
 
 RULE = Rule(CODE, "finite, scale above 1e-9, orientations of length 1 to 1e-3", "UsdGeomXformable", check)

@@ -1,4 +1,4 @@
-"""Rule: bodies start at rest."""
+"""Rule: bodies start at rest, with zero linear and angular velocity."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.values import at, figure, vector
+from gate.subject.values import at, format_numbers, vector
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-velocity"
@@ -26,10 +26,10 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 CODE,
                 f"{name} is not zero",
                 where=at(body.prim),
-                value=figure(value),
+                value=format_numbers(value),
                 bound="(0, 0, 0)",
                 unit=unit,
-                severity=subject.suspect if np.all(np.isfinite(value)) else Severity.ERROR,
+                severity=subject.suspect_severity if np.all(np.isfinite(value)) else Severity.ERROR,
             )
 
 

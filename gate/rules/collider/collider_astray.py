@@ -1,4 +1,4 @@
-"""Rule: no single collider stands away from the visible surface."""
+"""Rule: every collider lies near the visible surface, by the mean distance of its points."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial import KDTree
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Collider, Subject
 from gate.subject.body import diagonal
 from gate.subject.values import at
@@ -32,7 +32,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         tree, size_m = KDTree(surface), diagonal(body.visible_points_W)
         for collider in body.active_colliders:
             if len(collider.points_W) == 0 or not np.all(np.isfinite(collider.points_W)):
-                continue  # The collider-shape and mesh-values rules say so.
+                continue  # Reported by the collider-shape and mesh-values rules.
             away = tree.query(collider.points_W)[0]
             far = away > NEAR * size_m
             far[far] = ~_covered(collider.points_W[far], collider, body)
@@ -43,7 +43,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _covered(points: FloatArray, collider: Collider, body: Body) -> FloatArray:
-    """(n,) True for points inside another collider: there is something to touch anyway."""
+    """(n,) True for points inside another collider, where there is contact anyway."""
     covered = np.zeros(len(points), dtype=bool)
     for other in body.active_colliders:
         if other is not collider and other.hull_W is not None:

@@ -1,4 +1,4 @@
-"""Rule: what goes into the visible thing goes into its colliders, and what they hold stays in."""
+"""Rule: colliders keep the openings and containers of the visible surface, tested with a probe ball."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.body import hull_of
 from gate.subject.values import at
 from gate.subject.whole_surface import count_edges
 from geom.convex.hull import volume
-from geom.decomposition.fidelity import measure
+from geom.decomposition.fidelity import measure_fidelity
 from geom.features.cavities import find_cavities
 from geom.mesh.weld import weld_points
 from schemas.diagnostics import Diagnostic, finding
@@ -20,27 +20,28 @@ from schemas.physics import CollisionShape, Solid
 
 CODE = "asset/gate-collider-cavity"
 MOST_TRIANGLES = 100_000  # Pouring takes about a second for so many.
-FULL = 0.95  # A body that fills its hull by this share has no inside worth the look.
+FULL = 0.95  # A body that fills its hull by this share has no cavity worth testing.
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per body into whose openings a ball of 60 % of their width goes, but not past its colliders.
 
     Also for a container whose colliders let the ball out at the side or below. Only for closed surfaces: what an open
-    one holds depends on walls that are not there. A warning, for a wider ball or another way may still go in.
+    one contains depends on missing walls. A warning, for a wider ball or another way may still go in.
     """
     if not subject.released:
         return
     for body in subject.active_bodies:
         solid, hulls = _visible_solid(body), [c.hull_W for c in body.active_colliders]
-        found = [h for h in hulls if h is not None]
-        if solid is None or not found:
+        convex_hulls = [h for h in hulls if h is not None]
+        if solid is None or not convex_hulls:
             continue
         shapes = [
-            CollisionShape("hull", (), np.eye(4), body.in_body(h.points), h.triangles.astype(np.int32)) for h in found
+            CollisionShape("hull", (), np.eye(4), body.in_body(h.points), h.triangles.astype(np.int32))
+            for h in convex_hulls
         ]
         cavities = find_cavities(solid)
-        lost = [c for c in cavities if measure("", shapes, solid, [c]).cavity_kept is False]
+        lost = [c for c in cavities if measure_fidelity("", shapes, solid, [c]).cavity_kept is False]
         if lost:
             yield finding(
                 CODE,

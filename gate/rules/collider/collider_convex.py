@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, flag
 from schemas.diagnostics import Diagnostic, finding
@@ -29,7 +29,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                     where=at(collider.prim),
                     value=collider.approximation,
                     bound="convexHull",
-                    severity=subject.suspect,
+                    severity=subject.suspect_severity,
                 )
 
 

@@ -1,4 +1,4 @@
-"""Rule: colliders stand where the visible surface is, and are as large."""
+"""Rule: position and size of the colliders match the visible surface, by their support functions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.body import diagonal
 from gate.subject.values import at
@@ -40,7 +40,7 @@ def _compare(subject: Subject, body: Body, colliders: np.ndarray, visible: np.nd
     gap_m, bound_m = float(np.abs(gaps).max()), (MOST_GAP if subject.released else ELSEWHERE_GAP) * size_m
     if gap_m > bound_m:
         headline = "colliders and visible surface have different bounds"
-        severity = subject.suspect
+        severity = subject.suspect_severity
         yield finding(CODE, headline, where=at(body.prim), value=gap_m, bound=bound_m, unit="m", severity=severity)
     if not subject.released or gap_m > bound_m:
         return

@@ -1,4 +1,4 @@
-"""Rule: what can be seen can be touched."""
+"""Rule: every part of the visible surface has a collider near it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.body import diagonal, stacked
 from gate.subject.values import at
@@ -25,7 +25,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         faces = _face_centres(body)
         hulls = [c.hull_W for c in body.active_colliders if c.hull_W is not None]
         if len(faces) == 0 or not hulls or not np.all(np.isfinite(faces)):
-            continue  # Flat colliders: the collider-shape rule says so.
+            continue  # Flat colliders are reported by the collider-shape rule.
         away = np.full(len(faces), np.inf)
         for hull in hulls:
             normals, offsets = hull.planes

@@ -1,10 +1,10 @@
-"""Rule: every dynamic body can be touched."""
+"""Rule: every dynamic body has an enabled collider."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -21,14 +21,14 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if not body.active_colliders:
             # A link without shape is a mere frame; robots have them at their tool and sensors.
             frame = body.path in joined and not body.surfaces
-            severity = Severity.WARNING if frame and subject.released else subject.suspect
+            severity = Severity.WARNING if frame and subject.released else subject.suspect_severity
             if not frame or subject.released:
                 headline = "the body has no enabled collider"
                 yield finding(CODE, headline, where=at(body.prim), severity=severity)
         for collider in body.colliders:
             if not collider.enabled:
                 headline = "a collider is disabled"
-                yield finding(CODE, headline, where=at(collider.prim), severity=subject.suspect)
+                yield finding(CODE, headline, where=at(collider.prim), severity=subject.suspect_severity)
 
 
 RULE = Rule(CODE, "one enabled collider per body", "SimReady RB.COL.001", check)

@@ -1,4 +1,4 @@
-"""Rule: colliders have a shape that engines take as it is."""
+"""Rule: colliders have shapes that engines support without change."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -10,10 +10,10 @@ from collections.abc import Iterator
 import numpy as np
 from pxr import UsdGeom
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Collider, Subject
 from gate.subject.body import diagonal
-from gate.subject.values import at, figure
+from gate.subject.values import at, format_numbers
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-collider-shape"
@@ -43,22 +43,24 @@ def _shape(subject: Subject, collider: Collider) -> Iterator[Diagnostic]:
     if not mesh and not collider.convex:
         if collider.prim.IsA(UsdGeom.Gprim):
             headline = f"engines know no collider of type {collider.prim.GetTypeName()}"
-            yield finding(CODE, headline, where=where, severity=subject.suspect)
+            yield finding(CODE, headline, where=where, severity=subject.suspect_severity)
         return
     if len(points) == 0:
         yield finding(CODE, "the collider has no extent: a size is missing, zero or no number", where=where)
         return
     if not np.all(np.isfinite(points)):
-        return  # The mesh-values and transform rules say so.
+        return  # Reported by the mesh-values and transform rules.
     if collider.prim.GetTypeName() in ROUND:
         scale = np.linalg.norm(subject.frames.matrix(collider.prim)[:3, :3], axis=0) / subject.frames.meters_per_unit
         if np.ptp(scale) > _RELATIVE * scale.max():
             headline = "a round collider is scaled unevenly"
-            yield finding(CODE, headline, where=where, value=figure(scale), severity=subject.suspect)
+            yield finding(CODE, headline, where=where, value=format_numbers(scale), severity=subject.suspect_severity)
     if collider.approximation != "convexHull":
         return
     if collider.hull_W is None:
-        yield finding(CODE, "the collider's hull is flat: it has no volume", where=where, severity=subject.suspect)
+        yield finding(
+            CODE, "the collider's hull is flat: it has no volume", where=where, severity=subject.suspect_severity
+        )
     elif subject.released:
         if len(points) > USUAL_POINTS:
             headline, count = "the hull has more points than engines take", len(points)

@@ -1,4 +1,4 @@
-"""Rule: contact and rest offsets are in order."""
+"""Rule: contact and rest offsets of colliders are ordered and below the collider size."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, number
 from schemas.diagnostics import Diagnostic, finding
@@ -21,7 +21,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         rest = number(collider.prim, "physxCollision:restOffset", -np.inf) * subject.frames.meters_per_unit
         points = collider.points_W
         size_m = float(np.ptp(points, axis=0).max()) if len(points) else np.inf
-        # -inf asks the engine to choose; a rest offset may be negative.
+        # -inf leaves the choice to the engine; a rest offset may be negative.
         ordered = contact == -np.inf or (0.0 <= contact <= size_m and (rest == -np.inf or rest <= contact))
         possible = rest == -np.inf or abs(rest) <= size_m
         if not (ordered and possible):

@@ -1,10 +1,10 @@
-"""Rule: physics relationships lead to prims."""
+"""Rule: the targets of physics relationships exist."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, finding
@@ -26,7 +26,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             for target in relationship.GetForwardedTargets():
                 if not subject.stage.GetObjectAtPath(target):
                     headline = f"{name} names a prim that does not exist"
-                    yield finding(CODE, headline, where=at(prim), value=str(target), severity=subject.suspect)
+                    yield finding(CODE, headline, where=at(prim), value=str(target), severity=subject.suspect_severity)
 
 
 RULE = Rule(CODE, "every target exists", "UsdPhysics: filtered pairs, collision groups, simulation owner", check)

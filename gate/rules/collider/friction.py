@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, authored, number
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -24,7 +24,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         for name, value in zip(NAMES, (static, dynamic), strict=True):
             if not 0.0 <= value <= MOST:
                 headline = f"{name} is {'absurd' if value > 0.0 else 'negative or no number'}"
-                severity = subject.suspect if value > MOST else Severity.ERROR
+                severity = subject.suspect_severity if value > MOST else Severity.ERROR
                 bound = MOST if value > MOST else 0.0
                 yield finding(CODE, headline, where=where, value=value, bound=bound, severity=severity)
             elif value > USUAL_MOST:
@@ -42,7 +42,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             # The schema's fallback is 0: a material that states nothing is smoother than ice.
             stated = any(authored(prim, name) for name in NAMES)
             headline = "the material has no friction" if stated else "friction is not stated, which means none"
-            severity = Severity.WARNING if stated else subject.suspect
+            severity = Severity.WARNING if stated else subject.suspect_severity
             yield finding(CODE, headline, where=where, value=0.0, bound=0.0, severity=severity)
 
 

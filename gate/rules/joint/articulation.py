@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import networkx as nx
 from pxr import UsdPhysics
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -33,18 +33,18 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _loops(subject: Subject) -> Iterator[Diagnostic]:
-    """Reduced-coordinate solvers take trees; the joint that closes a loop must say that it stands apart."""
+    """Reduced-coordinate solvers take trees; the joint that closes a loop must be excluded from the articulation."""
     tree = nx.Graph()
     for joint in subject.joints:
         if not (joint.enabled and joint.in_articulation and joint.bodies):
             continue
         first, second = (side.body.path if side.body is not None else _WORLD for side in joint.sides)
         if first == second:
-            continue  # The joint-bodies rule says so.
+            continue  # Reported by the joint-bodies rule.
         if first in tree and second in tree and nx.has_path(tree, first, second):
             headline = "the joint closes a loop of the articulation"
             bound = "excludeFromArticulation"
-            yield finding(CODE, headline, where=at(joint.prim), bound=bound, severity=subject.suspect)
+            yield finding(CODE, headline, where=at(joint.prim), bound=bound, severity=subject.suspect_severity)
         tree.add_edge(first, second)
 
 
@@ -61,8 +61,8 @@ def _package(subject: Subject, roots: int) -> Iterator[Diagnostic]:
     linked.add_edges_from(
         (joint.bodies[0].path, joint.bodies[1].path) for joint in subject.joints if len(joint.bodies) == 2
     )
-    parts = sorted(nx.connected_components(linked), key=len, reverse=True)
-    for path in sorted(path for part in parts[1:] for path in part if path in linked):
+    components = sorted(nx.connected_components(linked), key=len, reverse=True)
+    for path in sorted(path for component in components[1:] for path in component if path in linked):
         headline = "the link is joined to none of the others"
         yield finding(CODE, headline, where=at(subject.stage.GetPrimAtPath(path)))
 

@@ -1,4 +1,4 @@
-"""Rule: drives push a motion the joint has, with possible gains, towards a place it can reach."""
+"""Rule: drives act on a degree of freedom of the joint, with possible gains and a target within its limits."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Joint, Subject
-from gate.subject.joint import FREE
+from gate.subject.joint import ONE_DOF_KINDS
 from gate.subject.limits import instances
 from gate.subject.values import at, number, text
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -28,12 +28,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         for name in applied:
             yield from _gains(joint, name)
             yield from _use(subject, joint, name)
-        dead = {
+        driven = {
             a.GetName().split(":")[1] for a in joint.prim.GetAuthoredAttributes() if a.GetName().startswith("drive:")
         }
-        for name in sorted(dead - set(applied)):
+        for name in sorted(driven - set(applied)):
             headline = f"drive:{name} is ignored: PhysicsDriveAPI is not applied for it"
-            yield finding(CODE, headline, where=at(joint.prim), severity=subject.suspect)
+            yield finding(CODE, headline, where=at(joint.prim), severity=subject.suspect_severity)
 
 
 def _gains(joint: Joint, name: str) -> Iterator[Diagnostic]:
@@ -57,7 +57,7 @@ def _use(subject: Subject, joint: Joint, name: str) -> Iterator[Diagnostic]:
     where, prefix = at(joint.prim), f"drive:{name}:physics:"
     if joint.kind in (*MATCHING, "fixed") and name not in MATCHING.get(joint.kind, ()):
         headline = f"a {joint.kind} joint has no {name} motion to drive"
-        yield finding(CODE, headline, where=where, severity=subject.suspect)
+        yield finding(CODE, headline, where=where, severity=subject.suspect_severity)
         return
     stiffness, damping = (number(joint.prim, f"{prefix}{gain}", 0.0) for gain in ("stiffness", "damping"))
     if number(joint.prim, f"{prefix}maxForce", np.inf) == 0.0 and (stiffness > 0.0 or damping > 0.0):
@@ -68,7 +68,7 @@ def _use(subject: Subject, joint: Joint, name: str) -> Iterator[Diagnostic]:
             yield finding(CODE, f"the {target} of the {name} drive is not finite", where=where, value=value)
     if damping > 0.0 and abs(number(joint.prim, f"{prefix}targetVelocity", 0.0)) > 0.0 and subject.released:
         yield finding(CODE, "the drive moves the joint by itself", where=where, severity=Severity.WARNING)
-    if joint.kind in FREE and stiffness > 0.0:
+    if joint.kind in ONE_DOF_KINDS and stiffness > 0.0:
         length = subject.frames.meters_per_unit if joint.kind == "prismatic" else 1.0
         target = number(joint.prim, f"{prefix}targetPosition", 0.0) * length
         lower, upper = joint.limits

@@ -1,4 +1,4 @@
-"""Rule: a joint sits at its bodies."""
+"""Rule: a joint frame lies near both of its bodies."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.body import diagonal, stacked
 from gate.subject.values import at

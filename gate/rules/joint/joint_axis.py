@@ -1,4 +1,4 @@
-"""Rule: joint frames are frames."""
+"""Rule: joint axis, local positions and local rotations are valid."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.joint import AXES
-from gate.subject.values import at, figure, quaternion, vector
+from gate.subject.values import at, format_numbers, quaternion, vector
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-joint-axis"
@@ -25,7 +25,9 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         for index in (0, 1):
             position = vector(joint.prim, f"physics:localPos{index}", (0.0, 0.0, 0.0))
             if not np.all(np.isfinite(position)):
-                yield finding(CODE, f"localPos{index} is not finite", where=where, value=figure(position), unit="m")
+                yield finding(
+                    CODE, f"localPos{index} is not finite", where=where, value=format_numbers(position), unit="m"
+                )
             length = float(np.linalg.norm(quaternion(joint.prim, f"physics:localRot{index}")))
             if not abs(length - 1.0) <= _TOLERANCE:
                 yield finding(CODE, f"localRot{index} is no unit quaternion", where=where, value=length, bound=1.0)

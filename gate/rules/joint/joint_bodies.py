@@ -1,10 +1,10 @@
-"""Rule: a joint joins two different things, at least one of which moves."""
+"""Rule: a joint connects two different prims, at least one of them a rigid body."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Joint, Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, finding

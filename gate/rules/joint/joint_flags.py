@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, number
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -31,7 +31,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     for joint in subject.joints:
         where = at(joint.prim)
         if not joint.enabled:
-            yield finding(CODE, "the joint is disabled", where=where, severity=subject.suspect)
+            yield finding(CODE, "the joint is disabled", where=where, severity=subject.suspect_severity)
         for name in BREAKS:
             value = number(joint.prim, name, np.inf)
             if not value > 0.0:

@@ -1,10 +1,10 @@
-"""Rule: both sides of a joint place it at the same spot, along the same axis, in the rest pose."""
+"""Rule: the joint frames of both bodies coincide in position and axis in the rest pose."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, finding
@@ -23,7 +23,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     for joint in subject.joints:
         rest = joint.rest()
         if rest is None or not joint.enabled or not joint.bodies:
-            continue  # The joint-axis and joint-bodies rules say so.
+            continue  # Reported by the joint-axis and joint-bodies rules.
         size_m = joint.size_m
         bound_m = max(_GAP_SHARE * size_m, min(GAP_M, _TINY_SHARE * size_m)) if size_m > 0.0 else GAP_M
         if rest.gap_m > bound_m:

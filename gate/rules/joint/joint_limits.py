@@ -1,4 +1,4 @@
-"""Rule: joint limits are there and in order."""
+"""Rule: joint limits are stated and ordered."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -9,9 +9,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Joint, Subject
-from gate.subject.joint import FREE
+from gate.subject.joint import ONE_DOF_KINDS
 from gate.subject.limits import axis_limits
 from gate.subject.values import at, number
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -23,10 +23,10 @@ CONE_DEG = 180.0
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per joint whose limits are inverted, no numbers, or missing.
 
-    A revolute joint may turn for ever, if the file says so with infinite limits; a prismatic one cannot.
+    A revolute joint may turn for ever, if its limits are authored as infinite; a prismatic one cannot.
     """
     for joint in subject.joints:
-        if joint.kind in FREE:
+        if joint.kind in ONE_DOF_KINDS:
             yield from _ordered(joint)
             yield from _missing(subject, joint)
         elif joint.kind == "spherical":
@@ -62,13 +62,13 @@ def _missing(subject: Subject, joint: Joint) -> Iterator[Diagnostic]:
     unstated = [side for side, stated in zip(("lower", "upper"), joint.stated, strict=True) if not stated]
     if joint.kind == "prismatic" and endless:
         headline = f"the {' and '.join(endless)} limit of a sliding joint is missing"
-        yield finding(CODE, headline, where=at(joint.prim), unit="m", severity=subject.suspect)
+        yield finding(CODE, headline, where=at(joint.prim), unit="m", severity=subject.suspect_severity)
     elif len(endless) == 1:
         headline = f"the {endless[0]} limit is missing, the other is there"
-        yield finding(CODE, headline, where=at(joint.prim), unit="deg", severity=subject.suspect)
+        yield finding(CODE, headline, where=at(joint.prim), unit="deg", severity=subject.suspect_severity)
     elif unstated and (subject.released or len(unstated) == 1):
         headline = "the limits are not stated; if the joint turns for ever, state -inf and inf"
-        severity = subject.suspect if subject.released else Severity.INFO
+        severity = subject.suspect_severity if subject.released else Severity.INFO
         yield finding(CODE, headline, where=at(joint.prim), unit="deg", severity=severity)
 
 

@@ -1,13 +1,13 @@
-"""Rule: a joint can leave its rest pose without driving its links through each other."""
+"""Rule: near the rest pose, joint motion does not push one link through the other."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Joint, Subject
-from gate.subject.joint import FREE
-from gate.subject.overlap import along, deepest, hulls_of
+from gate.subject.joint import ONE_DOF_KINDS
+from gate.subject.overlap import deepest_penetration, hulls_along_motion, hulls_of
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
 
@@ -23,18 +23,18 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     The axis, the place of the joint or a limit is then wrong: a drawer that leaves through the side of its cabinet.
     """
     for joint in subject.joints:
-        if joint.enabled and joint.kind in FREE and len(joint.bodies) == 2:
-            yield from _moved(joint)
+        if joint.enabled and joint.kind in ONE_DOF_KINDS and len(joint.bodies) == 2:
+            yield from _penetration(joint)
 
 
-def _moved(joint: Joint) -> Iterator[Diagnostic]:
+def _penetration(joint: Joint) -> Iterator[Diagnostic]:
     first, second = joint.bodies
     hulls_a, hulls_b = hulls_of(first), hulls_of(second)
     bound_m = max(LEAST_M, LEAST_SHARE * min(first.diagonal_m, second.diagonal_m))
-    if deepest(hulls_a, hulls_b)[0] > 0.1 * bound_m:
+    if deepest_penetration(hulls_a, hulls_b)[0] > 0.1 * bound_m:
         return  # The links-overlap rule looks at these.
-    for coordinate, moved in along(joint, second, hulls_b, _SHARES):
-        depth_m, thickness_m = deepest(hulls_a, moved)
+    for coordinate, moved in hulls_along_motion(joint, second, hulls_b, _SHARES):
+        depth_m, thickness_m = deepest_penetration(hulls_a, moved)
         if depth_m > min(bound_m, THROUGH * thickness_m) and depth_m > LEAST_M:
             yield finding(
                 CODE,

@@ -1,4 +1,4 @@
-"""Rule: the range of a joint is one that a mechanism has, in the unit USD uses."""
+"""Rule: the range of a joint is that of a real mechanism, in degrees or metres."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Joint, Subject
-from gate.subject.joint import FREE
-from gate.subject.values import at, figure
+from gate.subject.joint import ONE_DOF_KINDS
+from gate.subject.values import at, format_numbers
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-joint-range"
-MOST_DEG = 1080.0  # Three turns each way; a valve or screw with more says so with infinite limits.
+MOST_DEG = 1080.0  # Three turns each way; a valve or screw with more has infinite limits.
 RADIANS_LEAST, RADIANS_MOST = 0.7, 2.0 * np.pi * 1.01
 MOST_SIZES = 1.5
 
@@ -23,16 +23,16 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     asset_m = max((b.diagonal_m for b in subject.bodies), default=0.0)
     for joint in subject.joints:
         lower, upper = joint.limits
-        if joint.kind in FREE and lower <= upper and np.isfinite(upper - lower):
+        if joint.kind in ONE_DOF_KINDS and lower <= upper and np.isfinite(upper - lower):
             yield from _range(subject, joint, asset_m)
 
 
 def _range(subject: Subject, joint: Joint, asset_m: float) -> Iterator[Diagnostic]:
     lower, upper = joint.limits
-    where, span, value = at(joint.prim), upper - lower, figure(np.array(joint.limits))
+    where, span, value = at(joint.prim), upper - lower, format_numbers(np.array(joint.limits))
     if span == 0.0:
         headline = "the limits lock the joint; a fixed joint would say so"
-        yield finding(CODE, headline, where=where, value=value, unit=joint.unit, severity=subject.suspect)
+        yield finding(CODE, headline, where=where, value=value, unit=joint.unit, severity=subject.suspect_severity)
     elif joint.kind == "revolute" and max(abs(lower), abs(upper)) > MOST_DEG:
         headline = "the joint turns further than any hinge"
         yield finding(CODE, headline, where=where, value=value, bound=MOST_DEG, unit="deg", severity=Severity.WARNING)
@@ -44,7 +44,7 @@ def _range(subject: Subject, joint: Joint, asset_m: float) -> Iterator[Diagnosti
     elif joint.kind == "prismatic" and span > MOST_SIZES * max(asset_m, joint.size_m) > 0.0:
         headline = "the joint slides further than the object is large"
         bound = MOST_SIZES * max(asset_m, joint.size_m)
-        yield finding(CODE, headline, where=where, value=span, bound=bound, unit="m", severity=subject.suspect)
+        yield finding(CODE, headline, where=where, value=span, bound=bound, unit="m", severity=subject.suspect_severity)
 
 
 RULE = Rule(

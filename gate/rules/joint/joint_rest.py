@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.joint import FREE
+from gate.subject.joint import ONE_DOF_KINDS
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
 
@@ -21,7 +21,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per joint that starts outside its limits, so that the engine throws its body inside at once."""
     for joint in subject.joints:
         rest, (lower, upper) = joint.rest(), joint.limits
-        if joint.kind not in FREE or rest is None or not lower <= upper:
+        if joint.kind not in ONE_DOF_KINDS or rest is None or not lower <= upper:
             continue
         coordinate = rest.coordinate
         if joint.kind == "revolute":  # An angle is known up to full turns; take the one nearest to the limits.
@@ -37,7 +37,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 value=coordinate,
                 bound=lower if coordinate < lower else upper,
                 unit=joint.unit,
-                severity=subject.suspect if far else Severity.WARNING,
+                severity=subject.suspect_severity if far else Severity.WARNING,
             )
 
 

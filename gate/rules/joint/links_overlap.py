@@ -1,4 +1,4 @@
-"""Rule: links do not occupy the same space at rest."""
+"""Rule: the convex colliders of two links do not overlap at rest."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from itertools import combinations
 
 import networkx as nx
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Body, Joint, Subject
 from gate.subject.filters import may_collide
-from gate.subject.overlap import along, deepest, hulls_of
+from gate.subject.overlap import deepest_penetration, hulls_along_motion, hulls_of
 from gate.subject.values import at
 from geom.convex.penetration import shared_volume
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
@@ -46,7 +46,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 def _pair(subject: Subject, first: Body, second: Body, joint: Joint | None) -> Iterator[Diagnostic]:
     hulls_a, hulls_b = hulls_of(first), hulls_of(second)
     bound_m = max(LEAST_M, LEAST_SHARE * min(first.diagonal_m, second.diagonal_m))
-    depth_m, thickness_m = deepest(hulls_a, hulls_b)
+    depth_m, thickness_m = deepest_penetration(hulls_a, hulls_b)
     if depth_m <= bound_m or first.filled is None or second.filled is None:
         return
     smaller = min(first.filled.mass_kg, second.filled.mass_kg)
@@ -54,7 +54,11 @@ def _pair(subject: Subject, first: Body, second: Body, joint: Joint | None) -> I
     swallowed = share > SWALLOWED
     if joint is not None:
         depth_m -= min(
-            (deepest(hulls_a, moved)[0] for _, moved in along(joint, second, hulls_b, _SHARES)), default=depth_m
+            (
+                deepest_penetration(hulls_a, moved)[0]
+                for _, moved in hulls_along_motion(joint, second, hulls_b, _SHARES)
+            ),
+            default=depth_m,
         )
         if depth_m <= bound_m and not swallowed:
             return
@@ -67,7 +71,9 @@ def _pair(subject: Subject, first: Body, second: Body, joint: Joint | None) -> I
         bound=SWALLOWED if swallowed else bound_m,
         unit="of its volume" if swallowed else "m",
         labels=(Label(where=at(second.prim), text="the other link"),),
-        severity=subject.suspect if swallowed or through or may_collide(first, second, joint) else Severity.WARNING,
+        severity=subject.suspect_severity
+        if swallowed or through or may_collide(first, second, joint)
+        else Severity.WARNING,
     )
 
 

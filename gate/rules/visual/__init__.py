@@ -1,1 +1,1 @@
-"""Gate rules on what is seen: meshes, normals, texture coordinates, materials, shaders, images."""
+"""Gate rules on visible surfaces: meshes, normals, texture coordinates, materials, shaders, images."""

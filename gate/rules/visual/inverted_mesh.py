@@ -6,15 +6,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
-from gate.subject import Subject, Surface
+from gate.rules.rule import Rule
+from gate.subject import Subject, VisibleSurface
 from gate.subject.body import diagonal
 from gate.subject.values import at
 from geom.convex.penetration import even_directions
 from geom.mesh.edges import edges_of
 from geom.mesh.topology import repeats_point
 from geom.mesh.weld import weld_points
-from geom.repair.sheet_orientation import Sky
+from geom.repair.sheet_orientation import SkyVisibility
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-inverted-mesh"
@@ -26,7 +26,7 @@ MOST_TRIANGLES, MOST_VOTERS = 300_000, 1_000_000  # for the closedness test, for
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per mesh that shows the inside of its faces.
 
-    Two witnesses. Where the mesh is the outermost thing in some direction, its faces there must look that way: a vote
+    Two tests. Where the mesh is the outermost thing in some direction, its faces there must face that way: a vote
     over 64 directions, which also works for open surfaces. And a closed mesh that is not inside another one must
     hold a positive volume. Where the vote is lost by a sheet that shows nearly as much of one side as of the other
     (`geom.repair.sheet_orientation`: a dish, a vault) either may be meant: a warning.
@@ -34,9 +34,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     surfaces = [s for s in subject.surfaces if len(s.triangles) and np.all(np.isfinite(s.points_W))]
     if sum(len(s.triangles) for s in surfaces) > MOST_VOTERS:
         return
-    for surface, (votes, share) in zip(surfaces, _votes(surfaces), strict=True):
+    for surface, (votes, share) in zip(surfaces, _outward_votes(surfaces), strict=True):
         outvoted = votes >= LEAST_VOTES and share < LEAST_SHARE
-        if outvoted and not Sky(surface.points_W, surface.triangles).seen_by(surface.triangles).is_inside_out:
+        if (
+            outvoted
+            and not SkyVisibility(surface.points_W, surface.triangles).of_sheet(surface.triangles).is_inside_out
+        ):
             yield finding(
                 CODE,
                 "the mesh may be inside out: its faces look inwards, but neither side is clearly its outside",
@@ -52,34 +55,35 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 where=at(surface.prim),
                 value=share,
                 bound=LEAST_SHARE,
-                severity=subject.suspect,
+                severity=subject.suspect_severity,
             )
-    edges, released = subject.visible_edges, subject.recorded("geometry", "reobserved", "inconsistent_edges")
+    edges, released = subject.visible_edges, subject.record_value("geometry", "reobserved", "inconsistent_edges")
     if edges is not None and isinstance(released, int) and edges.inconsistent > released:
-        headline, found = "neighbouring faces look to opposite sides", edges.inconsistent
-        yield finding(CODE, headline, where=at(subject.root), value=found, bound=released, unit="edges")
+        headline, count = "neighbouring faces look to opposite sides", edges.inconsistent
+        yield finding(CODE, headline, where=at(subject.root), value=count, bound=released, unit="edges")
 
 
-def _votes(surfaces: list[Surface]) -> list[tuple[int, float]]:
-    """Per surface: in how many directions it alone is outermost, and the share of them in which its faces look out."""
+def _outward_votes(surfaces: list[VisibleSurface]) -> list[tuple[int, float]]:
+    """Per surface: the number of directions in which it alone is outermost, and the share of these in which its faces
+    face outwards."""
     if not surfaces:
         return []
     directions = even_directions(DIRECTIONS)
     heights = [_heights(s, directions) for s in surfaces]
-    reach = np.stack([height.max(axis=0) for height in heights])
+    support = np.stack([height.max(axis=0) for height in heights])
     size = diagonal(np.concatenate([s.points_W for s in surfaces]))
-    outermost = reach >= reach.max(axis=0) - 1e-6 * size
+    outermost = support >= support.max(axis=0) - 1e-6 * size
     outermost &= outermost.sum(axis=0) == 1  # Some modellers lay a reversed copy onto a sheet, to show both sides.
-    found = []
-    for surface, height, mine, top in zip(surfaces, heights, outermost, reach, strict=True):
-        touching = height[:, mine] >= top[mine] - 1e-4 * size
-        looks = _looks(surface, touching, directions[mine])
-        sure = looks[looks != 0.0]
-        found.append((len(sure), float((sure > 0.0).mean()) if len(sure) else 1.0))
-    return found
+    votes = []
+    for surface, height, alone, top in zip(surfaces, heights, outermost, support, strict=True):
+        touching = height[:, alone] >= top[alone] - 1e-4 * size
+        outward = _outward_areas(surface, touching, directions[alone])
+        decided = outward[outward != 0.0]
+        votes.append((len(decided), float((decided > 0.0).mean()) if len(decided) else 1.0))
+    return votes
 
 
-def _heights(surface: Surface, directions: np.ndarray) -> np.ndarray:
+def _heights(surface: VisibleSurface, directions: np.ndarray) -> np.ndarray:
     """(n, k) how far each point lies along each direction; -inf for points without a face."""
     used = np.zeros(len(surface.points_W), dtype=bool)
     used[surface.triangles] = True
@@ -88,7 +92,7 @@ def _heights(surface: Surface, directions: np.ndarray) -> np.ndarray:
     return heights
 
 
-def _looks(surface: Surface, touching: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def _outward_areas(surface: VisibleSurface, touching: np.ndarray, directions: np.ndarray) -> np.ndarray:
     """(k,) for each direction the area, seen along it, of the faces at the outermost points; 0 when they cancel.
 
     touching  (n, k) which of the surface's points are outermost in direction k.
@@ -97,15 +101,15 @@ def _looks(surface: Surface, touching: np.ndarray, directions: np.ndarray) -> np
     outer = surface.triangles[at_top[surface.triangles].any(axis=1)]
     a, b, c = np.moveaxis(surface.points_W[outer], 1, 0)
     area = np.cross(b - a, c - a)
-    looks = np.zeros(len(directions))
+    outward = np.zeros(len(directions))
     for k, direction in enumerate(directions):
         seen = area[touching[:, k][outer].any(axis=1)] @ direction
         total = float(seen.sum())
-        looks[k] = total if abs(total) > 0.2 * float(np.abs(seen).sum()) else 0.0
-    return looks
+        outward[k] = total if abs(total) > 0.2 * float(np.abs(seen).sum()) else 0.0
+    return outward
 
 
-def _encloses_nothing(surface: Surface, surfaces: list[Surface]) -> bool:
+def _encloses_nothing(surface: VisibleSurface, surfaces: list[VisibleSurface]) -> bool:
     """True for a closed mesh of negative volume that no other mesh's bounds contain (there it could be a cavity)."""
     if len(surface.triangles) > MOST_TRIANGLES:
         return False

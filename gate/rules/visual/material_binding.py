@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from pxr import UsdGeom, UsdShade
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -21,7 +21,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per binding to a prim that is absent or no Material, per unapplied binding API, and per visible mesh
     of a package without any material.
     """
-    unread = bool(subject.stage.GetCompositionErrors())  # The missing-file rule speaks of what could not be composed.
+    unread = bool(subject.stage.GetCompositionErrors())  # Composition errors are reported by the missing-file rule.
     for prim in subject.prims:
         if prim.IsInstanceProxy():
             continue

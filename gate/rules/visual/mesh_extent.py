@@ -1,4 +1,4 @@
-"""Rule: the stated bounds of a mesh are its bounds."""
+"""Rule: the authored `extent` of a mesh equals the bounds of its points."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.values import at, figure, rows
+from gate.subject.values import at, format_numbers, rows
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-mesh-extent"
@@ -28,9 +28,9 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 CODE,
                 "the stated extent is not that of the points",
                 where=at(prim),
-                value=figure(extent),
-                bound=figure(bounds),
-                severity=subject.suspect,
+                value=format_numbers(extent),
+                bound=format_numbers(bounds),
+                severity=subject.suspect_severity,
             )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from pxr import UsdGeom
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.read_shape import topology_fault
 from gate.subject.values import TIME, at, integers, rows
@@ -38,9 +38,9 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithAuthoredValues():
             yield from _primvar(prim, primvar, sizes)
         normals = rows(prim, "normals", 3)
-        wanted = sizes.get(str(UsdGeom.Mesh(prim).GetNormalsInterpolation()))
-        if len(normals) and len(normals) != wanted:
-            yield finding(CODE, "normals has the wrong length", where=at(prim), value=len(normals), bound=wanted)
+        expected = sizes.get(str(UsdGeom.Mesh(prim).GetNormalsInterpolation()))
+        if len(normals) and len(normals) != expected:
+            yield finding(CODE, "normals has the wrong length", where=at(prim), value=len(normals), bound=expected)
 
 
 def _primvar(prim: Any, primvar: Any, sizes: dict[str, int]) -> Iterator[Diagnostic]:
@@ -51,7 +51,7 @@ def _primvar(prim: Any, primvar: Any, sizes: dict[str, int]) -> Iterator[Diagnos
         return
     if value is None:
         return
-    wanted = sizes[interpolation]
+    expected = sizes[interpolation]
     length = len(value) if primvar.GetTypeName().isArray else 1
     if primvar.IsIndexed():
         picks = primvar.GetIndices(TIME)
@@ -59,9 +59,9 @@ def _primvar(prim: Any, primvar: Any, sizes: dict[str, int]) -> Iterator[Diagnos
         if highest >= len(value) or min(picks, default=0) < 0:
             headline = f"the indices of primvar {name} leave its values"
             yield finding(CODE, headline, where=at(prim), value=highest, bound=len(value) - 1)
-    if length != wanted * primvar.GetElementSize() and wanted != 1:
+    if length != expected * primvar.GetElementSize() and expected != 1:
         headline = f"primvar {name} has the wrong length"
-        yield finding(CODE, headline, where=at(prim), value=length, bound=wanted)
+        yield finding(CODE, headline, where=at(prim), value=length, bound=expected)
 
 
 RULE = Rule(

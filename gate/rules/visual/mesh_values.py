@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, rows
 from schemas.diagnostics import Diagnostic, finding
@@ -26,10 +26,10 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         widths = {p.GetName(): _width(p) for p in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithAuthoredValues()}
         for name, width in {**ARRAYS, **widths}.items():
             values = rows(prim, name, width) if width else rows(prim, name, 1)[:0]
-            broken = int((~np.isfinite(values)).any(axis=1).sum())
-            if broken:
+            nonfinite = int((~np.isfinite(values)).any(axis=1).sum())
+            if nonfinite:
                 headline = f"{name} holds NaN or infinity"
-                yield finding(CODE, headline, where=at(prim), value=broken, bound=0, unit="values")
+                yield finding(CODE, headline, where=at(prim), value=nonfinite, bound=0, unit="values")
 
 
 def _width(primvar: Any) -> int:

@@ -1,4 +1,4 @@
-"""Rule: normals point to the side that the winding calls outside, and have length 1."""
+"""Rule: normals agree with the winding of the faces and have length 1."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.read_shape import topology_fault
 from gate.subject.values import at, integers, rows, text
@@ -37,12 +37,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         off = float((np.abs(lengths - 1.0) > LENGTH_TOLERANCE).mean())
         if off > MOST_OFF:
             headline = "normals do not have length 1"
-            where, severity = at(prim), subject.suspect
+            where, severity = at(prim), subject.suspect_severity
             yield finding(CODE, headline, where=where, value=off, bound=MOST_OFF, severity=severity)
         agreement = _agreement(prim, normals, interpolation)
         if agreement < LEAST_AGREEMENT:
             headline = "normals point against the winding of the faces"
-            where, severity = at(prim), subject.suspect
+            where, severity = at(prim), subject.suspect_severity
             yield finding(CODE, headline, where=where, value=agreement, bound=LEAST_AGREEMENT, severity=severity)
 
 

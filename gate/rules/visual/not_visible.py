@@ -1,4 +1,4 @@
-"""Rule: the asset, and each of its bodies, can be seen."""
+"""Rule: the asset and each of its bodies have a visible mesh."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from pxr import UsdGeom
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -21,7 +21,7 @@ _SHOWN = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding when nothing is drawn, per body of a package without a visible mesh, per hidden or empty mesh."""
     if not subject.surfaces and (subject.released or subject.bodies):
-        yield finding(CODE, "nothing is visible", where=at(subject.root), severity=subject.suspect)
+        yield finding(CODE, "nothing is visible", where=at(subject.root), severity=subject.suspect_severity)
     if not subject.released:
         return
     if subject.surfaces:

@@ -1,10 +1,10 @@
-"""Rule: a visible surface has the holes it was released with, and no others."""
+"""Rule: the visible surface has no more open edges than its record counts."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -19,7 +19,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     Without a record an open surface may be meant (leaves, cloth, bowls of no thickness), so that only a few holes in an
     otherwise closed surface are worth a warning.
     """
-    edges, released = subject.visible_edges, subject.recorded("geometry", "reobserved", "boundary_edges")
+    edges, released = subject.visible_edges, subject.record_value("geometry", "reobserved", "boundary_edges")
     if edges is None:
         return
     if isinstance(released, int):

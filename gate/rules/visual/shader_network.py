@@ -1,4 +1,4 @@
-"""Rule: shader networks are complete."""
+"""Rule: shader networks are complete: surface output, shader ids, connections."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from pxr import UsdShade
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.shading import shader_id
 from gate.subject.values import at
@@ -27,12 +27,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         surfaces = [o for o in material.GetSurfaceOutputs() if o.HasConnectedSource()]
         if str(prim.GetPath()) in bound and not surfaces:
             headline = "the material has no surface shader"
-            yield finding(CODE, headline, where=at(prim), severity=subject.suspect)
+            yield finding(CODE, headline, where=at(prim), severity=subject.suspect_severity)
         elif str(prim.GetPath()) in bound and subject.released:
             yield from _portable(material)
     for prim in (*subject.materials, *subject.shaders):
         if prim.IsA(UsdShade.Shader) and not shader_id(prim) and not _is_source(prim):
-            yield finding(CODE, "the shader names no implementation", where=at(prim), severity=subject.suspect)
+            yield finding(CODE, "the shader names no implementation", where=at(prim), severity=subject.suspect_severity)
         connectable = UsdShade.ConnectableAPI(prim)
         for port in (*connectable.GetInputs(), *connectable.GetOutputs()):
             for path in port.GetAttr().GetConnections():
@@ -43,7 +43,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _portable(material: UsdShade.Material) -> Iterator[Diagnostic]:
-    """Renderers that know nothing else draw the surface output without a render context."""
+    """The surface output without a render context must be a UsdPreviewSurface, which every renderer supports."""
     shader, _, _ = material.ComputeSurfaceSource()
     name = shader_id(shader.GetPrim()) if shader else ""
     if name != PORTABLE:
@@ -53,12 +53,12 @@ def _portable(material: UsdShade.Material) -> Iterator[Diagnostic]:
 
 def _bound(subject: Subject) -> set[str]:
     """Paths of the materials that something visible uses."""
-    found: set[str] = set()
+    paths: set[str] = set()
     for prim in subject.visible_prims:
         material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
         if material:
-            found.add(str(material.GetPath()))
-    return found
+            paths.add(str(material.GetPath()))
+    return paths
 
 
 def _is_source(prim: UsdShade.Shader) -> bool:

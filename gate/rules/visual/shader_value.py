@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 from pxr import UsdShade
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.shading import constant_value, own_value, shader_id
-from gate.subject.values import at, figure, rows
+from gate.subject.values import at, format_numbers, rows
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-shader-value"
@@ -36,12 +36,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             value = unread if constant is None else constant
             if value is None or _within(value, *bounds):
                 continue
-            grave = subject.suspect if np.all(np.isfinite(value)) else Severity.ERROR
+            grave = subject.suspect_severity if np.all(np.isfinite(value)) else Severity.ERROR
             yield finding(
                 CODE,
                 f"{shader_input.GetBaseName()} is out of range",
                 where=at(prim),
-                value=figure(value) if len(value) > 1 else float(value[0]),
+                value=format_numbers(value) if len(value) > 1 else float(value[0]),
                 bound=f"{bounds[0]:g} .. {bounds[1]:g}",
                 severity=Severity.WARNING if constant is None else grave,
             )
@@ -51,7 +51,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             if len(values) and not _within(values, 0.0, 1.0):
                 low, high = float(values.min()), float(values.max())
                 headline = f"{name} is out of range"
-                value, severity = f"{low:g} .. {high:g}", subject.suspect
+                value, severity = f"{low:g} .. {high:g}", subject.suspect_severity
                 yield finding(CODE, headline, where=at(prim), value=value, bound="0 .. 1", severity=severity)
 
 

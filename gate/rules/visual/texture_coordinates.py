@@ -10,7 +10,7 @@ from typing import Any
 
 from pxr import Usd, UsdGeom, UsdShade
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.shading import shader_id
 from gate.subject.values import TIME, at
@@ -21,15 +21,15 @@ CODE = "asset/gate-texture-coordinates"
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per visible mesh that lacks a primvar which its material's UsdPrimvarReader_float2 nodes read."""
-    wanted: dict[str, set[str]] = {}
+    primvars_by_material: dict[str, set[str]] = {}
     for prim in subject.visible_prims:
         material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
         if not material:
             continue
         path = str(material.GetPath())
-        if path not in wanted:
-            wanted[path] = _names(material.GetPrim())
-        for name in sorted(wanted[path]):
+        if path not in primvars_by_material:
+            primvars_by_material[path] = _names(material.GetPrim())
+        for name in sorted(primvars_by_material[path]):
             primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
             if not primvar or not primvar.HasValue():
                 headline = f"the mesh lacks primvar {name}, which its material reads"
@@ -39,12 +39,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
 def _names(material: Any) -> set[str]:
     """Primvars read by the texture-coordinate readers of a material."""
-    found: set[str] = set()
+    names: set[str] = set()
     for prim in Usd.PrimRange(material, Usd.TraverseInstanceProxies()):
         if prim.IsA(UsdShade.Shader) and shader_id(prim) == "UsdPrimvarReader_float2":
             attributes = UsdShade.Utils.GetValueProducingAttributes(UsdShade.Shader(prim).GetInput("varname"))
-            found.update(str(value) for a in attributes if (value := a.Get(TIME)))
-    return found
+            names.update(str(value) for a in attributes if (value := a.Get(TIME)))
+    return names
 
 
 RULE = Rule(

@@ -1,4 +1,4 @@
-"""Rule: texture files are pictures."""
+"""Rule: texture files are readable PNG or JPEG images of a supported size."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -12,7 +12,7 @@ from typing import Any
 from PIL import Image, UnidentifiedImageError
 from pxr import Ar, Sdf
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
 from schemas.diagnostics import Diagnostic, finding

@@ -1,4 +1,4 @@
-"""Rule: pictures are read in the colour space, and unpacked with the scale, that their use asks for."""
+"""Rule: textures are read in the colour space, and unpacked with the scale, that their use requires."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from pxr import UsdShade
 
-from gate.rule import Rule
+from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.shading import feeding_shader, shader_id
-from gate.subject.values import at, figure, text, vector
+from gate.subject.values import at, format_numbers, text, vector
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-texture-reader"
@@ -29,9 +29,9 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if shader_id(prim) != "UsdPreviewSurface":
             continue
         for shader_input in UsdShade.Shader(prim).GetInputs():
-            fed = feeding_shader(shader_input)
-            if fed is not None and shader_id(fed[0]) == "UsdUVTexture":
-                yield from _reader(subject, fed[0], fed[1], shader_input.GetBaseName())
+            source = feeding_shader(shader_input)
+            if source is not None and shader_id(source[0]) == "UsdUVTexture":
+                yield from _reader(subject, source[0], source[1], shader_input.GetBaseName())
     for prim in subject.shaders:
         if shader_id(prim) == "UsdUVTexture":
             yield from _values(prim)
@@ -43,7 +43,7 @@ def _reader(subject: Subject, prim: Any, output: str, use: str) -> Iterator[Diag
     wrong = space == "raw" if use in COLOURS else space == "sRGB" and output != "a"
     if wrong:
         headline = f"the texture of {use} is read as {space}"
-        bound, severity = "sRGB" if use in COLOURS else "raw", subject.suspect
+        bound, severity = "sRGB" if use in COLOURS else "raw", subject.suspect_severity
         yield finding(CODE, headline, where=where, value=space, bound=bound, severity=severity)
     if use == "normal":
         scale, bias = vector(prim, "inputs:scale", (1.0,) * 4), vector(prim, "inputs:bias", (0.0,) * 4)
@@ -52,16 +52,16 @@ def _reader(subject: Subject, prim: Any, output: str, use: str) -> Iterator[Diag
         floating = text(prim, "inputs:file").rstrip("@").endswith((".exr", ".hdr"))
         if not unpacked and not floating:
             headline = "the normal map is not unpacked from 0 .. 1 to -1 .. 1"
-            value = f"scale {figure(scale)}, bias {figure(bias)}"
-            bound = f"scale {figure(np.array(NORMAL_SCALE))}, bias {figure(np.array(NORMAL_BIAS))}"
-            yield finding(CODE, headline, where=where, value=value, bound=bound, severity=subject.suspect)
+            value = f"scale {format_numbers(scale)}, bias {format_numbers(bias)}"
+            bound = f"scale {format_numbers(np.array(NORMAL_SCALE))}, bias {format_numbers(np.array(NORMAL_BIAS))}"
+            yield finding(CODE, headline, where=where, value=value, bound=bound, severity=subject.suspect_severity)
 
 
 def _values(prim: Any) -> Iterator[Diagnostic]:
     for name, width in (("inputs:scale", 4), ("inputs:bias", 4), ("inputs:fallback", 4)):
         value = vector(prim, name, (0.0,) * width)
         if not np.all(np.isfinite(value)):
-            yield finding(CODE, f"{name} is not finite", where=at(prim), value=figure(value))
+            yield finding(CODE, f"{name} is not finite", where=at(prim), value=format_numbers(value))
     space = text(prim, "inputs:sourceColorSpace", "auto")
     if space not in ("raw", "sRGB", "auto"):
         yield finding(CODE, "the colour space is unknown", where=at(prim), value=space, bound="raw, sRGB or auto")

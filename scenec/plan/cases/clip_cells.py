@@ -83,7 +83,7 @@ def freedom_of(scope: Scope, layouts: Layouts, rect_m: FloatArray, free: BoolArr
         whole = high - low > 2.0 * np.pi - 1e-9
         spans = np.stack([np.full(count, np.pi), np.full(count, np.pi)] if whole else [yaw - low, high - yaw], axis=1)
         stance = member.stance[layouts.option[:, i]]
-        least = np.stack([t.reach_m.min(axis=0) for t in (member.turns[s] for s in sorted(member.turns))])
+        least = np.stack([t.extent_m.min(axis=0) for t in (member.turns[s] for s in sorted(member.turns))])
         least = least[np.searchsorted(sorted(member.turns), stance)]
         sign = np.array([1.0, -1.0, 1.0, -1.0])
         box = rect_m[:, i] + sign * least

@@ -29,14 +29,14 @@ GRAIN_M, GRAIN_RAD = 1e-6, 1e-6  # cells are kept in whole micrometres and micro
 
 @dataclass(frozen=True)
 class Turns:
-    """A stance turned: `edges` (k + 1,) yaws, `reach` (k + 1, 4) at these, `most` (k, 4) between two of them.
+    """A stance turned: `edges` (k + 1,) yaws, `extent_m` (k + 1, 4) at these, `most_m` (k, 4) between two of them.
 
-    Reach is how far the footprint extends from the asset origin towards -x, +x, -y, +y of P. `most` is an upper bound:
+    The extent is that of the footprint from the asset origin towards -x, +x, -y, +y of P. `most_m` is an upper bound:
     a support function is the largest of sinusoids of amplitude `radius`, which rise little between close yaws.
     """
 
     edges: FloatArray
-    reach_m: FloatArray
+    extent_m: FloatArray
     most_m: FloatArray
 
 
@@ -44,19 +44,19 @@ def turns_of(shape: Shape, low: float, high: float) -> Turns:
     """The turns of a shape, with what it carries, over a span of yaws."""
     count = max(1, ceil((high - low) / YAW_STEP - 1e-9))
     edges = np.linspace(low, high, count + 1) if high > low else np.array([low, low])
-    reach = reach_at(shape, edges)
+    reach = extent_at(shape, edges)
     rise = shape.radius_m * (1.0 - cos((edges[1] - edges[0]) / 2.0))
     return Turns(edges, reach, np.maximum(reach[:-1], reach[1:]) + rise)
 
 
-def reach_at(shape: Shape, yaw_rad: FloatArray) -> FloatArray:
+def extent_at(shape: Shape, yaw_rad: FloatArray) -> FloatArray:
     """Reach (k, 4), as in `Turns`, at yaws (k,)."""
     beyond = overhang_m(shape)
     x, y = (own_hull(shape) if beyond > 0.0 else shape.hull).T
     cosine, sine = np.cos(yaw_rad)[:, None], np.sin(yaw_rad)[:, None]
     px, py = cosine * x - sine * y, sine * x + cosine * y
-    reach = np.stack([-px.min(axis=1), px.max(axis=1), -py.min(axis=1), py.max(axis=1)], axis=1)
-    return reach + shape.radius_m * GRAIN_RAD + beyond  # a yaw may be rounded
+    extent = np.stack([-px.min(axis=1), px.max(axis=1), -py.min(axis=1), py.max(axis=1)], axis=1)
+    return extent + shape.radius_m * GRAIN_RAD + beyond  # a yaw may be rounded
 
 
 def own_hull(shape: Shape) -> FloatArray:
@@ -75,7 +75,7 @@ def overhang_m(shape: Shape) -> float:
 
 @dataclass(frozen=True)
 class Member:
-    """One thing of a scope. Options (m,): `stance`, `yaw_rad`, `base_m`, `height_m`; `reach_m` (m, 4) as in `Turns`;
+    """One thing of a scope. Options (m,): `stance`, `yaw_rad`, `base_m`, `height_m`; `extent_m` (m, 4) as in `Turns`;
     `at_m` (m, 2) their origins in P, NaN where these are free. Only the first `grid` are drawn, the other is the
     pose that the solver found. `origin_m` (4,) bounds the origin in P; `overhang_m` by stance: see there."""
 
@@ -87,7 +87,7 @@ class Member:
     yaw_rad: FloatArray
     base_m: FloatArray
     height_m: FloatArray
-    reach_m: FloatArray
+    extent_m: FloatArray
     at_m: FloatArray
     origin_m: FloatArray
     overhang_m: FloatArray
@@ -102,7 +102,7 @@ class Member:
     @cached_property
     def footprint_m2(self) -> FloatArray:
         """Area (m,) of the rectangle around the footprint, by option."""
-        return (self.reach_m[:, 0] + self.reach_m[:, 1]) * (self.reach_m[:, 2] + self.reach_m[:, 3])
+        return (self.extent_m[:, 0] + self.extent_m[:, 1]) * (self.extent_m[:, 2] + self.extent_m[:, 3])
 
 
 @dataclass(frozen=True)
@@ -247,14 +247,14 @@ def _options(
     reach = np.zeros((len(poses), 4))
     for s in sorted(set(stance.tolist())):
         rows = stance == s
-        reach[rows] = reach_at(shapes[s], yaw[rows])
+        reach[rows] = extent_at(shapes[s], yaw[rows])
     height = np.array([shapes[s].height_m for s in stance.tolist()])
     return stance, yaw, np.array([p.base_m for p in poses]), height, reach
 
 
 def around(member: Member, option: IntArray, origin_m: FloatArray) -> FloatArray:
     """Rectangles (m, 4) around the footprint at options (m,) and origins (m, 2), on whole grains of A."""
-    reach = member.reach_m[option]
+    reach = member.extent_m[option]
     shift = np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
     x, y = (origin_m - shift).T
     low = np.floor(np.stack([x - reach[:, 0], y - reach[:, 2]], axis=1) / GRAIN_M + 1e-4) * GRAIN_M + shift

@@ -179,7 +179,7 @@ def drawn(member: Member, option: IntArray, rng: Generator) -> FloatArray:
     if member.pinned:
         return member.at_m[option]
     box = np.stack([member.room[s].box_m if s in member.room else np.zeros(4) for s in range(len(member.shapes))])
-    place, reach = box[member.stance[option]], member.reach_m[option]
+    place, reach = box[member.stance[option]], member.extent_m[option]
     low = np.maximum(place[..., [0, 2]] + reach[..., [0, 2]], member.origin_m[[0, 2]])
     high = np.minimum(place[..., [1, 3]] - reach[..., [1, 3]], member.origin_m[[1, 3]])
     return low + share * (high - low)

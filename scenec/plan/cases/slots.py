@@ -55,7 +55,7 @@ def ways_of(scope: Scope) -> Ways:
                 if len(rows):
                     found.append(int(rows[area[rows].argmin()]))
         found = (found * width)[:width]
-        reach = member.reach_m[found] + GRAIN_M
+        reach = member.extent_m[found] + GRAIN_M
         size = np.stack([reach[:, 0] + reach[:, 1], reach[:, 2] + reach[:, 3]], axis=1)
         order = np.argsort(size[:, 1], kind="stable")
         options.append(np.array(found)[order])
@@ -86,7 +86,7 @@ def seated(scope: Scope, ways: Ways, slots_m: FloatArray, family: str, rng: Gene
             continue
         fits = _fits(ways.size_m[i][None], _size(slots[:, i])[:, None])
         option[:, i] = ways.option[i][(fits * (1.0 + rng.random(fits.shape))).argmax(axis=1)]
-        reach = member.reach_m[option[:, i]]
+        reach = member.extent_m[option[:, i]]
         low = np.maximum(slots[:, i][:, [0, 2]] + reach[:, [0, 2]], member.origin_m[[0, 2]])
         high = np.minimum(slots[:, i][:, [1, 3]] - reach[:, [1, 3]], member.origin_m[[1, 3]])
         good &= fits.any(axis=1) & (low <= high + 1e-9).all(axis=1)

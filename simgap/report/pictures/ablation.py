@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from render.figure import figure, png, tidy
+from render.figure import figure, png, style_axes
 from schemas.gap import Rival
 from simgap.report.pictures.colours import DECLARED, EXTENDED, NOISE
 
@@ -29,6 +29,6 @@ def ladder(steps: Sequence[Rival]) -> bytes:
         axes.set_xlim(0.0, 1.15 * max(values))
     for row, value in enumerate(values):
         axes.text(value * 1.05 if wide else value + 0.01 * max(values), row, f"{value:.3g}", va="center", fontsize=9)
-    tidy(axes, "held-out rms error over short horizons (1 = noise)", "", "Where the error goes")
+    style_axes(axes, "held-out rms error over short horizons (1 = noise)", "", "Where the error goes")
     axes.grid(visible=False)
     return png(made)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from render.figure import figure, png, tidy
+from render.figure import figure, png, style_axes
 from schemas.model import FloatArray
 from simgap.kinds.event_problem import EventProblem
 from simgap.problem import Model
@@ -35,7 +35,7 @@ def outcomes(problem: EventProblem, trials: Sequence[str], extension: Model) -> 
         axes.set_xlim(low, high)
         axes.set_ylim(low, high)
         axes.locator_params(axis="x", nbins=5)
-        tidy(axes, f"{name}, measured", f"{name}, simulated" if axes is panels[0] else "", f"Held-out events, {words}")
+        style_axes(axes, f"{name}, measured", f"{name}, simulated" if axes is panels[0] else "", f"Held-out events, {words}")
     return png(made)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.figure import figure, png, tidy
+from render.figure import figure, png, style_axes
 from simgap.report.pictures.colours import DECLARED, EXTENDED, MEASURED
 from simgap.report.side_by_side import Replay
 
@@ -25,7 +25,7 @@ def overlay(declared: Replay, extended: Replay | None, channel: int, unit: str) 
     top.set_ylim(float(truth.min()) - 0.6 * span, float(truth.max()) + 0.6 * span)
     bottom.set_ylim(-0.8 * span, 0.8 * span) if np.abs(declared.errors[:, channel]).max() > 0.8 * span else None
     name = declared.columns[channel]
-    tidy(top, "", f"{name} ({unit})", f"Held-out trial {declared.trial}, one roll-out from its first row")
-    tidy(bottom, "time (s)", f"error ({unit})")
+    style_axes(top, "", f"{name} ({unit})", f"Held-out trial {declared.trial}, one roll-out from its first row")
+    style_axes(bottom, "time (s)", f"error ({unit})")
     top.legend(frameon=False, fontsize=9, loc="best")
     return png(made)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from render.figure import figure, png, tidy
+from render.figure import figure, png, style_axes
 from schemas.gap import Place
 from schemas.model import FloatArray
 from simgap.kinds.mechanism.equation_error import balance
@@ -52,7 +52,7 @@ def unexplained(
     room = 0.25 * max(high - low, 1e-12)
     axes.set_ylim(low - room, high + room)
     axes.axhline(0.0, color=MEASURED, linewidth=0.8)
-    tidy(axes, words, f"unexplained effort ({unit})", f"What acts on {link.name} beyond the declared model: {name}")
+    style_axes(axes, words, f"unexplained effort ({unit})", f"What acts on {link.name} beyond the declared model: {name}")
     axes.legend(frameon=False, fontsize=9)
     return png(made)
 

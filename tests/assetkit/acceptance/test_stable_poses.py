@@ -40,8 +40,8 @@ def offsets(poses: Sequence[StablePose]) -> list[float]:
     return sorted(round(p.support_offset_m, 4) for p in poses)
 
 
-def total(found: StablePoses) -> float:
-    return sum(p.probability for p in found.poses)
+def total(stable: StablePoses) -> float:
+    return sum(p.probability for p in stable.poses)
 
 
 @pytest.mark.parametrize("make", [box, hull_box])

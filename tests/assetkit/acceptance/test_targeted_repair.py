@@ -10,7 +10,7 @@ import pytest
 
 from assetkit.acceptance.targeted_repair import REPAIRS, ROUNDS, repair_until_accepted
 from assetkit.stage import Draft
-from assetkit.stage_log import Entry, Journal
+from assetkit.stage_log import Entry, StageLog
 from schemas.asset import Check
 from schemas.diagnostics import finding
 from schemas.outcome import ItemOutcome
@@ -23,8 +23,8 @@ def draft(collider: str) -> Draft:
     section = SimpleNamespace(collision_method=collider)
     check = Check(name="settle_drift", value=0.5, bound=0.1, unit="of diagonal", passed=collider == "hull")
     acceptance = SimpleNamespace(section=SimpleNamespace(checks=(check,)))
-    made = Draft("x", "x.obj", cast(Any, None))
-    return replace(made, physics=cast(Any, SimpleNamespace(section=section)), acceptance=cast(Any, acceptance))
+    empty = Draft("x", "x.obj", cast(Any, None))
+    return replace(empty, physics=cast(Any, SimpleNamespace(section=section)), acceptance=cast(Any, acceptance))
 
 
 class Rerun:
@@ -35,7 +35,7 @@ class Rerun:
         self.good = good
         self.excluded: list[tuple[str, ...]] = []
 
-    def __call__(self, attempt: Draft, notes: Journal, stage: str) -> Draft:
+    def __call__(self, attempt: Draft, notes: StageLog, stage: str) -> Draft:
         assert stage == "physics"
         self.excluded.append(attempt.excluded_colliders)
         collider = self.colliders.pop(0)
@@ -43,36 +43,36 @@ class Rerun:
         return replace(draft(collider), excluded_colliders=attempt.excluded_colliders)
 
 
-def failing() -> Journal:
-    return Journal({"acceptance": Entry((UNSTABLE,))})
+def failing() -> StageLog:
+    return StageLog({"acceptance": Entry((UNSTABLE,))})
 
 
 def test_nothing_to_do_changes_nothing():
-    journal = Journal({"acceptance": Entry()})
+    log = StageLog({"acceptance": Entry()})
     first = draft("box")
-    assert repair_until_accepted(first, journal, Rerun()) == (first, journal)
-    assert journal.outcome is ItemOutcome.ACCEPTED
+    assert repair_until_accepted(first, log, Rerun()) == (first, log)
+    assert log.outcome is ItemOutcome.ACCEPTED
 
 
 def test_a_repair_that_helps_is_recorded_with_figures_and_its_findings_replace_the_old():
     rerun = Rerun("coacd", "hull", good="hull")
-    repaired, journal = repair_until_accepted(draft("box"), failing(), rerun)
+    repaired, log = repair_until_accepted(draft("box"), failing(), rerun)
     assert rerun.excluded == [("box",), ("box", "coacd")]
     assert repaired.physics is not None
     assert repaired.physics.section.collision_method == "hull"
-    assert journal.outcome is ItemOutcome.REPAIRED
-    assert journal.diagnostics == ()
-    assert [(r.name, r.code) for r in journal.repairs] == [("collider_hull", "asset/unstable-settling")]
-    assert journal.repairs[0].before == {"collider": "box", "settle_drift": 0.5}
+    assert log.outcome is ItemOutcome.REPAIRED
+    assert log.diagnostics == ()
+    assert [(r.name, r.code) for r in log.repairs] == [("collider_hull", "asset/unstable-settling")]
+    assert log.repairs[0].before == {"collider": "box", "settle_drift": 0.5}
 
 
 def test_when_nothing_helps_the_first_draft_goes_to_review():
     first = draft("box")
-    kept, journal = repair_until_accepted(first, failing(), Rerun("coacd", "hull"))
+    kept, log = repair_until_accepted(first, failing(), Rerun("coacd", "hull"))
     assert kept is first
-    assert journal.outcome is ItemOutcome.REVIEW
-    assert journal.repairs == ()
-    assert [d.code for d in journal.diagnostics] == ["asset/unstable-settling"]
+    assert log.outcome is ItemOutcome.REVIEW
+    assert log.repairs == ()
+    assert [d.code for d in log.diagnostics] == ["asset/unstable-settling"]
 
 
 def test_rounds_are_bounded():

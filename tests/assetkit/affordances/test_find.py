@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from assetkit.affordances.find import Offered, find_affordances
+from assetkit.affordances.find import AffordanceResult, find_affordances
 from assetkit.affordances.named_regions import named_regions, part_at
 from assetkit.options import Options
 from schemas.affordances import WHOLE, Grasp
@@ -20,7 +20,7 @@ from sim.fake import FakeSimulator
 from tests.laws.test_stated_physics_released import finished
 
 
-def offered(folder: Path, edges_m: tuple[float, float, float], role: Role | None = None) -> Offered:
+def offered(folder: Path, edges_m: tuple[float, float, float], role: Role | None = None) -> AffordanceResult:
     file = folder / "part.obj"
     trimesh.creation.box(edges_m).export(file)
     draft, _, _ = finished(file, Options(units="m", role=role))

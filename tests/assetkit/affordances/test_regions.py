@@ -8,19 +8,19 @@ from manifold3d import CrossSection, Manifold
 from scipy.spatial.transform import Rotation
 
 from assetkit.affordances.anchors import propose_anchors
-from assetkit.affordances.regions import find_regions, is_handle, keep_upright
-from geom.decomposition.simplified_body import arrays
+from assetkit.affordances.regions import find_regions, is_handle, upright_requirement
 from geom.features.cavities import find_cavities
-from geom.features.elongated_ends import find_grip
-from geom.features.spouts import pouring_lip
+from geom.features.elongated_ends import find_elongated_end
+from geom.features.spouts import find_spout
 from geom.features.through_holes import find_through_holes, genus
+from geom.mesh.manifold_arrays import manifold_arrays
 from schemas.evidence import measured
 from schemas.physics import Solid
 from tests.assetkit.colliders.test_choose_keeps_openings import bowl, mug
 
 
 def solid_of(manifold: Manifold, R: np.ndarray | None = None, scale: float = 1.0) -> Solid:
-    points, triangles = arrays(manifold)
+    points, triangles = manifold_arrays(manifold)
     return Solid(scale * points @ (np.eye(3) if R is None else R).T, triangles, "closed")
 
 
@@ -79,7 +79,7 @@ def test_a_jug_pours_over_its_lip():
 @pytest.mark.parametrize("sides", [3, 4, 6, 64])
 def test_regular_rims_have_no_lip(sides: int):
     angles = np.arange(sides) * 2 * np.pi / sides
-    assert pouring_lip(np.stack([np.cos(angles), 0.6 * np.sin(angles), 0 * angles], axis=1)) is None
+    assert find_spout(np.stack([np.cos(angles), 0.6 * np.sin(angles), 0 * angles], axis=1)) is None
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -103,11 +103,11 @@ def test_holes_scale_with_the_thing_but_hands_do_not():
     ("thing", "handles"), [(Manifold.sphere(1.0, 24), 0), (mug(), 1), (Manifold.cube((1, 1, 1)), 0)]
 )
 def test_genus(thing: Manifold, handles: int):
-    assert genus(arrays(thing)[1]) == handles
+    assert genus(manifold_arrays(thing)[1]) == handles
 
 
 def test_two_balls_have_no_handle_together():
-    points, triangles = arrays(Manifold.sphere(1.0, 12))
+    points, triangles = manifold_arrays(Manifold.sphere(1.0, 12))
     assert genus(np.concatenate([triangles, triangles + len(points)])) == 0
 
 
@@ -116,7 +116,7 @@ def test_a_grip_is_found_however_the_thing_is_turned_and_points_to_its_free_end(
     hammer = Manifold.cube((0.25, 0.025, 0.025)).translate((0, -0.0125, -0.0125))
     hammer += Manifold.cube((0.03, 0.12, 0.03)).translate((0.25, -0.06, -0.015))
     R = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
-    grip = find_grip(solid_of(hammer, R))
+    grip = find_elongated_end(solid_of(hammer, R))
     assert grip is not None
     assert (grip.axis_m[-1] @ R)[0] < (grip.axis_m[0] @ R)[0]
 
@@ -125,13 +125,13 @@ def test_a_grip_is_found_however_the_thing_is_turned_and_points_to_its_free_end(
     "thing", [Manifold.cylinder(0.2, 0.08, 0.002, 32), Manifold.cylinder(0.2, 0.02, 0.02, 32), Manifold.sphere(0.1, 32)]
 )
 def test_cones_rods_and_balls_have_no_grip(thing: Manifold):
-    assert find_grip(solid_of(thing)) is None
+    assert find_elongated_end(solid_of(thing)) is None
 
 
 def test_an_open_vessel_is_carried_upright():
     solid = solid_of(bowl())
     anchors = [measured(a, "test") for a in propose_anchors(solid, find_cavities(solid))]
-    upright = keep_upright(anchors)
+    upright = upright_requirement(anchors)
     assert upright is not None
     assert upright.toward == "up"
-    assert keep_upright(()) is None
+    assert upright_requirement(()) is None

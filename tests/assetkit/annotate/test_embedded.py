@@ -1,21 +1,21 @@
-"""The embedded annotator says what names tell, doubts what the shape denies, and is silent without names."""
+"""The embedded annotator takes categories from names, weakens those that the shape contradicts, and gives none without."""
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assetkit.annotate.annotator import STANDS, UNKNOWN, Observation, Shape
+from assetkit.annotate.annotator import MIN_SCORE, UNKNOWN, Observation, ObjectShape
 from assetkit.annotate.embedded import EmbeddedAnnotator
 
-MUG = Shape((0.08, 0.085, 0.115), 0.6, 0.8)
+MUG = ObjectShape((0.08, 0.085, 0.115), 0.6, 0.8)
 ANNOTATE = EmbeddedAnnotator().annotate
 
 
 def seen(
-    shape: Shape = MUG, *, file: str = "part", folder: str = "", shared: bool = False, **names: str
+    shape: ObjectShape = MUG, *, file: str = "part", folder: str = "", shared: bool = False, **names: str
 ) -> Observation:
-    told = {key: tuple(text.split()) for key, text in names.items()}
-    nodes, materials, titles = (told.get(key, ()) for key in ("nodes", "materials", "titles"))
+    words = {key: tuple(text.split()) for key, text in names.items()}
+    nodes, materials, titles = (words.get(key, ()) for key in ("nodes", "materials", "titles"))
     return Observation(file, (folder,) if folder else (), nodes, materials, titles, shape, shared)
 
 
@@ -31,12 +31,12 @@ def seen(
 def test_one_good_name_that_fits_is_enough(evidence: Observation):
     found = ANNOTATE(evidence)
     assert found.category == "mug"
-    assert found.score > STANDS
+    assert found.score > MIN_SCORE
     assert any("mug" in clue for clue in found.hypotheses[0].clues)
 
 
 def test_size_contradicts_a_name_and_is_told():
-    found = ANNOTATE(seen(Shape((2.0, 2.2, 3.0), 0.6, 0.8), file="mug"))
+    found = ANNOTATE(seen(ObjectShape((2.0, 2.2, 3.0), 0.6, 0.8), file="mug"))
     assert found.category == UNKNOWN
     assert found.hypotheses[0].category == "mug"
     assert found.hypotheses[0].score < 0.2
@@ -44,7 +44,7 @@ def test_size_contradicts_a_name_and_is_told():
 
 
 def test_a_faint_name_that_does_not_fit_is_no_contradiction():
-    assert ANNOTATE(seen(Shape((1.0, 1.0, 1.0), 1.0, 0.0), file="clutch_plate")).contradictions == ()
+    assert ANNOTATE(seen(ObjectShape((1.0, 1.0, 1.0), 1.0, 0.0), file="clutch_plate")).contradictions == ()
 
 
 def test_a_part_is_not_the_whole_although_the_folder_names_it():
@@ -69,7 +69,7 @@ def test_a_file_of_many_things_speaks_less_of_each():
 
 
 def test_names_of_modelling_tools_say_nothing():
-    cube = Shape((0.05, 0.05, 0.05), 1.0, 0.0)
+    cube = ObjectShape((0.05, 0.05, 0.05), 1.0, 0.0)
     assert ANNOTATE(seen(cube, nodes="Cube.001 Box Cylinder_2", materials="Material.001")).hypotheses == ()
 
 
@@ -79,4 +79,4 @@ def test_names_of_modelling_tools_say_nothing():
     st.floats(0.0, 1.0),
 )
 def test_without_names_nothing_is_ever_said(extents, fill, hollow):
-    assert ANNOTATE(seen(Shape(extents, fill, hollow))).category == UNKNOWN
+    assert ANNOTATE(seen(ObjectShape(extents, fill, hollow))).category == UNKNOWN

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assetkit.annotate.name_reading import CLEAR, FAINT, LIKELY, category_called, read_name
+from assetkit.annotate.name_reading import CLEAR, FAINT, LIKELY, category_by_name, read_name
 
 
 @pytest.mark.parametrize(
@@ -66,17 +66,17 @@ def test_doubtful_names_count_less(name: str, category: str, strength: float):
     ["textured_simple_reoriented", "mesh_0", "google_16k", "", "123", "part_left", "newmodel", "meshexport_final"],
 )
 def test_jargon_is_silence(name: str):
-    assert read_name(name).silent
+    assert read_name(name).is_uninformative
 
 
 def test_what_users_call_a_category():
-    for said in ("mug", "Coffee mugs", "coffee_mug"):
-        found = category_called(said)
+    for stated in ("mug", "Coffee mugs", "coffee_mug"):
+        found = category_by_name(stated)
         assert found is not None
         assert found.id == "mug"
-    assert category_called("armadillo") is None
-    assert category_called("mug holder") is None
-    assert category_called("") is None
+    assert category_by_name("armadillo") is None
+    assert category_by_name("mug holder") is None
+    assert category_by_name("") is None
 
 
 @given(st.text(max_size=200))

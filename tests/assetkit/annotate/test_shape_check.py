@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from assetkit.annotate.annotator import Shape
+from assetkit.annotate.annotator import ObjectShape
 from assetkit.annotate.shape_check import ANOTHER, FITS, NOT_OPEN, STRANGE, compare, misfit, shape_of
 from assetkit.taxonomy.tables import Category, categories
 from schemas.physics import Solid
@@ -21,16 +21,16 @@ def solid(mesh: trimesh.Trimesh) -> tuple[np.ndarray, Solid]:
 def test_a_thing_in_the_middle_of_its_ranges_fits_and_one_of_ten_times_the_largest_is_another(category: Category):
     usual = tuple(float(np.sqrt(low * high)) for low, high in category.extents_m)
     assert misfit(category, usual) == 1.0
-    assert [f.confirms for f in compare(category, Shape(usual, None, None))] == [FITS]
+    assert [f.confirms for f in compare(category, ObjectShape(usual, None, None))] == [FITS]
     giant = tuple(10.0 * high for _, high in category.extents_m)
-    assert [f.leaves for f in compare(category, Shape(giant, None, None))] == [ANOTHER]
+    assert [f.remaining_chance for f in compare(category, ObjectShape(giant, None, None))] == [ANOTHER]
 
 
 def test_misfit_is_the_worst_factor_in_either_direction():
     mug = categories()["mug"]
     small, middle, large = (low for low, _ in mug.extents_m)
     assert misfit(mug, (small / 2.0, middle, large)) == pytest.approx(2.0)
-    assert [f.leaves for f in compare(mug, Shape((small / 2.0, middle, large), None, None))] == [STRANGE]
+    assert [f.remaining_chance for f in compare(mug, ObjectShape((small / 2.0, middle, large), None, None))] == [STRANGE]
 
 
 @pytest.mark.parametrize(
@@ -53,13 +53,13 @@ def test_fill_of_ideal_bodies_however_they_lie(mesh: trimesh.Trimesh, fill: floa
 def test_a_closed_block_is_no_mug_and_a_tube_with_a_bottom_is():
     mug = categories()["mug"]
     block = shape_of(*solid(trimesh.creation.cylinder(0.04, 0.09, sections=64)))
-    assert NOT_OPEN in [f.leaves for f in compare(mug, block)]
+    assert NOT_OPEN in [f.remaining_chance for f in compare(mug, block)]
     tube = trimesh.creation.annulus(0.036, 0.04, 0.09, sections=64)
-    assert all(f.leaves == 1.0 for f in compare(mug, shape_of(*solid(tube))))
+    assert all(f.remaining_chance == 1.0 for f in compare(mug, shape_of(*solid(tube))))
 
 
 def test_a_flat_sheet_has_a_size_and_no_more():
     points = np.array([[0, 0, 0], [0.2, 0, 0], [0.2, 0.2, 0], [0, 0.2, 0]], dtype=np.float64)
     sheet = Solid(points, np.array([[0, 1, 2], [0, 2, 3]], np.int32), "shell", wall_thickness_m=1e-3)
-    assert shape_of(points, sheet) == Shape((0.0, 0.2, 0.2), None, None)
-    assert any(f.leaves == ANOTHER for f in compare(categories()["plate"], shape_of(points, sheet)))
+    assert shape_of(points, sheet) == ObjectShape((0.0, 0.2, 0.2), None, None)
+    assert any(f.remaining_chance == ANOTHER for f in compare(categories()["plate"], shape_of(points, sheet)))

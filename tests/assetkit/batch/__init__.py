@@ -1,1 +1,1 @@
-"""Tests of `assetkit.batch`."""
+"""Tests of `assetkit.batch`: decisions of people, applied to batches."""

@@ -12,12 +12,12 @@ import trimesh
 from typer.testing import CliRunner
 
 from assetkit.batch.decisions import DECISIONS, decision_findings, read_decisions, record_decision, with_decisions
-from assetkit.batch.human_acceptance import accepted_by_person
-from assetkit.batch.ingest import ingest
+from assetkit.batch.human_acceptance import apply_human_acceptance
+from assetkit.batch.item_cells import run_items
 from assetkit.library.review import decision_about, main_file, read_report
 from assetkit.options import Options
 from assetkit.sources.discover import discover
-from assetkit.stage_log import Entry, Journal
+from assetkit.stage_log import Entry, StageLog
 from cli.assets.app import app
 from jobs.cache import file_sha256
 from schemas.asset import SourceFile
@@ -154,21 +154,21 @@ def test_a_decision_makes_only_its_own_item_anew(mug: Path, tmp_path: Path):
     (mug.parent / "bowl.obj").write_text("good too")
     this = batch(tmp_path / "out")
     candidates = discover([mug.parent])
-    list(ingest(candidates, this))
+    list(run_items(candidates, this))
     record_decision(decision(mug, set={"category": "mug"}), this.out)
-    again = {Path(i.source).stem: i.cached for i in ingest(candidates, this)}
+    again = {Path(i.source).stem: i.cached for i in run_items(candidates, this)}
     assert again == {"bowl": ("item",), "mug": ()}
-    assert all(i.cached == ("item",) for i in ingest(candidates, this))
+    assert all(i.cached == ("item",) for i in run_items(candidates, this))
 
 
-def in_review(*codes: str) -> Journal:
-    return Journal({"canonicalize": Entry(tuple(finding(code, "odd") for code in codes), review=True)})
+def in_review(*codes: str) -> StageLog:
+    return StageLog({"canonicalize": Entry(tuple(finding(code, "odd") for code in codes), review=True)})
 
 
 def test_acceptance_answers_the_questions_that_the_person_saw(mug: Path):
     knows = decided(mug, decision(mug, accept=True, known=("asset/scale-unverified",)))
-    assert accepted_by_person(in_review("asset/scale-unverified"), knows).outcome is ItemOutcome.ACCEPTED
-    unseen = accepted_by_person(in_review("asset/scale-unverified", "asset/open-shell"), knows)
+    assert apply_human_acceptance(in_review("asset/scale-unverified"), knows).outcome is ItemOutcome.ACCEPTED
+    unseen = apply_human_acceptance(in_review("asset/scale-unverified", "asset/open-shell"), knows)
     assert unseen.outcome is ItemOutcome.REVIEW
     assert unseen.diagnostics[-1].code == "asset/decision-outdated"
     assert "asset/open-shell" in unseen.diagnostics[-1].headline
@@ -177,8 +177,8 @@ def test_acceptance_answers_the_questions_that_the_person_saw(mug: Path):
 def test_acceptance_can_be_withdrawn_and_never_covers_errors(mug: Path):
     made = decision(mug, accept=True, known=("asset/scale-unverified", "asset/no-faces"))
     withdrawn = decided(mug, made, decision(mug, accept=False, by="Bob"))
-    assert accepted_by_person(in_review("asset/scale-unverified"), withdrawn).outcome is ItemOutcome.REVIEW
-    rejected = accepted_by_person(in_review("asset/no-faces"), decided(mug, made))
+    assert apply_human_acceptance(in_review("asset/scale-unverified"), withdrawn).outcome is ItemOutcome.REVIEW
+    rejected = apply_human_acceptance(in_review("asset/no-faces"), decided(mug, made))
     assert rejected.outcome is ItemOutcome.REJECTED
 
 
@@ -198,7 +198,7 @@ def mana(*words: object) -> str:
 
 
 def test_review_and_search_of_a_real_file_from_end_to_end(bullet_data: Path, tmp_path: Path):
-    """A duck of 1.65 units: no toy of that size in metres, so its category is asked for; a person settles it."""
+    """A duck of 1.65 units: no toy of that size in metres, so its category needs a decision, which a person makes."""
     source, out = tmp_path / "in", tmp_path / "out"
     source.mkdir()
     for name in ("duck.obj", "duck.mtl", "duckCM.png"):

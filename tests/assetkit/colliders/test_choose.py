@@ -8,7 +8,7 @@ import numpy as np
 from manifold3d import Manifold, OpType
 
 from assetkit.colliders.choose import CUTS_FINE, choose_colliders
-from geom.decomposition.simplified_body import arrays
+from geom.mesh.manifold_arrays import manifold_arrays
 from schemas.physics import Solid
 
 
@@ -17,7 +17,7 @@ def comb(tooth_height_m: float) -> Solid:
     board = Manifold.cube((1.0, 0.1, 0.01))
     tooth = Manifold.cube((0.002, 0.1, tooth_height_m))
     teeth = [tooth.translate((x, 0, 0)) for x in np.linspace(0.0, 0.998, 40)]
-    points, triangles = arrays(Manifold.batch_boolean([board, *teeth], OpType.Add))
+    points, triangles = manifold_arrays(Manifold.batch_boolean([board, *teeth], OpType.Add))
     return Solid(points, triangles.astype(np.int32), "closed")
 
 

@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from assetkit.colliders.choose import choose_colliders
 from geom.convex.hull import hull_shape
-from geom.decomposition.simplified_body import arrays
 from geom.features.cavities import find_cavities
+from geom.mesh.manifold_arrays import manifold_arrays
 from schemas.physics import Solid
 from tests.support.probe_drop import stays_inside
 
@@ -63,7 +63,7 @@ VESSELS = {
 
 
 def solid_of(body: Manifold, R: np.ndarray | None = None, size: float = 1.0) -> Solid:
-    points, triangles = arrays(body)
+    points, triangles = manifold_arrays(body)
     return Solid(size * points @ (np.eye(3) if R is None else R).T, triangles.astype(np.int32), "closed")
 
 

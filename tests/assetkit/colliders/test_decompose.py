@@ -9,16 +9,21 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
-from assetkit.colliders.decompose import Settings, decompose
+from assetkit.colliders.decompose import DecompositionSettings, decompose
 from geom.convex.hull import contains, thickness, volume
 from geom.decomposition.fidelity import union_volume
-from geom.decomposition.simplified_body import Body, arrays, prepare
+from geom.decomposition.simplified_body import SimplifiedBody, simplify_body
 from geom.features.cavities import find_cavities, keeps_cavity
+from geom.mesh.manifold_arrays import manifold_arrays
 from geom.solid.thicken import thicken
 from jobs.cell import Limits
 from schemas.physics import Solid
 
-CUTS, COACD, VHACD = Settings(method="cuts"), Settings(), Settings(method="vhacd", voxels=50_000)
+CUTS, COACD, VHACD = (
+    DecompositionSettings(method="cuts"),
+    DecompositionSettings(),
+    DecompositionSettings(method="vhacd", voxels=50_000),
+)
 
 
 def ell() -> Manifold:
@@ -29,9 +34,9 @@ def cup() -> Manifold:
     return Manifold.cylinder(0.1, 0.04, 0.04, 24) - Manifold.cylinder(0.1, 0.035, 0.035, 24).translate((0, 0, 0.005))
 
 
-def body_of(shape: Manifold, scale: float = 1.0, shift: float = 0.0) -> Body:
-    points, triangles = arrays(shape)
-    return prepare(points * scale + shift, triangles.astype(np.int32))
+def body_of(shape: Manifold, scale: float = 1.0, shift: float = 0.0) -> SimplifiedBody:
+    points, triangles = manifold_arrays(shape)
+    return simplify_body(points * scale + shift, triangles.astype(np.int32))
 
 
 def same(a, b) -> bool:
@@ -62,7 +67,7 @@ def test_scale_does_not_matter(tmp_path, size_m):
 
 @pytest.mark.parametrize("settings", [CUTS, COACD, VHACD], ids=["cuts", "coacd", "vhacd"])
 def test_a_cup_stays_open(tmp_path, settings):
-    points, triangles = arrays(cup())
+    points, triangles = manifold_arrays(cup())
     cavities = find_cavities(Solid(points, triangles.astype(np.int32), "closed"))
     found = decompose(body_of(cup()), settings, tmp_path, cavities)
     assert 0 < len(found.shapes) <= 32

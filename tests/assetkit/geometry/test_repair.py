@@ -11,8 +11,8 @@ import pytest
 
 from assetkit.geometry.edits import EDITS
 from assetkit.geometry.repair import repair_geometry
+from assetkit.readers.by_format import READERS
 from assetkit.sources.source_file import SourceFile
-from assetkit.stages.intake import READERS
 from geom.solid.solidify import solidify
 from schemas.codes import CODES
 from tests.support.sample_surfaces import ball, box, cylinder, inside_out, lidless, mesh_of, together, without

@@ -1,1 +1,1 @@
-"""Tests of `assetkit.library`."""
+"""Tests of `assetkit.library`: search, validation and previews."""

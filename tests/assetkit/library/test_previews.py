@@ -1,3 +1,5 @@
+"""Previews are drawn in a cell and refused files are reported."""
+
 from pathlib import Path
 
 import pytest

@@ -12,11 +12,11 @@ import pytest
 
 from assetkit.library import catalog
 from assetkit.library.search import facts
-from assetkit.library.search.facts import Facts, Sure
-from assetkit.library.search.parse_query import read_request
-from assetkit.library.search.query import Wish
-from assetkit.library.search.search import Found, search
-from assetkit.materials.colour_names import BASIC_TERMS, basic_terms, colour_called
+from assetkit.library.search.facts import Facts, RatedValue
+from assetkit.library.search.parse_query import parse_query
+from assetkit.library.search.query import Criterion
+from assetkit.library.search.search import SearchResult, search
+from assetkit.materials.colour_names import BASIC_TERMS, basic_terms, colour_by_name
 from assetkit.materials.surface_colours import surface_colours
 from schemas.diagnostics import InvalidInput
 from schemas.evidence import default
@@ -27,7 +27,7 @@ INF = float("inf")
 
 def read(request: str) -> dict[str, object]:
     """Field -> values, or limits, of what a request is read as."""
-    return {w.field: w.values or (w.low, w.high) for w in read_request(request)}
+    return {w.field: w.values or (w.low, w.high) for w in parse_query(request)}
 
 
 @pytest.mark.parametrize(
@@ -38,7 +38,7 @@ def read(request: str) -> dict[str, object]:
         ("a mug or a bowl", {"category": ("mug", "bowl")}),
         ("glass bottle", {"category": ("bottle",)}),
         ("wooden tray", {"category": ("tray",), "material": ("wood",)}),
-        ("teal drinkware", {"family": ("drinkware",), "colour": (colour_called("teal"),)}),
+        ("teal drinkware", {"family": ("drinkware",), "colour": (colour_by_name("teal"),)}),
         ("an orange", {"category": ("fruit",)}),
         ("orange mug", {"category": ("mug",), "colour": ("orange",)}),
         ("bowl for fruit", {"category": ("bowl",), "text": ("fruit",)}),
@@ -68,7 +68,7 @@ def test_requests_are_read(request_: str, meaning: dict[str, object]):
 
 
 def test_the_last_noun_is_the_thing_so_a_mug_holder_is_no_mug():
-    assert [(w.field, w.words) for w in read_request("mug holder")] == [("text", "mug"), ("text", "holder")]
+    assert [(w.field, w.words) for w in parse_query("mug holder")] == [("text", "mug"), ("text", "holder")]
 
 
 def asset(asset_id: str, category: str = "unknown", confidence: float = 0.0, **more) -> Facts:
@@ -78,41 +78,45 @@ def asset(asset_id: str, category: str = "unknown", confidence: float = 0.0, **m
         "extent_m": (0.08, 0.1, 0.12), "extent_confidence": 0.8, "mass_kg": 0.3, "mass_confidence": 0.3,
         "anchors": (), "tasks": (), "parts": (),
     }  # fmt: skip
-    said = Sure(category, confidence, "test")
-    return Facts(asset_id=asset_id, category=said, family=Sure(family, confidence, "test"), **(usual | more))
+    category_value = RatedValue(category, confidence, "test")
+    return Facts(
+        asset_id=asset_id, category=category_value, family=RatedValue(family, confidence, "test"), **(usual | more)
+    )
 
 
-RED = asset("red_mug", "mug", 0.9, colours={"red": 0.8, "white": 0.2}, anchors=(Sure("volume", 1.0, "volume_0"),))
-BLUE = asset("blue_mug", "mug", 0.9, colours={"blue": 1.0}, anchors=(Sure("volume", 1.0, "volume_0"),))
+RED = asset("red_mug", "mug", 0.9, colours={"red": 0.8, "white": 0.2}, anchors=(RatedValue("volume", 1.0, "volume_0"),))
+BLUE = asset("blue_mug", "mug", 0.9, colours={"blue": 1.0}, anchors=(RatedValue("volume", 1.0, "volume_0"),))
 PLAIN = asset("plain_mug", "mug", 0.6)
 MAYBE = asset("maybe", possible=(("mug", 0.4), ("bowl", 0.3)))
 BALL = asset("red_ball", "ball", 0.9, colours={"red": 1.0})
 LIBRARY = (RED, BLUE, PLAIN, MAYBE, BALL)
 
 
-def find(request: str, *flags: Wish) -> Found:
-    def by_id(wish: Wish) -> dict[str, tuple[str, float, str]]:
+def find(request: str, *flags: Criterion) -> SearchResult:
+    def by_id(criterion: Criterion) -> dict[str, tuple[str, float, str]]:
         return {
-            a.asset_id: ("names", 0.6, a.asset_id) for a in LIBRARY if set(wish.values) & set(a.asset_id.split("_"))
+            a.asset_id: ("names", 0.6, a.asset_id)
+            for a in LIBRARY
+            if set(criterion.values) & set(a.asset_id.split("_"))
         }
 
-    return search(LIBRARY, [*read_request(request), *flags], by_id)
+    return search(LIBRARY, [*parse_query(request), *flags], by_id)
 
 
-def ids(found: Found) -> list[str]:
-    return [hit.asset.asset_id for hit in found.hits]
+def ids(result: SearchResult) -> list[str]:
+    return [hit.asset.asset_id for hit in result.hits]
 
 
 def test_a_hit_grants_every_wish_and_says_why():
     found = find("red mug I can pour from")
     assert ids(found) == ["red_mug"]
-    assert {a.wish.words: a.field for a in found.hits[0].why} == {
+    assert {a.criterion.words: a.field for a in found.hits[0].matches} == {
         "mug": "semantics.category",
         "red": "appearance.colours",
         "pour from": "anchors",
     }
-    assert found.near[0].asset.asset_id == "blue_mug"
-    assert [a.wish.words for a in found.near[0].lacks] == ["red"]
+    assert found.near_misses[0].asset.asset_id == "blue_mug"
+    assert [a.criterion.words for a in found.near_misses[0].misses] == ["red"]
 
 
 def test_better_evidence_ranks_higher_and_a_mere_chance_last():
@@ -121,7 +125,7 @@ def test_better_evidence_ranks_higher_and_a_mere_chance_last():
 
 
 def test_flags_ask_for_what_the_record_states():
-    flag = Wish("--category mug", "category", ("mug",), names_thing=True, stated=True)
+    flag = Criterion("--category mug", "category", ("mug",), is_kind=True, stated=True)
     assert ids(find("", flag)) == ["blue_mug", "red_mug", "plain_mug"]
 
 
@@ -140,7 +144,7 @@ def test_a_strange_word_beside_a_known_thing_is_said_and_ranks_only():
 
 
 @pytest.mark.parametrize(
-    ("request_", "denied"),
+    ("request_", "negated"),
     [
         ("not red mug", ["not red"]),
         ("mug without a handle", ["not handle"]),
@@ -151,15 +155,15 @@ def test_a_strange_word_beside_a_known_thing_is_said_and_ranks_only():
         ("bowl without red or blue", ["not red", "not blue"]),
     ],
 )
-def test_what_is_denied_is_not_wished_for(request_: str, denied: list[str]):
-    wishes = read_request(request_)
-    assert [w.words for w in wishes if w.denied] == denied
-    assert [w.field for w in wishes if w.names_thing] in (["category"], ["family"])
+def test_what_is_denied_is_not_wished_for(request_: str, negated: list[str]):
+    criteria = parse_query(request_)
+    assert [w.words for w in criteria if w.negated] == negated
+    assert [w.field for w in criteria if w.is_kind] in (["category"], ["family"])
 
 
 def test_a_denied_kind_of_thing_is_a_kind_and_not_a_word():
-    (wish,) = read_request("not a coffee mug")
-    assert (wish.field, wish.values, wish.denied) == ("category", ("mug",), True)
+    (criterion,) = parse_query("not a coffee mug")
+    assert (criterion.field, criterion.values, criterion.negated) == ("category", ("mug",), True)
     assert ids(find("not a mug")) == ["red_ball"]  # What nobody knows may well be a mug.
 
 
@@ -180,10 +184,10 @@ def test_a_request_that_says_nothing_known_finds_nothing(request_: str):
 
 
 def test_an_affordance_counts_more_than_an_opening():
-    pours = RED.model_copy(update={"asset_id": "pourer", "tasks": (Sure("spout pour", 0.9, "test"),)})
-    found = search([RED, pours], read_request("mug to pour from"), lambda _: {})
+    pours = RED.model_copy(update={"asset_id": "pourer", "tasks": (RatedValue("spout pour", 0.9, "test"),)})
+    found = search([RED, pours], parse_query("mug to pour from"), lambda _: {})
     assert ids(found) == ["pourer", "red_mug"]
-    assert found.hits[0].why[-1].field == "affordances"
+    assert found.hits[0].matches[-1].field == "affordances"
 
 
 def test_a_catalog_of_another_version_is_told(tmp_path: Path):
@@ -206,7 +210,7 @@ def test_a_catalog_whose_facts_are_of_another_shape_is_told(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("text", "request_", "denied", "found"),
+    ("text", "request_", "negated", "found"),
     [
         ("чайник", "чайник", False, True),
         ("컵", "컵", False, True),
@@ -217,13 +221,13 @@ def test_a_catalog_whose_facts_are_of_another_shape_is_told(tmp_path: Path):
     ],
 )
 def test_texts_are_found_in_any_script_and_denied_words_whole(
-    text: str, request_: str, denied: bool, found: bool, tmp_path: Path
+    text: str, request_: str, negated: bool, found: bool, tmp_path: Path
 ):
     with sqlite3.connect(tmp_path / catalog.CATALOG) as db:
         db.executescript(catalog._TABLES)
         db.execute("INSERT INTO words VALUES ('a', ?, '', '', '')", (facts._words([text]),))
-    wish = replace(read_request(request_)[0], values=(request_,), denied=denied)
-    assert bool(catalog.find_text(tmp_path, wish)) is found
+    criterion = replace(parse_query(request_)[0], values=(request_,), negated=negated)
+    assert bool(catalog.find_text(tmp_path, criterion)) is found
 
 
 def test_each_word_is_indexed_once_and_unknown_is_no_word():
@@ -231,9 +235,9 @@ def test_each_word_is_indexed_once_and_unknown_is_no_word():
 
 
 def test_words_of_colours_are_known_and_other_words_are_not():
-    assert [colour_called(term) for term in BASIC_TERMS] == list(BASIC_TERMS)
-    assert [colour_called(w) for w in ("gray", "crimson", "navy", "violet")] == ["grey", "red", "blue", "purple"]
-    assert colour_called("mug") is None
+    assert [colour_by_name(term) for term in BASIC_TERMS] == list(BASIC_TERMS)
+    assert [colour_by_name(w) for w in ("gray", "crimson", "navy", "violet")] == ["grey", "red", "blue", "purple"]
+    assert colour_by_name("mug") is None
 
 
 def test_pure_colours_have_the_names_everyone_gives_them():

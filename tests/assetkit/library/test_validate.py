@@ -10,11 +10,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from assetkit.library.judge_file import judge
+from assetkit.library.judge_file import validate_file
 from assetkit.library.validate import main_usd_files, validate_files
-from cli.docs.gate import page
 from cli.main import app
-from gate.external_validators import outside_verdicts
+from gate.external_validators import external_verdicts
 from jobs.cell import Limits
 from tests.support.gate_packages import cabinet, prop
 
@@ -71,7 +70,7 @@ def test_a_package_and_its_file_are_the_same(library: Path) -> None:
     assert (
         main_usd_files(package) == main_usd_files(package / "usd" / "cabinet.usda") == main_usd_files(package / "usd")
     )
-    assert judge(package / "usd" / "cabinet.usda") == ()
+    assert validate_file(package / "usd" / "cabinet.usda") == ()
 
 
 def test_layers_of_an_asset_are_not_assets(tmp_path: Path) -> None:
@@ -84,7 +83,7 @@ def test_layers_of_an_asset_are_not_assets(tmp_path: Path) -> None:
 def test_what_a_foreign_file_lacks_is_a_remark(tmp_path: Path) -> None:
     file = tmp_path / "box.usda"
     file.write_text(FOREIGN)
-    found = judge(file)
+    found = validate_file(file)
     simready = {d.severity for d in found if d.code == "asset/simready-rule"}
     assert simready == {"info"}
     assert [d.severity for d in found] == sorted((d.severity for d in found), key=["error", "warning", "info"].index)
@@ -95,7 +94,7 @@ def test_what_a_foreign_file_lacks_is_a_remark(tmp_path: Path) -> None:
 def test_outside_validators_name_prims(tmp_path: Path) -> None:
     file = tmp_path / "box.usda"
     file.write_text(FOREIGN.replace("double size = 0.1", "rel material:binding = </gone>"))
-    found = judge(file)
+    found = validate_file(file)
     assert any(d.code == "asset/usd-rule" and d.where.prim for d in found)
     assert any(d.code == "asset/simready-rule" and d.where.prim for d in found)
     assert all(str(tmp_path) not in d.headline for d in found)
@@ -107,8 +106,8 @@ def test_a_judge_that_fails_is_a_finding(tmp_path: Path, monkeypatch: pytest.Mon
 
     file = tmp_path / "box.usda"
     file.write_text(FOREIGN)
-    monkeypatch.setattr("gate.external_validators.JUDGES", (("simready", fails),))
-    (verdict,) = outside_verdicts(file)
+    monkeypatch.setattr("gate.external_validators.VALIDATORS", (("simready", fails),))
+    (verdict,) = external_verdicts(file)
     assert not verdict.passed
     assert "out of order" in verdict.findings[0].message
 
@@ -123,7 +122,7 @@ def test_an_archive_that_climbs_out_is_not_opened(tmp_path: Path) -> None:
     file = tmp_path / "slip.usdz"
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("../evil.usda", "#usda 1.0\n")
-    assert [d.code for d in judge(file)] == ["asset/path-escape"]
+    assert [d.code for d in validate_file(file)] == ["asset/path-escape"]
 
 
 def test_nothing_to_judge_is_exit_code_2(tmp_path: Path) -> None:
@@ -136,8 +135,3 @@ def test_the_text_groups_by_severity(library: Path) -> None:
     shown = CliRunner().invoke(app, ["assets", "validate", str(library / "cabinet_broken"), "--gate-only"]).stdout
     assert "errors (wrong)" in shown
     assert shown.index("/cabinet/Joints/hinge") > shown.index("errors (wrong)")
-
-
-def test_the_reference_page_is_made_from_the_rules() -> None:
-    reference = Path(__file__).parents[3] / "docs" / "reference" / "gate.md"
-    assert reference.read_text() == page()

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from assetkit.mass.bounds import MAX_SPAN, Bounds
+from assetkit.mass.bounds import MAX_SPAN, MassBounds
 from assetkit.mass.estimate import MassEvidence, mass_evidence
-from assetkit.mass.parts import Clues
-from assetkit.mass.unknown_density import dense_look
+from assetkit.mass.parts import MassEvidenceInputs
+from assetkit.mass.unknown_density import dense_appearance
 from benchmarks.assets.masses.everyday import bounds_kg, things
 from schemas.evidence import inferred
 from schemas.model import Material, Mesh
 from schemas.physics import Solid
-from tests.support.mass_samples import ball, box, inside_out, joined, weighed
+from tests.support.mass_samples import ball, box, inside_out, join_meshes, weighed
 from tests.support.package_samples import mesh_from
 
 CUBE = (0.2, 0.2, 0.2)
@@ -28,8 +28,8 @@ def cup_profile(wall: float) -> Mesh:
     return mesh_from(trimesh.creation.revolve(profile, sections=64), "cup")
 
 
-def span(found: MassEvidence) -> float:
-    return found.mass_kg.bounds[1] / found.mass_kg.bounds[0]
+def span(evidence: MassEvidence) -> float:
+    return evidence.mass_kg.bounds[1] / evidence.mass_kg.bounds[0]
 
 
 def test_a_closed_can_may_be_hollow_but_a_modelled_wall_is_full():
@@ -50,7 +50,7 @@ def outside_area() -> float:
 
 
 def test_an_inner_shell_shows_the_wall_too():
-    hollow = joined(ball(0.05, subdivisions=3), inside_out(ball(0.047, subdivisions=3)))
+    hollow = join_meshes(ball(0.05, subdivisions=3), inside_out(ball(0.047, subdivisions=3)))
     found, _, _ = weighed([hollow], file="plastic_ball.obj")
     full, _, _ = weighed([ball(0.05, subdivisions=3)], file="plastic_ball.obj")
     assert span(found) < 2.0 < span(full)
@@ -94,14 +94,14 @@ def test_blocks_of_palm_size_may_be_of_plastic_wood_or_aluminium_and_with_bare_m
 
 
 def test_a_part_in_stl_is_drawn_with_its_walls():
-    assert dense_look("stl", (), ()) == "part in STL"
-    assert dense_look("obj", (), ()) == ""
+    assert dense_appearance("stl", (), ()) == "part in STL"
+    assert dense_appearance("obj", (), ()) == ""
 
 
 def test_most_everyday_things_weigh_within_their_bounds():
     """Names untold; solid stone and large iron stay outside from above, empty packaging and foam from below."""
     table = list(things())
-    inside = [t for t in table if (b := bounds_kg(t, told=True))[0] <= t.mass_kg <= b[1]]
+    inside = [t for t in table if (b := bounds_kg(t, with_metal=True))[0] <= t.mass_kg <= b[1]]
     assert len(inside) >= 0.85 * len(table)
 
 
@@ -160,24 +160,24 @@ def test_shares_that_only_the_paint_tells_could_be_any_of_the_materials():
 
 
 def test_what_a_category_weighs_cuts_the_bounds_but_never_past_the_estimate():
-    wide = Bounds(0.1, 3.0, ("material unknown",), 60.0)
-    cut = wide.within((0.2, 1.5), "cans weigh 0.2 to 1.5 kg", 0.5)
+    wide = MassBounds(0.1, 3.0, ("material unknown",), 60.0)
+    cut = wide.clipped_to((0.2, 1.5), "cans weigh 0.2 to 1.5 kg", 0.5)
     assert (cut.low, cut.high) == (0.2, 1.5)
     assert cut.span == pytest.approx(60.0 * (1.5 / 0.2) / 30.0)
     assert "cans weigh" in cut.text
-    assert wide.within((0.2, 0.4), "", 0.5).high == 0.5
-    assert wide.within((0.01, 30.0), "", 0.5) == wide
-    assert wide.within((4.0, 9.0), "", 0.5) == wide
+    assert wide.clipped_to((0.2, 0.4), "", 0.5).high == 0.5
+    assert wide.clipped_to((0.01, 30.0), "", 0.5) == wide
+    assert wide.clipped_to((4.0, 9.0), "", 0.5) == wide
 
 
 def test_a_category_that_no_such_body_can_have_is_told_and_changes_nothing():
     cube = trimesh.creation.box((0.05, 0.05, 0.05))
     body = Solid(np.asarray(cube.vertices), cube.faces.astype(np.int32), "closed")
-    plain = mass_evidence(body, ["part"], Clues())
-    told = mass_evidence(body, ["part"], Clues(category="sofa", usual_kg=(15.0, 200.0)))
+    plain = mass_evidence(body, ["part"], MassEvidenceInputs())
+    told = mass_evidence(body, ["part"], MassEvidenceInputs(category="sofa", category_range_kg=(15.0, 200.0)))
     assert told.mass_kg.bounds == plain.mass_kg.bounds
     assert [d.code for d in told.diagnostics] == ["asset/category-contradicted"]
-    fits = mass_evidence(body, ["part"], Clues(category="block", usual_kg=(0.02, 0.2)))
+    fits = mass_evidence(body, ["part"], MassEvidenceInputs(category="block", category_range_kg=(0.02, 0.2)))
     assert fits.mass_kg.source == "inferred"
     assert fits.mass_kg.bounds is not None
     assert fits.mass_kg.bounds[0] == 0.02

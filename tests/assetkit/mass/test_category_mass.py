@@ -1,4 +1,4 @@
-"""What things of a category weigh for their size: laws of the mixture, names that tell the kind, a table of things."""
+"""Mass of objects by category and size: laws of the mixture, names that identify the kind, a table of objects."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import trimesh
 from scipy.stats import norm
 
 from assetkit.mass.bounds import bounds_around
-from assetkit.mass.category_mass import MAX_SPAN, size, usual_mass
+from assetkit.mass.category_mass import MAX_SPAN, category_mass, reference_size
 from assetkit.mass.estimate import mass_evidence
-from assetkit.mass.normal_mixture import Mixture
-from assetkit.mass.parts import METRES, Clues
+from assetkit.mass.normal_mixture import NormalMixture
+from assetkit.mass.parts import METRES, MassEvidenceInputs
+from assetkit.taxonomy.category_masses import category_masses, masses_of_kind
 from assetkit.taxonomy.tables import categories
-from assetkit.taxonomy.usual_masses import kinds_of, usual_masses
 from benchmarks.assets.masses.named_masses import things, weighed
 from schemas.physics import Solid
 
@@ -33,14 +33,14 @@ def cup(scale: float = 1.0) -> Solid:
 
 
 def test_every_category_has_usual_kinds_with_a_source():
-    told = {row.category for row in usual_masses() if not row.words}
+    told = {row.category for row in category_masses() if not row.words}
     assert told == set(categories())
-    assert all(0.0 < r.range[0] <= r.range[1] and r.weight > 0.0 and r.source for r in usual_masses())
+    assert all(0.0 < r.range[0] <= r.range[1] and r.weight > 0.0 and r.source for r in category_masses())
 
 
 def test_one_kind_is_log_normal():
-    one = Mixture(np.array([2.0]), np.array([0.3]), np.array([5.0]))
-    low, high = one.central(0.9)
+    one = NormalMixture(np.array([2.0]), np.array([0.3]), np.array([5.0]))
+    low, high = one.central_interval(0.9)
     assert [one.quantile(0.5), low, high] == pytest.approx(
         [2.0, 2.0 + 0.3 * norm.ppf(0.05), 2.0 + 0.3 * norm.ppf(0.95)]
     )
@@ -49,8 +49,8 @@ def test_one_kind_is_log_normal():
 
 
 def test_two_kinds_are_bounded_by_either():
-    both = Mixture(np.array([0.0, 10.0]), np.array([0.1, 0.1]), np.array([3.0, 1.0]))
-    low, high = both.central(0.9)
+    both = NormalMixture(np.array([0.0, 10.0]), np.array([0.1, 0.1]), np.array([3.0, 1.0]))
+    low, high = both.central_interval(0.9)
     assert low == pytest.approx(0.1 * norm.ppf(0.05 / 0.75), abs=1e-6)
     assert high == pytest.approx(10.0 + 0.1 * norm.ppf(0.8), abs=1e-6)
     assert both.quantile(0.5) < 1.0
@@ -58,7 +58,7 @@ def test_two_kinds_are_bounded_by_either():
 
 @pytest.mark.parametrize(("body", "category", "power"), [(can, "can", 3), (cup, "mug", 2)])
 def test_contents_grow_with_the_volume_and_walls_with_the_area(body, category, power):
-    one, two = usual_mass(body(), category, []), usual_mass(body(2.0), category, [])
+    one, two = category_mass(body(), category, []), category_mass(body(2.0), category, [])
     assert two.value_kg / one.value_kg == pytest.approx(2.0**power)
     assert two.high_kg / one.high_kg == pytest.approx(2.0**power)
 
@@ -66,7 +66,7 @@ def test_contents_grow_with_the_volume_and_walls_with_the_area(body, category, p
 def test_it_weighs_the_same_whatever_way_it_lies():
     turned = trimesh.creation.cylinder(0.033, 0.1)
     turned.apply_transform(trimesh.transformations.rotation_matrix(0.7, [1, 2, 3], [0.1, 0, 0]))
-    assert usual_mass(solid(turned), "can", []).high_kg == pytest.approx(usual_mass(can(), "can", []).high_kg)
+    assert category_mass(solid(turned), "can", []).high_kg == pytest.approx(category_mass(can(), "can", []).high_kg)
 
 
 def test_the_wall_of_a_cup_is_measured_once_however_it_is_modelled():
@@ -74,60 +74,62 @@ def test_the_wall_of_a_cup_is_measured_once_however_it_is_modelled():
     area = 2.0 * np.pi * 0.0385 * 0.0985 + np.pi * 0.0385**2
     sheet = trimesh.creation.revolve(CUP[:3], sections=64)
     filled = trimesh.creation.cylinder(0.04, 0.1, sections=64)
-    assert size(cup(), "wall") == pytest.approx(area, rel=0.03)
-    assert size(solid(sheet, "shell"), "wall") == pytest.approx(area, rel=0.07)
-    assert size(solid(filled), "wall") == pytest.approx(area, rel=0.15)
+    assert reference_size(cup(), "wall") == pytest.approx(area, rel=0.03)
+    assert reference_size(solid(sheet, "shell"), "wall") == pytest.approx(area, rel=0.07)
+    assert reference_size(solid(filled), "wall") == pytest.approx(area, rel=0.15)
 
 
 def test_names_tell_the_kind_and_the_most_telling_name_decides():
-    soup, chips = usual_mass(can(), "can", ["005_tomato_soup_can"]), usual_mass(can(), "can", ["chipsCan"])
+    soup, chips = category_mass(can(), "can", ["005_tomato_soup_can"]), category_mass(can(), "can", ["chipsCan"])
     assert chips.high_kg < soup.low_kg
-    assert usual_mass(can(), "can", ["model", "soup", "chips"]) == usual_mass(can(), "can", ["soup"])
-    usual = usual_mass(can(), "can", ["can"])
+    assert category_mass(can(), "can", ["model", "soup", "chips"]) == category_mass(can(), "can", ["soup"])
+    usual = category_mass(can(), "can", ["can"])
     assert usual.low_kg < chips.value_kg < soup.value_kg < usual.high_kg
     assert "full" in soup.text
 
 
 def test_bounds_of_very_different_kinds_hold_less_and_say_so():
-    found = usual_mass(cup(), "cup", ["cup"])
+    found = category_mass(cup(), "cup", ["cup"])
     assert found.high_kg / found.low_kg == pytest.approx(MAX_SPAN, rel=1e-4)
     assert 0.7 < found.coverage < 0.95
     assert f"{100 * found.coverage:.0f} % of things" in found.text
 
 
 def test_own_rows_can_be_left_out():
-    rows = kinds_of("can", [{"soup"}])
+    rows = masses_of_kind("can", [{"soup"}])
     assert {row.own_row_of for row in rows} == {"", "ycb 005"}
-    assert all(row.own_row_of == "" for row in kinds_of("can", [{"soup"}], without="ycb 005"))
+    assert all(row.own_row_of == "" for row in masses_of_kind("can", [{"soup"}], without="ycb 005"))
 
 
 def test_a_category_outside_the_table_and_a_flat_body_say_nothing():
     flat = Solid(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]]), np.array([[0, 1, 2]], dtype=np.int32), "shell")
-    assert usual_mass(can(), "spaceship", []) is None
-    assert usual_mass(flat, "plate", []) is None
+    assert category_mass(can(), "spaceship", []) is None
+    assert category_mass(flat, "plate", []) is None
 
 
 def test_a_named_material_narrows_the_usual_mass_only_where_both_agree():
     usual = bounds_around(1.0, 0.5, 2.0, METRES, "mugs")
     near = bounds_around(1.0, 1.2, 1.6, METRES, "steel")
-    assert (usual.narrowed(near).low, usual.narrowed(near).high) == pytest.approx((0.8, 2.0))
-    far = usual.narrowed(bounds_around(8.0, 7.0, 9.0, METRES, "steel"))
+    assert (usual.intersected_with(near).low, usual.intersected_with(near).high) == pytest.approx((0.8, 2.0))
+    far = usual.intersected_with(bounds_around(8.0, 7.0, 9.0, METRES, "steel"))
     assert (far.low, far.high) == (0.5, 2.0)
     assert "does not agree" in far.text
 
 
 def test_mass_evidence_says_what_was_compared_and_widens_inertia_for_hollow_bodies():
     ball = solid(trimesh.creation.icosphere(subdivisions=3, radius=0.033))
-    found = mass_evidence(
-        ball, ["tennis_ball"], Clues(category="ball", category_confidence=0.8, names=("tennis_ball",))
+    evidence = mass_evidence(
+        ball, ["tennis_ball"], MassEvidenceInputs(category="ball", category_confidence=0.8, names=("tennis_ball",))
     )
-    low, high = found.mass_kg.bounds
-    assert found.mass_kg.source == "inferred"
-    assert 0.0 < found.mass_kg.confidence < 0.8
+    low, high = evidence.mass_kg.bounds
+    assert evidence.mass_kg.source == "inferred"
+    assert 0.0 < evidence.mass_kg.confidence < 0.8
     assert low < 0.058 < high < 1.6 * low
-    assert "things of category ball and this size, empty weigh" in found.mass_kg.method
+    assert "things of category ball and this size, empty weigh" in evidence.mass_kg.method
     sheet = 2.0 / 3.0 * 0.058 * 0.033**2
-    assert found.inertia_kgm2.bounds[0][0][0] < 0.4 * 0.058 * 0.033**2 < sheet < found.inertia_kgm2.bounds[1][0][0]
+    assert (
+        evidence.inertia_kgm2.bounds[0][0][0] < 0.4 * 0.058 * 0.033**2 < sheet < evidence.inertia_kgm2.bounds[1][0][0]
+    )
 
 
 def test_named_things_weigh_within_their_bounds_without_their_own_rows():

@@ -32,7 +32,7 @@ from tests.support.mass_samples import (
     ball,
     box,
     inside_out,
-    joined,
+    join_meshes,
     solid_box,
     weighed,
     with_faces,
@@ -105,15 +105,15 @@ def needle(mesh: Mesh) -> Mesh:
     """A closed splinter of a micrometre's width stands on the box."""
     splinter = trimesh.creation.box((1e-6, 1e-6, 0.002))
     splinter.apply_translation((0.0, 0.0, 0.0505))
-    return joined(mesh, mesh_from(splinter))
+    return join_meshes(mesh, mesh_from(splinter))
 
 
 PLAIN = box(*A)
 TABLE = {
-    "overlapping boxes in one mesh": Case((joined(box(*A), box(*B)),), union_of(in_box(*A), in_box(*B)), OVERLAPPING),
+    "overlapping boxes in one mesh": Case((join_meshes(box(*A), box(*B)),), union_of(in_box(*A), in_box(*B)), OVERLAPPING),
     "overlapping boxes, a mesh each": Case((box(*A), box(*B)), union_of(in_box(*A), in_box(*B)), OVERLAPPING),
     "a box inside a box of the same winding": Case(
-        (joined(box(CUBE), box(ROOM)),), union_of(in_box(CUBE)), solid_box(CUBE)
+        (join_meshes(box(CUBE), box(ROOM)),), union_of(in_box(CUBE)), solid_box(CUBE)
     ),
     "touching boxes": Case(
         (box(*A), box((0.1, 0.1, 0.1), (0.15, 0, 0))),
@@ -124,23 +124,23 @@ TABLE = {
         (ball(0.1), ball(0.1, (0.12, 0, 0))), union_of(in_ball(0.1), in_ball(0.1, (0.12, 0, 0))), None
     ),
     "a cavity": Case(
-        (joined(box(CUBE), inside_out(box(ROOM, (0.02, 0, 0)))),),
+        (join_meshes(box(CUBE), inside_out(box(ROOM, (0.02, 0, 0)))),),
         shells(in_box(CUBE), in_box(ROOM, (0.02, 0, 0))),
         less(solid_box(CUBE), solid_box(ROOM, (0.02, 0, 0))),
     ),
     "a hollow ball": Case(
-        (joined(ball(0.1), inside_out(ball(0.09))),),
+        (join_meshes(ball(0.1), inside_out(ball(0.09))),),
         shells(in_ball(0.1), in_ball(0.09)),
         less(as_modelled(ball(0.1)), as_modelled(ball(0.09))),
     ),
     "three shells, one in the other": Case(
-        (joined(box(CUBE), inside_out(box(ROOM)), box(CORE)),),
+        (join_meshes(box(CUBE), inside_out(box(ROOM)), box(CORE)),),
         shells(in_box(CUBE), in_box(ROOM), in_box(CORE)),
         combine([less(solid_box(CUBE), solid_box(ROOM)), solid_box(CORE)]),
     ),
     "all faces inside out": Case((inside_out(PLAIN),), union_of(in_box(*A)), solid_box(*A)),
     "one of two bodies inside out": Case(
-        (joined(box(*A), inside_out(box(CORE, (0.2, 0, 0)))),),
+        (join_meshes(box(*A), inside_out(box(CORE, (0.2, 0, 0)))),),
         union_of(in_box(*A), in_box(CORE, (0.2, 0, 0))),
         combine([solid_box(*A), solid_box(CORE, (0.2, 0, 0))]),
     ),
@@ -155,7 +155,7 @@ TABLE = {
         (with_faces(PLAIN, [[0, 0, 1], [2, 2, 2], [3, 1, 3]]),), union_of(in_box(*A)), solid_box(*A)
     ),
     "every face twice": Case((with_faces(PLAIN, PLAIN.triangles),), union_of(in_box(*A)), solid_box(*A)),
-    "the same shell twice": Case((joined(PLAIN, PLAIN),), union_of(in_box(*A)), solid_box(*A)),
+    "the same shell twice": Case((join_meshes(PLAIN, PLAIN),), union_of(in_box(*A)), solid_box(*A)),
     "an unwelded soup of faces": Case(
         (Mesh("soup", PLAIN.points[PLAIN.triangles].reshape(-1, 3), np.arange(36, dtype=np.int32).reshape(-1, 3)),),
         union_of(in_box(*A)),
@@ -226,16 +226,16 @@ def test_a_declared_wall_makes_a_shell_with_its_closed_form():
 
 
 def test_an_undeclared_wall_is_little_believed_and_may_be_a_filled_body():
-    found, canonical, _ = weighed([half_ball()])
-    declared_, _, _ = weighed([half_ball()], Options(shell_thickness_m=0.002))
+    undeclared, canonical, _ = weighed([half_ball()])
+    with_wall, _, _ = weighed([half_ball()], Options(shell_thickness_m=0.002))
     assert canonical.section.wall_thickness_m is not None
     assert canonical.section.wall_thickness_m.source == "default"
-    assert found.mass_kg.confidence < 0.5 * declared_.mass_kg.confidence
-    assert "wall thickness unknown" in found.mass_kg.method
-    assert "filled" in found.mass_kg.method
-    low, high = found.mass_kg.bounds
-    assert low < 0.5 * found.mass_kg.value
-    assert high > 5.0 * found.mass_kg.value
+    assert undeclared.mass_kg.confidence < 0.5 * with_wall.mass_kg.confidence
+    assert "wall thickness unknown" in undeclared.mass_kg.method
+    assert "filled" in undeclared.mass_kg.method
+    low, high = undeclared.mass_kg.bounds
+    assert low < 0.5 * undeclared.mass_kg.value
+    assert high > 5.0 * undeclared.mass_kg.value
     assert high <= MAX_SPAN * low * (1 + 1e-9)
 
 

@@ -13,11 +13,11 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from assetkit.mass.estimate import mass_evidence
-from assetkit.mass.parts import Clues
-from assetkit.mass.source_inertials import applicable, in_asset_frame, judge
+from assetkit.mass.parts import MassEvidenceInputs
+from assetkit.mass.source_inertials import applicable_statements, check_statement, in_asset_frame
 from assetkit.pose.up_axis import TO_Z_UP
 from geom.mass.inertia import inertia_about, moved, of_box, of_closed_surface, of_sheet, scaled
-from geom.mass.inertia_bounds import inertia_reach
+from geom.mass.inertia_bounds import rms_distance_and_bound
 from geom.pose import pose
 from schemas.diagnostics import Location, Severity
 from schemas.model import Mesh
@@ -45,26 +45,26 @@ def of(body: MassProperties) -> StatedMass:
     return stated(body.mass_kg, centre=body.centre_of_mass_m, inertia=body.inertia_kgm2)
 
 
-def heard(statement: StatedMass, exact: bool = True) -> tuple[StatedMass | None, list[str], list[str]]:
-    found = judge(statement, MESH.points, EVEN, exact=exact)
-    return found.stated, [d.headline for d in found.diagnostics], [r.name for r in found.repairs]
+def outcome_of(statement: StatedMass, exact: bool = True) -> tuple[StatedMass | None, list[str], list[str]]:
+    checked = check_statement(statement, MESH.points, EVEN, exact=exact)
+    return checked.stated, [d.headline for d in checked.diagnostics], [r.name for r in checked.repairs]
 
 
 def test_the_truth_is_believed_as_it_is():
     truth = of(scaled(EVEN, 700.0))
-    assert heard(truth) == (truth, [], [])
+    assert outcome_of(truth) == (truth, [], [])
 
 
 @pytest.mark.parametrize("mass_kg", [-1.0, np.nan, np.inf, 1e-5, 40.0])
 def test_an_impossible_mass_drops_everything(mass_kg):
-    kept, headlines, repairs = heard(replace(of(scaled(EVEN, 700.0)), mass_kg=mass_kg))
+    kept, headlines, repairs = outcome_of(replace(of(scaled(EVEN, 700.0)), mass_kg=mass_kg))
     assert kept is None
     assert "mass" in headlines[0]
     assert repairs == ["implausible_inertia"]
 
 
 def test_the_finding_names_value_bound_and_place():
-    (found,) = judge(stated(60.0), MESH.points, EVEN, exact=True).diagnostics
+    (found,) = check_statement(stated(60.0), MESH.points, EVEN, exact=True).diagnostics
     assert found.code == "asset/source-inertia-implausible"
     assert (found.value, found.bound, found.unit) == (pytest.approx(50_000), 25_000, "kg/m3")
     assert found.where.prim == "/part"
@@ -72,13 +72,15 @@ def test_the_finding_names_value_bound_and_place():
 
 def test_a_low_centre_without_a_tensor_is_kept_and_the_filling_squeezed_about_it():
     """4 % of the height: a weighted base. The even filling about it would need mass below the floor."""
-    found = judge(stated(centre=np.array([0.0, 0.0, 0.0024])), MESH.points, EVEN, exact=True)
+    found = check_statement(stated(centre=np.array([0.0, 0.0, 0.0024])), MESH.points, EVEN, exact=True)
     assert found.stated is not None
     assert found.stated.centre is not None
     assert [d.severity for d in found.diagnostics] == [Severity.INFO]
     assert [r.name for r in found.repairs] == ["squeezed_inertia"]
-    made = mass_evidence(SOLID, ["part"], clues(stated(centre=np.array([0.0, 0.0, 0.0024]))))
-    reach, most = inertia_reach(made.properties.inertia_kgm2 / 0.9, MESH.points - made.properties.centre_of_mass_m)
+    made = mass_evidence(SOLID, ["part"], mass_inputs(stated(centre=np.array([0.0, 0.0, 0.0024]))))
+    reach, most = rms_distance_and_bound(
+        made.properties.inertia_kgm2 / 0.9, MESH.points - made.properties.centre_of_mass_m
+    )
     assert reach <= 0.9 * most
     assert made.inertia_kgm2.source == "inferred"
     assert "squeezed" in made.inertia_kgm2.method
@@ -94,7 +96,7 @@ def test_a_low_centre_without_a_tensor_is_kept_and_the_filling_squeezed_about_it
 @pytest.mark.parametrize("depth_m", [0.0, 1.5e-5])
 def test_a_centre_on_the_skin_is_dropped_where_no_tensor_comes_with_it(depth_m: float):
     """15 mm written as 15 micrometres: on the skin no body but a film has its mass."""
-    kept, headlines, repairs = heard(stated(centre=np.array([0.0, 0.0, depth_m])))
+    kept, headlines, repairs = outcome_of(stated(centre=np.array([0.0, 0.0, depth_m])))
     assert kept is not None
     assert kept.centre is None
     assert headlines == ["the stated mass centre lies on the skin of the object"]
@@ -102,17 +104,17 @@ def test_a_centre_on_the_skin_is_dropped_where_no_tensor_comes_with_it(depth_m: 
 
 
 def test_a_centre_that_is_little_aside_leaves_the_even_filling_alone():
-    found = judge(stated(centre=np.array([0.01, 0.0, 0.025])), MESH.points, EVEN, exact=True)
+    found = check_statement(stated(centre=np.array([0.01, 0.0, 0.025])), MESH.points, EVEN, exact=True)
     assert (found.diagnostics, found.repairs, found.squeeze) == ((), (), None)
 
 
 def test_a_guessed_volume_is_no_strong_witness():
-    assert heard(stated(60.0), exact=False)[0] is not None
+    assert outcome_of(stated(60.0), exact=False)[0] is not None
 
 
 @pytest.mark.parametrize("centre", [(0.0, 0.0, 0.5), (np.nan, 0.0, 0.0), (0.15, 0.0, 0.03)])
 def test_a_centre_outside_is_dropped_with_the_tensor_about_it(centre):
-    kept, headlines, _ = heard(replace(of(scaled(EVEN, 700.0)), centre=np.array(centre)))
+    kept, headlines, _ = outcome_of(replace(of(scaled(EVEN, 700.0)), centre=np.array(centre)))
     assert kept is not None
     assert (kept.mass_kg, kept.centre, kept.inertia) == (pytest.approx(0.84), None, None)
     assert "centre" in headlines[0]
@@ -121,7 +123,7 @@ def test_a_centre_outside_is_dropped_with_the_tensor_about_it(centre):
 def test_a_centre_on_the_skin_is_kept_with_its_tensor():
     """The visible mesh may be tighter than the thing."""
     plate = moved(of_box((0.2, 0.1, 0.004), 1.0), pose(None, (0.0, 0.0, -0.001)))
-    kept, headlines, _ = heard(of(scaled(plate, 0.9 / plate.mass_kg)))
+    kept, headlines, _ = outcome_of(of(scaled(plate, 0.9 / plate.mass_kg)))
     assert headlines == []
     assert kept is not None
     assert kept.centre is not None
@@ -139,7 +141,7 @@ def test_a_centre_on_the_skin_is_kept_with_its_tensor():
 )
 def test_an_impossible_tensor_is_dropped_and_the_rest_kept(inertia, word):
     centre = np.array([0.0, 0.0, 0.03])
-    found = judge(stated(centre=centre, inertia=inertia), MESH.points, EVEN, exact=True)
+    found = check_statement(stated(centre=centre, inertia=inertia), MESH.points, EVEN, exact=True)
     assert found.stated is not None
     assert_allclose(found.stated.centre, centre)
     assert found.stated.inertia is None
@@ -149,7 +151,7 @@ def test_an_impossible_tensor_is_dropped_and_the_rest_kept(inertia, word):
 def test_a_tensor_that_needs_mass_outside_is_dropped():
     """Three times the even body: its trace may be that of a frame of edges, but not of this size."""
     truth = of(scaled(EVEN, 700.0))
-    kept, headlines, _ = heard(replace(truth, inertia=3.2 * truth.inertia))
+    kept, headlines, _ = outcome_of(replace(truth, inertia=3.2 * truth.inertia))
     assert kept is not None
     assert kept.inertia is None
     assert headlines == ["the stated inertia needs mass outside the object"]
@@ -159,9 +161,9 @@ def test_a_rod_whose_long_axis_is_another_is_noticed():
     rod = moved(of_box((0.01, 0.01, 0.4), 1.0), pose(None, (0.0, 0.0, 0.2)))
     truth = of(scaled(rod, 1000.0))
     points = box_mesh((0.01, 0.01, 0.4)).points
-    assert judge(truth, points, rod, exact=True).diagnostics == ()
+    assert check_statement(truth, points, rod, exact=True).diagnostics == ()
     along_x = replace(truth, inertia=np.roll(truth.inertia, 1, axis=(0, 1)))
-    assert "other axes" in judge(along_x, points, rod, exact=True).diagnostics[0].headline
+    assert "other axes" in check_statement(along_x, points, rod, exact=True).diagnostics[0].headline
 
 
 @settings(max_examples=30, deadline=None)
@@ -175,7 +177,7 @@ def test_no_true_body_is_ever_doubted(shape, density, seed):
     even = of_closed_surface(points, triangles, 1.0)
     skin = of_sheet(points, triangles, 0.001, max(density, 400.0))
     for truth in (scaled(even, density), skin):
-        assert judge(of(truth), points, even, exact=True).diagnostics == ()
+        assert check_statement(of(truth), points, even, exact=True).diagnostics == ()
 
 
 @pytest.mark.parametrize("axis", ["x", "y", "z"])
@@ -199,22 +201,22 @@ def part(path: str, triangles: int) -> Mesh:
 
 def test_a_mass_of_several_objects_is_nobodys():
     both = replace(stated(2.0), covers=("/a", "/b"), triangles=24)
-    kept, notes = applicable([both], [part("/a", 12)])
+    kept, notes = applicable_statements([both], [part("/a", 12)])
     assert kept == []
     assert notes[0].severity is Severity.INFO
-    assert applicable([both], [part("/a", 12), part("/b", 12)]) == ([both], [])
-    assert applicable([both], [part("/elsewhere", 12)]) == ([], [])
+    assert applicable_statements([both], [part("/a", 12), part("/b", 12)]) == ([both], [])
+    assert applicable_statements([both], [part("/elsewhere", 12)]) == ([], [])
     density = replace(both, mass_kg=None, density=500.0)
-    assert applicable([density], [part("/a", 12)]) == ([density], [])
+    assert applicable_statements([density], [part("/a", 12)]) == ([density], [])
 
 
-def clues(*masses: StatedMass, meshes: tuple[Mesh, ...] = ()) -> Clues:
+def mass_inputs(*masses: StatedMass, meshes: tuple[Mesh, ...] = ()) -> MassEvidenceInputs:
     seen = meshes or (replace(MESH, source_path="/part"),)
-    return Clues(meshes=seen, as_read=seen, masses=masses)
+    return MassEvidenceInputs(meshes=seen, as_read=seen, masses=masses)
 
 
 def test_a_mass_alone_scales_the_computed_tensor():
-    found = mass_evidence(SOLID, ["wood"], clues(stated(2.0)))
+    found = mass_evidence(SOLID, ["wood"], mass_inputs(stated(2.0)))
     even = scaled(EVEN, 2.0 / EVEN.mass_kg)
     assert (found.mass_kg.value, found.mass_kg.source, found.mass_kg.bounds) == (2.0, "declared", (1.8, 2.2))
     assert_allclose(found.properties.inertia_kgm2, even.inertia_kgm2, atol=1e-12)
@@ -226,21 +228,21 @@ def test_a_mass_alone_scales_the_computed_tensor():
 
 def test_mass_and_centre_without_tensor_keep_the_centre():
     centre = np.array([0.02, 0.0, 0.02])
-    found = mass_evidence(SOLID, [], clues(stated(2.0, centre=centre)))
+    found = mass_evidence(SOLID, [], mass_inputs(stated(2.0, centre=centre)))
     assert_allclose(found.properties.centre_of_mass_m, centre)
     assert found.centre_of_mass_m.source == "declared"
     assert_allclose(found.properties.inertia_kgm2, scaled(EVEN, 2.0 / EVEN.mass_kg).inertia_kgm2, atol=1e-12)
 
 
 def test_a_stated_density_weighs_the_solid():
-    found = mass_evidence(SOLID, [], clues(stated(None, density=1234.0)))
+    found = mass_evidence(SOLID, [], mass_inputs(stated(None, density=1234.0)))
     assert found.mass_kg.value == pytest.approx(1234.0 * np.prod(SIZE))
     assert found.density_kgm3.source == "declared"
     assert found.density_kgm3.bounds == pytest.approx((0.9 * 1234.0, 1.1 * 1234.0))
     low, high = found.mass_kg.bounds or (0.0, 0.0)
     assert (low, high) == pytest.approx((0.9 * 0.95 * found.mass_kg.value, 1.1 * 1.05 * found.mass_kg.value))
     assert "stated density, 10 % either way" in found.mass_kg.method
-    absurd = mass_evidence(SOLID, ["wood"], clues(stated(None, density=1e6)))
+    absurd = mass_evidence(SOLID, ["wood"], mass_inputs(stated(None, density=1e6)))
     assert absurd.density_kgm3.method == "material class wood"
     assert [d.code for d in absurd.diagnostics] == ["asset/source-inertia-implausible"]
 
@@ -250,7 +252,7 @@ def test_two_stated_parts_are_composed_about_their_common_centre():
     meshes = (replace(left, source_path="/left"), replace(right, source_path="/right"))
     solid = Solid(box_mesh((0.2, 0.1, 0.1), shift=(0.05, 0, 0)).points, MESH.triangles, "closed")
     masses = [replace(stated(m), covers=(p,)) for m, p in ((1.0, "/left"), (3.0, "/right"))]
-    found = mass_evidence(solid, [], clues(*masses, meshes=meshes))
+    found = mass_evidence(solid, [], mass_inputs(*masses, meshes=meshes))
     assert found.mass_kg.value == pytest.approx(4.0)
     assert_allclose(found.properties.centre_of_mass_m, [0.075, 0, 0.05], atol=1e-9)
     halves = [moved(of_box((0.1,) * 3, m / 1e-3), pose(None, (x, 0, 0.05))) for m, x in ((1.0, 0.0), (3.0, 0.1))]
@@ -263,7 +265,7 @@ def test_one_stated_part_leaves_the_other_to_its_material():
     left, right = box_mesh((0.1, 0.1, 0.1), "left"), box_mesh((0.1, 0.1, 0.1), "oak", (0.1, 0.0, 0.0))
     meshes = (replace(left, source_path="/left"), replace(right, source_path="/right"))
     solid = Solid(box_mesh((0.2, 0.1, 0.1), shift=(0.05, 0, 0)).points, MESH.triangles, "closed")
-    found = mass_evidence(solid, [], clues(replace(stated(5.0), covers=("/left",)), meshes=meshes))
+    found = mass_evidence(solid, [], mass_inputs(replace(stated(5.0), covers=("/left",)), meshes=meshes))
     assert found.mass_kg.value == pytest.approx(5.65)
     assert found.mass_kg.source == "inferred"
     assert found.mass_kg.bounds == pytest.approx((4.5 + 0.35, 5.5 + 0.95))

@@ -21,8 +21,8 @@ def named(*names: str):
 
 
 def kinds(meshes, materials=(), whole=("thing.glb",), stated=()) -> dict[str, tuple[str, ...]]:
-    found = substances_of(meshes, materials, whole, stated)
-    return {s.material.value: s.names for s in found}
+    substances = substances_of(meshes, materials, whole, stated)
+    return {s.material.value: s.names for s in substances}
 
 
 def test_render_material_and_mesh_names_tell_parts_apart():

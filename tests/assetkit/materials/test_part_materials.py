@@ -13,11 +13,11 @@ from hypothesis import given
 from PIL import Image
 
 from assetkit.materials.part_materials import face_materials, material_of, part_materials
-from assetkit.materials.surface_appearance import Look, Looks, tones_of
+from assetkit.materials.surface_appearance import SurfaceAppearance, AppearanceSampler, tones_of
 from assetkit.parts.find import find_parts
 from assetkit.taxonomy.material_classes import UNKNOWN, materials
 from assetkit.taxonomy.tables import categories
-from assetkit.taxonomy.usual_materials import classes, looks_table, usual_materials, usual_of
+from assetkit.taxonomy.category_materials import class_names, appearance_table, category_materials, material_prior
 from schemas.evidence import declared, default
 from schemas.model import Material, Mesh, Model, Texture, TextureUse
 
@@ -41,67 +41,67 @@ def box(name: str, material: int | None = None, at: float = 0.0, uvs: bool = Fal
 def test_tables_speak_of_what_there_is() -> None:
     """Classes are those of the material table, categories those of the vocabulary; shares sum to one."""
     known = set(materials()) - {UNKNOWN, "unknown_full", "metal"}
-    assert set(classes()) == known
-    assert {row.category for row in usual_materials()} <= {*categories(), "any"}
-    assert all(set(row.materials) <= known for row in usual_materials())
-    assert set(categories()) <= {row.category for row in usual_materials() if not row.parts}
-    for row in usual_materials():
+    assert set(class_names()) == known
+    assert {row.category for row in category_materials()} <= {*categories(), "any"}
+    assert all(set(row.materials) <= known for row in category_materials())
+    assert set(categories()) <= {row.category for row in category_materials() if not row.parts}
+    for row in category_materials():
         told = categories().get(row.category)
         assert told is None or set(row.parts) <= set(told.parts), row
-    for row in looks_table().values():
+    for row in appearance_table().values():
         for columns in (("dark", "grey", "white", "earthy", "muted", "vivid"), ("smooth", "satin", "rough")):
             assert sum(row[c] for c in columns) == pytest.approx(1.0)
 
 
 def test_nothing_is_said_of_nothing() -> None:
     """Without names, category or looks the material is unknown."""
-    assert material_of(Look(), NOTHING).value == UNKNOWN
+    assert material_of(SurfaceAppearance(), NOTHING).value == UNKNOWN
 
 
 def test_what_things_are_usually_made_of_counts() -> None:
     """A mug is of ceramic while nothing else is known, and less surely when the category is less sure."""
-    sure = material_of(Look(), declared("mug", "user"))
-    doubted = material_of(Look(), declared("mug", "user", confidence=0.75))
+    sure = material_of(SurfaceAppearance(), declared("mug", "user"))
+    doubted = material_of(SurfaceAppearance(), declared("mug", "user", confidence=0.75))
     assert sure.value == "ceramic"
     assert 0.5 < doubted.confidence < sure.confidence < 0.95
     assert sure.method == "usual for mug"
-    assert material_of(Look(), declared("pan", "user"), label="handle").value == "plastic"
+    assert material_of(SurfaceAppearance(), declared("pan", "user"), label="handle").value == "plastic"
 
 
 def test_a_name_weighs_more_than_what_is_usual() -> None:
-    """The render material tells, then the file; the method says so."""
-    said = material_of(Look(), declared("mug", "user"), own_names=["Steel_brushed"], of_whole=["mug.obj"])
-    assert said.value == "steel"
-    assert said.method.startswith("name says steel")
-    assert material_of(Look(), NOTHING, of_whole=["granite_slab.obj"]).value == "stone"
-    assert material_of(Look(), declared("bowl", "user"), of_whole=["wooden_bowl.obj"]).value == "wood"
+    """The name of the render material counts first, then that of the file; the method names it."""
+    evidence = material_of(SurfaceAppearance(), declared("mug", "user"), own_names=["Steel_brushed"], of_whole=["mug.obj"])
+    assert evidence.value == "steel"
+    assert evidence.method.startswith("name says steel")
+    assert material_of(SurfaceAppearance(), NOTHING, of_whole=["granite_slab.obj"]).value == "stone"
+    assert material_of(SurfaceAppearance(), declared("bowl", "user"), of_whole=["wooden_bowl.obj"]).value == "wood"
 
 
 def test_what_is_in_a_can_is_not_what_it_is_made_of() -> None:
     """A can of meat is of steel, an apple of food."""
-    assert material_of(Look(), declared("can", "user"), of_whole=["potted_meat_can.obj"]).value == "steel"
-    assert material_of(Look(), declared("fruit", "user"), of_whole=["apple.obj"]).value == "food"
+    assert material_of(SurfaceAppearance(), declared("can", "user"), of_whole=["potted_meat_can.obj"]).value == "steel"
+    assert material_of(SurfaceAppearance(), declared("fruit", "user"), of_whole=["apple.obj"]).value == "food"
 
 
 def test_several_metals_together_are_metal() -> None:
     """Metal is sure where no single metal is."""
-    assert material_of(Look(), declared("pan", "user"), own_names=["metal"]).value == "metal"
-    assert material_of(Look(), declared("knife", "user"), own_names=["metal"]).value == "steel"
-    assert material_of(Look(), NOTHING, own_names=["copper pipe"]).value == "copper"
+    assert material_of(SurfaceAppearance(), declared("pan", "user"), own_names=["metal"]).value == "metal"
+    assert material_of(SurfaceAppearance(), declared("knife", "user"), own_names=["metal"]).value == "steel"
+    assert material_of(SurfaceAppearance(), NOTHING, own_names=["copper pipe"]).value == "copper"
 
 
 def test_words_of_parts_count_by_their_head() -> None:
     """Tyres are of rubber; motor mounts are mounts."""
-    assert material_of(Look(), NOTHING, own_names=["tyre_front"]).value == "rubber"
-    assert usual_of("", "", ("motor", "mounts"))[1] == "a mount"
+    assert material_of(SurfaceAppearance(), NOTHING, own_names=["tyre_front"]).value == "rubber"
+    assert material_prior("", "", ("motor", "mounts"))[1] == "a mount"
 
 
 def test_metallic_maps_and_glass_are_seen() -> None:
     """Maps that say metal make a metal, light that gets through makes glass of a window pane."""
     metallic = np.array([0.0, 0.0, 1.0])
     grey = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-    assert material_of(Look(grey, True, None, metallic), NOTHING).value in ("steel", "metal")
-    assert material_of(Look(see_through=1.0), declared("bottle", "user"), own_names=["glass"]).value == "glass"
+    assert material_of(SurfaceAppearance(grey, True, None, metallic), NOTHING).value in ("steel", "metal")
+    assert material_of(SurfaceAppearance(see_through=1.0), declared("bottle", "user"), own_names=["glass"]).value == "glass"
 
 
 @given(st.permutations(["dark", "earthy"]), st.floats(0.0, 1.0))
@@ -125,7 +125,7 @@ def test_each_part_looks_where_its_own_texels_are() -> None:
     image = Texture("both", stream.getvalue(), "png", 8, 8)
     look = Material("m", (1.0, 1.0, 1.0), base_color_texture=TextureUse("both"))
     mesh = box("cube", 0, uvs=True)
-    looks = Looks(model_of([mesh], [look], [image]))
+    looks = AppearanceSampler(model_of([mesh], [look], [image]))
     heights = mesh.points[mesh.triangles][:, :, 2].max(axis=1)
     flat = np.ptp(mesh.points[mesh.triangles][:, :, 2], axis=1) < 1e-9
     lower = looks.of([(mesh, np.flatnonzero(flat & (heights < 0.0)))])
@@ -141,8 +141,8 @@ def test_grey_that_tools_give_says_nothing() -> None:
     """A light grey for all is what nobody painted; metallic 1 with roughness 1 is what glTF has for silence."""
     silent = Material("default", (0.8, 0.8, 0.8), metallic=1.0, roughness=1.0)
     mesh = box("cube", 0)
-    look = Looks(model_of([mesh], [silent])).of([(mesh, np.arange(12))])
-    assert look == Look()
+    look = AppearanceSampler(model_of([mesh], [silent])).of([(mesh, np.arange(12))])
+    assert look == SurfaceAppearance()
 
 
 def test_parts_have_their_own_material_and_share_it_by_face() -> None:

@@ -1,1 +1,1 @@
-"""Tests of `assetkit.package`."""
+"""Tests of `assetkit.package`: the URDF twin beside the USD package."""

@@ -80,16 +80,16 @@ def test_shapes_are_equal(twin: tuple[RigidBody, ElementTree.Element, Path]) -> 
         rotation = Rotation.from_euler("xyz", numbers(origin.get("rpy"))).as_matrix()
         np.testing.assert_allclose(rotation, shape.X_AS[:3, :3], atol=1e-12)
         assert numbers(origin.get("xyz")).tolist() == shape.X_AS[:3, 3].tolist()
-        found = geometry[0]
+        element = geometry[0]
         if shape.kind == "hull":
             assert shape.points is not None
-            points, faces = read_obj(folder / found.attrib["filename"])
+            points, faces = read_obj(folder / element.attrib["filename"])
             assert np.array_equal(points, shape.points)
             assert np.array_equal(faces, shape.triangles)
             continue
-        assert found.tag == shape.kind
+        assert element.tag == shape.kind
         keys = {"box": ("size",), "sphere": ("radius",)}.get(shape.kind, ("radius", "length"))
-        assert tuple(numbers(" ".join(found.attrib[k] for k in keys))) == shape.size_m
+        assert tuple(numbers(" ".join(element.attrib[k] for k in keys))) == shape.size_m
 
 
 def test_visual_meshes_round_trip(twin: tuple[RigidBody, ElementTree.Element, Path]) -> None:

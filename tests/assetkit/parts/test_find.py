@@ -16,14 +16,14 @@ from pxr import Sdf, Usd, UsdGeom
 from scipy.spatial.transform import Rotation
 
 from assetkit.parts.find import find_parts
-from assetkit.parts.labels import named
+from assetkit.parts.labels import label_in_name
 from benchmarks.assets.made_things import Thing, things
 from geom.features.cavities import find_cavities
 from schemas.evidence import declared, default
 from schemas.model import Material, Mesh, Model
 from schemas.parts import part_faces
 from schemas.physics import Solid
-from usdio.write.mesh_materials import looks_per_mesh
+from usdio.write.mesh_materials import materials_per_mesh
 from usdio.write.meshes import author_meshes
 
 LONG = {
@@ -142,7 +142,7 @@ def test_names_that_differ_leave_the_part_unlabelled() -> None:
 )
 def test_names_of_nodes_name_parts_by_whole_words(name: str, label: str | None) -> None:
     """Plurals and numbers are no hindrance, parts of words no help."""
-    assert named(name, ("leg", "battery cover")) == label
+    assert label_in_name(name, ("leg", "battery cover")) == label
 
 
 def test_subsets_of_a_package_hold_the_triangles_of_the_part(tmp_path: Path) -> None:
@@ -152,7 +152,7 @@ def test_subsets_of_a_package_hold_the_triangles_of_the_part(tmp_path: Path) -> 
     parts = [p.value for p in find_parts({"mug": mesh}, (), declared("mug", "test")).parts]
     stage = Usd.Stage.CreateInMemory()
     model = Model((mesh,), (), (), (), declared(1.0, "test"), declared("z", "test"))
-    author_meshes(stage, Sdf.Path("/mug"), model, looks_per_mesh(model), parts)
+    author_meshes(stage, Sdf.Path("/mug"), model, materials_per_mesh(model), parts)
     subsets = UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Mesh(stage.GetPrimAtPath("/mug/Visuals/mug")))
     assert {s.GetPrim().GetCustomDataByKey("mana:partLabel") for s in subsets} == {"body", "handle"}
     for subset, part in zip(subsets, parts, strict=True):

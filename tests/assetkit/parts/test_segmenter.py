@@ -14,7 +14,7 @@ import trimesh
 from assetkit.parts.find import find_parts
 from assetkit.parts.labels import votes
 from assetkit.parts.proposals import Proposal
-from assetkit.parts.segmenter import SEEN, CommandSegmenter
+from assetkit.parts.segmenter import MODEL_TRUST, CommandSegmenter
 from jobs.cell import Limits
 from schemas.evidence import declared
 from schemas.model import Mesh
@@ -51,8 +51,8 @@ def figure() -> dict[str, Mesh]:
 
 
 def labels(segmenter: CommandSegmenter) -> dict[str, float]:
-    found = find_parts(figure(), (), declared("toy_figure", "test"), segmenter=segmenter).parts
-    return {p.value.label.value: p.value.label.confidence for p in found}
+    parts = find_parts(figure(), (), declared("toy_figure", "test"), segmenter=segmenter).parts
+    return {p.value.label.value: p.value.label.confidence for p in parts}
 
 
 def answering(tmp_path: Path, source: str, seconds: float = 60.0) -> CommandSegmenter:
@@ -62,8 +62,8 @@ def answering(tmp_path: Path, source: str, seconds: float = 60.0) -> CommandSegm
 
 
 def test_a_good_answer_becomes_a_part(tmp_path: Path) -> None:
-    """The head of a figure, which no rule of ours tells, with the model's confidence marked down."""
-    assert labels(answering(tmp_path, GOOD)) == {"head": pytest.approx(SEEN * 0.9)}
+    """The head of a figure, which no rule of ours finds, with the model's confidence marked down."""
+    assert labels(answering(tmp_path, GOOD)) == {"head": pytest.approx(MODEL_TRUST * 0.9)}
 
 
 def test_a_region_with_a_name_alone_counts_as_much_as_the_model_is_sure() -> None:
@@ -72,8 +72,8 @@ def test_a_region_with_a_name_alone_counts_as_much_as_the_model_is_sure() -> Non
     upper = mesh.points[mesh.triangles].mean(axis=1)[:, 2] > 0.1
     for sure in (0.6, 0.0):
         called = Proposal(upper, "learned", names=("head_01",), confidence=sure)
-        said = votes(called, "toy_figure", ("head", "body"))
-        assert [(v.label, v.confidence, v.kind) for v in said] == ([("head", sure, "learned")] if sure else [])
+        label_votes = votes(called, "toy_figure", ("head", "body"))
+        assert [(v.label, v.confidence, v.kind) for v in label_votes] == ([("head", sure, "learned")] if sure else [])
 
 
 @pytest.mark.parametrize("kind", ANSWERS)

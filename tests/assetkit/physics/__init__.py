@@ -1,1 +1,1 @@
-"""Tests of `assetkit.physics`."""
+"""Tests of `assetkit.physics`: the physics section and its contact materials."""

@@ -11,7 +11,7 @@ from manifold3d import Manifold
 
 from assetkit.mass.bounds import MAX_SPAN
 from assetkit.mass.estimate import mass_evidence
-from assetkit.mass.parts import Clues
+from assetkit.mass.parts import MassEvidenceInputs
 from assetkit.physics.build import build_physics
 from assetkit.taxonomy.material_classes import UNKNOWN_FULL, materials
 from geom.convex.support_function import surface
@@ -129,7 +129,7 @@ def test_mass_bounds_hold_the_value_and_never_span_more_than_thirty(name, kind):
     wall = 0.002 if kind == "shell" else None
     solid = Solid(np.array(box.vertices), np.array(box.faces, dtype=np.int32), kind, wall)
     word = next(iter(sorted(materials()[name].words)), "thing")
-    mass = mass_evidence(solid, [word], Clues()).mass_kg
+    mass = mass_evidence(solid, [word], MassEvidenceInputs()).mass_kg
     assert mass.bounds is not None
     low, high = mass.bounds
     assert 0 < low <= mass.value <= high <= MAX_SPAN * low * (1 + 1e-9)

@@ -14,7 +14,7 @@ import trimesh
 from pxr import Usd, UsdPhysics
 from scipy.spatial.transform import Rotation
 
-from assetkit.mass.parts import Clues
+from assetkit.mass.parts import MassEvidenceInputs
 from assetkit.package.write_urdf import DRAKE, rewrite_urdf, write_urdf
 from assetkit.physics.build import PhysicsResult, build_physics
 from assetkit.physics.collider_materials import surface_shares
@@ -25,7 +25,8 @@ from schemas.evidence import inferred
 from schemas.model import Mesh
 from schemas.physics import Contact, SurfaceMaterial
 from tests.support.package_samples import content, hull_shape, mesh_from, model
-from usdio.reread.body import bound_contact_material, collider_prims, reread_body, reread_shape_contacts
+from usdio.contact_material import bound_contact_material
+from usdio.reread.body import collider_prims, reread_body, reread_shape_contacts
 from usdio.write.package import write_package
 from usdio.write.rewrite_physics import rewrite_physics
 
@@ -47,7 +48,9 @@ def hammer(R_AM: Rotation | None = None, scale: float = 1.0) -> list[Mesh]:
 
 
 def built(meshes: list[Mesh], folder: Path, *names: str) -> PhysicsResult:
-    return build_physics(solidify(meshes)[0], names, work_dir=folder, clues=Clues(meshes=tuple(meshes)))
+    return build_physics(
+        solidify(meshes)[0], names, work_dir=folder, mass_inputs=MassEvidenceInputs(meshes=tuple(meshes))
+    )
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -55,21 +58,21 @@ def test_each_hull_touches_as_the_part_it_stands_for(tmp_path: Path, seed: int) 
     """However the object lies, whatever its size and the order of its parts."""
     rng = np.random.default_rng(seed)
     meshes = hammer(Rotation.random(rng=rng), float(rng.choice([0.3, 1.0, 3.0])))
-    found = built([meshes[i] for i in rng.permutation(3)], tmp_path)
-    assert len(found.shape_surfaces) == len(found.shapes) >= 3
+    physics = built([meshes[i] for i in rng.permutation(3)], tmp_path)
+    assert len(physics.shape_surfaces) == len(physics.shapes) >= 3
     axis = meshes[1].points.mean(axis=0) - meshes[0].points.mean(axis=0)
     scale = np.linalg.norm(axis) / 0.125
-    for shape, index in zip(found.shapes, found.shape_surfaces, strict=True):
+    for shape, index in zip(physics.shapes, physics.shape_surfaces, strict=True):
         along = (
             (surface_of(shape)[0].mean(axis=0) - meshes[0].points.mean(axis=0)) @ axis / np.linalg.norm(axis) / scale
         )
         expected = STEEL if along < 0.025 else WOOD if along < 0.225 else RUBBER
-        surface = found.surfaces[index]
+        surface = physics.surfaces[index]
         assert (surface.label, surface.density_kgm3) == (expected.name, expected.density_kgm3)
         assert surface.contact.static_friction == expected.static_friction
-    for row in found.section.collider_materials:
+    for row in physics.section.collider_materials:
         assert row.shares[row.material] > 0.9
-    for recorded in found.section.mass_parts:
+    for recorded in physics.section.mass_parts:
         assert recorded.contacts[0].value.dynamic_friction == materials()[recorded.material.value].dynamic_friction
 
 
@@ -102,10 +105,10 @@ def test_shares_of_a_hull_inside_others_are_none() -> None:
 
 def bound(main_file: Path) -> list[tuple[str, float, float]]:
     stage = Usd.Stage.Open(str(main_file))
-    found = [bound_contact_material(prim) for prim in collider_prims(stage.GetDefaultPrim())]
+    materials = [bound_contact_material(prim) for prim in collider_prims(stage.GetDefaultPrim())]
     return [
         (a.GetPrim().GetName(), a.GetDensityAttr().Get(), round(a.GetDynamicFrictionAttr().Get(), 6))
-        for a in found
+        for a in materials
         if isinstance(a, UsdPhysics.MaterialAPI) and a
     ]
 
@@ -116,21 +119,21 @@ def test_package_and_twin_bind_shape_by_shape_also_after_a_measurement(tmp_path:
         return SurfaceMaterial(label, density, touch)
 
     meshes = hammer()
-    made = content(
+    package_content = content(
         model(meshes),
         [hull_shape(mesh) for mesh in meshes],
         surfaces=(surface("steel", 7850.0, 0.5), surface("wood", 650.0, 0.3), surface("steel", 7000.0, 0.6)),
         shape_surfaces=(1, 0, 2),
     )
-    main_file = write_package(made, tmp_path / "sample")
+    main_file = write_package(package_content, tmp_path / "sample")
     assert bound(main_file) == [("wood", 650.0, 0.3), ("steel", 7850.0, 0.5), ("steel_2", 7000.0, 0.6)]
     body = reread_body(main_file)
     assert body.contact.dynamic_friction == pytest.approx(0.5)  # Of the material written first.
-    twin = write_urdf(body, made, tmp_path / "sample", reread_shape_contacts(main_file))
+    twin = write_urdf(body, package_content, tmp_path / "sample", reread_shape_contacts(main_file))
     assert frictions(twin) == pytest.approx([0.3, 0.5, 0.6])
 
     measured = Contact(static_friction=0.2, dynamic_friction=0.2, restitution=0.0, combine="minimum")
-    rewrite_physics(main_file, made.mass, measured, 2.0)
+    rewrite_physics(main_file, package_content.mass, measured, 2.0)
     assert bound(main_file) == [("wood", 1300.0, 0.2), ("steel", 15700.0, 0.2), ("steel_2", 14000.0, 0.2)]
     rewrite_urdf(reread_body(main_file), twin, {}, reread_shape_contacts(main_file))
     assert frictions(twin) == pytest.approx([0.2, 0.2, 0.2])
@@ -138,8 +141,8 @@ def test_package_and_twin_bind_shape_by_shape_also_after_a_measurement(tmp_path:
 
 def frictions(twin: Path) -> list[float]:
     """The dynamic friction of each collision of a URDF."""
-    found = ElementTree.parse(twin).iter(f"{{{DRAKE}}}mu_dynamic")
-    return [float(element.attrib["value"]) for element in found]
+    elements = ElementTree.parse(twin).iter(f"{{{DRAKE}}}mu_dynamic")
+    return [float(element.attrib["value"]) for element in elements]
 
 
 def test_parts_touch_as_they_look_where_no_name_tells(tmp_path: Path) -> None:
@@ -149,8 +152,13 @@ def test_parts_touch_as_they_look_where_no_name_tells(tmp_path: Path) -> None:
     looks = inferred("steel", "looks", 0.7), inferred("rubber", "looks", 0.6)
     of_face = np.repeat([0, 1], [len(bar.triangles), len(grip.triangles)])
     solid = solidify([mesh])[0]
-    seen = build_physics(solid, [], work_dir=tmp_path, clues=Clues((mesh,), touch=looks, of_face=(of_face,)))
-    blind = build_physics(solid, [], work_dir=tmp_path, clues=Clues((mesh,)))
+    seen = build_physics(
+        solid,
+        [],
+        work_dir=tmp_path,
+        mass_inputs=MassEvidenceInputs((mesh,), surface_materials=looks, material_of_face=(of_face,)),
+    )
+    blind = build_physics(solid, [], work_dir=tmp_path, mass_inputs=MassEvidenceInputs((mesh,)))
     assert {s.label for s in seen.surfaces} == {"steel", "rubber"}
     assert {r.material for r in seen.section.collider_materials} == {"steel", "rubber"}
     assert seen.section.material == looks[1]  # It has most of the surface.
@@ -161,8 +169,13 @@ def test_parts_touch_as_they_look_where_no_name_tells(tmp_path: Path) -> None:
 
 def test_a_name_decides_against_looks(tmp_path: Path) -> None:
     mesh = part((0.1,) * 3, (0.0, 0.0, 0.0), "oak")
-    clues = Clues((mesh,), touch=(inferred("steel", "looks", 0.9),), of_face=(np.zeros(12, dtype=np.int64),))
-    assert build_physics(solidify([mesh])[0], [], work_dir=tmp_path, clues=clues).section.material.value == "wood"
+    mass_inputs = MassEvidenceInputs(
+        (mesh,), surface_materials=(inferred("steel", "looks", 0.9),), material_of_face=(np.zeros(12, dtype=np.int64),)
+    )
+    assert (
+        build_physics(solidify([mesh])[0], [], work_dir=tmp_path, mass_inputs=mass_inputs).section.material.value
+        == "wood"
+    )
 
 
 def _both(one: Mesh, other: Mesh) -> np.ndarray:

@@ -1,1 +1,1 @@
-"""Tests of `assetkit.pose`."""
+"""Tests of `assetkit.pose`: up axis, upright direction and front."""

@@ -1,4 +1,4 @@
-"""The front of a thing: away from the hand, turning with the thing, unknown where nothing tells it."""
+"""The front of an object: away from the hand, turning with the object, unknown without evidence."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from assetkit.parts.find import find_parts
-from assetkit.parts.proposals import joined
+from assetkit.parts.proposals import join_meshes
 from assetkit.pose.front import FULL, Front, front_of, heading_symmetry
 from benchmarks.assets.made_things import Thing, things
 from geom.features.cavities import find_cavities
@@ -55,10 +55,10 @@ def test_nothing_is_said_of_what_nobody_knows() -> None:
 
 @pytest.mark.parametrize(("sections", "symmetry"), [(3, 3), (4, 4), (6, 6), (64, FULL)])
 def test_prisms_look_the_same_in_as_many_headings_as_they_have_sides(sections: int, symmetry: int) -> None:
-    """Round is what no heading tells apart."""
+    """A round object looks the same in every heading."""
     prism = trimesh.creation.cylinder(0.05, 0.1, sections=sections)
     mesh = Mesh("m", np.asarray(prism.vertices), np.asarray(prism.faces, dtype=np.int32))
-    assert heading_symmetry(joined([mesh])) == symmetry
+    assert heading_symmetry(join_meshes([mesh])) == symmetry
 
 
 def test_a_thin_spout_tells_the_headings_apart() -> None:
@@ -67,4 +67,4 @@ def test_a_thin_spout_tells_the_headings_apart() -> None:
     spout = trimesh.creation.cylinder(0.014, segment=[[0.05, 0.0, 0.0], [0.1, 0.0, 0.03]], sections=12)
     shape = trimesh.boolean.union([pot, spout], engine="manifold")
     mesh = Mesh("m", np.asarray(shape.vertices), np.asarray(shape.faces, dtype=np.int32))
-    assert heading_symmetry(joined([mesh])) == 1
+    assert heading_symmetry(join_meshes([mesh])) == 1

@@ -13,9 +13,9 @@ from assetkit.options import Options
 from assetkit.pipeline import STAGES, run_stages
 from assetkit.pose.front import Front, turn_to_front
 from assetkit.stage import Draft, Intake, Tools, need
-from assetkit.stage_log import Journal
+from assetkit.stage_log import StageLog
 from benchmarks.assets.made_things import things
-from geom.features.mirror_symmetry import mirror_heading
+from geom.features.mirror_symmetry import mirror_plane_heading
 from geom.pose import matrix_of
 from jobs.cache import Cache
 from schemas.evidence import declared, default, inferred, measured
@@ -39,7 +39,7 @@ def observed(folder: Path, name: str, yaw_rad: float) -> tuple[FloatArray, Draft
     options = Options(units="m", up_axis="z", category=thing.category)
     draft = Draft("part", "part.obj", Intake("obj", (), model, (x, y, z)))
     tools, cache = Tools(FakeSimulator(), folder, options), Cache(folder / f"{yaw_rad:.4f}")
-    done = run_stages(draft, tools, Journal(), cache, "key", STAGES[:4])
+    done = run_stages(draft, tools, StageLog(), cache, "key", STAGES[:4])
     assert done is not None
     return points, done
 
@@ -89,8 +89,8 @@ def test_the_mirror_plane_of_a_wedge_is_found(heading_rad: float) -> None:
     wedge = trimesh.creation.extrude_triangulation([[3.0, 0.0], [-1.0, 1.0], [-1.0, -1.0]], [[0, 1, 2]], 1.0)
     points = 0.01 * wedge.vertices @ about_z(heading_rad).T
     centre = np.average(points[wedge.faces].mean(axis=1), axis=0, weights=wedge.area_faces)
-    found = mirror_heading(points, wedge.faces, centre, heading_rad + 0.2, 0.36)
+    found = mirror_plane_heading(points, wedge.faces, centre, heading_rad + 0.2, 0.36)
     assert found is not None
     assert found[0] == pytest.approx(heading_rad, abs=2e-3)
     assert found[1] < 1e-4
-    assert mirror_heading(points, wedge.faces, centre, heading_rad + 0.45, 0.36) is None
+    assert mirror_plane_heading(points, wedge.faces, centre, heading_rad + 0.45, 0.36) is None

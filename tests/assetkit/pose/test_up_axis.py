@@ -1,3 +1,5 @@
+"""The up axis: declarations are used, statements in texts decide only where the format does not declare one."""
+
 import numpy as np
 import pytest
 

@@ -5,9 +5,9 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from assetkit.pose.upright import TURN, uprights
+from assetkit.pose.upright import TURN, rank_upright
 from assetkit.taxonomy.tables import categories
-from geom.features.upright_directions import Stand, stands
+from geom.features.upright_directions import UprightFeatures, upright_features
 from schemas.evidence import declared, default
 from schemas.model import FloatArray
 from schemas.physics import Solid
@@ -44,44 +44,47 @@ def plate() -> trimesh.Trimesh:
 @pytest.mark.parametrize("seed", range(3))
 def test_an_object_turned_in_any_way_is_found_upright(mesh: trimesh.Trimesh, category: str, seed: int) -> None:
     R = Rotation.random(random_state=seed).as_matrix()
-    best = uprights(stands(solid_of(mesh, R)), categories()[category], None)[0]
+    best = rank_upright(upright_features(solid_of(mesh, R)), categories()[category], None)[0]
     assert np.array(best.up) @ R[:, 2] > np.cos(np.radians(6.0))
-    assert best.chance > TURN
+    assert best.probability > TURN
 
 
 def test_signs_do_not_depend_on_place_size_or_a_quarter_turn() -> None:
     R = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    before, moved = stands(solid_of(cup())), solid_of(cup(), R)
-    after = stands(Solid(30.0 * moved.points + 7.0, moved.triangles, "closed"))
+    before, moved = upright_features(solid_of(cup())), solid_of(cup(), R)
+    after = upright_features(Solid(30.0 * moved.points + 7.0, moved.triangles, "closed"))
     for stand in before[:2]:
         other = max(after, key=lambda s: float(s.up @ R @ stand.up))
         assert _figures(stand) == pytest.approx(_figures(other), abs=0.02)
 
 
-def _figures(stand: Stand) -> list[float]:
+def _figures(stand: UprightFeatures) -> list[float]:
     return [stand.tip_rad, stand.water, stand.under, stand.flat, stand.round, stand.top, stand.bottom]
 
 
 def test_both_ends_of_a_can_look_alike_and_this_is_on_record() -> None:
     R = Rotation.from_euler("x", 70, degrees=True).as_matrix()
     can = trimesh.creation.cylinder(0.033, 0.12, sections=48)
-    best = uprights(stands(solid_of(can, R)), categories()["can"], None)[0]
+    best = rank_upright(upright_features(solid_of(can, R)), categories()["can"], None)[0]
     assert abs(np.array(best.up) @ R[:, 2]) > 0.99
     assert any(np.array(other) @ np.array(best.up) < -0.99 for other in best.alike)
 
 
 def test_a_declared_axis_needs_more_against_it_than_a_habit() -> None:
-    lying = stands(solid_of(cup(), Rotation.from_euler("x", 90, degrees=True).as_matrix()))
-    by_habit = uprights(lying, categories()["mug"], Z_BY_HABIT)
-    by_file = uprights(lying, categories()["mug"], declared("z", "upAxis"))
+    lying = upright_features(solid_of(cup(), Rotation.from_euler("x", 90, degrees=True).as_matrix()))
+    by_habit = rank_upright(lying, categories()["mug"], Z_BY_HABIT)
+    by_file = rank_upright(lying, categories()["mug"], declared("z", "upAxis"))
     assert by_habit[0].up == pytest.approx((0.0, -1.0, 0.0), abs=1e-6)
-    assert by_file[0].chance < by_habit[0].chance
+    assert by_file[0].probability < by_habit[0].probability
 
 
 def test_a_block_has_no_way_up() -> None:
-    assert uprights(stands(solid_of(trimesh.creation.box((0.1, 0.05, 0.02)))), categories()["block"], None) == ()
+    assert (
+        rank_upright(upright_features(solid_of(trimesh.creation.box((0.1, 0.05, 0.02)))), categories()["block"], None)
+        == ()
+    )
 
 
 def test_what_is_flat_has_no_stand() -> None:
     square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    assert stands(Solid(square, np.array([[0, 1, 2], [0, 2, 3]]), "shell")) == ()
+    assert upright_features(Solid(square, np.array([[0, 1, 2], [0, 2, 3]]), "shell")) == ()

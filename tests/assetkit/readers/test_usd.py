@@ -36,11 +36,11 @@ def test_meters_per_unit(tmp_path: Path, header: str, value: float, source: str,
 
 
 def test_what_only_the_standard_implies_is_less_sure(tmp_path: Path) -> None:
-    silent, said = (read(write(tmp_path, 'def Cube "c" {}', h)).value for h in ('doc = "x"', "metersPerUnit = 0.01"))
+    silent, stated = (read(write(tmp_path, 'def Cube "c" {}', h)).value for h in ('doc = "x"', "metersPerUnit = 0.01"))
     assert silent is not None
-    assert said is not None
+    assert stated is not None
     assert silent.meters_per_unit.confidence == silent.up_axis.confidence == 0.5
-    assert said.meters_per_unit.confidence == 1.0
+    assert stated.meters_per_unit.confidence == 1.0
 
 
 @pytest.mark.parametrize(

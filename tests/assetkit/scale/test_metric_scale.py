@@ -7,16 +7,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assetkit.options import METERS_PER_UNIT
-from assetkit.scale.metric_scale import Scale, is_normalised, scale_of
-from assetkit.scale.size_prior import CATEGORY_HOLDS, size_belief
+from assetkit.scale.metric_scale import ScaleEstimate, is_normalised, estimate_scale
+from assetkit.scale.size_prior import CATEGORY_PRECISION, size_prior
 from assetkit.taxonomy.tables import categories, size_anchors
 
 MUG = (0.081, 0.097, 0.118)
 
 
-def asked(edges: tuple[float, ...], category: str | None) -> Scale:
+def asked(edges: tuple[float, ...], category: str | None) -> ScaleEstimate:
     x, y, z = edges
-    return scale_of((x, y, z), sorted(edges), categories().get(category or ""), CATEGORY_HOLDS, format_="obj")
+    return estimate_scale((x, y, z), sorted(edges), categories().get(category or ""), CATEGORY_PRECISION, format_="obj")
 
 
 @pytest.mark.parametrize("unit", METERS_PER_UNIT)
@@ -55,8 +55,8 @@ def test_a_size_that_no_unit_makes_usual_goes_to_a_person_with_bounds_that_hold_
 @given(st.floats(1e-3, 1e3), st.sampled_from(sorted(categories())))
 def test_a_belief_scales_with_the_numbers(factor: float, category: str) -> None:
     edges = [math.sqrt(low * high) for low, high in categories()[category].extents_m]
-    one = size_belief(edges, categories()[category], CATEGORY_HOLDS).quantiles((0.1, 0.5, 0.9))
-    other = size_belief([factor * e for e in edges], categories()[category], CATEGORY_HOLDS).quantiles((0.1, 0.5, 0.9))
+    one = size_prior(edges, categories()[category], CATEGORY_PRECISION).quantiles((0.1, 0.5, 0.9))
+    other = size_prior([factor * e for e in edges], categories()[category], CATEGORY_PRECISION).quantiles((0.1, 0.5, 0.9))
     assert other == pytest.approx([q / factor for q in one], rel=1e-3)
     assert one[0] < 1.0 < one[2]
 

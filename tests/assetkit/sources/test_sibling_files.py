@@ -3,12 +3,12 @@ from pathlib import Path
 
 import pytest
 
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.options import Options
 from assetkit.sources.discover import discover
 from assetkit.sources.sibling_files import sibling_statements
 from assetkit.sources.source_file import SourceFile
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 from tests.support.bad_inputs.assets import CUBE, obj_text
 
 
@@ -22,7 +22,7 @@ URDF = '<robot><link><visual><geometry><mesh filename="package://p/{name}" scale
 
 
 @pytest.mark.parametrize(
-    ("file", "text", "said"),
+    ("file", "text", "expected"),
     [
         ("arm.urdf", URDF.format(name="part.obj", scale="0.001 0.001 0.001"), "1 unit = 0.001 m"),
         ("arm.urdf", '<mesh filename="part.obj"/>', "1 unit = 1 m"),
@@ -31,11 +31,11 @@ URDF = '<robot><link><visual><geometry><mesh filename="package://p/{name}" scale
         ("part.json", '{"name": "lid", "units": "mm"}', "mm"),
     ],
 )
-def test_files_beside_the_mesh_speak(tmp_path: Path, file: str, text: str, said: str):
+def test_files_beside_the_mesh_speak(tmp_path: Path, file: str, text: str, expected: str):
     source = SourceFile(part(tmp_path), tmp_path)
     (tmp_path / file).write_text(text)
     [statement] = sibling_statements(source)
-    assert said in statement
+    assert expected in statement
     assert file in statement
     assert source.visited == {(tmp_path / file).resolve()}
 
@@ -78,7 +78,7 @@ def test_odd_files_beside_the_mesh_do_no_harm(tmp_path: Path):
 def test_a_robot_description_settles_the_unit(tmp_path: Path):
     file = part(tmp_path)
     (tmp_path / "arm.urdf").write_text(URDF.format(name="part.obj", scale="0.001 0.001 0.001"))
-    [item] = take_in(discover([file])[0], Options()).objects
+    [item] = ReadSource().run(discover([file])[0], Options()).objects
     outcome = canonicalize(item, file.name, Options())
     assert outcome.value is not None
     assert outcome.value.meters_per_unit.value == 0.001

@@ -12,11 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.options import Options
 from assetkit.sources.discover import discover
 from assetkit.stage import Intake
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 from schemas.evidence import declared
 from schemas.model import Mesh, Model
 from tests.support.bad_inputs.assets import SAMPLES
@@ -32,9 +32,9 @@ def intake(points: np.ndarray, *, meters_per_unit: float = 1.0, up: str = "z") -
 
 
 def canonical(item: Intake):
-    made = canonicalize(item, "cone.obj", Options()).value
-    assert made is not None
-    return made
+    value = canonicalize(item, "cone.obj", Options()).value
+    assert value is not None
+    return value
 
 
 def test_y_up_millimetres_become_z_up_metres_standing_on_the_origin():
@@ -79,7 +79,7 @@ def test_annotation_frame_is_separate_and_normalised():
 
 
 def test_a_removed_fin_leaves_no_point_behind(tmp_path: Path):
-    item = take_in(discover([SAMPLES["asset/non-manifold-edge"](tmp_path)])[0], Options()).objects[0]
+    item = ReadSource().run(discover([SAMPLES["asset/non-manifold-edge"](tmp_path)])[0], Options()).objects[0]
     made = canonical(item)
     points = np.concatenate([m.points for m in made.meshes])
     assert np.ptp(points, axis=0) == pytest.approx((0.1, 0.1, 0.1), abs=2e-3)

@@ -1,4 +1,4 @@
-"""What the user says wins, what follows from a category is as sure as that, and unknown is no reason to stop."""
+"""The user's statements win, what follows from a category has its confidence, and unknown is no reason to stop."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +11,7 @@ from assetkit.options import Options
 from assetkit.sources.discover import discover
 from assetkit.stage import Draft, Tools
 from assetkit.stages.canonicalize import Canonicalize
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 from assetkit.stages.semantics import DescribeObject
 from schemas.asset import SemanticsSection
 from schemas.outcome import Outcome
@@ -23,13 +23,13 @@ TUBE = trimesh.creation.revolve(
 )
 
 
-def described(folder: Path, name: str, mesh: trimesh.Trimesh = TUBE, **said) -> Outcome:
+def described(folder: Path, name: str, mesh: trimesh.Trimesh = TUBE, **stated) -> Outcome:
     """The outcome of the stage for a file `name` in a folder whose name says nothing."""
     place = folder / "assets"
     place.mkdir(exist_ok=True)
     (place / name).write_text(obj_text(mesh, "# units: m, z up\n"))
-    options = Options(units="m", up_axis="z", **said)
-    draft = Draft("part", name, take_in(discover([place / name])[0], options).objects[0])
+    options = Options(units="m", up_axis="z", **stated)
+    draft = Draft("part", name, ReadSource().run(discover([place / name])[0], options).objects[0])
     tools = Tools(FakeSimulator(), folder, options)
     return DescribeObject().run(replace(draft, canonicalize=Canonicalize().run(draft, tools).value), tools)
 

@@ -1,11 +1,11 @@
-"""The vocabulary is complete, unambiguous and agrees with the other tables that speak of the same things."""
+"""The vocabulary is complete, unambiguous and agrees with the other tables about the same things."""
 
 from collections import Counter
 from typing import get_args
 
 import pytest
 
-from assetkit.annotate.name_reading import category_called, read_name
+from assetkit.annotate.name_reading import category_by_name, read_name
 from assetkit.taxonomy.material_classes import materials
 from assetkit.taxonomy.tables import Category, categories, families, fillers, interaction_groups, other_things
 from assetkit.taxonomy.words import words_of
@@ -54,7 +54,7 @@ def test_a_row_holds_together(category: Category):
     assert category.roles
     assert category.parts
     assert category.source
-    assert category_called(category.id) is category
+    assert category_by_name(category.id) is category
     assert all(read_name(name).category == category.id for name in named(category))
     level = {"leaf": category.qcode, "family": families()[category.family].qcode, "object": "Q488383"}
     assert category.qcode == level[category.qcode_level] or category.id == "pill_bottle"  # A bottle, as its class says.

@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from assetkit.geometry.canonical_model import canonicalize
 from assetkit.options import Options
 from assetkit.sources.discover import discover
-from assetkit.stages.canonicalize import canonicalize
-from assetkit.stages.intake import take_in
+from assetkit.stages.intake import ReadSource
 from benchmarks.assets.dev_table import Row, parse_size, row_of, size_error, summary, table, whole_size
 from benchmarks.assets.manifest import verdict
 from schemas.report import ReportItem
@@ -47,7 +47,7 @@ class FakeRecord:
 def test_packages_of_one_file_are_put_back_where_they_stood(tmp_path):
     path = tmp_path / "two.obj"
     path.write_text(obj_text(joined(CUBE, moved(CUBE, 1.0, 0.2, 0.0)), "# units: m, y-up\n"))
-    taken = take_in(discover([path])[0], Options())
+    taken = ReadSource().run(discover([path])[0], Options())
     made = [canonicalize(item, path.name, Options()).value for item in taken.objects]
     assert len(made) == 2
     records = [FakeRecord(canonical.section) for canonical in made if canonical]

@@ -60,9 +60,9 @@ def test_layers_hold_the_sample(folder: Path):
             np.testing.assert_allclose(bodies[name].X_WA, wanted, atol=1e-9)
         worn = int(drawn.material[k, drawn.names.index("block")])
         block, own = bodies["block"].body, compiled["block"].body
-        denser = 11340 * 0.06 * 0.05 * 0.04 / 0.1 if worn == 1 else 1.0
-        assert block.mass.mass_kg == pytest.approx(denser * own.mass.mass_kg, rel=1e-6)
-        np.testing.assert_allclose(block.mass.inertia_kgm2, denser * own.mass.inertia_kgm2, rtol=1e-5)
+        density_factor = 11340 * 0.06 * 0.05 * 0.04 / 0.1 if worn == 1 else 1.0
+        assert block.mass.mass_kg == pytest.approx(density_factor * own.mass.mass_kg, rel=1e-6)
+        np.testing.assert_allclose(block.mass.inertia_kgm2, density_factor * own.mass.inertia_kgm2, rtol=1e-5)
         assert block.contact.dynamic_friction == pytest.approx(0.3 if worn == 1 else own.contact.dynamic_friction)
         oak = drawn.background_material[k] == 0
         assert bodies["background"].body.contact.static_friction == pytest.approx(0.7 if oak else 0.6)

@@ -137,7 +137,7 @@ def test_nothing_to_put_in_is_refused(recordings, plan, tmp_path):
 
 
 def test_what_is_no_recording_and_what_takes_too_long_stop_only_themselves(recordings, plan, tmp_path, monkeypatch):
-    monkeypatch.setattr(cli.replay_augment, "LIMITS", Limits(seconds=0.05, memory_mb=8192))
+    monkeypatch.setattr(cli.replay.augment, "LIMITS", Limits(seconds=0.05, memory_mb=8192))
     made = augment(recordings / "one", plan, tmp_path / "out")
     assert made.exit_code == 1
     assert json.loads(made.stdout)["refused"][0]["diagnostic"]["code"] == "replay/stopped"

@@ -24,7 +24,7 @@ def turned(seed: int) -> np.ndarray:
 
 
 def test_a_ray_goes_on_through_shapes_that_touch_and_ends_at_the_first_gap():
-    reach, normal = ConvexUnion(BAR).way_through(START, ALONG)
+    reach, normal = ConvexUnion(BAR).first_exit(START, ALONG)
     assert reach[0] == pytest.approx(0.3)
     assert normal[0] == pytest.approx([1.0, 0.0, 0.0])
 

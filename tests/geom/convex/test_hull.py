@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from geom.convex.hull import convex_hull, outside_by, volume
+from geom.convex.hull import beyond_planes, convex_hull, volume
 
 # A part of a scanned lamp for which Manifold's Quickhull folds the surface over a point inside.
 FOLDED = np.array(
@@ -33,7 +33,7 @@ def assert_convex(points: np.ndarray) -> None:
     corners, triangles = convex_hull(points)
     size = float(np.ptp(points, axis=0).max())
     assert volume(corners, triangles) == pytest.approx(ConvexHull(points).volume, rel=1e-6, abs=1e-9 * size**3)
-    assert outside_by(corners, triangles, points).max() <= 1e-5 * size
+    assert beyond_planes(corners, triangles, points).max() <= 1e-5 * size
 
 
 def test_nearly_coplanar_points_that_fold_quickhull() -> None:

@@ -28,17 +28,17 @@ def test_a_turned_and_moved_shape_is_found_again(kind, seed):
     scale = 10.0 ** rng.uniform(-3, 1)
     X_AS[:3, 3] *= scale
     shape = CollisionShape(kind, tuple(scale * s for s in SIZES[kind]), X_AS)
-    found = FITS[kind](surface(shape)[0])
-    assert found is not None
-    assert found.kind == kind
-    size = sorted(found.size_m) if kind == "box" else found.size_m
+    fitted = FITS[kind](surface(shape)[0])
+    assert fitted is not None
+    assert fitted.kind == kind
+    size = sorted(fitted.size_m) if kind == "box" else fitted.size_m
     expected = sorted(shape.size_m) if kind == "box" else shape.size_m
     assert_allclose(size, expected, rtol=5e-3)
-    assert_allclose(found.X_AS[:3, 3], X_AS[:3, 3], atol=1e-3 * scale)
-    assert_allclose(found.X_AS[:3, :3] @ found.X_AS[:3, :3].T, np.eye(3), atol=1e-9)
-    assert np.linalg.det(found.X_AS[:3, :3]) == pytest.approx(1.0)
+    assert_allclose(fitted.X_AS[:3, 3], X_AS[:3, 3], atol=1e-3 * scale)
+    assert_allclose(fitted.X_AS[:3, :3] @ fitted.X_AS[:3, :3].T, np.eye(3), atol=1e-9)
+    assert np.linalg.det(fitted.X_AS[:3, :3]) == pytest.approx(1.0)
     if kind in ("cylinder", "capsule"):
-        assert abs(found.X_AS[:3, 2] @ X_AS[:3, 2]) == pytest.approx(1.0, abs=1e-3)
+        assert abs(fitted.X_AS[:3, 2] @ X_AS[:3, 2]) == pytest.approx(1.0, abs=1e-3)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -14,8 +14,8 @@ from geom.convex.support_function import (
     centre_heights,
     diagonal,
     facet_directions,
-    foot,
     heights,
+    stability_margin,
     support,
     surface,
 )
@@ -68,7 +68,7 @@ def test_height_of_the_mass_centre_over_each_face() -> None:
 
 def test_foot_of_a_box_is_half_its_shorter_edge() -> None:
     body = box((0.1, 0.2, 0.3))
-    lever, tipped = foot(body.shapes, np.asarray(body.mass.centre_of_mass_m), np.array([0.0, 0.0, -1.0]))
+    lever, tipped = stability_margin(body.shapes, np.asarray(body.mass.centre_of_mass_m), np.array([0.0, 0.0, -1.0]))
     assert lever == pytest.approx(0.05, abs=0.3 * np.sin(np.radians(0.5)))
     assert abs(tipped[0]) == pytest.approx(np.sin(np.radians(1.0)), rel=1e-4)
 
@@ -77,14 +77,14 @@ def test_foot_of_a_box_is_half_its_shorter_edge() -> None:
 def test_what_rolls_has_no_foot_whichever_way_it_lies(yaw: float) -> None:
     rod = cylinder(0.01, 0.3)
     down = np.array([np.cos(yaw), np.sin(yaw), 0.0])
-    lever, _ = foot(rod.shapes, np.asarray(rod.mass.centre_of_mass_m), down)
+    lever, _ = stability_margin(rod.shapes, np.asarray(rod.mass.centre_of_mass_m), down)
     assert abs(lever) < 0.003 * diagonal(rod.shapes)
 
 
 def test_what_stands_on_its_edge_has_less_than_no_foot() -> None:
     body = box((0.1, 0.2, 0.3))
     on_edge = np.array([0.05, 0.0, -0.15]) / np.hypot(0.05, 0.15)
-    assert foot(body.shapes, np.asarray(body.mass.centre_of_mass_m), on_edge)[0] < 0.0
+    assert stability_margin(body.shapes, np.asarray(body.mass.centre_of_mass_m), on_edge)[0] < 0.0
 
 
 def test_facets_of_a_box_and_of_a_flat_thing() -> None:

@@ -9,11 +9,12 @@ from scipy.spatial import ConvexHull
 
 from geom.decomposition.decompose import convex_parts
 from geom.decomposition.merge_hulls import merge_hulls
-from geom.decomposition.plane_cuts import Goal, Piece, cut_apart, excess_after
-from geom.decomposition.simplified_body import arrays, lighter, prepare
+from geom.decomposition.plane_cuts import CutGoal, Piece, cut_apart, excess_after
+from geom.decomposition.simplified_body import simplified, simplify_body
 from geom.decomposition.trim_hulls import trim_hulls
 from geom.features.cavities import find_cavities
-from geom.mesh.surface_distance import SolidDistance
+from geom.mesh.manifold_arrays import manifold_arrays
+from geom.mesh.surface_distance import SignedDistance
 from schemas.physics import Solid
 
 
@@ -36,7 +37,7 @@ def piece(body: Manifold) -> Piece:
 
 
 def test_a_table_is_a_board_and_four_legs():
-    parts = cut_apart([table()], Goal(slack=1e-3, most=40, unfit=lambda _: 0.0))
+    parts = cut_apart([table()], CutGoal(slack=1e-3, most=40, violation=lambda _: 0.0))
     assert sorted(p.body.volume() for p in parts) == pytest.approx([0.00175] * 4 + [0.024], rel=1e-2)
     assert sum(p.excess for p in parts) <= 1e-3 * table().volume()
 
@@ -59,11 +60,11 @@ def test_foreseen_excess_is_that_of_the_real_cut(shape, normal, offset):
 
 def test_a_convex_body_is_left_whole():
     ball = Manifold.sphere(1.0, 48)
-    assert len(cut_apart([ball], Goal(slack=0.03, most=80, unfit=lambda _: 0.0))) == 1
+    assert len(cut_apart([ball], CutGoal(slack=0.03, most=80, violation=lambda _: 0.0))) == 1
 
 
 def test_pieces_fill_the_body():
-    parts = cut_apart([bowl()], Goal(slack=0.1, most=50, unfit=lambda _: 0.0))
+    parts = cut_apart([bowl()], CutGoal(slack=0.1, most=50, violation=lambda _: 0.0))
     assert sum(p.body.volume() for p in parts) == pytest.approx(bowl().volume(), rel=1e-4)
 
 
@@ -73,9 +74,9 @@ def test_what_is_unfit_is_cut_though_its_volume_is_small():
         + Manifold.cube((0.01, 0.1, 0.3))
         + Manifold.cube((0.01, 0.1, 0.3)).translate((0.99, 0, 0))
     )
-    goal = Goal(slack=5.0, most=40, unfit=lambda hull: max(0.0, hull.volume() - 0.015))
+    goal = CutGoal(slack=5.0, most=40, violation=lambda hull: max(0.0, hull.volume() - 0.015))
     assert len(cut_apart([fork], goal)) >= 3
-    assert len(cut_apart([fork], Goal(slack=5.0, most=40, unfit=lambda _: 0.0))) == 1
+    assert len(cut_apart([fork], CutGoal(slack=5.0, most=40, violation=lambda _: 0.0))) == 1
 
 
 def block(x: float, y: float) -> Manifold:
@@ -88,7 +89,7 @@ def test_merging_joins_what_adds_no_volume_first():
     assert row.volume() == pytest.approx(3.0)
     assert alone.volume() == pytest.approx(1.0)
     assert len(merge_hulls(blocks, 1)) == 1
-    apart = merge_hulls(blocks, 1, fault=lambda h: np.inf if h.bounding_box()[4] > 2 and h.volume() > 1.5 else 0.0)
+    apart = merge_hulls(blocks, 1, violation=lambda h: np.inf if h.bounding_box()[4] > 2 and h.volume() > 1.5 else 0.0)
     assert len(apart) == 2
 
 
@@ -96,20 +97,20 @@ def test_merging_goes_on_while_it_is_cheap_and_harmless():
     blocks = [block(k, 0) for k in range(6)]
     assert len(merge_hulls(blocks, 32)) == 6
     assert len(merge_hulls(blocks, 32, spare=1e-6)) == 1
-    assert len(merge_hulls(blocks, 32, spare=1e-6, fault=lambda h: h.volume() / 2.5)) == 3
+    assert len(merge_hulls(blocks, 32, spare=1e-6, violation=lambda h: h.volume() / 2.5)) == 3
 
 
 def test_a_fault_makes_a_pair_dearer():
     near, far = [block(0, 0), block(1.1, 0)], block(0, 1.2)
     assert sorted(h.volume() for h in merge_hulls([*near, far], 2)) == pytest.approx([1.0, 2.1])
-    joined = merge_hulls([*near, far], 2, fault=lambda h: 10.0 if h.bounding_box()[3] > 1.5 else 0.0)
+    joined = merge_hulls([*near, far], 2, violation=lambda h: 10.0 if h.bounding_box()[3] > 1.5 else 0.0)
     assert sorted(h.volume() for h in joined) == pytest.approx([1.0, 2.2])
 
 
 def test_trimming_makes_a_bent_plate_as_thin_as_it_is():
     ring = Manifold.cylinder(1.0, 1.0, 1.0, 96) - Manifold.cylinder(1.0, 0.97, 0.97, 96)
     quarter = ring.trim_by_plane((1, 0, 0), 0.7)
-    (trimmed,) = trim_hulls([quarter.hull()], quarter, SolidDistance(*arrays(quarter)), depth=0.4)
+    (trimmed,) = trim_hulls([quarter.hull()], quarter, SignedDistance(*manifold_arrays(quarter)), depth=0.4)
     assert quarter.hull().volume() > 5.0 * quarter.volume()
     assert quarter.volume() <= trimmed.volume() <= 1.05 * quarter.volume()
     # The slab between the edges stays: less than half a wall is taken from the inside.
@@ -119,26 +120,28 @@ def test_trimming_makes_a_bent_plate_as_thin_as_it_is():
 def test_trimming_leaves_flat_faces_and_joints_alone():
     wedge = Manifold.hull_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1], [0, 1, 1]])
     hollow = wedge - Manifold.cube((0.2, 0.8, 0.2)).translate((0.1, 0.1, 0.1))
-    (kept,) = trim_hulls([wedge], hollow, SolidDistance(*arrays(hollow)), depth=0.1)
+    (kept,) = trim_hulls([wedge], hollow, SignedDistance(*manifold_arrays(hollow)), depth=0.1)
     assert kept.volume() == pytest.approx(wedge.volume())
     plate = Manifold.cylinder(0.2, 1.0, 1.0, 64)
     half, rest = plate.split_by_plane((1, 0, 0), 0.0)
-    (joined,) = trim_hulls([half], plate - rest.scale((0.1, 0.1, 0.1)), SolidDistance(*arrays(plate)), depth=0.1)
+    (joined,) = trim_hulls(
+        [half], plate - rest.scale((0.1, 0.1, 0.1)), SignedDistance(*manifold_arrays(plate)), depth=0.1
+    )
     assert joined.bounding_box()[0] == pytest.approx(half.bounding_box()[0])
 
 
 def test_trimming_takes_emptiness_but_less_than_half_a_wall():
     tent = Manifold.cube((2.0, 1.0, 0.1)).rotate((0, 30, 0)) + Manifold.cube((2.0, 1.0, 0.1)).rotate((0, 150, 0))
-    (trimmed,) = trim_hulls([tent.hull()], tent, SolidDistance(*arrays(tent)), depth=0.5)
+    (trimmed,) = trim_hulls([tent.hull()], tent, SignedDistance(*manifold_arrays(tent)), depth=0.5)
     assert trimmed.volume() < tent.hull().volume()
     assert trimmed.bounding_box()[5] == pytest.approx(tent.bounding_box()[5], abs=0.05)
 
 
 def test_a_thin_bowl_keeps_its_volume_its_form_and_its_inside():
-    points, triangles = arrays(bowl())
+    points, triangles = manifold_arrays(bowl())
     solid = Solid(points, triangles.astype(np.int32), "closed")
-    body = prepare(solid.points, solid.triangles)
-    parts = convex_parts(body, body.light.decompose(), find_cavities(solid))
+    body = simplify_body(solid.points, solid.triangles)
+    parts = convex_parts(body, body.simplified.decompose(), find_cavities(solid))
     assert len(parts) <= 32
     volumes = sum(float(ConvexHull(p).volume) for p in parts)
     assert 0.95 * bowl().volume() <= volumes <= 1.15 * bowl().volume()
@@ -149,10 +152,10 @@ def test_a_rack_of_many_thin_boards_needs_more_pieces_and_hulls():
     boards = [Manifold.cube((1.0, 0.4, 0.01)).translate((0, 0, 0.15 * k)) for k in range(7)]
     walls = [Manifold.cube((0.01, 0.4, 0.91)).translate((x, 0, 0)) for x in np.linspace(0.0, 0.99, 6)]
     rack = Manifold.batch_boolean([*boards, *walls], OpType.Add)
-    body = prepare(*arrays(rack))
+    body = simplify_body(*manifold_arrays(rack))
     ratios = []
     for most, pieces in ((32, 80), (64, 400)):
-        parts = convex_parts(body, body.light.decompose(), (), most, pieces)
+        parts = convex_parts(body, body.simplified.decompose(), (), most, pieces)
         assert len(parts) <= most
         ratios.append(sum(float(ConvexHull(p).volume) for p in parts) / rack.volume())
     assert ratios[0] > 2.0
@@ -160,7 +163,7 @@ def test_a_rack_of_many_thin_boards_needs_more_pieces_and_hulls():
 
 
 def test_preflight_names_what_is_wrong():
-    points, triangles = arrays(table())
+    points, triangles = manifold_arrays(table())
     for broken, reason in (
         ((points * np.nan, triangles), "not finite"),
         ((points * 0.0, triangles), "no extent"),
@@ -170,19 +173,19 @@ def test_preflight_names_what_is_wrong():
         ((points, triangles[:0]), "empty"),
     ):
         with pytest.raises(ValueError, match=reason):
-            prepare(*broken)
+            simplify_body(*broken)
 
 
 def test_preflight_makes_a_dense_body_light_and_leaves_a_thin_wall_alone():
     ball = Manifold.sphere(1.0, 400)
-    light = lighter(ball)
+    light = simplified(ball)
     assert light.num_tri() < 0.1 * ball.num_tri()
     assert light.volume() == pytest.approx(ball.volume(), rel=0.02)
     thin = bowl(wall=0.002)
-    assert lighter(thin).volume() == pytest.approx(thin.volume(), rel=0.02)
+    assert simplified(thin).volume() == pytest.approx(thin.volume(), rel=0.02)
 
 
 def test_preflight_fills_sealed_cavities():
     hollow = Manifold.cube((1, 1, 1)) - Manifold.cube((0.8, 0.8, 0.8)).translate((0.1, 0.1, 0.1))
-    body = prepare(*arrays(hollow))
-    assert body.whole.volume() == pytest.approx(8.0)  # half extent 1
+    body = simplify_body(*manifold_arrays(hollow))
+    assert body.full.volume() == pytest.approx(8.0)  # half extent 1

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from geom.decomposition.fidelity import SLIT_SHARE, measure, outer_surface, union_surface, union_volume
-from geom.decomposition.simplified_body import arrays
+from geom.decomposition.fidelity import SLIT_SHARE, measure_fidelity, outer_surface, union_surface, union_volume
 from geom.features.cavities import find_cavities
 from geom.mesh import primitives
+from geom.mesh.manifold_arrays import manifold_arrays
 from geom.pose import pose
 from schemas.physics import CollisionShape, Solid
 
@@ -26,7 +26,7 @@ def cube_solid(edge: float = 1.0) -> Solid:
 
 
 def test_a_shape_stands_perfectly_for_itself():
-    f = measure("box", [box((1, 1, 1))], cube_solid(), [])
+    f = measure_fidelity("box", [box((1, 1, 1))], cube_solid(), [])
     assert f.volume_ratio == pytest.approx(1.0)
     assert max(f.outside_p95, f.outside_max, f.missing_p95, f.missing_max) <= SLACK
     assert f.cavity_kept is None
@@ -34,7 +34,7 @@ def test_a_shape_stands_perfectly_for_itself():
 
 
 def test_a_box_grown_by_ten_percent_is_five_percent_of_an_edge_away():
-    f = measure("box", [box((1.1, 1.1, 1.1))], cube_solid(), [])
+    f = measure_fidelity("box", [box((1.1, 1.1, 1.1))], cube_solid(), [])
     assert f.volume_ratio == pytest.approx(1.331)
     assert f.missing_max == 0.0
     assert f.outside_p95 >= 0.05 / np.sqrt(3)
@@ -42,23 +42,25 @@ def test_a_box_grown_by_ten_percent_is_five_percent_of_an_edge_away():
 
 
 def test_a_box_shrunk_by_ten_percent_misses_five_percent_of_an_edge():
-    f = measure("box", [box((0.9, 0.9, 0.9))], cube_solid(), [])
+    f = measure_fidelity("box", [box((0.9, 0.9, 0.9))], cube_solid(), [])
     assert f.missing_p95 >= 0.05 / np.sqrt(3) - SLACK
     assert f.missing_max == pytest.approx(0.05, abs=SLACK)
     assert f.outside_p95 == pytest.approx(0.05 / np.sqrt(3), abs=SLACK)
 
 
 def test_scale_and_place_change_nothing():
-    here = measure("box", [box((1.1, 1.0, 1.0))], cube_solid(), [])
+    here = measure_fidelity("box", [box((1.1, 1.0, 1.0))], cube_solid(), [])
     far = cube_solid(1e-3)
-    there = measure("box", [box((1.1e-3, 1e-3, 1e-3), (5, 5, 5))], Solid(far.points + 5.0, far.triangles, "closed"), [])
+    there = measure_fidelity(
+        "box", [box((1.1e-3, 1e-3, 1e-3), (5, 5, 5))], Solid(far.points + 5.0, far.triangles, "closed"), []
+    )
     assert there.volume_ratio == pytest.approx(here.volume_ratio)
     assert there.outside_p95 == pytest.approx(here.outside_p95, abs=1e-5)
 
 
 def test_touching_halves_are_one_box_without_inner_walls():
     halves = [box((0.5, 1, 1), (-0.25, 0, 0)), box((0.5, 1, 1), (0.25 + 1e-12, 0, 0))]
-    f = measure("hulls", halves, cube_solid(), [])
+    f = measure_fidelity("hulls", halves, cube_solid(), [])
     assert f.outside_max <= SLACK
     assert f.volume_ratio == pytest.approx(1.0)
 
@@ -78,29 +80,29 @@ def test_a_sealed_cavity_touches_nothing():
         "closed",
     )
     assert len(outer_surface(hollow)[1]) == 12
-    f = measure("box", [box((1, 1, 1))], hollow, [])
+    f = measure_fidelity("box", [box((1, 1, 1))], hollow, [])
     assert f.volume_ratio == pytest.approx(1.0)
     assert f.missing_max <= SLACK
 
 
 def test_a_shell_has_no_volume_ratio():
     cube = cube_solid()
-    f = measure("box", [box((1, 1, 1))], Solid(cube.points, cube.triangles[2:], "shell", 0.01), [])
+    f = measure_fidelity("box", [box((1, 1, 1))], Solid(cube.points, cube.triangles[2:], "shell", 0.01), [])
     assert f.volume_ratio is None
 
 
 def test_no_shapes_is_a_bug():
     with pytest.raises(ValueError, match="no shapes"):
-        measure("none", [], cube_solid(), [])
+        measure_fidelity("none", [], cube_solid(), [])
 
 
-@pytest.mark.parametrize(("hole_m", "kept"), [(0.04, True), (0.032, True), (0.016, False), (0.0, False)])
-def test_a_drain_that_has_become_narrow_is_a_lost_opening(hole_m: float, kept: bool):
+@pytest.mark.parametrize(("hole_m", "still_open"), [(0.04, True), (0.032, True), (0.016, False), (0.0, False)])
+def test_a_drain_that_has_become_narrow_is_a_lost_opening(hole_m: float, still_open: bool):
     """A basin of 30 cm, walls and floor of 1 cm, with a drain of 4 cm: 60 % of the widest ball must still pass."""
     basin = Manifold.cube((0.3, 0.3, 0.1), center=True) - Manifold.cube((0.28, 0.28, 0.1), center=True).translate(
         (0.0, 0.0, 0.01)
     )
-    points, triangles = arrays(basin - Manifold.cube((0.04, 0.04, 0.2), center=True))
+    points, triangles = manifold_arrays(basin - Manifold.cube((0.04, 0.04, 0.2), center=True))
     solid = Solid(points, triangles.astype(np.int32), "closed")
     shapes = [box((0.01, 0.3, 0.1), (side * 0.145, 0.0, 0.0)) for side in (-1, 1)]
     shapes += [box((0.3, 0.01, 0.1), (0.0, side * 0.145, 0.0)) for side in (-1, 1)]
@@ -110,4 +112,4 @@ def test_a_drain_that_has_become_narrow_is_a_lost_opening(hole_m: float, kept: b
     cavities = find_cavities(solid)
     assert len(cavities) == 1
     assert cavities[0].second_m == pytest.approx(0.6 * 0.02, rel=0.15)
-    assert measure("boards", shapes, solid, cavities).cavity_kept is kept
+    assert measure_fidelity("boards", shapes, solid, cavities).cavity_kept is still_open

@@ -8,11 +8,12 @@ from manifold3d import CrossSection, Manifold
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from assetkit.colliders.decompose import Settings, decompose
+from assetkit.colliders.decompose import DecompositionSettings, decompose
 from geom.convex.hull import MAX_POINTS, centroid, hull_shape
 from geom.convex.support_function import surface
-from geom.decomposition.simplified_body import arrays, prepare
-from geom.features.resting_planes import Planes, resting_planes, standing_hull
+from geom.decomposition.simplified_body import simplify_body
+from geom.features.resting_planes import HalfSpaces, hull_within, resting_planes
+from geom.mesh.manifold_arrays import manifold_arrays
 
 
 def turned(outline: list[tuple[float, float]]) -> Manifold:
@@ -47,8 +48,10 @@ def rest_tilt_rad(points: np.ndarray, centre: np.ndarray, down: np.ndarray) -> f
 
 def test_a_vessel_stands_on_its_colliders_as_upright_as_itself(tmp_path):
     turn = Rotation.random(random_state=3).as_matrix()
-    points, triangles = arrays(pitcher().transform(np.column_stack([turn, turn @ [0.1, -0.2, 0.3]])))
-    shapes = decompose(prepare(points, triangles.astype(np.int32)), Settings(method="cuts"), tmp_path).shapes
+    points, triangles = manifold_arrays(pitcher().transform(np.column_stack([turn, turn @ [0.1, -0.2, 0.3]])))
+    shapes = decompose(
+        simplify_body(points, triangles.astype(np.int32)), DecompositionSettings(method="cuts"), tmp_path
+    ).shapes
     assert len(shapes) > 1
     reached = np.concatenate([surface(shape)[0] for shape in shapes])
     ground = resting_planes(points)
@@ -59,21 +62,21 @@ def test_a_vessel_stands_on_its_colliders_as_upright_as_itself(tmp_path):
 
 
 def test_the_planes_are_the_broad_facets_and_hold_all_points():
-    points = arrays(pitcher())[0]
+    points = manifold_arrays(pitcher())[0]
     ground = resting_planes(points)
     assert [np.isclose(ground.normals, axis, atol=1e-6).all(axis=1).sum() for axis in ([0, 0, 1], [0, 0, -1])] == [1, 1]
     assert (points @ ground.normals.T <= ground.offsets + 1e-12).all()
-    assert len(resting_planes(arrays(Manifold.sphere(0.1, 96))[0]).normals) == 0
-    assert len(resting_planes(arrays(Manifold.cube((1.0, 2.0, 3.0)))[0]).normals) == 6
+    assert len(resting_planes(manifold_arrays(Manifold.sphere(0.1, 96))[0]).normals) == 0
+    assert len(resting_planes(manifold_arrays(Manifold.cube((1.0, 2.0, 3.0)))[0]).normals) == 6
     assert len(resting_planes(np.zeros((5, 3))).normals) == 0
 
 
 def test_only_what_reaches_through_a_plane_changes():
-    dome = arrays(Manifold.sphere(0.1, 128).trim_by_plane((0.0, 0.0, 1.0), -0.06))[0]
-    free, standing = hull_shape(dome), standing_hull(dome, resting_planes(dome))
+    dome = manifold_arrays(Manifold.sphere(0.1, 128).trim_by_plane((0.0, 0.0, 1.0), -0.06))[0]
+    free, standing = hull_shape(dome), hull_within(dome, resting_planes(dome))
     assert free.points[:, 2].min() < -0.061  # The reduced hull grows through the base ...
     assert standing.points[:, 2].min() == pytest.approx(-0.06, abs=1e-9)  # ... and is cut off there.
     assert len(standing.points) <= MAX_POINTS
-    box = arrays(Manifold.cube((1.0, 2.0, 3.0)))[0]
-    assert np.array_equal(standing_hull(box, resting_planes(box)).points, hull_shape(box).points)
-    assert standing_hull(dome, Planes(np.array([[0.0, 0.0, 1.0]]), np.array([-1.0]))) is None
+    box = manifold_arrays(Manifold.cube((1.0, 2.0, 3.0)))[0]
+    assert np.array_equal(hull_within(box, resting_planes(box)).points, hull_shape(box).points)
+    assert hull_within(dome, HalfSpaces(np.array([[0.0, 0.0, 1.0]]), np.array([-1.0]))) is None

@@ -8,15 +8,15 @@ import shapely
 from manifold3d import CrossSection, FillRule, Manifold
 from shapely.affinity import rotate, scale
 
-from geom.features.support_surfaces import Support, find_supports
+from geom.features.support_surfaces import SupportFace, find_supports
 from schemas.physics import Solid
 from tests.support.furniture import block, open_box, shelf, solid_of, table
 
 UP = [0.0, 0.0, 1.0]
 
 
-def sides(support: Support) -> set[tuple[float, ...]]:
-    return {tuple(np.round(side, 6) + 0.0) for side in support.loads}
+def sides(support: SupportFace) -> set[tuple[float, ...]]:
+    return {tuple(np.round(side, 6) + 0.0) for side in support.load_directions}
 
 
 def same(polygon: shapely.Polygon, other: shapely.Polygon) -> bool:
@@ -111,7 +111,7 @@ def test_turning_about_the_vertical_turns_the_surfaces_along(body, yaw_deg):
     for a, b in zip(before, after, strict=True):
         assert b.polygon.symmetric_difference(rotate(a.polygon, yaw_deg, origin=(0, 0))).area < 1e-4 * a.polygon.area
         assert (a.clearance_m is None) == (b.clearance_m is None)
-        assert len(a.loads) == len(b.loads)
+        assert len(a.load_directions) == len(b.load_directions)
 
 
 @pytest.mark.parametrize("size", [1e-3, 40.0])

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from geom.convex.convex_union import ConvexUnion
-from geom.grasp.contact_patches import LEAST_ARM_M, Patches, holding_force, pad_patches
+from geom.grasp.contact_patches import LEAST_ARM_M, ContactPatches, contact_patches, holding_force
 from geom.grasp.gripper import Gripper
 from geom.pose import pose
 from schemas.physics import CollisionShape
@@ -23,12 +23,12 @@ def patches(
     width_m: float,
     X_WA: np.ndarray | None = None,
     z: float = 0.0,
-) -> Patches:
+) -> ContactPatches:
     """The grasp along x with its pads at height z, both turned and moved by X_WA."""
     X_WA = pose() if X_WA is None else X_WA
     union = ConvexUnion([CollisionShape(shape, size, X_WA)])
     X_AG = X_WA @ pose(None, (0.0, 0.0, z))
-    return pad_patches(union, X_AG[None], np.array([width_m]), GRIPPER)
+    return contact_patches(union, X_AG[None], np.array([width_m]), GRIPPER)
 
 
 def test_a_face_fills_the_pads() -> None:

@@ -15,7 +15,6 @@ from geom.mass.inertia import (
     combine,
     inertia_about,
     is_physical,
-    mass_properties,
     moved,
     of_box,
     of_capsule,
@@ -28,7 +27,6 @@ from geom.mass.inertia import (
 from geom.mass.principal_axes import inertia_from_principal, principal_axes
 from geom.mesh import primitives
 from geom.pose import pose
-from schemas.physics import Solid
 
 SIZE_M = (0.3, 0.2, 0.1)
 seeds = st.integers(0, 2**32 - 1)
@@ -158,24 +156,6 @@ def test_a_flat_sheet_is_a_plate_and_its_tensor_is_physical():
     sheet = of_sheet(points, np.array([[0, 1, 2], [0, 2, 3]]), 0.002, 900.0)
     assert_same(sheet, moved(of_box((0.3, 0.2, 0.002), 900.0), pose(None, (0.15, 0.1, 0.0))))
     assert is_physical(sheet.inertia_kgm2)
-
-
-def test_the_hierarchy_of_methods():
-    points, triangles = box_surface()
-    closed, method, confidence = mass_properties(Solid(points, triangles, "closed"), 700.0)
-    assert_same(closed, of_box(SIZE_M, 700.0))
-    assert (method, confidence) == ("volume of the closed surface", 0.95)
-    open_box = Solid(points, triangles[2:], "shell", wall_thickness_m=0.001)
-    assert mass_properties(open_box, 700.0)[0].mass_kg == pytest.approx(700.0 * 0.001 * 0.16)
-    hull, method, confidence = mass_properties(Solid(points, triangles[2:], "hull"), 700.0)
-    assert_same(hull, of_box(SIZE_M, 700.0))
-    assert "hull" in method
-    assert confidence < 0.5
-    inside_out, method, _ = mass_properties(Solid(points, triangles[:, ::-1], "closed"), 700.0)
-    assert_same(inside_out, hull)
-    flat, method, _ = mass_properties(Solid(points * [1, 1, 0], triangles, "hull"), 700.0)
-    assert method == "oriented box"
-    assert is_physical(flat.inertia_kgm2)
 
 
 @pytest.mark.parametrize(

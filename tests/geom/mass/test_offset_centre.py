@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from geom.mass.inertia import is_physical, of_closed_surface
-from geom.mass.inertia_bounds import inertia_reach
-from geom.mass.offset_centre import skin_share, squeeze_towards, squeezed
+from geom.mass.inertia_bounds import rms_distance_and_bound
+from geom.mass.offset_centre import contracted_inertia, contraction_about, relative_depth
 from tests.support.sample_surfaces import ball, box, cylinder
 
 BODIES = {"box": box((0.08, 0.05, 0.2)), "ball": ball(), "cylinder": cylinder(), "plate": box((0.3, 0.2, 0.004))}
@@ -21,7 +21,7 @@ def tensor_about(centre, surface):
     points, triangles = surface
     even = of_closed_surface(points, triangles, 1.0)
     per_kg = even.inertia_kgm2 / even.mass_kg
-    return squeezed(per_kg, squeeze_towards(centre, points, even.centre_of_mass_m, per_kg)), per_kg
+    return contracted_inertia(per_kg, contraction_about(centre, points, even.centre_of_mass_m, per_kg)), per_kg
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -33,7 +33,7 @@ def test_it_fits_wherever_the_centre_is_and_turns_with_the_shape(name, seed):
     centre = rng.dirichlet(np.full(len(points), rng.uniform(0.02, 1.0))) @ points
     found, even = tensor_about(centre, (points, triangles))
     assert is_physical(found, 1e-9)
-    value, bound = inertia_reach(found, points - centre)
+    value, bound = rms_distance_and_bound(found, points - centre)
     assert value <= bound
     assert np.trace(found) <= np.trace(even) * (1.0 + 1e-9)
     R = Rotation.random(random_state=seed).as_matrix()
@@ -62,6 +62,6 @@ def test_depth_below_the_skin():
     points, _ = BODIES["box"]
     low, high = points.min(axis=0), points.max(axis=0)
     middle = 0.5 * (low + high)
-    at = [skin_share(np.array([*middle[:2], low[2] + share * 0.2]), points, middle) for share in (0.02, 0.0, -0.01)]
+    at = [relative_depth(np.array([*middle[:2], low[2] + share * 0.2]), points, middle) for share in (0.02, 0.0, -0.01)]
     assert_allclose(at, [0.02, 0.0, -0.01], atol=1e-9)
-    assert skin_share(middle, points, middle) == 0.5
+    assert relative_depth(middle, points, middle) == 0.5

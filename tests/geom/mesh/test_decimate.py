@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from geom.mesh.decimate import decimate, decimate_mesh
-from geom.mesh.surface_distance import two_way
+from geom.mesh.surface_distance import two_way_distance
 from geom.mesh.topology import observe
 from tests.support.sample_surfaces import ball, box, mesh_of
 
@@ -26,7 +26,7 @@ def test_a_ball_keeps_its_shape_within_the_stated_distance() -> None:
     assert figures["triangles_before"] == len(mesh.triangles)
     assert figures["triangles_after"] == len(light.triangles)
     assert 0.0 < figures["surface_distance_p95_m"] <= figures["surface_distance_max_m"] < 0.02
-    measured = two_way(mesh.points, mesh.triangles, light.points, light.triangles, 1000, 5)
+    measured = two_way_distance(mesh.points, mesh.triangles, light.points, light.triangles, 1000, 5)
     assert measured.a_to_b_p95 < 2 * figures["surface_distance_max_m"]
     assert observe(light.points, light.triangles, "").watertight
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from geom.mesh.hausdorff import reach
+from geom.mesh.hausdorff import one_sided_hausdorff
 from geom.mesh.surface_distance import closest_on_surface, sample_surface
 from geom.repair.shape_change import changed_faces, shape_change
 from geom.solid.solid_distance import solid_distance
@@ -17,7 +17,7 @@ from tests.support.sample_surfaces import ball, box, cylinder, inside_out, lidle
 
 
 def reach_of(one, other, **options):
-    return reach(one[0][one[1]], *other, 1e-4, **options)
+    return one_sided_hausdorff(one[0][one[1]], *other, 1e-4, **options)
 
 
 def test_closed_forms() -> None:

@@ -8,7 +8,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geom.mesh.surface_distance import closest_on_surface, sample_surface, triangle_areas, two_way
+from geom.mesh.surface_distance import closest_on_surface, sample_surface, triangle_areas, two_way_distance
 
 
 def _box(size=(1.0, 1.0, 1.0)) -> tuple[np.ndarray, np.ndarray]:
@@ -18,14 +18,14 @@ def _box(size=(1.0, 1.0, 1.0)) -> tuple[np.ndarray, np.ndarray]:
 
 def test_a_surface_is_at_no_distance_from_itself() -> None:
     points, triangles = _box()
-    distance = two_way(points, triangles, points, triangles, 500, 0)
+    distance = two_way_distance(points, triangles, points, triangles, 500, 0)
     assert distance.hausdorff < 1e-6
 
 
 def test_larger_box_is_half_a_unit_away_face_to_face_and_its_corners_further() -> None:
     inner, triangles = _box()
     outer, _ = _box((2.0, 2.0, 2.0))
-    distance = two_way(outer, triangles, inner, triangles, 2000, 0)
+    distance = two_way_distance(outer, triangles, inner, triangles, 2000, 0)
     assert distance.a_to_b_max == pytest.approx(np.sqrt(3) / 2, rel=1e-5)  # corner to corner
     assert distance.b_to_a_max == pytest.approx(0.5, rel=1e-5)  # a face looks straight out
     assert distance.b_to_a_p95 == pytest.approx(0.5, rel=1e-5)
@@ -34,8 +34,8 @@ def test_larger_box_is_half_a_unit_away_face_to_face_and_its_corners_further() -
 def test_swapping_the_arguments_swaps_the_figures() -> None:
     inner, triangles = _box()
     outer, _ = _box((1.2, 1.1, 1.0))
-    there = two_way(inner, triangles, outer, triangles, 300, 3)
-    back = two_way(outer, triangles, inner, triangles, 300, 3)
+    there = two_way_distance(inner, triangles, outer, triangles, 300, 3)
+    back = two_way_distance(outer, triangles, inner, triangles, 300, 3)
     assert (there.a_to_b_p95, there.a_to_b_max) == (back.b_to_a_p95, back.b_to_a_max)
 
 
@@ -44,15 +44,15 @@ def test_swapping_the_arguments_swaps_the_figures() -> None:
 def test_place_does_not_matter_and_lengths_scale(offset: float, scale: float) -> None:
     inner, triangles = _box()
     outer, _ = _box((1.2, 1.1, 1.3))
-    base = two_way(inner, triangles, outer, triangles, 200, 1)
-    moved = two_way(inner * scale + offset, triangles, outer * scale + offset, triangles, 200, 1)
+    base = two_way_distance(inner, triangles, outer, triangles, 200, 1)
+    moved = two_way_distance(inner * scale + offset, triangles, outer * scale + offset, triangles, 200, 1)
     assert moved.hausdorff == pytest.approx(base.hausdorff * scale, rel=1e-5, abs=1e-9 * max(offset, 1.0))
 
 
 def test_the_same_arguments_give_the_same_figures() -> None:
     inner, triangles = _box()
     outer, _ = _box((1.2, 1.1, 1.3))
-    runs = {two_way(inner, triangles, outer, triangles, 500, 7) for _ in range(3)}
+    runs = {two_way_distance(inner, triangles, outer, triangles, 500, 7) for _ in range(3)}
     assert len(runs) == 1
 
 
@@ -79,6 +79,6 @@ def test_a_surface_without_area_is_refused() -> None:
     points, triangles = _box()
     flat = np.array([[0, 1, 1]])
     with pytest.raises(ValueError, match="no area"):
-        two_way(points, flat, points, triangles, 10, 0)
+        two_way_distance(points, flat, points, triangles, 10, 0)
     with pytest.raises(ValueError, match="no area"):
         closest_on_surface(points, points, flat)

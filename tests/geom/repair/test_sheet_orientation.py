@@ -8,7 +8,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from assetkit.geometry.repair import repair_geometry
-from geom.repair.sheet_orientation import Sky, sheet_flips
+from geom.repair.sheet_orientation import SkyVisibility, sheet_flips
 from schemas.model import Mesh
 from tests.support.sample_surfaces import ball, box, inside_out, lidless, mesh_of, together, without
 
@@ -16,8 +16,8 @@ ARC = np.linspace(0.0, np.pi / 2, 13)
 
 
 def turned_profile(profile, sections: int = 32):
-    made = trimesh.creation.revolve(np.array(profile, dtype=float), sections=sections)
-    return np.array(made.vertices), np.array(made.faces, dtype=np.int32)
+    surface = trimesh.creation.revolve(np.array(profile, dtype=float), sections=sections)
+    return np.array(surface.vertices), np.array(surface.faces, dtype=np.int32)
 
 
 def car_body():
@@ -74,7 +74,7 @@ def test_what_each_side_sees_has_a_closed_form() -> None:
     for name, mouth in (("cup", 0.04**2), ("half ball", 1.0)):
         points, triangles = VESSELS[name]
         area = trimesh.Trimesh(points, triangles, process=False).area
-        sides = Sky(points, triangles).seen_by(triangles)
+        sides = SkyVisibility(points, triangles).of_sheet(triangles)
         disc = 0.5 * 32 * np.sin(2 * np.pi / 32) * mouth
         assert sides.front == pytest.approx(1.0, abs=2e-3)
         assert sides.back == pytest.approx(disc / area, abs=0.02)

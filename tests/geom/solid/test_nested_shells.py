@@ -9,7 +9,7 @@ import pytest
 
 from assetkit.geometry.repair import repair_geometry
 from assetkit.mass.estimate import mass_evidence
-from assetkit.mass.parts import Clues
+from assetkit.mass.parts import MassEvidenceInputs
 from geom.mass.inertia import of_closed_surface
 from geom.solid.nested_shells import enclosed_matter
 from geom.solid.solidify import solidify
@@ -39,16 +39,16 @@ def test_both_readings_of_an_inner_shell_lie_within_the_bounds(shift) -> None:
     points, triangles = together(OUTER, OFF_CENTRE)
     mesh = mesh_of(points + np.asarray(shift), triangles)
     solid = solidify([mesh])[0]
-    found = mass_evidence(solid, ["wood"], Clues(meshes=(mesh,)))
-    plain = mass_evidence(replace(solid, core=None), ["wood"], Clues(meshes=(mesh,)))
-    assert found.mass_kg.confidence == pytest.approx(0.5 * plain.mass_kg.confidence)
-    assert "inner shell" in found.mass_kg.method
+    bounds = mass_evidence(solid, ["wood"], MassEvidenceInputs(meshes=(mesh,)))
+    plain = mass_evidence(replace(solid, core=None), ["wood"], MassEvidenceInputs(meshes=(mesh,)))
+    assert bounds.mass_kg.confidence == pytest.approx(0.5 * plain.mass_kg.confidence)
+    assert "inner shell" in bounds.mass_kg.method
     empty = together(OUTER, inside_out(OFF_CENTRE))
     for reading in (OUTER, empty):
-        body = of_closed_surface(reading[0] + np.asarray(shift), reading[1], found.density_kgm3.value)
-        low, high = np.array(found.mass_kg.bounds)
+        body = of_closed_surface(reading[0] + np.asarray(shift), reading[1], bounds.density_kgm3.value)
+        low, high = np.array(bounds.mass_kg.bounds)
         assert low <= body.mass_kg <= high * (1 + 1e-9)
-        low, high = np.array(found.centre_of_mass_m.bounds)
+        low, high = np.array(bounds.centre_of_mass_m.bounds)
         assert (low <= body.centre_of_mass_m).all()
         assert (body.centre_of_mass_m <= high).all()
 

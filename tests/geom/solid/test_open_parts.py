@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 
 from assetkit.options import Options
 from geom.features.cavities import find_cavities
-from geom.mass.inertia import mass_properties
 from geom.mesh.topology import observe
 from geom.mesh.weld import diagonal
 from geom.solid.solid_distance import solid_distance
+from geom.solid.solid_mass import mass_properties
 from geom.solid.solidify import assumed_wall_m, solidify
 from tests.support.mass_samples import weighed
 from tests.support.sample_surfaces import box, lidless, mesh_of

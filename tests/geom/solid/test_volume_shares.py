@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from assetkit.mass.estimate import mass_evidence
-from assetkit.mass.parts import Clues
+from assetkit.mass.parts import MassEvidenceInputs
 from geom.mass.inertia import combine, moved, of_box, scaled
 from geom.pose import pose
 from geom.solid.solidify import solidify
-from geom.solid.volume_shares import divide
+from geom.solid.volume_shares import divide_volume
 from schemas.model import Mesh
 from schemas.physics import MassProperties
 from tests.support.package_samples import mesh_from
@@ -38,15 +38,15 @@ def cut(mesh: Mesh, first: np.ndarray) -> tuple[Mesh, Mesh]:
 
 def without_face(mesh: Mesh, x_m: float) -> Mesh:
     """`mesh` without the faces in the plane x = `x_m`."""
-    kept = np.abs(mesh.points[mesh.triangles][..., 0] - x_m).max(axis=1) > 1e-9
-    return Mesh(mesh.name, mesh.points, mesh.triangles[kept])
+    remaining = np.abs(mesh.points[mesh.triangles][..., 0] - x_m).max(axis=1) > 1e-9
+    return Mesh(mesh.name, mesh.points, mesh.triangles[remaining])
 
 
 def weighed(groups, densities) -> tuple[list[MassProperties], MassProperties, bool]:
     solid, _ = solidify([mesh for group in groups for mesh in group])
-    made = divide(solid, groups, densities)
-    bodies = [scaled(share, density) for share, density in zip(made.shares, densities, strict=True)]
-    return bodies, combine([b for b in bodies if b.mass_kg > 0]), made.exact
+    evidence = divide_volume(solid, groups, densities)
+    bodies = [scaled(share, density) for share, density in zip(evidence.shares, densities, strict=True)]
+    return bodies, combine([b for b in bodies if b.mass_kg > 0]), evidence.exact
 
 
 def at(size, density, centre) -> MassProperties:
@@ -112,29 +112,29 @@ def test_the_other_reading_gives_the_shared_volume_to_the_lighter():
     """Two cubes, half in each other; a third far away shares nothing, a bolt wholly inside has no other reading."""
     cubes = [[box((0.1, 0.1, 0.1))], [box((0.1, 0.1, 0.1), (0.05, 0, 0))], [box((0.1, 0.1, 0.1), (1.0, 0, 0))]]
     solid, _ = solidify([mesh for group in cubes for mesh in group])
-    made = divide(solid, cubes, [650.0, 7850.0, 2700.0])
-    assert made.rival is not None
+    made = divide_volume(solid, cubes, [650.0, 7850.0, 2700.0])
+    assert made.alternative is not None
     assert [s.mass_kg for s in made.shares] == pytest.approx([5e-4, 1e-3, 1e-3])
-    assert [s.mass_kg for s in made.rival] == pytest.approx([1e-3, 5e-4, 1e-3])
+    assert [s.mass_kg for s in made.alternative] == pytest.approx([1e-3, 5e-4, 1e-3])
     assert "denser" in made.reason
     bolt = [[box((0.2, 0.2, 0.2))], [box((0.1, 0.02, 0.02))]]
-    assert divide(solidify([m for g in bolt for m in g])[0], bolt, [650.0, 7850.0]).rival is None
+    assert divide_volume(solidify([m for g in bolt for m in g])[0], bolt, [650.0, 7850.0]).alternative is None
     apart = [cubes[0], cubes[2]]
-    assert divide(solidify([m for g in apart for m in g])[0], apart, [650.0, 7850.0]).reason == ""
+    assert divide_volume(solidify([m for g in apart for m in g])[0], apart, [650.0, 7850.0]).reason == ""
 
 
 def test_mass_bounds_hold_whichever_material_keeps_what_two_share():
     meshes = [box((0.1, 0.1, 0.1), name="steel"), box((0.1, 0.1, 0.1), (0.05, 0, 0), name="wood")]
-    found = mass_evidence(solidify(meshes)[0], [], Clues(meshes=tuple(meshes)))
-    low, high = np.array(found.mass_kg.bounds)
+    masses = mass_evidence(solidify(meshes)[0], [], MassEvidenceInputs(meshes=tuple(meshes)))
+    low, high = np.array(masses.mass_kg.bounds)
     lighter = 7850.0 * 5e-4 + 650.0 * 1e-3
-    assert low <= lighter <= found.mass_kg.value <= high
-    assert "denser" in found.mass_kg.method
-    (note,) = found.diagnostics
+    assert low <= lighter <= masses.mass_kg.value <= high
+    assert "denser" in masses.mass_kg.method
+    (note,) = masses.diagnostics
     assert (note.code, note.bound) == ("asset/overlapping-bodies", pytest.approx(lighter))
     assert "steel keeps" in note.headline
     centre = combine([at((0.1,) * 3, 650, (0.05, 0, 0)), at((0.05, 0.1, 0.1), 7850, (-0.025, 0, 0))])
-    near, far = np.array(found.centre_of_mass_m.bounds)
+    near, far = np.array(masses.centre_of_mass_m.bounds)
     assert (near <= centre.centre_of_mass_m).all()
     assert (centre.centre_of_mass_m <= far).all()
 
@@ -201,7 +201,7 @@ def test_sheets_divide_by_their_area():
     parts = cut(mesh_from(tray), floor)
     solid, _ = solidify(parts)
     assert solid.wall_thickness_m is not None
-    made = divide(solid, [[parts[0]], [parts[1]]], [1.0, 2.0])
+    made = divide_volume(solid, [[parts[0]], [parts[1]]], [1.0, 2.0])
     assert made.exact
     assert made.shares[0].mass_kg == pytest.approx(0.06 * solid.wall_thickness_m)
     assert made.shares[1].mass_kg == pytest.approx(0.1 * solid.wall_thickness_m)
@@ -214,7 +214,7 @@ def test_equal_densities_give_back_the_whole(seed):
     rng = np.random.default_rng(seed)
     groups = [[box(rng.uniform(0.05, 0.2, 3), rng.uniform(-0.1, 0.1, 3))] for _ in range(3)]
     solid, figures = solidify([mesh for group in groups for mesh in group])
-    made = divide(solid, groups, [1.0, 1.0, 1.0])
+    made = divide_volume(solid, groups, [1.0, 1.0, 1.0])
     total = combine([share for share in made.shares if share.mass_kg > 0])
     whole = trimesh.Trimesh(solid.points, solid.triangles, process=False)
     assert made.exact

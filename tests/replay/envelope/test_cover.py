@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from geom.convex.circumscribed_hull import outer_corners
+from geom.convex.circumscribed_hull import circumscribed_hull
 from geom.pose import pose
 from replay.envelope.cover import cover
 from schemas.physics import CollisionShape
@@ -34,7 +34,7 @@ def farthest_out(found, points):
 
 def check(shape, protrusion_m):
     found = cover([shape], protrusion_m)
-    corners = outer_corners(shape)
+    corners = circumscribed_hull(shape)
     assert farthest_out(found, inside(corners, np.random.default_rng(0))) <= found.residual_m
     hull = ConvexHull(corners)
     on_balls = found.centres_B[:, None] + found.radii_m[:, None, None] * directions()
@@ -51,7 +51,7 @@ def directions(n=200):
 @pytest.mark.parametrize("kind", SHAPES)
 def test_all_of_a_shape_lies_in_its_balls(kind):
     found = check(SHAPES[kind], 0.006)
-    assert found.protrusion_m <= max(0.006, 0.03 * np.linalg.norm(np.ptp(outer_corners(SHAPES[kind]), axis=0))) + 1e-12
+    assert found.protrusion_m <= max(0.006, 0.03 * np.linalg.norm(np.ptp(circumscribed_hull(SHAPES[kind]), axis=0))) + 1e-12
     assert found.residual_m < 1e-9
 
 
@@ -69,7 +69,7 @@ def test_what_is_all_but_flat_is_covered_at_any_angle(size_m):
     for X_BS in (np.eye(4), X):
         shape = CollisionShape("box", size_m, X_BS)
         found = cover([shape], 0.006)
-        assert farthest_out(found, inside(outer_corners(shape), np.random.default_rng(0))) <= found.residual_m
+        assert farthest_out(found, inside(circumscribed_hull(shape), np.random.default_rng(0))) <= found.residual_m
         assert len(found.radii_m) < 600
 
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from shapely.geometry import LineString, Point, Polygon, box
 
-from geom.convex.circumscribed_hull import outer_corners
-from geom.minkowski import eroded, meets
+from geom.convex.circumscribed_hull import circumscribed_hull
+from geom.minkowski import eroded, minkowski_difference
 from geom.pose import apply, pose
 from replay.augmentation import prepare, variants
 from replay.envelope.envelope import Settings, swept_envelope
@@ -54,7 +54,7 @@ def test_every_corner_lies_in_the_envelope_at_sixteen_times_between_rows(episode
             mine = found.body == found.bodies.index(moving.name)
             a, b, radius = found.start_W[mine], found.end_W[mine], found.radius_m[mine]
             for shape in moving.shapes:
-                corners = np.concatenate([apply(X, outer_corners(shape)) for X in moving.X_WB])
+                corners = np.concatenate([apply(X, circumscribed_hull(shape)) for X in moving.X_WB])
                 assert distance_beyond(corners, a, b, radius) <= 1e-9
 
 
@@ -82,7 +82,7 @@ def test_half_a_turn_is_covered_whichever_way_round(side):
     ends = np.stack([pose(Rotation.from_euler("z", a).as_matrix(), np.zeros(3)) for a in (0.0, side * np.pi)])
     found = swept_envelope(of(FreeBody("bar", ends, (shape,)), np.array([0.0, 0.1])), Settings(clearance_m=0.0))
     way = [pose(Rotation.from_euler("z", a).as_matrix(), np.zeros(3)) for a in np.linspace(0.0, side * np.pi, 50)]
-    corners = np.concatenate([apply(X, outer_corners(shape)) for X in way])
+    corners = np.concatenate([apply(X, circumscribed_hull(shape)) for X in way])
     assert distance_beyond(corners, found.start_W, found.end_W, found.radius_m) <= 1e-9
 
 
@@ -139,7 +139,7 @@ def test_erosion_of_a_room_with_a_corner_and_a_hole():
 def test_an_outline_meets_a_convex_obstacle_where_erosion_by_it_leaves_no_room():
     obstacle, outline = Point(0.1, 0.2).buffer(0.3, quad_segs=3), np.array([[0, 0], [0.2, 0], [0.1, 0.3]])
     room = box(-1, -1, 2, 2)
-    apart = eroded(room, outline).difference(meets(obstacle, outline))
+    apart = eroded(room, outline).difference(minkowski_difference(obstacle, outline))
     assert apart.symmetric_difference(eroded(room.difference(obstacle), outline)).area < 1e-9
 
 

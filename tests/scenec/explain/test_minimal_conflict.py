@@ -11,7 +11,7 @@ from shapely import box
 
 from scenec.check.judge_scene import violations
 from scenec.explain.minimal_conflict import minimal_conflict, quick_xplain
-from scenec.explain.relaxed import nodes, relaxed, rules
+from scenec.ir.relaxed import nodes, relaxed, rules
 from scenec.explain.suggestions import _least_change, suggestions
 from scenec.ir.problem import KeepOutIR, Problem, Result, Solved
 from scenec.proofs import prove

@@ -1,4 +1,4 @@
-"""Edits that break one thing in a clean package, and where its prims are."""
+"""Edits of a USD stage that break one thing in a clean package, and the prim paths they use."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -250,7 +250,7 @@ def skew_inertia(stage: Usd.Stage) -> None:
 
 
 def each_collider(path: str, edit: Callable[[Usd.Prim], Any]) -> Edit:
-    """Something done to every collider below a prim."""
+    """Apply `edit` to every collider below a prim."""
 
     def all_of(stage: Usd.Stage) -> None:
         for prim in Usd.PrimRange(stage.GetPrimAtPath(path)):
@@ -261,7 +261,7 @@ def each_collider(path: str, edit: Callable[[Usd.Prim], Any]) -> Edit:
 
 
 def heavier(path: str, factor: float) -> Edit:
-    """Mass, inertia and metadata together, so that only their relation to the size is wrong."""
+    """Scale mass, inertia and metadata together, so that only their relation to the size is wrong."""
 
     def edit(stage: Usd.Stage) -> None:
         times(path, "physics:mass", factor)(stage)
@@ -289,7 +289,7 @@ def second_hinge(stage: Usd.Stage) -> None:
 
 
 def on_prim(path: str, change: Callable[[Usd.Prim], Any]) -> Edit:
-    """Something done to one prim."""
+    """Apply `change` to one prim."""
     return lambda stage: change(stage.GetPrimAtPath(path))
 
 

@@ -19,12 +19,12 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 @pytest.mark.parametrize("defect", DEFECTS, ids=lambda d: d.name)
 def test_each_defect_is_found_by_its_rule(defect: Defect, clean: dict[str, Path], tmp_path: Path) -> None:
-    found = gate(seeded(defect.edit, clean[defect.package], tmp_path))
-    own = [d for d in found if d.code == defect.code]
-    assert own, [f"{d.code}: {d.headline}" for d in found]
-    assert max(own, key=lambda d: d.severity == "error").severity == defect.severity
-    assert all(d.headline and d.help for d in own)
-    assert "asset/internal-error" not in {d.code for d in found}
+    findings = gate(seeded(defect.edit, clean[defect.package], tmp_path))
+    of_rule = [d for d in findings if d.code == defect.code]
+    assert of_rule, [f"{d.code}: {d.headline}" for d in findings]
+    assert max(of_rule, key=lambda d: d.severity == "error").severity == defect.severity
+    assert all(d.headline and d.help for d in of_rule)
+    assert "asset/internal-error" not in {d.code for d in findings}
 
 
 def test_the_packages_are_clean(clean: dict[str, Path]) -> None:

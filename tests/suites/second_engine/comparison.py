@@ -26,9 +26,9 @@ from sim.port import GRAVITY_MPS2, DropSettings, natural_time_s, pair_value, sti
 from tests.suites.second_engine import mujoco_drops
 from tests.suites.second_engine.mujoco_drops import Ground
 from tests.suites.second_engine.supports import is_curved, pose_classes, symmetry_axes, tilt_between
+from tests.support.peers import peer_python
 from usdio.reread.body import reread_body
 
-USD_PYTHON = Path(__file__).parents[3] / ".venv-mujoco-usd" / "bin" / "python"
 GAP_M = 0.005
 _DOWN = np.array([0.0, 0.0, -1.0])
 
@@ -118,8 +118,7 @@ def ask_mujoco_usd(packages: Sequence[Package], starts: Sequence[Sequence[FloatA
         {"file": str(p.usd), "poses_WA": _poses(s), "ground": asdict(ground_of(p.body))}
         for p, s in zip(packages, starts, strict=True)
     ]
-    assert USD_PYTHON.exists(), f"{USD_PYTHON} is missing: `make test` makes it"
-    command = [str(USD_PYTHON), "-P", mujoco_drops.__file__]
+    command = [str(peer_python("mujoco-usd")), "-P", mujoco_drops.__file__]
     with tempfile.TemporaryDirectory() as place:  # MuJoCo keeps a log in the folder it works in.
         done = subprocess.run(
             command, input=json.dumps(request), capture_output=True, text=True, timeout=300, check=False, cwd=place

@@ -9,10 +9,10 @@ import numpy as np
 import trimesh
 from trimesh import creation
 
-from assetkit.batch.ingest import ENVIRONMENT
+from assetkit.batch.item_cells import ENVIRONMENT
 from assetkit.options import Options
 from assetkit.pipeline import process_source
-from assetkit.sources.discover import Candidate
+from assetkit.sources.discover import SourceAsset
 from cli.assets.app import PRELOAD
 from jobs.warm import warm_cells
 from sim.bullet.simulator import BulletSimulator
@@ -63,7 +63,7 @@ def write_generated(folder: Path) -> list[Path]:
     return [*files, plank]
 
 
-def release(candidates: Sequence[Candidate], out: Path) -> list[Path]:
+def release(candidates: Sequence[SourceAsset], out: Path) -> list[Path]:
     """The package folders made of `candidates` in `out`, with warm cells; AssertionError unless each gives one."""
     packages: list[Path] = []
     with warm_cells(PRELOAD, env=ENVIRONMENT), BulletSimulator() as simulator:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from assetkit.acceptance.stable_poses import pose_families, spread_directions
-from geom.convex.support_function import centre_heights, diagonal, foot
+from geom.convex.support_function import centre_heights, diagonal, stability_margin
 from geom.mass.principal_axes import principal_axes
 from geom.pose import matrix_of
 from schemas.model import FloatArray
@@ -31,7 +31,7 @@ def is_curved(body: RigidBody, down_A: FloatArray) -> bool:
     body stands on something else by then. A narrow foot with nothing beside it, a plank's edge, is not curved.
     """
     centre = np.asarray(body.mass.centre_of_mass_m)
-    lever, tipped = foot(body.shapes, centre, down_A)
+    lever, tipped = stability_margin(body.shapes, centre, down_A)
     side = tipped - (tipped @ down_A) * down_A
     side /= np.linalg.norm(side)
     one, ten = np.radians([1.0, 10.0])

@@ -1,6 +1,6 @@
 """Draws of PyTorch and resets as Isaac Lab asks for them, by an interpreter that has PyTorch; answers are arrays.
 
-`make test` makes that interpreter (`tools/torch-environment.sh`). As a script: `torch_draws.py FOLDER` answers each
+`make peers` makes that interpreter (`tools/torch-environment.sh`). As a script: `torch_draws.py FOLDER` answers each
 `NAME.json` (a plan) with `NAME.npz`.
 """
 
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.support.torch_environment import FOLDER, made
+from tests.support.peers import ROOT, peer_python
 
 SEED, START, COUNT = 2**63 + 5, 70, 1000
 ENVIRONMENTS, ENDED = 8, [1, 3, 6]  # those that are reset after all were
@@ -24,9 +24,9 @@ ENVIRONMENTS, ENDED = 8, [1, 3, 6]  # those that are reset after all were
 
 def answered(folder: Path) -> None:
     """Has every plan of a folder answered."""
-    command = [str(made()), "-m", "tests.support.plan.torch_draws", str(folder)]
-    path = {"PYTHONPATH": str(FOLDER.parent)}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, cwd=FOLDER.parent,
+    command = [str(peer_python("torch")), "-m", "tests.support.plan.torch_draws", str(folder)]
+    path = {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, cwd=ROOT,
                           env={**os.environ, **path})  # fmt: skip
     assert done.returncode == 0, done.stderr
 

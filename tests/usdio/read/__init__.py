@@ -1,1 +1,1 @@
-"""Tests of `usdio.read.asset`."""
+"""Tests of `usdio.read`: meshes, materials, physics and the layer guard."""

@@ -1,4 +1,4 @@
-"""Nothing outside the root is read, whatever a USD file asks for, and every bad file says why."""
+"""No file outside the root is read, whatever a USD file refers to, and every bad file gives a located finding."""
 
 from __future__ import annotations
 
@@ -73,9 +73,9 @@ ESCAPES = [
 def test_a_reference_out_of_the_root_rejects_the_asset(tmp_path: Path, body: str) -> None:
     (tmp_path / "secret.usda").write_text(SECRET)
     (tmp_path / "secret.png").write_bytes(b"")
-    found = rejection(asset(tmp_path / "root", body))
-    assert found.code == "asset/path-escape"
-    assert found.where.file == "part.usda"
+    diagnostic = rejection(asset(tmp_path / "root", body))
+    assert diagnostic.code == "asset/path-escape"
+    assert diagnostic.where.file == "part.usda"
 
 
 def test_absolute_paths_and_symbolic_links_out_of_the_root_are_escapes(tmp_path: Path) -> None:
@@ -119,7 +119,7 @@ def test_one_file_named_by_every_kind_of_arc_is_pinned_everywhere(
     assert extents(path) == [1.0]
     with quiet():
         layers = check_layers(path, path.parent)
-    assert all(uri.startswith("anon:") for layer in layers.kept for uri in layer.GetCompositionAssetDependencies())
+    assert all(uri.startswith("anon:") for layer in layers.copies for uri in layer.GetCompositionAssetDependencies())
 
 
 def test_a_reference_through_the_parent_inside_the_root_is_legal(tmp_path: Path) -> None:
@@ -163,9 +163,9 @@ def test_a_prim_that_contains_itself_is_a_cycle(tmp_path: Path, body: str) -> No
 def test_layers_that_sublayer_each_other_are_a_cycle(tmp_path: Path) -> None:
     (tmp_path / "a.usda").write_text("#usda 1.0\n(\n subLayers = [@b.usda@]\n)\n")
     (tmp_path / "b.usda").write_text("#usda 1.0\n(\n subLayers = [@./a.usda@]\n)\n")
-    found = rejection(tmp_path / "a.usda")
-    assert found.code == "asset/cyclic-reference"
-    assert "a.usda" in str(found.value)
+    diagnostic = rejection(tmp_path / "a.usda")
+    assert diagnostic.code == "asset/cyclic-reference"
+    assert "a.usda" in str(diagnostic.value)
 
 
 def test_two_layers_may_use_different_prims_of_each_other(tmp_path: Path) -> None:
@@ -178,8 +178,8 @@ def test_an_absent_layer_is_a_warning_beside_geometry_and_an_error_without(tmp_p
     assert [(d.code, d.severity) for d in with_cube.diagnostics] == [("asset/missing-dependency", "warning")]
     empty = tmp_path / "empty.usda"
     empty.write_text('#usda 1.0\ndef Xform "Root" (payload = @gone.usd@) {}\n')
-    found = rejection(empty)
-    assert (found.code, found.value) == ("asset/missing-dependency", "gone.usd")
+    diagnostic = rejection(empty)
+    assert (diagnostic.code, diagnostic.value) == ("asset/missing-dependency", "gone.usd")
 
 
 def test_an_absent_layer_in_a_variant_that_is_not_selected_is_no_finding(tmp_path: Path) -> None:
@@ -198,11 +198,11 @@ def test_variable_expressions_are_evaluated(tmp_path: Path) -> None:
 
 def test_a_syntax_error_names_its_line_and_column(tmp_path: Path) -> None:
     path = asset(tmp_path, 'def Mesh "m" {\n  int[] faceVertexCounts = [3, oops]\n }')
-    found = rejection(path)
-    assert found.code == "asset/parse-error"
-    assert found.where.line == 1 + path.read_text()[: path.read_text().index("oops")].count("\n")
-    assert found.where.column is not None
-    assert "pxr" not in str(found.value)
+    diagnostic = rejection(path)
+    assert diagnostic.code == "asset/parse-error"
+    assert diagnostic.where.line == 1 + path.read_text()[: path.read_text().index("oops")].count("\n")
+    assert diagnostic.where.column is not None
+    assert "pxr" not in str(diagnostic.value)
 
 
 def test_damaged_and_foreign_bytes_are_told_apart(tmp_path: Path) -> None:
@@ -223,8 +223,8 @@ def test_damaged_and_foreign_bytes_are_told_apart(tmp_path: Path) -> None:
 
 def test_a_bad_layer_deep_inside_is_located_there(tmp_path: Path) -> None:
     (tmp_path / "page.usd").write_text("<html></html>")
-    found = rejection(asset(tmp_path, 'def "x" (references = @page.usd@) {}'))
-    assert (found.code, found.where.file) == ("asset/wrong-content", "page.usd")
+    diagnostic = rejection(asset(tmp_path, 'def "x" (references = @page.usd@) {}'))
+    assert (diagnostic.code, diagnostic.where.file) == ("asset/wrong-content", "page.usd")
 
 
 def test_material_x_includes_stay_inside_the_root(tmp_path: Path) -> None:
@@ -272,8 +272,8 @@ def test_packages_that_break_the_rules(tmp_path: Path, entries: dict, compressio
 
 def test_a_package_may_not_unpack_beyond_the_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(usdz, "MAX_BYTES", 1000)
-    found = rejection(package(tmp_path / "part.usdz", {"part.usda": b"#usda 1.0\n" + b"# pad\n" * 200}))
-    assert found.code == "asset/resource-limit"
+    diagnostic = rejection(package(tmp_path / "part.usdz", {"part.usda": b"#usda 1.0\n" + b"# pad\n" * 200}))
+    assert diagnostic.code == "asset/resource-limit"
 
 
 def test_cut_and_encrypted_packages(tmp_path: Path) -> None:
@@ -300,8 +300,8 @@ def test_layers_are_private_copies(tmp_path: Path) -> None:
     asset(tmp_path, name="ball.usda")
     with quiet():
         first, second = check_layers(path, tmp_path), check_layers(path, tmp_path)
-    assert len(first.sites) == len(second.sites) == 2
-    assert not set(first.sites) & set(second.sites)
+    assert len(first.locations) == len(second.locations) == 2
+    assert not set(first.locations) & set(second.locations)
     assert extents(path) == [1.0, 1.0]
     path.write_text(CUBE % "")
     assert extents(path) == [1.0]

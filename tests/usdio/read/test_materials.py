@@ -93,8 +93,10 @@ def test_of_several_tiles_the_first_is_shown_and_said(tmp_path: Path, tiles: tup
 def test_what_has_no_triangles_is_left_out_with_a_word(tmp_path: Path) -> None:
     mesh = f'def Mesh "q" {{ {QUAD} }}\n'
     for kind, severity in (("NurbsPatch", "warning"), ("TetMesh", "warning"), ("BasisCurves", "info")):
-        found = read(write(tmp_path, mesh + f'def {kind} "p" {{}}\n')).diagnostics
-        assert [(d.code, d.severity, d.where.prim) for d in found] == [("asset/geometry-left-out", severity, "/Root/p")]
+        diagnostics = read(write(tmp_path, mesh + f'def {kind} "p" {{}}\n')).diagnostics
+        assert [(d.code, d.severity, d.where.prim) for d in diagnostics] == [
+            ("asset/geometry-left-out", severity, "/Root/p")
+        ]
 
 
 def test_a_missing_texture_leaves_the_fallback(tmp_path: Path) -> None:

@@ -141,9 +141,9 @@ def test_hole_faces_are_left_out(tmp_path: Path) -> None:
     ],
 )
 def test_broken_topology_and_points_are_rejected_with_their_prim(tmp_path: Path, old: str, new: str, code: str) -> None:
-    found = rejection(write(tmp_path, f'def Mesh "m" {{ {QUAD.replace(old, new)} }}'))
-    assert found.code == code
-    assert found.where.prim == "/Root/m"
+    diagnostic = rejection(write(tmp_path, f'def Mesh "m" {{ {QUAD.replace(old, new)} }}'))
+    assert diagnostic.code == code
+    assert diagnostic.where.prim == "/Root/m"
 
 
 def test_attributes_of_the_wrong_length_are_left_out_with_a_warning(tmp_path: Path) -> None:

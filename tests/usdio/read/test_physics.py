@@ -1,4 +1,4 @@
-"""What a USD file states about mass and friction, in the frame of the model; OpenUSD's own computation is the judge."""
+"""Mass and friction values read from USD files, in the model frame, compared with OpenUSD's own computation."""
 
 from __future__ import annotations
 
@@ -177,8 +177,8 @@ def test_the_nearest_density_counts_before_that_of_the_material(tmp_path):
     prims = [cube(stage, f"/Root/{name}", at=(i, 0, 0)) for i, name in enumerate("abc")]
     material(stage, "iron", prims[0], prims[1], Density=7800.0)
     weigh(prims[0], density=100.0)
-    found = {m.covers: m.density for m in model(stage).masses}
-    assert found == {("/Root/a",): 100.0, ("/Root/b",): 7800.0}
+    density_of = {m.covers: m.density for m in model(stage).masses}
+    assert density_of == {("/Root/a",): 100.0, ("/Root/b",): 7800.0}
     weigh(body, density=500.0)
     assert {m.covers: m.density for m in model(stage).masses} == {("/Root/a",): 100.0, ("/Root/b", "/Root/c"): 500.0}
 
@@ -195,7 +195,7 @@ def test_hidden_colliders_speak_for_the_surfaces_of_their_body(tmp_path):
     assert (stated.covers, stated.density) == (("/Root/seen",), 300.0)
     assert model(stage).contacts[0].covers == ("/Root/seen",)
     weigh(hidden[0], 1.0, centre=(0, 0, 0))
-    assert model(stage).masses == ()  # One weighs, one has a density: nobody knows the sum.
+    assert model(stage).masses == ()  # One states a mass, the other a density: the sum is unknown.
     weigh(hidden[1], 3.0, centre=(0, 0, 0))
     stated = only_mass(stage)
     assert stated.mass_kg == 4.0

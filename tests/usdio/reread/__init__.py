@@ -1,1 +1,1 @@
-"""Tests of `usdio.reread.body`."""
+"""Tests of `usdio.reread`: packages read back from disk."""

@@ -1,4 +1,4 @@
-"""What a simulator reads from a package is what went in."""
+"""Bodies, contacts and surfaces re-read from a written package equal its content."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ def test_shapes_and_contact_come_back(tmp_path: Path) -> None:
     content = samples.content(samples.model([mesh]), shapes, contact=contact)
     body = reread_body(write_package(content, tmp_path / content.asset_id))
     assert [shape.kind for shape in body.shapes] == [shape.kind for shape in shapes]
-    for found, given_ in zip(body.shapes, shapes, strict=True):
-        assert found.size_m == pytest.approx(given_.size_m, rel=1e-12)
-        np.testing.assert_allclose(found.X_AS, given_.X_AS, atol=1e-12)
+    for reread, given_ in zip(body.shapes, shapes, strict=True):
+        assert reread.size_m == pytest.approx(given_.size_m, rel=1e-12)
+        np.testing.assert_allclose(reread.X_AS, given_.X_AS, atol=1e-12)
     hull = body.shapes[-1]
     assert shapes[-1].points is not None
     assert hull.points is not None

@@ -1,1 +1,1 @@
-"""Tests of `usdio.write`."""
+"""Tests of `usdio.write`: released packages and compiled scenes."""

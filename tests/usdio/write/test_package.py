@@ -1,4 +1,4 @@
-"""Packages: outside judges pass them, nothing is lost, the same content gives the same bytes."""
+"""Written packages: external validators pass them, nothing is lost, the same content gives the same bytes."""
 
 # pxr has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -18,7 +18,7 @@ import pytest
 import trimesh
 from pxr import Usd, UsdGeom, UsdShade
 
-from gate.external_validators import outside_verdicts, simready, simready_optional
+from gate.external_validators import external_verdicts, simready, simready_optional
 from gate.static_gate import gate
 from schemas.model import Material, TextureUse
 from schemas.package import PackageContent
@@ -44,7 +44,7 @@ def input_of(stage: Usd.Stage, path: str, name: str) -> UsdShade.Input:
 @pytest.mark.parametrize("name", VARIANTS)
 def test_outside_judges_pass(name: str, tmp_path: Path) -> None:
     main_file = write(VARIANTS[name], tmp_path)
-    for verdict in outside_verdicts(main_file):
+    for verdict in external_verdicts(main_file):
         assert verdict.passed, verdict.findings
     assert not [d for d in gate(main_file) if d.severity == "error"]
 
@@ -70,7 +70,7 @@ def test_grasps_are_written_as_simready_reads_them(tmp_path: Path) -> None:
             line = stage.GetPrimAtPath(path.AppendChild(f"{path.name}_line"))
             assert line.GetTypeName() == schema
             assert np.allclose(line.GetAttribute("points").Get(), ends)
-        for verdict in outside_verdicts(main_file):
+        for verdict in external_verdicts(main_file):
             assert verdict.passed, verdict.findings
         assert not [d for d in gate(main_file) if d.severity == "error"]
         remarks = {remark.rule for remark in simready_optional(main_file)}
@@ -83,11 +83,11 @@ def test_same_content_same_bytes_in_any_process(tmp_path: Path) -> None:
     content = samples.full_content()
     write(content, tmp_path / "here")
     code = (
-        "import package_samples as s; from usdio.write.package import write_package; from pathlib import Path; "
-        "import sys; write_package(s.full_content(), Path(sys.argv[1]) / 'sample-1')"
+        "import sys; from pathlib import Path; from tests.support import package_samples as s; "
+        "from usdio.write.package import write_package; write_package(s.full_content(), Path(sys.argv[1]) / 'sample-1')"
     )
     for seed in ("1", "2"):
-        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(Path(__file__).parent)}
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(Path(__file__).parents[3])}
         subprocess.run([sys.executable, "-c", code, str(tmp_path / seed)], check=True, env=environment)
         assert hashes(tmp_path / seed) == hashes(tmp_path / "here")
     assert len(hashes(tmp_path / "here")) == 8

@@ -1,4 +1,4 @@
-"""Scenes as USD: poses go through nested frames, outside judges pass them, what is read back is what was meant."""
+"""Written scenes: poses go through nested frames, external validators pass them, re-reading gives the same bodies."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def scene() -> CompiledScene:
 
 
 def test_poses_go_through_every_frame(scene: CompiledScene):
-    """The mug stands at (0.1, 0.05) on a tray turned by 90 degrees at (0.2, 0) on a table turned by 30 degrees."""
+    """The mug is at (0.1, 0.05) on a tray turned by 90 degrees at (0.2, 0) on a table turned by 30 degrees."""
     mug = next(o for o in scene.objects if o.id == "mug")
     turn = np.radians(30.0)
     on_table = np.array([0.2 - 0.05, 0.1])

@@ -1,4 +1,4 @@
-"""Triangles of one gprim on their way to `schemas.model.Mesh`: turn, place, split. Pure arrays."""
+"""Triangles of one gprim as arrays: reverse winding, transform, and split into `schemas.model.Mesh` by material."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from schemas.model import Mesh
 
 
 @dataclass(frozen=True)
-class Surface:
+class GprimMesh:
     """A triangulated gprim.
 
     points (n, 3) float64; triangles (m, 3) int64; normals (m, 3, 3) float64 or None, of any length; uvs (m, 3, 2) by
@@ -31,7 +31,7 @@ class Surface:
     double_sided: bool = False
 
 
-def turned(surface: Surface) -> Surface:
+def with_reversed_winding(surface: GprimMesh) -> GprimMesh:
     """`surface` with every triangle wound the other way round; corner attributes follow their corners."""
     return replace(
         surface,
@@ -42,7 +42,7 @@ def turned(surface: Surface) -> Surface:
     )
 
 
-def placed(surface: Surface, X_WS: np.ndarray, where: Location) -> tuple[Surface, int]:
+def transformed(surface: GprimMesh, X_WS: np.ndarray, where: Location) -> tuple[GprimMesh, int]:
     """`surface` moved by the 4x4 affine `X_WS`, and how many corner normals had to be replaced.
 
     A mirroring transform turns the triangles, so that they stay counter-clockwise from outside. Normals become unit
@@ -54,27 +54,29 @@ def placed(surface: Surface, X_WS: np.ndarray, where: Location) -> tuple[Surface
         points = surface.points @ A.T + X_WS[:3, 3]
         mirrored = np.linalg.det(A) < 0
     require_finite(points, where, row="point")
-    moved = turned(surface) if mirrored else surface
+    moved = with_reversed_winding(surface) if mirrored else surface
     if moved.normals is None:
         return replace(moved, points=points), 0
     # Cofactors are det(A) A^-T, defined for flattening transforms too; the sign keeps normals on their side.
     cofactors = np.stack([np.cross(A[1], A[2]), np.cross(A[2], A[0]), np.cross(A[0], A[1])])
-    normals, replaced = _unit(moved.normals @ cofactors.T * (-1.0 if mirrored else 1.0), points, moved.triangles)
+    normals, replaced = _unit_normals(
+        moved.normals @ cofactors.T * (-1.0 if mirrored else 1.0), points, moved.triangles
+    )
     return replace(moved, points=points, normals=normals), replaced
 
 
-def part(surface: Surface, rows: np.ndarray, uv_names: tuple[str, ...], *, colors: bool) -> Mesh:
+def submesh(surface: GprimMesh, rows: np.ndarray, uv_names: tuple[str, ...], *, colors: bool) -> Mesh:
     """The triangles `rows` as a nameless Mesh with only the points they use.
 
-    UV sets come in the order of `uv_names`, which materials count by, then the others. A name the surface lacks gets
-    the first set it has; a surface without any has none.
+    UV sets come in the order of `uv_names`, which `TextureUse.uv_set` indexes, then the others. A missing name gets the
+    first set; a surface without any has none.
     """
     triangles = surface.triangles[rows]
     used, renumbered = np.unique(triangles, return_inverse=True)
     spare = next(iter(surface.uvs), None)
-    wanted = [name if name in surface.uvs else spare for name in uv_names]
-    rest = [name for name in surface.uvs if name not in wanted]
-    uvs = [surface.uvs[name][rows].astype(np.float32) for name in (*wanted, *rest) if name is not None]
+    read_names = [name if name in surface.uvs else spare for name in uv_names]
+    rest = [name for name in surface.uvs if name not in read_names]
+    uvs = [surface.uvs[name][rows].astype(np.float32) for name in (*read_names, *rest) if name is not None]
     return Mesh(
         name="",
         points=surface.points[used],
@@ -85,7 +87,7 @@ def part(surface: Surface, rows: np.ndarray, uv_names: tuple[str, ...], *, color
     )
 
 
-def _unit(normals: np.ndarray, points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, int]:
+def _unit_normals(normals: np.ndarray, points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, int]:
     with np.errstate(all="ignore"):
         lengths = np.linalg.norm(normals, axis=2, keepdims=True)
         unit = normals / lengths

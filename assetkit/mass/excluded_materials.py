@@ -1,4 +1,4 @@
-"""What a person would want to know to lie outside the bounds of an unknown density."""
+"""Materials outside the default bounds (kg/m3) of an unknown density, as text for the record."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _LIGHT = (("a shell of plastic", 150.0), ("empty packaging", 40.0), ("foam", 20.
 _LIGHT_FULL = (("cork or balsa", 160.0), ("foam", 100.0))
 
 
-def outside(low_kgm3: float, high_kgm3: float, *, full: bool = False) -> str:
+def excluded_materials(low_kgm3: float, high_kgm3: float, *, full: bool = False) -> str:
     """ "; outside: ..." with the things denser than `high_kgm3` or lighter than `low_kgm3`, "" when none is.
 
     `full`: the body has no room to be hollow.

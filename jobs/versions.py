@@ -1,4 +1,4 @@
-"""The versions of the code and libraries whose results we store: an upgrade rebuilds."""
+"""Versions of the libraries and a hash of the code whose results are stored: part of every cache key."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parts that a role depends on and clues dispute: a person is asked, decides, and is heard in the next run."""
+"""Parts that a role depends on and clues dispute: they are listed, a person decides, and the next run uses the label."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from typer.testing import CliRunner
 
-from assetkit.parts.decided import in_doubt, lost, region_of, with_decided
+from assetkit.parts.human_labels import disputed_parts, outdated_regions, region_key, with_human_labels
 from assetkit.parts.find import find_parts
 from cli.main import app
 from schemas.decision import Decision, PartLabel
@@ -35,34 +35,34 @@ def disputed() -> tuple[Evidence[Part], ...]:
 
 def called(part: Part, label: str, by: str = "Ann") -> Decision:
     return Decision(
-        source="a", source_sha256="b", parts={part.part_id: PartLabel(label=label, region=region_of(part))}, by=by
+        source="a", source_sha256="b", parts={part.part_id: PartLabel(label=label, region=region_key(part))}, by=by
     )
 
 
 def test_only_roles_that_depend_on_the_part_ask_a_person() -> None:
     parts = disputed()
-    (asked,) = in_doubt(parts, [declared("receptacle", "test")])
+    (asked,) = disputed_parts(parts, [declared("receptacle", "test")])
     assert asked.may_be == ("handle", "lid")
-    assert in_doubt(parts, [declared("support", "test")]) == ()
-    assert in_doubt(parts, []) == ()
+    assert disputed_parts(parts, [declared("support", "test")]) == ()
+    assert disputed_parts(parts, []) == ()
 
 
 def test_the_last_decision_about_a_region_stands_and_others_are_left_alone() -> None:
     parts = disputed()
-    (asked,) = in_doubt(parts, [declared("receptacle", "test")])
-    said = [called(asked, "handle"), called(asked, "lid", "Bob")]
-    label = {p.value.part_id: p.value.label for p in with_decided(parts, said)}[asked.part_id]
+    (asked,) = disputed_parts(parts, [declared("receptacle", "test")])
+    decisions = [called(asked, "handle"), called(asked, "lid", "Bob")]
+    label = {p.value.part_id: p.value.label for p in with_human_labels(parts, decisions)}[asked.part_id]
     assert (label.value, label.source, label.method) == ("lid", "declared", "decision by Bob")
-    assert with_decided(parts, [*said, called(asked, "")]) == parts
-    assert not in_doubt(with_decided(parts, [called(asked, "unlabelled")]), [declared("receptacle", "test")])
+    assert with_human_labels(parts, [*decisions, called(asked, "")]) == parts
+    assert not disputed_parts(with_human_labels(parts, [called(asked, "unlabelled")]), [declared("receptacle", "test")])
     others = [p for p in parts if p.value.part_id != asked.part_id]
-    assert [p for p in with_decided(parts, said) if p.value.part_id != asked.part_id] == others
+    assert [p for p in with_human_labels(parts, decisions) if p.value.part_id != asked.part_id] == others
 
 
 def test_a_region_that_is_no_part_any_more_is_told() -> None:
     parts = disputed()
-    assert lost(parts, [called(parts[0].value, "lid")]) == ()
-    assert lost(parts[1:], [called(parts[0].value, "lid")]) == (parts[0].value.part_id,)
+    assert outdated_regions(parts, [called(parts[0].value, "lid")]) == ()
+    assert outdated_regions(parts[1:], [called(parts[0].value, "lid")]) == (parts[0].value.part_id,)
 
 
 def obj(folder: Path) -> Path:

@@ -1,4 +1,4 @@
-"""What things of a category weigh for their size, read from `usual_masses.csv` beside this file.
+"""Usual mass of the things of a category by volume, wall area or length, read from `usual_masses.csv` beside this file.
 
 A row holds one kind of thing of a category, in the state in which it is usually scanned and simulated: packages `full`,
 vessels and hollow goods `empty`, all else `solid`. Most ranges are computed: wall thickness times density of the wall,
@@ -21,10 +21,10 @@ State = Literal["full", "empty", "solid"]
 RangeOrOne = Annotated[tuple[float, float], BeforeValidator(lambda cell: tuple((cell.split() * 2)[:2]))]
 
 
-class UsualMass(BaseModel):
+class CategoryMass(BaseModel):
     """One kind of thing of a category.
 
-    words       names that tell this kind from the others of the category; () when it is one of the usual kinds.
+    words       names that distinguish this kind from the others of the category; () for one of the usual kinds.
     basis       what `range` is per: m3 of the convex `hull`, m2 of `wall` (one side), m3 of the cube of the `length`.
     range       where 95 % of such things lie (kg per unit of the basis); twice the same for a single object.
     weight      how often, against the other rows of the category, things are of this kind.
@@ -44,16 +44,16 @@ class UsualMass(BaseModel):
 
 
 @cache
-def usual_masses() -> tuple[UsualMass, ...]:
+def category_masses() -> tuple[CategoryMass, ...]:
     """All rows, in the order of the table."""
-    return tuple(UsualMass.model_validate(row) for row in rows_of("usual_masses.csv"))
+    return tuple(CategoryMass.model_validate(row) for row in rows_of("usual_masses.csv"))
 
 
-def kinds_of(category: str, names: Sequence[Collection[str]], without: str = "") -> tuple[UsualMass, ...]:
-    """The rows of the kinds that the first telling one of `names` (each as its words) speaks of.
+def masses_of_kind(category: str, names: Sequence[Collection[str]], without: str = "") -> tuple[CategoryMass, ...]:
+    """The rows of the kinds that the first matching one of `names` (each as its words) mentions.
 
-    When none does, those of the usual kinds of the category. `without` leaves out the row written from that object.
+    When none matches, those of the usual kinds of the category. `without` names a measured object: its row is left out.
     """
-    rows = [r for r in usual_masses() if r.category == category and (not without or r.own_row_of != without)]
-    told = (tuple(row for row in rows if not set(row.words).isdisjoint(words)) for words in names)
-    return next(filter(None, told), tuple(row for row in rows if not row.words))
+    rows = [r for r in category_masses() if r.category == category and (not without or r.own_row_of != without)]
+    matching = (tuple(row for row in rows if not set(row.words).isdisjoint(words)) for words in names)
+    return next(filter(None, matching), tuple(row for row in rows if not row.words))

@@ -1,4 +1,4 @@
-"""What one rule of the gate is."""
+"""The data of one gate rule: code, bound, source of the bound, and the check function."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from schemas.diagnostics import Diagnostic
 class Rule(NamedTuple):
     """A rule as data: the code it reports, what passes, where the bound comes from, and the check itself.
 
-    Title, reason and remedy stand with the code in `schemas.codes.gate`. `docs/reference/gate.md` is made from both.
+    Title, reason and remedy are those of the code in `schemas.codes.gate`. `docs/reference/gate.md` is made from both.
     """
 
     code: str

@@ -1,5 +1,9 @@
-"""What every asset needs: imported and used once, before the cells are forked (see `jobs.fork_server`)."""
+"""Imports and first uses of what every asset needs, once, before the cells are forked (see `jobs.fork_server`).
 
+The environment variable `MANA_ENGINE` names the engine to import as well (`sim.named_engine`).
+"""
+
+import os
 import sys
 import tempfile
 from pathlib import Path
@@ -12,20 +16,22 @@ from manifold3d import Manifold  # noqa: E402
 
 import assetkit.pipeline  # noqa: E402
 import render.views  # noqa: E402, F401
-import sim.bullet.simulator  # noqa: E402, F401
-from assetkit.versions import library_versions  # noqa: E402
-from gate.external_validators import outside_verdicts  # noqa: E402
+from gate.external_validators import external_verdicts  # noqa: E402
 from geom.mesh.surface_distance import NearestOnSurface  # noqa: E402
+from jobs.versions import library_versions  # noqa: E402
 from render.request import RenderRequest  # noqa: E402
 from schemas import array_files  # noqa: E402
+from sim.named_engine import load_engine  # noqa: E402
 
 library_versions()
+if engine := os.environ.get("MANA_ENGINE"):
+    load_engine(engine)
 # Both size their pools of threads with the first work they get; the fork server sees to it that this is one thread.
 # More would contend with other cells, and several list the triangles of large hulls in an order of chance.
 _ball = Manifold.sphere(1.0, 48).hull().to_mesh()
 NearestOnSurface(_ball.vert_properties[:, :3], _ball.tri_verts)(_ball.vert_properties[:, :3])
 
-for _type in (assetkit.pipeline.Noted, RenderRequest, *(stage.result for stage in assetkit.pipeline.STAGES)):
+for _type in (assetkit.pipeline.StoredNotes, RenderRequest, *(stage.result for stage in assetkit.pipeline.STAGES)):
     array_files.adapter(_type)
 
 # Validators load most of what they need with the first file that they see.
@@ -33,4 +39,4 @@ with tempfile.TemporaryDirectory() as _folder:
     _file = Path(_folder) / "empty" / "empty.usda"
     _file.parent.mkdir()
     _file.write_text("#usda 1.0\n")
-    outside_verdicts(_file)
+    external_verdicts(_file)

@@ -1,4 +1,8 @@
-"""The entry point of a cell: one request file, one source asset. Chooses PyBullet as the simulator."""
+"""Entry point of an asset cell, `python -m assetkit.batch.worker REQUEST.json`: one source asset becomes packages.
+
+The request names the source, the options, the folders and the engine (`sim.named_engine`). The result is written where
+the request says, as a `StoredResult` that the batch reads.
+"""
 
 from __future__ import annotations
 
@@ -7,20 +11,20 @@ import sys
 from pathlib import Path
 
 from assetkit.batch import result_store
-from assetkit.batch.ingest import candidate_of, rejected
+from assetkit.batch.item_cells import candidate_of, rejected
 from assetkit.options import Options
 from assetkit.pipeline import process_source
-from assetkit.storage import finding_of
+from assetkit.storage import finding_from_exception
 from jobs.cell import peak_memory_mb
-from sim.bullet.simulator import BulletSimulator
+from sim.named_engine import load_engine
 
 
 def main(request_file: str) -> None:
-    """Process the source named by the request and leave its note where the request says."""
+    """Process the source named by the request and write its result where the request says."""
     request = json.loads(Path(request_file).read_text())
     candidate = candidate_of(request)
     out = Path(request["out"])
-    with BulletSimulator() as simulator:
+    with load_engine(request["engine"])() as simulator:
         item = process_source(
             candidate,
             options=Options.model_validate(request["options"]),
@@ -33,9 +37,9 @@ def main(request_file: str) -> None:
     try:
         stored = result_store.stored_from(item, candidate, out)
     except OSError as error:  # A file that the verdict rests on has vanished: it is no verdict on the source.
-        cause = finding_of(error, candidate.file, (out,))
-        stored = result_store.Stored(item=rejected(candidate, cause), main_sha256="")
-    result_store.remember(Path(request["note"]), stored)
+        cause = finding_from_exception(error, candidate.file, (out,))
+        stored = result_store.StoredResult(item=rejected(candidate, cause), main_sha256="")
+    result_store.write_stored(Path(request["note"]), stored)
 
 
 if __name__ == "__main__":

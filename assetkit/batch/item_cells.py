@@ -1,4 +1,4 @@
-"""The batch: discover sources, run one cell per source, keep every result, never stop for one bad item."""
+"""Runs one cell (child process) per source of a batch, with stored results, and yields one report item per source."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from pathlib import Path
 from assetkit.batch import ownership, result_store
 from assetkit.batch.decisions import read_decisions, with_decisions
 from assetkit.options import Options
-from assetkit.sources.discover import Candidate
+from assetkit.sources.discover import SourceAsset
 from assetkit.sources.source_file import SourceFile, refusal
-from assetkit.storage import finding_of, may_be_stored, storage_failed
+from assetkit.storage import finding_from_exception, is_storable, storage_failed
 from jobs.cache import content_key, file_sha256, write_atomically
 from jobs.cell import CellResult, Limits, run_cell
 from jobs.schedule import run_all
@@ -33,30 +33,32 @@ LOST_CODES = {
 ENDPOINT_CODES = ("asset/annotator-unreachable", "asset/annotator-failed")
 # One core per asset, the batch fills the others; and USD starts no threads, which could not be forked.
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1", "PYTHONHASHSEED": "0"}
-_CHATTER = ("pybullet build time", "#")  # What PyBullet and, told how many threads to use, OpenUSD print on import.
+_IMPORT_OUTPUT = ("pybullet build time", "#")  # Lines that PyBullet and (given a thread limit) OpenUSD print on import.
+WORKER, PRELOAD = "assetkit.batch.worker", "assetkit.batch.preload"
 DEFAULT_LIMITS = Limits(seconds=300.0, memory_mb=8192)
 
 
 @dataclass(frozen=True)
 class Batch:
-    """One run of `ingest`: where to, how many at a time, under which limits.
+    """One run over sources: output folder, options, worker, number of cells at a time and their limits.
 
-    `worker` runs one request file, given as its last argument: a Python module, or any command; the caller chooses it,
-    and with it the simulator. `preload` names a module that imports what a worker module needs: it is imported once,
-    and every worker starts as a fork of that process.
+    `engine` names the simulator that the caller chooses (`sim.named_engine`). `worker` runs one request file, given as
+    its last argument: a Python module, or any command. `preload` names a module that imports what a worker module
+    needs: it is imported once, and every worker starts as a fork of that process.
     """
 
     out: Path
     options: Options
-    worker: str | tuple[str, ...]
-    preload: str = ""
+    engine: str
+    worker: str | tuple[str, ...] = WORKER
+    preload: str = PRELOAD
     jobs: int = 1
     limits: Limits = DEFAULT_LIMITS
     resume: bool = False
     fresh: bool = False
 
 
-def ingest(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem]:
+def run_items(candidates: Sequence[SourceAsset], batch: Batch) -> Iterator[ReportItem]:
     """Yield one report item per source as it finishes; every item is on disk before it is yielded.
 
     A source whose files, options, libraries and code are unchanged and whose packages are intact is taken from the
@@ -68,30 +70,30 @@ def ingest(candidates: Sequence[Candidate], batch: Batch) -> Iterator[ReportItem
     """
     batch.out.mkdir(parents=True, exist_ok=True)
     decisions = read_decisions(batch.out)
-    owned = [ownership.settle(c, batch.out) for c in candidates]
-    with warm_cells(batch.preload, env=ENVIRONMENT):
-        for _, item in run_all(lambda c: _one(c, batch, decisions), owned, jobs=batch.jobs):
+    owned = [ownership.resolve_asset_id(c, batch.out) for c in candidates]
+    with warm_cells(batch.preload, env=ENVIRONMENT | {"MANA_ENGINE": batch.engine}):
+        for _, item in run_all(lambda c: _item(c, batch, decisions), owned, jobs=batch.jobs):
             yield item
 
 
-def _one(candidate: Candidate, batch: Batch, decisions: Sequence[Decision]) -> ReportItem:
-    """The item of one source: remembered, or made in a cell. Whatever goes wrong costs this item only."""
+def _item(candidate: SourceAsset, batch: Batch, decisions: Sequence[Decision]) -> ReportItem:
+    """The item of one source: from the store, or made in a cell. An error affects this item only."""
     try:
         if (unusable := refusal(candidate.file)) is not None:
             return rejected(candidate, unusable)
         batch = replace(batch, options=with_decisions(batch.options, candidate, decisions))
-        note = result_store.file_of(candidate, batch.out, batch.options)
-        stored = None if batch.fresh else result_store.recall(note)
+        note = result_store.result_file(candidate, batch.out, batch.options)
+        stored = None if batch.fresh else result_store.read_stored(note)
         if stored is not None and result_store.is_current(stored, candidate, batch.out):
             transient = set(stored.item.codes) & {*LOST_CODES.values(), *ENDPOINT_CODES}
             if batch.resume or not transient:
                 return stored.item.model_copy(update={"cached": ("item",)})
         return _in_cell(candidate, batch, note)
     except OSError as error:
-        return rejected(candidate, finding_of(error, candidate.file, (batch.out,)))
+        return rejected(candidate, finding_from_exception(error, candidate.file, (batch.out,)))
 
 
-def _in_cell(candidate: Candidate, batch: Batch, note: Path) -> ReportItem:
+def _in_cell(candidate: SourceAsset, batch: Batch, note: Path) -> ReportItem:
     main_sha256 = file_sha256(candidate.file.path)
     work = batch.out / ".work" / content_key(str(candidate.file.path.absolute()), candidate.asset_id)[:16]
     shutil.rmtree(work, ignore_errors=True)
@@ -101,15 +103,15 @@ def _in_cell(candidate: Candidate, batch: Batch, note: Path) -> ReportItem:
     write_atomically(request, json.dumps(_request(candidate, batch, handed_over, work)).encode())
     note.unlink(missing_ok=True)
     result = _run_worker(batch, request)
-    stored = result_store.recall(handed_over)
+    stored = result_store.read_stored(handed_over)
     if stored is None:
-        stored = result_store.Stored(item=_lost(candidate, result, batch.limits), main_sha256=main_sha256)
+        stored = result_store.StoredResult(item=_lost(candidate, result, batch.limits), main_sha256=main_sha256)
     if result.status != "cancelled":
-        follows = may_be_stored(stored.item)
-        ownership.claim(candidate, stored.item.packages, batch.out, complete=follows)
+        follows = is_storable(stored.item)
+        ownership.record_ownership(candidate, stored.item.packages, batch.out, complete=follows)
         # A source that was written to meanwhile has another hash, and which content was read is not known.
         if follows and stored.main_sha256 == main_sha256:
-            result_store.remember(note, stored)
+            result_store.write_stored(note, stored)
     shutil.rmtree(work, ignore_errors=True)
     return stored.item
 
@@ -120,13 +122,14 @@ def _run_worker(batch: Batch, request: Path) -> CellResult:
     return run_cell([*batch.worker, str(request)], batch.limits, env=ENVIRONMENT)
 
 
-def _request(candidate: Candidate, batch: Batch, note: Path, work: Path) -> dict[str, object]:
+def _request(candidate: SourceAsset, batch: Batch, note: Path, work: Path) -> dict[str, object]:
     return {
         "given": candidate.given,
         "path": str(candidate.file.path.absolute()),
         "root": str(candidate.file.root.absolute()),
         "format": candidate.format,
         "asset_id": candidate.asset_id,
+        "engine": batch.engine,
         "options": batch.options.model_dump(),
         "out": str(batch.out.absolute()),
         "fresh": batch.fresh,
@@ -135,20 +138,20 @@ def _request(candidate: Candidate, batch: Batch, note: Path, work: Path) -> dict
     }
 
 
-def candidate_of(request: dict[str, str]) -> Candidate:
-    """The candidate a request file speaks of."""
+def candidate_of(request: dict[str, str]) -> SourceAsset:
+    """The candidate that a request file describes."""
     source = SourceFile(Path(request["path"]), Path(request["root"]))
-    return Candidate(request["given"], source, request["format"], request["asset_id"])
+    return SourceAsset(request["given"], source, request["format"], request["asset_id"])
 
 
-def _lost(candidate: Candidate, result: CellResult, limits: Limits) -> ReportItem:
-    """The item of a worker that died without a word."""
+def _lost(candidate: SourceAsset, result: CellResult, limits: Limits) -> ReportItem:
+    """The item of a source whose worker ended without a result."""
     bound = {"timeout": (result.seconds, limits.seconds, "s"), "out_of_memory": (None, limits.memory_mb, "MiB")}
     value, limit, unit = bound.get(result.status, (result.returncode, 0, "exit status"))
     if result.os_error is not None:
         return _with_output(rejected(candidate, storage_failed(f"worker failed: {result.os_error[:200]}")), result)
-    said = [line for line in result.output.strip().splitlines() if not line.startswith(_CHATTER)]
-    tail = said[-1:] or ["no output"]
+    lines = [line for line in result.output.strip().splitlines() if not line.startswith(_IMPORT_OUTPUT)]
+    tail = lines[-1:] or ["no output"]
     diagnostic = finding(
         LOST_CODES.get(result.status, "asset/worker-crashed"),
         f"worker {result.status.replace('_', ' ')}: {tail[0][:200]}",
@@ -163,7 +166,7 @@ def _with_output(item: ReportItem, result: CellResult) -> ReportItem:
     return item.model_copy(update={"seconds": {"cell": round(result.seconds, 3)}, "traceback": result.output[-2000:]})
 
 
-def rejected(candidate: Candidate, diagnostic: Diagnostic) -> ReportItem:
+def rejected(candidate: SourceAsset, diagnostic: Diagnostic) -> ReportItem:
     """The item of a source that one finding rejects."""
     return ReportItem(
         source=candidate.given, outcome=ItemOutcome.REJECTED, codes=(diagnostic.code,), diagnostics=(diagnostic,)

@@ -1,4 +1,4 @@
-"""The way back from the prims of a package to the names in its source."""
+"""Source names of a package's prims: mapping from prim path to source name, and the finding on changed names."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def source_names(model: Model) -> dict[str, str]:
     return meshes | {f"Materials/{prim}": name for prim, name in material_prim_names(model).items()}
 
 
-def renamed(names: Mapping[str, str]) -> tuple[Diagnostic, ...]:
+def rename_findings(names: Mapping[str, str]) -> tuple[Diagnostic, ...]:
     """One `asset/name-sanitised` finding with the number of `source_names` that had to change, or none."""
     changed = [(path, name) for path, name in names.items() if path.rpartition("/")[2] != name]
     if not changed:
