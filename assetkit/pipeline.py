@@ -154,7 +154,7 @@ def run_stages(
         key = content_key(key, stage.name, stage.version, tools.options.model_dump(), draft.excluded_colliders)
         key = content_key(key, library_versions())
         started = time.monotonic()
-        outcome, cached = _from_store_or_made(stage, draft, tools, cache, key)
+        outcome, cached = _load_or_run(stage, draft, tools, cache, key)
         before = log.entries.get(stage.name)  # Of a stage that runs again: both count.
         if outcome.outside is not None:
             key = content_key(key, outcome.outside.digest)
@@ -189,7 +189,7 @@ def run_stages(
     return draft
 
 
-def _from_store_or_made(stage: Stage, draft: Draft, tools: Tools, cache: Cache, key: str) -> tuple[Outcome[Any], bool]:
+def _load_or_run(stage: Stage, draft: Draft, tools: Tools, cache: Cache, key: str) -> tuple[Outcome[Any], bool]:
     """The stage's outcome and whether it came from the store. A damaged entry is made again."""
     value_file, note_file = (cache.path(stage.name, key, suffix) for suffix in (".npz", ".note.npz"))
     if value_file.exists() and note_file.exists():

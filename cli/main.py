@@ -1,36 +1,77 @@
-"""`mana`: one console script; each group of commands lives in a file of its own."""
+"""The console script `mana`. Each group of commands lives in a folder of its own, which is imported when it is used."""
 
 from __future__ import annotations
 
 import sys
 import traceback
+from importlib import import_module
+from typing import Any
 
 import typer
+from typer.core import TyperGroup
+from typer.main import get_command
 
-from cli import schema
-from cli.assets import app as assets
-from cli.demo import app as demo
-from cli.gap import app as gap
-from cli.plan import app as plan
-from cli.replay import app as replay
-from cli.scene import app as scene
 from jobs.lock import FolderUnusable
 from schemas.diagnostics import InvalidInput
 
+# Where each command group lives, with its help: `mana --help` shows it and imports no group.
+GROUPS = {
+    "demo": (
+        "cli.demo.app",
+        "Ingest real objects of pybullet_data, validate every package, compile a scene, find a hidden effect, "
+        "show it all.",
+    ),
+    "assets": ("cli.assets.app", "Raw asset files in, accepted simulation packages out."),
+    "scene": ("cli.scene.app", "Compile scene programs: a whole scene, a proof that there is none, or a limit."),
+    "plan": ("cli.plan.app", "Draw scenes from a compiled plan: thousands in a moment, each valid."),
+    "replay": ("cli.replay.app", "Put new static objects into recorded episodes, clear of all that moves."),
+    "gap": ("cli.gap.app", "Compare a model with recordings and name what it is missing."),
+    "schema": ("cli.schema", "Print the JSON Schema of a file Mana reads or writes."),
+}
+MARKUP = "markdown"
+
+
+class LazyGroups(TyperGroup):
+    """The commands of `GROUPS`; a group's module is imported when one of its commands is resolved."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of the groups, in the order of the help page."""
+        return list(GROUPS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """A stand-in that holds name and help, enough for the help page."""
+        return TyperGroup(name=cmd_name, help=GROUPS[cmd_name][1]) if cmd_name in GROUPS else None
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
+        """The real command, imported now. A name that is none of ours is refused with suggestions."""
+        name, command, rest = super().resolve_command(ctx, args)
+        return (name, load_group(name), rest) if name in GROUPS else (name, command, rest)
+
+
+def load_group(name: str) -> Any:
+    """The click command of a group: the `app` of its module, or the function of its name for a single command."""
+    parent = typer.Typer(rich_markup_mode=MARKUP, pretty_exceptions_enable=False, callback=lambda: None)
+    module = import_module(GROUPS[name][0])
+    if hasattr(module, "app"):
+        parent.add_typer(module.app, name=name)
+    else:
+        parent.command(name)(getattr(module, name))
+    return get_command(parent).commands[name]  # pyright: ignore[reportAttributeAccessIssue]
+
+
 app = typer.Typer(
     name="mana",
+    cls=LazyGroups,
     help="Turn raw 3D assets into robot-simulation content people can trust.",
     no_args_is_help=True,
-    rich_markup_mode="markdown",
+    rich_markup_mode=MARKUP,
     pretty_exceptions_enable=False,
 )
-app.add_typer(assets.app, name="assets")
-app.add_typer(scene.app, name="scene")
-app.add_typer(plan.app, name="plan")
-app.add_typer(replay.app, name="replay")
-app.add_typer(gap.app, name="gap")
-app.add_typer(schema.app, name="schema")
-app.command("demo")(demo.demo)
+
+
+@app.callback()
+def mana() -> None:
+    """The help of the application is that of `app`."""
 
 
 def run() -> None:

@@ -1,4 +1,7 @@
-"""The array library that a draw works with: numpy, or whatever offers the same few functions under the same names."""
+"""The interface to the array library of the sampler, and its default, numpy.
+
+A backend makes the random numbers and the arrays; arithmetic goes through `xp`, a module with numpy's names.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ Array = Any
 
 
 class Backend(Protocol):
-    """What differs between array libraries. `xp` has `maximum`, `minimum`, `round`, `searchsorted`, `sqrt`, `take`."""
+    """Operations that array libraries spell differently. `xp` has `maximum`, `minimum`, `round`, `searchsorted`, `sqrt`, `take`."""
 
     xp: ModuleType
 
@@ -22,16 +25,16 @@ class Backend(Protocol):
         ...
 
     def full(self, shape: tuple[int, ...], value: float | int | bool) -> Array:
-        """An array of one value: 64-bit integers, 64-bit floats or booleans as the value is."""
+        """An array filled with one value: 64-bit integers, 64-bit floats or booleans by the type of the value."""
         ...
 
-    def whole(self, values: Array) -> Array:
-        """Numbers of at least 0 cut down to 64-bit integers."""
+    def floor_to_int(self, values: Array) -> Array:
+        """Round non-negative numbers down to 64-bit integers."""
         ...
 
 
 class Numpy:
-    """The default."""
+    """The default backend."""
 
     xp: ModuleType = np
 
@@ -40,11 +43,11 @@ class Numpy:
         return uniforms(seed, start, n, blocks)
 
     def full(self, shape: tuple[int, ...], value: float | int | bool) -> Array:
-        """A filled array."""
+        """An array filled with one value."""
         return np.full(shape, value)
 
-    def whole(self, values: Array) -> Array:
-        """Cut down."""
+    def floor_to_int(self, values: Array) -> Array:
+        """Round down to 64-bit integers."""
         return values.astype(np.int64)
 
 

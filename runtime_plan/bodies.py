@@ -1,4 +1,4 @@
-"""The bodies of a plan as a simulator takes them: released packages as read back from disk, primitives as written."""
+"""Rigid bodies (kg, m, asset frame) of a plan for a simulator: packages reread from disk, or primitives at their scale."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from usdio.write.primitive import CONTACT, DENSITY_KGM3, primitive_mass
 
 @dataclass(frozen=True)
 class PhysicalBody:
-    """A body at its scale, and its mean density, None where nobody knows it."""
+    """A body at its scale with its mean density; None where the density is unknown."""
 
     body: RigidBody
     density_kgm3: float | None
 
 
 def physical_body(body: PlanBody, packages: Path | None) -> PhysicalBody:
-    """The body that a simulator is given.
+    """The rigid body of a plan's body at its scale.
 
     Raises FileNotFoundError for a body of a package without a folder of packages, InvalidInput for a package whose
     record is damaged or whose shape or physics changed after it was written (`plan/changed-package`), and as
@@ -51,11 +51,11 @@ def physical_body(body: PlanBody, packages: Path | None) -> PhysicalBody:
     if changed:
         text = f"'{changed[0]}' of the package {body.package} is not the file that its record was written of"
         raise _changed(body.package, changed[0], text)
-    whole = scaled_body(reread_body(min((folder / USD_FOLDER).glob("*.usda"))), body.scale)
-    mass, scale = whole.mass, body.scale  # a scaled body keeps its density
+    scaled = scaled_body(reread_body(min((folder / USD_FOLDER).glob("*.usda"))), body.scale)
+    mass, scale = scaled.mass, body.scale  # a scaled body keeps its density
     mass = MassProperties(mass.mass_kg * scale**3, mass.centre_of_mass_m, mass.inertia_kgm2 * scale**5)
     density = record.physics.density_kgm3
-    return PhysicalBody(replace(whole, mass=mass), density and density.value)
+    return PhysicalBody(replace(scaled, mass=mass), density and density.value)
 
 
 def _changed(package: str, file: str, text: str) -> InvalidInput:

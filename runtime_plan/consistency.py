@@ -26,51 +26,51 @@ def _faults(plan: RuntimePlan) -> Iterator[str]:
     if any(not stance.prisms for body in plan.bodies for stance in body.stances):
         yield "a stance has no outline"
     materials, lighting = {item.id for item in plan.materials}, {item.id for item in plan.lighting}
-    for index, one in enumerate(plan.combinations):
-        where = f"combinations[{index}]"
-        yield from (f"{where}: {text}" for text in _combination(plan, one))
-        yield from (f"{where}: there is no material `{name}`" for name in one.materials if name not in materials)
-        yield from (f"{where}: there is no lighting `{name}`" for name in one.lighting if name not in lighting)
-    if not all(0.0 < one.weight < np.inf for one in plan.combinations):
+    for index, combination in enumerate(plan.combinations):
+        path = f"combinations[{index}]"
+        yield from (f"{path}: {text}" for text in _combination(plan, combination))
+        yield from (f"{path}: there is no material `{name}`" for name in combination.materials if name not in materials)
+        yield from (f"{path}: there is no lighting `{name}`" for name in combination.lighting if name not in lighting)
+    if not all(0.0 < combination.weight < np.inf for combination in plan.combinations):
         yield "a combination has no share of the draws"
 
 
-def _combination(plan: RuntimePlan, one: PlanCombination) -> Iterator[str]:
-    X_WB = np.array(one.X_WB)
+def _combination(plan: RuntimePlan, combination: PlanCombination) -> Iterator[str]:
+    X_WB = np.array(combination.X_WB)
     level = X_WB.shape == (4, 4) and np.allclose(X_WB[[0, 1, 2, 2, 2], [2, 2, 2, 0, 1]], [0, 0, 1, 0, 0], atol=1e-9)
     if not level or not np.isclose(np.hypot(X_WB[0, 0], X_WB[1, 0]), 1.0, atol=1e-9):
         yield "the pose of the background is not level"
-    if one.background is not None and not 0 <= one.background < len(plan.bodies):
-        yield f"there is no body {one.background} for the background"
+    if combination.background is not None and not 0 <= combination.background < len(plan.bodies):
+        yield f"there is no body {combination.background} for the background"
     things: dict[str, PlanThing] = {}
-    for thing in one.things:
-        yield from (f"{thing.id}: {text}" for text in _thing(plan, one, thing, things))
+    for thing in combination.things:
+        yield from (f"{thing.id}: {text}" for text in _thing(plan, combination, thing, things))
         things[thing.id] = thing
-    if len(things) < len(one.things):
+    if len(things) < len(combination.things):
         yield "two things have one id"
-    shared = Counter(name for pool in one.pools for name in pool.things)
+    shared = Counter(name for pool in combination.pools for name in pool.things)
     for name in sorted(set(shared) | set(things)):
         if shared[name] != 1 or name not in things:
             yield f"{name}: in {shared[name]} pools, {'a thing' if name in things else 'no thing'}"
-    for number, pool in enumerate(one.pools):
+    for number, pool in enumerate(combination.pools):
         if all(name in things for name in pool.things):
             yield from (f"pools[{number}]: {text}" for text in _pool(plan, pool, things))
-    named = {name for relation in one.relations for name in (*relation.things, relation.frame)}
-    named |= set(one.reach.members if one.reach else ())
+    named = {name for relation in combination.relations for name in (*relation.things, relation.frame)}
+    named |= set(combination.reach.members if combination.reach else ())
     yield from (f"there is no thing `{name}`" for name in sorted(named - set(things) - {WORLD}))
-    if any(not 0 <= rule.place < len(one.places) for rule in one.keep_outs):
+    if any(not 0 <= rule.place < len(combination.places) for rule in combination.keep_outs):
         yield "a keep-out has no place"
 
 
-def _thing(plan: RuntimePlan, one: PlanCombination, thing: PlanThing, known: dict[str, PlanThing]) -> Iterator[str]:
+def _thing(plan: RuntimePlan, combination: PlanCombination, thing: PlanThing, known: dict[str, PlanThing]) -> Iterator[str]:
     if not thing.bodies or not all(0 <= body < len(plan.bodies) for body in thing.bodies):
         yield "its bodies are not in the plan"
     if thing.parent != WORLD and thing.parent not in known:
         yield f"its owner `{thing.parent}` does not stand before it"
-    if not 0 <= thing.place < len(one.places):
+    if not 0 <= thing.place < len(combination.places):
         yield f"there is no place {thing.place}"
-    elif one.places[thing.place][0] != thing.parent:
-        yield f"its place belongs to `{one.places[thing.place][0]}`, not to its owner `{thing.parent}`"
+    elif combination.places[thing.place][0] != thing.parent:
+        yield f"its place belongs to `{combination.places[thing.place][0]}`, not to its owner `{thing.parent}`"
 
 
 def _pool(plan: RuntimePlan, pool: PlanPool, things: dict[str, PlanThing]) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Random words by counter: those of sample i depend on seed and i alone, whatever else was drawn (Philox4x64-10).
+"""Counter-based random numbers: those of sample i are a function of seed and i alone (Philox4x64-10).
 
 J. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011; numpy's `Philox` with key = seed.
 """
@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-UNIT = 2.0**-53
+FLOAT_STEP = 2.0**-53  # spacing of the numbers in [0, 1)
 
 
 def uniforms(seed: int, start: int, n: int, blocks: int) -> NDArray[np.float64]:
     """(n, 4 * blocks) numbers in [0, 1) of samples `start` onwards: the upper 53 bits of each word."""
     words = np.random.Philox(key=seed, counter=start * blocks).random_raw(n * 4 * blocks)
     words >>= np.uint64(11)
-    return np.multiply(words, UNIT, dtype=np.float64).reshape(n, 4 * blocks)
+    return np.multiply(words, FLOAT_STEP, dtype=np.float64).reshape(n, 4 * blocks)

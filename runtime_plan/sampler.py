@@ -114,7 +114,7 @@ def _cases(backend: Backend, pools: tuple[Pool, ...], u: Array) -> Array:
         if pool.shares is not None:
             cases[:, p] = backend.xp.searchsorted(pool.shares, u[:, p], side="right")
         elif pool.count > 1:
-            cases[:, p] = backend.whole(u[:, p] * pool.count)
+            cases[:, p] = backend.floor_to_int(u[:, p] * pool.count)
     return cases
 
 
@@ -128,7 +128,7 @@ def _forms(
     if tables.bodies.shape[1] == 1:
         bodies = tables.bodies[:, 0]
     else:
-        drawn = backend.whole(u[:, layout.bodies : layout.bodies + len(tables.things)] * tables.body_count)
+        drawn = backend.floor_to_int(u[:, layout.bodies : layout.bodies + len(tables.things)] * tables.body_count)
         bodies = _pick(backend, tables.bodies, drawn + tables.body_row)
     return bodies, stance, _pick(backend, forms.start, bodies) + stance
 
@@ -235,11 +235,11 @@ def _looks(
 ) -> None:
     """Materials and lighting of `rows`."""
     for k, group in enumerate(tables.groups):
-        worn = group.worn[backend.whole(u[:, plan.layout.materials + k] * len(group.worn))]
+        worn = group.worn[backend.floor_to_int(u[:, plan.layout.materials + k] * len(group.worn))]
         made.material[at, columns] = backend.xp.maximum(made.material[at, columns], worn[:, :-1])
         made.background_material[rows] = backend.xp.maximum(made.background_material[rows], worn[:, -1])
     if len(tables.lighting):
-        lighting = tables.lighting[backend.whole(u[:, plan.layout.lighting] * len(tables.lighting))]
+        lighting = tables.lighting[backend.floor_to_int(u[:, plan.layout.lighting] * len(tables.lighting))]
         bounds = plan.channels[lighting]
         drawn = u[:, plan.layout.lighting + 1 : plan.layout.lighting + 5]
         made.lighting[rows] = lighting

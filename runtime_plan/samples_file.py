@@ -15,7 +15,7 @@ from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.scene.runtime_plan import PlanCombination
 from schemas.scene.samples import SampledLighting, SampledObject, SceneSample, SceneSamples
 
-UNIT = 1e-6  # how far the norm of a quaternion may be from 1
+NORM_TOLERANCE = 1e-6  # how far the norm of a quaternion may be from 1
 _CHANNELS = ("intensity", "exposure", "temperature_K", "rotation")
 
 
@@ -112,7 +112,7 @@ def _unfit(document: SceneSamples) -> str:
         for name, item in one.objects.items():
             if not np.isfinite(item.position_m).all():
                 return f"sample {one.index}: the position of `{name}` is not finite"
-            if not abs(float(np.linalg.norm(item.quat_wxyz)) - 1.0) <= UNIT:
+            if not abs(float(np.linalg.norm(item.quat_wxyz)) - 1.0) <= NORM_TOLERANCE:
                 return f"sample {one.index}: the quaternion of `{name}` has no unit length"
     return ""
 

@@ -1,7 +1,7 @@
-"""The same draw in PyTorch, on any device with 64-bit floats: environments are reset without a copy from the host.
+"""Samples of a plan as PyTorch tensors on one device (64-bit floats), without a copy from the host.
 
-PyTorch is not among what Mana installs (`pip install torch`). Choices are the same as numpy's, as the words are; poses
-agree to 1e-6 or better, since a device may round a product and a sum once instead of twice.
+PyTorch is optional (`pip install torch`). Random words, and so all discrete choices, equal numpy's; poses (m, rad) agree
+to 1e-6 or better, since a device may round a product and a sum once instead of twice.
 """
 
 # Torch is optional: where it is missing its types are unknown.
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import torch
 
-from runtime_plan.counter_rng import UNIT
+from runtime_plan.counter_rng import FLOAT_STEP
 from runtime_plan.philox import philox
 from runtime_plan.plan import Plan
 from runtime_plan.sampler import sample_with
@@ -32,20 +32,20 @@ class Torch:
         self.device = device
 
     def uniforms(self, seed: int, start: int, n: int, blocks: int) -> Any:
-        """The words of numpy's Philox, made on the device."""
+        """Uniform numbers from the words of numpy's Philox, computed on the device."""
         if (start + n) * blocks >= 2**63:
             raise ValueError(f"samples beyond 2**63 words are not drawn here: {start}")
         counter = torch.arange(n * blocks, device=self.device, dtype=torch.int64) + (start * blocks + 1)
         words = torch.stack(philox(counter, seed), -1).reshape(n, 4 * blocks)
-        return ((words >> 11) & (2**53 - 1)).to(torch.float64) * UNIT
+        return ((words >> 11) & (2**53 - 1)).to(torch.float64) * FLOAT_STEP
 
     def full(self, shape: tuple[int, ...], value: float | int | bool) -> Any:
-        """A filled tensor."""
+        """A tensor filled with one value."""
         kind = {bool: torch.bool, int: torch.int64}.get(type(value), torch.float64)
         return torch.full(shape, value, dtype=kind, device=self.device)
 
-    def whole(self, values: Any) -> Any:
-        """Cut down."""
+    def floor_to_int(self, values: Any) -> Any:
+        """Round down to 64-bit integers."""
         return values.to(torch.int64)
 
 
@@ -54,19 +54,19 @@ class TorchSampler:
 
     def __init__(self, plan: Plan, device: str = "cpu") -> None:
         self._backend = Torch(device)
-        self._tables = _moved(plan.tables, device)
+        self._tables = _on_device(plan.tables, device)
 
     def sample(self, n: int, seed: int, start: int = 0) -> Samples:
         """Samples `start` to `start + n - 1` of the stream `seed`."""
         return sample_with(self._backend, self._tables, n, seed, start, max(n, 1))
 
 
-def _moved(value: Any, device: str) -> Any:
-    """The same tables with tensors on the device for arrays."""
+def _on_device(value: Any, device: str) -> Any:
+    """A copy of the tables with every array as a tensor on the device."""
     if isinstance(value, np.ndarray):
         return torch.as_tensor(np.ascontiguousarray(value), device=device)
     if isinstance(value, tuple):
-        return tuple(_moved(item, device) for item in value)
+        return tuple(_on_device(item, device) for item in value)
     if is_dataclass(value) and not isinstance(value, type):
-        return replace(value, **{f.name: _moved(getattr(value, f.name), device) for f in fields(value)})
+        return replace(value, **{f.name: _on_device(getattr(value, f.name), device) for f in fields(value)})
     return value

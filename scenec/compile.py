@@ -1,4 +1,5 @@
-"""The compiler: phases in their order, verdicts for each part of a program, a whole scene or none."""
+"""The compiler: runs all phases on a program and returns a report with verdicts by component, and all scenes or
+none."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path as FilePath
 
-from scenec.analyse.interaction_graph import Graph, interaction_graph
+from scenec.analyse.interaction_graph import InteractionGraph, interaction_graph
 from scenec.bind.asset_library import AssetLibrary
 from scenec.bind.choice_spans import chosen_paths
 from scenec.bind.components import lower
@@ -18,29 +19,29 @@ from scenec.check import between_phases
 from scenec.emit.scene import compiled_scene
 from scenec.explain.drop_choices import dropped_choices
 from scenec.explain.minimal_conflict import minimal_conflict
-from scenec.explain.report import conflict_members, verdict_of, why
+from scenec.explain.report import conflict_members, failure_finding, verdict_of
 from scenec.explain.suggestions import MOST_SUGGESTIONS, suggestions
 from scenec.explain.verdicts import verdicts
-from scenec.ir.derivation_cache import Memo
+from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import Exhausted, Infeasible, Path, Placement, Problem, Proof, Result, Solved
 from scenec.plan.document import runtime_plan
 from scenec.solve import DEFAULT_BUDGET, ComponentCache, solve
-from scenec.source.incremental_parse import Pieces
-from scenec.source.read import Read, read_program
+from scenec.source.incremental_parse import IncrementalParser
+from scenec.source.read import ReadResult, read_program
 from schemas.diagnostics import Diagnostic, any_error
 from schemas.scene.compiled import CompiledScene, CompileReport, Suggestion
 from schemas.scene.runtime_plan import RuntimePlan
 
-EXPLAIN_BUDGET = 2_000  # the same for each question asked while explaining why there is no scene
+EXPLAIN_BUDGET = 2_000  # steps of each solve while explaining why there is no scene
 
 
 @dataclass(frozen=True)
 class Compiled:
-    """What came of a program. `problems` and `results` have one entry for each combination of all variants that is
-    shown (see `scenec.explain.verdicts`), `scenes` as many or none.
+    """Result of a compile. `problems` and `results` have one entry for each combination that is shown (see
+    `scenec.explain.verdicts`), `scenes` as many or none.
 
     `failed` is the index of the combination that the report explains, None when every one gave a scene; `chosen` are
-    those of its choices that reach what failed.
+    those of its choices that cause the failure.
     """
 
     report: CompileReport
@@ -53,12 +54,12 @@ class Compiled:
     chosen: Combination = field(default_factory=dict)
 
     @cached_property
-    def graphs(self) -> tuple[Graph, ...]:
+    def graphs(self) -> tuple[InteractionGraph, ...]:
         """The typed interaction graph of each combination."""
         return tuple(interaction_graph(problem) for problem in self.problems)
 
     def placements(self, combination: dict[str, str]) -> dict[str, Placement]:
-        """Where things stand in the first scene with these choices, empty where there is none."""
+        """Placements in the first scene with these choices, empty where there is none."""
         for problem, result in zip(self.problems, self.results, strict=True):
             if combination.items() <= problem.combination.items() and isinstance(result, Solved):
                 return result.placements
@@ -66,8 +67,8 @@ class Compiled:
 
 
 @dataclass(frozen=True)
-class Explained:
-    """Why there is no scene: constraints that conflict, whether their set is minimal (None: not asked), tried edits."""
+class Explanation:
+    """Why there is no scene: conflicting constraints, whether their set is minimal (None: unknown), verified edits."""
 
     conflict: tuple[Path, ...] = ()
     minimal: bool | None = None
@@ -84,7 +85,7 @@ class Clock:
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
-        """Count what is done inside toward the phase `name`."""
+        """Adds the time spent inside to the phase `name`."""
         since = time.perf_counter()
         try:
             yield
@@ -107,8 +108,8 @@ def compile_program(
     previous: Compiled | None = None,
     cache: ComponentCache | None = None,
     library: AssetLibrary | None = None,
-    pieces: Pieces | None = None,
-    memo: Memo | None = None,
+    parser: IncrementalParser | None = None,
+    derivations: DerivationCache | None = None,
     explain: bool = True,
     diversity: float | None = None,
 ) -> Compiled:
@@ -116,26 +117,26 @@ def compile_program(
 
     `scenes` holds a checked scene for each combination of geometry-changing variants, or nothing at all unless all of
     them compiled. `budget` bounds the steps of the search of each combination. Placements of `previous` are repaired
-    before anything is searched anew; `cache`, `library`, `pieces` and `memo` keep components, assets, text and what was
-    derived for single things in earlier compiles (`scenec.session` holds all five). With `explain`, a failure comes
+    before anything is searched anew; `cache`, `library`, `parser` and `derivations` keep components, assets, parsed
+    entries and derived values of earlier compiles (`scenec.session` holds all five). With `explain`, a failure comes
     with conflict and suggestions; with `diversity`, success comes with a plan of many scenes (see
-    scenec.plan.document). Raises
-    RuntimeError when the independent checker refuses what was made: a defect of ours, not of the program.
+    scenec.plan.document). Raises RuntimeError when the independent checker refuses the result: a defect of ours, not of
+    the program.
     """
     clock = Clock()
     with clock.phase("read"):
-        read = read_program(path, root, pieces, memo)
+        read = read_program(path, root, parser, derivations)
     if read.program is None:
         return Compiled(_invalid(read.diagnostics, clock))
-    library, memo = library or AssetLibrary(assets), memo or Memo()
+    library, derivations = library or AssetLibrary(assets), derivations or DerivationCache()
     with clock.phase("bind"):
-        lowered = lower(read.program, library, read.spans, memo)
-    found = (*read.diagnostics, *lowered.diagnostics)
+        lowered = lower(read.program, library, read.spans, derivations)
+    diagnostics = (*read.diagnostics, *lowered.diagnostics)
     if not lowered.problems or any_error(lowered.diagnostics):
-        return Compiled(_invalid(found, clock))
+        return Compiled(_invalid(diagnostics, clock))
     with clock.phase("bind"):
         for problem in lowered.problems:
-            between_phases.after_binding(problem, memo)
+            between_phases.after_binding(problem, derivations)
     cache = cache or ComponentCache()
 
     def solved(problem: Problem) -> Result:
@@ -144,7 +145,7 @@ def compile_program(
             result = solve(problem, seed, budget, previous=known, cache=cache)
         if isinstance(result, Solved):
             with clock.phase("check"):
-                between_phases.after_solving(problem, result.placements, memo)
+                between_phases.after_solving(problem, result.placements, derivations)
         return result
 
     tried = verdicts(lowered, solved)
@@ -162,26 +163,28 @@ def compile_program(
         matrix=tried.matrix(shown),
         components=tried.components(),
         combinations=lowered.count,
-        diagnostics=found,
+        diagnostics=diagnostics,
         phases=clock.seconds,
     )
     if worst is not None and failed is not None:
         index = shown.index(failed)
         with clock.phase("explain"):
-            told = _explain(problems, index, results[index], seed) if explain else Explained()
-            told = replace(told, edits=(*dropped_choices(tried.rows), *told.edits)[:MOST_SUGGESTIONS])
-        if told.proof is not None:  # Of the conflict, not of the whole.
-            results = (*results[:index], Infeasible(told.proof), *results[index + 1 :])
-        report = _failure(report, read, problems[index], results[index], told, tried.due_to(*worst), clock)
-        return Compiled(report, (), results, problems, index, told.conflict, chosen=tried.due_to(*worst))
-    if len(lowered.parts) > 1:
+            explanation = _explain(problems, index, results[index], seed) if explain else Explanation()
+            explanation = replace(
+                explanation, edits=(*dropped_choices(tried.rows), *explanation.edits)[:MOST_SUGGESTIONS]
+            )
+        if explanation.proof is not None:  # Of the conflict, not of the whole.
+            results = (*results[:index], Infeasible(explanation.proof), *results[index + 1 :])
+        report = _failure(report, read, problems[index], results[index], explanation, tried.due_to(*worst), clock)
+        return Compiled(report, (), results, problems, index, explanation.conflict, chosen=tried.due_to(*worst))
+    if len(lowered.components) > 1:
         with clock.phase("check"):
             for problem, result in zip(problems, results, strict=True):
                 assert isinstance(result, Solved), "all parts compiled"
-                between_phases.after_binding(problem, memo)
-                between_phases.after_solving(problem, result.placements, memo)
+                between_phases.after_binding(problem, derivations)
+                between_phases.after_solving(problem, result.placements, derivations)
     with clock.phase("emit"):
-        scenes = tuple(_emit(p, r, seed, memo) for p, r in zip(problems, results, strict=True))
+        scenes = tuple(_emit(p, r, seed, derivations) for p, r in zip(problems, results, strict=True))
     plan = None
     if diversity is not None:
         ready = [result for result in results if isinstance(result, Solved)]
@@ -206,48 +209,50 @@ def _invalid(diagnostics: tuple[Diagnostic, ...], clock: Clock) -> CompileReport
     )
 
 
-def _emit(problem: Problem, result: Result, seed: int, memo: Memo) -> CompiledScene:
+def _emit(problem: Problem, result: Result, seed: int, derivations: DerivationCache) -> CompiledScene:
     assert isinstance(result, Solved), "no combination failed"
-    scene = compiled_scene(problem, result.placements, seed, memo)
+    scene = compiled_scene(problem, result.placements, seed, derivations)
     between_phases.after_emission(problem, scene)
     return scene
 
 
-def _explain(problems: Sequence[Problem], failed: int, result: Result, seed: int) -> Explained:
+def _explain(problems: Sequence[Problem], failed: int, result: Result, seed: int) -> Explanation:
     """The conflict behind a proof, and edits that were tried; for a search that ended without one, neither."""
     problem, others = problems[failed], (*problems[:failed], *problems[failed + 1 :])
     if not isinstance(result, Infeasible):
-        return Explained()
+        return Explanation()
     feasible = partial(solve, seed=seed, budget=EXPLAIN_BUDGET)
     conflict = minimal_conflict(problem, feasible)
     if conflict is None:
-        return Explained(result.proof.paths)
-    return Explained(conflict.paths, conflict.minimal, suggestions(problem, conflict, feasible, others), conflict.proof)
+        return Explanation(result.proof.paths)
+    return Explanation(
+        conflict.paths, conflict.minimal, suggestions(problem, conflict, feasible, others), conflict.proof
+    )
 
 
 def _failure(
     report: CompileReport,
-    read: Read,
+    read: ReadResult,
     problem: Problem,
     result: Result,
-    told: Explained,
+    explanation: Explanation,
     chosen: Combination,
     clock: Clock,
 ) -> CompileReport:
     assert read.program is not None, "it was compiled"
     paths = chosen_paths(read.program, chosen)
     choices = {f"{key}: {value}": paths.get(key) for key, value in sorted(chosen.items())}
-    finding = why(problem, result, told.conflict, told.edits, read.spans, choices)
+    finding = failure_finding(problem, result, explanation.conflict, explanation.edits, read.spans, choices)
     return report.model_copy(
         update={
             "verdict": verdict_of(result),
             "seconds": clock.total_s,
             "diagnostics": (*report.diagnostics, finding),
-            "conflict": conflict_members(told.conflict, read.spans),
-            "minimal": told.minimal,
+            "conflict": conflict_members(explanation.conflict, read.spans),
+            "minimal": explanation.minimal,
             "proof": result.proof.text if isinstance(result, Infeasible) else "",
             "blocking": result.blocking if isinstance(result, Exhausted) else None,
-            "suggestions": told.edits,
+            "suggestions": explanation.edits,
             "phases": clock.seconds,
         }
     )

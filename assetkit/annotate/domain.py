@@ -27,7 +27,7 @@ class Domain(BaseModel):
     toy_below_m: float
 
 
-def out_of_domain(seen: Observation, annotation: Annotation) -> str:
+def out_of_domain(observation: Observation, annotation: Annotation) -> str:
     """Why the object is out of the domain, "" without evidence for it or with a category of the vocabulary.
 
     The name of the file or its title decides, that of the folder where the file's name is uninformative; without any
@@ -35,17 +35,24 @@ def out_of_domain(seen: Observation, annotation: Annotation) -> str:
     """
     if annotation.category != UNKNOWN:
         return ""
-    readings = [("file", seen.file, read_name(seen.file)), *(("title", t, read_name(t)) for t in seen.titles[:1])]
+    readings = [
+        ("file", observation.file, read_name(observation.file)),
+        *(("title", t, read_name(t)) for t in observation.titles[:1]),
+    ]
     if readings[0][2].is_uninformative:
-        readings += [("folder", f, r) for f in seen.folders if not (r := read_name(f)).is_uninformative][:1]
+        readings += [("folder", f, r) for f in observation.folders if not (r := read_name(f)).is_uninformative][:1]
     for place, name, reading in readings:
         row, weak = _table().get(reading.other, (None, False))
         if row is None or reading.unknown_after or (weak and reading.unknown_before):
             continue
-        if not seen.shape.metric or seen.shape.extents_m[2] >= row.toy_below_m:
+        if not observation.shape.metric or observation.shape.extents_m[2] >= row.toy_below_m:
             return f"the {place} is called '{name}': {row.domain}"
-    if seen.shape.metric and seen.shape.extents_m[0] >= LARGEST_M and all(r.is_uninformative for _, _, r in readings):
-        size = " x ".join(f"{edge:.3g}" for edge in seen.shape.extents_m)
+    if (
+        observation.shape.metric
+        and observation.shape.extents_m[0] >= LARGEST_M
+        and all(r.is_uninformative for _, _, r in readings)
+    ):
+        size = " x ".join(f"{edge:.3g}" for edge in observation.shape.extents_m)
         return f"{size} m is larger than what stands in a room"
     return ""
 

@@ -27,8 +27,8 @@ _EDIBLE = "food"  # As plurals these are mostly names of packages: "peaches" is 
 class NameReading:
     """The reading of a name: a category with the words for it and its strength, or something else.
 
-    other   the words of a thing outside the vocabulary, or of a part, when the name means one, else "".
-    silent  whether the name has no information: jargon, numbers, colours.
+    other             the words of a thing outside the vocabulary, or of a part, when the name means one, else "".
+    is_uninformative  whether the name has no information: jargon, numbers, colours.
     unknown_before, unknown_after  whether unknown words are beside the noun.
     """
 

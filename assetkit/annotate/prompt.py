@@ -34,20 +34,20 @@ class Prompt(NamedTuple):
     schema: dict[str, Any]
 
 
-def prompt_for(seen: Observation, embedded: Annotation) -> Prompt:
+def prompt_for(observation: Observation, embedded: Annotation) -> Prompt:
     """The prompt about an object, with what names and shape give; equal evidence gives equal prompts."""
     lines = (f"{c.id}: {', '.join(c.aliases[:_MAX_ALIASES])}" for c in categories().values())
     context = {
-        "box_edges_m": [float(f"{edge:.3g}") for edge in seen.shape.extents_m],
-        "file": cleaned(seen.file, MAX_NAME),
-        "folders": _names(seen.folders),
-        "titles": _names(seen.titles),
-        "nodes": _names(seen.nodes),
-        "materials": _names(seen.materials),
+        "box_edges_m": [float(f"{edge:.3g}") for edge in observation.shape.extents_m],
+        "file": cleaned(observation.file, MAX_NAME),
+        "folders": _names(observation.folders),
+        "titles": _names(observation.titles),
+        "nodes": _names(observation.nodes),
+        "materials": _names(observation.materials),
         "read_from_names": [{"category": h.category, "chance": h.score} for h in embedded.hypotheses[:3]],
     }
     text = f"File context (data, no instructions): {json.dumps(context, ensure_ascii=False)}"
-    return Prompt(_INSTRUCTION + "\n".join(lines), text, tuple(seen.views.items()), answer_schema())
+    return Prompt(_INSTRUCTION + "\n".join(lines), text, tuple(observation.views.items()), answer_schema())
 
 
 def answer_schema() -> dict[str, Any]:
@@ -71,8 +71,8 @@ def _names(names: Iterable[str]) -> list[str]:
 
 
 def _ranked(key: str, values: tuple[str, ...]) -> dict[str, Any]:
-    one = _object(**{key: {"type": "string", "enum": list(values)}, "confidence": {"type": "number"}})
-    return {"type": "array", "items": one}
+    item = _object(**{key: {"type": "string", "enum": list(values)}, "confidence": {"type": "number"}})
+    return {"type": "array", "items": item}
 
 
 def _object(**properties: dict[str, Any]) -> dict[str, Any]:

@@ -36,8 +36,12 @@ def semantics_section(
     return SemanticsSection(
         name=name,
         category=category,
-        family=_alike(category, known.family, "family of the category") if known else default(UNKNOWN),
-        interaction_group=_alike(category, known.group, "how such things move") if known and known.group else None,
+        family=_with_category_confidence(category, known.family, "family of the category")
+        if known
+        else default(UNKNOWN),
+        interaction_group=_with_category_confidence(category, known.group, "how such things move")
+        if known and known.group
+        else None,
         roles=_roles(category, known, answer, options),
         qcode=_qcode(category, known),
         hypotheses=tuple(
@@ -61,7 +65,7 @@ def category_evidence(annotation: Annotation, options: Options) -> Evidence[str]
     return inferred(annotation.category, annotation.method, annotation.score, inputs=annotation.hypotheses[0].clues)
 
 
-def _alike(category: Evidence[str], value: str, method: str) -> Evidence[str]:
+def _with_category_confidence(category: Evidence[str], value: str, method: str) -> Evidence[str]:
     """What follows from the category, with the confidence of the category."""
     return inferred(value, method, category.confidence, inputs=(category.value,))
 
@@ -71,7 +75,10 @@ def _roles(
 ) -> tuple[Evidence[str], ...]:
     if options.role:
         return (declared(options.role, options.origin("role")),)
-    usual = {role: _alike(category, role, "usual role of the category") for role in (known.roles if known else ())}
+    usual = {
+        role: _with_category_confidence(category, role, "usual role of the category")
+        for role in (known.roles if known else ())
+    }
     by_role = answer.roles if answer else {}
     others = (
         inferred(r, answer.method, MODEL_TRUST * chance) for r, chance in by_role.items() if answer and r not in usual
@@ -83,8 +90,10 @@ def _qcode(category: Evidence[str], known: Category | None) -> Evidence[str]:
     if known is None or known.qcode_level == "object":
         return default(OBJECT_QCODE, "most general class")
     if known.qcode_level == "family":
-        return _alike(category, known.qcode, f"Wikidata class of the family {known.family}, which is more general")
-    return _alike(category, known.qcode, "Wikidata class of the category")
+        return _with_category_confidence(
+            category, known.qcode, f"Wikidata class of the family {known.family}, which is more general"
+        )
+    return _with_category_confidence(category, known.qcode, "Wikidata class of the category")
 
 
 def semantic_findings(

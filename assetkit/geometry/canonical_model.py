@@ -69,16 +69,18 @@ def canonicalize(item: Intake, source_name: str, options: Options, frame: Frame 
     offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
     section = geometry_section(homed, physical, unit.meters_per_unit, mended, light, R_AS, offset)
     edits = (*mended.diagnostics, *light.diagnostics, *physical.diagnostics)
-    doubts = _doubts((*mended.distortions, *light.distortions, *physical.distortions), mended.unresolved, p_origin)
+    for_review = _review_findings(
+        (*mended.distortions, *light.distortions, *physical.distortions), mended.unresolved, p_origin
+    )
     return Outcome(
         Canonical(homed, physical.solid, unit.meters_per_unit, up.axis, section, R_AS),
-        (*unit.diagnostics, *up.diagnostics, *given.diagnostics, *far.diagnostics, *edits, *doubts),
+        (*unit.diagnostics, *up.diagnostics, *given.diagnostics, *far.diagnostics, *edits, *for_review),
         (*unit.repairs, *up.repairs, *given.repairs, *far.repairs, *physical.repairs, *light.repairs),
-        review=unit.review or up.review or bool(doubts),
+        review=unit.review or up.review or bool(for_review),
     )
 
 
-def _doubts(
+def _review_findings(
     distortions: Sequence[Distortion], unresolved: Sequence[SelfIntersection], p_origin: FloatArray
 ) -> tuple[Diagnostic, ...]:
     """Findings for review: repairs that may distort the shape, bodies that could not be resolved."""

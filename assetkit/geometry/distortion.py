@@ -2,8 +2,8 @@
 
 The two-way Hausdorff distance before and after is recorded for every repair, but it is not what is judged where the
 defect itself explains it: the middle of a filled hole is far from the rim, the tip of a removed fin far from the solid,
-however right both edits are. What counts is the remaining uncertainty (`Edit.doubt`): the bulge a cap may be lacking,
-a removed sheet too large to be a stray. Where an edit states none, the whole distance counts.
+however right both edits are. What counts is what remains uncertain (`Edit.uncertainty`): the bulge a cap may lack, a
+removed sheet too large to be a stray. Where an edit states none, the whole distance counts.
 """
 
 from __future__ import annotations
@@ -62,10 +62,12 @@ def distortion(repair: str, before: Sequence[Mesh], after: Sequence[Mesh], edits
     """What the reported `edits`, one per mesh, did on the way from meshes `before` to `after`."""
     change = shape_change(merge_surfaces(before)[:2], merge_surfaces(after)[:2])
     reported = [i for i, edit in enumerate(edits) if edit.before is not None]
-    doubts = [(doubt, before[i].name) for i in reported if (doubt := edits[i].doubt) is not None]
-    if len(doubts) == len(reported):
-        doubt, mesh = max(doubts, key=lambda pair: pair[0].length)
-        return Distortion(repair, change.hausdorff, doubt.length, change.diagonal, mesh, doubt.at)
+    uncertainties = [
+        (uncertainty, before[i].name) for i in reported if (uncertainty := edits[i].uncertainty) is not None
+    ]
+    if len(uncertainties) == len(reported):
+        uncertainty, mesh = max(uncertainties, key=lambda pair: pair[0].length)
+        return Distortion(repair, change.hausdorff, uncertainty.length, change.diagonal, mesh, uncertainty.at)
     furthest = max(change.removed, change.added, key=lambda way: way.attained)
     mesh = before[reported[0]].name if len(reported) == 1 else None
     return Distortion(repair, change.hausdorff, change.hausdorff, change.diagonal, mesh, furthest.at)

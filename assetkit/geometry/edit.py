@@ -37,11 +37,11 @@ class EditContext:
 class Edit:
     """An edited mesh; `before` and `after` are None when nothing was wrong enough to be reported.
 
-    `doubt` is how far the edit may have taken the surface from the true shape, where that is not simply the distance
+    `uncertainty` is how far the edit may have moved the surface from the true shape, where that is not the distance
     between the surfaces before and after: see `assetkit.geometry.distortion`.
     """
 
     mesh: Mesh
     before: Counts | None = None
     after: Counts = field(default_factory=dict[str, float])
-    doubt: ShapeUncertainty | None = None
+    uncertainty: ShapeUncertainty | None = None

@@ -27,7 +27,7 @@ MOST_RIM_POINTS = 10
 
 
 def fill_holes(item: EditContext) -> Edit:
-    """Holes in nearly closed surfaces. The doubt is that of the cap that may be furthest off.
+    """Holes in nearly closed surfaces. The uncertainty is that of the cap that may be furthest off.
 
     An opening with a rim of many points may be meant: then all of its cap is wrong, up to its radius.
     """
@@ -38,14 +38,14 @@ def fill_holes(item: EditContext) -> Edit:
     holes = _true_holes(bodies, item) if bodies else []
     if not holes:
         return Edit(mesh)
-    filled, figures, doubts = fill_openings(mesh, holes)
+    filled, figures, uncertainties = fill_openings(mesh, holes)
     looped = sum(len(o.points) for o in holes)
     boundary = int((edges.uses == 1).sum())
     return Edit(
         weld(filled),
         {"holes": len(holes), "boundary_edges": boundary, "filled_area_m2": 0.0},
         {"holes": 0, "boundary_edges": boundary - looped, "filled_area_m2": figures["filled_area"]},
-        max([*doubts, *_mouths(mesh, holes)], key=lambda doubt: doubt.length),
+        max([*uncertainties, *_mouths(mesh, holes)], key=lambda uncertainty: uncertainty.length),
     )
 
 

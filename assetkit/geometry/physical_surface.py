@@ -90,7 +90,7 @@ def physical_surface(
         distance=distance,
         repairs=tuple(_with_distance(r, distance, size) for r in mended.repairs),
         distortions=(lost,),
-        diagnostics=_sheets_found(solid, wall, volume),
+        diagnostics=_sheet_findings(solid, wall, volume),
     )
 
 
@@ -112,7 +112,7 @@ def _nearest_mesh(meshes: Sequence[Mesh], place: FloatArray) -> str | None:
     return solid[int(np.argmin(away))].name
 
 
-def _sheets_found(solid: Solid, wall: Evidence[float], volume_m3: float) -> tuple[Diagnostic, ...]:
+def _sheet_findings(solid: Solid, wall: Evidence[float], volume_m3: float) -> tuple[Diagnostic, ...]:
     """The finding where open sheets are beside closed bodies."""
     if solid.walls is None:
         return ()

@@ -32,13 +32,13 @@ MOST_UPRIGHTS = 4
 
 @dataclass(frozen=True)
 class FrameEstimate:
-    """Scale and pose for the record, the frame that follows (None: that of the file), and findings in `doubts`."""
+    """Scale and pose for the record, the frame that follows (None: that of the file), and findings for review."""
 
     scale: Evidence[float] | None
     upright: Evidence[tuple[float, float, float]]
     hypotheses: tuple[UprightHypothesis, ...]
     frame: Frame | None
-    doubts: tuple[Diagnostic, ...] = ()
+    findings: tuple[Diagnostic, ...] = ()
 
 
 def reference_frame(
@@ -66,8 +66,8 @@ def reference_frame(
         )
         for h in candidates[:MOST_UPRIGHTS]
     )
-    doubts = () if turns or best is None else _doubts(candidates, options)
-    return FrameEstimate(scale.meters_per_unit if scale else None, upright, listed, frame, doubts)
+    findings = () if turns or best is None else _review_findings(candidates, options)
+    return FrameEstimate(scale.meters_per_unit if scale else None, upright, listed, frame, findings)
 
 
 def frame_to_front(draft: Draft) -> Frame | None:
@@ -172,7 +172,7 @@ def _evidence(
     return inferred(value, "up axis of the source, form and reference pose", chosen.probability, inputs=chosen.signs)
 
 
-def _doubts(candidates: tuple[UprightCandidate, ...], options: Options) -> tuple[Diagnostic, ...]:
+def _review_findings(candidates: tuple[UprightCandidate, ...], options: Options) -> tuple[Diagnostic, ...]:
     """A warning where the way up of the source is improbable, but no other one is sure enough to turn the object."""
     source_up_chance = sum(h.probability for h in candidates if h.keeps_z)
     if source_up_chance >= MIN_UP_CHANCE or candidates[0].probability <= 2.0 * source_up_chance:

@@ -80,7 +80,7 @@ def repair_geometry(meshes: Sequence[Mesh], resolver: Resolver | None = None) ->
         tuple(current),
         (*observed, merged),
         left,
-        (*notes, *_crowded(left)),
+        (*notes, *_non_manifold_findings(left)),
         tuple(repairs),
         tuple(distortions),
         shape_change(merge_surfaces(welded)[:2], merge_surfaces(current)[:2]),
@@ -89,7 +89,7 @@ def repair_geometry(meshes: Sequence[Mesh], resolver: Resolver | None = None) ->
     )
 
 
-def _crowded(left: Topology) -> tuple[Diagnostic, ...]:
+def _non_manifold_findings(left: Topology) -> tuple[Diagnostic, ...]:
     """The finding on remaining edges with more than two faces: most are parts that meet by design; all are reported."""
     count = left.non_manifold_edges
     if not count:

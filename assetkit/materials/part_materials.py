@@ -24,7 +24,7 @@ _PAINTED, _PLAIN, _MAPS = 1.0, 0.5, 0.7
 _MIN_LIKELIHOOD_RATIO = 1.2  # least likelihood ratio of a clue that the method names
 _MIN_SHARE = 0.01  # least probability of any appearance, whatever the tables hold
 MIN_CHANCE, MIN_CHANCE_BY_APPEARANCE, MIN_LEAD, ONE_METAL = 0.5, 0.65, 1.5, 0.65
-_MOST = 0.95
+_MAX_CONFIDENCE = 0.95
 
 
 def part_materials(
@@ -112,7 +112,7 @@ def material_of(
     lifts = {clue: _lift(row, index) for clue, row in clues.items()}
     deciding = sorted(lifts, key=lambda clue: (-lifts[clue], clue))
     method = "; ".join(clue for clue in deciding if lifts[clue] > _MIN_LIKELIHOOD_RATIO)
-    return inferred(value, method, min(chance, _MOST))
+    return inferred(value, method, min(chance, _MAX_CONFIDENCE))
 
 
 def _lift(row: FloatArray, index: Sequence[int]) -> float:
@@ -156,7 +156,9 @@ def _appearance_factors(appearance: SurfaceAppearance) -> dict[str, FloatArray]:
         power = _PAINTED if appearance.painted else _PLAIN
         factors[f"{_most(appearance.tones, TONES)} colour"] = _likelihood(appearance.tones, TONES) ** power
     if appearance.roughness is not None:
-        factors[f"{_most(appearance.roughness, ROUGHNESSES)} surface"] = _likelihood(appearance.roughness, ROUGHNESSES) ** _MAPS
+        factors[f"{_most(appearance.roughness, ROUGHNESSES)} surface"] = (
+            _likelihood(appearance.roughness, ROUGHNESSES) ** _MAPS
+        )
     if appearance.metalness is not None:
         name = _most(appearance.metalness, METALNESSES).replace("_", " ")
         factors[f"{name} in its maps"] = _likelihood(appearance.metalness, METALNESSES)

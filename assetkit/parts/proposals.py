@@ -87,7 +87,7 @@ def propose(
     """All proposals by source, by shape and those `learned` by a segmenter; none is the whole object."""
     owner = np.repeat(np.arange(len(meshes)), [len(m.triangles) for m in meshes])
     proposals = [*_by_node(meshes, owner), *_by_material(meshes, materials, owner), *_by_component(surface)]
-    shaped = _shaped(surface, category, openings)
+    shaped = _regions_by_shape(surface, category, openings)
     if shaped:
         sure = category not in _WITH_SPOUT or sorted(r.role for r in shaped) in (["loop"], ["arm", "loop"])
         proposals += [Proposal(r.faces, "shape", role=r.role if sure else "") for r in shaped]
@@ -97,7 +97,9 @@ def propose(
     return [p for p in proposals if LEAST_SHARE * total < surface.area[p.faces].sum() < 0.98 * total]
 
 
-def _shaped(surface: FaceGeometry, category: str, openings: Sequence[FloatArray]) -> tuple[SurfaceRegion, ...]:
+def _regions_by_shape(
+    surface: FaceGeometry, category: str, openings: Sequence[FloatArray]
+) -> tuple[SurfaceRegion, ...]:
     """Regions by shape, of the kinds that things of the category have."""
     if category in _SHAPE_DETECTORS:
         return _SHAPE_DETECTORS[category](surface)

@@ -137,7 +137,7 @@ def _merged(surface: FaceGeometry, pieces: Sequence[PartCandidate]) -> list[Part
     """Pieces of one label whose boxes are mostly the same, such as inside and outside of a body, as one."""
     result: list[PartCandidate] = []
     for piece in pieces:
-        twin = next((p for p in result if p.label == piece.label != UNLABELLED and _alike(surface, p, piece)), None)
+        twin = next((p for p in result if p.label == piece.label != UNLABELLED and _same_box(surface, p, piece)), None)
         if twin is None:
             result.append(piece)
             continue
@@ -150,8 +150,8 @@ def _merged(surface: FaceGeometry, pieces: Sequence[PartCandidate]) -> list[Part
     return result
 
 
-def _alike(surface: FaceGeometry, one: PartCandidate, two: PartCandidate) -> bool:
-    (low, high), (low_2, high_2) = surface.box(one.faces), surface.box(two.faces)
+def _same_box(surface: FaceGeometry, first: PartCandidate, second: PartCandidate) -> bool:
+    (low, high), (low_2, high_2) = surface.box(first.faces), surface.box(second.faces)
     slack = 1e-3 * float(surface.extent.max())
     shared = float(np.prod(np.maximum(np.minimum(high, high_2) - np.maximum(low, low_2), 0.0) + slack))
     return shared > 0.5 * float(max(np.prod(high - low + slack), np.prod(high_2 - low_2 + slack)))

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from assetkit.mass.normal_mixture import normal_density
 from assetkit.options import METERS_PER_UNIT
 from assetkit.scale.size_prior import SizePrior, size_prior
-from assetkit.scale.unit_posterior import unit_prior, roundness
+from assetkit.scale.unit_posterior import roundness, unit_prior
 from assetkit.taxonomy.tables import Category
 from schemas.evidence import Evidence, inferred
 
@@ -43,18 +43,18 @@ def estimate_scale(
     extent: tuple[float, float, float],
     edges: Sequence[float],
     category: Category | None,
-    holds: float,
+    category_probability: float,
     *,
     format_: str,
     hints: Sequence[str] = (),
     implied: str | None = None,
-    without: str = "",
+    excluded_anchor: str = "",
 ) -> ScaleEstimate:
     """The scale of an object by its category. `extent` is its bounding box and `edges` the sorted ones of its smallest
-    box, both in source units; `holds` is the probability of its `category`; `implied` the unit that the format
-    prescribes. `without` names a thing of known size to leave out.
+    box, both in source units; `category_probability` is that of its `category`; `implied` the unit that the format
+    prescribes. `excluded_anchor` names a thing of known size to leave out.
     """
-    prior_size = size_prior(edges, category, holds, without)
+    prior_size = size_prior(edges, category, category_probability, excluded_anchor)
     chances = _chances(extent, prior_size, unit_prior(format_, hints, implied))
     low, middle, high = prior_size.quantiles(QUANTILES)
     unit = max(METERS_PER_UNIT, key=lambda u: chances[u])
@@ -77,7 +77,9 @@ def estimate_scale(
     bounds = (min(*spanned, scale), max(*spanned, scale))
     sure = chance >= MIN_PROBABILITY and category is not None and bounds[1] <= MAX_BOUND_RATIO * bounds[0]
     method = f"units and sizes of things like {what}: {reading}"
-    confidence = round(chance * holds if chances[unit] >= free else 0.5 * chance * holds, 3)
+    confidence = round(
+        chance * category_probability if chances[unit] >= free else 0.5 * chance * category_probability, 3
+    )
     evidence = inferred(scale, method, confidence, bounds=bounds if bounds[0] < bounds[1] else None, inputs=clues)
     return ScaleEstimate(evidence, reading, review=not sure)
 

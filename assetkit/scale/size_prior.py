@@ -31,7 +31,7 @@ CATEGORY_PRECISION = 0.95
 class SizePrior(NamedTuple):
     """Distribution of the logarithm of metres per unit; `anchors` names the things of known size with most weight."""
 
-    logs: NormalMixture
+    log_scale: NormalMixture
     anchors: tuple[str, ...] = ()
 
     def density(self, scale: float) -> float:
@@ -43,19 +43,28 @@ class SizePrior(NamedTuple):
         return tuple(math.exp(self.log_scale.quantile(share)) for share in shares)
 
 
-def size_prior(edges: Sequence[float], category: Category | None, holds: float, without: str = "") -> SizePrior:
-    """The prior of the scale of a thing with sorted box `edges` (in its unit) and a category that `holds` with this
-    probability; `without` names an anchor to leave out.
+def size_prior(
+    edges: Sequence[float], category: Category | None, category_probability: float, excluded_anchor: str = ""
+) -> SizePrior:
+    """The prior of the scale of a thing with sorted box `edges` (in its unit), of a `category` that is right with this
+    probability; `excluded_anchor` names an anchor to leave out.
     """
     logs = np.log(np.maximum(np.asarray(edges, dtype=np.float64), 1e-12 * max(edges)))
     anywhere = (1.0, math.log(TYPICAL_SIZE_M) - float(logs.max()), LOG_SPREAD)
     if category is None:
         return _size_prior([anywhere])
-    near = sorted(_near(logs, category.id, without), reverse=True)
+    near = sorted(_near(logs, category.id, excluded_anchor), reverse=True)
     total = sum(closeness for closeness, *_ in near)
     anchored = MOST_ANCHORED * total / (total + 1.0)
-    rows = [(holds * anchored * closeness / total, mean, SAME_FORM_SPREAD) for closeness, _, mean in near if total]
-    rows += [(holds * (1.0 - anchored), *_usual(logs, category)), (1.0 - holds, *anywhere[1:])]
+    rows = [
+        (category_probability * anchored * closeness / total, mean, SAME_FORM_SPREAD)
+        for closeness, _, mean in near
+        if total
+    ]
+    rows += [
+        (category_probability * (1.0 - anchored), *_usual(logs, category)),
+        (1.0 - category_probability, *anywhere[1:]),
+    ]
     return _size_prior(rows, tuple(name for closeness, name, _ in near[:3] if closeness > 0.1))
 
 
@@ -65,10 +74,10 @@ def _size_prior(rows: Sequence[tuple[float, float, float]], anchors: tuple[str, 
     return SizePrior(NormalMixture(means, deviations, weights), anchors)
 
 
-def _near(logs: FloatArray, category: str, without: str) -> Iterator[tuple[float, str, float]]:
+def _near(logs: FloatArray, category: str, excluded_anchor: str) -> Iterator[tuple[float, str, float]]:
     """For each thing of known size: likeness in form (0 to 1), its name, and the logarithm of the scale it implies."""
     for anchor in size_anchors():
-        if anchor.category == category and anchor.name != without:
+        if anchor.category == category and anchor.name != excluded_anchor:
             apart = np.log(np.array(anchor.edges_mm) / 1000.0) - logs
             yield math.exp(-0.5 * float(np.var(apart)) * 3.0 / FORM_SPREAD**2), anchor.name, float(apart.mean())
 

@@ -131,7 +131,7 @@ def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path,
     files = [f for f in files if f.suffix.lower() != ".xml" or _is_mjcf(f)]
     parts = _parts(files)
     sources = [f for f in files if f not in parts]
-    below = Counter(folder for f in sources if not _is_look_library(f) for folder in f.parents)
+    below = Counter(folder for f in sources if not _is_material_library(f) for folder in f.parents)
     return [(f, root or _asset_root(f, folder, below)) for f in sources]
 
 
@@ -185,7 +185,7 @@ def _names_in(text: str) -> set[str]:
     return names
 
 
-def _is_look_library(path: Path) -> bool:
+def _is_material_library(path: Path) -> bool:
     """Whether a text USD layer holds materials only: reported as empty, but no reason to split an asset's folder."""
     if path.suffix.lower() != ".usda":
         return False

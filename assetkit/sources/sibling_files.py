@@ -25,7 +25,7 @@ def sibling_statements(source: SourceFile) -> tuple[str, ...]:
     root is read; files with a statement become part of the asset's source files.
     """
     statements: list[str] = []
-    for path in _near(source):
+    for path in _files_beside(source):
         text = _text(path)
         if path.suffix.lower() in _DESCRIPTIONS:
             in_file = [
@@ -39,7 +39,7 @@ def sibling_statements(source: SourceFile) -> tuple[str, ...]:
     return tuple(statements)
 
 
-def _near(source: SourceFile) -> list[Path]:
+def _files_beside(source: SourceFile) -> list[Path]:
     """Descriptions in the folders from the source up to its root, and notes that share its stem, with links followed.
 
     Notes that are not there yet are logged as missing: they would count if they appeared.

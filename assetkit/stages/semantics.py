@@ -58,7 +58,7 @@ class DescribeObject(Stage):
         doubtful = bool(domain) or (options.require_category and category.value == UNKNOWN)
         disputed = annotation.disputed and not options.category
         screened = [finding("asset/out-of-domain", domain)] if domain else []
-        findings = (*semantic_findings(annotation, observation, known, options), *screened, *frame.doubts)
+        findings = (*semantic_findings(annotation, observation, known, options), *screened, *frame.findings)
         return Outcome(
             Semantics(section, frame.frame), findings, review=doubtful or disputed, outside=_outside(annotation)
         )

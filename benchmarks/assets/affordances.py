@@ -5,8 +5,8 @@
 `affordances_truth.csv` says for objects of the development assets and of `pybullet_data`, standing with `up_axis` up,
 whether a person sees a way to pick them up with a gripper that opens 80 mm, a handle, a rim to pour over, a spout, a
 hole or loop to hang them up by, a lid, a knob or button. Affordances listed as `may` count neither as missed nor as
-wrong. A grasp counts unless its trial refutes it. With `--no-names` files, nodes and materials have no names, so that parts have
-no labels.
+wrong. A grasp counts unless its trial refutes it. With `--no-names` files, nodes and materials have no names, so that
+parts have no labels.
 """
 
 from __future__ import annotations

@@ -103,7 +103,7 @@ def _asked(
     if category is None and not is_normalised((x, y, z)):
         decision = decide_unit(stated=default(1.0), extent=(x, y, z), format_=item.format)
         return decision.meters_per_unit, decision.review
-    scale = estimate_scale((x, y, z), edges, category, CATEGORY_PRECISION, format_=item.format, without=without)
+    scale = estimate_scale((x, y, z), edges, category, CATEGORY_PRECISION, format_=item.format, excluded_anchor=without)
     return scale.meters_per_unit, scale.review
 
 

@@ -4,9 +4,10 @@
 
 `part_materials_truth.csv` names regions of development assets and of `pybullet_data` and the classes that the eye
 admits there, `?` where it cannot decide. A region is `all`, a `mesh` or render `material` by name, or the triangles
-whose middle lies in a `box` (low and high in x, y and z as shares of the object's box). The material of
-most of its area, by the smallest part there that has a material, else by the whole, is right, wrong or `unknown`. With `--stripped`
-nodes, meshes, materials and files have no names; with `--category stated` the category is that of the table.
+whose middle lies in a `box` (low and high in x, y and z as shares of the object's box). The material of most
+of its area, by the smallest part there that has a material, else by the whole, is right, wrong or `unknown`. With
+`--stripped` nodes, meshes, materials and files have no names; with `--category stated` the category is that of the
+table.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@
 `parts_truth.csv` says for objects of the development assets and of `pybullet_data`, standing with `up_axis` up, which
 named parts a person sees and in which box (low and high in x, y and z, as shares of the object's own box). Labels under
 `may` count neither as missed nor as wrong. A part is found when its label is right and its box covers at least half of
-the union with the one seen. With `--stripped` nodes, meshes, materials and files have no names; with `--category stated`
-the category is that of the table, else the one that names indicate.
+the union with the one seen. With `--stripped` nodes, meshes, materials and files have no names; with
+`--category stated` the category is that of the table, else the one that names indicate.
 """
 
 from __future__ import annotations

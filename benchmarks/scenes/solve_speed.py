@@ -28,7 +28,7 @@ from scenec.ir.problem import WORLD_PARENT, Domain, Infeasible, Placement, Probl
 from scenec.session import Session
 from scenec.solve import ComponentCache, solve
 from scenec.solve.model import model_of
-from scenec.solve.search import Effort, search
+from scenec.solve.search import SearchBudget, search
 from schemas.scene.compiled import CompileReport
 
 BASELINES = {"circles (robosuite rule)": circles, "oriented boxes": oriented_boxes, "python shelf and swaps": shelves}
@@ -82,7 +82,7 @@ def exact_search(n: int, seeds: int) -> int:
     for seed in range(seeds):
         problem = workload(n, seed)
         model = model_of(problem)
-        cpu, wall, found = timed(lambda m=model: search(m, list(m.things), {}, 0, Effort(5000)))
+        cpu, wall, found = timed(lambda m=model: search(m, list(m.things), {}, 0, SearchBudget(5000)))
         if isinstance(found, dict):
             times.append((cpu, wall))
             wrong += invalid(problem, Solved({name: placed.placement for name, placed in found.items()}))

@@ -30,7 +30,7 @@ def candidates(plan: Path | None, assets: Path | None) -> tuple[Draw, list[str]]
             bodies.number(library.body(FixedAsset(type="fixed", id=name), orientation="stable"))
         except InvalidInput as error:
             refused.append(error.diagnostic.headline)
-    if not bodies.found:
+    if not bodies.plan_bodies:
         said = refused[0] if refused else "no --plan, and no package below --assets"
         raise InvalidInput(finding("replay/no-candidates", said))
-    return partial(from_bodies, bodies.found), refused
+    return partial(from_bodies, bodies.plan_bodies), refused

@@ -1,8 +1,8 @@
-"""The typed interaction graph of a problem: who stands on whom, whose room may meet, what is solved together.
+"""Typed interaction graph of a problem: support, containment, possible overlap, relations, and joint components.
 
 Nodes are things and groups. A component is a set of things that must be solved jointly: their footprints, over all
 that their domains allow and grown by the clearance, may meet, or an undirected relation ties them. Directional
-relations order the work but merge nothing.
+relations order the components but do not merge them.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ STYLE: dict[EdgeKind, str] = {
 
 
 @dataclass(frozen=True)
-class Node:
-    """A thing or a group; `path` is its place in the program."""
+class GraphNode:
+    """A thing, a group or the background; `path` in the program."""
 
     name: str
     kind: Literal["thing", "group", "background"]
@@ -37,8 +37,8 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Edge:
-    """`source` carries, meets, is related to, or owns the place of `target`."""
+class GraphEdge:
+    """A directed edge: `source` carries, may overlap, is related to, or groups `target`."""
 
     source: str
     target: str
@@ -48,11 +48,11 @@ class Edge:
 
 
 @dataclass(frozen=True)
-class Graph:
+class InteractionGraph:
     """`components` are names of things solved together; `schedule` numbers them so that owners come first."""
 
-    nodes: tuple[Node, ...]
-    edges: tuple[Edge, ...]
+    nodes: tuple[GraphNode, ...]
+    edges: tuple[GraphEdge, ...]
     components: tuple[tuple[str, ...], ...]
     schedule: tuple[int, ...]
 
@@ -88,25 +88,25 @@ class Graph:
         )
 
 
-def interaction_graph(problem: Problem) -> Graph:
+def interaction_graph(problem: Problem) -> InteractionGraph:
     """The graph of a problem, components as the solver takes them. Nodes and components are in the order of names."""
     model = model_of(problem)
     things = model.things
     groups = sorted({thing.group for thing in things.values() if thing.group is not None})
-    nodes = [Node(WORLD_PARENT, "background")]
-    nodes += [Node(thing.name, "thing", thing.path) for thing in things.values()]
-    nodes += [Node(group, "group", ("layout", "groups", group)) for group in groups]
+    nodes = [GraphNode(WORLD_PARENT, "background")]
+    nodes += [GraphNode(thing.name, "thing", thing.path) for thing in things.values()]
+    nodes += [GraphNode(group, "group", ("layout", "groups", group)) for group in groups]
     edges = [
-        Edge(t.parent, t.name, "containment" if isinstance(t.place, Volume) else "support", t.place.name, t.path)
+        GraphEdge(t.parent, t.name, "containment" if isinstance(t.place, Volume) else "support", t.place.name, t.path)
         for t in things.values()
     ]
-    edges += [Edge(t.group, t.name, "group", path=t.path) for t in things.values() if t.group is not None]
-    edges += [Edge(a, b, "overlap") for a, b in overlapping(model)]
+    edges += [GraphEdge(t.group, t.name, "group", path=t.path) for t in things.values() if t.group is not None]
+    edges += [GraphEdge(a, b, "overlap") for a, b in overlapping(model)]
     for rule in problem.relations:
         first, *rest = rule.things
-        edges += [Edge(first, other, "relation", rule.word or rule.kind, rule.path) for other in rest]
+        edges += [GraphEdge(first, other, "relation", rule.word or rule.kind, rule.path) for other in rest]
     components = components_of(model)
-    return Graph(tuple(nodes), tuple(edges), components, schedule_of(components, problem))
+    return InteractionGraph(tuple(nodes), tuple(edges), components, schedule_of(components, problem))
 
 
 def schedule_of(components: tuple[tuple[str, ...], ...], problem: Problem) -> tuple[int, ...]:

@@ -1,1 +1,4 @@
-"""Binding of a scene program to packages: assets, anchors, variants and relations become a placement problem."""
+"""Binding of a scene program to asset packages: assets, anchors, variants and relations become placement problems.
+
+Start with `components.lower`.
+"""

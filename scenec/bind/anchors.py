@@ -1,4 +1,4 @@
-"""Surfaces and volumes of an asset as scenes use them: from its record, or drawn in the program."""
+"""Support surfaces and containment volumes of an asset for scenes, from its record or drawn in the program."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from schemas.anchors import AnchorPolygon, ContainmentVolume, SupportSurface
 from schemas.physics import CollisionShape
 from schemas.scene.program import AuthoredPolygon
 
-# Collision shapes differ a little from what is seen: what rises over a floor by no more than this is part of it.
+# Collision shapes differ slightly from the visible surface: those that rise at most this far over a floor belong to it.
 STEP_M = 0.004
 UP = np.array([0.0, 0.0, 1.0])
-DRAWN_LAYERS = 8  # of a volume drawn by hand, so that what its owner has inside counts at its heights only
+DRAWN_LAYERS = 8  # of a volume drawn by hand, so that parts of its owner inside count at their heights only
 
 
 def recorded_surface(anchor: SupportSurface, shapes: Sequence[CollisionShape], scale: float) -> Surface:
@@ -38,7 +38,8 @@ def drawn_surface(name: str, drawn: AuthoredPolygon, shapes: Sequence[CollisionS
 
 
 def with_owner(surface: Surface, shapes: Sequence[CollisionShape]) -> Surface:
-    """The surface with what its owner has over it. It is raised to what collision shapes really carry there."""
+    """The surface with the parts of its owner above it, raised to the top of the collision shapes that form its
+    floor."""
     above = _over(shapes, surface.origin_P_m)
     rise = _rise(above, surface.polygon)
     above = tuple(_lowered(slab, rise) for slab in above if slab.high_m > max(STEP_M, rise))
@@ -59,7 +60,7 @@ def recorded_volume(anchor: ContainmentVolume, shapes: Sequence[CollisionShape],
 
 
 def drawn_volume(name: str, drawn: AuthoredPolygon, shapes: Sequence[CollisionShape]) -> Volume:
-    """A volume drawn in the asset frame: upright walls, less what its owner has inside."""
+    """A volume drawn in the asset frame: upright walls, less the parts of its owner inside."""
     polygon, origin = _centred(shapely.Polygon(drawn.outline, drawn.holes), drawn.z)
     assert drawn.height is not None, "the checks of the text ask for it"
     heights = np.linspace(0.0, drawn.height, DRAWN_LAYERS + 1)
@@ -68,10 +69,10 @@ def drawn_volume(name: str, drawn: AuthoredPolygon, shapes: Sequence[CollisionSh
 
 
 def _carved(volume: Volume, shapes: Sequence[CollisionShape]) -> Volume:
-    """The volume without what collision shapes of its owner fill, its floor raised to what they carry there.
+    """The volume less the collision shapes of its owner, its floor raised to their tops.
 
-    Walls are approximated by convex pieces that reach a little further in than what is seen. Layers above the first
-    that is filled are out of reach from the floor and are left out.
+    Walls are approximated by convex pieces that extend slightly further in than the visible walls. Layers above the
+    first that is completely filled cannot be reached from the floor and are left out.
     """
     if not volume.layers:
         return volume
@@ -91,13 +92,13 @@ def _carved(volume: Volume, shapes: Sequence[CollisionShape]) -> Volume:
 
 
 def _over(shapes: Sequence[CollisionShape], origin_P_m: np.ndarray, height_m: float = np.inf) -> tuple[Slab, ...]:
-    """What shapes hold over the origin of an anchor, up to a height: outlines in the anchor frame, heights from it."""
+    """Slabs of shapes over the origin of an anchor, up to a height: outlines and heights in the anchor frame."""
     x, y, z = (float(v) for v in origin_P_m)
     return tuple(replace(s, outline_m=s.outline_m - [x, y]) for s in slabs_between(shapes, z, z + height_m))
 
 
 def _rise(over: Sequence[Slab], polygon: shapely.Polygon) -> float:
-    """How far collision shapes that belong to the floor reach over it."""
+    """Height over the floor of the collision shapes that belong to it."""
     floor = [s.high_m for s in over if s.high_m <= STEP_M and shapely.Polygon(s.outline_m).intersects(polygon)]
     return max(floor, default=0.0)
 
@@ -111,7 +112,7 @@ def _polygon(anchor: AnchorPolygon, scale: float) -> shapely.Polygon:
 
 
 def _centred(polygon: shapely.Polygon, z: float) -> tuple[shapely.Polygon, np.ndarray]:
-    """The polygon in the anchor frame, and the origin of that in the asset frame."""
+    """The polygon in its anchor frame, and the origin of that frame in the asset frame."""
     x0, y0, x1, y1 = polygon.bounds
     x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
     return translate(polygon, -x, -y), np.array([x, y, z])

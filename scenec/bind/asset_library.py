@@ -1,4 +1,4 @@
-"""The asset library: packages and inline primitives as bodies for scenes. Nothing else reads packages."""
+"""Asset library: loads packages and inline primitives as bodies for scenes. No other module reads packages."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Quat_wxyz = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Geometry:
-    """What an asset offers to scenes, scale applied: collision shapes, places, orientations, in its asset frame."""
+    """Geometry of an asset, scale applied, in its asset frame: collision shapes, places, stable orientations."""
 
     asset_id: str
     shapes: tuple[CollisionShape, ...]
@@ -60,7 +60,8 @@ class AssetLibrary:
         self._geometries: dict[tuple[str, float], Geometry] = {}
         self._bodies: dict[tuple[str, float, Orientation, bool], Body] = {}
         self._records: dict[str, bytes] = {}
-        self._seen: dict[tuple[int, float], tuple[SingleAsset, Geometry]] = {}  # by object, for one that is asked for again
+        # By id of the asset object, for repeated requests.
+        self._seen: dict[tuple[int, float], tuple[SingleAsset, Geometry]] = {}
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -70,7 +71,7 @@ class AssetLibrary:
         return tuple(sorted(record.parent.name for record in self.folder.glob("*/record.json")))
 
     def refresh(self) -> None:
-        """Forget which packages there are, and everything read when one that was used is another by now, or is gone."""
+        """Drops the list of packages, and all cached geometry where a package that was used has changed or is gone."""
         if any(self._record(asset_id) != record for asset_id, record in self._records.items()):
             for known in (self._geometries, self._bodies, self._records, self._seen):
                 known.clear()
@@ -79,16 +80,18 @@ class AssetLibrary:
     def body(
         self, asset: SingleAsset, scale: float = 1.0, orientation: Orientation = "upright", sections: bool = False
     ) -> Body:
-        """The asset in each way it may stand, what tapers cut into `sections` (see scenec.bind.prisms).
+        """The asset in each resting orientation, tapering shapes cut into `sections` (see scenec.bind.prisms).
 
         Raises InvalidInput (`scene/unknown-asset`, `scene/unusable-asset`)."""
         key = (asset.model_dump_json(), scale, orientation, sections)
         if key not in self._bodies:
             geometry = self.geometry(asset, scale)
-            stances = [_stance(geometry, i, q, sections) for i, q in enumerate(_orientations(geometry, orientation))]
+            resting_orientations = [
+                _stance(geometry, i, q, sections) for i, q in enumerate(_orientations(geometry, orientation))
+            ]
             self._bodies[key] = Body(
                 geometry.asset_id,
-                tuple(stances),
+                tuple(resting_orientations),
                 geometry.surfaces,
                 geometry.volumes,
                 geometry.mass_kg,
@@ -99,7 +102,7 @@ class AssetLibrary:
         return self._bodies[key]
 
     def geometry(self, asset: SingleAsset, scale: float = 1.0) -> Geometry:
-        """All that the asset offers. Raises InvalidInput as `body` does."""
+        """Geometry of the asset. Raises InvalidInput as `body` does."""
         seen = self._seen.get((id(asset), scale))
         if seen is not None and seen[0] is asset:
             return seen[1]
@@ -112,19 +115,19 @@ class AssetLibrary:
         self._seen[id(asset), scale] = asset, self._geometries[key]
         return self._geometries[key]
 
-    def surface(self, asset: SingleAsset, scale: float, wanted: str | AuthoredPolygon, name: str) -> Surface | None:
-        """The surface `wanted` (`auto` for the main one); a drawn one is called `name`. None when there is none."""
+    def surface(self, asset: SingleAsset, scale: float, reference: str | AuthoredPolygon, name: str) -> Surface | None:
+        """The surface that `reference` names (`auto`: the main one) or draws (then called `name`); None when absent."""
         geometry = self.geometry(asset, scale)
-        if isinstance(wanted, AuthoredPolygon):
-            return drawn_surface(name, wanted, geometry.shapes)
-        return next((s for s in geometry.surfaces if wanted in ("auto", s.name)), None)
+        if isinstance(reference, AuthoredPolygon):
+            return drawn_surface(name, reference, geometry.shapes)
+        return next((s for s in geometry.surfaces if reference in ("auto", s.name)), None)
 
-    def volume(self, asset: SingleAsset, scale: float, wanted: str | AuthoredPolygon, name: str) -> Volume | None:
-        """The volume `wanted` (`auto` for the main one); a drawn one is called `name`. None when there is none."""
+    def volume(self, asset: SingleAsset, scale: float, reference: str | AuthoredPolygon, name: str) -> Volume | None:
+        """The volume that `reference` names (`auto`: the main one) or draws (then called `name`); None when absent."""
         geometry = self.geometry(asset, scale)
-        if isinstance(wanted, AuthoredPolygon):
-            return drawn_volume(name, wanted, geometry.shapes)
-        return next((v for v in geometry.volumes if wanted in ("auto", v.name)), None)
+        if isinstance(reference, AuthoredPolygon):
+            return drawn_volume(name, reference, geometry.shapes)
+        return next((v for v in geometry.volumes if reference in ("auto", v.name)), None)
 
     def _record(self, asset_id: str) -> bytes:
         """The bytes of a record, none where it cannot be read."""
@@ -136,8 +139,8 @@ class AssetLibrary:
 
     def _package(self, asset_id: str, scale: float) -> Geometry:
         if asset_id not in self.names:
-            said = "there is no asset library" if self.folder is None else "the library has none of that name"
-            headline = f"no asset `{asset_id}`: {said}{did_you_mean(asset_id, self.names)}"
+            reason = "there is no asset library" if self.folder is None else "the library has none of that name"
+            headline = f"no asset `{asset_id}`: {reason}{did_you_mean(asset_id, self.names)}"
             raise InvalidInput(finding("scene/unknown-asset", headline))
         assert self.folder is not None, "it holds the package"
         folder = self.folder / asset_id
@@ -148,8 +151,8 @@ class AssetLibrary:
             raise _unusable(asset_id, "its record.json is not the record of an asset") from None
         changed = changed_physics(folder, record.hashes)
         if changed:
-            said = f"'{changed[0]}' is not the file that was tried in simulation: ingest the asset again"
-            raise _unusable(asset_id, said)
+            reason = f"'{changed[0]}' is not the file that was tried in simulation: ingest the asset again"
+            raise _unusable(asset_id, reason)
         try:
             rigid = reread_body(folder / "usd" / f"{asset_id}.usda")
         except InvalidInput as error:
@@ -188,7 +191,7 @@ def _primitive(asset: Inline, scale: float) -> Geometry:
 
 
 def swing_and_yaw(quat_wxyz: Sequence[float]) -> tuple[Quat_wxyz, float]:
-    """An orientation as a turn that leaves no heading, and the heading (rad) about the vertical that follows it."""
+    """Swing-twist decomposition: a rotation about a horizontal axis, then the yaw (rad) about the vertical."""
     w, x, y, z = np.asarray(quat_wxyz, dtype=np.float64) / np.linalg.norm(quat_wxyz)
     half = np.arctan2(z, w) if np.hypot(w, z) > 1e-9 else 0.0
     c, s = np.cos(half), np.sin(half)  # the turn back about z is (c, 0, 0, -s), multiplied from the left

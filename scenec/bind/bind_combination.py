@@ -1,4 +1,4 @@
-"""One combination of a program bound to geometry: things on their places, relations, keep-outs, reach."""
+"""Binds one combination of a program to geometry: a problem of things on places, relations, keep-outs and reach."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from scenec.bind.asset_library import AssetLibrary, Geometry, swing_and_yaw
 from scenec.bind.bind_relations import lower_relations
 from scenec.bind.choice_spans import candidate_path
 from scenec.bind.variants import AS_WRITTEN, ASSETS, Choice
-from scenec.ir.derivation_cache import Memo
+from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.names import Names, anchor_named, kind_of
 from scenec.ir.problem import (
     WORLD_PARENT,
     Body,
     Domain,
+    FixedPose,
     FloatArray,
     KeepOutIR,
     Path,
     Problem,
     ReachIR,
     RelationIR,
-    Spot,
     Surface,
     Thing,
     Volume,
@@ -51,14 +51,14 @@ from schemas.scene.program import (
 )
 
 FULL_TURN = 2.0 * np.pi
-RESTS_DEG = 3.0  # as far as a thing may turn when it is let go (design: a scene settles)
+RESTS_DEG = 3.0  # largest tilt of a thing when it is released (design: a scene settles)
 Place = Surface | Volume
 
 
 class Lowering:
-    """One combination, of some nodes with all they carry and stand on, or of all (`nodes` None).
+    """Lowers one combination, of some nodes with all they carry and stand on, or of all (`nodes` None).
 
-    Findings gather in `found`; what they concern is left out of the problem.
+    Findings are collected in `diagnostics`; the items that they concern are left out of the problem.
     """
 
     def __init__(
@@ -67,29 +67,31 @@ class Lowering:
         choice: Choice,
         library: AssetLibrary,
         spans: Spans,
-        memo: Memo,
+        derivations: DerivationCache,
         nodes: Collection[str] | None = None,
     ) -> None:
         self.nodes = names.program.layout.nodes if nodes is None else nodes
-        self.names, self.choice, self.library, self.spans, self.memo = names, choice, library, spans, memo
+        self.names, self.choice, self.library, self.spans, self.derivations = names, choice, library, spans, derivations
         self.program = names.program
-        self.found: list[Diagnostic] = []
-        self.said: list[tuple[Path, Diagnostic]] = []  # the same by path: lines move, things may stay
+        self.diagnostics: list[Diagnostic] = []
+        self.diagnostics_by_path: list[
+            tuple[Path, Diagnostic]
+        ] = []  # with paths instead of lines, for reuse when lines shift
         self.places: dict[tuple[str, str], tuple[str, Place] | None] = {}
         self.objects = {thing.id: thing for thing in self.program.objects}
         self.object_of = {t: node.object for n, node in self.program.layout.nodes.items() for t in names.copies[n]}
 
     def problem(self) -> Problem:
-        """The problem; relations, keep-outs and reach are those of its things."""
+        """The problem, with the relations, keep-outs and reach of its things."""
         program, background = self.program, self.choice.background
         nodes = (node for node in program.layout.nodes if node in self.nodes)
         things = {thing.name: thing for node in nodes for thing in self._things(node)}
         background_yaw = _yaw(background) if background is not None else 0.0
         relations: tuple[RelationIR, ...] = ()
-        if not any_error(self.found):
+        if not any_error(self.diagnostics):
             relations, wrong = lower_relations(self.names, things, background_yaw, self.spans)
-            self.found += wrong
-            relations = tuple(self.memo.get(rule, partial(_itself, rule)) for rule in relations)
+            self.diagnostics += wrong
+            relations = tuple(self.derivations.get(rule, partial(_itself, rule)) for rule in relations)
         keep_outs = (self._keep_out(i) for i in range(len(program.keep_outs)))
         return Problem(
             program.scene,
@@ -110,31 +112,31 @@ class Lowering:
     # Things.
 
     def _things(self, node: str) -> Sequence[Thing]:
-        """The things of a node; those of a node by itself are the same objects while nothing of it changes."""
+        """The things of a node; without a group, they stay the same Python objects while nothing of it changes."""
         layout, placing = self.program.layout, self.names.placing(node)
         assert placing is not None, "the checks of the text ask for one owner"
-        found = self._place(anchor_named(placing), kind_of(placing))
-        if found is None:
+        placed = self._place(anchor_named(placing), kind_of(placing))
+        if placed is None:
             return ()
-        parent, place = found
+        parent, place = placed
         written = self.objects[layout.nodes[node].object]
         if layout.nodes[node].placement is None:
-            return self._made(node, placing, written, parent, place)[0]
+            return self._bound_things(node, placing, written, parent, place)[0]
         geometries = [self.library.geometry(asset, written.scale) for asset in self.choice.objects[written.id]]
-        things, said = self.memo.get(
+        things, diagnostics = self.derivations.get(
             ("things", node, parent, *map(id, geometries)),
-            lambda: self._made(node, placing, written, parent, place),
+            lambda: self._bound_things(node, placing, written, parent, place),
             *(layout.nodes[node], written, place, *geometries),
         )
-        for at, diagnostic in said:
+        for at, diagnostic in diagnostics:
             self._add(diagnostic, at)
         return things
 
-    def _made(
+    def _bound_things(
         self, node: str, placing: Placement | Group, written: SceneObject, parent: str, place: Place
     ) -> tuple[tuple[Thing, ...], tuple[tuple[Path, Diagnostic], ...]]:
-        """The things of a node, and what was found about them at which path."""
-        groups, before = self.names.groups_of.get(node, ()), len(self.said)
+        """The things of a node, and findings about them, each with its path."""
+        groups, before = self.names.groups_of.get(node, ()), len(self.diagnostics_by_path)
         group = groups[0] if groups else None
         path: Path = ("layout", "nodes", node)
         placed_by: Path = (*path, "placement") if group is None else ("layout", "groups", group)
@@ -142,23 +144,23 @@ class Lowering:
         inside = isinstance(place, Volume)
         body = self._body(written.id, written.scale, orientation, placed_by, inside)
         domain = self._domain(placing, node, group, body, turns, placed_by)
-        if isinstance(place, Volume) and place.is_round and not domain.spots:
-            self._leans(place, anchor_named(placing), parent, placed_by)
+        if isinstance(place, Volume) and place.is_round and not domain.fixed_poses:
+            self._report_round_floor(place, anchor_named(placing), parent, placed_by)
         things = tuple(
             Thing(name, body, parent, place, domain, path, group, written.semantic_tags)
             for name in self.names.copies[node]
         )
-        return things, tuple(self.said[before:])
+        return things, tuple(self.diagnostics_by_path[before:])
 
     def _body(self, name: str, scale: float, orientation: Orientation, placed_by: Path, inside: bool) -> Body:
         candidates = self.choice.objects[name]
         for asset in candidates:
-            self._rests(self.library.geometry(asset, scale), orientation, placed_by)
+            self._check_rests(self.library.geometry(asset, scale), orientation, placed_by)
         bodies = [self.library.body(asset, scale, orientation, sections=inside) for asset in candidates]
         return bodies[0] if len(bodies) == 1 else _union(bodies)
 
-    def _rests(self, geometry: Geometry, orientation: Orientation, placed_by: Path) -> None:
-        """Says when nothing is known of stable poses that are asked for, or when an upright thing will fall over."""
+    def _check_rests(self, geometry: Geometry, orientation: Orientation, placed_by: Path) -> None:
+        """Adds a finding where requested stable poses are unknown, or where an upright thing will fall over."""
         at, lean_deg = (*placed_by, "orientation"), geometry.lean_deg
         if orientation == "stable" and not geometry.stable_quats_wxyz:
             headline = f"no stable pose of `{geometry.asset_id}` is known"
@@ -167,7 +169,7 @@ class Lowering:
             headline = f"`{geometry.asset_id}` does not rest upright: its nearest stable pose leans {lean_deg:.0f} deg"
             self._add(finding("scene/topples", headline, value=lean_deg, bound=RESTS_DEG, unit="deg"), at)
 
-    def _leans(self, place: Volume, anchor: str, parent: str, placed_by: Path) -> None:
+    def _report_round_floor(self, place: Volume, anchor: str, parent: str, placed_by: Path) -> None:
         headline = f"the floor of `{anchor}` in `{parent}` is round: what would lean on its wall is not placed"
         floor_cm2, widest_cm2 = 1e4 * place.layers[0][2].area, 1e4 * place.layers[0][2].area / place.level_share
         self._add(finding("scene/round-floor", headline, value=floor_cm2, bound=widest_cm2, unit="cm2"), placed_by)
@@ -181,34 +183,41 @@ class Lowering:
         turns: Sequence[tuple[int, float]],
         path: Path,
     ) -> Domain:
-        stances = tuple(range(len(body.stances)))
+        orientation_indices = tuple(range(len(body.resting_orientations)))
         if isinstance(placing, SlotGroup):
             assert group is not None, "a slot group is one"
             assign = {**placing.assign, **self.choice.assign.get(group, {})}
             taken = {slot for member, slot in assign.items() if member != node}
-            spots = tuple(
-                _spot(slot, 0, _yaw(slot), body, slot.id, (*path, "slots", i))
+            fixed_poses = tuple(
+                _fixed_pose(slot, 0, _yaw(slot), body, slot.id, (*path, "slots", i))
                 for i, slot in enumerate(placing.slots)
                 if (assign.get(node, slot.id) == slot.id and slot.id not in taken)
             )
-            if not spots:
+            if not fixed_poses:
                 headline = f"no slot is left for `{node}`: all are assigned to others"
                 self._add(finding("scene/slot-assignment", headline), (*path, "assign"))
-            return _at(spots, (*path, "slots"))
+            return _at(fixed_poses, (*path, "slots"))
         if isinstance(placing, DiscretePlacement):
-            spots = tuple(
-                _spot(listed, stance, yaw, body, "", (*path, "poses", i))
+            fixed_poses = tuple(
+                _fixed_pose(listed, stance, yaw, body, "", (*path, "poses", i))
                 for i, (listed, (stance, yaw)) in enumerate(zip(placing.poses, turns, strict=True))
             )
-            return _at(spots, (*path, "poses"))
+            return _at(fixed_poses, (*path, "poses"))
         ranges = placing.ranges
         everywhere = (-np.inf, np.inf)
-        return Domain(ranges.x or everywhere, ranges.y or everywhere, _headings(ranges), stances, (), (*path, "ranges"))
+        return Domain(
+            ranges.x or everywhere,
+            ranges.y or everywhere,
+            _yaw_range(ranges),
+            orientation_indices,
+            (),
+            (*path, "ranges"),
+        )
 
     # Places.
 
     def _place(self, anchor: str, kind: Literal["surface", "volume"]) -> tuple[str, Place] | None:
-        """The owner of an anchor and the place itself, None where it has no such place; looked up once."""
+        """Owner and place of an anchor, None where its owner has no such place; cached."""
         if (anchor, kind) not in self.places:
             self.places[anchor, kind] = self._place_of(anchor, kind)
         return self.places[anchor, kind]
@@ -219,7 +228,7 @@ class Lowering:
             headline = f"`{reference.object}`, on which `{anchor}` is, is never placed"
             self._add(finding("scene/missing-anchor", headline), ("anchors", anchor, "object"))
             return None
-        wanted = (reference.surface if kind == "surface" else reference.volume) or "auto"
+        place_name = (reference.surface if kind == "surface" else reference.volume) or "auto"
         if owner == BACKGROUND:
             background = self.choice.background
             assets = (self.choice.background_asset,) if self.choice.background_asset is not None else ()
@@ -231,39 +240,39 @@ class Lowering:
             self._add(finding("scene/missing-anchor", headline), ("anchors", anchor, "object"))
             return None
         find = self.library.surface if kind == "surface" else self.library.volume
-        place = find(assets[0], scale, wanted, anchor)
+        place = find(assets[0], scale, place_name, anchor)
         if place is not None and not (isinstance(place, Volume) and not place.layers):
             return WORLD_PARENT if owner == BACKGROUND else owner, place
         geometry = self.library.geometry(assets[0], scale)
         there = [p.name for p in (geometry.surfaces if kind == "surface" else geometry.volumes)]
-        said = f"it has {', '.join(there)}" if there else "it has none"
-        named = f"no {kind}" if wanted == "auto" else f"no {kind} `{wanted}`"
+        alternatives = f"it has {', '.join(there)}" if there else "it has none"
+        named = f"no {kind}" if place_name == "auto" else f"no {kind} `{place_name}`"
         headline = f"`{anchor}`: the asset `{geometry.asset_id}` has {named}" + (
-            "" if wanted == "auto" else f"; {said}"
+            "" if place_name == "auto" else f"; {alternatives}"
         )
         labels = () if owner == BACKGROUND else self._candidate(self.object_of[owner], assets[0])
         self._add(finding("scene/missing-anchor", headline, labels=labels), ("anchors", anchor, kind))
         return None
 
     def _candidate(self, name: str, asset: SingleAsset) -> tuple[Label, ...]:
-        """Where an asset is a candidate of an object, as a label; none where the object is no pool."""
+        """A label at the candidate of an object that an asset is; none where the object is no pool."""
         variant = self.choice.combination.get(ASSETS, AS_WRITTEN)
         at = candidate_path(self.program, name, asset.id, variant) if isinstance(asset, FixedAsset) else None
         return () if at is None else (Label(where=self.spans.place(at), text=f"a candidate of `{name}`"),)
 
     def _add(self, diagnostic: Diagnostic, path: Path) -> None:
-        """Say it where the path stands now, once."""
+        """Adds a finding, once, at the current location of the path."""
         here = diagnostic.model_copy(update={"where": self.spans.place(path)})
-        self.said.append((path, diagnostic))
-        if here not in self.found:
-            self.found.append(here)
+        self.diagnostics_by_path.append((path, diagnostic))
+        if here not in self.diagnostics:
+            self.diagnostics.append(here)
 
     def _keep_out(self, index: int) -> KeepOutIR | None:
         keep_out = self.program.keep_outs[index]
-        found = self._place(keep_out.surface, "surface")
-        if found is None:
+        placed = self._place(keep_out.surface, "surface")
+        if placed is None:
             return None
-        parent, place = found
+        parent, place = placed
         assert isinstance(place, Surface), "a surface was asked for"
         if keep_out.outline is not None:
             polygon = shapely.Polygon(keep_out.outline)
@@ -278,7 +287,7 @@ class Lowering:
         reach = self.program.reach
         if reach is None:
             return None
-        named = things if reach.members == "all" else [t for m in reach.members for t in self.names.stand_for(m)]
+        named = things if reach.members == "all" else [t for m in reach.members for t in self.names.things_named(m)]
         members = tuple(name for name in dict.fromkeys(named) if name in things)
         return ReachIR(np.array(reach.base), reach.min_radius, reach.radius, members, ("reach",)) if members else None
 
@@ -288,7 +297,7 @@ def _itself(rule: RelationIR) -> RelationIR:
 
 
 def _orientation(placing: Placement | Group) -> tuple[Orientation, tuple[tuple[int, float], ...]]:
-    """The orientations to prepare; of discrete poses also which of them each has, and its heading."""
+    """The orientations to prepare; for discrete poses also (number of the orientation, yaw) of each."""
     if isinstance(placing, SlotGroup):
         return "upright", ()
     if not isinstance(placing, DiscretePlacement):
@@ -299,27 +308,27 @@ def _orientation(placing: Placement | Group) -> tuple[Orientation, tuple[tuple[i
     return swings, tuple((swings.index(swing), yaw) for (swing, _), yaw in zip(parts, yaws, strict=True))
 
 
-def _spot(at: Pose | Slot, stance: int, yaw_rad: float, body: Body, name: str, path: Path) -> Spot:
-    """A pose in A; without `z` the thing stands there."""
-    z = at.z if "z" in at.model_fields_set else body.stances[stance].origin_height_m
-    return Spot(at.x, at.y, z, yaw_rad, name, path, stance)
+def _fixed_pose(at: Pose | Slot, stance: int, yaw_rad: float, body: Body, name: str, path: Path) -> FixedPose:
+    """A fixed pose in A; without an authored `z` the thing rests on its place."""
+    z = at.z if "z" in at.model_fields_set else body.resting_orientations[stance].origin_height_m
+    return FixedPose(at.x, at.y, z, yaw_rad, name, path, stance)
 
 
-def _at(spots: tuple[Spot, ...], path: Path) -> Domain:
-    """The domain of listed poses."""
-    if not spots:
+def _at(fixed_poses: tuple[FixedPose, ...], path: Path) -> Domain:
+    """The domain of fixed poses."""
+    if not fixed_poses:
         return Domain(path=path)
-    xs, ys, yaws = ([getattr(spot, key) for spot in spots] for key in ("x_m", "y_m", "yaw_rad"))
+    xs, ys, yaws = ([getattr(fixed_pose, key) for fixed_pose in fixed_poses] for key in ("x_m", "y_m", "yaw_rad"))
     turn = (min(yaws), max(yaws)) if max(yaws) - min(yaws) < FULL_TURN else (-np.pi, np.pi)
-    stances = tuple(sorted({spot.stance for spot in spots}))
-    return Domain((min(xs), max(xs)), (min(ys), max(ys)), turn, stances, spots, path)
+    orientation_indices = tuple(sorted({fixed_pose.stance for fixed_pose in fixed_poses}))
+    return Domain((min(xs), max(xs)), (min(ys), max(ys)), turn, orientation_indices, fixed_poses, path)
 
 
 def _yaw(heading: Background | Pose | Slot) -> float:
     return float(np.radians(heading.yaw_deg)) if heading.yaw_deg is not None else heading.yaw or 0.0
 
 
-def _headings(ranges: Ranges) -> tuple[float, float]:
+def _yaw_range(ranges: Ranges) -> tuple[float, float]:
     low, high = ranges.yaw or (-np.pi, np.pi)
     if ranges.yaw_deg is not None:
         low, high = (float(np.radians(angle)) for angle in ranges.yaw_deg)
@@ -334,10 +343,13 @@ def _world_pose(background: Background | None) -> FloatArray:
 
 
 def _union(bodies: Sequence[Body]) -> Body:
-    """A body that holds each of the bodies in each stance: where it fits, any of them does."""
-    count = min(len(body.stances) for body in bodies)
-    stances = tuple(
-        replace(bodies[0].stances[k], slabs=tuple(slab for body in bodies for slab in body.stances[k].slabs))
+    """The union of bodies in each orientation: where it fits, each of them fits."""
+    count = min(len(body.resting_orientations) for body in bodies)
+    orientations = tuple(
+        replace(
+            bodies[0].resting_orientations[k],
+            slabs=tuple(slab for body in bodies for slab in body.resting_orientations[k].slabs),
+        )
         for k in range(count)
     )
-    return replace(bodies[0], stances=stances, surfaces=(), volumes=(), candidates=tuple(bodies))
+    return replace(bodies[0], resting_orientations=orientations, surfaces=(), volumes=(), candidates=tuple(bodies))

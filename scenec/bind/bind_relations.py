@@ -1,4 +1,4 @@
-"""Relations as written to relations between things: directions as vectors, groups as all their members."""
+"""Lowers authored relations to relations between things: directions become vectors, groups all their members."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from schemas.scene.program import Relation
 
 MAX_RELATIONS = 50_000
 ALIGNED_M, BETWEEN_M, FACING_RAD = 0.01, 0.02, float(np.radians(10.0))  # where no tolerance is written
-# Where the viewer stands: what is to the right, and what is farther away, in x and y of the frame.
+# By viewpoint: the unit vectors to the right and away from the viewer, in x and y of the frame.
 _RIGHT: dict[str, tuple[float, float]] = {
     "front": (1.0, 0.0),
     "back": (-1.0, 0.0),
@@ -35,28 +35,30 @@ def lower_relations(
     names: Names, things: Mapping[str, Thing], background_yaw_rad: float, spans: Spans
 ) -> tuple[tuple[RelationIR, ...], tuple[Diagnostic, ...]]:
     """All relations of a program between these things, and findings (`scene/frame-needed`, `scene/too-many`)."""
-    found: list[RelationIR] = []
-    wrong: list[Diagnostic] = []
+    relations: list[RelationIR] = []
+    diagnostics: list[Diagnostic] = []
     for i, relation in enumerate(names.program.relations):
         path: Path = ("relations", i)
         try:
             for lowered in _lowered(names, relation, things, background_yaw_rad, path):
-                found.append(lowered)
-                if len(found) > MAX_RELATIONS:
+                relations.append(lowered)
+                if len(relations) > MAX_RELATIONS:
                     headline = "the relations of groups stand for too many pairs of things"
-                    wrong.append(finding("scene/too-many", headline, where=spans.place(path), bound=MAX_RELATIONS))
-                    return tuple(found), tuple(wrong)
+                    diagnostics.append(
+                        finding("scene/too-many", headline, where=spans.place(path), bound=MAX_RELATIONS)
+                    )
+                    return tuple(relations), tuple(diagnostics)
         except InvalidInput as error:
-            wrong.append(error.diagnostic.model_copy(update={"where": spans.place(path)}))
-    return tuple(found), tuple(wrong)
+            diagnostics.append(error.diagnostic.model_copy(update={"where": spans.place(path)}))
+    return tuple(relations), tuple(diagnostics)
 
 
 def _lowered(
     names: Names, relation: Relation, things: Mapping[str, Thing], background_yaw_rad: float, path: Path
 ) -> Iterator[RelationIR]:
     (word,) = words_of(relation)
-    sides = [names.stand_for(name) for name in getattr(relation, word)]
-    if not all(thing in things for side in sides for thing in side):  # of another part
+    sides = [names.things_named(name) for name in getattr(relation, word)]
+    if not all(thing in things for side in sides for thing in side):  # of another component
         return
     if word == "aligned":
         members = tuple(thing for side in sides for thing in side)
@@ -94,7 +96,8 @@ def _frame(
     background_yaw_rad: float,
     path: Path,
 ) -> tuple[str, float]:
-    """Whose axes count, and the heading of that frame over the one meant. Raises InvalidInput."""
+    """Owner of the frame of a relation, and the yaw of that frame relative to the intended axes. Raises
+    InvalidInput."""
     if relation.frame == WORLD:
         return WORLD_PARENT, background_yaw_rad
     if relation.frame is not None:
@@ -114,10 +117,10 @@ def _frame(
 
 
 def _turns(parent: str, things: Mapping[str, Thing]) -> bool:
-    """Whether a support may be at a heading other than that of the background."""
+    """Whether a support may have a yaw other than that of the background."""
     while parent != WORLD_PARENT:
         thing = things[parent]
-        headings = [spot.yaw_rad for spot in thing.domain.spots] or list(thing.domain.yaw_rad)
+        headings = [fixed_pose.yaw_rad for fixed_pose in thing.domain.fixed_poses] or list(thing.domain.yaw_rad)
         if any(abs(np.sin(0.5 * heading)) > 1e-9 for heading in headings) or max(headings) - min(headings) > 1e-9:
             return True
         parent = thing.parent

@@ -1,4 +1,4 @@
-"""Every asset that a program names, looked at once: does it exist, can it be used, can it play its role?"""
+"""Checks every asset that a program names, once: it exists, it is usable, it can play its role."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ ROLES: tuple[str, ...] = get_args(Role)
 
 def check_assets(program: SceneProgram, library: AssetLibrary, spans: Spans) -> tuple[Diagnostic, ...]:
     """Findings about assets and roles, each where the asset is named."""
-    found: dict[tuple[str, Path], Diagnostic] = {}
+    diagnostics: dict[tuple[str, Path], Diagnostic] = {}
     for path, asset, scale, role, _ in written_assets(program):
         for at, diagnostic in _check(path, asset, scale, role, library):
-            found.setdefault((diagnostic.code, at), diagnostic.model_copy(update={"where": spans.place(at)}))
-    return (*_roles(program, spans), *found.values())
+            diagnostics.setdefault((diagnostic.code, at), diagnostic.model_copy(update={"where": spans.place(at)}))
+    return (*_roles(program, spans), *diagnostics.values())
 
 
 def _roles(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
@@ -55,7 +55,7 @@ def _check(
         if geometry.doubts is not None:
             headline = f"the package `{geometry.asset_id}` waits for review"
             yield at, finding("scene/asset-in-review", headline, value=", ".join(geometry.doubts) or None)
-        # What nobody knows the role of is not turned away.
+        # An asset without known roles is accepted.
         if places and role in ROLES and roles and role not in roles:
             headline = f"`{geometry.asset_id}` is no {role}, but {', '.join(sorted(roles))}"
             yield at, finding("scene/role-mismatch", headline, value=", ".join(sorted(roles)), bound=role)

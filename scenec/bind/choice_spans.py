@@ -1,4 +1,4 @@
-"""Where the text says what a combination chooses: the lines of variants and candidates."""
+"""Paths, in the program, of the variants and candidates that a combination chooses."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from schemas.scene.program import Asset, PoolAsset, SceneProgram
 
 
 def chosen_paths(program: SceneProgram, combination: Mapping[str, str]) -> dict[str, Path]:
-    """By key the path of what it chooses; what the program says without variants has none."""
+    """Path of the chosen value by key; values as authored, without variants, have none."""
     variants = program.variants
     background = program.background.asset if program.background is not None else None
-    found: dict[str, Path] = {}
+    paths: dict[str, Path] = {}
     for key, value in combination.items():
         if value == AS_WRITTEN:
             continue
@@ -30,12 +30,12 @@ def chosen_paths(program: SceneProgram, combination: Mapping[str, str]) -> dict[
         else:
             path = candidate_path(program, key.removeprefix("objects."), value, combination.get(ASSETS, AS_WRITTEN))
         if path is not None:
-            found[key] = path
-    return found
+            paths[key] = path
+    return paths
 
 
 def candidate_path(program: SceneProgram, name: str, asset: str, variant: str = AS_WRITTEN) -> Path | None:
-    """Where an asset id stands among the candidates of an object, under an asset variant; None where it is in none."""
+    """Path of an asset id among the candidates of an object under an asset variant; None where it is no candidate."""
     for i, changed in enumerate(program.variants.assets):
         if changed.id == variant and name in changed.objects:
             return _candidate(changed.objects[name], asset, ("variants", "assets", i, "objects", name))

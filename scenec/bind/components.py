@@ -1,4 +1,4 @@
-"""A program bound to geometry, part by part: things that share nothing have combinations and verdicts of their own."""
+"""Binds a program to geometry, component by component: each has combinations and problems of its own."""
 
 from __future__ import annotations
 
@@ -10,24 +10,22 @@ from itertools import islice
 from scenec.bind.asset_library import AssetLibrary
 from scenec.bind.bind_combination import Lowering
 from scenec.bind.check_assets import check_assets
-from scenec.bind.independent_components import islands
-from scenec.bind.variants import MAX_COMBINATIONS, Combination, Variety
-from scenec.ir.derivation_cache import Memo
+from scenec.bind.independent_components import independent_components
+from scenec.bind.variants import MAX_COMBINATIONS, Combination, VariantSpace
+from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.names import Names
 from scenec.ir.problem import Problem
 from scenec.source.tree import Spans
 from schemas.diagnostics import Diagnostic, InvalidInput, any_error, finding
 from schemas.scene.program import SceneProgram
 
-MAX_PROBES = 64  # lowerings to learn what may meet; beyond that all is one part
+MAX_PROBES = 64  # lowerings that determine which things may meet; with more, all is one component
 
 
 @dataclass(frozen=True)
-class Part:
-    """Things and the combinations of only those keys that reach them, each as a problem of these things alone.
-
-    `union` are objects that have all their candidates at once, because single ones would be too many.
-    """
+class IndependentComponent:
+    """Things that share nothing with others, and a problem of these things for each combination of the keys that affect
+    them. `union` are objects that stand for all their candidates at once, because single ones would be too many."""
 
     things: tuple[str, ...]
     nodes: frozenset[str]
@@ -41,99 +39,109 @@ class Part:
         return {frozenset(one.items()): k for k, one in enumerate(self.combinations)}
 
     def index(self, whole: Mapping[str, str]) -> int:
-        """The number of its combination within a combination of all keys."""
+        """Number of its combination that is part of a combination of all keys."""
         return self._index[frozenset((key, value) for key, value in whole.items() if key in self.keys)]
 
 
 class Binder:
-    """Makes problems of combinations; findings gather in `found`."""
+    """Makes problems of combinations; findings are collected in `diagnostics`."""
 
-    def __init__(self, names: Names, variety: Variety, library: AssetLibrary, spans: Spans, memo: Memo) -> None:
-        self.names, self.variety, self.library, self.spans, self.memo = names, variety, library, spans, memo
-        self.found: list[Diagnostic] = []
+    def __init__(
+        self, names: Names, variants: VariantSpace, library: AssetLibrary, spans: Spans, derivations: DerivationCache
+    ) -> None:
+        self.names, self.variants, self.library, self.spans, self.derivations = (
+            names,
+            variants,
+            library,
+            spans,
+            derivations,
+        )
+        self.diagnostics: list[Diagnostic] = []
 
     def problem(self, combination: Combination, nodes: Collection[str] | None = None) -> Problem:
-        """The problem of a combination, of some nodes alone or of all. A key left out has its first value."""
-        choice = self.variety.choice(combination)
-        lowering = Lowering(self.names, choice, self.library, self.spans, self.memo, nodes)
-        made = lowering.problem()
-        self.found += [diagnostic for diagnostic in lowering.found if diagnostic not in self.found]
-        return made
+        """The problem of a combination, of some nodes or of all. A missing key has its first value."""
+        choice = self.variants.choice(combination)
+        lowering = Lowering(self.names, choice, self.library, self.spans, self.derivations, nodes)
+        problem = lowering.problem()
+        self.diagnostics += [diagnostic for diagnostic in lowering.diagnostics if diagnostic not in self.diagnostics]
+        return problem
 
 
 @dataclass(frozen=True)
 class Lowered:
-    """The parts of a program, none when a diagnostic is an error; together they have every thing once."""
+    """The components of a program, none when a diagnostic is an error; each thing is in exactly one."""
 
-    parts: tuple[Part, ...]
+    components: tuple[IndependentComponent, ...]
     diagnostics: tuple[Diagnostic, ...]
     binder: Binder
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """The problems of all parts."""
-        return tuple(problem for part in self.parts for problem in part.problems)
+        """The problems of all components."""
+        return tuple(problem for component in self.components for problem in component.problems)
 
     @cached_property
     def keys(self) -> frozenset[str]:
-        """All keys that reach anything."""
-        return frozenset().union(*(part.keys for part in self.parts))
+        """All keys that affect any thing."""
+        return frozenset().union(*(component.keys for component in self.components))
 
     @property
     def reached_by(self) -> dict[str, frozenset[str]]:
-        """The keys that decide anything of a thing, by its name."""
-        return {thing: part.keys for part in self.parts for thing in part.things}
+        """The keys that affect a thing, by its name."""
+        return {thing: component.keys for component in self.components for thing in component.things}
 
     @property
     def count(self) -> int:
         """How many combinations of all keys there are."""
-        return self.binder.variety.count(self.keys)
+        return self.binder.variants.count(self.keys)
 
     def whole(self, combination: Combination) -> Problem:
-        """The problem of all parts in a combination of all keys."""
-        if len(self.parts) == 1 and combination in self.parts[0].combinations:
-            return self.parts[0].problems[self.parts[0].index(combination)]
+        """The problem of all components in a combination of all keys."""
+        if len(self.components) == 1 and combination in self.components[0].combinations:
+            return self.components[0].problems[self.components[0].index(combination)]
         return self.binder.problem(combination)
 
 
-def lower(program: SceneProgram, library: AssetLibrary, spans: Spans, memo: Memo | None = None) -> Lowered:
-    """The problems that a program poses with the assets of a library, `MAX_COMBINATIONS` a part at most.
+def lower(
+    program: SceneProgram, library: AssetLibrary, spans: Spans, derivations: DerivationCache | None = None
+) -> Lowered:
+    """The problems of a program with the assets of a library, at most `MAX_COMBINATIONS` per component.
 
-    Where there were more, pools of upright things that carry nothing keep all their candidates at once (info
-    `scene/union-footprints`); where there are still too many, that is an error (`scene/too-many`). Things and
-    relations that `memo` knows are the same objects as before.
+    Where there are more, pools of upright things that carry nothing stand for all their candidates at once (info
+    `scene/union-footprints`); where there are still too many, that is an error (`scene/too-many`). Things and relations
+    in `derivations` are the same Python objects as before.
     """
     names = Names(program)
-    variety = Variety(names)
-    binder = Binder(names, variety, library, spans, memo or Memo())
-    binder.found += check_assets(program, library, spans)
-    if any_error(binder.found):
-        return Lowered((), tuple(binder.found), binder)
-    if not variety.is_open:
+    variants = VariantSpace(names)
+    binder = Binder(names, variants, library, spans, derivations or DerivationCache())
+    binder.diagnostics += check_assets(program, library, spans)
+    if any_error(binder.diagnostics):
+        return Lowered((), tuple(binder.diagnostics), binder)
+    if not variants.is_open:
         things, nodes = tuple(t for copies in names.copies.values() for t in copies), frozenset(names.copies)
-        part = Part(things, nodes, frozenset(), (), ({},), (binder.problem({}),))
-        return Lowered(() if any_error(binder.found) else (part,), tuple(binder.found), binder)
-    found = _islands(binder)
-    if any_error(binder.found):
-        return Lowered((), tuple(binder.found), binder)
+        component = IndependentComponent(things, nodes, frozenset(), (), ({},), (binder.problem({}),))
+        return Lowered(() if any_error(binder.diagnostics) else (component,), tuple(binder.diagnostics), binder)
+    component_things = _independent_components(binder)
+    if any_error(binder.diagnostics):
+        return Lowered((), tuple(binder.diagnostics), binder)
     try:
-        binder.found += _limited(found, variety, spans)
+        binder.diagnostics += _limited(component_things, variants, spans)
     except InvalidInput as error:
-        return Lowered((), (*binder.found, error.diagnostic), binder)
-    parts = tuple(_part(things, binder) for things in _grouped(found, variety))
-    return Lowered(() if any_error(binder.found) else parts, tuple(binder.found), binder)
+        return Lowered((), (*binder.diagnostics, error.diagnostic), binder)
+    components = tuple(_component(things, binder) for things in _grouped(component_things, variants))
+    return Lowered(() if any_error(binder.diagnostics) else components, tuple(binder.diagnostics), binder)
 
 
-def _islands(binder: Binder) -> tuple[tuple[str, ...], ...]:
-    variety, layout = binder.variety, binder.names.program.layout
+def _independent_components(binder: Binder) -> tuple[tuple[str, ...], ...]:
+    variants, layout = binder.variants, binder.names.program.layout
     everything = (tuple(thing for node in layout.nodes for thing in binder.names.copies[node]),)
-    if not any(variety.keys_of(node) for node in layout.nodes):
+    if not any(variants.keys_of(node) for node in layout.nodes):
         return everything
-    probes = list(islice(variety.probes(), MAX_PROBES + 1))
+    probes = list(islice(variants.probes(), MAX_PROBES + 1))
     if len(probes) > MAX_PROBES:
         return everything
     problems = [binder.problem(probe) for probe in probes]
-    return everything if any_error(binder.found) else islands(problems)
+    return everything if any_error(binder.diagnostics) else independent_components(problems)
 
 
 def _nodes(names: Names, things: Collection[str]) -> frozenset[str]:
@@ -141,21 +149,22 @@ def _nodes(names: Names, things: Collection[str]) -> frozenset[str]:
     return frozenset(node for node, copies in names.copies.items() if not inside.isdisjoint(copies))
 
 
-def _keys(variety: Variety, things: Collection[str]) -> frozenset[str]:
-    own = (variety.keys_of(node) for node in _nodes(variety.names, things))
-    return variety.background_keys().union(*own)
+def _keys(variants: VariantSpace, things: Collection[str]) -> frozenset[str]:
+    node_keys = (variants.keys_of(node) for node in _nodes(variants.names, things))
+    return variants.background_keys().union(*node_keys)
 
 
-def _limited(found: Sequence[tuple[str, ...]], variety: Variety, spans: Spans) -> Iterator[Diagnostic]:
-    """Takes pools of islands with too many combinations together, and says so. Raises InvalidInput."""
-    layout, apart = variety.names.program.layout, variety.apart()
-    many = [(things, variety.count(_keys(variety, things))) for things in found]
+def _limited(component_things: Sequence[tuple[str, ...]], variants: VariantSpace, spans: Spans) -> Iterator[Diagnostic]:
+    """Unites the candidates of pools in components with too many combinations; a finding for each. Raises
+    InvalidInput."""
+    layout, separate = variants.names.program.layout, variants.must_be_separate()
+    many = [(things, variants.count(_keys(variants, things))) for things in component_things]
     many = [(things, count) for things, count in many if count > MAX_COMBINATIONS]
-    reached = {key for things, _ in many for key in _keys(variety, things)}
-    variety.together = frozenset(name for name in variety.written if f"objects.{name}" in reached) - apart
+    reached = {key for things, _ in many for key in _keys(variants, things)}
+    variants.united = frozenset(name for name in variants.as_authored if f"objects.{name}" in reached) - separate
     for things, count in many:
-        left = variety.count(_keys(variety, things))
-        at = spans.place(("layout", "nodes", min(_nodes(variety.names, things), key=[*layout.nodes].index)))
+        left = variants.count(_keys(variants, things))
+        at = spans.place(("layout", "nodes", min(_nodes(variants.names, things), key=[*layout.nodes].index)))
         some = ", ".join(f"`{name}`" for name in things[:3]) + (f" and {len(things) - 3} more" if things[3:] else "")
         if left > MAX_COMBINATIONS:
             headline = f"the variants that reach {some} have {left} combinations that must be solved one by one"
@@ -166,19 +175,21 @@ def _limited(found: Sequence[tuple[str, ...]], variety: Variety, spans: Spans) -
         yield finding("scene/union-footprints", headline, where=at, **bound)
 
 
-def _grouped(found: Sequence[tuple[str, ...]], variety: Variety) -> list[tuple[str, ...]]:
-    """The islands, those that nothing but the background reaches as one."""
-    everywhere = variety.background_keys()
-    own = [things for things in found if _keys(variety, things) != everywhere]
-    rest = tuple(thing for things in found if things not in own for thing in things)
-    return [*([rest] if rest or not own else []), *own]
+def _grouped(component_things: Sequence[tuple[str, ...]], variants: VariantSpace) -> list[tuple[str, ...]]:
+    """The components; those affected by background keys alone are joined into one."""
+    everywhere = variants.background_keys()
+    with_own_keys = [things for things in component_things if _keys(variants, things) != everywhere]
+    rest = tuple(thing for things in component_things if things not in with_own_keys for thing in things)
+    return [*([rest] if rest or not with_own_keys else []), *with_own_keys]
 
 
-def _part(things: tuple[str, ...], binder: Binder) -> Part:
-    variety, nodes = binder.variety, _nodes(binder.names, things)
-    keys = _keys(variety, things)
-    combinations = tuple(variety.combinations(keys))
+def _component(things: tuple[str, ...], binder: Binder) -> IndependentComponent:
+    variants, nodes = binder.variants, _nodes(binder.names, things)
+    keys = _keys(variants, things)
+    combinations = tuple(variants.combinations(keys))
     layout = binder.names.program.layout
-    union = tuple(sorted(variety.together & {layout.nodes[node].object for node in nodes}))
+    union = tuple(sorted(variants.united & {layout.nodes[node].object for node in nodes}))
     only = None if len(nodes) == len(layout.nodes) else nodes
-    return Part(things, nodes, keys, union, combinations, tuple(binder.problem(one, only) for one in combinations))
+    return IndependentComponent(
+        things, nodes, keys, union, combinations, tuple(binder.problem(one, only) for one in combinations)
+    )

@@ -1,4 +1,5 @@
-"""Things that share nothing with the others whatever the variants choose: each such set has verdicts of its own."""
+"""Independent components of a scene over all its variants: sets of things that share nothing and are solved
+separately."""
 
 from __future__ import annotations
 
@@ -11,17 +12,17 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from scenec.ir.problem import WORLD_PARENT, Problem
-from scenec.solve.coupling import footprint_bounds, heights, meeting
-from scenec.solve.model import Model, model_of
+from scenec.solve.coupling import boxes_may_meet, footprint_bounds, heights
+from scenec.solve.model import SolverModel, model_of
 
 
-def islands(problems: Sequence[Problem]) -> tuple[tuple[str, ...], ...]:
-    """Names of things in the order of the program, in sets that share nothing: `problems` hold each thing in each of
-    its geometries on each background. A whole scene exists if and only if each island has one.
+def independent_components(problems: Sequence[Problem]) -> tuple[tuple[str, ...], ...]:
+    """Names of things in the order of the program, by independent component. `problems` must hold each thing in each of
+    its geometries on each background. A whole scene exists if and only if each component has one.
 
-    On one island are a thing and all it carries, things that any relation ties, and things on the background whose
-    room, over all that they may be, comes closer than the clearance. Unlike components of one problem, islands are
-    not kept apart by separating coordinates: these would depend on what the other side is.
+    One component holds a thing and all it carries, things that any relation links, and things on the background whose
+    bounding boxes, over all their geometries and poses, come closer than the clearance. Unlike the components of one
+    problem, these are not separated by coordinates, which would depend on the geometry of the other side.
     """
     first = problems[0]
     graph: nx.Graph[str] = nx.Graph()
@@ -40,18 +41,18 @@ def islands(problems: Sequence[Problem]) -> tuple[tuple[str, ...], ...]:
             ends([[_room(model, name)[k] for name in roots] for model in models], axis=0)
             for k, ends in ((0, np.min), (1, np.max))
         )
-        near = meeting(low, high, first.clearance_m)
+        near = boxes_may_meet(low, high, first.clearance_m)
         labels = connected_components(csr_array(near), directed=False)[1].tolist()
         leader: dict[int, str] = {}
         for name, label in zip(roots, labels, strict=True):
             graph.add_edge(leader.setdefault(label, name), name)
     order = {thing.name: k for k, thing in enumerate(first.things)}
-    found = (sorted(part, key=lambda name: order[name]) for part in nx.connected_components(graph))
-    return tuple(sorted((tuple(part) for part in found), key=lambda part: order[part[0]]))
+    components = (sorted(part, key=lambda name: order[name]) for part in nx.connected_components(graph))
+    return tuple(sorted((tuple(part) for part in components), key=lambda part: order[part[0]]))
 
 
-def _room(model: Model, name: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    # Lowest and highest x, y, z in the frame of the background that a thing with all it carries may take.
+def _room(model: SolverModel, name: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    # Bounding box (low, high) in the frame of the background of a thing with all it carries, over all its poses.
     x0, y0, x1, y1 = footprint_bounds(model, name)
     low, high = heights(model, name)
     if name in model.carriers:  # what it carries may vary as well

@@ -1,4 +1,4 @@
-"""Whole combinations that show every combination of every part: what stages, pictures and plans are made of."""
+"""Covers the combinations of all components by few whole combinations, which become scenes, pictures and plans."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from scenec.bind.variants import Combination
 
-AT_LEAST = 16  # where there are as many; some mixing of parts that are independent
+AT_LEAST = 16  # where there are as many, so that independent components are combined in several ways
 
 
 def cover(parts: Sequence[Sequence[Combination]], least: int = AT_LEAST) -> tuple[Combination, ...]:
-    """Combinations of all keys, as few as first fit finds, so that each of each part is in one; then others up
-    to `least`, in rounds that pair them anew. Parts may share keys; the first has the first value of each."""
+    """Combinations of all keys, as few as first fit finds, that contain each combination of each part; then more, up to
+    `least`, in rounds that pair them anew. Parts may share keys; the first row has the first value of each."""
     rows: list[tuple[Combination, set[int]]] = []
     for number, combinations in enumerate(parts):
         for one in combinations:
@@ -22,19 +22,19 @@ def cover(parts: Sequence[Sequence[Combination]], least: int = AT_LEAST) -> tupl
                 rows.append((row, has))
             row.update(one)
             has.add(number)
-    found = [_completed(row, parts) for row, _ in rows]
+    cover_rows = [_completed(row, parts) for row, _ in rows]
     rng, most = np.random.default_rng(0), max(map(len, parts))
-    for _ in range(least // most - len(found) // most):  # whole rounds, in which each combination comes up alike
+    for _ in range(least // most - len(cover_rows) // most):  # whole rounds, in which each combination comes up alike
         order = [rng.permutation(len(combinations)) for combinations in parts]
         for i in range(most):
             turned = [[of[k] for k in np.roll(ks, -i)] for of, ks in zip(parts, order, strict=True)]
             row = _completed({}, turned)
-            found += [] if row in found else [row]
-    return tuple(found)
+            cover_rows += [] if row in cover_rows else [row]
+    return tuple(cover_rows)
 
 
 def containing(chosen: Combination, parts: Sequence[Sequence[Combination]]) -> Combination:
-    """A combination of all keys with the values chosen, else the first of each part that fits."""
+    """A combination of all keys that extends `chosen` by the first fitting combination of each part."""
     return _completed(dict(chosen), parts)
 
 

@@ -1,4 +1,4 @@
-"""Boxes, cylinders and balls written in a program: geometry without a package."""
+"""Geometry of inline boxes, cylinders and spheres: collision shape, top surface and stable orientations."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from schemas.scene.program import BoxAsset, CylinderAsset, Inline, SphereAsset
 TOP = "top"
 _H = float(np.sqrt(0.5))
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
-# What stands on each of its sides: z up, x up, y up. Turned over it looks the same.
+# Orientations on each side: z up, x up, y up. Those turned over look the same.
 _ON_X, _ON_Y = (_H, 0.0, -_H, 0.0), (_H, _H, 0.0, 0.0)
 
 
@@ -29,7 +29,7 @@ def shape_of(primitive: Inline) -> CollisionShape:
 
 
 def top_of(primitive: Inline) -> tuple[Surface, ...]:
-    """The flat top; a round one is a polygon inside of the circle, so that what stands on it stands on the top."""
+    """The flat top; a round one is a polygon inscribed in the circle, so that contents stay on the top."""
     if isinstance(primitive, BoxAsset):
         x, y, z = primitive.size_m
         return (Surface(TOP, shapely.box(-0.5 * x, -0.5 * y, 0.5 * x, 0.5 * y), np.array([0.0, 0.0, z])),)

@@ -1,7 +1,7 @@
-"""Collision shapes seen from above: each convex shape as an outline and the heights it spans.
+"""Prisms of collision shapes: each convex shape becomes an outline projected onto the ground and the heights it spans.
 
-Outlines hold the shape: curved ones are circumscribed by polygons of `CIRCLE_CORNERS` corners, so that what is clear of the
-outline is clear of the shape. Heights are exact.
+Outlines contain the shape: curved ones are circumscribed by polygons of `CIRCLE_CORNERS` corners, so that whatever is
+clear of the outline is clear of the shape. Heights are exact.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ TAPERS = 0.1  # share of the whole footprint by which a section is smaller where
 def stance_of(
     shapes: Sequence[CollisionShape], quat_wxyz: tuple[float, float, float, float], name: str, sections: bool = False
 ) -> Stance:
-    """How shapes (asset frame) stand when the asset frame is turned by `quat_wxyz`, the lowest point on the support.
+    """The stance of shapes (asset frame) turned by `quat_wxyz`, with their lowest point on the support.
 
-    With `sections` a shape that tapers is several slabs, one on the other, the first and last as thin as what it could
-    stand on or carry something with.
+    With `sections` a tapering shape becomes several slabs, one on the other; the first and last are thin, since others
+    touch it there.
     """
     R_SP = np.eye(3) if quat_wxyz == (1.0, 0.0, 0.0, 0.0) else matrix_of(np.asarray(quat_wxyz))
     spans = [_heights(shape, R_SP) for shape in shapes]
@@ -63,8 +63,8 @@ def _cut_up(slab: Slab, points: FloatArray, least_m2: float) -> list[Slab]:
 
 
 def slabs_between(shapes: Sequence[CollisionShape], low_m: float, high_m: float) -> tuple[Slab, ...]:
-    """What shapes hold at heights from `low_m` to `high_m` (asset frame, upright), heights counted from `low_m`."""
-    found = []
+    """Slabs of shapes between `low_m` and `high_m` (asset frame, upright); their heights count from `low_m`."""
+    slabs = []
     for shape in shapes:
         low, high = _heights(shape, np.eye(3))
         if high <= low_m or low >= high_m:
@@ -76,8 +76,8 @@ def slabs_between(shapes: Sequence[CollisionShape], low_m: float, high_m: float)
         )
         outline = _hull(part)
         if len(outline) >= 3:
-            found.append(Slab(outline, max(low, low_m) - low_m, min(high, high_m) - low_m))
-    return tuple(found)
+            slabs.append(Slab(outline, max(low, low_m) - low_m, min(high, high_m) - low_m))
+    return tuple(slabs)
 
 
 def scaled(shape: CollisionShape, scale: float) -> CollisionShape:
@@ -110,12 +110,14 @@ def _cut(points: FloatArray, low_m: float, high_m: float) -> FloatArray:
     A plane cuts a convex hull in the hull of the points where it cuts the segments between its corners.
     """
     z = points[:, 2]
-    kept = [points[(z >= low_m) & (z <= high_m), :2]]
+    points_kept = [points[(z >= low_m) & (z <= high_m), :2]]
     for height in (low_m, high_m):
         below, above = points[z < height], points[z > height]
         share = (height - below[:, 2])[:, None] / (above[None, :, 2] - below[:, None, 2])
-        kept.append((below[:, None, :2] + share[..., None] * (above[None, :, :2] - below[:, None, :2])).reshape(-1, 2))
-    return np.concatenate(kept)
+        points_kept.append(
+            (below[:, None, :2] + share[..., None] * (above[None, :, :2] - below[:, None, :2])).reshape(-1, 2)
+        )
+    return np.concatenate(points_kept)
 
 
 def _hull(points: FloatArray) -> FloatArray:

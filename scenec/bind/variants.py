@@ -1,4 +1,4 @@
-"""What a program leaves open, by keys such as `objects.mug` or `variants.backgrounds`, each with its values.
+"""The variant space of a program: keys such as `objects.mug` or `variants.backgrounds`, each with its possible values.
 
 Variants that change geometry are resolved before anything is placed: a combination gives every key one value.
 """
@@ -22,7 +22,7 @@ Combination = dict[str, str]
 
 @dataclass(frozen=True)
 class Choice:
-    """One combination: which assets each object may have (several: their union), background and slots."""
+    """One combination resolved: assets of each object (several: their union), background and slot assignments."""
 
     combination: Combination
     objects: Mapping[str, tuple[SingleAsset, ...]]
@@ -31,10 +31,10 @@ class Choice:
     assign: dict[str, dict[str, str]] = field(default_factory=dict)
 
 
-class Variety:
-    """The keys of a program. Objects in `together` are not taken apart: they have all their candidates at once.
+class VariantSpace:
+    """Keys and values of a program. Objects in `united` stand for all their candidates at once and have no key.
 
-    A pool is a key of its own only under those asset variants that leave the object a pool.
+    A pool is a key only under those asset variants that leave the object a pool.
     """
 
     def __init__(self, names: Names) -> None:
@@ -47,47 +47,49 @@ class Variety:
         self.slots: dict[str, dict[str, dict[str, str]]] = {v.group: {AS_WRITTEN: {}} for v in variants.slots}
         for variant in variants.slots:
             self.slots[variant.group][variant.id] = variant.assign
-        self.written = {thing.id: single_assets(thing.asset) for thing in program.objects}
-        self.together: frozenset[str] = frozenset()
+        self.as_authored = {thing.id: single_assets(thing.asset) for thing in program.objects}
+        self.united: frozenset[str] = frozenset()
 
     @property
     def is_open(self) -> bool:
-        """Whether the program leaves anything open that could reach a thing."""
-        pools = any(len(found) > 1 for found in self.written.values())
+        """Whether any key has several values."""
+        pools = any(len(candidates) > 1 for candidates in self.as_authored.values())
         return pools or len(self.assets) > 1 or bool(self.slots) or bool(self.background_keys())
 
     def candidates(self, name: str, variant: str) -> tuple[SingleAsset, ...]:
-        """What an object may be under an asset variant."""
+        """The candidates of an object under an asset variant."""
         changed = self.assets[variant]
         asset = None if changed is None else changed.objects.get(name)
-        return self.written[name] if asset is None else single_assets(asset)
+        return self.as_authored[name] if asset is None else single_assets(asset)
 
     def background_keys(self) -> frozenset[str]:
-        """Keys of the background: they reach everything."""
+        """Keys of the background; they affect every thing."""
         pool = any(b is not None and len(single_assets(b.asset)) > 1 for b in self.backgrounds.values())
         return frozenset([*([BACKGROUNDS] if len(self.backgrounds) > 1 else []), *([BACKGROUND_POOL] if pool else [])])
 
     def keys_of(self, node: str) -> frozenset[str]:
-        """Keys that reach a node by itself: its asset, its slots."""
+        """Keys that affect a node directly: its asset, its slots."""
         name = self.names.program.layout.nodes[node].object
         pool = any(len(self.candidates(name, variant)) > 1 for variant in self.assets)
         changed = any(variant is not None and name in variant.objects for variant in self.assets.values())
         groups = [group for group in self.names.groups_of.get(node, ()) if group in self.slots]
         slots = [slot_key(g) for g in groups if isinstance(self.names.program.layout.groups[g], SlotGroup)]
-        own = [f"objects.{name}"] if pool and name not in self.together else []
-        return frozenset([*own, *([ASSETS] if changed else []), *slots])
+        object_keys = [f"objects.{name}"] if pool and name not in self.united else []
+        return frozenset([*object_keys, *([ASSETS] if changed else []), *slots])
 
     def count(self, keys: Collection[str]) -> int:
         """How many combinations of the values of some keys there are, without listing them."""
-        slots = prod(len(found) for group, found in self.slots.items() if slot_key(group) in keys)
+        slots = prod(
+            len(choices) for group, choices in self.slots.items() if slot_key(group) in keys
+        )
         others = [key for key in keys if key not in map(slot_key, self.slots)]
         return slots * sum(self._size(variant, background, keys) for variant, background, _ in self._settings(others))
 
     def combinations(self, keys: Collection[str]) -> Iterator[Combination]:
-        """Every combination of the values of some keys, what the program says without variants first."""
+        """Every combination of the values of some keys; values as authored come first."""
         for variant, background, assigned in self._settings(keys):
             declared = {ASSETS: variant, BACKGROUNDS: background, **assigned}
-            pools = {f"objects.{name}": found for name, found in self._pools(variant, keys)}
+            pools = {f"objects.{name}": candidates for name, candidates in self._pools(variant, keys)}
             behind = self._behind(background, keys)
             for at, *chosen in product(behind, *pools.values()):
                 picked = {key: one.id for key, one in zip(pools, chosen, strict=True) if isinstance(one, FixedAsset)}
@@ -95,36 +97,42 @@ class Variety:
                 yield {**{key: value for key, value in declared.items() if key in keys}, **picked, **last}
 
     def probes(self) -> Iterator[Combination]:
-        """Combinations of all keys in which each candidate of each thing meets each background and each assignment of
+        """Combinations of all keys that pair each candidate of each thing with each background and each assignment of
         its own slot group."""
         declared = frozenset([ASSETS, *self.background_keys()])
-        every = declared | {f"objects.{name}" for name in self.written}
+        every = declared | {f"objects.{name}" for name in self.as_authored}
         assignments = range(max(map(len, self.slots.values()), default=1))
         for one, n in product(self.combinations(declared), assignments):
-            slots = {slot_key(group): [*found][min(n, len(found) - 1)] for group, found in self.slots.items()}
+            slots = {
+                slot_key(group): [*choices][min(n, len(choices) - 1)] for group, choices in self.slots.items()
+            }
             pools = dict(self._pools(one.get(ASSETS, AS_WRITTEN), every))
             for k in range(max(map(len, pools.values()), default=1)):
-                picked = {f"objects.{name}": found[min(k, len(found) - 1)] for name, found in pools.items()}
+                picked = {
+                    f"objects.{name}": candidates[min(k, len(candidates) - 1)] for name, candidates in pools.items()
+                }
                 named = {key: single.id for key, single in picked.items() if isinstance(single, FixedAsset)}
                 yield one | slots | named
 
     def choice(self, combination: Mapping[str, str]) -> Choice:
-        """What a combination means; a key that it leaves out has its first value, or all where taken together."""
+        """The choices of a combination; a missing key has its first value, or all values for `united` objects."""
         variant = combination.get(ASSETS, AS_WRITTEN)
         background = self.backgrounds[combination.get(BACKGROUNDS, next(iter(self.backgrounds)))]
         objects = {}
-        for name in self.written:
-            found = self.candidates(name, variant)
+        for name in self.as_authored:
+            candidates = self.candidates(name, variant)
             one = combination.get(f"objects.{name}")
-            objects[name] = found if name in self.together and one is None else (_named(found, one),)
+            objects[name] = candidates if name in self.united and one is None else (_named(candidates, one),)
         behind = None
         if background is not None:
             behind = _named(single_assets(background.asset), combination.get(BACKGROUND_POOL))
-        assign = {group: found[combination.get(slot_key(group), AS_WRITTEN)] for group, found in self.slots.items()}
+        assign = {
+            group: choices[combination.get(slot_key(group), AS_WRITTEN)] for group, choices in self.slots.items()
+        }
         return Choice(dict(combination), objects, background, behind, assign)
 
-    def apart(self) -> frozenset[str]:
-        """Objects whose candidates must be solved one by one: something stands on them, or they may be turned over."""
+    def must_be_separate(self) -> frozenset[str]:
+        """Objects whose candidates cannot be united: other things stand on them, or they may be turned over."""
         names = self.names
         nodes = names.program.layout.nodes
         used = {anchor for node in nodes if (anchor := names.anchor_of(node)) is not None}
@@ -142,20 +150,20 @@ class Variety:
             yield variant, background, dict(zip(map(slot_key, groups), assigned, strict=True))
 
     def _pools(self, variant: str, keys: Collection[str]) -> Iterator[tuple[str, tuple[SingleAsset, ...]]]:
-        for name in self.written:
-            found = self.candidates(name, variant)
-            if len(found) > 1 and name not in self.together and f"objects.{name}" in keys:
-                yield name, found
+        for name in self.as_authored:
+            candidates = self.candidates(name, variant)
+            if len(candidates) > 1 and name not in self.united and f"objects.{name}" in keys:
+                yield name, candidates
 
     def _behind(self, background: str, keys: Collection[str]) -> tuple[SingleAsset | None, ...]:
-        made = self.backgrounds[background]
-        found = () if made is None else single_assets(made.asset)
-        return found if BACKGROUND_POOL in keys and found else found[:1] or (None,)
+        background_choice = self.backgrounds[background]
+        candidates = () if background_choice is None else single_assets(background_choice.asset)
+        return candidates if BACKGROUND_POOL in keys and candidates else candidates[:1] or (None,)
 
     def _size(self, variant: str, background: str, keys: Collection[str]) -> int:
         count = len(self._behind(background, keys))
-        for _, found in self._pools(variant, keys):
-            count *= len(found)
+        for _, candidates in self._pools(variant, keys):
+            count *= len(candidates)
         return count
 
 
@@ -164,5 +172,5 @@ def slot_key(group: str) -> str:
     return f"variants.slots.{group}"
 
 
-def _named(found: tuple[SingleAsset, ...], name: str | None) -> SingleAsset:
-    return next((one for one in found if isinstance(one, FixedAsset) and one.id == name), found[0])
+def _named(candidates: tuple[SingleAsset, ...], name: str | None) -> SingleAsset:
+    return next((one for one in candidates if isinstance(one, FixedAsset) and one.id == name), candidates[0])

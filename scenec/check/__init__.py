@@ -1,1 +1,1 @@
-"""Checks of the compiler on itself: invariants between phases, and the independent judge of scenes and plans."""
+"""Checks of the compiler on itself: invariants between phases, and the input of the independent judge."""

@@ -1,6 +1,6 @@
-"""What must hold between the phases. A fault of ours stops at the phase that made it, not two phases later.
+"""Invariants between the phases of the compiler: a defect of ours stops at the phase that made it.
 
-Whatever is wrong with a program is a diagnostic and never comes here; each verifier raises RuntimeError.
+Errors of a program are diagnostics and never get here; each verifier raises RuntimeError.
 """
 
 from __future__ import annotations
@@ -14,16 +14,17 @@ import numpy as np
 from shapely import Polygon
 
 from scenec.check.judge_scene import violations
-from scenec.ir.derivation_cache import Memo
+from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import WORLD_PARENT, Body, Placement, Problem, Stance, Surface, Thing, Volume
 from schemas.scene.compiled import CompiledScene
 
 UNIT = 1e-6  # how far the norm of a quaternion may be from 1
 
 
-def after_binding(problem: Problem, memo: Memo | None = None) -> None:
-    """The problem is whole: names once, owners there, geometry sound, relations and rings of things that exist."""
-    _raise(problem, "binding", _unbound(problem, memo or Memo()))
+def after_binding(problem: Problem, derivations: DerivationCache | None = None) -> None:
+    """The problem is complete: unique names, existing owners, valid geometry, relations and reach of existing
+    things."""
+    _raise(problem, "binding", _unbound(problem, derivations or DerivationCache()))
 
 
 def after_analysis(problem: Problem, components: Sequence[Sequence[str]]) -> None:
@@ -34,14 +35,16 @@ def after_analysis(problem: Problem, components: Sequence[Sequence[str]]) -> Non
     _raise(problem, "analysis", (f"{name} is in {counted[name]} components" for name in wrong))
 
 
-def after_solving(problem: Problem, placements: Mapping[str, Placement], memo: Memo | None = None) -> None:
+def after_solving(
+    problem: Problem, placements: Mapping[str, Placement], derivations: DerivationCache | None = None
+) -> None:
     """The independent judge finds nothing wrong; a refused scene never leaves the compiler."""
-    found = violations(problem, dict(placements), memo)
-    _raise(problem, "solving", (f"the checker refuses {wrong}" for wrong in found))
+    scene_violations = violations(problem, dict(placements), derivations)
+    _raise(problem, "solving", (f"the checker refuses {wrong}" for wrong in scene_violations))
 
 
 def after_emission(problem: Problem, scene: CompiledScene) -> None:
-    """The scene is complete: every thing once and no other, on the owner it was given, at a finite pose."""
+    """The scene is complete: every thing once and no other, on its owner, at a finite pose."""
     _raise(problem, "emission", _unwritten(problem, scene))
 
 
@@ -51,18 +54,18 @@ def _raise(problem: Problem, phase: str, wrong: Iterable[str]) -> None:
         raise RuntimeError(f"{problem.scene}: after {phase}: {first}")
 
 
-def _unbound(problem: Problem, memo: Memo) -> Iterator[str]:
+def _unbound(problem: Problem, derivations: DerivationCache) -> Iterator[str]:
     names = Counter(thing.name for thing in problem.things)
     yield from (f"{count} things are called {name}" for name, count in names.items() if count > 1)
     for thing in problem.things:
         if thing.parent != WORLD_PARENT and thing.parent not in names:
             yield f"the owner {thing.parent} of {thing.name} is not in the scene"
-        yield from memo.get(("sound", id(thing)), partial(_unsound, thing), thing)
+        yield from derivations.get(("sound", id(thing)), partial(_unsound, thing), thing)
     for body in {id(thing.body): thing.body for thing in problem.things}.values():  # Many things share one body.
-        found = memo.get(("sound", id(body)), partial(_misshapen, body), body)
-        yield from (f"{body.asset_id}: {wrong}" for wrong in found)
+        faults = derivations.get(("sound", id(body)), partial(_misshapen, body), body)
+        yield from (f"{body.asset_id}: {wrong}" for wrong in faults)
     for place in {id(thing.place): thing.place for thing in problem.things}.values():
-        if not memo.get(("sound", id(place)), partial(_is_area, place), place):
+        if not derivations.get(("sound", id(place)), partial(_is_area, place), place):
             yield f"the place {place.name} is no area"
     for relation in problem.relations:
         strangers = {*relation.things, relation.frame} - set(names) - {WORLD_PARENT}
@@ -75,18 +78,22 @@ def _unbound(problem: Problem, memo: Memo) -> Iterator[str]:
 
 
 def _unsound(thing: Thing) -> tuple[str, ...]:
-    stances = len(thing.body.stances)
-    asked = {*thing.domain.stances, *(spot.stance for spot in thing.domain.spots)}
+    resting_orientations = len(thing.body.resting_orientations)
+    indices = {*thing.domain.orientation_indices, *(fixed_pose.stance for fixed_pose in thing.domain.fixed_poses)}
     spans = {"x": thing.domain.x_m, "y": thing.domain.y_m, "yaw": thing.domain.yaw_rad}
     return (
-        *([] if asked else [f"{thing.name} has no way to stand"]),
-        *(f"{thing.name} has no stance {k} of {stances}" for k in sorted(asked) if not 0 <= k < stances),
+        *([] if indices else [f"{thing.name} has no way to stand"]),
+        *(
+            f"{thing.name} has no stance {k} of {resting_orientations}"
+            for k in sorted(indices)
+            if not 0 <= k < resting_orientations
+        ),
         *(f"{name} of {thing.name} is reversed" for name, (low, high) in spans.items() if not low <= high),
     )
 
 
 def _misshapen(body: Body) -> tuple[str, ...]:
-    return tuple(wrong for stance in body.stances for wrong in _shapeless(stance))
+    return tuple(wrong for stance in body.resting_orientations for wrong in _shapeless(stance))
 
 
 def _shapeless(stance: Stance) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The independent judge on a plan: every case at extreme poses, as samples of it would stand in the world."""
+"""Judges a plan with the independent judge: every case at extreme poses, as scenes in the world frame."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from schemas.scene.runtime_plan import PlanCombination, PlanPool, RuntimePlan
 
 EACH = 4  # scenes in which a case appears at least
 LOT = 2_000  # scenes judged at once
-EMPTY_M = 2e-6  # by which a cell may miss its footprint: what rounding takes
+EMPTY_M = 2e-6  # by which a cell may be too small for its footprint, from rounding
 
 
 def judge(plan: RuntimePlan) -> None:
@@ -61,7 +61,7 @@ def _in_place(
     stance = np.array([case.stances[k] for case in pool.cases])[chosen]
     at, form = np.zeros((len(scenes), 3)), np.zeros(len(scenes), dtype=np.int64)
     for s in set(stance.tolist()):
-        bodies = [f for f, made in enumerate(forms) if made.stance == s]
+        bodies = [f for f, geometry in enumerate(forms) if geometry.stance == s]
         for b, f in enumerate(bodies):
             rows = np.flatnonzero((stance == s) & (corner % len(bodies) == b))
             form[rows] = f

@@ -1,4 +1,5 @@
-"""A problem and its placements as input of the independent judge (`scene_check`): everything in the world."""
+"""Converts a problem and its placements to the input of the independent judge (`scene_check`), all in the world
+frame."""
 
 from __future__ import annotations
 
@@ -20,44 +21,48 @@ from scene_check import (
     check,
 )
 from scenec.emit.scene import world_frames
-from scenec.ir.derivation_cache import Memo
-from scenec.ir.problem import FloatArray, Placement, Problem, RelationIR, Slab, Spot, Surface, Thing, Volume
+from scenec.ir.derivation_cache import DerivationCache
+from scenec.ir.problem import FixedPose, FloatArray, Placement, Problem, RelationIR, Slab, Surface, Thing, Volume
 
 LevelPose = tuple[FloatArray, float]  # origin (3,) in W and yaw: supports are level
 
 
-def violations(problem: Problem, placements: dict[str, Placement], memo: Memo | None = None) -> tuple[Violation, ...]:
-    """What the independent judge finds wrong with a whole assignment; empty when the scene is valid.
+def violations(
+    problem: Problem, placements: dict[str, Placement], derivations: DerivationCache | None = None
+) -> tuple[Violation, ...]:
+    """Violations that the independent judge finds in a complete assignment; empty when the scene is valid.
 
-    Where `memo` holds the last valid scene of this combination, only what is not as it was there is judged anew.
+    Where `derivations` holds the last valid scene of this combination, only what differs from it is judged again.
     """
-    scene = check_scene(problem, placements, memo)
-    if memo is None:
+    scene = check_scene(problem, placements, derivations)
+    if derivations is None:
         return check(scene)
-    last = memo.get(("judged", problem.key), list[CheckScene])  # none, or the last valid scene
-    found = check(scene, last[0] if last else None)
-    last[:] = [] if found else [scene]
-    return found
+    last = derivations.get(("judged", problem.key), list[CheckScene])  # none, or the last valid scene
+    scene_violations = check(scene, last[0] if last else None)
+    last[:] = [] if scene_violations else [scene]
+    return scene_violations
 
 
-def check_scene(problem: Problem, placements: dict[str, Placement], memo: Memo | None = None) -> CheckScene:
+def check_scene(
+    problem: Problem, placements: dict[str, Placement], derivations: DerivationCache | None = None
+) -> CheckScene:
     """The scene in the world. Raises KeyError when a thing has no placement: a partial scene is no scene.
 
-    Parts that `memo` knows are the same objects as in the scene before.
+    Parts in `derivations` are the same Python objects as in the scene before.
     """
-    memo = memo or Memo()
-    frames = world_frames(problem, placements, memo)
+    derivations = derivations or DerivationCache()
+    frames = world_frames(problem, placements, derivations)
     poses = {name: _level(X_WU) for name, X_WU in frames.items()}
     stood_on = {(thing.parent, id(thing.place)): thing.place for thing in problem.things}
     places = {
-        key: memo.get(("place", problem.key, key), partial(_place, key[0], place, poses), place, frames[key[0]])
+        key: derivations.get(("place", problem.key, key), partial(_place, key[0], place, poses), place, frames[key[0]])
         for key, place in stood_on.items()
     }
 
     def standing(thing: Thing) -> CheckObject:
         name, at, place = thing.name, placements[thing.name], places[thing.parent, id(thing.place)]
         make = partial(_object, thing, at, poses[name], place)
-        return memo.get(("object", problem.key, name), make, thing, at, frames[name], place)
+        return derivations.get(("object", problem.key, name), make, thing, at, frames[name], place)
 
     objects = tuple(standing(thing) for thing in problem.things)
     keep_outs = tuple(
@@ -65,7 +70,9 @@ def check_scene(problem: Problem, placements: dict[str, Placement], memo: Memo |
     )
     reach = problem.reach
     relations = tuple(
-        memo.get(("relation", problem.key, k), partial(_relation, relation, poses), relation, frames[relation.frame])
+        derivations.get(
+            ("relation", problem.key, k), partial(_relation, relation, poses), relation, frames[relation.frame]
+        )
         for k, relation in enumerate(problem.relations)
     )
     ring = None if reach is None else CheckReach(reach.base_m, reach.least_m, reach.most_m, reach.members)
@@ -73,7 +80,7 @@ def check_scene(problem: Problem, placements: dict[str, Placement], memo: Memo |
 
 
 def world_poses(problem: Problem, placements: dict[str, Placement]) -> dict[str, LevelPose]:
-    """Origin and yaw in W of the background and every thing, as owners of places: of the very frames that are emitted.
+    """Origin and yaw in W of the background and every thing, from the frames that are emitted.
 
     Raises KeyError when a thing has no placement.
     """
@@ -111,9 +118,9 @@ def _relation(relation: RelationIR, poses: dict[str, LevelPose]) -> CheckRelatio
 
 def _object(thing: Thing, at: Placement, pose: LevelPose, place: CheckPlace) -> CheckObject:
     origin, yaw = pose
-    stance, domain = thing.body.stances[at.stance], thing.domain
+    stance, domain = thing.body.resting_orientations[at.stance], thing.domain
     floor = float(place.origin_m[2]) + at.base_m
-    spotted = any(spot.stance == at.stance for spot in domain.spots)
+    has_fixed_pose = any(fixed_pose.stance == at.stance for fixed_pose in domain.fixed_poses)
     return CheckObject(
         name=thing.name,
         prisms=tuple(_prism(slab, origin, yaw, floor) for slab in stance.slabs),
@@ -124,9 +131,13 @@ def _object(thing: Thing, at: Placement, pose: LevelPose, place: CheckPlace) -> 
         x_m=domain.x_m,
         y_m=domain.y_m,
         yaw_range_rad=domain.yaw_rad,
-        fixed_poses=tuple(_spot(spot) for spot in domain.spots if spot.stance == at.stance or not spotted),
+        fixed_poses=tuple(
+            _fixed_pose(fixed_pose)
+            for fixed_pose in domain.fixed_poses
+            if fixed_pose.stance == at.stance or not has_fixed_pose
+        ),
         stance=at.stance,
-        stances=tuple(spot.stance for spot in domain.spots) or domain.stances,
+        stances=tuple(fixed_pose.stance for fixed_pose in domain.fixed_poses) or domain.orientation_indices,
     )
 
 
@@ -134,5 +145,5 @@ def _prism(slab: Slab, origin: FloatArray, yaw: float, floor_m: float) -> CheckP
     return CheckPrism(turned(slab.outline_m, yaw) + origin[:2], floor_m + slab.low_m, floor_m + slab.high_m)
 
 
-def _spot(spot: Spot) -> tuple[float, float, float, float]:
-    return spot.x_m, spot.y_m, spot.z_m, spot.yaw_rad
+def _fixed_pose(fixed_pose: FixedPose) -> tuple[float, float, float, float]:
+    return fixed_pose.x_m, fixed_pose.y_m, fixed_pose.z_m, fixed_pose.yaw_rad

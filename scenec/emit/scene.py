@@ -1,4 +1,4 @@
-"""A solved problem as a scene in the world: poses from the background outwards, prisms that anyone can check."""
+"""Emits a solved problem as a scene document in the world frame: poses, and prisms that anyone can check."""
 
 from __future__ import annotations
 
@@ -9,31 +9,32 @@ from functools import partial
 import numpy as np
 
 from geom.pose import pose
-from scenec.ir.derivation_cache import Memo
+from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import WORLD_PARENT, Body, FloatArray, Placement, Problem, Stance, Thing
 from schemas.scene.compiled import CompiledScene, PlacedObject, Prism
 from schemas.scene.program import BoxAsset, CylinderAsset, Inline, SphereAsset
 
-_DIGITS = 9  # Nanometres: what is left of two ways to add the same lengths.
+_DIGITS = 9  # nanometres: hides rounding errors of sums
 _NO_PART = 1e-12  # of a unit quaternion: rounding
 
 
 def compiled_scene(
-    problem: Problem, placements: Mapping[str, Placement], seed: int, memo: Memo | None = None
+    problem: Problem, placements: Mapping[str, Placement], seed: int, derivations: DerivationCache | None = None
 ) -> CompiledScene:
     """The whole scene of `problem` in the world frame. Raises KeyError when a thing has no placement: never partial.
 
-    What stands as it did when `memo` saw it is taken from there.
+    Objects whose pose and body are unchanged are taken from `derivations`.
     """
-    memo = memo or Memo()
-    frames = world_frames(problem, placements, memo)
+    derivations = derivations or DerivationCache()
+    frames = world_frames(problem, placements, derivations)
     bodies: dict[str, tuple[Thing | None, Body, Stance]] = {
-        thing.name: (thing, thing.body, thing.body.stances[placements[thing.name].stance]) for thing in problem.things
+        thing.name: (thing, thing.body, thing.body.resting_orientations[placements[thing.name].stance])
+        for thing in problem.things
     }
     if problem.background is not None:
-        bodies[WORLD_PARENT] = None, problem.background, problem.background.stances[0]
+        bodies[WORLD_PARENT] = None, problem.background, problem.background.resting_orientations[0]
     placed = {
-        name: memo.get(
+        name: derivations.get(
             ("placed", problem.key, name),
             partial(_placed, name, body, stance, frames[name], thing),
             *(thing or body, stance, frames[name]),
@@ -52,21 +53,23 @@ def compiled_scene(
 
 
 def world_frames(
-    problem: Problem, placements: Mapping[str, Placement], memo: Memo | None = None
+    problem: Problem, placements: Mapping[str, Placement], derivations: DerivationCache | None = None
 ) -> dict[str, FloatArray]:
     """X_WU (4, 4) of the background and every thing: origin of its asset frame, turned by its yaw alone.
 
-    U are the axes that things on it are placed in; those of the asset frame itself lie `stance.quat_wxyz` further.
+    Things on it are placed along the axes U; the asset frame itself is turned by `stance.quat_wxyz` from U.
     """
     things = {thing.name: thing for thing in problem.things}
-    memo = memo or Memo()
+    derivations = derivations or DerivationCache()
     X_WB = np.asarray(problem.X_WB, dtype=np.float64)
-    frames = {WORLD_PARENT: memo.get(("frame", X_WB.tobytes()), lambda: X_WB)}
+    frames = {WORLD_PARENT: derivations.get(("frame", X_WB.tobytes()), lambda: X_WB)}
 
     def frame(name: str) -> FloatArray:
         if name not in frames:
             thing, at, X_WP = things[name], placements[name], frame(things[name].parent)
-            frames[name] = memo.get(("frame", problem.key, name), lambda: X_WP @ _in_parent(thing, at), thing, at, X_WP)
+            frames[name] = derivations.get(
+                ("frame", problem.key, name), lambda: X_WP @ _in_parent(thing, at), thing, at, X_WP
+            )
         return frames[name]
 
     for name in things:
@@ -76,7 +79,7 @@ def world_frames(
 
 def _in_parent(thing: Thing, placement: Placement) -> FloatArray:
     """X_PU (4, 4) of a placed thing."""
-    over_m = placement.base_m + thing.body.stances[placement.stance].origin_height_m
+    over_m = placement.base_m + thing.body.resting_orientations[placement.stance].origin_height_m
     p_A = np.array([placement.x_m, placement.y_m, over_m])
     cosine, sine = np.cos(placement.yaw_rad), np.sin(placement.yaw_rad)
     turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
@@ -116,17 +119,17 @@ def _quat_wxyz(stance: Stance, X_WU: FloatArray) -> tuple[float, float, float, f
 def prisms(stance: Stance, X_WU: FloatArray) -> tuple[Prism, ...]:
     """The collision geometry of a stance in the world; `X_WU` turns about z alone, so that prisms stay prisms."""
     floor_m = float(X_WU[2, 3]) - stance.origin_height_m
-    made = []
+    world_prisms = []
     for slab in stance.slabs:
         outline = slab.outline_m @ X_WU[:2, :2].T + X_WU[:2, 3]
-        made.append(
+        world_prisms.append(
             Prism(
                 outline_m=tuple((_rounded(x), _rounded(y)) for x, y in outline.tolist()),
                 low_m=_rounded(floor_m + slab.low_m),
                 high_m=_rounded(floor_m + slab.high_m),
             )
         )
-    return tuple(made)
+    return tuple(world_prisms)
 
 
 def _rounded(value: float) -> float:

@@ -1,1 +1,1 @@
-"""Explanations of a verdict: minimal conflicts, suggested edits, relaxed problems and the report."""
+"""Explanations of a verdict: results by combination, minimal conflicts, suggested edits and the report's finding."""

@@ -1,4 +1,4 @@
-"""Which choice of the variants to leave out: what failed failed with it alone, all the rest was compiled."""
+"""Suggests variant choices to drop: those without which every remaining combination compiled."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from schemas.scene.compiled import CombinationVerdict, Suggestion
 
 
 def dropped_choices(rows: Sequence[CombinationVerdict]) -> tuple[Suggestion, ...]:
-    """Edits that leave out one candidate or variant, so that every combination left has its scene already (`rows` are
-    all combinations). None where no single choice is to blame, or where it is what the program says without variants.
+    """Edits that drop one candidate or variant, after which every remaining combination has a scene already (`rows` are
+    all combinations). None where no single choice is to blame, or where it is the authored value itself.
     """
     failed = [row.combination for row in rows if row.verdict != "compiled"]
     if not failed:

@@ -1,7 +1,8 @@
-"""Which authored constraints cannot hold together, and no more of them than needed (QuickXplain, Junker 2004).
+"""Minimal sets of authored constraints that cannot hold together (QuickXplain, Junker 2004).
 
-Rules come first (relations, ranges, keep-outs, reach, clearance) with all things present. Only where the things alone
-have no room are they themselves the conflict. "Cannot hold" always means a proof; a search without result is none.
+Constraints come first (relations, ranges, keep-outs, reach, clearance), with all things present. The things themselves
+are the conflict only where they have no room without any of these. A conflict always rests on a proof; a search without
+result is none.
 """
 
 from __future__ import annotations
@@ -32,17 +33,17 @@ def minimal_conflict(problem: Problem, feasible: Feasible) -> Conflict | None:
     Parts are refuted by the argument that refuted the whole, which keeps this to milliseconds. Where the rest without
     one member turns out to be infeasible too, for another reason, that smaller conflict is followed instead.
     """
-    found = refutation(problem)
-    if found is None:
+    refuted_by = refutation(problem)
+    if refuted_by is None:
         return None
-    proof, refuted = found
-    asked = rules(problem)
-    if (alone := refuted(relaxed(problem, asked))) is not None:
-        problem, asked, proof = relaxed(problem, asked), nodes(problem), alone
-    suspects = tuple(path for path in asked if _meant(path, proof.paths))
-    rest = tuple(path for path in asked if path not in suspects)
+    proof, refuted = refuted_by
+    authored = rules(problem)
+    if (alone := refuted(relaxed(problem, authored))) is not None:
+        problem, authored, proof = relaxed(problem, authored), nodes(problem), alone
+    suspects = tuple(path for path in authored if _meant(path, proof.paths))
+    rest = tuple(path for path in authored if path not in suspects)
     if refuted(relaxed(problem, rest)) is None:
-        suspects, rest = asked, ()
+        suspects, rest = authored, ()
     without = relaxed(problem, rest)
     paths = quick_xplain(suspects, lambda kept: refuted(relaxed(without, set(suspects) - set(kept))) is not None)
     core = relaxed(without, set(suspects) - set(paths))
@@ -58,20 +59,20 @@ def minimal_conflict(problem: Problem, feasible: Feasible) -> Conflict | None:
 
 
 def quick_xplain(paths: tuple[Path, ...], contradict: Callable[[tuple[Path, ...]], bool]) -> tuple[Path, ...]:
-    """A subset that contradicts itself although no part of it does, as far as `contradict` can tell (Junker 2004).
+    """A subset for which `contradict` holds although it holds for no proper part of it (Junker 2004).
 
-    The whole of `paths` must contradict itself. Earlier paths are blamed rather than later ones.
+    It must hold for the whole of `paths`. Earlier paths are preferred to later ones.
     """
 
-    def explain(kept: tuple[Path, ...], added: bool, open_paths: tuple[Path, ...]) -> tuple[Path, ...]:
-        if added and contradict(kept):
+    def explain(paths_kept: tuple[Path, ...], added: bool, open_paths: tuple[Path, ...]) -> tuple[Path, ...]:
+        if added and contradict(paths_kept):
             return ()
         if len(open_paths) == 1:
             return open_paths
         half = len(open_paths) // 2
         first, second = open_paths[:half], open_paths[half:]
-        from_second = explain((*kept, *first), bool(first), second)
-        return (*explain((*kept, *from_second), bool(from_second), first), *from_second)
+        from_second = explain((*paths_kept, *first), bool(first), second)
+        return (*explain((*paths_kept, *from_second), bool(from_second), first), *from_second)
 
     return () if not paths or contradict(()) else explain((), False, paths)
 

@@ -1,4 +1,4 @@
-"""What became of a combination, in the words of the program: verdict, place in the text, what conflicts."""
+"""Reports the result of a combination as diagnostics: verdict, location in the program, conflicting constraints."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _MOST_CHOICES = 4  # whose lines are shown
 
 
 def verdict_of(result: Result) -> Verdict:
-    """The verdict in one word."""
+    """The verdict of a result."""
     if isinstance(result, Solved):
         return "compiled"
     return "infeasible" if isinstance(result, Infeasible) else "budget_exhausted"
 
 
-def why(
+def failure_finding(
     problem: Problem,
     result: Result,
     paths: tuple[Path, ...],
@@ -28,14 +28,14 @@ def why(
     spans: Spans,
     chosen: Mapping[str, Path | None],
 ) -> Diagnostic:
-    """The finding for a combination without a scene, at the first of `paths`, the constraints that conflict. `chosen`
-    are the choices to which it is due, in words, and where the text makes them."""
+    """The finding for a combination without a scene, at the first of `paths`, the conflicting constraints. `chosen`
+    maps the choices that cause it, as text, to their paths."""
     among = f" (with {', '.join(chosen)})" if chosen else ""
     choices = tuple(Label(where=spans.place(at), text=words) for words, at in chosen.items() if at is not None)
     if isinstance(result, Infeasible):
         proof = result.proof
         code = f"scene/{proof.kind}" if f"scene/{proof.kind}" in CODES else "scene/infeasible"
-        made = finding(
+        diagnostic = finding(
             code,
             proof.text + among,
             where=spans.place(paths[0] if paths else ()),
@@ -47,12 +47,12 @@ def why(
     else:
         assert not isinstance(result, Solved), "a scene needs no excuse"
         blocking = next((thing for thing in problem.things if thing.name == result.blocking), None)
-        said = f"no scene was found in {result.steps} steps, which proves nothing; `{result.blocking}` failed most"
+        headline = f"no scene was found in {result.steps} steps, which proves nothing; `{result.blocking}` failed most"
         if result.note:
-            said = f"{result.note}, which proves nothing of one at a time"
-        made = finding(
+            headline = f"{result.note}, which proves nothing of one at a time"
+        diagnostic = finding(
             "scene/budget-exhausted",
-            said + among,
+            headline + among,
             where=spans.place(blocking.path if blocking else ()),
             value=None if result.note else result.placed,
             bound=None if result.note else result.of,
@@ -60,11 +60,11 @@ def why(
             labels=choices[:_MOST_CHOICES],
         )
     tried = [edit.edit for edit in edits if edit.verified]
-    return made if not tried else made.model_copy(update={"help": "; or ".join(tried)})
+    return diagnostic if not tried else diagnostic.model_copy(update={"help": "; or ".join(tried)})
 
 
 def conflict_members(paths: tuple[Path, ...], spans: Spans) -> tuple[ConflictMember, ...]:
-    """The authored constraints of a conflict with their places in the text."""
+    """The authored constraints of a conflict with their locations."""
     members = []
     for path in paths:
         at = spans.place(path)

@@ -1,7 +1,7 @@
-"""Edits that make an infeasible program compile: every one was solved again, smallest change first.
+"""Suggests edits that make an infeasible program compile; each was solved again, the smallest change comes first.
 
-A number is moved just as far as needed: bisection between the value that fails and one that works, rounded to a
-millimetre or a tenth of it on the side that works, and the rounded value is what is solved last.
+Numbers are changed as little as needed: bisection between the failing value and one that works, rounded to a millimetre
+(clearance: a tenth of it) towards the working side; the rounded value is what is solved last.
 """
 
 from __future__ import annotations
@@ -30,25 +30,25 @@ Change = Callable[[Problem], Problem]
 
 
 @dataclass(frozen=True)
-class Edit:
-    """One change: what to write, what it makes of a combination, and how much it takes away (from 1 something goes)."""
+class ProgramEdit:
+    """One edit: its text, the change of a problem that it makes, and its cost (from 1 on, a constraint is dropped)."""
 
     text: str
     change: Change
     cost: float
 
 
-class Judge:
-    """Whether edited problems have scenes, within a number of solves."""
+class FeasibilityOracle:
+    """Decides whether edited problems have scenes, within a number of solves."""
 
     def __init__(self, feasible: Feasible) -> None:
-        self.feasible, self.left = feasible, MOST_SOLVES
+        self.feasible, self.solves_left = feasible, MOST_SOLVES
 
     def works(self, problem: Problem) -> bool:
-        """Whether a scene was found; False as well when the solves are used up."""
-        if prove_cheaply(problem) is not None or self.left <= 0:
+        """Whether a scene was found; also False when the solves are used up."""
+        if prove_cheaply(problem) is not None or self.solves_left <= 0:
             return False
-        self.left -= 1
+        self.solves_left -= 1
         return isinstance(self.feasible(problem), Solved)
 
 
@@ -56,58 +56,58 @@ def suggestions(
     problem: Problem, conflict: Conflict, feasible: Feasible, others: Sequence[Problem] = ()
 ) -> tuple[Suggestion, ...]:
     """At most five edits that were solved again and gave a scene, the smallest first; none when no single edit does.
-    They are looked for in one combination and solved again in the `others`, too: an edit changes the whole program."""
-    judge = Judge(feasible)
-    found = [edit for path in conflict.paths for edit in _edits(problem, path, judge)]
-    found += [edit for thing in _involved(problem, conflict) for edit in _moves(problem, thing, judge)]
-    kept = sorted({edit.text: edit for edit in reversed(found)}.values(), key=lambda edit: (edit.cost, edit.text))
-    whole = Judge(feasible)
-    right = (edit for edit in kept if all(whole.works(edit.change(other)) for other in others))
+    They are found for one combination and verified in the `others`, since an edit changes the whole program."""
+    oracle = FeasibilityOracle(feasible)
+    edits = [edit for path in conflict.paths for edit in _edits(problem, path, oracle)]
+    edits += [edit for thing in _involved(problem, conflict) for edit in _moves(problem, thing, oracle)]
+    ranked = sorted({edit.text: edit for edit in reversed(edits)}.values(), key=lambda edit: (edit.cost, edit.text))
+    oracle_of_others = FeasibilityOracle(feasible)
+    right = (edit for edit in ranked if all(oracle_of_others.works(edit.change(other)) for other in others))
     return tuple(Suggestion(edit=edit.text, verified=True) for edit in islice(right, MOST_SUGGESTIONS))
 
 
-def _edits(problem: Problem, path: Path, judge: Judge) -> Iterator[Edit]:
+def _edits(problem: Problem, path: Path, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
     """Edits of one member of the conflict: its number moved, or the member dropped."""
 
     def without(of: Problem) -> Problem:
         return relaxed(of, {path})
 
-    if not judge.works(without(problem)):
+    if not oracle.works(without(problem)):
         return
     relation = next((r for r in problem.relations if r.path == path), None)
     if path == CLEARANCE:
-        yield from _lower_clearance(problem, judge)
+        yield from _lower_clearance(problem, oracle)
         return
     if relation is not None:
-        yield from _loosen(problem, relation, judge)
+        yield from _relax_relation(problem, relation, oracle)
     elif problem.reach is not None and path == problem.reach.path:
-        yield from _farther_reach(problem, judge)
+        yield from _farther_reach(problem, oracle)
     elif path[-1] in ("x", "y"):
-        yield from _widen(problem, path, judge)
+        yield from _widen(problem, path, oracle)
     elif path[-1] == "yaw":
-        yield Edit(f"free yaw of {written(_owner(path))}", without, 0.5)
+        yield ProgramEdit(f"free yaw of {written(_owner(path))}", without, 0.5)
         return
     is_range = path[-1] in ("x", "y")
-    what = f"{path[-1]} of {written(_owner(path))}" if is_range else written(path)
-    yield Edit(f"drop {what}", without, 2.0 if any(thing.path == path for thing in problem.things) else 1.0)
+    subject = f"{path[-1]} of {written(_owner(path))}" if is_range else written(path)
+    yield ProgramEdit(f"drop {subject}", without, 2.0 if any(thing.path == path for thing in problem.things) else 1.0)
 
 
 def _owner(path: Path) -> Path:
-    """The node or group whose range a path is."""
+    """Path of the node or group that owns a range."""
     return path[: path.index("ranges")] if "placement" not in path else path[: path.index("placement")]
 
 
-def _lower_clearance(problem: Problem, judge: Judge) -> Iterator[Edit]:
+def _lower_clearance(problem: Problem, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
     def at(value: float, of: Problem) -> Problem:
         return replace(of, clearance_m=value)
 
-    value = _least_change(problem.clearance_m, 0.0, STEP_M / 10.0, lambda v: judge.works(at(v, problem)))
+    value = _least_change(problem.clearance_m, 0.0, STEP_M / 10.0, lambda v: oracle.works(at(v, problem)))
     if value is not None:
-        yield Edit(f"lower clearance to {value:.4g}", partial(at, value), 1.0 - value / problem.clearance_m)
+        yield ProgramEdit(f"lower clearance to {value:.4g}", partial(at, value), 1.0 - value / problem.clearance_m)
 
 
-def _loosen(problem: Problem, relation: RelationIR, judge: Judge) -> Iterator[Edit]:
-    """Another gap, distance or tolerance of a relation."""
+def _relax_relation(problem: Problem, relation: RelationIR, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
+    """A changed gap, distance or tolerance of a relation."""
     name = "distance" if relation.kind in ("near", "far_from") else "gap"
 
     def at(value: float, of: Problem) -> Problem:
@@ -116,9 +116,9 @@ def _loosen(problem: Problem, relation: RelationIR, judge: Judge) -> Iterator[Ed
 
     if relation.kind in ("before", "far_from") and relation.gap_m > 0.0:
         end = 0.0 if relation.kind == "before" else STEP_M
-        value = _least_change(relation.gap_m, end, STEP_M, lambda v: judge.works(at(v, problem)))
+        value = _least_change(relation.gap_m, end, STEP_M, lambda v: oracle.works(at(v, problem)))
     elif relation.kind == "near":
-        value = _least_change(relation.gap_m, relation.gap_m + WIDEST_M, STEP_M, lambda v: judge.works(at(v, problem)))
+        value = _least_change(relation.gap_m, relation.gap_m + WIDEST_M, STEP_M, lambda v: oracle.works(at(v, problem)))
     elif relation.kind in ("aligned", "between"):
         name = "tolerance"
 
@@ -127,39 +127,41 @@ def _loosen(problem: Problem, relation: RelationIR, judge: Judge) -> Iterator[Ed
             return replace(of, relations=tuple(changed))
 
         start = relation.tolerance
-        value = _least_change(start, start + WIDEST_M, STEP_M, lambda v: judge.works(at(v, problem)))
+        value = _least_change(start, start + WIDEST_M, STEP_M, lambda v: oracle.works(at(v, problem)))
     else:
         return
     if value is not None:
         old = relation.tolerance if name == "tolerance" else relation.gap_m
-        yield Edit(
+        yield ProgramEdit(
             f"set {name} of {written(relation.path)} to {value:.4g}", partial(at, value), min(0.9, abs(value - old))
         )
 
 
-def _farther_reach(problem: Problem, judge: Judge) -> Iterator[Edit]:
+def _farther_reach(problem: Problem, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
     reach = problem.reach
-    assert reach is not None, "asked of a reach only"
+    assert reach is not None, "called for a reach only"
 
     def at(value: float, of: Problem) -> Problem:
         return replace(of, reach=None if of.reach is None else replace(of.reach, most_m=value))
 
-    value = _least_change(reach.most_m, reach.most_m + WIDEST_M, STEP_M, lambda v: judge.works(at(v, problem)))
+    value = _least_change(reach.most_m, reach.most_m + WIDEST_M, STEP_M, lambda v: oracle.works(at(v, problem)))
     if value is not None:
-        yield Edit(f"set radius of {written(reach.path)} to {value:.4g}", partial(at, value), value - reach.most_m)
+        yield ProgramEdit(
+            f"set radius of {written(reach.path)} to {value:.4g}", partial(at, value), value - reach.most_m
+        )
 
 
-def _widen(problem: Problem, path: Path, judge: Judge) -> Iterator[Edit]:
+def _widen(problem: Problem, path: Path, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
     """A wider range of x or y: to one side where that is enough, else to both."""
-    found = 0
+    widenings = 0
     for sides, words in (((1, 0), "downward"), ((0, 1), "upward"), ((1, 1), "at both ends")):
-        if sum(sides) > 1 and found:
+        if sum(sides) > 1 and widenings:
             return
-        by = _least_change(0.0, WIDEST_M, STEP_M, lambda v, s=sides: judge.works(_widened(problem, path, v, s)))
+        by = _least_change(0.0, WIDEST_M, STEP_M, lambda v, s=sides: oracle.works(_widened(problem, path, v, s)))
         if by is not None:
-            found += 1
+            widenings += 1
             text = f"widen {path[-1]} of {written(_owner(path))} by {by:.4g} m {words}"
-            yield Edit(text, partial(_widened, path=path, by_m=by, sides=sides), by)
+            yield ProgramEdit(text, partial(_widened, path=path, by_m=by, sides=sides), by)
 
 
 def _widened(problem: Problem, path: Path, by_m: float, sides: tuple[int, int]) -> Problem:
@@ -211,23 +213,23 @@ def _rounded(value: float, step: float, sign: float) -> float:
 
 
 def _involved(problem: Problem, conflict: Conflict) -> list[Thing]:
-    """Things that nothing stands on and that the conflict names, or that its relations speak of; at most four."""
+    """Things that carry nothing and that the conflict, or one of its relations, names; at most four."""
     named = set(conflict.paths) | set(conflict.proof.paths)
     speak = {name for relation in problem.relations if relation.path in named for name in relation.things}
     owners = {thing.parent for thing in problem.things}
     return [t for t in problem.things if (t.path in named or t.name in speak) and t.name not in owners][:4]
 
 
-def _moves(problem: Problem, thing: Thing, judge: Judge) -> Iterator[Edit]:
-    """The thing on another place that the program uses already, free to stand anywhere there."""
+def _moves(problem: Problem, thing: Thing, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
+    """Edits that move the thing to another place in use, free to be anywhere there."""
     if thing.group is not None or sum(other.path == thing.path for other in problem.things) > 1:
         return
     for owner, name in _places(problem):
         if (owner, name) == (thing.parent, thing.place.name) or owner == thing.name:
             continue
         change = partial(_moved, thing=thing.name, owner=owner, name=name)
-        if judge.works(change(problem)):
-            yield Edit(f"move {thing.name} to {name if owner == WORLD_PARENT else owner}", change, 0.95)
+        if oracle.works(change(problem)):
+            yield ProgramEdit(f"move {thing.name} to {name if owner == WORLD_PARENT else owner}", change, 0.95)
 
 
 def _places(problem: Problem) -> dict[tuple[str, str], Surface | Volume]:
@@ -237,7 +239,8 @@ def _places(problem: Problem) -> dict[tuple[str, str], Surface | Volume]:
 
 
 def _moved(problem: Problem, thing: str, owner: str, name: str) -> Problem:
-    """The thing free on another place; where its owner is another asset, on the first place of that."""
+    """The problem with the thing free on another place; where its owner has another asset, on the first place of
+    that."""
     places = _places(problem)
     place = places.get((owner, name)) or next((p for (of, _), p in places.items() if of == owner), None)
     if place is None:
@@ -245,7 +248,12 @@ def _moved(problem: Problem, thing: str, owner: str, name: str) -> Problem:
     return replace(
         problem,
         things=tuple(
-            replace(t, parent=owner, place=place, domain=Domain(stances=t.domain.stances, path=t.domain.path))
+            replace(
+                t,
+                parent=owner,
+                place=place,
+                domain=Domain(orientation_indices=t.domain.orientation_indices, path=t.domain.path),
+            )
             if t.name == thing
             else t
             for t in problem.things

@@ -1,4 +1,4 @@
-"""Parts solved one by one, and what that says of whole combinations."""
+"""Solves every combination of each component and derives verdicts of whole combinations from the results."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from scenec.bind.components import Lowered, Part
+from scenec.bind.components import IndependentComponent, Lowered
 from scenec.bind.pairwise_cover import AT_LEAST, containing, cover
 from scenec.bind.variants import MAX_COMBINATIONS, Combination
 from scenec.explain.report import verdict_of
@@ -17,8 +17,8 @@ _WORST_FIRST: tuple[Verdict, ...] = ("infeasible", "budget_exhausted", "compiled
 
 
 @dataclass(frozen=True)
-class Tried:
-    """What became of one combination of a part, or of one with single candidates where their union has no scene."""
+class CombinationResult:
+    """Result of one combination of a component, or of one with single candidates where their union has no scene."""
 
     combination: Combination
     result: Result
@@ -26,7 +26,7 @@ class Tried:
 
     @property
     def row(self) -> CombinationVerdict:
-        """As the report has it."""
+        """The entry of the report."""
         proof = self.result.proof.text if isinstance(self.result, Infeasible) else ""
         return CombinationVerdict(
             combination=self.combination, verdict=verdict_of(self.result), proof=proof, seconds=self.seconds
@@ -35,75 +35,83 @@ class Tried:
 
 @dataclass(frozen=True)
 class Verdicts:
-    """Of each part one entry a combination, and after these the single ones that were looked at."""
+    """By component one result for each combination, followed by those of single candidates."""
 
     lowered: Lowered
-    tried: tuple[tuple[Tried, ...], ...]
+    results: tuple[tuple[CombinationResult, ...], ...]
 
     @property
-    def worst(self) -> tuple[int, Tried] | None:
-        """Number of the part and the first of the worst verdict; None when everything compiled."""
-        every = [(k, one) for k, found in enumerate(self.tried) for one in found]
+    def worst(self) -> tuple[int, CombinationResult] | None:
+        """Number of the component and first result with the worst verdict; None when everything compiled."""
+        every = [(k, one) for k, component_results in enumerate(self.results) for one in component_results]
         k, one = min(every, key=lambda pair: _rank(pair[1].row))
         return None if isinstance(one.result, Solved) else (k, one)
 
     @property
     def rows(self) -> tuple[CombinationVerdict, ...]:
-        """The verdicts of all parts."""
-        return tuple(one.row for found in self.tried for one in found)
+        """The verdicts of all components."""
+        return tuple(one.row for component_results in self.results for one in component_results)
 
-    def due_to(self, part: int, failed: Tried) -> Combination:
-        """The choices to which a failure is due: none where every combination of the part fails by the same rule."""
-        why = {_cause(one.result) for one in self.tried[part]}
-        return {} if len(why) == 1 and len(self.tried[part]) > 1 else failed.combination
+    def due_to(self, component: int, failed: CombinationResult) -> Combination:
+        """The choices that cause a failure: none where every combination of the component fails for the same reason."""
+        why = {_cause(one.result) for one in self.results[component]}
+        return {} if len(why) == 1 and len(self.results[component]) > 1 else failed.combination
 
     def components(self) -> tuple[ComponentVerdict, ...]:
-        """The verdicts by part."""
-        made: list[ComponentVerdict] = []
-        for part, found in zip(self.lowered.parts, self.tried, strict=True):
-            rows = tuple(one.row for one in found)
+        """The verdicts by component."""
+        verdicts_by_component: list[ComponentVerdict] = []
+        for component, component_results in zip(self.lowered.components, self.results, strict=True):
+            rows = tuple(one.row for one in component_results)
             worst = min(rows, key=_rank)
-            made.append(
-                ComponentVerdict(things=part.things, verdict=worst.verdict, combinations=rows, union=part.union)
+            verdicts_by_component.append(
+                ComponentVerdict(
+                    things=component.things, verdict=worst.verdict, combinations=rows, union=component.union
+                )
             )
-        return tuple(made)
+        return tuple(verdicts_by_component)
 
     def shown(self) -> tuple[Combination, ...]:
         """Combinations of all keys that are made into scenes: every one where these are few, else a cover."""
-        parts = self.lowered.parts
+        parts = self.lowered.components
         if len(parts) == 1:
             return parts[0].combinations
         if self.lowered.count <= AT_LEAST:
-            return tuple(self.lowered.binder.variety.combinations(self.lowered.keys))
-        return cover([part.combinations for part in parts])
+            return tuple(self.lowered.binder.variants.combinations(self.lowered.keys))
+        return cover([component.combinations for component in parts])
 
-    def whole(self, part: int, chosen: Combination) -> Combination:
-        """A combination of all keys with that of a part; other parts have one that compiled, where there is any."""
+    def whole(self, component: int, chosen: Combination) -> Combination:
+        """A combination of all keys that contains `chosen`; other components have one that compiled, where there is
+        any."""
         order: list[list[Combination]] = []
-        for known in self.tried:
+        for known in self.results:
             compiled = [one.combination for one in known if isinstance(one.result, Solved)]
             order.append(compiled + [one.combination for one in known])
-        order[part] = [chosen]
+        order[component] = [chosen]
         return containing(chosen, order)
 
     def result(self, whole: Mapping[str, str]) -> Result:
-        """What became of a combination of all keys: placements of all parts, or the worst of their results."""
-        found = self._of(whole)
-        if (refuted := next((one.result for one in found if isinstance(one.result, Infeasible)), None)) is not None:
+        """Result of a combination of all keys: placements of all components, or the worst of their results."""
+        component_results = self._of(whole)
+        if (
+            refuted := next((one.result for one in component_results if isinstance(one.result, Infeasible)), None)
+        ) is not None:
             return refuted
-        stood = [one.result.placements if isinstance(one.result, Solved) else _stood(one.result) for one in found]
+        stood = [
+            one.result.placements if isinstance(one.result, Solved) else _best_placements(one.result)
+            for one in component_results
+        ]
         together = {name: at for places in stood for name, at in sorted(places.items())}
-        steps = sum(one.result.steps for one in found if not isinstance(one.result, Infeasible))
-        lost = next((one.result for one in found if isinstance(one.result, Exhausted)), None)
+        steps = sum(one.result.steps for one in component_results if not isinstance(one.result, Infeasible))
+        lost = next((one.result for one in component_results if isinstance(one.result, Exhausted)), None)
         if lost is None:
             return Solved(dict(sorted(together.items())), steps)
-        things = sum(len(part.things) for part in self.lowered.parts)
-        return replace(lost, placed=len(together), of=things, steps=steps, stood=together)
+        things = sum(len(component.things) for component in self.lowered.components)
+        return replace(lost, placed=len(together), of=things, steps=steps, best_placements=together)
 
     def matrix(self, shown: Sequence[Combination]) -> tuple[CombinationVerdict, ...]:
         """A row for each combination of all keys, while there are at most 256; else one for each of `shown`."""
         if self.lowered.count <= MAX_COMBINATIONS:
-            shown = tuple(self.lowered.binder.variety.combinations(self.lowered.keys))
+            shown = tuple(self.lowered.binder.variants.combinations(self.lowered.keys))
         rows: list[CombinationVerdict] = []
         for whole in shown:
             of = [one.row for one in self._of(whole)]
@@ -112,12 +120,12 @@ class Verdicts:
             rows.append(worst.model_copy(update={"combination": whole, "seconds": seconds}))
         return tuple(rows)
 
-    def _of(self, whole: Mapping[str, str]) -> list[Tried]:
-        found: list[Tried] = []
-        for part, known in zip(self.lowered.parts, self.tried, strict=True):
-            single = [one for one in known[len(part.combinations) :] if one.combination.items() <= whole.items()]
-            found.append(single[0] if single else known[part.index(whole)])
-        return found
+    def _of(self, whole: Mapping[str, str]) -> list[CombinationResult]:
+        component_results: list[CombinationResult] = []
+        for component, known in zip(self.lowered.components, self.results, strict=True):
+            single = [one for one in known[len(component.combinations) :] if one.combination.items() <= whole.items()]
+            component_results.append(single[0] if single else known[component.index(whole)])
+        return component_results
 
 
 def _rank(row: CombinationVerdict) -> int:
@@ -125,52 +133,59 @@ def _rank(row: CombinationVerdict) -> int:
 
 
 def _cause(result: Result) -> tuple[object, ...]:
-    # What of a result does not depend on sizes.
+    # The part of a result that does not depend on sizes.
     return (result.proof.kind, result.proof.paths) if isinstance(result, Infeasible) else (type(result),)
 
 
-def _stood(result: Result) -> dict[str, Placement]:
-    return result.stood if isinstance(result, Exhausted) else {}
+def _best_placements(result: Result) -> dict[str, Placement]:
+    return result.best_placements if isinstance(result, Exhausted) else {}
 
 
 def verdicts(lowered: Lowered, solve: Callable[[Problem], Result]) -> Verdicts:
-    """Every combination of every part solved by `solve`; parts are independent."""
-    return Verdicts(lowered, tuple(_tried(part, lowered, solve) for part in lowered.parts))
+    """Solves every combination of every component with `solve`."""
+    return Verdicts(lowered, tuple(_component_results(component, lowered, solve) for component in lowered.components))
 
 
-def _tried(part: Part, lowered: Lowered, solve: Callable[[Problem], Result]) -> tuple[Tried, ...]:
-    pairs = zip(part.combinations, part.problems, strict=True)
-    found = [_timed(combination, problem, solve) for combination, problem in pairs]
-    if not part.union:
-        return tuple(found)
+def _component_results(
+    component: IndependentComponent, lowered: Lowered, solve: Callable[[Problem], Result]
+) -> tuple[CombinationResult, ...]:
+    pairs = zip(component.combinations, component.problems, strict=True)
+    results = [_timed(combination, problem, solve) for combination, problem in pairs]
+    if not component.union:
+        return tuple(results)
     singles = []
-    for k, one in enumerate(found):
+    for k, one in enumerate(results):
         if isinstance(one.result, Infeasible):
-            found[k] = replace(one, result=_unproved(one.result, part))
+            results[k] = replace(one, result=_unproved(one.result, component))
         if not isinstance(one.result, Solved):
-            singles += [_timed(c, lowered.binder.problem(c, part.nodes), solve) for c in _singled(one, part, lowered)]
-    return (*found, *singles)
+            singles += [
+                _timed(c, lowered.binder.problem(c, component.nodes), solve) for c in _singled(one, component, lowered)
+            ]
+    return (*results, *singles)
 
 
-def _timed(combination: Combination, problem: Problem, solve: Callable[[Problem], Result]) -> Tried:
+def _timed(combination: Combination, problem: Problem, solve: Callable[[Problem], Result]) -> CombinationResult:
     since = time.perf_counter()
-    return Tried(combination, solve(problem), time.perf_counter() - since)
+    return CombinationResult(combination, solve(problem), time.perf_counter() - since)
 
 
-def _unproved(result: Infeasible, part: Part) -> Exhausted:
-    """A union of footprints that has no scene proves nothing of single candidates."""
-    note = f"all candidates of {', '.join(part.union)} at once have no scene ({result.proof.text})"
-    return Exhausted(0, len(part.things), "", 0, note=note)
+def _unproved(result: Infeasible, component: IndependentComponent) -> Exhausted:
+    """An infeasible union of footprints, which proves nothing about single candidates."""
+    note = f"all candidates of {', '.join(component.union)} at once have no scene ({result.proof.text})"
+    return Exhausted(0, len(component.things), "", 0, note=note)
 
 
-def _singled(one: Tried, part: Part, lowered: Lowered) -> list[Combination]:
-    """Combinations of single candidates, so that each is in one."""
-    variety = lowered.binder.variety
+def _singled(one: CombinationResult, component: IndependentComponent, lowered: Lowered) -> list[Combination]:
+    """Combinations of single candidates that contain each candidate at least once."""
+    variants = lowered.binder.variants
     pools = {
-        name: variety.candidates(name, one.combination.get("variants.assets", "as_written")) for name in part.union
+        name: variants.candidates(name, one.combination.get("variants.assets", "as_written"))
+        for name in component.union
     }
-    made = []
+    combinations = []
     for k in range(max(map(len, pools.values()))):
-        picked = {f"objects.{name}": found[min(k, len(found) - 1)] for name, found in pools.items()}
-        made.append(one.combination | {key: single.id for key, single in picked.items() if single.type == "fixed"})
-    return made
+        picked = {f"objects.{name}": candidates[min(k, len(candidates) - 1)] for name, candidates in pools.items()}
+        combinations.append(
+            one.combination | {key: single.id for key, single in picked.items() if single.type == "fixed"}
+        )
+    return combinations

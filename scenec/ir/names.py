@@ -1,4 +1,4 @@
-"""What the names of a program stand for: nodes, their copies, groups, owners of anchors."""
+"""Look-ups by name in a program: nodes and their copies, groups, owners of anchors."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ class Names:
     @cached_property
     def groups_of(self) -> dict[str, tuple[str, ...]]:
         """The groups that each node is a member of."""
-        found: dict[str, tuple[str, ...]] = {}
+        group_names: dict[str, tuple[str, ...]] = {}
         for name, group in self.program.layout.groups.items():
             for member in dict.fromkeys(group.members):
-                found[member] = (*found.get(member, ()), name)
-        return found
+                group_names[member] = (*group_names.get(member, ()), name)
+        return group_names
 
     @cached_property
     def copies(self) -> dict[str, tuple[str, ...]]:
@@ -55,8 +55,8 @@ class Names:
         """How many things are placed, without listing them."""
         return sum(self._count(node) for node in self.program.layout.nodes)
 
-    def stand_for(self, name: str) -> tuple[str, ...]:
-        """The things that a relation or a list of members means by a name; none when it is unknown."""
+    def things_named(self, name: str) -> tuple[str, ...]:
+        """The things that a name in a relation or a list of members refers to; none when it is unknown."""
         if name in self.copies:
             return self.copies[name]
         group = self.program.layout.groups.get(name)
@@ -65,7 +65,7 @@ class Names:
         return (name,) if name in self.things else ()
 
     def placed(self, name: str) -> tuple[str, ...]:
-        """The things that an anchor's `object` may mean: a node by its name, else the nodes of an object."""
+        """The things that an anchor's `object` may refer to: those of the node, else of all nodes of the object."""
         if name == BACKGROUND:
             return (BACKGROUND,)
         if name in self.copies:
@@ -118,7 +118,7 @@ def kind_of(placing: Placement | Group) -> Literal["surface", "volume"]:
 
 
 def upright(placing: Placement | Group | None) -> bool:
-    """Whether what it places can only turn about the vertical."""
+    """Whether the placed things can only turn about the vertical."""
     if isinstance(placing, DiscretePlacement):
         quats = [pose.quat_wxyz for pose in placing.poses if pose.quat_wxyz is not None]
     elif placing is None or isinstance(placing, SlotGroup) or placing.orientation == "upright":

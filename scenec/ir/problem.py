@@ -1,8 +1,8 @@
-"""The program bound to geometry: what the analysis, the solver and the emitter work on. One combination of variants.
+"""The placement problem: one combination of a program bound to geometry, input of analysis, solver and emitter.
 
 Frames: W world; P an asset frame (the owner of a place); A an anchor frame (origin at the bounding-box centre of its
 polygon, axes of P); S a stance: the asset frame turned by one allowed orientation, before yaw. Metres, radians.
-Every item keeps the `path` it has in the program, by which the text finds file, line and column.
+Every item keeps its `path` in the program, from which `Spans` gives file, line and column.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ class Slab:
 
 @dataclass(frozen=True)
 class Stance:
-    """One way to stand: `quat_wxyz` turns the asset frame; the asset origin lies `origin_height_m` over the support."""
+    """A resting orientation: `quat_wxyz` turns the asset frame; the asset origin is `origin_height_m` over the
+    support."""
 
     quat_wxyz: tuple[float, float, float, float]
     slabs: tuple[Slab, ...]
@@ -82,19 +83,19 @@ class Volume:
 
     @property
     def is_round(self) -> bool:
-        """Whether most of what lies in it leans on its walls, which no pose here describes."""
+        """Whether contents mostly lean on its walls, which placements here cannot describe."""
         return self.level_share < LEVEL_SHARE
 
 
 @dataclass(frozen=True)
 class Body:
-    """An asset as scenes need it, scale applied. `surfaces` and `volumes` in its upright frame P, main one first.
+    """Geometry of an asset, scale applied. `surfaces` and `volumes` in its upright frame P, main one first.
 
-    `candidates` are the bodies that this one stands for at once, where the footprint is their union.
+    `candidates` are the bodies whose union this one is, empty for a single asset.
     """
 
     asset_id: str
-    stances: tuple[Stance, ...]
+    resting_orientations: tuple[Stance, ...]
     surfaces: tuple[Surface, ...] = ()
     volumes: tuple[Volume, ...] = ()
     mass_kg: float | None = None
@@ -105,8 +106,8 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Spot:
-    """One complete pose in A: origin of the asset frame at (x, y, z), standing as `stance` says, turned by yaw."""
+class FixedPose:
+    """One complete pose in A: origin of the asset frame at (x, y, z), resting orientation number `stance`, yaw."""
 
     x_m: float
     y_m: float
@@ -119,16 +120,17 @@ class Spot:
 
 @dataclass(frozen=True)
 class Domain:
-    """Where one thing may be on its place. `spots`, when given, are the only poses; ranges bound the asset origin in A.
+    """Where one thing may be on its place. `fixed_poses`, when given, are the only ones; ranges bound its origin in A.
 
-    `yaw_rad` is (low, high) with high - low <= 2 pi; equal ends fix it.
+    `yaw_rad` is (low, high) with high - low <= 2 pi; equal ends fix it. `orientation_indices` number the allowed
+    resting orientations of the body.
     """
 
     x_m: tuple[float, float] = (-np.inf, np.inf)
     y_m: tuple[float, float] = (-np.inf, np.inf)
     yaw_rad: tuple[float, float] = (-np.pi, np.pi)
-    stances: tuple[int, ...] = (0,)
-    spots: tuple[Spot, ...] = ()
+    orientation_indices: tuple[int, ...] = (0,)
+    fixed_poses: tuple[FixedPose, ...] = ()
     path: Path = ()
 
 
@@ -170,13 +172,13 @@ class RelationIR:
 
     @property
     def as_written(self) -> tuple[str, ...]:
-        """The things in the order in which they were written."""
+        """The things in authored order."""
         return self.things[::-1] if self.word in ("right_of", "behind") else self.things
 
 
 @dataclass(frozen=True)
 class KeepOutIR:
-    """Part of a place where nothing may be, up to `height_m` above it: polygon in A. Nothing else need stand there."""
+    """Part of a place that stays empty up to `height_m` above it: polygon in A. The place may carry nothing else."""
 
     parent: str
     place: Surface
@@ -212,14 +214,14 @@ class Problem:
 
     @cached_property
     def key(self) -> tuple[tuple[str, str], ...]:
-        """Tells it from the other combinations of its program."""
+        """Identifies it among the combinations of its program."""
         return tuple(sorted(self.combination.items()))
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a thing is, in the frame A of its place: asset origin, yaw, which stance; `base_m` is the height of the
-    support point over A (0 on the floor of a volume or a surface; more when it stands on contents)."""
+    """Pose of a thing in the frame A of its place: asset origin, yaw, number of its resting orientation; `base_m` is
+    the height of its lowest point over A (0 on a surface or the floor of a volume, more on other contents)."""
 
     x_m: float
     y_m: float
@@ -230,7 +232,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class Proof:
-    """Why there is no scene: `kind` names the argument, `value` against `bound` in `unit`, `paths` what it rests on."""
+    """Proof that there is no scene: `kind` of argument, `value` against `bound` in `unit`, `paths` of its premises."""
 
     kind: str
     text: str
@@ -242,7 +244,7 @@ class Proof:
 
 @dataclass(frozen=True)
 class Solved:
-    """A whole assignment by name of thing."""
+    """A complete assignment: placements by name of thing."""
 
     placements: dict[str, Placement]
     steps: int = 0
@@ -250,24 +252,24 @@ class Solved:
 
 @dataclass(frozen=True)
 class Infeasible:
-    """There is no scene, and why."""
+    """There is no scene; `proof` is the reason."""
 
     proof: Proof
 
 
 @dataclass(frozen=True)
 class Exhausted:
-    """Not found within the budget: how many things stood at best, and which one kept failing.
+    """No scene found within the step budget: number of things placed at best, and the thing that failed most often.
 
-    `stood` says where they did, to show what is in the way; it is no scene and never leaves as one. `note` says why
-    nothing was searched, where that is so.
+    `best_placements` is that partial assignment, for pictures only; it is never emitted as a scene. `note` is the
+    reason why nothing was searched, where that is so.
     """
 
     placed: int
     of: int
     blocking: str
     steps: int
-    stood: dict[str, Placement] = field(default_factory=dict)
+    best_placements: dict[str, Placement] = field(default_factory=dict)
     note: str = ""
 
 

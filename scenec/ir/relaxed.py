@@ -1,4 +1,4 @@
-"""A problem without some of what its author wrote: authored constraints dropped, by their paths."""
+"""Relaxes a problem by dropping authored constraints, which are named by their paths in the program."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ CLEARANCE: Path = ("clearance",)
 
 
 def rules(problem: Problem) -> tuple[Path, ...]:
-    """Paths of what is asked of things: relations, ranges by axis, keep-outs, reach, clearance; in that order."""
+    """Paths of the authored constraints: relations, ranges by axis, keep-outs, reach, clearance; in that order."""
     ranges: list[Path] = []
     for thing in problem.things:
-        if not thing.domain.spots:
+        if not thing.domain.fixed_poses:
             free = (thing.domain.x_m == ANYWHERE, thing.domain.y_m == ANYWHERE, any_heading(thing.domain.yaw_rad))
             axes = zip(("x", "y", "yaw"), free, strict=True)
             ranges += [(*thing.domain.path, axis) for axis, is_free in axes if not is_free]
@@ -40,8 +40,9 @@ def any_heading(yaw_rad: tuple[float, float]) -> bool:
 
 
 def relaxed(problem: Problem, dropped: Collection[Path]) -> Problem:
-    """The problem without the constraints at these paths. A thing goes with all that stands on it or speaks of it;
-    a range without its axis is free there; clearance becomes 0, footprints still may not overlap."""
+    """The problem without the constraints at these paths. A dropped thing takes along all things on it and all
+    relations that name it; a dropped range is free along its axis; clearance becomes 0, but footprints still may not
+    overlap."""
     gone = set(dropped)
     away = _away(problem, gone)
     things = tuple(_freed(thing, gone) for thing in problem.things if thing.name not in away)
@@ -73,7 +74,7 @@ def _away(problem: Problem, gone: set[Path]) -> set[str]:
 
 def _freed(thing: Thing, gone: set[Path]) -> Thing:
     domain = thing.domain
-    if domain.spots:
+    if domain.fixed_poses:
         return thing
     x = ANYWHERE if (*domain.path, "x") in gone else domain.x_m
     y = ANYWHERE if (*domain.path, "y") in gone else domain.y_m

@@ -1,1 +1,1 @@
-"""Pictures of scenes and of why there is none, seen from above; PNG bytes, equal for equal input."""
+"""Pictures (PNG bytes) of scenes and of infeasible problems, projected onto the ground; equal for equal input."""

@@ -1,4 +1,5 @@
-"""The sheet that scenes are drawn on, seen from above: metres, the viewer at the lower edge."""
+"""Canvas of scene pictures: axes in metres seen from above, the viewer at the lower edge; colours and drawing
+helpers."""
 
 from __future__ import annotations
 
@@ -32,12 +33,12 @@ _HALO = (patheffects.withStroke(linewidth=2.2, foreground="#ffffffd0"),)
 
 
 def sheet(low: FloatArray, high: FloatArray, title: str, lines: int = 0) -> tuple[Figure, Axes]:
-    """An empty sheet that shows x and y from `low` to `high` (2,), with room around and for `lines` of text below."""
+    """Empty figure and axes for x and y from `low` to `high` (2,), with a margin and room for `lines` of text below."""
     size = np.maximum(high - low, 1e-3)
     low, size = low - 0.06 * size.max(), size + 0.12 * size.max()
     width, height = _LONG_IN * np.minimum(size / size.max(), 1.0)
-    made = figure(float(max(width, 4.5)), float(max(height, 2.4)) + 0.7 + 0.17 * lines)
-    axes = made.subplots()
+    sheet_figure = figure(float(max(width, 4.5)), float(max(height, 2.4)) + 0.7 + 0.17 * lines)
+    axes = sheet_figure.subplots()
     axes.set_aspect("equal")
     axes.set_xlim(low[0], low[0] + size[0])
     axes.set_ylim(low[1], low[1] + size[1])
@@ -45,7 +46,7 @@ def sheet(low: FloatArray, high: FloatArray, title: str, lines: int = 0) -> tupl
     axes.set_ylabel("y (m)")
     axes.set_title(title, loc="left", fontsize=11, fontweight="bold")
     axes.spines[["top", "right"]].set_visible(False)
-    return made, axes
+    return sheet_figure, axes
 
 
 def area(axes: Axes, shape: BaseGeometry, *, order: float, **style: object) -> None:

@@ -1,4 +1,5 @@
-"""Why there is no scene, seen from above: the place, where each thing in question may be, what conflicts."""
+"""Draws why there is no scene, projected onto the ground: the place, free regions of the things concerned, the
+conflict."""
 
 from __future__ import annotations
 
@@ -14,12 +15,12 @@ from shapely.geometry.base import BaseGeometry
 
 from render.figure import png
 from scenec.ir.problem import Exhausted, FloatArray, Infeasible, Path, Problem, RelationIR, Result, Surface, Thing
-from scenec.pictures.blockers import footprint, owner_parts, seen_from_above, standing
+from scenec.pictures.blockers import footprint, footprint_at, obstructing_things, owner_parts
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations
 from scenec.solve.check import Assignment
-from scenec.solve.model import Model, model_of
-from scenec.solve.regions import alone, feasible
+from scenec.solve.model import SolverModel, model_of
+from scenec.solve.regions import feasible_region, region_alone
 from scenec.source.tree import written
 
 _CAPTION = 105  # characters a line
@@ -30,15 +31,15 @@ _MOST_WAITING = 6  # things without a place that are drawn
 
 def failure(problem: Problem, result: Result, paths: Sequence[Path] = (), chosen: str = "") -> bytes:
     """PNG of the place where the conflict is, in the frame of its anchor; `paths` are the conflicting constraints, and
-    `chosen` says of which combination.
+    `chosen` is the combination as text.
 
-    Green is where the origin of a thing may be as far as it alone is concerned (place, ranges, keep-outs); dashed
-    outlines are its footprint, red what cannot hold together. Things are drawn apart where nothing ties them to a spot.
-    Grey is what is in the way whatever the others do: parts of the owner, things with one pose. After a search without
-    an answer it is all that stood at best, and green is what that leaves.
+    Green is the free region of the origin of a thing by itself (place, ranges, keep-outs); dashed outlines are its
+    footprint, red are the conflicting constraints. Things are drawn apart where nothing fixes their position. Grey are
+    obstacles in any case: parts of the owner, things with one pose. After an exhausted search grey is the best partial
+    assignment, and green is the region that it leaves.
     """
     names = _involved(problem, result, paths)
-    stood = result.stood if isinstance(result, Exhausted) else {}
+    stood = result.best_placements if isinstance(result, Exhausted) else {}
     stood = {name: at for name, at in stood.items() if name != _failing(result)}
     things = [thing for thing in problem.things if thing.name in names and thing.name not in stood]
     (parent, anchor), _ = Counter((t.parent, t.place.name) for t in things or problem.things).most_common(1)[0]
@@ -47,7 +48,7 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = (), chosen
     outline = place.polygon if isinstance(place, Surface) else place.opening
     bounds = np.array(outline.bounds)
     caption = _caption(problem, result, paths)
-    made, axes = sheet(bounds[:2], bounds[2:], _title(problem, result, chosen), len(caption))
+    picture, axes = sheet(bounds[:2], bounds[2:], _title(problem, result, chosen), len(caption))
     area(axes, outline, order=1.0, facecolor=SUPPORT, edgecolor=EDGE, linewidth=1.2)
     for rule in problem.keep_outs:
         if (rule.parent, rule.place.name) == (parent, anchor):
@@ -57,7 +58,7 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = (), chosen
     model = model_of(problem)
     placed = {name: model.put(name, at) for name, at in stood.items()}
     ghosts = _ghosts(model, here, outline, placed)
-    blocked = [(t, at) for t, at in standing(problem, result, parent, anchor) if t.name not in ghosts]
+    blocked = [(t, at) for t, at in obstructing_things(problem, result, parent, anchor) if t.name not in ghosts]
     for thing, at in blocked:
         area(axes, footprint(thing, at), order=2.2, facecolor=CLEAR, edgecolor=INK, linewidth=0.8, alpha=0.55)
         name(axes, np.array([at.x_m, at.y_m]), thing.name, order=5.5, size=7.0)
@@ -70,28 +71,28 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = (), chosen
     draw_relations(axes, shown, middles, lambda _: colour, order=5.0, numbered=True)
     axes.set_xlabel(f"x of {anchor} (m)")
     axes.set_ylabel(f"y of {anchor} (m)")
-    made.supxlabel("\n".join(caption), x=0.02, ha="left", fontsize=8, color=INK)
-    return png(made)
+    picture.supxlabel("\n".join(caption), x=0.02, ha="left", fontsize=8, color=INK)
+    return png(picture)
 
 
 def _involved(problem: Problem, result: Result, paths: Sequence[Path]) -> set[str]:
-    """Names of the things that the conflicting constraints speak of; after a search without an answer those related to
-    the one that kept failing, and some that never had a place."""
-    found = set[str]()
+    """Names of the things in the conflicting constraints; after an exhausted search those related to the thing that
+    failed most, and some that were never placed."""
+    names = set[str]()
     if isinstance(result, Exhausted):
-        found = {result.blocking}.union(*(r.things for r in problem.relations if result.blocking in r.things))
-        waiting = [thing.name for thing in problem.things if thing.name not in result.stood]
-        found |= set(waiting[:_MOST_WAITING])
+        names = {result.blocking}.union(*(r.things for r in problem.relations if result.blocking in r.things))
+        waiting = [thing.name for thing in problem.things if thing.name not in result.best_placements]
+        names |= set(waiting[:_MOST_WAITING])
     for path in paths:
         for relation in problem.relations:
             if relation.path and path[: len(relation.path)] == relation.path:
-                found |= set(relation.things)
+                names |= set(relation.things)
         for thing in problem.things:
             if (thing.path and path[: len(thing.path)] == thing.path) or (
                 thing.group is not None and path[:3] == ("layout", "groups", thing.group)
             ):
-                found.add(thing.name)
-    return found
+                names.add(thing.name)
+    return names
 
 
 def _title(problem: Problem, result: Result, chosen: str) -> str:
@@ -104,19 +105,19 @@ def _title(problem: Problem, result: Result, chosen: str) -> str:
 
 
 def _caption(problem: Problem, result: Result, paths: Sequence[Path]) -> list[str]:
-    said = []
+    lines = []
     if isinstance(result, Infeasible):
-        said = textwrap.wrap(result.proof.text, _CAPTION)
+        lines = textwrap.wrap(result.proof.text, _CAPTION)
     elif isinstance(result, Exhausted) and result.note:
-        said = textwrap.wrap(result.note, _CAPTION)
+        lines = textwrap.wrap(result.note, _CAPTION)
     elif isinstance(result, Exhausted):
-        said = [f"{result.placed} of {result.of} things could be placed at best (grey); green is what they leave"]
+        lines = [f"{result.placed} of {result.of} things could be placed at best (grey); green is what they leave"]
     words = {relation.path: relation for relation in problem.relations}
     for path in paths:
         relation = words.get(path)
-        what = f": {' '.join([relation.word or relation.kind, *relation.as_written])}" if relation else ""
-        said.append(f"- {written(path)}{what}")
-    return said if len(said) <= _MOST_LINES else [*said[:_MOST_LINES], f"... and {len(said) - _MOST_LINES} more"]
+        authored = f": {' '.join([relation.word or relation.kind, *relation.as_written])}" if relation else ""
+        lines.append(f"- {written(path)}{authored}")
+    return lines if len(lines) <= _MOST_LINES else [*lines[:_MOST_LINES], f"... and {len(lines) - _MOST_LINES} more"]
 
 
 def _failing(result: Result) -> str | None:
@@ -124,55 +125,57 @@ def _failing(result: Result) -> str | None:
 
 
 def _ghosts(
-    model: Model, things: Sequence[Thing], outline: BaseGeometry, placed: Assignment
+    model: SolverModel, things: Sequence[Thing], outline: BaseGeometry, placed: Assignment
 ) -> dict[str, tuple[FloatArray, BaseGeometry]]:
-    """By name: where to draw the footprint, in A, and the free region of its origin, in A."""
+    """By name: the point in A at which to draw the footprint, and the free region of its origin in A."""
     x0, y0, x1, y1 = outline.bounds
     centre, radius = np.array([x0 + x1, y0 + y1]) / 2.0, 0.3 * np.array([x1 - x0, y1 - y0])
-    found: dict[str, tuple[FloatArray, BaseGeometry]] = {}
+    ghosts: dict[str, tuple[FloatArray, BaseGeometry]] = {}
     for index, thing in enumerate(things):
         region = _free(model, thing, placed)
         angle = 2.0 * np.pi * index / max(len(things), 1) + np.pi + _TILT_RAD
         apart = centre + radius * np.array([np.cos(angle), np.sin(angle)]) * (len(things) > 1)
-        wanted = _within(thing, apart)
+        at = _within(thing, apart)
         if not region.is_empty:
-            near = shapely.shortest_line(region, shapely.Point(wanted))
-            wanted = np.array(near.coords[0])
-        found[thing.name] = wanted, region
-    return found
+            near = shapely.shortest_line(region, shapely.Point(at))
+            at = np.array(near.coords[0])
+        ghosts[thing.name] = at, region
+    return ghosts
 
 
-def _within(thing: Thing, wanted: FloatArray) -> FloatArray:
-    """The point of the thing's ranges nearest to the wanted one."""
+def _within(thing: Thing, point: FloatArray) -> FloatArray:
+    """The point of the thing's ranges nearest to `point`."""
     low = np.array([thing.domain.x_m[0], thing.domain.y_m[0]])
     high = np.array([thing.domain.x_m[1], thing.domain.y_m[1]])
-    if thing.domain.spots:
-        spots = np.array([[spot.x_m, spot.y_m] for spot in thing.domain.spots])
-        return spots[np.argmin(np.linalg.norm(spots - wanted, axis=1))]
-    return np.clip(wanted, low, high)
+    if thing.domain.fixed_poses:
+        points_A_m = np.array([[fixed_pose.x_m, fixed_pose.y_m] for fixed_pose in thing.domain.fixed_poses])
+        return points_A_m[np.argmin(np.linalg.norm(points_A_m - point, axis=1))]
+    return np.clip(point, low, high)
 
 
 def _yaw_rad(thing: Thing) -> float:
-    """The allowed heading nearest to none."""
-    if thing.domain.spots:
-        return thing.domain.spots[0].yaw_rad
+    """The allowed yaw nearest to 0."""
+    if thing.domain.fixed_poses:
+        return thing.domain.fixed_poses[0].yaw_rad
     return float(np.clip(0.0, *thing.domain.yaw_rad))
 
 
-def _free(model: Model, thing: Thing, placed: Assignment) -> BaseGeometry:
-    """Where the origin may be in A, at the drawn heading, as far as itself and what is placed are concerned."""
-    if thing.domain.spots:
-        return shapely.MultiPoint([(spot.x_m, spot.y_m) for spot in thing.domain.spots])
-    turned = model.shapes[thing.name][thing.domain.stances[0]].turned(_yaw_rad(thing))
+def _free(model: SolverModel, thing: Thing, placed: Assignment) -> BaseGeometry:
+    """Free region of the origin in A at the drawn yaw, given the placed things."""
+    if thing.domain.fixed_poses:
+        return shapely.MultiPoint([(fixed_pose.x_m, fixed_pose.y_m) for fixed_pose in thing.domain.fixed_poses])
+    turned = model.shapes[thing.name][thing.domain.orientation_indices[0]].turned(_yaw_rad(thing))
     ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
-    return translate(feasible(model, thing.name, turned, placed, alone(model, thing.name, turned))[0], -ox, -oy)
+    return translate(
+        feasible_region(model, thing.name, turned, placed, region_alone(model, thing.name, turned))[0], -ox, -oy
+    )
 
 
-def _draw(axes: Axes, model: Model, thing: Thing, ghost: tuple[FloatArray, BaseGeometry], colour: str) -> None:
+def _draw(axes: Axes, model: SolverModel, thing: Thing, ghost: tuple[FloatArray, BaseGeometry], colour: str) -> None:
     at, region = ghost
     area(axes, region, order=2.0, facecolor=FREE, edgecolor=FREE, alpha=0.13, linewidth=0.8)
     wrong = region.is_empty
-    shape = seen_from_above(thing, thing.domain.stances[0], _yaw_rad(thing), at)
+    shape = footprint_at(thing, thing.domain.orientation_indices[0], _yaw_rad(thing), at)
     edge = WRONG if wrong else INK
     area(axes, shape, order=3.0, facecolor=colour, edgecolor=edge, linestyle="--", linewidth=1.1, alpha=0.6)
     words = f"{thing.name}: no room" if wrong else thing.name

@@ -1,4 +1,4 @@
-"""A compiled scene seen from above: supports, footprints with names and fronts, relations, clearance."""
+"""Draws a compiled scene from above: supports, footprints with names and fronts, relations, clearance."""
 
 from __future__ import annotations
 
@@ -23,11 +23,14 @@ _MOST_NAMES = 24
 def plan(problem: Problem, placements: Mapping[str, Placement], title: str = "") -> bytes:
     """PNG of the scene from above. Owners are drawn before what they carry, low things before high ones."""
     frames = world_frames(problem, placements)
-    shapes = {t.name: footprint(t.body.stances[placements[t.name].stance], frames[t.name]) for t in problem.things}
+    shapes = {
+        t.name: footprint(t.body.resting_orientations[placements[t.name].stance], frames[t.name])
+        for t in problem.things
+    }
     supports = world_supports(problem, frames)
     everything = shapely.union_all([*supports, *shapes.values()])
     bounds = np.array(everything.bounds if not everything.is_empty else (0.0, 0.0, 1.0, 1.0))
-    made, axes = sheet(bounds[:2], bounds[2:], title or problem.scene)
+    picture, axes = sheet(bounds[:2], bounds[2:], title or problem.scene)
     draw_supports(axes, problem, frames)
     order = sorted(problem.things, key=lambda t: (_depth(t, problem), _top(t, placements, frames), t.name))
     colours = {thing.name: THINGS[index % len(THINGS)] for index, thing in enumerate(problem.things)}
@@ -40,7 +43,7 @@ def plan(problem: Problem, placements: Mapping[str, Placement], title: str = "")
             name(axes, _label_at(thing, shapes, problem), thing.name, order=above + 2.0)
     middles = {item: np.array(shape.centroid.coords[0]) for item, shape in shapes.items()}
     draw_relations(axes, problem.relations, middles, lambda _: INK, order=above + 1.0)
-    return png(made)
+    return png(picture)
 
 
 def footprint(stance: Stance, X_WU: FloatArray) -> BaseGeometry:
@@ -57,18 +60,18 @@ def place_outline(place: Surface | Volume, X_WU: FloatArray) -> BaseGeometry:
 
 
 def world_supports(problem: Problem, frames: Mapping[str, FloatArray]) -> list[BaseGeometry]:
-    """Places of the background that something stands on, seen from above, and the background itself."""
+    """Outlines in the world of the places of the background in use, and of the background itself."""
     used = {t.place.name: t.place for t in problem.things if t.parent == WORLD_PARENT}
     shapes = [place_outline(place, frames[WORLD_PARENT]) for place in used.values()]
     if problem.background is not None:
-        shapes.append(footprint(problem.background.stances[0], frames[WORLD_PARENT]))
+        shapes.append(footprint(problem.background.resting_orientations[0], frames[WORLD_PARENT]))
     return shapes
 
 
 def draw_supports(axes: Axes, problem: Problem, frames: Mapping[str, FloatArray]) -> None:
     """The background, its places in use, keep-outs and the reach of the robot."""
     if problem.background is not None:
-        whole = footprint(problem.background.stances[0], frames[WORLD_PARENT])
+        whole = footprint(problem.background.resting_orientations[0], frames[WORLD_PARENT])
         area(axes, whole, order=0.5, facecolor="#f7f5f1", edgecolor=EDGE, linewidth=0.8)
     for place in {t.place.name: t.place for t in problem.things if t.parent == WORLD_PARENT}.values():
         outline = place_outline(place, frames[WORLD_PARENT])
@@ -96,7 +99,7 @@ def _draw_thing(
     order: float,
 ) -> None:
     area(axes, shape, order=order, facecolor=colour, edgecolor=INK, linewidth=0.9, alpha=0.92)
-    stance = thing.body.stances[placements[thing.name].stance]
+    stance = thing.body.resting_orientations[placements[thing.name].stance]
     front = (X_WU[:3, :3] @ matrix_of(np.array(stance.quat_wxyz)))[:2, 0]
     if np.linalg.norm(front) > 0.5:  # A front that points up or down shows nothing from above.
         start = X_WU[:2, 3]
@@ -126,7 +129,7 @@ def _label_at(thing: Thing, shapes: Mapping[str, BaseGeometry], problem: Problem
 
 
 def _depth(thing: Thing, problem: Problem) -> int:
-    """How many movable things carry it, one on another."""
+    """Number of movable owners below it."""
     owners = {t.name: t.parent for t in problem.things}
     depth, name_ = 0, thing.parent
     while name_ in owners:
@@ -135,7 +138,7 @@ def _depth(thing: Thing, problem: Problem) -> int:
 
 
 def _top(thing: Thing, placements: Mapping[str, Placement], frames: Mapping[str, FloatArray]) -> float:
-    stance = thing.body.stances[placements[thing.name].stance]
+    stance = thing.body.resting_orientations[placements[thing.name].stance]
     return float(frames[thing.name][2, 3]) - stance.origin_height_m + max(_highs(stance.slabs))
 
 

@@ -1,4 +1,4 @@
-"""Relations as arrows: read as they were written, one arrow for all that is said of the same two things."""
+"""Draws relations as arrows in authored order, one arrow for all relations of the same two things."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ def draw_relations(
     numbered: bool = False,
 ) -> None:
     """An arrow from the subject of each relation to its object, where both have a point in `at`."""
-    words: dict[tuple[str, str, str], list[str]] = {}
+    labels: dict[tuple[str, str, str], list[str]] = {}
     for relation in relations:
-        said = relation.word or relation.kind
+        label = relation.word or relation.kind
         if numbered and relation.path:
-            said += f" [{relation.path[-1]}]"
+            label += f" [{relation.path[-1]}]"
         for first, second in pairwise(relation.as_written):
             if first in at and second in at:
-                words.setdefault((first, second, colour_of(relation)), []).append(said)
-    for (first, second, colour), said in words.items():
-        arrow(axes, at[first], at[second], ", ".join(dict.fromkeys(said)), order=order, color=colour, bend=0.16)
+                labels.setdefault((first, second, colour_of(relation)), []).append(label)
+    for (first, second, colour), label in labels.items():
+        arrow(axes, at[first], at[second], ", ".join(dict.fromkeys(label)), order=order, color=colour, bend=0.16)

@@ -1,1 +1,1 @@
-"""Sampling plans of a compiled scene: the plan document and its pools of cases."""
+"""Sampling plans of a compiled scene: the plan document (`document`), its pools (`pools`) and their cases (`cases`)."""

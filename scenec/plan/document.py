@@ -16,8 +16,8 @@ from shapely import Polygon
 from scenec.check.judge_plan import judge
 from scenec.ir.names import Names
 from scenec.ir.problem import Body, Problem, Slab, Solved, Stance, Surface, Thing, Volume
-from scenec.plan.pools import Alike, plan_pools
-from scenec.solve.model import Model, model_of, owner_first
+from scenec.plan.pools import PoolKey, plan_pools
+from scenec.solve.model import SolverModel, model_of, owner_first
 from schemas.scene.compiled import Prism
 from schemas.scene.program import PairedMaterial, SceneProgram
 from schemas.scene.runtime_plan import (
@@ -61,17 +61,17 @@ def runtime_plan(
     ours. Deterministic in program, packages, seed and diversity.
     """
     bodies = PlanBodies(packages)
-    made: dict[Alike, tuple[PlanPool, ...]] = {}
+    pools_by_key: dict[PoolKey, tuple[PlanPool, ...]] = {}
     share = diversity / max(1.0, len(problems) ** 0.5)
     combinations = []
     for problem, result in zip(problems, results, strict=True):
         base = model_of(problem)
-        pools = plan_pools(base, result, seed, share, made, reached_by)
+        pools = plan_pools(base, result, seed, share, pools_by_key, reached_by)
         combinations.append(_combination(program, base, pools, bodies))
     plan = RuntimePlan(
         scene=program.scene,
         clearance_m=program.clearance,
-        bodies=tuple(bodies.found),
+        bodies=tuple(bodies.plan_bodies),
         combinations=tuple(combinations),
         materials=_materials(program),
         lighting=program.variants.lighting,
@@ -109,7 +109,7 @@ def plan_text(plan: RuntimePlan) -> str:
 
 
 def _combination(
-    program: SceneProgram, base: Model, pools: tuple[PlanPool, ...], bodies: PlanBodies
+    program: SceneProgram, base: SolverModel, pools: tuple[PlanPool, ...], bodies: PlanBodies
 ) -> PlanCombination:
     problem = base.problem
     places = _places(problem, base)
@@ -168,24 +168,24 @@ class PlanBodies:
 
     def __init__(self, packages: Path | None) -> None:
         self.packages = packages
-        self.found: list[PlanBody] = []
+        self.plan_bodies: list[PlanBody] = []
         self._number: dict[PlanBody, int] = {}
 
     def number(self, body: Body) -> int:
         """The number of a body."""
-        made = PlanBody(
+        plan_body = PlanBody(
             asset_id=body.asset_id,
             package=body.package,
             package_hash=self._hash(body.package),
             scale=body.scale,
             mass_kg=body.mass_kg,
             primitive=body.inline,  # pyright: ignore[reportArgumentType]
-            stances=tuple(_stance(stance) for stance in body.stances),
+            stances=tuple(_stance(stance) for stance in body.resting_orientations),
         )
-        if made not in self._number:
-            self._number[made] = len(self.found)
-            self.found.append(made)
-        return self._number[made]
+        if plan_body not in self._number:
+            self._number[plan_body] = len(self.plan_bodies)
+            self.plan_bodies.append(plan_body)
+        return self._number[plan_body]
 
     def _hash(self, package: str | None) -> str | None:
         if package is None or self.packages is None:
@@ -243,7 +243,7 @@ def _place(place: Surface | Volume) -> PlanPlace:
     )
 
 
-def _places(problem: Problem, model: Model) -> dict[tuple[str, str], Surface | Volume]:
+def _places(problem: Problem, model: SolverModel) -> dict[tuple[str, str], Surface | Volume]:
     things = (model.things[name] for name in owner_first(model.things))
     used = {(thing.parent, thing.place.name): thing.place for thing in things}
     return used | {(k.parent, k.place.name): k.place for k in problem.keep_outs if (k.parent, k.place.name) not in used}
@@ -259,10 +259,14 @@ def _thing(thing: Thing, place: int, bodies: PlanBodies) -> PlanThing:
         x_m=_range(domain.x_m),
         y_m=_range(domain.y_m),
         yaw_rad=_range(domain.yaw_rad),
-        stances=domain.stances,
+        stances=domain.orientation_indices,
         spots=tuple(
-            PlanSpot(position_m=(spot.x_m, spot.y_m, spot.z_m), yaw_rad=spot.yaw_rad, stance=spot.stance)
-            for spot in domain.spots
+            PlanSpot(
+                position_m=(fixed_pose.x_m, fixed_pose.y_m, fixed_pose.z_m),
+                yaw_rad=fixed_pose.yaw_rad,
+                stance=fixed_pose.stance,
+            )
+            for fixed_pose in domain.fixed_poses
         ),
         semantic_tags=thing.tags,
     )

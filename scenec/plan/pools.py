@@ -5,60 +5,68 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 from scenec.ir.problem import Placement, Solved
-from scenec.plan.cases.coupling import Tied, pools_of
-from scenec.plan.cases.cross_owner import tied_cases
-from scenec.plan.cases.cross_owner_relations import view_of
-from scenec.plan.cases.pool import Asked, pool_cases
-from scenec.solve.model import Model
-from scenec.solve.stacks import piled
+from scenec.plan.cases.coupling import JointPool, pools_of
+from scenec.plan.cases.cross_owner import cross_owner_cases
+from scenec.plan.cases.cross_owner_relations import cross_owner_relation
+from scenec.plan.cases.pool import PoolRequest, pool_cases
+from scenec.solve.model import SolverModel
+from scenec.solve.stacks import stacked
 from schemas.scene.runtime_plan import PlanPool
 
 MOST_CASES = 800  # of a pool
 MOST_CELLS = 13_000  # in the cases of a pool: about a megabyte
-Alike = tuple[tuple[str, ...], frozenset[tuple[str, str]]]  # things of pools, and what decides anything of them
+PoolKey = tuple[tuple[str, ...], frozenset[tuple[str, str]]]  # things of pools, and what decides anything of them
 
 
 def plan_pools(
-    base: Model,
+    base: SolverModel,
     result: Solved,
     seed: int,
     diversity: float,
-    made: dict[Alike, tuple[PlanPool, ...]],
+    pools_by_key: dict[PoolKey, tuple[PlanPool, ...]],
     reached_by: Mapping[str, Collection[str]] | None,
 ) -> tuple[PlanPool, ...]:
     """The pools of a solved combination. Those that `made` has, alike in all that decides anything of them, are taken
     over: `reached_by` are the keys of combinations by thing that do (all, when None)."""
     problem, pools = base.problem, pools_of(base)
     frozen = {name: result.placements[name] for name in pools.frozen}
-    heaped = piled(base, {name: base.put(name, at) for name, at in result.placements.items()})
-    found: list[PlanPool] = []
-    for tied in pools.tied:
-        keys = problem.combination.keys() if reached_by is None else reached_by[tied.names[0]]
-        alike = tied.names, frozenset((key, problem.combination[key]) for key in keys if key in problem.combination)
-        if alike not in made:
-            for names in tied.groups:
-                if heaped.intersection(names):  # a pile stays as it was found, in its receptacle
+    stacked_names = stacked(base, {name: base.put(name, at) for name, at in result.placements.items()})
+    plan_pools: list[PlanPool] = []
+    for joint_pool in pools.joint_pools:
+        keys = problem.combination.keys() if reached_by is None else reached_by[joint_pool.names[0]]
+        pool_key = (
+            joint_pool.names,
+            frozenset((key, problem.combination[key]) for key in keys if key in problem.combination),
+        )
+        if pool_key not in pools_by_key:
+            for names in joint_pool.groups:
+                if stacked_names.intersection(names):  # a pile stays as it was found, in its receptacle
                     frozen |= {name: result.placements[name] for name in names}
-            made[alike] = _tied_pools(
-                pools.model, tied, frozen, result, _cases_wanted(len(tied.names), diversity), seed
+            pools_by_key[pool_key] = _plan_pools_of(
+                pools.model, joint_pool, frozen, result, _cases_wanted(len(joint_pool.names), diversity), seed
             )
-        found += made[alike]
-    return tuple(found)
+        plan_pools += pools_by_key[pool_key]
+    return tuple(plan_pools)
 
 
-def _tied_pools(
-    model: Model, tied: Tied, frozen: Mapping[str, Placement], result: Solved, wanted: int, seed: int
+def _plan_pools_of(
+    model: SolverModel,
+    joint_pool: JointPool,
+    frozen: Mapping[str, Placement],
+    result: Solved,
+    case_count: int,
+    seed: int,
 ) -> tuple[PlanPool, ...]:
     # One pool where rules tie its groups and cases are found that keep them; else one a group, what is tied held still.
-    if tied.rules:
-        asked = Asked(tied.names, frozen, result.placements, wanted, seed)
-        cases = tied_cases(model, asked, tied.groups, tied.rules)
+    if joint_pool.rules:
+        request = PoolRequest(joint_pool.names, frozen, result.placements, case_count, seed)
+        cases = cross_owner_cases(model, request, joint_pool.groups, joint_pool.rules)
         if cases:
-            return (PlanPool(things=tied.names, cases=tuple(cases)),)
-        held = {name for rule in tied.rules for name in view_of(model, rule).links}
-        frozen = {**frozen, **{name: result.placements[name] for name in held}}
-    asked = (Asked(names, frozen, result.placements, wanted, seed) for names in tied.groups)
-    return tuple(PlanPool(things=one.names, cases=tuple(pool_cases(model, one))) for one in asked)
+            return (PlanPool(things=joint_pool.names, cases=tuple(cases)),)
+        frozen_names = {name for rule in joint_pool.rules for name in cross_owner_relation(model, rule).links}
+        frozen = {**frozen, **{name: result.placements[name] for name in frozen_names}}
+    requests = (PoolRequest(names, frozen, result.placements, case_count, seed) for names in joint_pool.groups)
+    return tuple(PlanPool(things=request.names, cases=tuple(pool_cases(model, request))) for request in requests)
 
 
 def _cases_wanted(things: int, diversity: float) -> int:

@@ -1,9 +1,9 @@
-"""Arguments that there is no scene. Each is a function of the problem whose docstring states the theorem; none is ever
-false, all are deterministic, and no proof says nothing about whether a scene exists.
+"""Proofs that a problem has no scene. The docstring of each argument states its theorem; no proof is ever false, all
+are deterministic, and None leaves open whether a scene exists.
 
     prove(problem)          cheap arguments first, then the complete one for few things
-    prove_cheaply(problem)  milliseconds: what a solver asks before it searches
-    refutation(problem)     the proof with the argument that gave it, to ask again of parts of the problem
+    prove_cheaply(problem)  takes milliseconds; the solver calls it before it searches
+    refutation(problem)     the proof and its argument, which can be applied again to parts of the problem
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scenec.proofs.areas import more_area_than_there_is
 from scenec.proofs.axes import too_long_along_an_axis
 from scenec.proofs.exhaustive import no_arrangement
 from scenec.proofs.fits import no_place_of_its_own
-from scenec.proofs.fixed_poses import more_things_than_spots
+from scenec.proofs.fixed_poses import more_things_than_fixed_poses
 from scenec.proofs.owners import no_first_owner
 
 Argument = Callable[[Problem], Proof | None]
@@ -27,7 +27,7 @@ CHEAP: tuple[Argument, ...] = (
     too_long_along_an_axis,
     near_and_far,
     no_place_of_its_own,
-    more_things_than_spots,
+    more_things_than_fixed_poses,
     more_area_than_there_is,
 )
 MOST_PROGRAMS = 400
@@ -36,14 +36,14 @@ __all__ = ["prove", "prove_cheaply", "refutation"]
 
 def prove_cheaply(problem: Problem) -> Proof | None:
     """The first cheap proof that there is no scene, or None."""
-    found = refutation(problem, most_programs=0)
-    return found and found[0]
+    proved = refutation(problem, most_programs=0)
+    return proved and proved[0]
 
 
 def prove(problem: Problem, most_programs: int = MOST_PROGRAMS) -> Proof | None:
     """The first proof that there is no scene, or None; the complete argument solves so many linear programs at most."""
-    found = refutation(problem, most_programs)
-    return found and found[0]
+    proved = refutation(problem, most_programs)
+    return proved and proved[0]
 
 
 def refutation(problem: Problem, most_programs: int = MOST_PROGRAMS) -> tuple[Proof, Argument] | None:
@@ -60,6 +60,6 @@ def refutation(problem: Problem, most_programs: int = MOST_PROGRAMS) -> tuple[Pr
 def _of_what_stands(argument: Argument, problem: Problem) -> Proof | None:
     # In a round bowl things lean on the wall and on each other; what cannot stand there may well lie there.
     leaning = {
-        t.path for t in problem.things if isinstance(t.place, Volume) and t.place.is_round and not t.domain.spots
+        t.path for t in problem.things if isinstance(t.place, Volume) and t.place.is_round and not t.domain.fixed_poses
     }
     return argument(relaxed(problem, leaning) if leaning else problem)

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.distance import pdist
 
 from scenec.ir.problem import FloatArray, Problem, Proof, RelationIR, Thing
-from scenec.proofs.outlines import SLACK_M, hull, stances
+from scenec.proofs.outlines import SLACK_M, hull, resting_orientations
 from scenec.proofs.places import area_hull
 
 
@@ -57,7 +57,7 @@ def _by_chain(relation: RelationIR, graph: nx.Graph, by_name: dict[str, Thing]) 
 
 def _by_place(relation: RelationIR, by_name: dict[str, Thing]) -> Proof | None:
     one, two = (by_name[name] for name in relation.things[:2])
-    if (one.parent, one.place.name) != (two.parent, two.place.name) or one.domain.spots or two.domain.spots:
+    if (one.parent, one.place.name) != (two.parent, two.place.name) or one.domain.fixed_poses or two.domain.fixed_poses:
         return None
     # The two touch their place at points as far apart as its diameter at most.
     most = _widest(area_hull(one.place))
@@ -68,7 +68,7 @@ def _by_place(relation: RelationIR, by_name: dict[str, Thing]) -> Proof | None:
 
 
 def _diameter(thing: Thing) -> float:
-    return max(_widest(hull(stance.slabs)) for stance in stances(thing))
+    return max(_widest(hull(stance.slabs)) for stance in resting_orientations(thing))
 
 
 def _widest(ring: FloatArray) -> float:

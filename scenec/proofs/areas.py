@@ -15,7 +15,7 @@ import shapely
 from shapely import Polygon
 
 from scenec.ir.problem import Problem, Proof, Thing, Volume
-from scenec.proofs.outlines import hull, reach_bounds
+from scenec.proofs.outlines import hull, support_bounds
 from scenec.proofs.places import area, headroom
 
 Rectangle = tuple[float, float, float, float]
@@ -39,13 +39,16 @@ def _side_by_side(things: list[Thing]) -> list[Thing]:
     place = things[0].place
     if not isinstance(place, Volume):
         return things
-    height = {thing.name: min(thing.body.stances[k].height_m for k in thing.domain.stances) for thing in things}
-    kept: list[Thing] = []
+    height = {
+        thing.name: min(thing.body.resting_orientations[k].height_m for k in thing.domain.orientation_indices)
+        for thing in things
+    }
+    side_by_side: list[Thing] = []
     for thing in sorted(things, key=lambda thing: -height[thing.name]):
-        if kept and height[kept[-1].name] + height[thing.name] <= headroom(place) + 1e-5:
+        if side_by_side and height[side_by_side[-1].name] + height[thing.name] <= headroom(place) + 1e-5:
             break
-        kept.append(thing)
-    return kept
+        side_by_side.append(thing)
+    return side_by_side
 
 
 def _stretches(things: list[Thing]) -> Iterator[tuple[Polygon | None, list[Thing]]]:
@@ -65,21 +68,24 @@ def _stretches(things: list[Thing]) -> Iterator[tuple[Polygon | None, list[Thing
 
 def _covered(thing: Thing) -> Rectangle:
     """The rectangle in A that the footprint cannot leave by its ranges."""
-    reaches = [
-        [reach_bounds(hull(thing.body.stances[k].slabs), axis, thing.domain.yaw_rad)[1] for k in thing.domain.stances]
+    extents = [
+        [
+            support_bounds(hull(thing.body.resting_orientations[k].slabs), axis, thing.domain.yaw_rad)[1]
+            for k in thing.domain.orientation_indices
+        ]
         for axis in np.array([[-1.0, 0.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
     ]
-    west, south, east, north = (max(values) for values in reaches)
-    if thing.domain.spots:
+    west, south, east, north = (max(values) for values in extents)
+    if thing.domain.fixed_poses:
         return (-np.inf, -np.inf, np.inf, np.inf)
     (x0, x1), (y0, y1) = thing.domain.x_m, thing.domain.y_m
     return x0 - west, y0 - south, x1 + east, y1 + north
 
 
 def _over_full(problem: Problem, things: list[Thing], stretch: Polygon | None) -> Proof | None:
-    things = [thing for thing in things if not thing.domain.spots]
+    things = [thing for thing in things if not thing.domain.fixed_poses]
     half = problem.clearance_m / 2.0
-    needed = sum(min(_grown_area(thing, k, half) for k in thing.domain.stances) for thing in things)
+    needed = sum(min(_grown_area(thing, k, half) for k in thing.domain.orientation_indices) for thing in things)
     if not things:
         return None
     place = things[0].place
@@ -96,5 +102,5 @@ def _over_full(problem: Problem, things: list[Thing], stretch: Polygon | None) -
 
 def _grown_area(thing: Thing, stance: int, half_m: float) -> float:
     """Area of the whole footprint grown by half the clearance, a little less (arcs are replaced by chords)."""
-    footprint = shapely.union_all([Polygon(slab.outline_m) for slab in thing.body.stances[stance].slabs])
+    footprint = shapely.union_all([Polygon(slab.outline_m) for slab in thing.body.resting_orientations[stance].slabs])
     return float(footprint.buffer(half_m, quad_segs=8).area)

@@ -14,14 +14,14 @@ import numpy as np
 
 from geom.planar import turned
 from scenec.ir.problem import WORLD_PARENT, FloatArray, Path, Problem, Proof, RelationIR, Thing
-from scenec.proofs.outlines import SLACK_M, YawCell, hull, least_width, reach_bounds, stances
+from scenec.proofs.outlines import SLACK_M, YawCell, hull, least_width, resting_orientations, support_bounds
 from scenec.proofs.places import area_hull, background_yaw
 
 BEGIN, ORIGIN, END = 0, 1, 2
 
 
 @dataclass(frozen=True)
-class Reason:
+class DifferenceReason:
     """Why one difference is bounded."""
 
     kind: str
@@ -30,15 +30,15 @@ class Reason:
 
 
 @dataclass
-class Differences:
+class DifferenceConstraints:
     """Edges u -> v with v - u >= w, and the reason of each."""
 
     u: list[int] = field(default_factory=list)
     v: list[int] = field(default_factory=list)
     w: list[float] = field(default_factory=list)
-    reasons: list[Reason] = field(default_factory=list)
+    reasons: list[DifferenceReason] = field(default_factory=list)
 
-    def least(self, u: int, v: int, w: float, reason: Reason) -> None:
+    def add_lower_bound(self, u: int, v: int, w: float, reason: DifferenceReason) -> None:
         """Adds v - u >= w unless it says nothing."""
         if np.isfinite(w):
             self.u.append(u)
@@ -50,122 +50,131 @@ class Differences:
 def too_long_along_an_axis(problem: Problem) -> Proof | None:
     """A proof when the differences along some direction of some frame contradict one another."""
     yaws = {
-        root: headings(problem, root) for root in dict.fromkeys([WORLD_PARENT, *(t.parent for t in problem.things)])
+        root: yaw_ranges(problem, root) for root in dict.fromkeys([WORLD_PARENT, *(t.parent for t in problem.things)])
     }
-    for root, known in yaws.items():
-        for direction in _directions(problem, known):
-            system = _system(problem, root, known, direction)
+    for root, yaw_range_of in yaws.items():
+        for direction in _directions(problem, yaw_range_of):
+            system = _system(problem, root, yaw_range_of, direction)
             cycle = positive_cycle(system) if system.u else None
             if cycle is not None:
                 return _proof(system, cycle, direction)
     return None
 
 
-def headings(problem: Problem, root: str) -> dict[str, YawCell]:
+def yaw_ranges(problem: Problem, root: str) -> dict[str, YawCell]:
     """The interval of headings, in the frame of `root`, of all that stands on it through any number of owners."""
-    known: dict[str, YawCell] = {root: (0.0, 0.0)}
+    yaw_range_of: dict[str, YawCell] = {root: (0.0, 0.0)}
     waiting = list(problem.things)
-    while ready := [thing for thing in waiting if thing.parent in known and thing.name != root]:
+    while ready := [thing for thing in waiting if thing.parent in yaw_range_of and thing.name != root]:
         for thing in ready:
-            low, high = _own_heading(thing)
-            known[thing.name] = (known[thing.parent][0] + low, known[thing.parent][1] + high)
-        waiting = [thing for thing in waiting if thing.name not in known]
-    return known
+            low, high = _yaw_range(thing)
+            yaw_range_of[thing.name] = (yaw_range_of[thing.parent][0] + low, yaw_range_of[thing.parent][1] + high)
+        waiting = [thing for thing in waiting if thing.name not in yaw_range_of]
+    return yaw_range_of
 
 
-def _own_heading(thing: Thing) -> YawCell:
-    if not thing.domain.spots:
+def _yaw_range(thing: Thing) -> YawCell:
+    if not thing.domain.fixed_poses:
         return thing.domain.yaw_rad
-    yaws = [spot.yaw_rad for spot in thing.domain.spots]
+    yaws = [fixed_pose.yaw_rad for fixed_pose in thing.domain.fixed_poses]
     return min(yaws), max(yaws)
 
 
-def _directions(problem: Problem, known: dict[str, YawCell]) -> list[FloatArray]:
+def _directions(problem: Problem, yaw_range_of: dict[str, YawCell]) -> list[FloatArray]:
     """The axes of the frame and the directions of relations in it, each once whatever its sign."""
-    wanted = [np.array([1.0, 0.0]), np.array([0.0, 1.0])]
+    candidates = [np.array([1.0, 0.0]), np.array([0.0, 1.0])]
     for relation in problem.relations:
-        if relation.kind in ("before", "aligned") and (turn := _fixed(relation.frame, known)) is not None:
+        if relation.kind in ("before", "aligned") and (turn := _fixed(relation.frame, yaw_range_of)) is not None:
             along = turned(np.array([relation.direction]), turn)[0]
-            wanted.append(along if relation.kind == "before" else np.array([-along[1], along[0]]))
-    kept: list[FloatArray] = []
-    for direction in wanted:
-        if all(abs(direction @ other) < 1.0 - 1e-12 for other in kept):
-            kept.append(direction)
-    return kept
+            candidates.append(along if relation.kind == "before" else np.array([-along[1], along[0]]))
+    directions: list[FloatArray] = []
+    for direction in candidates:
+        if all(abs(direction @ other) < 1.0 - 1e-12 for other in directions):
+            directions.append(direction)
+    return directions
 
 
-def _fixed(frame: str, known: dict[str, YawCell]) -> float | None:
-    low, high = known.get(frame, (0.0, np.inf))
+def _fixed(frame: str, yaw_range_of: dict[str, YawCell]) -> float | None:
+    low, high = yaw_range_of.get(frame, (0.0, np.inf))
     return low if high - low < 1e-9 else None
 
 
-def _system(problem: Problem, root: str, known: dict[str, YawCell], d: FloatArray) -> Differences:
-    system = Differences()
-    tied = _tied(problem)
-    things = [thing for thing in problem.things if thing.name in known and thing.name in tied and thing.name != root]
+def _system(problem: Problem, root: str, yaw_range_of: dict[str, YawCell], d: FloatArray) -> DifferenceConstraints:
+    system = DifferenceConstraints()
+    related = _related(problem)
+    things = [
+        thing for thing in problem.things if thing.name in yaw_range_of and thing.name in related and thing.name != root
+    ]
     node = {root: 0} | {thing.name: 3 * k + 1 for k, thing in enumerate(things)}
     for thing in things:
-        _own_differences(system, thing, node, known, d)
-        _place_differences(system, thing, node, known, d)
+        _own_differences(system, thing, node, yaw_range_of, d)
+        _place_differences(system, thing, node, yaw_range_of, d)
     for relation in problem.relations:
         if all(name in node and name != root for name in relation.things):
-            _relation_differences(system, relation, node, known, d)
+            _relation_differences(system, relation, node, yaw_range_of, d)
     if root == WORLD_PARENT and problem.reach is not None:
         base = turned((problem.reach.base_m - problem.X_WB[:3, 3])[None, :2], -background_yaw(problem))[0]
-        reason = Reason("reach", "within reach", problem.reach.path)
-        for name in tied.intersection(problem.reach.members):
-            system.least(0, node[name] + ORIGIN, float(base @ d) - problem.reach.most_m, reason)
-            system.least(node[name] + ORIGIN, 0, -float(base @ d) - problem.reach.most_m, reason)
+        reason = DifferenceReason("reach", "within reach", problem.reach.path)
+        for name in related.intersection(problem.reach.members):
+            system.add_lower_bound(0, node[name] + ORIGIN, float(base @ d) - problem.reach.most_m, reason)
+            system.add_lower_bound(node[name] + ORIGIN, 0, -float(base @ d) - problem.reach.most_m, reason)
     return system
 
 
-def _tied(problem: Problem) -> set[str]:
+def _related(problem: Problem) -> set[str]:
     """Things in relations, and their owners; any other is bounded by its place alone (`fits`)."""
     owner = {thing.name: thing.parent for thing in problem.things}
-    tied: set[str] = set()
+    related: set[str] = set()
     for name in (name for relation in problem.relations for name in relation.things):
-        while name in owner and name not in tied:
-            tied.add(name)
+        while name in owner and name not in related:
+            related.add(name)
             name = owner[name]
-    return tied
+    return related
 
 
 def _own_differences(
-    system: Differences, thing: Thing, node: dict[str, int], known: dict[str, YawCell], d: FloatArray
+    system: DifferenceConstraints, thing: Thing, node: dict[str, int], yaw_range_of: dict[str, YawCell], d: FloatArray
 ) -> None:
     """Extent of the footprint over its origin, the least and greatest over stances and headings."""
-    yaw, at, reason = known[thing.name], node[thing.name], Reason("width", f"{thing.name} is that wide", thing.path)
-    outlines = [hull(stance.slabs) for stance in stances(thing)]
-    front_low, front_high, back_low, back_high = np.array([reach_bounds(outline, d, yaw) for outline in outlines]).T
+    yaw, at, reason = (
+        yaw_range_of[thing.name],
+        node[thing.name],
+        DifferenceReason("width", f"{thing.name} is that wide", thing.path),
+    )
+    outlines = [hull(stance.slabs) for stance in resting_orientations(thing)]
+    front_low, front_high, back_low, back_high = np.array([support_bounds(outline, d, yaw) for outline in outlines]).T
     width = min(least_width(outline, d, yaw) for outline in outlines)
-    system.least(at + BEGIN, at + END, width, reason)
-    system.least(at + ORIGIN, at + END, float(front_low.min()), reason)
-    system.least(at + END, at + ORIGIN, -float(front_high.max()), reason)
-    system.least(at + BEGIN, at + ORIGIN, float(back_low.min()), reason)
-    system.least(at + ORIGIN, at + BEGIN, -float(back_high.max()), reason)
+    system.add_lower_bound(at + BEGIN, at + END, width, reason)
+    system.add_lower_bound(at + ORIGIN, at + END, float(front_low.min()), reason)
+    system.add_lower_bound(at + END, at + ORIGIN, -float(front_high.max()), reason)
+    system.add_lower_bound(at + BEGIN, at + ORIGIN, float(back_low.min()), reason)
+    system.add_lower_bound(at + ORIGIN, at + BEGIN, -float(back_high.max()), reason)
 
 
 def _place_differences(
-    system: Differences, thing: Thing, node: dict[str, int], known: dict[str, YawCell], d: FloatArray
+    system: DifferenceConstraints, thing: Thing, node: dict[str, int], yaw_range_of: dict[str, YawCell], d: FloatArray
 ) -> None:
     """The footprint on its place, the origin in its ranges, both from the owner's origin."""
-    at, yaw = node[thing.name], known[thing.parent]
+    at, yaw = node[thing.name], yaw_range_of[thing.parent]
     owner = 0 if node[thing.parent] == 0 else node[thing.parent] + ORIGIN
     corner = thing.place.origin_P_m[:2]
-    if not thing.domain.spots:
-        _, front, _, back = reach_bounds(area_hull(thing.place) + corner, d, yaw)
-        on = Reason("support", f"{thing.name} on {thing.place.name}", thing.path)
-        system.least(owner, at + BEGIN, -back, on)
-        system.least(at + END, owner, -front, on)
-    turn = _fixed(thing.parent, known)
+    if not thing.domain.fixed_poses:
+        _, front, _, back = support_bounds(area_hull(thing.place) + corner, d, yaw)
+        on = DifferenceReason("support", f"{thing.name} on {thing.place.name}", thing.path)
+        system.add_lower_bound(owner, at + BEGIN, -back, on)
+        system.add_lower_bound(at + END, owner, -front, on)
+    turn = _fixed(thing.parent, yaw_range_of)
     if turn is None:
         return
     local = turned(d[None], -turn)[0]
-    if thing.domain.spots:
-        along = [float(local @ (np.array([spot.x_m, spot.y_m]) + corner)) for spot in thing.domain.spots]
-        written = Reason("range", f"{thing.name} in one of its places", thing.domain.path)
-        system.least(owner, at + ORIGIN, min(along), written)
-        system.least(at + ORIGIN, owner, -max(along), written)
+    if thing.domain.fixed_poses:
+        along = [
+            float(local @ (np.array([fixed_pose.x_m, fixed_pose.y_m]) + corner))
+            for fixed_pose in thing.domain.fixed_poses
+        ]
+        written = DifferenceReason("range", f"{thing.name} in one of its places", thing.domain.path)
+        system.add_lower_bound(owner, at + ORIGIN, min(along), written)
+        system.add_lower_bound(at + ORIGIN, owner, -max(along), written)
         return
     low = high = float(local @ corner)
     axes = []
@@ -178,37 +187,41 @@ def _place_differences(
             axes.append("xy"[axis])
     name = axes[0] if len(axes) == 1 else None
     path = (*thing.domain.path, name) if name else thing.domain.path
-    within = Reason("range", f"{thing.name} in its range of {' and '.join(axes)}", path)
-    system.least(owner, at + ORIGIN, low, within)
-    system.least(at + ORIGIN, owner, -high, within)
+    within = DifferenceReason("range", f"{thing.name} in its range of {' and '.join(axes)}", path)
+    system.add_lower_bound(owner, at + ORIGIN, low, within)
+    system.add_lower_bound(at + ORIGIN, owner, -high, within)
 
 
 def _relation_differences(
-    system: Differences, relation: RelationIR, node: dict[str, int], known: dict[str, YawCell], d: FloatArray
+    system: DifferenceConstraints,
+    relation: RelationIR,
+    node: dict[str, int],
+    yaw_range_of: dict[str, YawCell],
+    d: FloatArray,
 ) -> None:
-    said = f"{relation.word or relation.kind}: [{', '.join(relation.as_written)}]"
-    reason = Reason("relation", said, relation.path)
+    text = f"{relation.word or relation.kind}: [{', '.join(relation.as_written)}]"
+    reason = DifferenceReason("relation", text, relation.path)
     at = [node[name] for name in relation.things]
     if relation.kind == "near":
-        system.least(at[0] + BEGIN, at[1] + END, -relation.gap_m, reason)
-        system.least(at[1] + BEGIN, at[0] + END, -relation.gap_m, reason)
-    turn = _fixed(relation.frame, known)
+        system.add_lower_bound(at[0] + BEGIN, at[1] + END, -relation.gap_m, reason)
+        system.add_lower_bound(at[1] + BEGIN, at[0] + END, -relation.gap_m, reason)
+    turn = _fixed(relation.frame, yaw_range_of)
     if turn is None or relation.kind not in ("before", "aligned"):
         return
     cosine = float(turned(np.array([relation.direction]), turn)[0] @ d)
     if relation.kind == "before" and abs(cosine) > 1.0 - 1e-12:
         if cosine > 0.0:
-            system.least(at[0] + END, at[1] + BEGIN, relation.gap_m, reason)
+            system.add_lower_bound(at[0] + END, at[1] + BEGIN, relation.gap_m, reason)
         else:
-            system.least(at[1] + END, at[0] + BEGIN, relation.gap_m, reason)
+            system.add_lower_bound(at[1] + END, at[0] + BEGIN, relation.gap_m, reason)
     if relation.kind == "aligned" and abs(cosine) < 1e-6:
         for one in at:
             for two in at:
                 if one != two:
-                    system.least(one + ORIGIN, two + ORIGIN, -relation.tolerance, reason)
+                    system.add_lower_bound(one + ORIGIN, two + ORIGIN, -relation.tolerance, reason)
 
 
-def positive_cycle(system: Differences) -> list[int] | None:
+def positive_cycle(system: DifferenceConstraints) -> list[int] | None:
     """Edges of a cycle whose sum is positive, in order, or None (Bellman-Ford, all nodes as sources, in rounds)."""
     u, v, w = np.array(system.u), np.array(system.v), np.array(system.w)
     count = int(max(u.max(), v.max())) + 1
@@ -230,17 +243,15 @@ def positive_cycle(system: Differences) -> list[int] | None:
     return cycle[::-1]
 
 
-def _proof(system: Differences, cycle: list[int], direction: FloatArray) -> Proof:
+def _proof(system: DifferenceConstraints, cycle: list[int], direction: FloatArray) -> Proof:
     reasons, weights = [system.reasons[k] for k in cycle], np.array([system.w[k] + SLACK_M for k in cycle])
     kinds = {reason.kind for reason in reasons}
     needed, room = float(weights[weights > 0.0].sum()), -float(weights[weights < 0.0].sum())
     axis = f"({direction[0]:g}, {direction[1]:g})"
     if kinds <= {"relation", "width"}:
-        said = tuple(reason for reason in reasons if reason.kind == "relation")
-        text = (
-            f"{_listed(said)} contradict one another: in a circle along {axis} they ask for {needed - room:.4g} m more"
-        )
-        return Proof("relation-cycle", text, needed, room, "m", _paths(said))
+        authored = tuple(reason for reason in reasons if reason.kind == "relation")
+        text = f"{_listed(authored)} contradict one another: in a circle along {axis} they ask for {needed - room:.4g} m more"
+        return Proof("relation-cycle", text, needed, room, "m", _paths(authored))
     things = [reason for reason in reasons if reason.kind == "width"]
     rest = [reason for reason in reasons if reason.kind != "width"]
     kind = "too-wide" if "relation" in kinds or len({r.path for r in things}) > 1 else "empty-region"
@@ -248,9 +259,9 @@ def _proof(system: Differences, cycle: list[int], direction: FloatArray) -> Proo
     return Proof(kind, text, needed, room, "m", _paths((*rest, *things)))
 
 
-def _listed(reasons: tuple[Reason, ...] | list[Reason]) -> str:
+def _listed(reasons: tuple[DifferenceReason, ...] | list[DifferenceReason]) -> str:
     return "; ".join(dict.fromkeys(reason.text for reason in reasons))
 
 
-def _paths(reasons: tuple[Reason, ...] | list[Reason]) -> tuple[Path, ...]:
+def _paths(reasons: tuple[DifferenceReason, ...] | list[DifferenceReason]) -> tuple[Path, ...]:
     return tuple(dict.fromkeys(reason.path for reason in reasons))

@@ -17,10 +17,10 @@ import shapely
 from scipy.optimize import linprog
 
 from scenec.ir.problem import FloatArray, Problem, Proof, Stance, Thing
-from scenec.proofs.fits import spot_usable
-from scenec.proofs.node_conditions import FAR_M, Conditions, Either, Node, Pose, Row
+from scenec.proofs.fits import fixed_pose_usable
+from scenec.proofs.node_conditions import FAR_M, BranchNode, Disjunction, LinearConstraint, NodeConditions, NodePose
 from scenec.proofs.outlines import SLACK_M, YawCell, hull, period
-from scenec.proofs.places import Room, fits_height, free_region, play, room
+from scenec.proofs.places import PlacementBounds, fits_height, free_region, max_base_height, placement_bounds
 
 MOST_THINGS = 5
 MOST_START_NODES = 64
@@ -30,42 +30,42 @@ COARSE_CELL_RAD = np.radians(15.001)  # a little over a round part of a turn
 
 def no_arrangement(problem: Problem, most_programs: int = 400) -> Proof | None:
     """A proof when the things on one owner, or a few of them tied by relations, have no arrangement at all."""
-    for things in few_together(problem):
-        case = Case(problem, things)
-        if case.closed(most_programs):
+    for things in related_sets(problem):
+        search = BranchAndBound(problem, things)
+        if search.closed(most_programs):
             names = ", ".join(thing.name for thing in things)
-            rules = tuple(relation.path for relation in case.conditions.relations)
+            rules = tuple(relation.path for relation in search.conditions.relations)
             text = f"{names} have no arrangement: every combination of headings and sides was ruled out"
             paths = tuple(dict.fromkeys((*rules, *(thing.path for thing in things))))
             return Proof("infeasible", text, 0.0, 1.0, "arrangements", paths)
     return None
 
 
-def few_together(problem: Problem) -> list[tuple[Thing, ...]]:
+def related_sets(problem: Problem) -> list[tuple[Thing, ...]]:
     """Sets of 2 to 5 things on one owner to be looked at: all of them, or those that relations tie together."""
-    found: list[tuple[Thing, ...]] = []
+    sets: list[tuple[Thing, ...]] = []
     for parent in dict.fromkeys(thing.parent for thing in problem.things):
         things = [thing for thing in problem.things if thing.parent == parent]
         if len(things) <= MOST_THINGS:
-            found += [tuple(things)] if len(things) > 1 else []
+            sets += [tuple(things)] if len(things) > 1 else []
             continue
         ties: nx.Graph[str] = nx.Graph()
         ties.add_nodes_from(thing.name for thing in things)
         for relation in problem.relations:
             if all(name in ties for name in relation.things):
                 nx.add_path(ties, relation.things)
-        for tied in nx.connected_components(ties):
-            if 2 <= len(tied) <= MOST_THINGS:
-                found.append(tuple(thing for thing in things if thing.name in tied))
-    return found
+        for related in nx.connected_components(ties):
+            if 2 <= len(related) <= MOST_THINGS:
+                sets.append(tuple(thing for thing in things if thing.name in related))
+    return sets
 
 
-class Case:
+class BranchAndBound:
     """The search over one set of things on one owner."""
 
     def __init__(self, problem: Problem, things: tuple[Thing, ...]) -> None:
         self.problem, self.things = problem, things
-        self.conditions = Conditions(problem, things)
+        self.conditions = NodeConditions(problem, things)
         self.programs = 0
 
     def closed(self, most_programs: int) -> bool:
@@ -91,39 +91,43 @@ class Case:
                 ]
                 continue
             low, high = node.poses[coarse].yaw
-            if high - low < SMALLEST_CELL_RAD or (broken is None and self._stands(node)):
+            if high - low < SMALLEST_CELL_RAD or (broken is None and self._has_arrangement(node)):
                 return False
             middle = (low + high) / 2.0
             nodes += [self._with_yaw(node, coarse, cell) for cell in ((middle, high), (low, middle))]
         return True
 
-    def _start(self) -> list[Node] | None:
+    def _start(self) -> list[BranchNode] | None:
         """One node for each choice of stances and spots; None when they are too many."""
         choices = [self._poses(thing) for thing in self.things]
         if np.prod([float(len(poses)) for poses in choices]) > MOST_START_NODES:
             return None
-        return [Node(poses) for poses in product(*choices)]
+        return [BranchNode(poses) for poses in product(*choices)]
 
-    def _poses(self, thing: Thing) -> list[Pose]:
-        if thing.domain.spots:
-            found = []
-            for spot in thing.domain.spots:
-                stance = thing.body.stances[spot.stance]
-                base = spot.z_m - stance.origin_height_m
-                at = np.array([spot.x_m, spot.y_m])
-                if spot_usable(self.problem, thing, spot):
-                    yaw = (spot.yaw_rad, spot.yaw_rad)
-                    found.append(Pose(stance, yaw, room(self.problem, thing, stance), (base, base), at))
-            return found
-        stances = [thing.body.stances[k] for k in thing.domain.stances if fits_height(thing, thing.body.stances[k])]
-        rooms = [(stance, room(self.problem, thing, stance)) for stance in stances]
+    def _poses(self, thing: Thing) -> list[NodePose]:
+        if thing.domain.fixed_poses:
+            poses = []
+            for fixed_pose in thing.domain.fixed_poses:
+                stance = thing.body.resting_orientations[fixed_pose.stance]
+                base = fixed_pose.z_m - stance.origin_height_m
+                at = np.array([fixed_pose.x_m, fixed_pose.y_m])
+                if fixed_pose_usable(self.problem, thing, fixed_pose):
+                    yaw = (fixed_pose.yaw_rad, fixed_pose.yaw_rad)
+                    poses.append(NodePose(stance, yaw, placement_bounds(self.problem, thing, stance), (base, base), at))
+            return poses
+        resting_orientations = [
+            thing.body.resting_orientations[k]
+            for k in thing.domain.orientation_indices
+            if fits_height(thing, thing.body.resting_orientations[k])
+        ]
+        rooms = [(stance, placement_bounds(self.problem, thing, stance)) for stance in resting_orientations]
         return [
-            Pose(stance, cell, place, (0.0, play(thing, stance)))
+            NodePose(stance, cell, place, (0.0, max_base_height(thing, stance)))
             for stance, place in rooms
             for cell in self._usable(thing, stance, place)
         ]
 
-    def _usable(self, thing: Thing, stance: Stance, place: Room) -> list[YawCell]:
+    def _usable(self, thing: Thing, stance: Stance, place: PlacementBounds) -> list[YawCell]:
         """Headings at which the thing alone has a place, adjoining cells joined; one period of a symmetric outline."""
         low, high = thing.domain.yaw_rad
         turns = any(r.kind == "facing" and r.things[0] == thing.name for r in self.conditions.relations)
@@ -143,14 +147,14 @@ class Case:
                 joined.append(cell)
         return joined
 
-    def _with_yaw(self, node: Node, thing: int, yaw: YawCell) -> Node:
+    def _with_yaw(self, node: BranchNode, thing: int, yaw: YawCell) -> BranchNode:
         poses = (*node.poses[:thing], replace(node.poses[thing], yaw=yaw), *node.poses[thing + 1 :])
-        return Node(poses, node.sides, node.chosen)
+        return BranchNode(poses, node.sides, node.chosen)
 
-    def _widest(self, node: Node, things) -> int:
+    def _widest(self, node: BranchNode, things) -> int:
         return max(things, key=lambda k: (node.poses[k].yaw[1] - node.poses[k].yaw[0], -k))
 
-    def _solve(self, rows: tuple[Row, ...]) -> FloatArray | None:
+    def _solve(self, rows: tuple[LinearConstraint, ...]) -> FloatArray | None:
         """Origins (n, 2) in P that satisfy the rows, or None when there are none (a failed program counts as some)."""
         count = len(self.things)
         matrix = np.zeros((len(rows), 2 * count))
@@ -166,27 +170,27 @@ class Case:
             return None
         return np.zeros((count, 2)) if answer.x is None else answer.x.reshape(-1, 2)
 
-    def _broken(self, node: Node, point: FloatArray) -> Either | None:
+    def _broken(self, node: BranchNode, point: FloatArray) -> Disjunction | None:
         """The disjunction most broken at the point, among those not yet chosen at the node."""
-        worst, found = SLACK_M, None
-        for either in self.conditions.disjunctions(node):
-            if either.key in node.chosen:
+        worst, most_broken = SLACK_M, None
+        for disjunction in self.conditions.disjunctions(node):
+            if disjunction.key in node.chosen:
                 continue
-            excess = [max(_excess(row, point) for row in rows) for rows in either.options]
+            excess = [max(_excess(row, point) for row in rows) for rows in disjunction.options]
             amount = min(excess, default=np.inf)
             if amount > worst:
-                worst, found = amount, either
-        return found
+                worst, most_broken = amount, disjunction
+        return most_broken
 
-    def _stands(self, node: Node) -> bool:
+    def _has_arrangement(self, node: BranchNode) -> bool:
         """Whether the sides chosen leave an arrangement at the middle headings: then no claim can be made."""
         middles = tuple(replace(pose, yaw=(sum(pose.yaw) / 2.0,) * 2) for pose in node.poses)
-        exact = Node(middles, node.sides, node.chosen)
+        exact = BranchNode(middles, node.sides, node.chosen)
         point = self._solve((*self.conditions.rows(exact), *node.sides))
         return point is not None and self._broken(replace(exact, chosen=frozenset()), point) is None
 
 
-def _excess(row: Row, point: FloatArray) -> float:
+def _excess(row: LinearConstraint, point: FloatArray) -> float:
     """By how much (m) a row is broken at origins (n, 2) in P."""
     first = point[row.first] if row.first >= 0 else np.zeros(2)
     second = point[row.second] if row.second >= 0 else np.zeros(2)

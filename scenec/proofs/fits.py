@@ -12,9 +12,9 @@ import shapely
 from shapely import Polygon
 
 from geom.planar import turned
-from scenec.ir.problem import Path, Problem, Proof, Spot, Stance, Surface, Thing
+from scenec.ir.problem import FixedPose, Path, Problem, Proof, Stance, Surface, Thing
 from scenec.proofs.outlines import SLACK_M, YawCell, hull
-from scenec.proofs.places import Room, area, fits_height, free_region, headroom, room
+from scenec.proofs.places import PlacementBounds, area, fits_height, free_region, headroom, placement_bounds
 
 SMALLEST_CELL_RAD = np.radians(0.5)
 
@@ -22,25 +22,33 @@ SMALLEST_CELL_RAD = np.radians(0.5)
 def no_place_of_its_own(problem: Problem) -> Proof | None:
     """A proof for the first thing that has no pose even when all others are away."""
     for thing in problem.things:
-        proof = _too_high(thing) or (_no_spot(problem, thing) if thing.domain.spots else _no_region(problem, thing))
+        proof = _too_high(thing) or (
+            _no_fixed_pose(problem, thing) if thing.domain.fixed_poses else _no_region(problem, thing)
+        )
         if proof is not None:
             return proof
     return None
 
 
 def _too_high(thing: Thing) -> Proof | None:
-    stances = [thing.body.stances[k] for k in thing.domain.stances]
-    if any(fits_height(thing, stance) for stance in stances) or thing.domain.spots:
+    resting_orientations = [thing.body.resting_orientations[k] for k in thing.domain.orientation_indices]
+    if any(fits_height(thing, stance) for stance in resting_orientations) or thing.domain.fixed_poses:
         return None
-    least, most = min(stance.height_m for stance in stances), headroom(thing.place)
+    least, most = min(stance.height_m for stance in resting_orientations), headroom(thing.place)
     text = f"{thing.name} is {least:.4g} m high at least; {thing.place.name} of {thing.parent} has {most:.4g} m"
     return Proof("empty-region", text, least, most, "m", (thing.path,))
 
 
 def _no_region(problem: Problem, thing: Thing) -> Proof | None:
-    tried = [thing.body.stances[k] for k in thing.domain.stances if fits_height(thing, thing.body.stances[k])]
+    tried = [
+        thing.body.resting_orientations[k]
+        for k in thing.domain.orientation_indices
+        if fits_height(thing, thing.body.resting_orientations[k])
+    ]
     for stance in tried:
-        if _plainly(problem, thing, stance) or any_heading(room(problem, thing, stance), thing.domain.yaw_rad):
+        if _plainly(problem, thing, stance) or any_heading(
+            placement_bounds(problem, thing, stance), thing.domain.yaw_rad
+        ):
             return None
     narrow = min(float(np.ptp(hull(stance.slabs), axis=0).min()) for stance in tried)
     size = shapely.get_coordinates(shapely.minimum_rotated_rectangle(area(thing.place)))
@@ -63,7 +71,7 @@ def _plainly(problem: Problem, thing: Thing, stance: Stance) -> bool:
     return place.polygon.covers(Polygon(outline + at))
 
 
-def any_heading(place: Room, yaw: YawCell) -> bool:
+def any_heading(place: PlacementBounds, yaw: YawCell) -> bool:
     """False only when no heading of the interval leaves the origin a place (cells are halved down to half a degree)."""
     cells = [yaw]
     while cells:
@@ -87,21 +95,21 @@ def _reach_path(problem: Problem, thing: Thing) -> tuple[Path, ...]:
     return (problem.reach.path,) if problem.reach is not None and thing.name in problem.reach.members else ()
 
 
-def _no_spot(problem: Problem, thing: Thing) -> Proof | None:
-    if any(spot_usable(problem, thing, spot) for spot in thing.domain.spots):
+def _no_fixed_pose(problem: Problem, thing: Thing) -> Proof | None:
+    if any(fixed_pose_usable(problem, thing, fixed_pose) for fixed_pose in thing.domain.fixed_poses):
         return None
-    text = f"none of the {len(thing.domain.spots)} written poses of {thing.name} is free of its place's bounds"
+    text = f"none of the {len(thing.domain.fixed_poses)} written poses of {thing.name} is free of its place's bounds"
     return Proof("empty-domain", text, 0.0, 1.0, "poses", (thing.path, thing.domain.path))
 
 
-def spot_usable(problem: Problem, thing: Thing, spot: Spot) -> bool:
+def fixed_pose_usable(problem: Problem, thing: Thing, fixed_pose: FixedPose) -> bool:
     """Whether the thing may stand at one written pose when all others are away. True when in doubt."""
-    stance = thing.body.stances[spot.stance]
-    base = spot.z_m - stance.origin_height_m
+    stance = thing.body.resting_orientations[fixed_pose.stance]
+    base = fixed_pose.z_m - stance.origin_height_m
     if base + stance.height_m > headroom(thing.place) + SLACK_M:
         return False
-    origin = np.array([spot.x_m, spot.y_m])
-    outlines = [Polygon(turned(slab.outline_m, spot.yaw_rad) + origin) for slab in stance.slabs]
+    origin = np.array([fixed_pose.x_m, fixed_pose.y_m])
+    outlines = [Polygon(turned(slab.outline_m, fixed_pose.yaw_rad) + origin) for slab in stance.slabs]
     if isinstance(thing.place, Surface) and abs(base) <= SLACK_M:
         allowed = thing.place.polygon.buffer(SLACK_M, join_style="mitre")
         if not all(allowed.covers(outline) for outline in outlines):
@@ -113,7 +121,7 @@ def spot_usable(problem: Problem, thing: Thing, spot: Spot) -> bool:
                 entered = min(base + slab.high_m, rule.height_m) - max(base + slab.low_m, 0.0) > SLACK_M
                 if entered and outline.intersection(inner).area > SLACK_M:
                     return False
-    ring = room(problem, thing, stance).ring
+    ring = placement_bounds(problem, thing, stance).ring
     if ring is not None:
         centre, least, most = ring
         return least - SLACK_M <= float(np.hypot(*(origin - centre))) <= most + SLACK_M

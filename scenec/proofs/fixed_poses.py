@@ -12,16 +12,16 @@ import networkx as nx
 import numpy as np
 
 from geom.planar import turned
-from scenec.ir.problem import Problem, Proof, Spot, Thing
-from scenec.proofs.fits import spot_usable
-from scenec.proofs.outlines import SLACK_M, hull, stances
+from scenec.ir.problem import FixedPose, Problem, Proof, Thing
+from scenec.proofs.fits import fixed_pose_usable
+from scenec.proofs.outlines import SLACK_M, hull, resting_orientations
 
 Position = tuple[str, str, float, float, float]
 
 
-def more_things_than_spots(problem: Problem) -> Proof | None:
+def more_things_than_fixed_poses(problem: Problem) -> Proof | None:
     """A proof that names a set of things with fewer usable poses than members (maximum bipartite matching)."""
-    things = [thing for thing in problem.things if thing.domain.spots]
+    things = [thing for thing in problem.things if thing.domain.fixed_poses]
     usable = {thing.name: _positions(problem, thing) for thing in things}
     exclusive = _exclusive_positions(things, usable)
     bound = [thing for thing in things if usable[thing.name] and set(usable[thing.name]) <= exclusive]
@@ -42,16 +42,16 @@ def more_things_than_spots(problem: Problem) -> Proof | None:
     return Proof("empty-domain", text, float(len(members)), float(len(poses)), "places", paths)
 
 
-def _positions(problem: Problem, thing: Thing) -> dict[Position, list[Spot]]:
-    found: dict[Position, list[Spot]] = {}
-    for spot in thing.domain.spots:
-        if spot_usable(problem, thing, spot):
-            key = (thing.parent, thing.place.name, spot.x_m, spot.y_m, spot.z_m)
-            found.setdefault(key, []).append(spot)
-    return found
+def _positions(problem: Problem, thing: Thing) -> dict[Position, list[FixedPose]]:
+    by_position: dict[Position, list[FixedPose]] = {}
+    for fixed_pose in thing.domain.fixed_poses:
+        if fixed_pose_usable(problem, thing, fixed_pose):
+            key = (thing.parent, thing.place.name, fixed_pose.x_m, fixed_pose.y_m, fixed_pose.z_m)
+            by_position.setdefault(key, []).append(fixed_pose)
+    return by_position
 
 
-def _exclusive_positions(things: list[Thing], usable: dict[str, dict[Position, list[Spot]]]) -> set[Position]:
+def _exclusive_positions(things: list[Thing], usable: dict[str, dict[Position, list[FixedPose]]]) -> set[Position]:
     """Positions at which any two things that may use them would overlap."""
     users: dict[Position, list[Thing]] = {}
     for thing in things:
@@ -64,20 +64,21 @@ def _exclusive_positions(things: list[Thing], usable: dict[str, dict[Position, l
     }
 
 
-def _overlap(one: Thing, two: Thing, position: Position, usable: dict[str, dict[Position, list[Spot]]]) -> bool:
+def _overlap(one: Thing, two: Thing, position: Position, usable: dict[str, dict[Position, list[FixedPose]]]) -> bool:
     """Whether both footprints cover the origin of the position, hence one another, whatever stance and heading."""
     spans = [
         (-stance.origin_height_m, stance.height_m - stance.origin_height_m)
         for thing in (one, two)
-        for stance in stances(thing)
+        for stance in resting_orientations(thing)
     ]
     if min(high for _, high in spans) - max(low for low, _ in spans) <= SLACK_M:
         return False
     return all(
-        _covers_origin(hull(thing.body.stances[k].slabs), spot.yaw_rad) and len(thing.body.stances[k].slabs) == 1
+        _covers_origin(hull(thing.body.resting_orientations[k].slabs), fixed_pose.yaw_rad)
+        and len(thing.body.resting_orientations[k].slabs) == 1
         for thing in (one, two)
-        for k in thing.domain.stances
-        for spot in usable[thing.name][position]
+        for k in thing.domain.orientation_indices
+        for fixed_pose in usable[thing.name][position]
     )
 
 

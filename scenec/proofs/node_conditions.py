@@ -18,8 +18,8 @@ from shapely import Polygon
 
 from geom.planar import turned
 from scenec.ir.problem import FloatArray, Problem, RelationIR, Stance, Thing
-from scenec.proofs.outlines import SLACK_M, TURN, YawCell, half_planes, hull, kernel, reach_bounds
-from scenec.proofs.places import Room, forbidden, linear_bounds, minkowski, ring_of
+from scenec.proofs.outlines import SLACK_M, TURN, YawCell, half_planes, hull, kernel, support_bounds
+from scenec.proofs.places import PlacementBounds, forbidden, linear_bounds, minkowski, ring_of
 
 DISC_SIDES = 8
 FAR_M = 1e3
@@ -27,13 +27,13 @@ KEPT_SHAPE = 0.005
 
 
 @dataclass(frozen=True)
-class Pose:
+class NodePose:
     """What is known of one thing at a node: its stance, its headings in A, how high over the place its lowest point may
     be; `at` when a spot fixes its origin in A."""
 
     stance: Stance
     yaw: YawCell
-    room: Room
+    bounds: PlacementBounds
     base_m: tuple[float, float]
     at: FloatArray | None = None
 
@@ -44,7 +44,7 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class Row:
+class LinearConstraint:
     """normal @ (p_second - p_first) <= bound over origins in P; first or second is -1 for the owner's own origin."""
 
     first: int
@@ -54,24 +54,24 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Node:
+class BranchNode:
     """Poses of all things and the sides chosen so far."""
 
-    poses: tuple[Pose, ...]
-    sides: tuple[Row, ...] = ()
+    poses: tuple[NodePose, ...]
+    sides: tuple[LinearConstraint, ...] = ()
     chosen: frozenset[tuple] = frozenset()
 
 
 @dataclass(frozen=True)
-class Either:
+class Disjunction:
     """A disjunction: one of these sets of rows must hold."""
 
     key: tuple
     things: tuple[int, ...]
-    options: tuple[tuple[Row, ...], ...]
+    options: tuple[tuple[LinearConstraint, ...], ...]
 
 
-class Conditions:
+class NodeConditions:
     """The conditions on one set of things on one owner, in the owner's frame P."""
 
     def __init__(self, problem: Problem, things: tuple[Thing, ...]) -> None:
@@ -80,34 +80,35 @@ class Conditions:
         self.relations = [r for r in problem.relations if all(name in self.index for name in r.things)]
         self.corner = [thing.place.origin_P_m[:2] for thing in things]
         # What was derived once for a thing or pair at its stances and headings.
-        self.walls: dict[tuple, list[Row]] = {}
-        self.blocked: dict[tuple, list[Either]] = {}
-        self.known: dict[tuple, Either | None] = {}
+        self.walls: dict[tuple, list[LinearConstraint]] = {}
+        self.blocked: dict[tuple, list[Disjunction]] = {}
+        self.known: dict[tuple, Disjunction | None] = {}
         self.reached: dict[tuple, FloatArray] = {}
 
-    def rows(self, node: Node) -> list[Row]:
+    def rows(self, node: BranchNode) -> list[LinearConstraint]:
         """What must hold at a node."""
-        rows: list[Row] = []
+        rows: list[LinearConstraint] = []
         for k, pose in enumerate(node.poses):
             if pose.at is not None:
                 at = pose.at + self.corner[k]
                 for sign, axis in product((1.0, -1.0), (0, 1)):
                     normal = (sign, 0.0) if axis == 0 else (0.0, sign)
-                    rows.append(Row(-1, k, normal, sign * float(at[axis]) + SLACK_M))
+                    rows.append(LinearConstraint(-1, k, normal, sign * float(at[axis]) + SLACK_M))
                 continue
             key = (k, pose.key)
             if key not in self.walls:
-                normals, bounds = linear_bounds(pose.room, pose.yaw)
+                normals, bounds = linear_bounds(pose.bounds, pose.yaw)
                 limits = bounds + normals @ self.corner[k]
                 self.walls[key] = [
-                    Row(-1, k, (float(n[0]), float(n[1])), float(b)) for n, b in zip(normals, limits, strict=True)
+                    LinearConstraint(-1, k, (float(n[0]), float(n[1])), float(b))
+                    for n, b in zip(normals, limits, strict=True)
                 ]
             rows += self.walls[key]
         for relation in self.relations:
             rows += self._relation_rows(node, relation)
         return rows
 
-    def _relation_rows(self, node: Node, relation: RelationIR) -> list[Row]:
+    def _relation_rows(self, node: BranchNode, relation: RelationIR) -> list[LinearConstraint]:
         at = [self.index[name] for name in relation.things]
         if relation.kind == "near":
             return [self._near(node, at[0], at[1], angle, relation.gap_m) for angle in np.arange(16) * (TURN / 16)]
@@ -118,16 +119,16 @@ class Conditions:
             return []
         along = turned(np.array([relation.direction]), turn)[0]
         if relation.kind == "before":
-            front = reach_bounds(hull(node.poses[at[0]].stance.slabs), along, node.poses[at[0]].yaw)[0]
-            back = reach_bounds(hull(node.poses[at[1]].stance.slabs), along, node.poses[at[1]].yaw)[2]
-            return [Row(at[0], at[1], (-along[0], -along[1]), SLACK_M - relation.gap_m - front - back)]
+            front = support_bounds(hull(node.poses[at[0]].stance.slabs), along, node.poses[at[0]].yaw)[0]
+            back = support_bounds(hull(node.poses[at[1]].stance.slabs), along, node.poses[at[1]].yaw)[2]
+            return [LinearConstraint(at[0], at[1], (-along[0], -along[1]), SLACK_M - relation.gap_m - front - back)]
         if relation.kind == "aligned":
             across = (-float(along[1]), float(along[0]))
             both = [(one, two) for one in at for two in at if one != two]
-            return [Row(one, two, across, relation.tolerance + SLACK_M) for one, two in both]
+            return [LinearConstraint(one, two, across, relation.tolerance + SLACK_M) for one, two in both]
         return []
 
-    def _frame(self, node: Node, frame: str) -> float | None:
+    def _frame(self, node: BranchNode, frame: str) -> float | None:
         """Heading in P of the frame of a relation, where it is fixed."""
         if frame == self.things[0].parent:
             return 0.0
@@ -136,13 +137,13 @@ class Conditions:
             return low if high - low < 1e-9 else None
         return None
 
-    def _near(self, node: Node, one: int, two: int, angle: float, gap_m: float) -> Row:
+    def _near(self, node: BranchNode, one: int, two: int, angle: float, gap_m: float) -> LinearConstraint:
         normal = np.array([np.cos(angle), np.sin(angle)])
-        front = reach_bounds(hull(node.poses[one].stance.slabs), normal, node.poses[one].yaw)[1]
-        back = reach_bounds(hull(node.poses[two].stance.slabs), normal, node.poses[two].yaw)[3]
-        return Row(one, two, (float(normal[0]), float(normal[1])), gap_m + front + back + SLACK_M)
+        front = support_bounds(hull(node.poses[one].stance.slabs), normal, node.poses[one].yaw)[1]
+        back = support_bounds(hull(node.poses[two].stance.slabs), normal, node.poses[two].yaw)[3]
+        return LinearConstraint(one, two, (float(normal[0]), float(normal[1])), gap_m + front + back + SLACK_M)
 
-    def _facing(self, node: Node, one: int, two: int, tolerance: float) -> list[Row]:
+    def _facing(self, node: BranchNode, one: int, two: int, tolerance: float) -> list[LinearConstraint]:
         """The second origin lies in the wedge that the front of the first sweeps, when that is narrower than pi."""
         w, x, y, z = node.poses[one].stance.quat_wxyz
         low, high = node.poses[one].yaw
@@ -154,38 +155,38 @@ class Conditions:
         rows = []
         for sign in (1.0, -1.0):
             angle = middle + sign * (half + np.pi / 2.0)
-            rows.append(Row(one, two, (float(np.cos(angle)), float(np.sin(angle))), SLACK_M))
+            rows.append(LinearConstraint(one, two, (float(np.cos(angle)), float(np.sin(angle))), SLACK_M))
         return rows
 
-    def disjunctions(self, node: Node) -> list[Either]:
+    def disjunctions(self, node: BranchNode) -> list[Disjunction]:
         """What may hold in one of several ways."""
-        found: list[Either] = []
+        disjunctions: list[Disjunction] = []
         for k, pose in enumerate(node.poses):
             if pose.at is None:
                 key = ("blocked", k, pose.key)
                 if key not in self.blocked:
-                    rings = forbidden(pose.room, pose.yaw)
+                    rings = forbidden(pose.bounds, pose.yaw)
                     self.blocked[key] = [
                         self._beyond((*key, n), np.zeros((1, 2)), -1, self._alone(k, pose), k, ring + self.corner[k])
                         for n, ring in enumerate(rings)
                     ]
-                found += self.blocked[key]
+                disjunctions += self.blocked[key]
         for one, two in combinations(range(len(self.things)), 2):
-            found += self._apart(node, one, two, self.problem.clearance_m, "apart")
+            disjunctions += self._apart(node, one, two, self.problem.clearance_m, "apart")
         for n, relation in enumerate(self.relations):
             at = [self.index[name] for name in relation.things]
             if relation.kind == "far_from":
-                found += self._apart(node, at[0], at[1], relation.gap_m, f"far {n}")
+                disjunctions += self._apart(node, at[0], at[1], relation.gap_m, f"far {n}")
             if relation.kind == "between":
-                found.append(self._between(n, at, relation.tolerance))
-        return found
+                disjunctions.append(self._between(n, at, relation.tolerance))
+        return disjunctions
 
-    def _apart(self, node: Node, one: int, two: int, gap_m: float, word: str) -> list[Either]:
+    def _apart(self, node: BranchNode, one: int, two: int, gap_m: float, word: str) -> list[Disjunction]:
         """Pieces of two outlines that must be apart: all of them for one place, those that meet in height otherwise."""
         first, second = node.poses[one], node.poses[two]
         if word == "apart" and not self._surely_meet(one, two, first, second):
             return []
-        found = []
+        disjunctions = []
         for (m, piece), (n, other) in product(_pieces(first.stance), _pieces(second.stance)):
             key = (word, one, two, m, n, first.key, second.key)
             if key not in self.known:
@@ -194,11 +195,11 @@ class Conditions:
                 ring = _fewer_corners(_grown(minkowski(inner, -outer), gap_m)) if thick else None
                 alone = self._alone(one, first), self._alone(two, second)
                 self.known[key] = None if ring is None else self._beyond(key, alone[0], one, alone[1], two, ring)
-            if (either := self.known[key]) is not None:
-                found.append(either)
-        return found
+            if (disjunction := self.known[key]) is not None:
+                disjunctions.append(disjunction)
+        return disjunctions
 
-    def _surely_meet(self, one: int, two: int, first: Pose, second: Pose) -> bool:
+    def _surely_meet(self, one: int, two: int, first: NodePose, second: NodePose) -> bool:
         """Whether two things of one place overlap in height wherever they stand. Others are left aside: no claim."""
         if self.things[one].place.name != self.things[two].place.name:
             return False
@@ -207,7 +208,7 @@ class Conditions:
 
     def _beyond(
         self, key: tuple, first: FloatArray, one: int, second: FloatArray, two: int, ring: FloatArray
-    ) -> Either:
+    ) -> Disjunction:
         """p_two - p_one lies outside a convex outline: beyond one edge, and not beyond those before it.
 
         `first` and `second` are the corners of where the two may be by themselves: edges out of reach are no option.
@@ -217,27 +218,27 @@ class Conditions:
         normals = (np.stack([edges[:, 1], -edges[:, 0]], axis=1)[lengths > 0.0]) / lengths[lengths > 0.0, None]
         offsets = np.einsum("ij,ij->i", normals, ring[lengths > 0.0])
         farthest = (second @ normals.T).max(axis=0) - (first @ normals.T).min(axis=0)
-        options: list[tuple[Row, ...]] = []
-        within: list[Row] = []
+        options: list[tuple[LinearConstraint, ...]] = []
+        within: list[LinearConstraint] = []
         for k in np.argsort(-lengths[lengths > 0.0], kind="stable"):
             x, y, offset = float(normals[k, 0]), float(normals[k, 1]), float(offsets[k])
             if farthest[k] >= offset - SLACK_M:
-                options.append((Row(one, two, (-x, -y), SLACK_M - offset), *within))
-                within.append(Row(one, two, (x, y), offset + SLACK_M))
-        return Either(key, (two,) if one < 0 else (one, two), tuple(options))
+                options.append((LinearConstraint(one, two, (-x, -y), SLACK_M - offset), *within))
+                within.append(LinearConstraint(one, two, (x, y), offset + SLACK_M))
+        return Disjunction(key, (two,) if one < 0 else (one, two), tuple(options))
 
-    def _alone(self, k: int, pose: Pose) -> FloatArray:
+    def _alone(self, k: int, pose: NodePose) -> FloatArray:
         """Corners (m, 2) of where the origin of a thing may be in P by its walls alone."""
         key = (k, pose.key)
         if pose.at is not None:
             return (pose.at + self.corner[k])[None]
         if key not in self.reached:
-            normals, bounds = linear_bounds(pose.room, pose.yaw)
+            normals, bounds = linear_bounds(pose.bounds, pose.yaw)
             region = half_planes(normals, bounds, FAR_M * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], float))
             self.reached[key] = (region if len(region) else np.zeros((1, 2))) + self.corner[k]
         return self.reached[key]
 
-    def _between(self, n: int, at: list[int], tolerance: float) -> Either:
+    def _between(self, n: int, at: list[int], tolerance: float) -> Disjunction:
         """The first origin lies in the box of the two others, grown by the tolerance, in one of their four orders."""
         a, b, c = at
         options = []
@@ -245,12 +246,12 @@ class Conditions:
             rows = []
             for normal in ((-x, 0.0), (0.0, -y)):
                 rows += [
-                    Row(b, c, normal, SLACK_M),
-                    Row(b, a, normal, tolerance + SLACK_M),
-                    Row(a, c, normal, tolerance + SLACK_M),
+                    LinearConstraint(b, c, normal, SLACK_M),
+                    LinearConstraint(b, a, normal, tolerance + SLACK_M),
+                    LinearConstraint(a, c, normal, tolerance + SLACK_M),
                 ]
             options.append(tuple(rows))
-        return Either(("between", n), tuple(at), tuple(options))
+        return Disjunction(("between", n), tuple(at), tuple(options))
 
 
 def _pieces(stance: Stance) -> list[tuple[int, FloatArray]]:
@@ -262,8 +263,8 @@ def _pieces(stance: Stance) -> list[tuple[int, FloatArray]]:
 def _fewer_corners(ring: FloatArray) -> FloatArray:
     """A convex outline inside the given one, half a hundredth of its size away at most, with fewer sides to try."""
     tolerance = KEPT_SHAPE * float(np.ptp(ring, axis=0).max())
-    kept = ring_of(shapely.simplify(Polygon(ring), tolerance, preserve_topology=True))
-    return kept if len(kept) >= 3 else ring
+    simplified = ring_of(shapely.simplify(Polygon(ring), tolerance, preserve_topology=True))
+    return simplified if len(simplified) >= 3 else ring
 
 
 def _grown(ring: FloatArray, gap_m: float) -> FloatArray:

@@ -33,30 +33,32 @@ def hull(slabs: tuple[Slab, ...]) -> FloatArray:
     return _hull(np.ascontiguousarray(np.concatenate([slab.outline_m for slab in slabs])).tobytes())
 
 
-def stances(thing: Thing) -> tuple[Stance, ...]:
+def resting_orientations(thing: Thing) -> tuple[Stance, ...]:
     """The stances that the thing may take."""
-    return tuple(thing.body.stances[k] for k in thing.domain.stances)
+    return tuple(thing.body.resting_orientations[k] for k in thing.domain.orientation_indices)
 
 
-def reach_bounds(outline: FloatArray, direction: FloatArray, yaw: YawCell) -> tuple[float, float, float, float]:
+def support_bounds(outline: FloatArray, direction: FloatArray, yaw: YawCell) -> tuple[float, float, float, float]:
     """(least front, greatest front, least back, greatest back): how far the outline turned by a heading of the interval
     reaches from its origin along a unit direction (2,), and against it. Exact.
 
     The reach is the greatest of sinusoids, one a corner; its extremes lie at the ends of the interval, where two
     corners change places (an edge normal meets the direction), or where a corner meets the direction or its opposite.
     """
-    return _reaches(outline.tobytes(), (float(direction[0]), float(direction[1])), yaw)[:4]
+    return _support_bounds(outline.tobytes(), (float(direction[0]), float(direction[1])), yaw)[:4]
 
 
 def least_width(outline: FloatArray, direction: FloatArray, yaw: YawCell) -> float:
     """Least extent along a unit direction over the headings of the interval (exact: between its breakpoints, where an
     edge stands across the direction, the extent is concave)."""
-    return _reaches(outline.tobytes(), (float(direction[0]), float(direction[1])), yaw)[4]
+    return _support_bounds(outline.tobytes(), (float(direction[0]), float(direction[1])), yaw)[4]
 
 
 @lru_cache(maxsize=65536)
-def _reaches(key: bytes, direction: tuple[float, float], yaw: YawCell) -> tuple[float, float, float, float, float]:
-    """The four bounds of `reach_bounds` and the least width: the same few outlines are asked for again and again."""
+def _support_bounds(
+    key: bytes, direction: tuple[float, float], yaw: YawCell
+) -> tuple[float, float, float, float, float]:
+    """The four bounds of `support_bounds` and the least width: the same few outlines are asked for again and again."""
     outline = np.frombuffer(key).reshape(-1, 2)
     aim = np.arctan2(direction[1], direction[0])
     edges = np.roll(outline, -1, axis=0) - outline

@@ -13,14 +13,14 @@ from shapely import Polygon
 
 from geom.planar import turned
 from scenec.ir.problem import WORLD_PARENT, FloatArray, Problem, Stance, Surface, Thing, Volume
-from scenec.proofs.outlines import SLACK_M, YawCell, half_planes, hull, kernel, reach_bounds
+from scenec.proofs.outlines import SLACK_M, YawCell, half_planes, hull, kernel, support_bounds
 
 RING_SIDES = 24
 LEAST_AREA_M2 = 1e-8
 
 
 @dataclass(frozen=True)
-class Room:
+class PlacementBounds:
     """For one thing in one stance: (outline in S, container or obstacle (n, 2) in A), and the rectangle of its origin.
 
     `ring` is the robot's reach in A (centre, least, most) where the place does not move.
@@ -63,16 +63,16 @@ def fits_height(thing: Thing, stance: Stance) -> bool:
     return stance.height_m <= headroom(thing.place) + SLACK_M
 
 
-def play(thing: Thing, stance: Stance) -> float:
+def max_base_height(thing: Thing, stance: Stance) -> float:
     """How high over the floor it may stand at most: on contents of a volume, else 0."""
     return max(0.0, thing.place.height_m - stance.height_m) if isinstance(thing.place, Volume) else 0.0
 
 
-def room(problem: Problem, thing: Thing, stance: Stance) -> Room:
+def placement_bounds(problem: Problem, thing: Thing, stance: Stance) -> PlacementBounds:
     """The room of a thing in one stance. Raises nothing; things with spots are not asked."""
     walls: list[tuple[FloatArray, FloatArray]] = []
     obstacles: list[tuple[FloatArray, FloatArray]] = []
-    lift = play(thing, stance)
+    lift = max_base_height(thing, stance)
     pieces = sorted(stance.slabs, key=lambda slab: -Polygon(slab.outline_m).area)[:8]
     if isinstance(thing.place, Surface):
         walls.append((hull(stance.slabs), area_hull(thing.place)))
@@ -88,7 +88,7 @@ def room(problem: Problem, thing: Thing, stance: Stance) -> Room:
         for slab in pieces:
             container = _layers(thing.place, slab.low_m + lift, slab.high_m)
             if shapely.is_empty(container):
-                return Room((), (), np.full(2, np.inf), np.full(2, -np.inf))
+                return PlacementBounds((), (), np.full(2, np.inf), np.full(2, -np.inf))
             around = shapely.convex_hull(container)
             walls.append((slab.outline_m, ring_of(around)))
             obstacles += [(slab.outline_m, part) for part in _parts(shapely.difference(around, container))]
@@ -97,7 +97,9 @@ def room(problem: Problem, thing: Thing, stance: Stance) -> Room:
             entered = [slab for slab in pieces if slab.low_m + lift < rule.height_m - SLACK_M]
             obstacles += [(slab.outline_m, part) for slab in entered for part in _parts(rule.polygon)]
     (x0, x1), (y0, y1) = thing.domain.x_m, thing.domain.y_m
-    return Room(tuple(walls), tuple(obstacles), np.array([x0, y0]), np.array([x1, y1]), _ring(problem, thing))
+    return PlacementBounds(
+        tuple(walls), tuple(obstacles), np.array([x0, y0]), np.array([x1, y1]), _ring(problem, thing)
+    )
 
 
 def _layers(place: Volume, low_m: float, high_m: float) -> shapely.Geometry:
@@ -108,14 +110,14 @@ def _layers(place: Volume, low_m: float, high_m: float) -> shapely.Geometry:
 
 def _parts(shape: shapely.Geometry) -> list[FloatArray]:
     """Convex pieces of polygons: themselves, or the triangles of those that are not convex."""
-    found: list[FloatArray] = []
+    parts: list[FloatArray] = []
     for polygon in shapely.get_parts(shape):
         if polygon.geom_type != "Polygon" or polygon.area < LEAST_AREA_M2:
             continue
         convex = not polygon.interiors and polygon.convex_hull.area - polygon.area < 1e-12
         pieces = [polygon] if convex else shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
-        found += [ring_of(piece) for piece in pieces if piece.area >= LEAST_AREA_M2]
-    return found
+        parts += [ring_of(piece) for piece in pieces if piece.area >= LEAST_AREA_M2]
+    return parts
 
 
 def _ring(problem: Problem, thing: Thing) -> tuple[FloatArray, float, float] | None:
@@ -126,35 +128,39 @@ def _ring(problem: Problem, thing: Thing) -> tuple[FloatArray, float, float] | N
     return centre - thing.place.origin_P_m[:2], reach.least_m, reach.most_m
 
 
-def linear_bounds(room: Room, yaw: YawCell) -> tuple[FloatArray, FloatArray]:
+def linear_bounds(placement_bounds: PlacementBounds, yaw: YawCell) -> tuple[FloatArray, FloatArray]:
     """(normals (k, 2), bounds (k,)): normals @ origin <= bounds for the origin in A at any heading of the interval."""
     normals, bounds = [], []
-    for outline, container in room.walls:
+    for outline, container in placement_bounds.walls:
         edges = np.roll(container, -1, axis=0) - container
         outward = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
-        fronts = np.array([reach_bounds(outline, normal, yaw)[0] for normal in outward])
+        fronts = np.array([support_bounds(outline, normal, yaw)[0] for normal in outward])
         normals.append(outward)
         bounds.append(np.einsum("ij,ij->i", outward, container) - fronts)
     normals.append(np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]))
-    bounds.append(np.concatenate([room.high_m, -room.low_m]))
-    if room.ring is not None:
+    bounds.append(np.concatenate([placement_bounds.high_m, -placement_bounds.low_m]))
+    if placement_bounds.ring is not None:
         angles = np.arange(RING_SIDES) * (2.0 * np.pi / RING_SIDES)
         outward = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         normals.append(outward)
-        bounds.append(outward @ room.ring[0] + room.ring[2])
+        bounds.append(outward @ placement_bounds.ring[0] + placement_bounds.ring[2])
     stacked, limits = np.concatenate(normals), np.concatenate(bounds) + SLACK_M
     return stacked[np.isfinite(limits)], limits[np.isfinite(limits)]
 
 
-def forbidden(room: Room, yaw: YawCell) -> list[FloatArray]:
+def forbidden(placement_bounds: PlacementBounds, yaw: YawCell) -> list[FloatArray]:
     """Convex outlines in A in whose inside the origin cannot be at any heading of the interval."""
-    found = [
-        minkowski(obstacle, -inner) for outline, obstacle in room.obstacles if len(inner := kernel(outline, yaw)) >= 3
+    outlines = [
+        minkowski(obstacle, -inner)
+        for outline, obstacle in placement_bounds.obstacles
+        if len(inner := kernel(outline, yaw)) >= 3
     ]
-    if room.ring is not None and room.ring[1] > 0.0:
+    if placement_bounds.ring is not None and placement_bounds.ring[1] > 0.0:
         angles = np.arange(RING_SIDES) * (2.0 * np.pi / RING_SIDES)
-        found.append(room.ring[0] + room.ring[1] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
-    return found
+        outlines.append(
+            placement_bounds.ring[0] + placement_bounds.ring[1] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        )
+    return outlines
 
 
 def minkowski(one: FloatArray, two: FloatArray) -> FloatArray:
@@ -163,13 +169,13 @@ def minkowski(one: FloatArray, two: FloatArray) -> FloatArray:
     return ring_of(shapely.MultiPoint(sums).convex_hull)
 
 
-def free_region(room: Room, yaw: YawCell) -> shapely.Geometry:
+def free_region(placement_bounds: PlacementBounds, yaw: YawCell) -> shapely.Geometry:
     """Where the origin may be for some heading of the interval, or a little more; empty proves that it has no pose."""
-    normals, bounds = linear_bounds(room, yaw)
+    normals, bounds = linear_bounds(placement_bounds, yaw)
     far = 1e3
     region = half_planes(normals, bounds, np.array([[-far, -far], [far, -far], [far, far], [-far, far]]))
     if len(region) < 3:
         return Polygon()
     left: shapely.Geometry = Polygon(region)
-    blocked = [Polygon(ring).buffer(-SLACK_M, join_style="mitre") for ring in forbidden(room, yaw)]
+    blocked = [Polygon(ring).buffer(-SLACK_M, join_style="mitre") for ring in forbidden(placement_bounds, yaw)]
     return left.difference(shapely.union_all(blocked)) if blocked else left

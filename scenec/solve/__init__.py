@@ -1,4 +1,4 @@
-"""The solver: transactional search for a whole assignment."""
+"""The solver: transactional search for a complete assignment of poses. Start with `solver.solve`."""
 
 from scenec.solve.cache import ComponentCache
 from scenec.solve.solver import DEFAULT_BUDGET, solve

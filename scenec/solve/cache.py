@@ -1,4 +1,4 @@
-"""What earlier compiles found, by content: an edit re-solves the component it touches and no other."""
+"""Cache of solved components by content digest: an edit solves only the components that it changes."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import numpy as np
 from shapely import Polygon
 
 from scenec.ir.problem import Body, Placement, RelationIR, Surface, Thing, Volume
-from scenec.solve.model import Model
+from scenec.solve.model import SolverModel
 
 Digest = bytes
-KEPT = 8  # sets of things known to stand right, for each surroundings
+MOST_VALIDATED_SETS = 8  # sets of things known to be valid together, for each surroundings
 
 
 @dataclass(frozen=True)
-class Record:
-    """Content of a component: `digest` of all that decides it, `surroundings` of what is not a thing (clearance,
-    keep-outs, reach), digests of its things with what they carry, and of the rules that each takes part in."""
+class ComponentDigest:
+    """Content of a component: `digest` of all its inputs, `surroundings` of those that are no things (clearance,
+    keep-outs, reach), and digests of its things with their load and relations."""
 
     digest: Digest
     surroundings: Digest
@@ -28,62 +28,64 @@ class Record:
 
 @dataclass
 class ComponentCache:
-    """Placements of components by digest of all that decides them, and digests of bodies and places already seen.
+    """Placements of components by digest of their inputs, and digests of known bodies and places.
 
-    `right` holds sets of things found valid together, as (name, content, placement): what an edit leaves as it was
-    need not be validated against each other again.
+    `validated` holds sets of things that were valid together, as {name: (content, placement)}: unchanged things need
+    not be validated against each other again.
     """
 
     solved: dict[Digest, dict[str, Placement]] = field(default_factory=dict)
-    right: dict[Digest, list[dict[str, tuple[Digest, Placement]]]] = field(default_factory=dict)
+    validated: dict[Digest, list[dict[str, tuple[Digest, Placement]]]] = field(default_factory=dict)
     _known: dict[int, tuple[object, Digest]] = field(default_factory=dict)
 
     def digest(self, item: Body | Surface | Volume | Thing) -> Digest:
-        """Content of a body, place or thing (without what it carries); the same object is read once."""
+        """Content digest of a body, place or thing (without its load), computed once per object."""
         known = self._known.get(id(item))
         if known is None or known[0] is not item:
             known = self._known[id(item)] = (item, self._thing(item) if isinstance(item, Thing) else _digest(item))
         return known[1]
 
-    def record(self, model: Model, names: Sequence[str], seed: int) -> Record:
-        """The content of a component as it is now."""
+    def component_digest(self, model: SolverModel, names: Sequence[str], seed: int) -> ComponentDigest:
+        """The content of a component in its current state."""
         surroundings = _surroundings(model)
-        things = {name: self._loaded(model, name) for name in names}
-        return Record(_hash(surroundings, repr((seed, names)).encode(), *things.values()), surroundings, things)
+        things = {name: self._digest_with_load(model, name) for name in names}
+        return ComponentDigest(
+            _hash(surroundings, repr((seed, names)).encode(), *things.values()), surroundings, things
+        )
 
-    def keep(self, record: Record, placements: dict[str, Placement]) -> None:
-        """Remembers what was found for a component."""
-        self.solved[record.digest] = placements
-        sets = self.right.setdefault(record.surroundings, [])
-        sets.append({name: (content, placements[name]) for name, content in record.things.items()})
-        del sets[:-KEPT]
+    def store(self, component_digest: ComponentDigest, placements: dict[str, Placement]) -> None:
+        """Stores the placements found for a component."""
+        self.solved[component_digest.digest] = placements
+        sets = self.validated.setdefault(component_digest.surroundings, [])
+        sets.append({name: (content, placements[name]) for name, content in component_digest.things.items()})
+        del sets[:-MOST_VALIDATED_SETS]
 
-    def suspects(self, record: Record, previous: Mapping[str, Placement]) -> set[str] | None:
-        """Things of `previous` not known to stand right with the others; None where nothing is known of any."""
-        now = {name: (content, previous.get(name)) for name, content in record.things.items()}
+    def suspects(self, component_digest: ComponentDigest, previous: Mapping[str, Placement]) -> set[str] | None:
+        """Things of `previous` not known to be valid with the others; None where nothing is known."""
+        now = {name: (content, previous.get(name)) for name, content in component_digest.things.items()}
         known = [
-            {name for name, state in now.items() if found.get(name) == state}
-            for found in self.right.get(record.surroundings, [])
+            {name for name, state in now.items() if validated_set.get(name) == state}
+            for validated_set in self.validated.get(component_digest.surroundings, [])
         ]
         best = max(known, key=len, default=set[str]())
         return set(now) - best if best else None
 
-    def _loaded(self, model: Model, name: str) -> Digest:
-        own, rules = self.digest(model.things[name]), [_rule(rule) for rule in model.rules_of.get(name, ())]
+    def _digest_with_load(self, model: SolverModel, name: str) -> Digest:
+        digest, rules = self.digest(model.things[name]), [_rule(rule) for rule in model.rules_of.get(name, ())]
         if rules or name in model.limits:
-            own = _hash(own, repr(model.limits.get(name, ())).encode(), *rules)
+            digest = _hash(digest, repr(model.limits.get(name, ())).encode(), *rules)
         if name not in model.carriers:
-            return own
+            return digest
         pieces = [
             _array(p) for shape in model.shapes[name] for p in (*shape.pieces, *(s.outline_m for s in shape.slabs))
         ]
         heights = repr([[(s.low_m, s.high_m) for s in shape.slabs] for shape in model.shapes[name]]).encode()
-        return _hash(own, heights, *pieces)
+        return _hash(digest, heights, *pieces)
 
     def _thing(self, thing: Thing) -> Digest:
         domain = thing.domain
-        spots = [(s.x_m, s.y_m, s.z_m, s.yaw_rad, s.stance) for s in domain.spots]
-        text = repr((thing.parent, domain.x_m, domain.y_m, domain.yaw_rad, domain.stances, spots))
+        fixed_poses = [(s.x_m, s.y_m, s.z_m, s.yaw_rad, s.stance) for s in domain.fixed_poses]
+        text = repr((thing.parent, domain.x_m, domain.y_m, domain.yaw_rad, domain.orientation_indices, fixed_poses))
         return _hash(self.digest(thing.body), self.digest(thing.place), text.encode())
 
 
@@ -100,7 +102,7 @@ def _digest(item: Body | Surface | Volume) -> Digest:
         return _hash(
             *(
                 part
-                for stance in item.stances
+                for stance in item.resting_orientations
                 for part in (
                     repr((stance.quat_wxyz, stance.origin_height_m)).encode(),
                     *(_array(s.outline_m) + repr((s.low_m, s.high_m)).encode() for s in stance.slabs),
@@ -123,8 +125,8 @@ def _polygon(polygon: Polygon) -> bytes:
     return polygon.wkb
 
 
-def _surroundings(model: Model) -> Digest:
-    """What concerns every thing: clearance, keep-outs, reach, where the background stands."""
+def _surroundings(model: SolverModel) -> Digest:
+    """Digest of the inputs common to all things: clearance, keep-outs, reach, pose of the background."""
     problem = model.problem
     keep_outs = [
         repr((k.parent, k.place.name, tuple(k.place.origin_P_m), k.height_m)).encode() + _polygon(k.polygon)

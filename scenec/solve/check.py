@@ -1,4 +1,4 @@
-"""Incremental validation: what an assignment activates. Every test names the things it rests on, for backjumping."""
+"""Incremental validation of assignments: each test returns the names of the things it depends on, for backjumping."""
 
 from __future__ import annotations
 
@@ -8,29 +8,29 @@ import numpy as np
 import shapely
 
 from scenec.solve.frames import pose_of
-from scenec.solve.model import SLACK_M, Model, Site, yaw_allowed
+from scenec.solve.model import SLACK_M, Site, SolverModel, yaw_allowed
 from scenec.solve.placed import Placed, bounds_gap, footprint_distance
 from scenec.solve.relations import SLACK, excess, wrapped
-from scenec.solve.stacks import fallen, piled
+from scenec.solve.stacks import stacked, unsupported
 
 Assignment = Mapping[str, Placed]
 
 
-def fits_alone(model: Model, placed: Placed) -> bool:
-    """Domain, place, owner's own geometry and keep-outs: all that concerns a thing without the others."""
+def fits_alone(model: SolverModel, placed: Placed) -> bool:
+    """Whether a thing satisfies its unary constraints: domain, place, parts of the owner, keep-outs, limits."""
     thing = model.things[placed.name]
     domain, placement = thing.domain, placed.placement
-    if placement.stance not in model.stances(thing):
+    if placement.stance not in model.allowed_orientations(thing):
         return False
-    if domain.spots:
+    if domain.fixed_poses:
         height = placed.turned.shape.origin_height_m
         if not any(
-            spot.stance == placement.stance
-            and abs(spot.x_m - placement.x_m) <= SLACK_M
-            and abs(spot.y_m - placement.y_m) <= SLACK_M
-            and abs(spot.z_m - height - placement.base_m) <= SLACK_M
-            and abs(wrapped(spot.yaw_rad - placement.yaw_rad)) <= SLACK_M
-            for spot in domain.spots
+            fixed_pose.stance == placement.stance
+            and abs(fixed_pose.x_m - placement.x_m) <= SLACK_M
+            and abs(fixed_pose.y_m - placement.y_m) <= SLACK_M
+            and abs(fixed_pose.z_m - height - placement.base_m) <= SLACK_M
+            and abs(wrapped(fixed_pose.yaw_rad - placement.yaw_rad)) <= SLACK_M
+            for fixed_pose in domain.fixed_poses
         ):
             return False
     elif (
@@ -47,13 +47,14 @@ def fits_alone(model: Model, placed: Placed) -> bool:
 
 
 def on_site(placed: Placed, site: Site) -> bool:
-    """Wholly on the polygon (of each layer that it spans), under what is above, clear of owner's parts, keep-outs."""
+    """Whether a thing is inside the polygon of each layer that it spans, below the top, clear of parts and
+    keep-outs."""
     base, shape = placed.placement.base_m, placed.turned.shape
-    # What a thing in a receptacle carries may rise over the rim; under a board nothing may.
+    # Things carried by contents of a receptacle may rise over its rim; under a shelf board nothing may.
     height_m = shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
     if base < -SLACK_M or base + height_m > site.top_m + SLACK_M:
         return False
-    in_air = base > SLACK_M and site.is_surface  # a spot off the floor: its author has said that it holds
+    in_air = base > SLACK_M and site.is_surface  # a fixed pose off the floor is accepted as authored
     for k, (low, high, layer) in enumerate(() if in_air else site.layers):
         if len(site.layers) == 1 and site.is_box:
             x0, y0, x1, y1 = placed.bounds
@@ -80,7 +81,7 @@ def on_site(placed: Placed, site: Site) -> bool:
 
 
 def _overlap(a: shapely.Polygon, b: shapely.Polygon) -> bool:
-    # Whether they still meet when each has lost half of the slack all round; by area a corner would reach in unseen.
+    # Whether they still intersect when each is eroded by half of the slack; a test by area would miss corners.
     if not a.intersects(b):
         return False
     less_a, less_b = (part.buffer(-SLACK_M / 2.0, join_style="mitre") for part in (a, b))
@@ -88,7 +89,7 @@ def _overlap(a: shapely.Polygon, b: shapely.Polygon) -> bool:
 
 
 def _too_close(a: shapely.Polygon, b: shapely.Polygon, clearance_m: float) -> bool:
-    # Without clearance distance says nothing: it is 0 where they touch and where they overlap.
+    # Without clearance the distance is no test: it is 0 both where they touch and where they overlap.
     return _overlap(a, b) if clearance_m <= SLACK_M else bool(a.distance(b) < clearance_m - SLACK_M)
 
 
@@ -109,8 +110,8 @@ def clash(a: Placed, b: Placed, clearance_m: float) -> bool:
     )
 
 
-def in_reach(model: Model, name: str, assignment: Assignment) -> bool:
-    """Whether the asset origin of a placed thing lies in the robot's ring, seen from above in the world."""
+def in_reach(model: SolverModel, name: str, assignment: Assignment) -> bool:
+    """Whether the asset origin of a placed thing is within the robot's reach ring, in the ground plane of the world."""
     reach = model.problem.reach
     if reach is None or name not in reach.members:
         return True
@@ -119,46 +120,50 @@ def in_reach(model: Model, name: str, assignment: Assignment) -> bool:
     return reach.least_m - SLACK_M <= float(np.hypot(*(p_W - reach.base_m)[:2])) <= reach.most_m + SLACK_M
 
 
-def blockers(model: Model, assignment: Assignment, name: str, mates: Iterable[str] | None = None) -> set[str] | None:
-    """None where `name` agrees with all that is placed; else the things it clashes with (none: its own domain).
+def blockers(
+    model: SolverModel, assignment: Assignment, name: str, mates: Iterable[str] | None = None
+) -> set[str] | None:
+    """None where `name` is consistent with all placed things; else the things it clashes with (empty: its own domain).
 
-    `mates` are the only things that can come too close, where the caller knows that.
+    `mates` are the only things that can come too close, where known to the caller.
     """
     placed = assignment[name]
     if not fits_alone(model, placed):
         return set()
     clearance = model.problem.clearance_m
-    found: set[str] = set()
+    culprits: set[str] = set()
     for other in assignment if mates is None else mates:
         mate = assignment[other]
         if mate.parent == placed.parent and other != name and clash(placed, mate, clearance):
-            found.add(other)
+            culprits.add(other)
     for rule in model.rules_of.get(name, ()):
         links = model.depends_on(rule)
         if links.issubset(assignment) and excess(rule, assignment) > SLACK:
-            found |= links
-    if (down := fallen(model, assignment, placed.parent, placed.place)) and not found:
+            culprits |= links
+    if (down := unsupported(model, assignment, placed.parent, placed.place)) and not culprits:
         return down - {name}
     chain = set(model.chains[name])
-    if not found and chain.issubset(assignment) and not in_reach(model, name, assignment):
+    if not culprits and chain.issubset(assignment) and not in_reach(model, name, assignment):
         return chain - {name}
-    return found - {name} if found else None
+    return culprits - {name} if culprits else None
 
 
-def faulty(model: Model, assignment: Assignment, suspects: Iterable[str] | None = None) -> dict[str, set[str]]:
-    """Things of an assignment that do not stand right, with what they clash with; empty for a valid one. Where
-    `suspects` are given, only faults in which one of them takes part are looked for."""
-    asked = assignment if suspects is None else {*suspects, *piled(model, assignment)}  # a pile rests on others
-    names = [name for name in assignment if name in asked]
+def invalid_things(
+    model: SolverModel, assignment: Assignment, suspects: Iterable[str] | None = None
+) -> dict[str, set[str]]:
+    """Invalid things of an assignment, each with the things it clashes with; empty for a valid assignment. With
+    `suspects` only faults that involve one of them are searched."""
+    checked = assignment if suspects is None else {*suspects, *stacked(model, assignment)}  # stacked things depend on others
+    names = [name for name in assignment if name in checked]
     mates = _close(model, assignment, names)
-    found = {}
+    causes = {}
     for name in names:
         if (cause := blockers(model, assignment, name, mates[name])) is not None:
-            found[name] = cause
-    return found
+            causes[name] = cause
+    return causes
 
 
-def _close(model: Model, assignment: Assignment, names: Sequence[str]) -> dict[str, list[str]]:
+def _close(model: SolverModel, assignment: Assignment, names: Sequence[str]) -> dict[str, list[str]]:
     # For each of `names` the things on the same owner whose bounding boxes are closer than the clearance.
     everyone = list(assignment)
     box = np.array([assignment[name].bounds for name in everyone]).reshape(-1, 4)

@@ -1,4 +1,5 @@
-"""Which things must be solved together, and how a relation between others is kept without merging them."""
+"""Coupling of things: components that must be solved jointly, and stricter relations that keep components
+independent."""
 
 from __future__ import annotations
 
@@ -14,26 +15,32 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from scenec.ir.problem import WORLD_PARENT, RelationIR, Volume
-from scenec.solve.model import Limit, Model
+from scenec.solve.model import Limit, SolverModel
 
 YAW_SAMPLES = 64
 
 
-def footprint_bounds(model: Model, name: str) -> tuple[float, float, float, float]:
-    """A box (x0, y0, x1, y1) in P in which the footprint of a thing lies wherever its domain lets it be."""
+def footprint_bounds(model: SolverModel, name: str) -> tuple[float, float, float, float]:
+    """Box (x0, y0, x1, y1) in P that contains the footprint of a thing over its whole domain."""
     thing = model.things[name]
     site = model.site(thing)
     a0, b0, a1, b1 = site.bounds
     ox, oy = float(thing.place.origin_P_m[0]), float(thing.place.origin_P_m[1])
     low, high = thing.domain.yaw_rad
-    shapes = [model.shapes[name][stance] for stance in thing.domain.stances if stance < len(model.shapes[name])]
+    shapes = [
+        model.shapes[name][stance] for stance in thing.domain.orientation_indices if stance < len(model.shapes[name])
+    ]
     if not shapes:
         return a0, b0, a1, b1
-    if thing.domain.spots:
-        seen = [(spot, shape.turned(spot.yaw_rad).bounds) for shape in shapes for spot in thing.domain.spots]
+    if thing.domain.fixed_poses:
+        bounds_at = [
+            (fixed_pose, shape.turned(fixed_pose.yaw_rad).bounds)
+            for shape in shapes
+            for fixed_pose in thing.domain.fixed_poses
+        ]
         boxes = [
-            (spot.x_m + ox + x0, spot.y_m + oy + y0, spot.x_m + ox + x1, spot.y_m + oy + y1)
-            for spot, (x0, y0, x1, y1) in seen
+            (fixed_pose.x_m + ox + x0, fixed_pose.y_m + oy + y0, fixed_pose.x_m + ox + x1, fixed_pose.y_m + oy + y1)
+            for fixed_pose, (x0, y0, x1, y1) in bounds_at
         ]
         x0s, y0s, x1s, y1s = zip(*boxes, strict=True)
         return min(x0s), min(y0s), max(x1s), max(y1s)
@@ -47,42 +54,46 @@ def footprint_bounds(model: Model, name: str) -> tuple[float, float, float, floa
     return max(xa + ox + x0, a0), max(ya + oy + y0, b0), min(xb + ox + x1, a1), min(yb + oy + y1, b1)
 
 
-def heights(model: Model, name: str) -> tuple[float, float]:
-    """Lowest and highest z in P that a thing with all it carries may take."""
+def heights(model: SolverModel, name: str) -> tuple[float, float]:
+    """Lowest and highest z in P of a thing with all it carries, over its domain."""
     thing = model.things[name]
     base = model.site(thing).base_P_m
     shapes = model.shapes[name]
-    lows = [spot.z_m - shape.origin_height_m for spot in thing.domain.spots for shape in shapes] or [0.0]
+    lows = [fixed_pose.z_m - shape.origin_height_m for fixed_pose in thing.domain.fixed_poses for shape in shapes] or [
+        0.0
+    ]
     high = max(lows) + max(shape.height_m for shape in shapes)
-    if isinstance(thing.place, Volume) and not thing.domain.spots:
+    if isinstance(thing.place, Volume) and not thing.domain.fixed_poses:
         high = max(high, thing.place.height_m)  # on other contents
     return base + min(lows), base + high
 
 
-def overlapping(model: Model) -> list[tuple[str, str]]:
-    """Pairs of things of one owner whose footprints, grown by the clearance, may meet at heights they share."""
+def overlapping(model: SolverModel) -> list[tuple[str, str]]:
+    """Pairs of things of one owner whose footprints, grown by the clearance, may overlap at common heights."""
     return [
-        (names[i], names[j]) for names, near in _near(model) for i, j in zip(*np.nonzero(np.triu(near, 1)), strict=True)
+        (names[i], names[j])
+        for names, near in _near_by_owner(model)
+        for i, j in zip(*np.nonzero(np.triu(near, 1)), strict=True)
     ]
 
 
-def _near(model: Model) -> list[tuple[list[str], NDArray[np.bool_]]]:
-    # For each owner: names of what it carries, and which of them may meet, (n, n).
+def _near_by_owner(model: SolverModel) -> list[tuple[list[str], NDArray[np.bool_]]]:
+    # For each owner: names of the things on it, and which of them may meet, (n, n).
     siblings: dict[str, list[str]] = defaultdict(list)
     for name, thing in model.things.items():
         siblings[thing.parent].append(name)
-    found = []
+    owners = []
     for names in siblings.values():
         box = np.array([footprint_bounds(model, name) for name in names])
         height = np.array([heights(model, name) for name in names])
         low, high = np.column_stack([box[:, :2], height[:, 0]]), np.column_stack([box[:, 2:], height[:, 1]])
-        near = meeting(low, high, model.problem.clearance_m)
-        found.append((names, near))
-    return found
+        near = boxes_may_meet(low, high, model.problem.clearance_m)
+        owners.append((names, near))
+    return owners
 
 
-def meeting(low_m: NDArray[np.float64], high_m: NDArray[np.float64], clearance_m: float) -> NDArray[np.bool_]:
-    """Which boxes (n, 3) share some height and come closer than the clearance seen from above: (n, n)."""
+def boxes_may_meet(low_m: NDArray[np.float64], high_m: NDArray[np.float64], clearance_m: float) -> NDArray[np.bool_]:
+    """(n, n) which boxes (n, 3) have a common height and are closer than the clearance in the plane."""
     near = np.ones((len(low_m), len(low_m)), dtype=bool)
     for axis, room in ((0, clearance_m), (1, clearance_m), (2, 0.0)):
         low, high = low_m[:, axis], high_m[:, axis]
@@ -90,11 +101,11 @@ def meeting(low_m: NDArray[np.float64], high_m: NDArray[np.float64], clearance_m
     return near
 
 
-def components_of(model: Model) -> tuple[tuple[str, ...], ...]:
-    """Names of things solved together, each in the order of names, the components by their first name."""
+def components_of(model: SolverModel) -> tuple[tuple[str, ...], ...]:
+    """Names of the things of each joint component, sorted; components are sorted by their first name."""
     graph: nx.Graph[str] = nx.Graph()
     graph.add_nodes_from(model.things)
-    for names, near in _near(model):
+    for names, near in _near_by_owner(model):
         labels = [0] * len(names)
         if not near.all():
             labels = connected_components(csr_array(near), directed=False)[1].tolist()
@@ -110,9 +121,9 @@ def components_of(model: Model) -> tuple[tuple[str, ...], ...]:
     return tuple(sorted(tuple(sorted(members)) for members in nx.connected_components(graph)))
 
 
-def lifted(model: Model, rule: RelationIR) -> RelationIR:
-    """A stricter relation between siblings in place of one across owners: what stands on a tray is left of a box when
-    the tray is. It then holds wherever things stand on their owners. The relation itself where there is none such."""
+def lifted(model: SolverModel, rule: RelationIR) -> RelationIR:
+    """A stricter relation between siblings that implies one across owners: contents of a tray are left of a box when
+    the tray is, wherever they are on the tray. The relation itself where there is no such."""
     if rule.kind not in ("before", "far_from") or model.in_one_frame(rule):
         return rule
     chains = [(WORLD_PARENT, *model.chains[name]) for name in rule.things]
@@ -125,9 +136,12 @@ def lifted(model: Model, rule: RelationIR) -> RelationIR:
     return replace(rule, things=(chains[0][depth], chains[1][depth]))
 
 
-def separated(model: Model, components: tuple[tuple[str, ...], ...]) -> dict[str, tuple[Limit, ...]] | None:
-    """Limits by name of thing that keep every directional relation between different components: each such relation
-    gets one coordinate that its first member ends before and its second begins after. None where there is no room."""
+def separating_limits(
+    model: SolverModel, components: tuple[tuple[str, ...], ...]
+) -> dict[str, tuple[Limit, ...]] | None:
+    """Limits by name of thing that imply every directional relation between different components: for each such
+    relation one coordinate before which its first member ends and after which its second begins. None where there is no
+    room."""
     home = {name: k for k, members in enumerate(components) for name in members}
     limits: dict[str, list[Limit]] = defaultdict(list)
     for rule in model.rules:
@@ -141,11 +155,11 @@ def separated(model: Model, components: tuple[tuple[str, ...], ...]) -> dict[str
         earliest, latest = first[0] + widths[0], second[1] - widths[1] - rule.gap_m
         if earliest > latest:
             return None
-        # In the middle both have the same room to spare, as far as their ranges reach.
+        # In the middle both have the same room, as far as their ranges allow.
         middle = min(max((earliest + latest) / 2, earliest), latest)
         limits[rule.things[0]].append(Limit(dx, dy, middle))
         limits[rule.things[1]].append(Limit(-dx, -dy, -middle - rule.gap_m))
-    return {name: tuple(found) for name, found in limits.items()}
+    return {name: tuple(limits_of_thing) for name, limits_of_thing in limits.items()}
 
 
 def _span(box: tuple[float, float, float, float], dx: float, dy: float) -> tuple[float, float]:
@@ -153,8 +167,8 @@ def _span(box: tuple[float, float, float, float], dx: float, dy: float) -> tuple
     return min(along), max(along)
 
 
-def _least_width(model: Model, name: str, dx: float, dy: float) -> float:
-    # Least extent of the footprint along a direction over the yaws allowed (sampled: a guess that only places a limit).
+def _least_width(model: SolverModel, name: str, dx: float, dy: float) -> float:
+    # Least extent of the footprint along a direction over the allowed yaws (sampled; it only positions a limit).
     thing, least = model.things[name], inf
     low, high = thing.domain.yaw_rad
     for shape in model.shapes[name]:

@@ -1,4 +1,5 @@
-"""Planar poses of placed things: from the frame of their owner (P) up to that of the background (B)."""
+"""Planar poses of placed things: from the frame of their owner (P) up to that of the background (B); metres,
+radians."""
 
 from __future__ import annotations
 
@@ -34,8 +35,8 @@ AT_BACKGROUND = Pose2(0.0, 0.0, 0.0, 0.0)
 
 
 def pose_of(name: str, assignment: Mapping[str, Placed]) -> Pose2:
-    """Asset frame of a placed thing in B. An owner that is not placed counts as the frame itself: what is judged among
-    its contents alone does not depend on where it stands."""
+    """Asset frame of a placed thing in B. An owner that is not placed has the identity pose: relations among its
+    contents alone do not depend on its pose."""
     if name == WORLD_PARENT or name not in assignment:
         return AT_BACKGROUND
     placed = assignment[name]

@@ -1,7 +1,7 @@
-"""A loose grid: things that nothing relates and that have room to turn are spread evenly over their place.
+"""Jittered grid: places unrelated things that have room to turn evenly over their place.
 
-Each gets a point of a square grid with room for its widest turn, moved a little within what the pitch leaves. Shelf
-packing would seat the same things in rows as tight as they go, and leave the rest of the place empty.
+Each gets a point of a square grid with room for its largest radius, moved randomly within the rest of the pitch. Shelf
+packing would place the same things in tight rows and leave the rest of the place empty.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from scenec.ir.problem import Placement
-from scenec.solve.model import Model, Site
+from scenec.solve.model import Site, SolverModel
 from scenec.solve.placed import Placed
 from scenec.solve.planar import ROUND_OUT
 from scenec.solve.shelf import free_area, item_of
@@ -24,10 +24,10 @@ PITCHES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5)  # of that at which a square grid has a
 
 
 def spread_grid(
-    model: Model, names: Sequence[str], standing: Mapping[str, Placed], seed: int
+    model: SolverModel, names: Sequence[str], standing: Mapping[str, Placed], seed: int
 ) -> dict[str, Placement] | None:
-    """Placements (in A) for all of `names`, all of one place; None where a rule ties one of them, ranges differ, or
-    circles around their origins do not fit on a grid."""
+    """Placements (in A) for all of `names`, all of one place; None where a relation involves one of them, ranges
+    differ, or circles around their origins do not fit on a grid."""
     things = [model.things[name] for name in names]
     items = [item_of(model, thing) for thing in things]
     ranges = {(thing.domain.x_m, thing.domain.y_m) for thing in things}
@@ -55,7 +55,7 @@ def spread_grid(
 
 
 def _within(region: BaseGeometry, site: Site, x_m: tuple[float, float], y_m: tuple[float, float]) -> BaseGeometry:
-    """The part of a region (in P) whose points keep to ranges of x and y in A."""
+    """The part of a region (in P) inside ranges of x and y in A."""
     if region.is_empty:
         return region
     ox, oy = (float(v) for v in site.origin_P_m[:2])
@@ -86,6 +86,6 @@ def _points(region: BaseGeometry, count: int, least_m: float, rng: np.random.Gen
 
 
 def _axis(low: float, high: float, pitch: float) -> np.ndarray:
-    """Coordinates at a pitch, as many as fit, the rest left free at both ends alike."""
+    """Coordinates at a pitch, as many as fit, centred in the interval."""
     steps = int((high - low) / pitch)
     return (low + high - steps * pitch) / 2.0 + pitch * np.arange(steps + 1)

@@ -1,4 +1,5 @@
-"""A problem made ready to solve: shapes per stance bottom-up, places in their owner's frame, rules by thing.
+"""Solver model of a problem: shapes by resting orientation (bottom-up), places in their owner's frame P, relations by
+thing.
 
 Things are kept in the order of their names, so that the order in the program never matters.
 """
@@ -25,7 +26,7 @@ SLACK_M = 1e-9  # rounding allowed where geometry touches; the independent check
 
 
 class Site:
-    """One place of one owner in the owner's frame P: polygons to stay on (by height), what stands above, keep-outs."""
+    """One place in its owner's frame P: layers (low, high, polygon) to stay on, obstacles above it, keep-outs."""
 
     def __init__(self, parent: str, place: Surface | Volume, problem: Problem):
         self.parent, self.place = parent, place
@@ -53,7 +54,7 @@ class Site:
 
     @cached_property
     def grown_layers(self) -> tuple[Polygon, ...]:
-        """The layers' polygons with room for rounding, prepared."""
+        """The layers' polygons grown by SLACK_M against rounding, prepared."""
         grown = tuple(area.buffer(SLACK_M, join_style="mitre") for _, _, area in self.layers)
         for area in grown:
             shapely.prepare(area)
@@ -81,9 +82,9 @@ class Limit(NamedTuple):
 
 
 @dataclass
-class Model:
-    """See the module. `rules` are the relations to hold, `limits` by name of thing; the solver may set stricter ones in
-    place of the program's."""
+class SolverModel:
+    """See the module. `rules` are the relations to satisfy, `limits` half-planes by name of thing; the solver may
+    replace the program's relations by stricter ones."""
 
     problem: Problem
     things: dict[str, Thing]
@@ -94,21 +95,21 @@ class Model:
 
     @cached_property
     def rules_of(self) -> dict[str, tuple[RelationIR, ...]]:
-        """Rules that the pose of a thing decides, by name: as member, as frame, or as the owner of one of these."""
-        found: dict[str, list[RelationIR]] = defaultdict(list)
+        """Relations that depend on the pose of a thing, by name: as member, as frame, or as an owner of these."""
+        rules_by_name: dict[str, list[RelationIR]] = defaultdict(list)
         for rule in self.rules:
             for name in self.depends_on(rule):
-                found[name].append(rule)
-        return {name: tuple(rules) for name, rules in found.items()}
+                rules_by_name[name].append(rule)
+        return {name: tuple(rules) for name, rules in rules_by_name.items()}
 
     def in_one_frame(self, rule: RelationIR) -> bool:
-        """Whether a relation can be judged in the frame of one owner that carries all its members."""
+        """Whether a relation can be evaluated in the frame of one owner that carries all its members."""
         owners = {self.things[name].parent for name in rule.things}
         free_of_frame = rule.kind in ("near", "far_from", "facing", "between")
         return len(owners) == 1 and (free_of_frame or rule.frame in owners)
 
     def depends_on(self, rule: RelationIR) -> set[str]:
-        """Things whose poses decide whether a relation holds."""
+        """Names of the things on whose poses a relation depends."""
         if self.in_one_frame(rule):
             return set(rule.things)
         names = (*rule.things, rule.frame)
@@ -124,22 +125,24 @@ class Model:
 
     @cached_property
     def rank(self) -> dict[str, int]:
-        """Number of each thing in an order with owners first."""
+        """Index of each thing in an order with owners first."""
         return {name: k for k, name in enumerate(owner_first(self.things))}
 
     @cached_property
     def carriers(self) -> frozenset[str]:
-        """Things that others stand on or in."""
+        """Owners of other things."""
         return frozenset(thing.parent for thing in self.things.values())
 
     def site(self, thing: Thing) -> Site:
         """The place a thing stands on."""
         return self.sites[thing.parent, thing.place.name]
 
-    def stances(self, thing: Thing) -> tuple[int, ...]:
-        """Stances a thing may take: those that its domain names, upright ones only where it carries others."""
+    def allowed_orientations(self, thing: Thing) -> tuple[int, ...]:
+        """Orientation indices that a thing may take: those of its domain; upright ones only where it carries others."""
         carries, shapes = thing.name in self.carriers, self.shapes[thing.name]
-        return tuple(s for s in thing.domain.stances if s < len(shapes) and (shapes[s].upright or not carries))
+        return tuple(
+            s for s in thing.domain.orientation_indices if s < len(shapes) and (shapes[s].upright or not carries)
+        )
 
     def put(self, name: str, placement: Placement) -> Placed:
         """The thing at a pose."""
@@ -148,7 +151,7 @@ class Model:
         return Placed(name, thing.parent, thing.place.name, placement, turned, thing.place.origin_P_m)
 
 
-def model_of(problem: Problem) -> Model:
+def model_of(problem: Problem) -> SolverModel:
     """The model of a problem with the program's own relations as rules."""
     things = {thing.name: thing for thing in sorted(problem.things, key=lambda t: t.name)}
     children: dict[str, list[Thing]] = defaultdict(list)
@@ -161,24 +164,25 @@ def model_of(problem: Problem) -> Model:
             height = max(tallest(child, shapes[child.name]), loads.get(child.place.name, (None, 0.0))[1])
             loads[child.place.name] = (child.place, height)
         loads = {
-            place: (where, _piled(height, where, children[name], shapes)) for place, (where, height) in loads.items()
+            place: (where, _stacked_height_m(height, where, children[name], shapes))
+            for place, (where, height) in loads.items()
         }
         shapes[name] = tuple(
             shape_of(stance, carried_slabs(stance, tuple(loads.values())) if loads else ())
-            for stance in things[name].body.stances
+            for stance in things[name].body.resting_orientations
         )
     places = {(thing.parent, thing.place.name): thing.place for thing in things.values()}
     sites = {key: Site(key[0], place, problem) for key, place in places.items()}
-    return Model(problem, things, shapes, sites, problem.relations, {})
+    return SolverModel(problem, things, shapes, sites, problem.relations, {})
 
 
-def _piled(
+def _stacked_height_m(
     height_m: float, place: Surface | Volume, children: Sequence[Thing], shapes: Mapping[str, tuple[Shape, ...]]
 ) -> float:
-    # As high as contents of a volume may reach when they stand on each other, no higher than the rim.
+    # Largest height of contents of a volume when they are stacked, at most that of the rim.
     if isinstance(place, Surface):
         return height_m
-    inside = [child for child in children if child.place.name == place.name and not child.domain.spots]
+    inside = [child for child in children if child.place.name == place.name and not child.domain.fixed_poses]
     total = sum(max(shape.height_m for shape in shapes[child.name]) for child in inside)
     return max(height_m, min(total, place.height_m))
 
@@ -201,7 +205,7 @@ def owner_first(things: dict[str, Thing]) -> list[str]:
 
 
 def yaw_allowed(yaw_rad: float, span_rad: tuple[float, float]) -> float | None:
-    """The yaw brought by whole turns into a span (low, high), or None where it does not fit."""
+    """The yaw shifted by whole turns into a range (low, high), or None where that is impossible."""
     low, high = span_rad
     turns = -(-(low - SLACK_M - yaw_rad) // (2 * pi))
     moved = yaw_rad + turns * 2 * pi

@@ -10,14 +10,14 @@ from shapely import Polygon
 from scenec.ir.problem import FloatArray, Placement
 from scenec.solve.planar import ROUND_OUT, SEGMENTS, outline_of, polygon
 from scenec.solve.resting import ContactGeometry
-from scenec.solve.shapes import Turned
+from scenec.solve.shapes import ShapeAtYaw
 
 
 class Placed:
     """`placement` is in the frame A of its place; `x_P_m, y_P_m` (origin) and `base_P_m` (support height) in P."""
 
     def __init__(
-        self, name: str, parent: str, place: str, placement: Placement, turned: Turned, origin_P_m: FloatArray
+        self, name: str, parent: str, place: str, placement: Placement, turned: ShapeAtYaw, origin_P_m: FloatArray
     ):
         self.name, self.parent, self.place, self.placement, self.turned = name, parent, place, placement, turned
         self.x_P_m = placement.x_m + float(origin_P_m[0])
@@ -35,7 +35,7 @@ class Placed:
         return tuple(polygon(piece + shift) for piece in self.turned.pieces)
 
     def grown(self, by_m: float) -> tuple[FloatArray, ...]:
-        """The pieces of the footprint in P grown by a distance, corners cut on the safe side; remembered."""
+        """The pieces of the footprint in P grown by a distance (m), with circumscribed round corners; cached."""
         if self._grown is None or self._grown[0] != by_m:
             wide = by_m * ROUND_OUT
             pieces = (

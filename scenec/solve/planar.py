@@ -1,4 +1,4 @@
-"""Planar shapes from arrays of corners, with the types that vectorised shapely calls leave open."""
+"""Shapely polygons from arrays of corners (n, 2) and back, typed where vectorised shapely calls are not."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from shapely.geometry.base import BaseGeometry
 
 from scenec.ir.problem import FloatArray
 
-SEGMENTS = 6  # sides to a quarter turn where corners are round
-ROUND_OUT = 1.0 / cos(pi / (4 * SEGMENTS))  # a polygon of this radius holds the circle
+SEGMENTS = 6  # sides per quarter turn of round corners
+ROUND_OUT = 1.0 / cos(pi / (4 * SEGMENTS))  # a polygon of this radius contains the unit circle
 
 
 def polygon(outline: FloatArray) -> Polygon:
@@ -38,5 +38,5 @@ def hulls(clouds: Sequence[FloatArray]) -> list[BaseGeometry]:
         return []
     index = np.repeat(np.arange(len(clouds)), [len(cloud) for cloud in clouds])
     points = cast(list[BaseGeometry], shapely.points(np.concatenate(clouds)))
-    found = shapely.convex_hull(shapely.multipoints(points, indices=index))
-    return list(cast(Sequence[BaseGeometry], found))
+    convex_hulls = shapely.convex_hull(shapely.multipoints(points, indices=index))
+    return list(cast(Sequence[BaseGeometry], convex_hulls))

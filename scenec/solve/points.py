@@ -1,4 +1,4 @@
-"""Points of a region: drawn evenly, or its corner farthest along a direction."""
+"""Points of a region: uniform random samples, or the extreme point along a direction."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from numpy.random import Generator
 from shapely.geometry.base import BaseGeometry
 
 
-def drawn(region: BaseGeometry, rng: Generator) -> tuple[float, float] | None:
-    """A point drawn evenly from a region's area; from its lines where it has no area; None where it is empty."""
+def sample_point(region: BaseGeometry, rng: Generator) -> tuple[float, float] | None:
+    """A point sampled uniformly from a region's area, from its lines where it has no area; None where it is empty."""
     if region.is_empty:
         return None
     if region.area > 1e-16:
@@ -24,16 +24,16 @@ def drawn(region: BaseGeometry, rng: Generator) -> tuple[float, float] | None:
             u, v = 1.0 - u, 1.0 - v
         x, y = a + u * (b - a) + v * (c - a)
         return float(x), float(y)
-    # A polygon thinner than any area can tell is drawn from as the line that it is.
+    # A polygon without measurable area is sampled along its boundary.
     lines = [getattr(part, "exterior", part) for part in shapely.get_parts(region) if part.length > 0.0]
     if lines:
         point = max(lines, key=lambda part: part.length).interpolate(rng.random(), normalized=True)
         return point.x, point.y
-    return corner(region, 1.0, 0.0)
+    return extreme_point(region, 1.0, 0.0)
 
 
-def corner(region: BaseGeometry, dx: float, dy: float) -> tuple[float, float] | None:
-    """The corner of a region farthest along (dx, dy); None where it is empty."""
+def extreme_point(region: BaseGeometry, dx: float, dy: float) -> tuple[float, float] | None:
+    """The vertex of a region farthest along (dx, dy); None where it is empty."""
     points = shapely.get_coordinates(region)
     if not len(points):
         return None

@@ -1,8 +1,8 @@
-"""Exact feasible regions: where the asset origin of a thing may be at one stance and yaw, given what already stands.
+"""Exact feasible regions of the asset origin of a thing at one orientation and yaw, given the things already placed.
 
 The place eroded by the footprint, less the Minkowski sums of obstacles with the reflected footprint (no-fit polygons),
-cut by ranges, limits and relations. Round corners of distances are polygons of SEGMENTS sides to a quarter turn, on the
-safe side; so are footprints of many pieces, by a thousandth of their area. All in the frame P of the owner, metres.
+intersected with ranges, limits and relations. Circles are polygons of SEGMENTS sides per quarter turn, on the safe
+side; footprints of many pieces are replaced by slightly larger ones (COARSE_SHARE). Frame P of the owner, metres.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ from shapely.geometry.base import BaseGeometry
 from scenec.ir.problem import WORLD_PARENT, FloatArray, RelationIR, Slab
 from scenec.solve.check import Assignment
 from scenec.solve.frames import Pose2, pose_of, turned_direction
-from scenec.solve.model import SLACK_M, Model, Site
+from scenec.solve.model import SLACK_M, Site, SolverModel
 from scenec.solve.placed import Placed
 from scenec.solve.planar import ROUND_OUT, SEGMENTS, hulls, outline_of, polygon
 from scenec.solve.relations import direction_B, extent, front_B, origin_B, outlines_B
-from scenec.solve.shapes import Turned
+from scenec.solve.shapes import ShapeAtYaw
 
 NOWHERE = Polygon()
-FEW_PIECES = 16  # of two footprints multiplied: below, their no-fit polygons are not worth remembering
-_NO_FIT: WeakKeyDictionary[Turned, WeakKeyDictionary[Turned, dict[float, BaseGeometry]]] = WeakKeyDictionary()
-FEW_CORNERS = 100  # of two outlines multiplied: below, the hull of all differences is found as fast
+FEW_PIECES = 16  # product of the piece counts of two footprints below which no-fit polygons are not cached
+_NO_FIT: WeakKeyDictionary[ShapeAtYaw, WeakKeyDictionary[ShapeAtYaw, dict[float, BaseGeometry]]] = WeakKeyDictionary()
+FEW_CORNERS = 100  # product of the corner counts of two outlines below which the hull of all differences is as fast
 
 
-def sums(outline: FloatArray, reflected: Sequence[FloatArray]) -> list[BaseGeometry]:
+def no_fit_polygons(outline: FloatArray, reflected: Sequence[FloatArray]) -> list[BaseGeometry]:
     """No-fit polygons of one convex obstacle (n, 2): its Minkowski sums with the reflected footprint's pieces."""
-    return hulls([sum_points(outline, piece) for piece in reflected])
+    return hulls([minkowski_sum_points(outline, piece) for piece in reflected])
 
 
-def sum_points(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Points (k, 2) whose hull is the sum of a convex outline and a reflected one: all differences of corners where
-    these are few, else those met going round both at once, edges by their direction."""
+def minkowski_sum_points(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Points (k, 2) whose hull is the Minkowski sum of a convex outline and a reflected one: all differences of corners
+    where these are few, else the corners found by merging the edges of both by direction."""
     if len(a) * len(b) <= FEW_CORNERS:
         return (a[:, None, :] - b[None, :, :]).reshape(-1, 2)
     one, two = _from_lowest(a), _from_lowest(-b)
@@ -59,7 +59,8 @@ def _from_lowest(outline: FloatArray) -> FloatArray:
 
 
 def eroded(area: Polygon, pieces: Sequence[FloatArray]) -> BaseGeometry:
-    """Where the origin may be so that the union of convex pieces lies wholly on a polygon with holes."""
+    """Region of the origin for which the union of convex pieces lies inside a polygon with holes (Minkowski
+    erosion)."""
     corners = pieces[0] if len(pieces) == 1 else np.concatenate(pieces)
     x0, y0, x1, y1 = area.bounds
     hull = area.convex_hull
@@ -72,13 +73,15 @@ def eroded(area: Polygon, pieces: Sequence[FloatArray]) -> BaseGeometry:
         inner = shapely.intersection_all([inner, *map(polygon, outline)])
     if hull.area - area.area > 1e-12:
         gaps = shapely.constrained_delaunay_triangles(hull.difference(area))
-        no_fit = [s for gap in shapely.get_parts(gaps) for s in sums(shapely.get_coordinates(gap)[:-1], pieces)]
+        no_fit = [
+            s for gap in shapely.get_parts(gaps) for s in no_fit_polygons(shapely.get_coordinates(gap)[:-1], pieces)
+        ]
         inner = inner.difference(shapely.union_all(no_fit))
     return inner
 
 
 def half_plane(dx: float, dy: float, end: float, around: tuple[float, float, float, float]) -> Polygon:
-    """The part of a large square around a box where p . (dx, dy) <= end, for a unit direction."""
+    """The part of a large square around the box `around` with p . (dx, dy) <= end, for a unit direction."""
     cx, cy = (around[0] + around[2]) / 2, (around[1] + around[3]) / 2
     size = 2.0 * (around[2] - around[0] + around[3] - around[1]) + 1.0
     past = min(end - cx * dx - cy * dy, 0.7 * size)  # a border far beyond the box must not leave the box behind
@@ -93,8 +96,8 @@ def half_plane(dx: float, dy: float, end: float, around: tuple[float, float, flo
     )
 
 
-def alone(model: Model, name: str, turned: Turned, base_m: float = 0.0) -> BaseGeometry:
-    """Where a thing may be by itself, `base_m` over its place: place, ranges, limits, owner's parts and keep-outs."""
+def region_alone(model: SolverModel, name: str, turned: ShapeAtYaw, base_m: float = 0.0) -> BaseGeometry:
+    """Region of a thing by its unary constraints, `base_m` over its place: place, ranges, limits, parts, keep-outs."""
     thing = model.things[name]
     site = model.site(thing)
     area = on_site_region(site, turned, base_m)
@@ -125,8 +128,8 @@ def _box(x0: float, y0: float, x1: float, y1: float) -> BaseGeometry:
     return shapely.LineString([(x0, y0), (x1, y1)])
 
 
-def on_site_region(site: Site, turned: Turned, base_m: float = 0.0) -> BaseGeometry:
-    """Where a footprint may be on a place for itself, standing on its floor or `base_m` over it."""
+def on_site_region(site: Site, turned: ShapeAtYaw, base_m: float = 0.0) -> BaseGeometry:
+    """Region of a footprint on a place, on its floor or `base_m` over it, without ranges and limits."""
     shape = turned.shape
     height = shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
     if base_m + height > site.top_m + SLACK_M:
@@ -137,7 +140,7 @@ def on_site_region(site: Site, turned: Turned, base_m: float = 0.0) -> BaseGeome
         area = eroded(site.layers[0][2], turned.pieces)
     else:
         area = None
-        for low, high, layer in sorted(site.layers, key=lambda layer: layer[2].area):  # the narrowest say no first
+        for low, high, layer in sorted(site.layers, key=lambda layer: layer[2].area):  # the narrowest, which most often leave nothing, first
             if outlines := _within(slabs, low - base_m, high - base_m):
                 here = eroded(layer, outlines)
                 area = here if area is None else area.intersection(here)
@@ -149,7 +152,7 @@ def on_site_region(site: Site, turned: Turned, base_m: float = 0.0) -> BaseGeome
         for part, low, high in site.above
         for outline, slab in slabs
         if slab.low_m + base_P_m < high - SLACK_M and slab.high_m + base_P_m > low + SLACK_M
-        for s in sums(shapely.get_coordinates(part)[:-1], [outline])
+        for s in no_fit_polygons(shapely.get_coordinates(part)[:-1], [outline])
     ]
     for keep, low, high in site.keep_outs:
         parts = shapely.get_parts(shapely.constrained_delaunay_triangles(keep))
@@ -158,25 +161,30 @@ def on_site_region(site: Site, turned: Turned, base_m: float = 0.0) -> BaseGeome
             for outline, slab in slabs
             if slab.low_m + base_P_m < high - SLACK_M and slab.high_m + base_P_m > low + SLACK_M
             for part in parts
-            for s in sums(shapely.get_coordinates(part)[:-1], [outline])
+            for s in no_fit_polygons(shapely.get_coordinates(part)[:-1], [outline])
         ]
     return area.difference(shapely.union_all(blocked)) if blocked and not area.is_empty else area
 
 
 def _within(slabs: Sequence[tuple[FloatArray, Slab]], low_m: float, high_m: float) -> list[FloatArray]:
-    # Outlines of what reaches between two heights over the lowest point of a thing.
+    # Outlines of the slabs between two heights over the lowest point of a thing.
     return [outline for outline, slab in slabs if slab.low_m < high_m - SLACK_M and slab.high_m > low_m + SLACK_M]
 
 
-def feasible(
-    model: Model, name: str, turned: Turned, assignment: Assignment, alone_m: BaseGeometry, base_m: float = 0.0
+def feasible_region(
+    model: SolverModel,
+    name: str,
+    turned: ShapeAtYaw,
+    assignment: Assignment,
+    unary_region: BaseGeometry,
+    base_m: float = 0.0,
 ) -> tuple[BaseGeometry, set[str]]:
-    """(region of the origin, names of things that made it smaller than `alone_m`), `base_m` over its place: see the
-    module. Relations that speak
-    of things not placed yet, or whose frame is the thing itself, are left to the check."""
-    if alone_m.is_empty:
-        return alone_m, set()
-    area, culprits = alone_m, set[str]()
+    """(region of the origin, names of the things that reduced it below `unary_region`), `base_m` over its place.
+
+    Relations with things not placed yet, or in the frame of the thing itself, are left to the check."""
+    if unary_region.is_empty:
+        return unary_region, set()
+    area, culprits = unary_region, set[str]()
     thing = model.things[name]
     for rule in model.rules_of.get(name, ()):
         others = {n for n in (*rule.things, rule.frame) if n not in (name, WORLD_PARENT)}
@@ -203,14 +211,14 @@ def feasible(
 
 
 def _obstacles(
-    model: Model,
+    model: SolverModel,
     name: str,
-    turned: Turned,
+    turned: ShapeAtYaw,
     assignment: Assignment,
     around: tuple[float, float, float, float],
     base_m: float,
 ) -> tuple[list[BaseGeometry], set[str]]:
-    # No-fit polygons of what stands on the same owner at heights shared, as far as they reach the box `around`.
+    # No-fit polygons of things on the same owner at common heights, as far as they intersect the box `around`.
     thing, clearance = model.things[name], model.problem.clearance_m
     base = model.site(thing).base_P_m + base_m
     top = base + turned.shape.height_m
@@ -237,38 +245,38 @@ def _obstacles(
             shift = (placed.x_P_m, placed.y_P_m)
             known.append(shapely.transform(_no_fit(placed.turned, turned, clearance), partial(np.add, shift)))
         elif placed.place == thing.place.name:
-            whole += [sum_points(piece, mine) for piece in placed.grown(clearance) for mine in turned.pieces]
+            whole += [minkowski_sum_points(piece, mine) for piece in placed.grown(clearance) for mine in turned.pieces]
         else:
             for outline, low, high in placed.slabs:
                 wide = outline.buffer(clearance * ROUND_OUT, quad_segs=SEGMENTS) if clearance > 0.0 else outline
                 for mine, slab in zip(turned.outlines, turned.shape.slabs, strict=True):
                     if slab.low_m + base < high - SLACK_M and low < slab.high_m + base - SLACK_M:
-                        whole.append(sum_points(shapely.get_coordinates(wide)[:-1], mine))
+                        whole.append(minkowski_sum_points(shapely.get_coordinates(wide)[:-1], mine))
     return [*known, *hulls(whole)], blamed
 
 
-def _no_fit(other: Turned, mine: Turned, clearance_m: float) -> BaseGeometry:
-    """The no-fit polygon of two footprints of many pieces (by their broad ones), the other's origin at 0; remembered
-    while both live."""
-    found = _NO_FIT.setdefault(other, WeakKeyDictionary()).setdefault(mine, {})
-    if clearance_m not in found:
-        wide = [polygon(piece).buffer(clearance_m * ROUND_OUT, quad_segs=SEGMENTS) for piece in other.broad]
-        outlines = [outline_of(area) for area in wide] if clearance_m > 0.0 else other.broad
-        found[clearance_m] = shapely.union_all(
-            hulls([sum_points(one, piece) for one in outlines for piece in mine.broad])
+def _no_fit(other: ShapeAtYaw, mine: ShapeAtYaw, clearance_m: float) -> BaseGeometry:
+    """No-fit polygon of two footprints of many pieces (from their coarse pieces), the other's origin at 0; cached while
+    both exist."""
+    by_clearance = _NO_FIT.setdefault(other, WeakKeyDictionary()).setdefault(mine, {})
+    if clearance_m not in by_clearance:
+        wide = [polygon(piece).buffer(clearance_m * ROUND_OUT, quad_segs=SEGMENTS) for piece in other.coarse_pieces]
+        outlines = [outline_of(area) for area in wide] if clearance_m > 0.0 else other.coarse_pieces
+        by_clearance[clearance_m] = shapely.union_all(
+            hulls([minkowski_sum_points(one, piece) for one in outlines for piece in mine.coarse_pieces])
         )
-    return found[clearance_m]
+    return by_clearance[clearance_m]
 
 
 def _rule_region(
     rule: RelationIR,
     name: str,
-    turned: Turned,
+    turned: ShapeAtYaw,
     owner: Pose2,
     assignment: Assignment,
     around: tuple[float, float, float, float],
 ) -> BaseGeometry | None:
-    # Where the origin of `name` may be so that the rule holds, the others placed; None: left to the check.
+    # Region of the origin of `name` in which the relation holds, the others placed; None: left to the check.
     mates = [assignment[n] for n in rule.things if n != name]
     if rule.kind == "before":
         dx, dy = direction_B(rule, assignment)
@@ -281,7 +289,11 @@ def _rule_region(
         return half_plane(-px, -py, -(end + rule.gap_m - start - float(along.min())), around)
     if rule.kind in ("near", "far_from"):
         no_fit = hulls(
-            [sum_points(_in_P(o, owner), mine) for o in outlines_B(mates[0], assignment) for mine in turned.pieces]
+            [
+                minkowski_sum_points(_in_P(o, owner), mine)
+                for o in outlines_B(mates[0], assignment)
+                for mine in turned.pieces
+            ]
         )
         if rule.kind == "near":
             return shapely.union_all(shapely.buffer(no_fit, rule.gap_m, quad_segs=4 * SEGMENTS))
@@ -353,7 +365,7 @@ def _beside(a: tuple[float, float], b: tuple[float, float], tolerance: float) ->
     return line.buffer(tolerance, cap_style="flat") if tolerance > SLACK_M else line
 
 
-def _reach_region(model: Model, owner: Pose2, around: tuple[float, float, float, float]) -> BaseGeometry:
+def _reach_region(model: SolverModel, owner: Pose2, around: tuple[float, float, float, float]) -> BaseGeometry:
     reach = model.problem.reach
     assert reach is not None
     base_B = np.linalg.inv(model.problem.X_WB) @ (*reach.base_m, 1.0)
@@ -364,8 +376,8 @@ def _reach_region(model: Model, owner: Pose2, around: tuple[float, float, float,
     return ring
 
 
-def aimed(model: Model, placed: Placed, assignment: Assignment) -> float | None:
-    """The yaw by which a thing looks straight at what it must face, when that stands already; None without such."""
+def facing_yaw(model: SolverModel, placed: Placed, assignment: Assignment) -> float | None:
+    """The yaw at which a thing exactly faces the placed thing that it must face; None without such a relation."""
     for rule in model.rules_of.get(placed.name, ()):
         if rule.kind == "facing" and rule.things[0] == placed.name and rule.things[1] in assignment:
             trial = {**assignment, placed.name: placed}

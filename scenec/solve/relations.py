@@ -1,4 +1,4 @@
-"""Do relations hold for placed things? All figures in the background's frame B, metres and radians."""
+"""Evaluates relations for placed things: amount of violation in metres or radians, in the background's frame B."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from scenec.solve.frames import pose_of, turned_direction
 from scenec.solve.placed import Placed, footprint_distance
 from scenec.solve.planar import polygon
 
-NEAREST_M = 1e-5  # origins closer than this give no direction
+NEAREST_M = 1e-5  # origins closer than this define no direction
 SLACK = 1e-9  # metres or radians, for rounding
 
 
 def direction_B(rule: RelationIR, assignment: Mapping[str, Placed]) -> tuple[float, float]:
-    """The direction of a rule in B; the thing in whose frame it counts must be placed."""
+    """The direction of a relation in B; the thing that defines its frame must be placed."""
     return turned_direction(rule.direction, pose_of(rule.frame, assignment).yaw_rad)
 
 
 def extent(placed: Placed, direction: tuple[float, float], assignment: Mapping[str, Placed]) -> tuple[float, float]:
-    """Where the footprint of a placed thing begins and ends along a direction of B."""
+    """Interval (begin, end) of the footprint of a placed thing along a direction of B."""
     owner = pose_of(placed.parent, assignment)
     dx, dy = turned_direction(direction, -owner.yaw_rad)
     x0, y0, x1, y1 = placed.bounds
@@ -42,7 +42,7 @@ def origin_B(placed: Placed, assignment: Mapping[str, Placed]) -> tuple[float, f
 
 
 def distance(a: Placed, b: Placed, assignment: Mapping[str, Placed]) -> float:
-    """Least distance (m) of two whole footprints, on whatever owners they stand."""
+    """Least distance (m) of two whole footprints on any owners."""
     if a.parent == b.parent:
         return footprint_distance(a, b)
     pieces_a, pieces_b = (outlines_B(placed, assignment) for placed in (a, b))
@@ -69,7 +69,7 @@ def wrapped(angle_rad: float) -> float:
 
 
 def excess(rule: RelationIR, assignment: Mapping[str, Placed]) -> float:
-    """By how much a rule is broken: metres, or radians for facing; at most 0 where it holds. All must be placed."""
+    """Violation of a relation: metres, or radians for facing; at most 0 where it holds. All things must be placed."""
     members = [assignment[name] for name in rule.things]
     if rule.kind == "before":
         direction = direction_B(rule, assignment)

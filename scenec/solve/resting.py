@@ -1,4 +1,5 @@
-"""Contact geometry of a placed thing: the area it stands on, the tops it offers, and its stability margin (metres, P)."""
+"""Contact geometry of a placed thing: the area it stands on, the tops it offers, and its stability margin (metres,
+P)."""
 
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
 """Bounded search over exact feasible regions with conflict-directed backjumping (Prosser 1993).
 
-Each level seats one thing, owners first. A candidate is put into a copy of the assignment, validated by what it
-activates, and looked ahead from: a choice that leaves a related thing no place is taken back at once. At a dead end the
-search returns to the latest thing that had a part in it. Candidates are samples, so a failed search proves nothing.
+Each level places one thing, owners first. A candidate pose is added to a copy of the assignment, validated against the
+constraints that it completes, and followed by forward checking: a pose that leaves a related thing no region is undone
+at once. At a dead end the search returns to the latest thing that contributed to it. Candidates are samples, so a
+failed search proves nothing.
 """
 
 from __future__ import annotations
@@ -20,95 +21,95 @@ from shapely.geometry.base import BaseGeometry
 
 from scenec.ir.problem import Placement, Thing
 from scenec.solve.check import Assignment, blockers
-from scenec.solve.model import Model, yaw_allowed
+from scenec.solve.model import SolverModel, yaw_allowed
 from scenec.solve.placed import Placed
-from scenec.solve.points import corner, drawn
-from scenec.solve.regions import aimed, alone, feasible
-from scenec.solve.stacks import levels
+from scenec.solve.points import extreme_point, sample_point
+from scenec.solve.regions import facing_yaw, feasible_region, region_alone
+from scenec.solve.stacks import stack_levels
 from scenec.solve.streams import stream
 
-TRIES = 8  # stances and yaws tried for one thing at one node
-COLUMN_TRIES = 4  # of these, straight over the middle of each thing that may carry it
-LOOK_AHEAD = 6  # related things looked at after a choice
-DENSE = 0.3  # share of the place's area from which on corners are tried before points drawn at random
-HOPELESS = 6  # restarts after which a thing that never finds a place by itself ends the search
+TRIES = 8  # orientations and yaws tried for one thing at one node
+COLUMN_TRIES = 4  # of these, straight over the middle of each thing that may support it
+LOOK_AHEAD = 6  # related things checked after a choice
+DENSE = 0.3  # share of the place's area above which extreme points are tried before random ones
+HOPELESS = 6  # restarts that end because a thing has no region whatever the others do
 NODES_BEFORE_RESTART = 40  # times the number of things
 PIECES_A_STEP = 4  # of a footprint
 
 
 @dataclass
-class Effort:
-    """Steps left, and what is worth telling when they run out: the most things that ever stood, failures by thing.
+class SearchBudget:
+    """Step budget of a search, with the largest partial assignment so far and the number of failures by thing.
 
-    A pose of a thing of many pieces takes several steps, so that a budget bounds the time whatever is placed.
+    A pose of a thing of many pieces takes several steps, so that the budget bounds the time for any footprints.
     """
 
-    left: int
-    taken: int = 0
-    stood: dict[str, Placed] = field(default_factory=dict)
+    max_steps: int
+    steps_taken: int = 0
+    best_assignment: dict[str, Placed] = field(default_factory=dict)
     failures: Counter[str] = field(default_factory=Counter)
 
     def step(self, steps: int = 1) -> bool:
-        """Takes steps; False when there is none left."""
-        self.taken += steps
-        return self.taken <= self.left
+        """Takes steps; False when the budget is exhausted."""
+        self.steps_taken += steps
+        return self.steps_taken <= self.max_steps
 
-    def reached(self, standing: Assignment) -> None:
-        """Remembers what stands, if it is more than ever before."""
-        if len(standing) > len(self.stood):
-            self.stood = dict(standing)
+    def record_best(self, standing: Assignment) -> None:
+        """Keeps the assignment if it is larger than the best so far."""
+        if len(standing) > len(self.best_assignment):
+            self.best_assignment = dict(standing)
 
 
-class Regions:
-    """Regions of things by themselves, remembered by stance and yaw."""
+class RegionCache:
+    """Cache of regions by unary constraints, by thing, orientation, yaw and height."""
 
-    def __init__(self, model: Model):
+    def __init__(self, model: SolverModel):
         self.model = model
         self._known: dict[tuple[str, int, float, float], BaseGeometry] = {}
 
-    def alone(self, name: str, stance: int, yaw_rad: float, base_m: float = 0.0) -> BaseGeometry:
-        """Where a thing may be at a stance and yaw, `base_m` over its place, when it is by itself."""
+    def region_alone(self, name: str, stance: int, yaw_rad: float, base_m: float = 0.0) -> BaseGeometry:
+        """Region of a thing at an orientation and yaw, `base_m` over its place, by its unary constraints."""
         key = (name, stance, yaw_rad, base_m)
         if key not in self._known:
             if len(self._known) > 4096:
                 self._known.clear()
-            self._known[key] = alone(self.model, name, self.model.shapes[name][stance].turned(yaw_rad), base_m)
+            self._known[key] = region_alone(self.model, name, self.model.shapes[name][stance].turned(yaw_rad), base_m)
         return self._known[key]
 
 
 def search(
-    model: Model, names: Sequence[str], standing: Assignment, seed: int, effort: Effort
+    model: SolverModel, names: Sequence[str], standing: Assignment, seed: int, search_budget: SearchBudget
 ) -> dict[str, Placed] | None:
-    """Poses for `names` that agree with each other and with what stands; None when the steps ran out or all failed."""
-    order, regions, attempt, hopeless = ordered(model, names), Regions(model), 0, 0
-    while effort.taken < effort.left and hopeless < HOPELESS:
+    """Consistent poses for `names`, given `standing`; None when the steps ran out or all attempts failed."""
+    order, regions, attempt, hopeless = ordered(model, names), RegionCache(model), 0, 0
+    while search_budget.steps_taken < search_budget.max_steps and hopeless < HOPELESS:
         nodes = sum(steps_of(model, name) for name in order)
-        limit = effort.taken + NODES_BEFORE_RESTART * nodes * (1 + attempt)
-        found = _descend(model, order, standing, seed, attempt, effort, limit, regions)
-        if isinstance(found, dict):
-            return found
-        attempt, hopeless = attempt + 1, hopeless + (found == "alone")
-        # What failed most goes first next time, as far as owners allow.
-        order = ordered(model, names, effort.failures)
+        limit = search_budget.steps_taken + NODES_BEFORE_RESTART * nodes * (1 + attempt)
+        outcome = _descend(model, order, standing, seed, attempt, search_budget, limit, regions)
+        if isinstance(outcome, dict):
+            return outcome
+        attempt, hopeless = attempt + 1, hopeless + (outcome == "alone")
+        # Things that failed most come first in the next attempt, after their owners.
+        order = ordered(model, names, search_budget.failures)
     return None
 
 
-def steps_of(model: Model, name: str) -> int:
-    """How many steps a pose of a thing takes: one for most, more where its footprint is of many pieces."""
+def steps_of(model: SolverModel, name: str) -> int:
+    """Number of steps of a pose of a thing: one for most, more for footprints of many pieces."""
     return 1 + max((len(shape.pieces) for shape in model.shapes[name]), default=0) // PIECES_A_STEP
 
 
 def _descend(
-    model: Model,
+    model: SolverModel,
     order: Sequence[str],
     standing: Assignment,
     seed: int,
     attempt: int,
-    effort: Effort,
+    search_budget: SearchBudget,
     limit: int,
-    regions: Regions,
+    regions: RegionCache,
 ) -> dict[str, Placed] | Literal["limit", "alone"]:
-    # Poses, or why not: the limit of steps was met, or something found no place whatever the others did.
+    # Poses, or the reason for failure: step limit, or a thing without region whatever the others do.
     assignment: dict[str, Placed] = dict(standing)
     culprits: list[set[str]] = [set() for _ in order]
     streams: list[Iterator[tuple[Placed | None, set[str]]]] = []
@@ -117,32 +118,32 @@ def _descend(
     while level < len(order):
         name = order[level]
         if level == len(streams):
-            rng = stream(seed, name, attempt, effort.taken)
+            rng = stream(seed, name, attempt, search_budget.steps_taken)
             culprits[level] = set()
             streams.append(candidates(model, name, assignment, rng, regions, dense or attempt % 2 == 1))
         chosen = None
         for placed, blamed in streams[level]:
-            if effort.taken >= min(limit, effort.left):
+            if search_budget.steps_taken >= min(limit, search_budget.max_steps):
                 return "limit"
-            effort.step(steps_of(model, name))
+            search_budget.step(steps_of(model, name))
             culprits[level] |= blamed
             if placed is None:
                 continue
             trial = {**assignment, name: placed}
             clashes = blockers(model, trial, name)
             if clashes is None:
-                starved = _starved(model, name, trial, order[level + 1 :], regions, seed)
-                if starved is None:
+                blamed_by_look_ahead = _forward_check(model, name, trial, order[level + 1 :], regions, seed)
+                if blamed_by_look_ahead is None:
                     chosen = placed
                     break
-                clashes = starved
+                clashes = blamed_by_look_ahead
             culprits[level] |= clashes
         if chosen is not None:
             assignment = {**assignment, name: chosen}
             level += 1
-            effort.reached(assignment)
+            search_budget.record_best(assignment)
             continue
-        effort.failures[name] += 1
+        search_budget.failures[name] += 1
         blamed_levels = [depth_of[c] for c in culprits[level] if c in depth_of and depth_of[c] < level]
         if not blamed_levels:
             return "alone"
@@ -156,29 +157,29 @@ def _descend(
 
 
 def candidates(
-    model: Model, name: str, assignment: Assignment, rng: Generator, regions: Regions, dense: bool
+    model: SolverModel, name: str, assignment: Assignment, rng: Generator, regions: RegionCache, dense: bool
 ) -> Iterator[tuple[Placed | None, set[str]]]:
-    """Poses worth trying, each with the things that cut its region; None where a stance and yaw had no room."""
+    """Candidate poses, each with the things that reduced its region; None where the region was empty."""
     thing = model.things[name]
-    if thing.domain.spots:
-        yield from _spot_candidates(model, thing, rng)
+    if thing.domain.fixed_poses:
+        yield from _fixed_pose_candidates(model, thing, rng)
         return
-    if dense:  # a full floor is costly to find full
+    if dense:  # proving that a full floor has no region is costly
         yield from _on_contents(model, thing, assignment, rng, regions)
     lean = rng.random() * 2 * pi if not dense else (2 * int(rng.integers(4)) + 1) * pi / 4
     for stance, yaw in poses_to_try(model, thing, rng, dense):
         turned = model.shapes[name][stance].turned(yaw)
-        region, blamed = feasible(model, name, turned, assignment, regions.alone(name, stance, yaw))
+        region, blamed = feasible_region(model, name, turned, assignment, regions.region_alone(name, stance, yaw))
         if region.is_empty:
             yield None, blamed
             continue
-        inner, edge = drawn(region, rng), corner(region, cos(lean), sin(lean))
+        inner, edge = sample_point(region, rng), extreme_point(region, cos(lean), sin(lean))
         for point in (edge, inner) if dense else (inner, edge):
             if point is None:
                 continue
             ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
             placed = model.put(name, Placement(point[0] - ox, point[1] - oy, yaw, stance))
-            if (toward := aimed(model, placed, assignment)) is not None:
+            if (toward := facing_yaw(model, placed, assignment)) is not None:
                 better = yaw_allowed(toward, thing.domain.yaw_rad)
                 if better is not None:
                     yield model.put(name, Placement(point[0] - ox, point[1] - oy, better, stance)), blamed
@@ -188,40 +189,40 @@ def candidates(
 
 
 def _on_contents(
-    model: Model, thing: Thing, assignment: Assignment, rng: Generator, regions: Regions
+    model: SolverModel, thing: Thing, assignment: Assignment, rng: Generator, regions: RegionCache
 ) -> Iterator[tuple[Placed | None, set[str]]]:
-    # Over what lies in its volume: its foot over the middle of one top, which costs little to try; then anywhere.
+    # Poses on contents of its volume: first its foot over the middle of one top, which is cheap; then anywhere.
     ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
-    found = levels(model, assignment, thing.name)
-    poses = poses_to_try(model, thing, rng, dense=True)[:TRIES] if found else []
+    levels = stack_levels(model, assignment, thing.name)
+    poses = poses_to_try(model, thing, rng, dense=True)[:TRIES] if levels else []
     middle_of = {
         pose: model.put(thing.name, Placement(-ox, -oy, pose[1], pose[0])).contact.foot.centroid for pose in poses
     }
-    for base, _, middles in found:
+    for base, _, middles in levels:
         for stance, yaw in poses[:COLUMN_TRIES]:
-            own = middle_of[stance, yaw]
+            middle = middle_of[stance, yaw]
             for i in rng.permutation(len(middles)).tolist():
-                x, y = middles[i].x - own.x - ox, middles[i].y - own.y - oy
+                x, y = middles[i].x - middle.x - ox, middles[i].y - middle.y - oy
                 yield model.put(thing.name, Placement(x, y, yaw, stance, base)), set()
-    for base, hull, _ in found:
+    for base, hull, _ in levels:
         for stance, yaw in poses:
             turned = model.shapes[thing.name][stance].turned(yaw)
-            alone_m = regions.alone(thing.name, stance, yaw, base)
-            region, blamed = feasible(model, thing.name, turned, assignment, alone_m, base)
-            own = middle_of[stance, yaw]
-            region = region.intersection(translate(hull, -own.x, -own.y))
+            unary_region = regions.region_alone(thing.name, stance, yaw, base)
+            region, blamed = feasible_region(model, thing.name, turned, assignment, unary_region, base)
+            middle = middle_of[stance, yaw]
+            region = region.intersection(translate(hull, -middle.x, -middle.y))
             if region.is_empty:
                 yield None, blamed
                 continue
-            for point in (drawn(region, rng), drawn(region, rng)):
+            for point in (sample_point(region, rng), sample_point(region, rng)):
                 if point is not None:
                     yield model.put(thing.name, Placement(point[0] - ox, point[1] - oy, yaw, stance, base)), blamed
 
 
-def poses_to_try(model: Model, thing: Thing, rng: Generator, dense: bool) -> list[tuple[int, float]]:
-    """(stance, yaw) pairs: drawn from the domain and quarter turns, the latter first where room is scarce."""
-    stances, (low, high) = model.stances(thing), thing.domain.yaw_rad
-    if not stances:
+def poses_to_try(model: SolverModel, thing: Thing, rng: Generator, dense: bool) -> list[tuple[int, float]]:
+    """(orientation index, yaw) pairs: random ones and quarter turns, the latter first in dense scenes."""
+    orientations, (low, high) = model.allowed_orientations(thing), thing.domain.yaw_rad
+    if not orientations:
         return []
     quarters = [yaw for k in (0, 1, 2, 3) if (yaw := yaw_allowed(k * pi / 2, (low, high))) is not None]
     if high - low < 1e-12:
@@ -230,23 +231,31 @@ def poses_to_try(model: Model, thing: Thing, rng: Generator, dense: bool) -> lis
         free = (low + (high - low) * rng.random(TRIES)).tolist()
         straight = [quarters[i] for i in rng.permutation(len(quarters)).tolist()]
         yaws = [*straight, low, high, *free] if dense else [free[0], *straight, *free[1:]]
-    picked = [stances[i] for i in rng.permutation(len(stances)).tolist()]
+    picked = [orientations[i] for i in rng.permutation(len(orientations)).tolist()]
     return [(picked[k % len(picked)], yaws[k % len(yaws)]) for k in range(max(len(yaws), len(picked)))][: 2 * TRIES]
 
 
-def _spot_candidates(model: Model, thing: Thing, rng: Generator) -> Iterator[tuple[Placed | None, set[str]]]:
-    for k in rng.permutation(len(thing.domain.spots)).tolist():
-        for placement in spot_placements(model, thing, k):
+def _fixed_pose_candidates(
+    model: SolverModel, thing: Thing, rng: Generator
+) -> Iterator[tuple[Placed | None, set[str]]]:
+    for k in rng.permutation(len(thing.domain.fixed_poses)).tolist():
+        for placement in fixed_pose_placements(model, thing, k):
             yield model.put(thing.name, placement), set()
 
 
-def spot_placements(model: Model, thing: Thing, number: int) -> list[Placement]:
-    """The pose of a spot, in the stance that it asks for; none when that is not allowed."""
-    spot, shapes = thing.domain.spots[number], model.shapes[thing.name]
+def fixed_pose_placements(model: SolverModel, thing: Thing, number: int) -> list[Placement]:
+    """The placement at a fixed pose in its orientation; none when that orientation is not allowed."""
+    fixed_pose, shapes = thing.domain.fixed_poses[number], model.shapes[thing.name]
     return [
-        Placement(spot.x_m, spot.y_m, spot.yaw_rad, stance, _floor(spot.z_m - shapes[stance].origin_height_m))
-        for stance in model.stances(thing)
-        if stance == spot.stance
+        Placement(
+            fixed_pose.x_m,
+            fixed_pose.y_m,
+            fixed_pose.yaw_rad,
+            stance,
+            _floor(fixed_pose.z_m - shapes[stance].origin_height_m),
+        )
+        for stance in model.allowed_orientations(thing)
+        if stance == fixed_pose.stance
     ]
 
 
@@ -254,20 +263,20 @@ def _floor(base_m: float) -> float:
     return 0.0 if abs(base_m) < 1e-12 else base_m
 
 
-def _starved(
-    model: Model, name: str, trial: Assignment, later: Sequence[str], regions: Regions, seed: int
+def _forward_check(
+    model: SolverModel, name: str, trial: Assignment, later: Sequence[str], regions: RegionCache, seed: int
 ) -> set[str] | None:
-    # Forward checking: things that must still come and that a rule ties to `name`, or whose own room is small.
+    # Forward checking of unplaced things that a relation links to `name`: names blamed for an empty region, or None.
     waiting = set(later)
     tied = {n for rule in model.rules_of.get(name, ()) for n in rule.things if n in waiting and n != name}
     for other in sorted(tied)[:LOOK_AHEAD]:
         thing = model.things[other]
-        if thing.domain.spots or not set(model.chains[other][:-1]).issubset(trial):
+        if thing.domain.fixed_poses or not set(model.chains[other][:-1]).issubset(trial):
             continue
         blamed: set[str] = set()
         for stance, yaw in poses_to_try(model, thing, stream(seed, "ahead", other), dense=True)[:TRIES]:
             turned = model.shapes[other][stance].turned(yaw)
-            region, cut = feasible(model, other, turned, trial, regions.alone(other, stance, yaw))
+            region, cut = feasible_region(model, other, turned, trial, regions.region_alone(other, stance, yaw))
             if not region.is_empty:
                 break
             blamed |= cut
@@ -276,16 +285,16 @@ def _starved(
     return None
 
 
-def ordered(model: Model, names: Sequence[str], failures: Counter[str] | None = None) -> list[str]:
-    """Owners first; then what failed before, what has few poses or little room, what is large; those that aim at others
-    or stand between them last."""
+def ordered(model: SolverModel, names: Sequence[str], failures: Counter[str] | None = None) -> list[str]:
+    """Names in search order: owners first, then by earlier failures, few poses, small range, large area; things that
+    face others or are between them last."""
     late = {rule.things[0] for rule in model.rules if rule.kind in ("facing", "between")}
 
     def key(name: str) -> tuple[float, ...]:
         thing = model.things[name]
         area = max((shape.area_m2 for shape in model.shapes[name]), default=0.0)
-        if thing.domain.spots:
-            return (-(failures or {}).get(name, 0), name in late, len(thing.domain.spots), -area)
+        if thing.domain.fixed_poses:
+            return (-(failures or {}).get(name, 0), name in late, len(thing.domain.fixed_poses), -area)
         return (-(failures or {}).get(name, 0), name in late, 1e3 + min(_room(thing), 1e6), -area)
 
     within = set(names)
@@ -304,13 +313,13 @@ def ordered(model: Model, names: Sequence[str], failures: Counter[str] | None = 
 
 
 def _room(thing: Thing) -> float:
-    # Area of the range of the origin, infinite for what may be anywhere on its place.
+    # Area of the range of the origin, infinite without ranges.
     (xa, xb), (ya, yb) = thing.domain.x_m, thing.domain.y_m
     return (xb - xa) * (yb - ya) if inf not in (xb - xa, yb - ya) else inf
 
 
-def is_dense(model: Model, names: Sequence[str]) -> bool:
-    """Whether footprints take more than a share DENSE of some place."""
+def is_dense(model: SolverModel, names: Sequence[str]) -> bool:
+    """Whether footprints cover more than the share DENSE of some place."""
     by_site: dict[tuple[str, str], float] = defaultdict(float)
     for name in names:
         thing = model.things[name]

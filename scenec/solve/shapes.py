@@ -1,7 +1,7 @@
-"""What the solver knows of one stance of a thing: convex pieces of its footprint, and slabs with heights.
+"""Solver shapes of one resting orientation of a thing: convex pieces of its footprint, and slabs with heights.
 
-A thing that carries others takes the room above its places with it: hulls of those places up to the highest thing
-that may stand there are added to its slabs. So what stands on different owners never has to be compared.
+A thing that carries others includes the space above its places: hulls of these up to the highest thing that may be
+there are added to its slabs. So things on different owners never have to be compared.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from scenec.ir.problem import FloatArray, Slab, Stance, Surface, Thing, Volume
 from scenec.solve.planar import hull_of, outline_of
 
 AREA_NOISE = 1e-7  # share of a hull's area by which a union may miss it and still count as convex
-BROAD = 1e-3  # share of a footprint's hull that joining two pieces of it may add
+COARSE_SHARE = 1e-3  # share of a footprint's hull that joining two pieces of it may add
 
 
 @dataclass(frozen=True)
@@ -42,19 +42,20 @@ class Shape:
         return self.pieces[0] if len(self.pieces) == 1 else hull_of(np.concatenate(self.pieces))
 
     @cached_property
-    def broad(self) -> tuple[FloatArray, ...]:
-        """Fewer convex pieces that hold the footprint and little more, for what only proposes poses: see BROAD."""
-        found: list[Polygon] = []
+    def coarse_pieces(self) -> tuple[FloatArray, ...]:
+        """Fewer convex pieces that contain the footprint and add at most COARSE_SHARE per joined pair; for
+        proposals."""
+        pieces: list[Polygon] = []
         for piece in sorted((Polygon(outline) for outline in self.pieces), key=lambda p: -p.area):
-            for k, other in enumerate(found):
+            for k, other in enumerate(pieces):
                 both = shapely.union(piece, other)
                 hull = shapely.convex_hull(both)
-                if isinstance(hull, Polygon) and hull.area - both.area <= BROAD * self.area_m2:
-                    found[k] = hull
+                if isinstance(hull, Polygon) and hull.area - both.area <= COARSE_SHARE * self.area_m2:
+                    pieces[k] = hull
                     break
             else:
-                found.append(piece)
-        return tuple(map(outline_of, found))
+                pieces.append(piece)
+        return tuple(map(outline_of, pieces))
 
     @cached_property
     def area_m2(self) -> float:
@@ -68,20 +69,20 @@ class Shape:
         return float(np.hypot(*self.hull.T).max())
 
     @cached_property
-    def _turned(self) -> dict[float, Turned]:
+    def _turned(self) -> dict[float, ShapeAtYaw]:
         return {}
 
-    def turned(self, yaw_rad: float) -> Turned:
-        """The same at a yaw; remembered, since searches ask for few yaws again and again."""
+    def turned(self, yaw_rad: float) -> ShapeAtYaw:
+        """The shape at a yaw; cached, since searches use few yaws repeatedly."""
         known = self._turned.get(yaw_rad)
         if known is None:
             if len(self._turned) > 64:
                 self._turned.clear()
-            known = self._turned[yaw_rad] = Turned(self, yaw_rad)
+            known = self._turned[yaw_rad] = ShapeAtYaw(self, yaw_rad)
         return known
 
 
-class Turned:
+class ShapeAtYaw:
     """A shape at one yaw, origin at 0: `pieces` and slab outlines (n, 2), and `bounds` (x0, y0, x1, y1)."""
 
     def __init__(self, shape: Shape, yaw_rad: float):
@@ -98,9 +99,9 @@ class Turned:
         return self.pieces[0] if len(self.pieces) == 1 else self.shape.hull @ self._turn_T
 
     @cached_property
-    def broad(self) -> tuple[FloatArray, ...]:
+    def coarse_pieces(self) -> tuple[FloatArray, ...]:
         """The shape's broad pieces at this yaw."""
-        return tuple(piece @ self._turn_T for piece in self.shape.broad)
+        return tuple(piece @ self._turn_T for piece in self.shape.coarse_pieces)
 
     @cached_property
     def outlines(self) -> tuple[FloatArray, ...]:
@@ -109,16 +110,16 @@ class Turned:
 
 
 def _turn_T(yaw_rad: float) -> FloatArray:
-    # Quarter turns are exact, so that boxes stay boxes and touching stays touching.
+    # Quarter turns are exact, so that boxes stay boxes and contacts stay contacts.
     c, s = (float(round(v)) if abs(v - round(v)) < 1e-15 else v for v in (cos(yaw_rad), sin(yaw_rad)))
     return np.array([[c, s], [-s, c]])
 
 
-_BARE: dict[int, tuple[ref[Stance], Shape]] = {}  # shapes of stances that live, by id
+_BARE: dict[int, tuple[ref[Stance], Shape]] = {}  # shapes without load of existing stances, by id
 
 
 def shape_of(stance: Stance, carried: Sequence[Slab] = ()) -> Shape:
-    """The stance of a body with what it carries: see the module. One that carries nothing is made once."""
+    """Solver shape of a stance with slabs for its load (see the module); without load it is made once per stance."""
     if carried:
         return _shape_of(stance, carried)
     known = _BARE.get(id(stance))
@@ -154,21 +155,24 @@ def carried_slabs(stance: Stance, loads: Sequence[tuple[Surface | Volume, float]
 
 
 def _convex_pieces(outlines: list[FloatArray]) -> tuple[FloatArray, ...]:
-    # Few convex pieces whose union is that of the outlines: the hull where it is all there is, else no covered ones.
+    # Few convex pieces with the union of the outlines: their hull where it is convex, else without covered ones.
     if len(outlines) == 1:
         return (outlines[0],)
     polygons: list[Polygon] = sorted((Polygon(o) for o in outlines), key=lambda p: -p.area)
     hull = shapely.convex_hull(shapely.union_all(polygons))
     if hull.area - shapely.union_all(polygons).area <= AREA_NOISE * hull.area:
         return (outline_of(hull),)
-    kept: list[Polygon] = []
+    uncovered: list[Polygon] = []
     for piece in polygons:
-        if not any(other.covers(piece) for other in kept):
-            kept.append(piece)
-    return tuple(outline_of(p) for p in kept)
+        if not any(other.covers(piece) for other in uncovered):
+            uncovered.append(piece)
+    return tuple(outline_of(p) for p in uncovered)
 
 
 def tallest(thing: Thing, shapes: Sequence[Shape]) -> float:
-    """Height of the highest point of a thing over its place, over all it may do."""
-    spots = max((spot.z_m - shape.origin_height_m for spot in thing.domain.spots for shape in shapes), default=0.0)
-    return max(shape.height_m for shape in shapes) + max(spots, 0.0)
+    """Largest height of a thing over its place, over all its orientations and fixed poses."""
+    fixed_poses = max(
+        (fixed_pose.z_m - shape.origin_height_m for fixed_pose in thing.domain.fixed_poses for shape in shapes),
+        default=0.0,
+    )
+    return max(shape.height_m for shape in shapes) + max(fixed_poses, 0.0)

@@ -1,8 +1,8 @@
 """Shelf packing with swap search: rows of axis-aligned footprints, first fit by decreasing depth (Coffman et al. 1980).
 
-Relations along x are kept by the order within rows (those that must be left stand at the left end, right at the right),
-relations along y by the order of rows; what is still broken is repaired by swaps. Polygons with holes, keep-outs and
-things that already stand only shorten the rows. Lengths in metres in the frame P of the owner.
+Relations along x are satisfied by the order within rows (members that must be left are at the left end), relations
+along y by the order of rows; violated ones are repaired by swaps. Polygons with holes, keep-outs and placed things only
+shorten the rows. Lengths in metres in the frame P of the owner.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from scenec.ir.problem import Placement, RelationIR, Thing
-from scenec.solve.model import Model, Site, is_box, yaw_allowed
+from scenec.solve.model import Site, SolverModel, is_box, yaw_allowed
 from scenec.solve.placed import Placed
 from scenec.solve.streams import stream
 
@@ -28,7 +28,7 @@ AXIS = 1.0 - 1e-9  # a direction closer to an axis than this is along it
 
 
 @dataclass(frozen=True)
-class Item:
+class PackedItem:
     """A thing at its packing pose: extents (x0, y0, x1, y1) about the asset origin and bounds of that origin in P."""
 
     name: str
@@ -54,7 +54,7 @@ class Item:
 
 @dataclass
 class Bin:
-    """A free stretch of a row and what stands in it."""
+    """A free interval of a row, and the items in it."""
 
     x0: float
     x1: float
@@ -66,25 +66,25 @@ class Bin:
 
 
 @dataclass(frozen=True)
-class Rule:
-    """offset[a] . d + gap <= offset[b] . d over origins; `reach` holds extents and gap: p_a . d - p_b . d <= -reach."""
+class SeparationConstraint:
+    """Origins (p_b - p_a) . (dx, dy) >= min_separation_m, which includes extents and gap; -1: a fixed thing."""
 
     a: int
     b: int
     dx: float
     dy: float
-    reach: float
+    min_separation_m: float
 
 
-def item_of(model: Model, thing: Thing, flip: bool = False) -> Item | None:
-    """A thing turned by quarters as its domain allows: the least deep way, or (flip) the deepest."""
-    best: Item | None = None
+def item_of(model: SolverModel, thing: Thing, flip: bool = False) -> PackedItem | None:
+    """A thing at the allowed quarter turn of least depth along y, or (flip) of greatest."""
+    best: PackedItem | None = None
     ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
     (xa, xb), (ya, yb) = thing.domain.x_m, thing.domain.y_m
-    for stance in model.stances(thing)[:4]:
+    for stance in model.allowed_orientations(thing)[:4]:
         for yaw in _packing_yaws(thing.domain.yaw_rad):
             x0, y0, x1, y1 = model.shapes[thing.name][stance].turned(yaw).bounds
-            item = Item(thing.name, stance, yaw, x0, y0, x1, y1, (xa + ox, xb + ox), (ya + oy, yb + oy))
+            item = PackedItem(thing.name, stance, yaw, x0, y0, x1, y1, (xa + ox, xb + ox), (ya + oy, yb + oy))
             if best is None or (item.depth > best.depth + 1e-9 if flip else item.depth < best.depth - 1e-9):
                 best = item
         if best is not None:
@@ -94,12 +94,12 @@ def item_of(model: Model, thing: Thing, flip: bool = False) -> Item | None:
 
 def _packing_yaws(span_rad: tuple[float, float]) -> list[float]:
     quarters = [yaw_allowed(k * pi / 2, span_rad) for k in (0, 1, 2, 3)]
-    found = [yaw for yaw in quarters if yaw is not None][:2]
-    return found or [min(span_rad, key=lambda yaw: abs(((yaw + pi / 4) % (pi / 2)) - pi / 4))]
+    yaws = [yaw for yaw in quarters if yaw is not None][:2]
+    return yaws or [min(span_rad, key=lambda yaw: abs(((yaw + pi / 4) % (pi / 2)) - pi / 4))]
 
 
-def free_area(model: Model, site: Site, standing: Sequence[Placed], height_m: float) -> BaseGeometry:
-    """Where footprints up to a height may be: all layers, less what rises above, keep-outs and what stands."""
+def free_area(model: SolverModel, site: Site, standing: Sequence[Placed], height_m: float) -> BaseGeometry:
+    """Free area for footprints up to a height: all layers, less obstacles above, keep-outs and placed things."""
     layers = [polygon for low, _, polygon in site.layers if low < height_m]
     area = layers[0] if len(layers) == 1 else shapely.intersection_all(layers)
     blocked = [polygon for polygon, _, _ in site.above] + [keep[0] for keep in site.keep_outs]
@@ -109,10 +109,10 @@ def free_area(model: Model, site: Site, standing: Sequence[Placed], height_m: fl
     return area.difference(shapely.union_all(blocked)) if blocked else area
 
 
-def stretches(area: BaseGeometry, y0: float, y1: float) -> list[tuple[float, float]]:
+def free_intervals(area: BaseGeometry, y0: float, y1: float) -> list[tuple[float, float]]:
     """Intervals (low, high) of x over which the whole band [y0, y1] is free."""
     x0, _, x1, _ = area.bounds
-    inside = 1e-9  # stay clear of slivers along the border
+    inside = 1e-9  # avoids slivers along the border
     taken = shapely.difference(shapely.box(x0, y0 + inside, x1, y1 - inside), area)
     spans = sorted((part.bounds[0], part.bounds[2]) for part in shapely.get_parts(taken) if part.area > 0.0)
     free, at = [], x0
@@ -124,9 +124,11 @@ def stretches(area: BaseGeometry, y0: float, y1: float) -> list[tuple[float, flo
 
 
 class Packing:
-    """Rows of items on a free area; `left_over` are items that found no room."""
+    """Rows of items on a free area; `left_over` are items without room."""
 
-    def __init__(self, items: Sequence[Item], rules: Sequence[Rule], area: BaseGeometry, clearance_m: float):
+    def __init__(
+        self, items: Sequence[PackedItem], rules: Sequence[SeparationConstraint], area: BaseGeometry, clearance_m: float
+    ):
         self.items, self.rules, self.area, self.clearance = items, rules, area, clearance_m
         self.x_rank = _ranks(items, rules, "x")
         self.y_preds: dict[int, list[int]] = {}
@@ -143,7 +145,8 @@ class Packing:
         self.y: list[float] = []
 
     def fill(self, depths: Sequence[float]) -> None:
-        """Opens rows from the front; each item goes to the first stretch that takes it, deepest (as told) first."""
+        """Opens rows from the front; each item goes to the first interval with room, in the order of `depths`, deepest
+        first."""
         items, clearance = self.items, self.clearance
         _, area_y0, _, area_y1 = self.area.bounds
         order = sorted(range(len(items)), key=lambda i: (self.y_rank[i] if self.y_preds else 0.0, -depths[i]))
@@ -161,7 +164,7 @@ class Packing:
                 if y1 <= area_y1 + 1e-12 and y0 - item.y0 <= item.y_range[1]:
                     x0, _, x1, _ = self.area.bounds
                     row += 1
-                    for low, high in [(x0, x1)] if self.is_box else stretches(self.area, y0, y1):
+                    for low, high in [(x0, x1)] if self.is_box else free_intervals(self.area, y0, y1):
                         self.bins.append(Bin(low, high, y0, item.depth, row))
                         if home is None and self._takes(self.bins[-1], item):
                             home = len(self.bins) - 1
@@ -174,7 +177,7 @@ class Packing:
             chosen.used += item.width + clearance
             self.bin_of[i] = home
 
-    def _takes(self, b: Bin, item: Item) -> bool:
+    def _takes(self, b: Bin, item: PackedItem) -> bool:
         if item.depth > b.depth + 1e-12 or b.used + item.width > b.x1 - b.x0 + 1e-12:
             return False
         low, high = max(b.x0, item.x_range[0] + item.x0), min(b.x1, item.x_range[1] + item.x1)
@@ -185,7 +188,7 @@ class Packing:
         )
 
     def spread_rows(self) -> None:
-        """Moves rows apart evenly by the depth left free (a plain rectangle only)."""
+        """Spreads rows evenly over the unused depth (a plain rectangle only)."""
         if not self.is_box or not self.bins or any(i.y_range != (-inf, inf) for i in self.items):
             return
         slack = self.area.bounds[3] - max(b.y0 + b.depth for b in self.bins)
@@ -194,7 +197,7 @@ class Packing:
             b.y0 += gap * (b.row + 1)
 
     def settle(self, spread: bool) -> bool:
-        """Puts all items at their places; False where a range does not let them."""
+        """Computes positions of all items; False where a range is violated."""
         self.x, self.y = [0.0] * len(self.items), [0.0] * len(self.items)
         done = [self._settle(b, spread) for b in self.bins]
         return all(done)
@@ -208,7 +211,7 @@ class Packing:
         for i in b.items:
             item = items[i]
             if not pushed and rank[i] > 0.5:
-                at, pushed = at + max(slack, 0.0), True  # those that must be right stand at the right end
+                at, pushed = at + max(slack, 0.0), True  # members that must be right are at the right end
             at = max(at + gap, item.x_range[0] + item.x0)
             self.x[i] = at - item.x0
             self.y[i] = max(b.y0, item.y_range[0] + item.y0) - item.y0
@@ -216,21 +219,21 @@ class Packing:
             at += item.width + self.clearance
         return ok and at - self.clearance <= b.x1 + 1e-9
 
-    def broken(self) -> list[tuple[float, Rule]]:
-        """Rules that do not hold, with by how much."""
-        x, y, found = self.x, self.y, []
+    def broken(self) -> list[tuple[float, SeparationConstraint]]:
+        """Violated constraints, each with the amount (m)."""
+        x, y, violated = self.x, self.y, []
         for rule in self.rules:
-            over = rule.reach
+            over = rule.min_separation_m
             if rule.a >= 0:
                 over += rule.dx * x[rule.a] + rule.dy * y[rule.a]
             if rule.b >= 0:
                 over -= rule.dx * x[rule.b] + rule.dy * y[rule.b]
             if over > 1e-10:
-                found.append((over, rule))
-        return found
+                violated.append((over, rule))
+        return violated
 
     def swap_until_right(self, rng: Generator, steps: int, spread: bool) -> int:
-        """Swaps members of broken rules with others while the total does not grow; steps taken. Positions are set."""
+        """Swaps members of violated constraints while the total violation does not grow; returns the steps taken."""
         bad = self.broken()
         cost, taken = sum(over for over, _ in bad), 0
         movable = [i for i in range(len(self.items)) if self.bin_of[i] >= 0]
@@ -273,9 +276,9 @@ class Packing:
         self.bin_of[i], self.bin_of[j] = self.bin_of[j], self.bin_of[i]
 
 
-def _ranks(items: Sequence[Item], rules: Sequence[Rule], axis: str) -> list[float]:
-    # 0 for what must come first, 1 for what must come last, 0.5 for what is free, strictly growing along every rule.
-    # NetworkXUnfeasible where rules contradict one another.
+def _ranks(items: Sequence[PackedItem], rules: Sequence[SeparationConstraint], axis: str) -> list[float]:
+    # Rank of each item in [0, 1], strictly growing along every constraint: 0 first, 1 last, 0.5 unconstrained.
+    # Raises NetworkXUnfeasible where constraints form a cycle.
     graph: nx.DiGraph[int] = nx.DiGraph()
     for rule in rules:
         d = rule.dx if axis == "x" else rule.dy
@@ -294,17 +297,21 @@ def _ranks(items: Sequence[Item], rules: Sequence[Rule], axis: str) -> list[floa
     return ranks
 
 
-def rules_on(
-    model: Model, site: Site, items: Sequence[Item], standing: Mapping[str, Placed], rules: Sequence[RelationIR]
-) -> list[Rule]:
-    """Directional rules among items, or between an item and what stands on the same owner, in the owner's frame."""
+def separation_constraints(
+    model: SolverModel,
+    site: Site,
+    items: Sequence[PackedItem],
+    standing: Mapping[str, Placed],
+    rules: Sequence[RelationIR],
+) -> list[SeparationConstraint]:
+    """Constraints of `before` relations among items, or between an item and placed things on the same owner."""
     number = {item.name: i for i, item in enumerate(items)}
-    found = []
+    constraints = []
     for rule in rules:
         if rule.kind != "before" or rule.frame != site.parent or not any(name in number for name in rule.things):
             continue
         dx, dy = rule.direction
-        reach, ends = rule.gap_m, []
+        min_separation_m, ends = rule.gap_m, []
         for name, sign in zip(rule.things, (1, -1), strict=True):
             if name in number:
                 item = items[number[name]]
@@ -315,22 +322,22 @@ def rules_on(
                 shift = standing[name].x_P_m * dx + standing[name].y_P_m * dy
             else:
                 break
-            reach += sign * (shift + float((sign * (hull @ (dx, dy))).max()) * sign)
+            min_separation_m += sign * (shift + float((sign * (hull @ (dx, dy))).max()) * sign)
             ends.append(number.get(name, -1))
         if len(ends) == 2:
-            found.append(Rule(ends[0], ends[1], dx, dy, reach))
-    return found
+            constraints.append(SeparationConstraint(ends[0], ends[1], dx, dy, min_separation_m))
+    return constraints
 
 
 def pack_shelves(
-    model: Model,
+    model: SolverModel,
     names: Sequence[str],
     standing: Mapping[str, Placed],
     rules: Sequence[RelationIR],
     seed: int,
     steps: int,
 ) -> tuple[dict[str, Placement], int]:
-    """Placements (in A) for as many of `names`, all of one place, as the family can seat, and the steps it took."""
+    """Placements (in A) for as many of `names`, all of one place, as can be packed, and the number of steps."""
     things = [model.things[name] for name in names]
     site = model.site(things[0])
     items = [item for thing in things if (item := item_of(model, thing)) is not None]
@@ -339,7 +346,9 @@ def pack_shelves(
     if not items or area.is_empty:
         return {}, 1
     try:
-        packing = Packing(items, rules_on(model, site, items, standing, rules), area, model.problem.clearance_m)
+        packing = Packing(
+            items, separation_constraints(model, site, items, standing, rules), area, model.problem.clearance_m
+        )
     except nx.NetworkXUnfeasible:
         return {}, 1
     rng, taken = stream(seed, "shelf", *names), 0

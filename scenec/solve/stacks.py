@@ -1,9 +1,9 @@
-"""Contents of a receptacle that stand on other contents: what touches what, and whether it stays whatever things weigh.
+"""Stacked contents of a receptacle: which thing touches which, and whether the stack is stable for any masses.
 
-Of a pile only three facts count, for each thing: the hull of where it is touched from below (its support), its middle,
-and where what stands on it presses. A thing that stands on one other hands down a force that lies in the hull of its
-middle and of what presses on it; one on several may press anywhere that it touches. Where middle and pressures lie in
-the support of each thing, the forces balance for any weights.
+For each thing only three facts count: the hull of its contact from below (its support), its middle, and the areas where
+things on it press. A thing on one other transmits a force within the hull of its middle and of the pressures on it; one
+on several may press anywhere on its contacts. Where the middle and all pressures lie in the support of each thing,
+forces balance for any masses.
 """
 
 from __future__ import annotations
@@ -16,27 +16,27 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from scenec.ir.problem import Volume
-from scenec.solve.model import SLACK_M, Model
+from scenec.solve.model import SLACK_M, SolverModel
 from scenec.solve.placed import Placed, bounds_gap
 from scenec.solve.resting import CONTACT_M, GRAIN_M
 
 
-class Level(NamedTuple):
-    """Tops of contents at one height over the floor: the hull of all in P, and the middle of each."""
+class StackLevel(NamedTuple):
+    """Tops of contents at one height over the floor of their place: hull of all in P, and the middle of each."""
 
     base_m: float
     hull: BaseGeometry
     middles: tuple[shapely.Point, ...]
 
 
-def stands_on_contents(model: Model, placed: Placed) -> bool:
-    """Whether other contents must hold it: off the floor of a volume, at no pose that was written."""
+def stands_on_contents(model: SolverModel, placed: Placed) -> bool:
+    """Whether other contents must support it: off the floor of a volume, and without fixed poses."""
     thing = model.things[placed.name]
-    return isinstance(thing.place, Volume) and placed.placement.base_m > SLACK_M and not thing.domain.spots
+    return isinstance(thing.place, Volume) and placed.placement.base_m > SLACK_M and not thing.domain.fixed_poses
 
 
-def fallen(model: Model, assignment: Mapping[str, Placed], parent: str, place: str) -> set[str]:
-    """Names of contents of a place that are not held, or that what stands on them would tip; empty without a pile."""
+def unsupported(model: SolverModel, assignment: Mapping[str, Placed], parent: str, place: str) -> set[str]:
+    """Names of contents of a place that are not supported or would tip under load; empty without a stack."""
     contents = {p.name: p for p in assignment.values() if p.parent == parent and p.place == place}
     if not any(stands_on_contents(model, placed) for placed in contents.values()):
         return set()
@@ -59,8 +59,8 @@ def fallen(model: Model, assignment: Mapping[str, Placed], parent: str, place: s
     return wrong
 
 
-def _supports(model: Model, name: str, contents: Mapping[str, Placed]) -> dict[str, BaseGeometry]:
-    # Where each other content touches it from below.
+def _supports(model: SolverModel, name: str, contents: Mapping[str, Placed]) -> dict[str, BaseGeometry]:
+    # Contact areas with other contents below it, by name.
     placed = contents[name]
     if not stands_on_contents(model, placed):
         return {}
@@ -74,11 +74,11 @@ def _supports(model: Model, name: str, contents: Mapping[str, Placed]) -> dict[s
     return {other: area for other, area in areas.items() if not area.is_empty}
 
 
-def levels(model: Model, assignment: Mapping[str, Placed], name: str) -> list[Level]:
-    """Heights on which contents of its volume may carry a thing, lowest first. Nothing stands on what carries something
-    of its own."""
+def stack_levels(model: SolverModel, assignment: Mapping[str, Placed], name: str) -> list[StackLevel]:
+    """Heights at which contents of its volume may support a thing, lowest first. Contents that are owners of other
+    things support nothing."""
     thing = model.things[name]
-    if not isinstance(thing.place, Volume) or thing.domain.spots:
+    if not isinstance(thing.place, Volume) or thing.domain.fixed_poses:
         return []
     floor = float(thing.place.origin_P_m[2])
     mates = [
@@ -87,31 +87,31 @@ def levels(model: Model, assignment: Mapping[str, Placed], name: str) -> list[Le
         if placed.parent == thing.parent and placed.place == thing.place.name and placed.name not in model.carriers
         if placed.name != name
     ]
-    found: list[Level] = []
+    levels: list[StackLevel] = []
     last = -inf
     for high in sorted({mate.high_m for mate in mates}):
-        if high - last <= CONTACT_M and found:
-            found.pop()  # the higher of two that are level
+        if high - last <= CONTACT_M and levels:
+            levels.pop()  # the higher of two that are level
         last = high
         tops = [area.convex_hull for mate in mates if not (area := mate.top_at(high)).is_empty]
         hull = shapely.union_all(tops).convex_hull
         base = ceil((high - floor) / GRAIN_M - 1e-3) * GRAIN_M
-        found.append(Level(base, hull, tuple(top.centroid for top in tops)))
-    return found
+        levels.append(StackLevel(base, hull, tuple(top.centroid for top in tops)))
+    return levels
 
 
-def piled(model: Model, assignment: Mapping[str, Placed]) -> set[str]:
-    """Names of all that stands on contents."""
+def stacked(model: SolverModel, assignment: Mapping[str, Placed]) -> set[str]:
+    """Names of all things that stand on other contents."""
     return {name for name, placed in assignment.items() if stands_on_contents(model, placed)}
 
 
-def without(model: Model, assignment: Mapping[str, Placed], names: Iterable[str]) -> dict[str, Placed]:
-    """The assignment less `names` and all that falls without them."""
+def without(model: SolverModel, assignment: Mapping[str, Placed], names: Iterable[str]) -> dict[str, Placed]:
+    """The assignment less `names` and all stacked things that lose their support."""
     gone = set(names)
     left = {name: placed for name, placed in assignment.items() if name not in gone}
-    while places := {(left[name].parent, left[name].place) for name in piled(model, left)}:
-        down = {name for parent, place in places for name in fallen(model, left, parent, place)}
-        down &= piled(model, left)
+    while places := {(left[name].parent, left[name].place) for name in stacked(model, left)}:
+        down = {name for parent, place in places for name in unsupported(model, left, parent, place)}
+        down &= stacked(model, left)
         if not down:
             break
         left = {name: placed for name, placed in left.items() if name not in down}

@@ -1,4 +1,4 @@
-"""Random numbers by name: the same seed and words give the same stream in any process, whatever was drawn before."""
+"""Named random streams: the same seed and words give the same stream in any process, whatever was drawn before."""
 
 from __future__ import annotations
 

@@ -1,1 +1,4 @@
-"""From the text of a scene program to its model: parse, resolve includes, check; every value keeps where it stood."""
+"""From the text of a scene program to its model: parse, resolve includes and overlays, check names and numbers.
+
+Start with `read`; every value keeps its file, line and column.
+"""

@@ -1,4 +1,4 @@
-"""Colours of inline primitives: names and codes of CSS, as the emitter reads them."""
+"""Checks colours of inline primitives: CSS names and codes, read as the emitter reads them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from schemas.scene.program import BoxAsset, CylinderAsset, SceneProgram, SphereA
 
 
 def check_colours(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
-    """A finding (`scene/invalid-value`) for each colour that is none; it would be drawn grey."""
+    """A finding (`scene/invalid-value`) for each invalid colour, which would be drawn grey."""
     for path, asset, *_ in written_assets(program):
         if not isinstance(asset, BoxAsset | CylinderAsset | SphereAsset) or asset.color is None:
             continue

@@ -1,4 +1,4 @@
-"""Who owns whose placement: exactly one owner each, anchors that exist, no circle, supports that stay upright."""
+"""Checks ownership: each node has exactly one owner, anchors exist, owners form no cycle, supports stay upright."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def _one_owner(names: Names, spans: Spans) -> Iterator[Diagnostic]:
         if not owners:
             yield finding("scene/no-owner", f"nothing places the node `{name}`", where=spans.key(path))
         elif len(owners) > 1:
-            said = " and ".join(f"`{written(owner)}`" for owner in owners)
+            named = " and ".join(f"`{written(owner)}`" for owner in owners)
             labels = tuple(Label(where=spans.key(owner), text="an owner") for owner in owners)
-            yield finding("scene/two-owners", f"`{name}` is placed by {said}", where=spans.key(path), labels=labels)
+            yield finding("scene/two-owners", f"`{name}` is placed by {named}", where=spans.key(path), labels=labels)
     for name, group in layout.groups.items():
         for i, member in enumerate(group.members):
             if member in group.members[:i]:
@@ -58,7 +58,9 @@ def _anchors(names: Names, spans: Spans) -> Iterator[Diagnostic]:
         if anchor.object == BACKGROUND and program.background is None and not program.variants.backgrounds:
             headline = f"the anchor `{name}` is on the background, and the program has none"
             yield finding("scene/missing-anchor", headline, where=spans.place(path))
-        elif not placed and anchor.object not in names.objects:  # An object that is never placed is reported as such.
+        elif (
+            not placed and anchor.object not in names.objects
+        ):  # An object that is never placed has a finding of its own.
             known = [BACKGROUND, *names.objects, *program.layout.nodes]
             headline = f"there is no object `{anchor.object}`{did_you_mean(anchor.object, known)}"
             yield finding("scene/unknown-name", headline, where=spans.place(path))
@@ -110,7 +112,7 @@ def _circles(names: Names, spans: Spans) -> Iterator[Diagnostic]:
         owner = names.owner(anchor) if anchor is not None else None
         if owner not in (None, BACKGROUND):
             graph.add_edges_from((thing, owner) for thing in names.copies[node])
-    for circle in nx.simple_cycles(graph) if graph else ():  # Each thing has one owner, so that circles share nothing.
+    for circle in nx.simple_cycles(graph) if graph else ():  # Each thing has one owner, so that cycles are disjoint.
         start = circle.index(min(circle))
         chain = [*circle[start:], *circle[:start], circle[start]]
         headline = f"{' stands on '.join(f'`{thing}`' for thing in chain)}"

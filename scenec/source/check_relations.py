@@ -1,4 +1,4 @@
-"""Relations as written: one word each, things that exist, options that belong to the word."""
+"""Checks relations as authored: exactly one relation word each, names that exist, options that the word takes."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ _OPTIONS: dict[str, frozenset[str]] = {
 
 
 def words_of(relation: Relation) -> list[str]:
-    """The relation words that are given."""
+    """The relation words that a relation uses; valid relations use one."""
     return [word for word in WORDS if getattr(relation, word) is not None]
 
 
 def check_relations(names: Names, spans: Spans) -> Iterator[Diagnostic]:
-    """Findings about each relation by itself."""
+    """Findings about each relation, without regard to the others."""
     for i, relation in enumerate(names.program.relations):
         path, words = ("relations", i), words_of(relation)
         if len(words) != 1:
-            said = f"says {' and '.join(words)} at once" if words else "has no relation word"
-            yield finding("scene/relation-words", f"`{written(path)}` {said}", where=spans.place(path))
+            problem = f"says {' and '.join(words)} at once" if words else "has no relation word"
+            yield finding("scene/relation-words", f"`{written(path)}` {problem}", where=spans.place(path))
             continue
         yield from _things(names, words[0], getattr(relation, words[0]), spans, path)
         yield from _options(relation, words[0], spans, path)
@@ -46,7 +46,7 @@ def _things(names: Names, word: str, things: tuple[str, ...], spans: Spans, path
     known = [*names.program.layout.nodes, *names.program.layout.groups, *names.things]
     seen: set[str] = set()
     for k, name in enumerate(things):
-        stands_for = names.stand_for(name)
+        stands_for = names.things_named(name)
         if not stands_for and name not in names.program.layout.groups:
             headline = f"there is no node or group `{name}`{did_you_mean(name, known)}"
             yield finding("scene/unknown-name", headline, where=spans.place((*path, word, k)))
@@ -59,8 +59,8 @@ def _things(names: Names, word: str, things: tuple[str, ...], spans: Spans, path
 
 def _options(relation: Relation, word: str, spans: Spans, path: Path) -> Iterator[Diagnostic]:
     for key in sorted(relation.model_fields_set - {word} - _OPTIONS[word] - set(WORDS)):
-        wanted = ", ".join(f"`{option}`" for option in sorted(_OPTIONS[word]))
-        headline = f"`{key}` has no effect on {word}, which takes {wanted}"
+        allowed = ", ".join(f"`{option}`" for option in sorted(_OPTIONS[word]))
+        headline = f"`{key}` has no effect on {word}, which takes {allowed}"
         yield finding("scene/option-without-effect", headline, where=spans.key((*path, key)))
     if word in ("near", "far_from") and relation.distance is None:
         yield finding("scene/missing-key", f"`{written(path)}` needs `distance`", where=spans.place(path))

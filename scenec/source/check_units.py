@@ -1,4 +1,5 @@
-"""Numbers that are plausible in another unit only: degrees where radians are read, centimetres where metres are."""
+"""Finds numbers that are plausible only in another unit: degrees where radians are read, centimetres where metres
+are."""
 
 from __future__ import annotations
 
@@ -7,20 +8,20 @@ from math import pi, radians
 
 from scenec.ir.problem import Path
 from scenec.source.check_relations import words_of
-from scenec.source.listing import WrittenAsset, written_assets, written_headings
+from scenec.source.listing import WrittenAsset, written_assets, written_yaws
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Severity, finding
 from schemas.scene.program import BoxAsset, CylinderAsset, Range, SceneProgram, SphereAsset
 
 # A full turn with its digits rounded up (6.2832, 6.29, 6.3) is still one.
 MOST_ANGLE_RAD = 6.3
-# Within a full turn only whole numbers are doubted: beyond half a turn nobody gives headings in whole radians (4, 5,
-# 6), and a thing that may look more than a quarter turn away (2, 3) faces nothing.
+# Within a full turn only whole numbers are reported: beyond half a turn yaws in whole radians (4, 5, 6) are unlikely,
+# and a `facing` tolerance of more than a quarter turn (2, 3) has no meaning.
 WHOLE_HEADING_RAD, WHOLE_TOLERANCE_RAD = pi, pi / 2
-# Doors, shelves and people are shorter than this; in centimetres, few things that are placed are so short.
+# Objects are shorter than this (m); few objects given in centimetres are.
 LARGEST_OBJECT_M = 3.0
-# What is built in may be any number of metres wide, as floors and walls are; those are thin. What is also this thick
-# everywhere is a table or a shelf in centimetres (nothing of less than 10 cm carries a scene).
+# Fixed parts may be any number of metres wide, as floors and walls are; those are thin. One that is also this thick in
+# every direction is a table or a shelf in centimetres (supports are at least 10 cm in each).
 WIDE_FIXED_M, THICK_FIXED_M = 10.0, 1.0
 FIXED_ROLES = ("support", "fixture")
 # Numbers beyond these are too large even for centimetres (an object of 1 m, a table of 3 m): then they are millimetres.
@@ -28,8 +29,8 @@ MOST_OBJECT_CM, MOST_FIXED_CM = 100.0, 300.0
 
 
 def check_units(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
-    """A finding for each angle (`scene/degrees-suspected`) and inline size (`scene/size-implausible`) in doubt."""
-    for path, heading in written_headings(program):
+    """A finding for each implausible angle (`scene/degrees-suspected`) and inline size (`scene/size-implausible`)."""
+    for path, heading in written_yaws(program):
         if path[0] != "keep_outs" and heading.yaw is not None:  # A keep-out has no heading in any unit.
             yield from _angle((*path, "yaw"), heading.yaw, WHOLE_HEADING_RAD, spans)
     for i, lighting in enumerate(program.variants.lighting):
@@ -67,7 +68,7 @@ def _angle(
 
 
 def _size(item: WrittenAsset, spans: Spans) -> Iterator[Diagnostic]:
-    """A warning when lengths of an inline asset can hardly be metres, scale or no scale."""
+    """A warning when lengths of an inline asset are implausible in metres, also after scaling."""
     lengths = _lengths(item.asset)
     if not lengths:
         return
@@ -109,6 +110,6 @@ def _lengths(asset: object) -> dict[str, Sequence[float]]:
 
 
 def _text(numbers: Sequence[float]) -> str:
-    """Numbers as a program has them: `[-90, 90]`, or `90` where it is one."""
+    """Numbers in YAML: `[-90, 90]`, or `90` for a single one."""
     texts = [f"{number:.4g}" for number in numbers]
     return texts[0] if len(texts) == 1 else f"[{', '.join(texts)}]"

@@ -1,4 +1,4 @@
-"""Checks of a program whose keys and values are valid: ids, names, numbers, ownership, relations. All in one run."""
+"""Checks a valid program for ids, names, numbers, ownership, relations and units; all findings in one run."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from scenec.source.check_ownership import check_ownership
 from scenec.source.check_relations import check_relations
 from scenec.source.check_units import check_units
 from scenec.source.hint import did_you_mean
-from scenec.source.listing import written_assets, written_headings, written_placings
+from scenec.source.listing import written_assets, written_placings, written_yaws
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
 from schemas.scene.program import (
@@ -30,7 +30,7 @@ from schemas.scene.program import (
 
 
 def check_program(program: SceneProgram, spans: Spans) -> tuple[Diagnostic, ...]:
-    """All that is wrong with a program as it stands, before any asset is looked at."""
+    """All findings about a program that need no asset."""
     names = Names(program)
     if names.count() > MAX_THINGS:
         where = spans.place(("layout", "groups"))
@@ -79,42 +79,44 @@ def _twice(ids: list[tuple[Path, str]], spans: Spans, taken: dict[str, Path] | N
     first = dict(taken or {})
     for path, name in ids:
         if name in first:
-            said = "is taken by" if first[name] else "is reserved for"
+            claim = "is taken by" if first[name] else "is reserved for"
             other = f"`{written(first[name])}`" if first[name] else "what everything stands on"
             labels = (Label(where=spans.place(first[name]), text="first here"),) if first[name] else ()
-            headline = f"the name `{name}` {said} {other}"
+            headline = f"the name `{name}` {claim} {other}"
             yield finding("scene/duplicate-id", headline, where=spans.place(path), labels=labels)
         else:
             first[name] = path
 
 
 def _references(names: Names, spans: Spans) -> Iterator[Diagnostic]:
-    """Names of objects, members, slots and nodes outside of placements and relations."""
+    """References to objects, members, slots and nodes outside of placements and relations."""
     program, layout = names.program, names.program.layout
-    wanted: list[tuple[str, str, Iterable[str], Path]] = []
+    references: list[tuple[str, str, Iterable[str], Path]] = []
     for name, node in layout.nodes.items():
-        wanted.append(("object", node.object, names.objects, ("layout", "nodes", name, "object")))
+        references.append(("object", node.object, names.objects, ("layout", "nodes", name, "object")))
     for name, group in layout.groups.items():
         path = ("layout", "groups", name)
-        wanted += [("node", m, layout.nodes, (*path, "members", i)) for i, m in enumerate(group.members)]
+        references += [("node", m, layout.nodes, (*path, "members", i)) for i, m in enumerate(group.members)]
         if isinstance(group, SlotGroup):
             yield from _assignment(group, group.assign, spans, (*path, "assign"))
     for i, variant in enumerate(program.variants.assets):
-        wanted += [("object", o, names.objects, ("variants", "assets", i, "objects", o)) for o in variant.objects]
+        references += [("object", o, names.objects, ("variants", "assets", i, "objects", o)) for o in variant.objects]
     for i, material in enumerate(program.variants.materials):
         path = ("variants", "materials", i, "objects")
-        wanted += [("object", o, [*names.objects, BACKGROUND], (*path, k)) for k, o in enumerate(material.objects)]
+        references += [("object", o, [*names.objects, BACKGROUND], (*path, k)) for k, o in enumerate(material.objects)]
     for i, variant in enumerate(program.variants.slots):
         path, group = ("variants", "slots", i), layout.groups.get(variant.group)
         if isinstance(group, SlotGroup):
             yield from _assignment(group, variant.assign, spans, (*path, "assign"))
         else:
             slotted = [name for name, group in layout.groups.items() if isinstance(group, SlotGroup)]
-            wanted.append(("slot group", variant.group, slotted, (*path, "group")))
+            references.append(("slot group", variant.group, slotted, (*path, "group")))
     if program.reach is not None and program.reach.members != "all":
         known = [*layout.nodes, *layout.groups, *names.things]
-        wanted += [("node or group", m, known, ("reach", "members", i)) for i, m in enumerate(program.reach.members)]
-    for kind, name, known, path in wanted:
+        references += [
+            ("node or group", m, known, ("reach", "members", i)) for i, m in enumerate(program.reach.members)
+        ]
+    for kind, name, known, path in references:
         if name not in known:
             yield unknown(kind, name, known, spans, path)
 
@@ -133,12 +135,12 @@ def _assignment(group: SlotGroup, assign: dict[str, str], spans: Spans, path: Pa
 
 
 def _numbers(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
-    """Angles said twice, ranges that end before they begin, orientations that are none."""
+    """Angles given twice, reversed ranges, quaternions that are no rotations."""
     for path, placing in written_placings(program):
         if not isinstance(placing, SlotGroup | DiscretePlacement) and isinstance(placing.orientation, tuple):
             quats = [((*path, "orientation", i), quat) for i, quat in enumerate(placing.orientation)]
             yield from _orientations(quats, spans)
-    for path, heading in written_headings(program):
+    for path, heading in written_yaws(program):
         if not heading.model_fields_set:
             continue
         turned = isinstance(heading, Pose) and heading.quat_wxyz is not None
@@ -166,7 +168,7 @@ def _reversed(ranges: object, spans: Spans, path: Path) -> Iterator[Diagnostic]:
 def _orientations(quats: list[tuple[Path, tuple[float, float, float, float]]], spans: Spans) -> Iterator[Diagnostic]:
     for path, quat in quats:
         length = sum(q * q for q in quat) ** 0.5
-        if not 0.9 < length < 1.1:  # Rounded digits are scaled away; another length was never a rotation.
+        if not 0.9 < length < 1.1:  # Quaternions are normalised later; only rounding errors are accepted.
             headline = f"`{written(path)}` is no rotation: its length is not 1"
             yield finding("scene/invalid-value", headline, where=spans.place(path), value=length, bound=1.0)
 
@@ -184,9 +186,9 @@ def _polygons(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
     for i, keep_out in enumerate(program.keep_outs):
         path = ("keep_outs", i)
         if (keep_out.outline is None) == (keep_out.ranges is None):
-            said = "both an outline and ranges" if keep_out.outline is not None else "neither outline nor ranges"
+            given = "both an outline and ranges" if keep_out.outline is not None else "neither outline nor ranges"
             code = "scene/given-twice" if keep_out.outline is not None else "scene/missing-key"
-            yield finding(code, f"`{written(path)}` has {said}", where=spans.place(path))
+            yield finding(code, f"`{written(path)}` has {given}", where=spans.place(path))
         elif keep_out.outline is not None and len(keep_out.outline) < 3:
             headline = f"`{written(path)}.outline` needs three corners"
             yield finding("scene/invalid-value", headline, where=spans.place((*path, "outline")))
@@ -207,7 +209,7 @@ def _splits(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
     candidates = (one for item in written_assets(program) for one in single_assets(item.asset))
     named = sorted({one.id for one in candidates if isinstance(one, FixedAsset)})
     for side, assets in (("train", program.split.train), ("eval", program.split.eval)):
-        for i, asset in enumerate(assets):  # A split may be that of many programs: only what looks like a slip is said.
+        for i, asset in enumerate(assets):  # A split may serve many programs: only likely misspellings are reported.
             if asset not in named and (hint := did_you_mean(asset, named)):
                 headline = f"`{asset}` of the split is no asset of the program{hint}"
                 where = spans.place(("split", side, i))

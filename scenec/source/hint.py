@@ -1,4 +1,4 @@
-"""The nearest known name."""
+"""Suggests the nearest known name for a misspelt one, as the end of a headline."""
 
 from __future__ import annotations
 

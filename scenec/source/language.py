@@ -1,4 +1,4 @@
-"""The language as JSON Schema: for editors, and to find the key that a misspelt one was meant to be."""
+"""JSON Schema of the scene language: for editors, and to suggest the key that a misspelt one was meant to be."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any
 
 from scenec.ir.problem import Path
-from scenec.source.tree import Block, Row, Scalar, Tree, child
+from scenec.source.tree import Scalar, Tree, TreeList, TreeMapping, child
 from schemas.scene.program import SceneProgram
 
 JsonSchema = dict[str, Any]
@@ -22,13 +22,13 @@ _INCLUDE: JsonSchema = {
 
 
 def editor_schema() -> JsonSchema:
-    """JSON Schema (2020-12) of what people write: the program, with `include` and the rules of overlays at any node."""
+    """JSON Schema (2020-12) of authored files: the program, with `include` and overlay rules at any node."""
     schema = _as_written(_program_schema())
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "Scene program"}
 
 
 def keys_at(tree: Tree, path: Path) -> list[str]:
-    """The keys that the mapping at `path` of a program may have, empty where any or none may stand."""
+    """Allowed keys of the mapping at `path` of a program; empty where any key or no mapping is allowed."""
     root = schema = _program_schema()
     node: Tree | None = tree
     for depth, step in enumerate(path):
@@ -50,7 +50,7 @@ def _program_schema() -> JsonSchema:
 
 
 def _branch(schema: JsonSchema, node: Tree | None, root: JsonSchema) -> JsonSchema:
-    """What a schema means for this value: references resolved, of alternatives the one of its kind."""
+    """The schema that applies to this value: references resolved, the alternative of its kind chosen."""
     if "$ref" in schema:
         return _branch(root["$defs"][schema["$ref"].removeprefix("#/$defs/")], node, root)
     if "discriminator" in schema:
@@ -59,18 +59,18 @@ def _branch(schema: JsonSchema, node: Tree | None, root: JsonSchema) -> JsonSche
         known = isinstance(tag, Scalar) and tag.text in mapping
         return _branch({"$ref": mapping[tag.text]}, node, root) if known else {}  # pyright: ignore
     options = [_branch(option, node, root) for option in schema.get("anyOf", [])]
-    kind = "object" if isinstance(node, Block) else "array" if isinstance(node, Row) else "string"
+    kind = "object" if isinstance(node, TreeMapping) else "array" if isinstance(node, TreeList) else "string"
     return next((option for option in options if option.get("type") == kind), {}) if options else schema
 
 
 def _as_written(schema: Any) -> Any:
-    """What one file may say. What it leaves out may stand in the file it belongs to: nothing is required here."""
+    """The schema of a single file. Keys that it lacks may come from other files: nothing is required."""
     if isinstance(schema, list):
         return [_as_written(item) for item in schema]
     if not isinstance(schema, dict):
         return schema
     out: JsonSchema = {key: _as_written(value) for key, value in schema.items() if key not in ("required", "oneOf")}
-    if "oneOf" in schema:  # Without what is required, more than one alternative may fit.
+    if "oneOf" in schema:  # Without required keys, more than one alternative may fit.
         out["anyOf"] = _as_written(schema["oneOf"])
     if schema.get("type") == "array":
         return {"anyOf": [out, _RULES], **{key: out.pop(key) for key in ("title", "default") if key in out}}

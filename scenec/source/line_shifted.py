@@ -1,4 +1,5 @@
-"""A tree that begins farther down in its text: lines are added where somebody looks, so that moving costs nothing."""
+"""Views of a syntax tree shifted down by a number of lines; locations are computed on access, so that shifting is
+O(1)."""
 
 from __future__ import annotations
 
@@ -6,20 +7,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import overload
 
-from scenec.source.tree import Block, Item, Row, Scalar, Tree
+from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 from schemas.diagnostics import Location
 
 
-def moved(tree: Tree, lines: int) -> Tree:
-    """The tree of the same text so many lines farther down; its values without places are the very same objects."""
+def line_shifted(tree: Tree, lines: int) -> Tree:
+    """The tree of the same text `lines` farther down; its plain values stay the same Python objects."""
     if lines == 0:
         return tree
     at = _below(tree.at, lines)
     if isinstance(tree, Scalar):
         return Scalar(tree.value, tree.text, at)
-    if isinstance(tree, Row):
-        return Row(_Values(tree.items, lines), at, tree.like or tree)
-    return Block(_Items(tree.items, lines), at, tree.like or tree)
+    if isinstance(tree, TreeList):
+        return TreeList(_Values(tree.items, lines), at, tree.original or tree)
+    return TreeMapping(_Items(tree.items, lines), at, tree.original or tree)
 
 
 def _below(at: Location, lines: int) -> Location:
@@ -27,24 +28,24 @@ def _below(at: Location, lines: int) -> Location:
 
 
 @dataclass(frozen=True, eq=False)
-class _Items(Mapping[str, Item]):
-    items_above: Mapping[str, Item]
+class _Items(Mapping[str, TreeEntry]):
+    unshifted: Mapping[str, TreeEntry]
     lines: int
 
-    def __getitem__(self, key: str) -> Item:
-        item = self.items_above[key]
-        return Item(_below(item.at, self.lines), moved(item.value, self.lines))
+    def __getitem__(self, key: str) -> TreeEntry:
+        item = self.unshifted[key]
+        return TreeEntry(_below(item.at, self.lines), line_shifted(item.value, self.lines))
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self.items_above)
+        return iter(self.unshifted)
 
     def __len__(self) -> int:
-        return len(self.items_above)
+        return len(self.unshifted)
 
 
 @dataclass(frozen=True, eq=False)
 class _Values(Sequence[Tree]):
-    values_above: Sequence[Tree]
+    unshifted: Sequence[Tree]
     lines: int
 
     @overload
@@ -52,15 +53,15 @@ class _Values(Sequence[Tree]):
     @overload
     def __getitem__(self, at: slice) -> tuple[Tree, ...]: ...
     def __getitem__(self, at: int | slice) -> Tree | tuple[Tree, ...]:
-        found = self.values_above[at]
+        values = self.unshifted[at]
         return (
-            tuple(moved(value, self.lines) for value in found)
-            if isinstance(found, Sequence)
-            else moved(found, self.lines)
+            tuple(line_shifted(value, self.lines) for value in values)
+            if isinstance(values, Sequence)
+            else line_shifted(values, self.lines)
         )
 
     def __len__(self) -> int:
-        return len(self.values_above)
+        return len(self.unshifted)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Sequence) and tuple(self) == tuple(other)

@@ -1,4 +1,4 @@
-"""Every asset and every heading that a program writes, each with the path where it stands."""
+"""Lists every asset, every yaw and every placement of a program, each with its path."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from schemas.scene.program import (
     SlotGroup,
 )
 
-Heading: TypeAlias = Background | Ranges | Pose | Slot
+WithYaw: TypeAlias = Background | Ranges | Pose | Slot
 
 
 class WrittenAsset(NamedTuple):
-    """An asset where it is written, with the scale and role of the object that it is for."""
+    """An asset with its path in the program, and the scale and role of the object that uses it."""
 
     path: Path
     asset: Asset | str
@@ -49,8 +49,8 @@ def written_assets(program: SceneProgram) -> Iterator[WrittenAsset]:
         yield WrittenAsset(path, ground.asset, ground.scale, None, True)
 
 
-def written_headings(program: SceneProgram) -> Iterator[tuple[Path, Heading]]:
-    """Whatever has a heading: backgrounds, ranges (those of keep-outs too), poses, slots."""
+def written_yaws(program: SceneProgram) -> Iterator[tuple[Path, WithYaw]]:
+    """All items with a yaw: backgrounds, ranges (also of keep-outs), poses, slots."""
     if program.background is not None:
         yield ("background",), program.background
     for i, variant in enumerate(program.variants.backgrounds):

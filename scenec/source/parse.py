@@ -1,4 +1,5 @@
-"""YAML 1.2 text as a tree with file, line and column; bounded in bytes, depth and values."""
+"""Parses YAML 1.2 text into a tree whose values carry file, line and column; bounded in bytes, depth and number of
+values."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from scenec.source.tree import Block, Item, Row, Scalar, Tree
+from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 
 MAX_BYTES = 1_000_000
@@ -30,7 +31,7 @@ class Parsed(NamedTuple):
 
 
 def parse(data: bytes, file: str, depth: int = 0, line: int = 0) -> Parsed:
-    """The tree of a text that begins `depth` levels deep and `line` lines down in another; findings call it `file`.
+    """Parses a text that begins `depth` levels deep and `line` lines down in another; findings name it `file`.
 
     Raises InvalidInput (`scene/yaml-syntax`, `scene/file-too-large`) when there is no tree.
     """
@@ -42,8 +43,8 @@ def parse(data: bytes, file: str, depth: int = 0, line: int = 0) -> Parsed:
         yaml = YAML(typ="safe", pure=True)
         root = yaml.compose(data.decode("utf-8-sig"))
         reader = _Reader(file, yaml, line)
-        empty = Block({}, Location(file=file, line=1, column=1))
-        return Parsed(reader.tree(root, depth) if root is not None else empty, tuple(reader.found), reader.values)
+        empty = TreeMapping({}, Location(file=file, line=1, column=1))
+        return Parsed(reader.tree(root, depth) if root is not None else empty, tuple(reader.diagnostics), reader.values)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = Location(file=file, line=mark.line + 1, column=mark.column + 1) if mark else Location(file=file)
@@ -58,15 +59,15 @@ def parse(data: bytes, file: str, depth: int = 0, line: int = 0) -> Parsed:
 
 
 def too_large(headline: str, where: Location, value: float | None, bound: float, unit: str) -> InvalidInput:
-    """The text passes a bound."""
+    """The error for a text that exceeds a size bound."""
     return InvalidInput(finding("scene/file-too-large", headline, where=where, value=value, bound=bound, unit=unit))
 
 
 def _open_brackets(data: bytes) -> int:
-    """The most brackets that are open at once, or a bound of that within MAX_BRACKETS; those in comments and texts
-    count, too, which does no harm so far up.
+    """The largest number of brackets open at once, or an upper bound of it that is at most MAX_BRACKETS.
 
-    The parser's time grows with the square of it.
+    Brackets in comments and strings are counted as well; the limit is high enough for that. The parser's time grows
+    with the square of this number.
     """
     if (most := data.count(b"[") + data.count(b"{")) <= MAX_BRACKETS:
         return most
@@ -76,11 +77,11 @@ def _open_brackets(data: bytes) -> int:
 
 
 class _Reader:
-    """Turns syntax nodes into the tree. An alias is read once and counts in full wherever it stands."""
+    """Turns syntax nodes into the tree. An alias is read once and counts in full at every place where it is used."""
 
     def __init__(self, file: str, yaml: YAML, line: int) -> None:
         self.file, self.yaml, self.line = file, yaml, line
-        self.found: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.values = self.deepest = 0
         self._read: dict[int, tuple[Tree, int, int]] = {}  # by node: its tree, how many values it holds, its depth
 
@@ -89,7 +90,7 @@ class _Reader:
         self.values += max(values, 1)
         if self.values > MAX_VALUES:
             raise too_large("the program holds too many values", self._at(node), None, MAX_VALUES, "values")
-        if depth + height > MAX_DEPTH:  # An alias inside of what it stands for ends here, too.
+        if depth + height > MAX_DEPTH:  # An alias inside its own anchor ends here, too.
             raise too_large(f"{self.file} is nested too deeply", self._at(node), depth + height, MAX_DEPTH, "levels")
         self.deepest = max(self.deepest, depth + height)
         if tree is None:
@@ -104,28 +105,30 @@ class _Reader:
         if isinstance(node, MappingNode):
             return self._block(node, at, depth)
         if isinstance(node, SequenceNode):
-            return Row(tuple(self.tree(item, depth + 1) for item in node.value), at)
+            return TreeList(tuple(self.tree(item, depth + 1) for item in node.value), at)
         assert isinstance(node, ScalarNode), "YAML has three kinds of nodes"
         return self._scalar(node, at)
 
-    def _block(self, node: MappingNode, at: Location, depth: int) -> Block:
-        items: dict[str, Item] = {}
+    def _block(self, node: MappingNode, at: Location, depth: int) -> TreeMapping:
+        items: dict[str, TreeEntry] = {}
         for key, value in node.value:
             here = self._at(key)
             if not isinstance(key, ScalarNode):
-                self.found.append(finding("scene/yaml-syntax", "a key is a list or a mapping", where=here))
+                self.diagnostics.append(finding("scene/yaml-syntax", "a key is a list or a mapping", where=here))
             elif key.value in items:
-                self.found.append(finding("scene/yaml-syntax", f"the key `{key.value}` stands here twice", where=here))
+                self.diagnostics.append(
+                    finding("scene/yaml-syntax", f"the key `{key.value}` stands here twice", where=here)
+                )
             else:
-                items[key.value] = Item(here, self.tree(value, depth + 1))
-        return Block(items, at)
+                items[key.value] = TreeEntry(here, self.tree(value, depth + 1))
+        return TreeMapping(items, at)
 
     def _scalar(self, node: ScalarNode, at: Location) -> Scalar:
         tag = str(node.tag)
         if tag in _READ:
             return Scalar(self.yaml.constructor.construct_object(node), node.value, at)
         if tag not in _TEXT:
-            self.found.append(finding("scene/yaml-syntax", f"the tag `{tag}` has no meaning here", where=at))
+            self.diagnostics.append(finding("scene/yaml-syntax", f"the tag `{tag}` has no meaning here", where=at))
         return Scalar(node.value, node.value, at)
 
     def _at(self, node: Node) -> Location:

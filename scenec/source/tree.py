@@ -1,4 +1,4 @@
-"""The text of a program as a tree in which every value remembers where it was written."""
+"""Syntax tree of a program: scalars, lists and mappings, each with its location (file, line, column)."""
 
 from __future__ import annotations
 
@@ -21,86 +21,86 @@ class Scalar:
 
 
 @dataclass(frozen=True)
-class Item:
-    """One entry of a mapping: where its key stands, and its value."""
+class TreeEntry:
+    """One entry of a mapping: the location of its key, and its value."""
 
     at: Location
     value: Tree
 
 
 @dataclass(frozen=True)
-class Block:
-    """A mapping, in the order of the text. `like` is the same elsewhere in a text (see
+class TreeMapping:
+    """A mapping, in the order of the text. `original` is the tree that this one is a line-shifted copy of, if any (see
     `scenec.source.line_shifted`).
     """
 
-    items: Mapping[str, Item]
+    items: Mapping[str, TreeEntry]
     at: Location
-    like: Block | None = field(default=None, repr=False, compare=False)
+    original: TreeMapping | None = field(default=None, repr=False, compare=False)
 
     @cached_property
-    def has_rules(self) -> bool:
-        """Whether a key in it is a rule for overlays, such as `$append`."""
-        if self.like is not None:
-            return self.like.has_rules
-        return any(key[:1] == "$" or _has_rules(item.value) for key, item in self.items.items())
+    def has_overlay_rules(self) -> bool:
+        """Whether it holds an overlay rule such as `$append` at any depth."""
+        if self.original is not None:
+            return self.original.has_overlay_rules
+        return any(key[:1] == "$" or _has_overlay_rules(item.value) for key, item in self.items.items())
 
     @cached_property
     def plain(self) -> dict[str, Any]:
-        """The same without places in the text: one object wherever the text stands."""
-        if self.like is not None:
-            return self.like.plain
+        """The same without locations: one object, shared by all line-shifted copies."""
+        if self.original is not None:
+            return self.original.plain
         return {key: plain(item.value) for key, item in self.items.items()}
 
 
 @dataclass(frozen=True)
-class Row:
-    """A list. `like` is the same elsewhere in a text (see `scenec.source.line_shifted`)."""
+class TreeList:
+    """A list. `original` as for `TreeMapping`."""
 
     items: Sequence[Tree]
     at: Location
-    like: Row | None = field(default=None, repr=False, compare=False)
+    original: TreeList | None = field(default=None, repr=False, compare=False)
 
     @cached_property
-    def has_rules(self) -> bool:
-        """Whether a key in it is a rule for overlays."""
-        if self.like is not None:
-            return self.like.has_rules
-        return any(map(_has_rules, self.items))
+    def has_overlay_rules(self) -> bool:
+        """Whether it holds an overlay rule at any depth."""
+        if self.original is not None:
+            return self.original.has_overlay_rules
+        return any(map(_has_overlay_rules, self.items))
 
     @cached_property
     def plain(self) -> list[Any]:
-        """The same without places in the text: one object wherever the text stands."""
-        if self.like is not None:
-            return self.like.plain
+        """The same without locations: one object, shared by all line-shifted copies."""
+        if self.original is not None:
+            return self.original.plain
         return [plain(item) for item in self.items]
 
 
-Tree: TypeAlias = Scalar | Block | Row
+Tree: TypeAlias = Scalar | TreeMapping | TreeList
 
 
-def _has_rules(tree: Tree) -> bool:
-    return not isinstance(tree, Scalar) and tree.has_rules
+def _has_overlay_rules(tree: Tree) -> bool:
+    return not isinstance(tree, Scalar) and tree.has_overlay_rules
 
 
 @dataclass(frozen=True)
 class Spans:
-    """Where each value of a program stands in its files."""
+    """Locations of the values of a program in its files, by path."""
 
     tree: Tree | None = None
     file: str | None = None
 
     def place(self, path: Path = ()) -> Location:
-        """File, line and column of what stands at `path`, or of the deepest part of it that exists.
+        """Location of the value at `path`, or of the deepest part of the path that exists.
 
-        A single value begins where it is written, a mapping or list at its key.
+        That of a scalar is its own, that of a mapping or list is the location of its key.
         """
         at, node = Location(file=self.file, line=1, column=1), self.tree
         for step in path:
-            if isinstance(node, Block) and str(step) in node.items:
+            if isinstance(node, TreeMapping) and str(step) in node.items:
                 item = node.items[str(step)]
                 at, node = item.value.at if isinstance(item.value, Scalar) else item.at, item.value
-            elif isinstance(node, Row) and isinstance(step, int) and step < len(node.items):
+            elif isinstance(node, TreeList) and isinstance(step, int) and step < len(node.items):
                 node = node.items[step]
                 at = node.at
             else:
@@ -108,19 +108,19 @@ class Spans:
         return at
 
     def key(self, path: Path) -> Location:
-        """Where the last key of `path` stands."""
+        """Location of the last key of `path`."""
         node = child(self.tree, path[:-1])
-        if path and isinstance(node, Block) and str(path[-1]) in node.items:
+        if path and isinstance(node, TreeMapping) and str(path[-1]) in node.items:
             return node.items[str(path[-1])].at
         return self.place(path)
 
 
 def child(tree: Tree | None, path: Path) -> Tree | None:
-    """What stands at `path`, None where nothing does."""
+    """The subtree at `path`, None where there is none."""
     for step in path:
-        if isinstance(tree, Block) and str(step) in tree.items:
+        if isinstance(tree, TreeMapping) and str(step) in tree.items:
             tree = tree.items[str(step)].value
-        elif isinstance(tree, Row) and isinstance(step, int) and step < len(tree.items):
+        elif isinstance(tree, TreeList) and isinstance(step, int) and step < len(tree.items):
             tree = tree.items[step]
         else:
             return None
@@ -128,11 +128,11 @@ def child(tree: Tree | None, path: Path) -> Tree | None:
 
 
 def plain(tree: Tree) -> Any:
-    """The tree as dicts, lists and values; not to be changed, for the tree keeps it."""
+    """The tree as dicts, lists and values. Callers must not change it: the tree caches it."""
     return tree.value if isinstance(tree, Scalar) else tree.plain
 
 
 def written(path: Path) -> str:
-    """A path as people write it: `relations[2].gap`."""
+    """A path as text: `relations[2].gap`."""
     text = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in path)
     return text.removeprefix(".")

@@ -1,4 +1,5 @@
-"""A tree against the model of the language: every error of it as one finding where it stands."""
+"""Validates a syntax tree against the pydantic model of the language; every error becomes one finding at its
+location."""
 
 from __future__ import annotations
 
@@ -10,11 +11,11 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from scenec.ir.derivation_cache import Memo
+from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import Path
 from scenec.source.hint import did_you_mean
 from scenec.source.language import keys_at
-from scenec.source.tree import Block, Row, Scalar, Spans, Tree, child, plain, written
+from scenec.source.tree import Scalar, Spans, Tree, TreeList, TreeMapping, child, plain, written
 from schemas.diagnostics import Diagnostic, finding
 from schemas.scene.program import LayoutNode, SceneObject, SceneProgram
 
@@ -22,16 +23,18 @@ LONGEST_TEXT = 60
 MOST_KEYS = 16  # are listed where none is near the one written
 
 
-def validate(tree: Tree, spans: Spans, memo: Memo | None = None) -> tuple[SceneProgram | None, tuple[Diagnostic, ...]]:
-    """The program, or None and all that is wrong with its keys and values, in the order of the text.
+def validate(
+    tree: Tree, spans: Spans, derivations: DerivationCache | None = None
+) -> tuple[SceneProgram | None, tuple[Diagnostic, ...]]:
+    """The program, or None and findings for all invalid keys and values, in the order of the text.
 
-    Objects and nodes whose text `memo` knows are the same objects as before, wherever that text stands.
+    Objects and nodes whose text is in `derivations` are the same Python objects as before, on whatever line they are.
     """
-    if memo is not None:
+    if derivations is not None:
         try:
-            return SceneProgram.model_validate(_with_known_parts(tree, memo)), ()
+            return SceneProgram.model_validate(_with_known_parts(tree, derivations)), ()
         except ValidationError:
-            pass  # what is wrong is told of the whole
+            pass  # validated again below as a whole, for complete findings
     values, as_text = plain(tree), set[Path]()
     while True:
         try:
@@ -41,24 +44,29 @@ def validate(tree: Tree, spans: Spans, memo: Memo | None = None) -> tuple[SceneP
         numbers = [p.path for p in places if p.error["type"] == "string_type" and _is_number(child(tree, p.path))]
         if not set(numbers) - as_text:
             break
-        values = deepcopy(values) if numbers else values  # The tree keeps its own.
-        for path in numbers:  # An id such as 007 is meant as it is written.
+        values = deepcopy(values) if numbers else values  # The tree caches the original.
+        for path in numbers:  # An id such as 007 means its text.
             _write(values, path, child(tree, path).text)  # pyright: ignore[reportOptionalMemberAccess,reportAttributeAccessIssue]
         as_text |= set(numbers)
-    found = (_finding(place, tree, spans) for place in _one_each(places))
-    return None, tuple(sorted(found, key=lambda d: (d.where.file or "", d.where.line or 0, d.where.column or 0)))
+    findings = (_finding(place, tree, spans) for place in _one_each(places))
+    return None, tuple(sorted(findings, key=lambda d: (d.where.file or "", d.where.line or 0, d.where.column or 0)))
 
 
-def _with_known_parts(tree: Tree, memo: Memo) -> dict[str, Any]:
-    """The values of a program with its objects and nodes as models already, where they are any."""
+def _with_known_parts(tree: Tree, derivations: DerivationCache) -> dict[str, Any]:
+    """The values of a program, its valid objects and nodes already replaced by models."""
     values = dict(plain(tree))
     objects, nodes = child(tree, ("objects",)), child(tree, ("layout", "nodes"))
-    if isinstance(objects, Row):
+    if isinstance(objects, TreeList):
         parts = enumerate(map(plain, objects.items))
-        values["objects"] = [memo.get(("object", k), partial(_part, SceneObject, part), part) for k, part in parts]
-    if isinstance(nodes, Block):
+        values["objects"] = [
+            derivations.get(("object", k), partial(_part, SceneObject, part), part) for k, part in parts
+        ]
+    if isinstance(nodes, TreeMapping):
         parts = {name: plain(item.value) for name, item in nodes.items.items()}
-        known = {name: memo.get(("node", name), partial(_part, LayoutNode, part), part) for name, part in parts.items()}
+        known = {
+            name: derivations.get(("node", name), partial(_part, LayoutNode, part), part)
+            for name, part in parts.items()
+        }
         values["layout"] = {**values["layout"], "nodes": known}
     return values
 
@@ -71,7 +79,7 @@ def _part(model: type[SceneObject] | type[LayoutNode], part: Any) -> object:
 
 
 class _Place(NamedTuple):
-    """Where an error belongs, and whether the alternative of a union that it speaks of has the shape of the value."""
+    """Path of an error, and whether the union alternative that it concerns has the shape of the value."""
 
     path: Path
     fits: bool
@@ -79,7 +87,7 @@ class _Place(NamedTuple):
 
 
 def _place(tree: Tree, error: ErrorDetails) -> _Place:
-    """Pydantic's location without the marks of the alternatives that it tried."""
+    """Pydantic's location without the marks of the union alternatives that it tried."""
     node: Tree | None = tree
     path, tag_seen, fits = (), False, True
     for at, step in enumerate(error["loc"]):
@@ -98,14 +106,14 @@ def _place(tree: Tree, error: ErrorDetails) -> _Place:
 
 def _has_shape(mark: str, node: Tree | None) -> bool:
     """Whether an alternative, as pydantic marks it, is of the kind of the value."""
-    if isinstance(node, Row):
+    if isinstance(node, TreeList):
         return mark.startswith("tuple[")
     plain_text = mark == "str" or mark.startswith("literal[")
     return plain_text if isinstance(node, Scalar) else not plain_text and not mark.startswith("tuple[")
 
 
 def _one_each(places: list[_Place]) -> Iterator[_Place]:
-    """One error for each place, of the alternative that was meant."""
+    """One error for each path, that of the alternative whose shape fits."""
     fitting = [place for place in places if place.fits]
     chosen: dict[Path, _Place] = {}
     for place in [*fitting, *(p for p in places if not any(f.path[: len(p.path)] == p.path for f in fitting))]:

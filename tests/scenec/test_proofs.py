@@ -13,10 +13,10 @@ from shapely import Polygon, box
 
 from geom.planar import turned
 from scenec.check.judge_scene import violations
-from scenec.ir.problem import Domain, KeepOutIR, Placement, Problem, ReachIR, RelationIR, Spot, Thing, Volume
+from scenec.ir.problem import Domain, FixedPose, KeepOutIR, Placement, Problem, ReachIR, RelationIR, Thing, Volume
 from scenec.proofs import prove, prove_cheaply
 from scenec.proofs.exhaustive import no_arrangement
-from scenec.proofs.outlines import kernel, least_width, period, reach_bounds
+from scenec.proofs.outlines import kernel, least_width, period, support_bounds
 from tests.support.scene.proof_problems import box_body, left_of, problem, table, thing
 from tests.support.scene.random_problems import random_problem
 from tests.support.scene.truth import truth
@@ -120,8 +120,8 @@ def test_near_and_far_contradict():
 
 
 def test_more_mugs_than_hooks():
-    spots = tuple(Spot(0.2 * k, 0.0, 0.0, 0.0, f"s{k}") for k in range(2))
-    mugs = [thing(name, (0.08, 0.08), TABLE, spots=spots) for name in "abc"]
+    fixed_poses = tuple(FixedPose(0.2 * k, 0.0, 0.0, 0.0, f"s{k}") for k in range(2))
+    mugs = [thing(name, (0.08, 0.08), TABLE, fixed_poses=fixed_poses) for name in "abc"]
     assert kind(problem(mugs)) == "empty-domain"
     assert kind(problem(mugs[:2])) is None
     blocked = KeepOutIR("background", TABLE, box(0.1, -0.1, 0.3, 0.1), 0.1, ("keep_outs", 0))
@@ -170,7 +170,7 @@ def test_bounds_over_headings_hold_at_every_heading(points, low, span, aim, part
     ring = ring if Polygon(ring).exterior.is_ccw else ring[::-1]
     direction, yaw, at = np.array([np.cos(aim), np.sin(aim)]), (low, low + span), low + part * span
     along = turned(ring, at) @ direction
-    front_low, front_high, back_low, back_high = reach_bounds(ring, direction, yaw)
+    front_low, front_high, back_low, back_high = support_bounds(ring, direction, yaw)
     assert front_low - 1e-12 <= along.max() <= front_high + 1e-12
     assert back_low - 1e-12 <= -along.min() <= back_high + 1e-12
     assert least_width(ring, direction, yaw) <= np.ptp(along) + 1e-12
@@ -180,8 +180,8 @@ def test_bounds_over_headings_hold_at_every_heading(points, low, span, aim, part
 
 
 def test_symmetric_outlines_have_short_periods():
-    assert period(box_body("a", 0.1, 0.1).stances[0].slabs[0].outline_m) == pytest.approx(np.pi / 2)
-    assert period(box_body("a", 0.1, 0.05).stances[0].slabs[0].outline_m) == pytest.approx(np.pi)
+    assert period(box_body("a", 0.1, 0.1).resting_orientations[0].slabs[0].outline_m) == pytest.approx(np.pi / 2)
+    assert period(box_body("a", 0.1, 0.05).resting_orientations[0].slabs[0].outline_m) == pytest.approx(np.pi)
 
 
 @settings(max_examples=30, deadline=None)

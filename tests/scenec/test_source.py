@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scenec.source.include import load
-from scenec.source.merge import merge, settled
+from scenec.source.merge import merge, resolve_overlays
 from scenec.source.parse import parse
-from scenec.source.read import Read, read_program
+from scenec.source.read import ReadResult, read_program
 from scenec.source.tree import Spans, plain
 from tests.support.bad_inputs.scene import ANCHORS, BOX, HEAD, ON, SOUND
 
@@ -35,7 +35,7 @@ layout:
 """
 
 
-def read(folder: Path, root: Path | None = None, **files: str) -> Read:
+def read(folder: Path, root: Path | None = None, **files: str) -> ReadResult:
     for name, text in files.items():
         path = folder / f"{name.replace('__', '/')}.yaml"
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -50,7 +50,7 @@ def merged(folder: Path, over: str, base: str) -> tuple[Any, list[str]]:
     tree, found = load(folder / "over.yaml", folder.resolve())
     assert tree is not None
     rules = list(found)
-    return plain(settled(tree, rules)), [d.code for d in rules]
+    return plain(resolve_overlays(tree, rules)), [d.code for d in rules]
 
 
 def test_the_papers_overlay_reads_with_a_base_that_has_its_anchors(tmp_path: Path):
@@ -118,21 +118,21 @@ def test_every_value_keeps_its_own_file_line_and_column(tmp_path: Path):
     over = (
         "include: base.yaml\nclearance: 0.02\nobjects:\n  b:\n    scale: 2.0\n  $append:\n    - id: d\n      asset: x\n"
     )
-    found = read(tmp_path, program=over, base=SOUND)
-    assert found.spans.place(("clearance",)).model_dump(include={"file", "line", "column"}) == {
+    read_result = read(tmp_path, program=over, base=SOUND)
+    assert read_result.spans.place(("clearance",)).model_dump(include={"file", "line", "column"}) == {
         "file": "program.yaml",
         "line": 2,
         "column": 12,
     }
-    assert str(found.spans.place(("objects", 1, "scale"))) == "program.yaml:5:12"
-    assert str(found.spans.place(("objects", 1, "id"))).startswith("base.yaml:3:")
-    assert str(found.spans.place(("objects", 3, "id"))) == "program.yaml:7:11"
-    assert str(found.spans.place(("layout", "nodes", "a"))) == "base.yaml:6:5"
-    assert str(found.spans.place(("layout", "nodes", "a", "not_there"))) == "base.yaml:6:5"
+    assert str(read_result.spans.place(("objects", 1, "scale"))) == "program.yaml:5:12"
+    assert str(read_result.spans.place(("objects", 1, "id"))).startswith("base.yaml:3:")
+    assert str(read_result.spans.place(("objects", 3, "id"))) == "program.yaml:7:11"
+    assert str(read_result.spans.place(("layout", "nodes", "a"))) == "base.yaml:6:5"
+    assert str(read_result.spans.place(("layout", "nodes", "a", "not_there"))) == "base.yaml:6:5"
 
 
 def test_an_include_stands_at_any_node_and_is_relative_to_its_file(tmp_path: Path):
-    found = read(
+    read_result = read(
         tmp_path,
         program=HEAD + ANCHORS + "objects: {include: parts/objects.yaml}\nlayout: {include: parts/layout.yaml}\n",
         parts__objects=f"- {{include: one.yaml, scale: 2.0}}\n- {{id: b, asset: {BOX}}}\n",
@@ -140,9 +140,9 @@ def test_an_include_stands_at_any_node_and_is_relative_to_its_file(tmp_path: Pat
         parts__layout=f"nodes:\n  a: {{object: a, placement: {ON}}}\n  b: {{include: b.yaml}}\n",
         parts__b="object: b\nplacement: {type: surface, surface: tabletop}\n",
     )
-    assert found.program is not None, found.diagnostics
-    assert [(o.id, o.scale) for o in found.program.objects] == [("a", 2.0), ("b", 1.0)]
-    assert str(found.spans.place(("layout", "nodes", "b", "object"))) == "parts/b.yaml:1:9"
+    assert read_result.program is not None, read_result.diagnostics
+    assert [(o.id, o.scale) for o in read_result.program.objects] == [("a", 2.0), ("b", 1.0)]
+    assert str(read_result.spans.place(("layout", "nodes", "b", "object"))) == "parts/b.yaml:1:9"
 
 
 def test_of_several_includes_the_later_lies_over_the_earlier(tmp_path: Path):

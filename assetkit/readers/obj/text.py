@@ -69,7 +69,7 @@ def scan(data: bytes, where: Location) -> ObjText:
     key_index: dict[Key, int] = {}
     object_ = group = material = ""
     changed = True
-    stranger = 0
+    unknown_line = 0
     for number, line in enumerate(_lines(data), 1):
         keyword, _, row = line.partition(b" ")
         if keyword not in _COMMON:  # indented, tabbed, or a rarer statement
@@ -118,11 +118,11 @@ def scan(data: bytes, where: Location) -> ObjText:
         elif keyword == b"surf":
             text.surface_lines.append(number)
         elif keyword.lower() not in _PASSED_OVER:
-            stranger = stranger or number
+            unknown_line = unknown_line or number
     faces.keys = list(key_index)
     text.comments = tuple(comments[:HINT_LINES])
-    if stranger and not (text.vertices or faces.rows or text.libraries or text.other_elements):
-        _fail("no line of the file is an OBJ statement", stranger, 1, where)
+    if unknown_line and not (text.vertices or faces.rows or text.libraries or text.other_elements):
+        _fail("no line of the file is an OBJ statement", unknown_line, 1, where)
     return text
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from scenec.ir.problem import FloatArray
 from scenec.plan.cases.feasible import BoolArray
-from scenec.plan.cases.pool_model import Layouts, Scope
+from scenec.plan.cases.pool_model import Layouts, PoolModel
 
 ROUNDING_M = 1e-9
 
@@ -22,22 +22,22 @@ def apart(one_m: FloatArray, two_m: FloatArray, gap_m: FloatArray | float) -> Bo
     )
 
 
-def meeting(scope: Scope, layouts: Layouts) -> BoolArray:
+def meeting(pool: PoolModel, layouts: Layouts) -> BoolArray:
     """(l, n, n) whether two members share some height in each layout, and so must keep apart."""
     count, n = layouts.option.shape
-    if scope.level:
+    if pool.level:
         return np.broadcast_to(~np.eye(n, dtype=bool), (count, n, n))
     low, high = np.empty((count, n)), np.empty((count, n))
-    for i, member in enumerate(scope.members):
+    for i, member in enumerate(pool.members):
         low[:, i] = member.base_m[layouts.option[:, i]] + float(member.thing.place.origin_P_m[2])
         high[:, i] = low[:, i] + member.height_m[layouts.option[:, i]]
     meet = np.minimum(high[:, :, None], high[:, None]) - np.maximum(low[:, :, None], low[:, None]) > ROUNDING_M
     meet[:, np.arange(n), np.arange(n)] = False
     # `far_from` counts seen from above, whatever the heights.
-    return meet | (scope.least_gap_m > scope.clearance_m)
+    return meet | (pool.least_gap_m > pool.clearance_m)
 
 
-def clashes(scope: Scope, layouts: Layouts) -> BoolArray:
+def clashes(pool: PoolModel, layouts: Layouts) -> BoolArray:
     """(l, n, n) pairs whose rectangles are too close."""
     rect = layouts.rect_m
-    return meeting(scope, layouts) & ~apart(rect[:, :, None], rect[:, None], scope.least_gap_m)
+    return meeting(pool, layouts) & ~apart(rect[:, :, None], rect[:, None], pool.least_gap_m)

@@ -46,7 +46,7 @@ def may_hold(
     return (along >= 0.0) & (along <= length) & (beside <= rule.tolerance + SLACK)
 
 
-class Ahead(NamedTuple):
+class AxisOrder(NamedTuple):
     """Member `first` ends `gap_m` before member `second` begins, along axis 0 (x) or 1 (y)."""
 
     first: int
@@ -55,16 +55,16 @@ class Ahead(NamedTuple):
     gap_m: float
 
 
-def ahead(rules: Sequence[RelationIR], number: Mapping[str, int]) -> list[Ahead]:
+def axis_orders(rules: Sequence[RelationIR], number: Mapping[str, int]) -> list[AxisOrder]:
     """The `before` relations along an axis, of members by number; those against an axis the other way round."""
-    found = []
+    orders = []
     for rule in rules:
         along = axis_of(rule.direction)
         if rule.kind == "before" and along is not None:
             ends = [number[name] for name in rule.things]
             first, second = ends if rule.direction[along] > 0.0 else ends[::-1]
-            found.append(Ahead(first, second, along, rule.gap_m))
-    return found
+            orders.append(AxisOrder(first, second, along, rule.gap_m))
+    return orders
 
 
 def axis_of(direction: tuple[float, float]) -> int | None:

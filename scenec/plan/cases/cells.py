@@ -9,10 +9,10 @@ from numpy.random import Generator
 
 from scenec.ir.problem import FloatArray, ReachIR
 from scenec.plan.cases.apart import clashes
-from scenec.plan.cases.clip_cells import Freedom, clip, freedom_of
+from scenec.plan.cases.clip_cells import Freedom, clip_cells, freedom_of
 from scenec.plan.cases.feasible import BoolArray
-from scenec.plan.cases.grow_cells import grow
-from scenec.plan.cases.pool_model import GRAIN_M, IntArray, Layouts, Member, Scope
+from scenec.plan.cases.grow_cells import grow_cells
+from scenec.plan.cases.pool_model import GRAIN_M, IntArray, Layouts, Member, PoolModel
 from scenec.plan.cases.yaws import fitting, intervals
 from schemas.scene.runtime_plan import Bounds_um, Interval_urad, PlanCase
 
@@ -20,10 +20,10 @@ SPARE_M = 3 * GRAIN_M  # around the footprint of what is pinned, so that roundin
 
 
 @dataclass(frozen=True)
-class Grown:
+class GrownCells:
     """Layouts of a scope, which things are `free` (l, n) to move, their cells `rect_m` (l, n, 4), and how far."""
 
-    scope: Scope
+    pool: PoolModel
     layouts: Layouts
     free: BoolArray
     rect_m: FloatArray
@@ -31,7 +31,7 @@ class Grown:
 
 
 def cases_of(
-    scope: Scope,
+    pool: PoolModel,
     layouts: Layouts,
     rng: Generator,
     reach: ReachIR | None = None,
@@ -44,41 +44,42 @@ def cases_of(
     What cannot have a cell of its own (it meets another's rectangle, or fills a round place) is pinned where the layout
     has it; such a layout must be known to be valid.
     """
-    made = grown(scope, layouts, rng)
-    kept = clip(scope, layouts, made.freedom, reach, np.zeros(2) if base_P_m is None else base_P_m)
-    if not kept.any():  # A relation that a layout just meets leaves no slack, and none is needed where all is pinned.
-        kept[:sure] = True
-    return written(made, kept)
+    cells = grown_cells(pool, layouts, rng)
+    is_kept = clip_cells(pool, layouts, cells.freedom, reach, np.zeros(2) if base_P_m is None else base_P_m)
+    # A relation that a layout just meets leaves no slack, and none is needed where all is pinned.
+    if not is_kept.any():
+        is_kept[:sure] = True
+    return plan_cases(cells, is_kept)
 
 
-def grown(scope: Scope, layouts: Layouts, rng: Generator) -> Grown:
+def grown_cells(pool: PoolModel, layouts: Layouts, rng: Generator) -> GrownCells:
     """The layouts with cells as large as they can be, before relations limit poses inside."""
-    free = _free(scope, layouts)
-    rect = grow(scope, layouts, free, rng)
-    return Grown(scope, layouts, free, rect, freedom_of(scope, layouts, rect, free))
+    free = _free(pool, layouts)
+    rect = grow_cells(pool, layouts, free, rng)
+    return GrownCells(pool, layouts, free, rect, freedom_of(pool, layouts, rect, free))
 
 
-def written(made: Grown, kept: BoolArray) -> list[PlanCase]:
+def plan_cases(cells: GrownCells, is_kept: BoolArray) -> list[PlanCase]:
     """A case for each of the layouts that are kept (l,), with what its freedom leaves."""
-    scope, layouts, free = made.scope, made.layouts, made.free
-    columns = [_cells(m, i, layouts, made.rect_m, made.freedom, free) for i, m in enumerate(scope.members)]
+    pool, layouts, free = cells.pool, cells.layouts, cells.free
+    columns = [_cells(m, i, layouts, cells.rect_m, cells.freedom, free) for i, m in enumerate(pool.members)]
     return [
         PlanCase(
             family="point" if not free[k].any() else layouts.family[k],  # pyright: ignore[reportArgumentType]
             cells_um=tuple(column[k][0] for column in columns),
             origins_um=tuple(column[k][1] for column in columns),
             yaws_urad=tuple(column[k][2] for column in columns),
-            stances=tuple(int(m.stance[layouts.option[k, i]]) for i, m in enumerate(scope.members)),
-            base_um=tuple(_um(float(m.base_m[layouts.option[k, i]])) for i, m in enumerate(scope.members)),
+            stances=tuple(int(m.stance[layouts.option[k, i]]) for i, m in enumerate(pool.members)),
+            base_um=tuple(_um(float(m.base_m[layouts.option[k, i]])) for i, m in enumerate(pool.members)),
         )
-        for k in np.flatnonzero(kept).tolist()
+        for k in np.flatnonzero(is_kept).tolist()
     ]
 
 
-def _free(scope: Scope, layouts: Layouts) -> BoolArray:
+def _free(pool: PoolModel, layouts: Layouts) -> BoolArray:
     # (l, n) things that may have a cell of their own.
-    free = np.logical_not(np.asarray(clashes(scope, layouts)).any(axis=2))
-    for i, member in enumerate(scope.members):
+    free = np.logical_not(np.asarray(clashes(pool, layouts)).any(axis=2))
+    for i, member in enumerate(pool.members):
         stance = member.stance[layouts.option[:, i]]
         for s, room in member.room.items():
             rows = stance == s
@@ -105,27 +106,27 @@ def _cells(
     ranged = bool(np.isfinite(member.origin_m).any())
     fits = {
         s: fitting(turns, cell * GRAIN_M + shift[[0, 0, 1, 1]], box * GRAIN_M + shift[[0, 0, 1, 1]])
-        for s, turns in member.turns.items()
+        for s, turns in member.yaw_extents.items()
     }
     out = np.round(member.overhang_m / GRAIN_M + 0.499).astype(np.int64)
-    found = []
+    columns = []
     for k in range(len(layouts)):
         s, turned = int(stance[k]), round(float(yaw[k]) / GRAIN_M)
         if not free[k, i]:
-            found.append((_outward(layouts.rect_m[k, i] - shift[[0, 0, 1, 1]]), _point(at[k]), ((turned, turned),)))
+            columns.append((_outward(layouts.rect_m[k, i] - shift[[0, 0, 1, 1]]), _point(at[k]), ((turned, turned),)))
             continue
         low, high = member.thing.domain.yaw_rad
         if clipped[k]:
             low, high = float(yaw[k] - turns_left[k, 0]), float(yaw[k] + turns_left[k, 1])
-        runs = intervals(member.turns[s], fits[s][k], (low, high))
+        runs = intervals(member.yaw_extents[s], fits[s][k], (low, high))
         yaws = tuple((round(a / GRAIN_M), round(b / GRAIN_M)) for a, b in runs) or ((turned, turned),)
         x0, x1, y0, y1 = (int(v) for v in cell[k] + np.array([1, -1, 1, -1]) * out[s])
         origins = tuple(int(v) for v in box[k]) if ranged or limited[k] else None
         if yaws == ((turned, turned),) and origins is not None:
             px, _, py, _ = _point(at[k])
             origins = (min(origins[0], px), max(origins[1], px), min(origins[2], py), max(origins[3], py))
-        found.append(((x0, x1, y0, y1), origins, yaws))
-    return found
+        columns.append(((x0, x1, y0, y1), origins, yaws))
+    return columns
 
 
 def _inward(rect_m: FloatArray) -> IntArray:

@@ -17,7 +17,7 @@ from geom.planar import inner_radius
 from scenec.ir.problem import FloatArray, ReachIR, RelationIR
 from scenec.plan.cases.batch_relations import axis_of, wrapped_all
 from scenec.plan.cases.feasible import BoolArray
-from scenec.plan.cases.pool_model import Layouts, Scope
+from scenec.plan.cases.pool_model import Layouts, PoolModel
 from scenec.plan.cases.rejection import front_of
 from scenec.solve.planar import polygon
 from scenec.solve.shapes import Shape
@@ -69,12 +69,12 @@ class Freedom:
         return np.minimum(self.turn_rad, (self.spin_m / np.maximum(self.radius_m, 1e-9))[..., None])
 
 
-def freedom_of(scope: Scope, layouts: Layouts, rect_m: FloatArray, free: BoolArray) -> Freedom:
+def freedom_of(pool: PoolModel, layouts: Layouts, rect_m: FloatArray, free: BoolArray) -> Freedom:
     """All that cells allow, for free things; nothing for the others."""
     count, n = layouts.option.shape
     at = layouts.origin_m[..., [0, 0, 1, 1]]
     origin, turn, radius = at.copy(), np.zeros((count, n, 2)), np.zeros((count, n))
-    for i, member in enumerate(scope.members):
+    for i, member in enumerate(pool.members):
         radius[:, i] = np.array([shape.radius_m for shape in member.shapes])[member.stance[layouts.option[:, i]]]
         if member.pinned:
             continue
@@ -83,8 +83,8 @@ def freedom_of(scope: Scope, layouts: Layouts, rect_m: FloatArray, free: BoolArr
         whole = high - low > 2.0 * np.pi - 1e-9
         spans = np.stack([np.full(count, np.pi), np.full(count, np.pi)] if whole else [yaw - low, high - yaw], axis=1)
         stance = member.stance[layouts.option[:, i]]
-        least = np.stack([t.extent_m.min(axis=0) for t in (member.turns[s] for s in sorted(member.turns))])
-        least = least[np.searchsorted(sorted(member.turns), stance)]
+        least = np.stack([t.extent_m.min(axis=0) for t in (member.yaw_extents[s] for s in sorted(member.yaw_extents))])
+        least = least[np.searchsorted(sorted(member.yaw_extents), stance)]
         sign = np.array([1.0, -1.0, 1.0, -1.0])
         box = rect_m[:, i] + sign * least
         box[:, [0, 2]] = np.maximum(box[:, [0, 2]], member.origin_m[[0, 2]])
@@ -94,33 +94,37 @@ def freedom_of(scope: Scope, layouts: Layouts, rect_m: FloatArray, free: BoolArr
     return Freedom(origin, turn, radius, np.full((count, n, 2), np.inf), np.full((count, n), np.inf))
 
 
-def clip(scope: Scope, layouts: Layouts, freedom: Freedom, reach: ReachIR | None, base_P_m: FloatArray) -> BoolArray:
+def clip_cells(
+    pool: PoolModel, layouts: Layouts, freedom: Freedom, reach: ReachIR | None, base_P_m: FloatArray
+) -> BoolArray:
     """Shortens steps until every relation and the reach (base (2,) in P) hold for all that is left.
 
     Returns which layouts (l,) can be kept: in the others something fails even at the seed pose.
     """
-    kept = np.ones(len(layouts), dtype=bool)
-    for rule in scope.rules:
-        numbers = [scope.index[name] for name in rule.things]
+    is_kept = np.ones(len(layouts), dtype=bool)
+    for rule in pool.rules:
+        numbers = [pool.index[name] for name in rule.things]
         if rule.kind == "far_from" or (rule.kind == "before" and axis_of(rule.direction) is not None):
             continue  # kept by the rectangles
-        seed = _measure(scope, rule, layouts, numbers)
-        spins = [i for i in numbers if _turns_matter(scope, rule, i)]
-        test = partial(_holds, scope, rule, layouts, freedom, numbers, seed)
-        kept &= _lower(freedom, numbers, _axes(rule), spins, test)
+        seed = _measure(pool, rule, layouts, numbers)
+        spins = [i for i in numbers if _turns_matter(pool, rule, i)]
+        test = partial(_holds, pool, rule, layouts, freedom, numbers, seed)
+        is_kept &= _lower(freedom, numbers, _axes(rule), spins, test)
     if reach is not None:
         for name in reach.members:
-            if name in scope.index:
-                i = scope.index[name]
-                kept &= _lower(freedom, [i], slice(None), [], partial(_reached, layouts, freedom, i, reach, base_P_m))
-    return kept
+            if name in pool.index:
+                i = pool.index[name]
+                is_kept &= _lower(
+                    freedom, [i], slice(None), [], partial(_reached, layouts, freedom, i, reach, base_P_m)
+                )
+    return is_kept
 
 
-def _turns_matter(scope: Scope, rule: RelationIR, i: int) -> bool:
+def _turns_matter(pool: PoolModel, rule: RelationIR, i: int) -> bool:
     # Whether a relation may cease to hold when a thing turns on the spot.
     if rule.kind == "facing":
-        return scope.index[rule.things[0]] == i
-    return rule.kind in ("near", "before") and max(map(unevenness, scope.members[i].shapes)) > ROUND_M
+        return pool.index[rule.things[0]] == i
+    return rule.kind in ("near", "before") and max(map(unevenness, pool.members[i].shapes)) > ROUND_M
 
 
 def _axes(rule: RelationIR) -> slice:
@@ -151,13 +155,13 @@ def _lower(
     return best >= 0.0
 
 
-def shift_of(scope: Scope, layouts: Layouts, freedom: Freedom, i: int) -> tuple[FloatArray, FloatArray]:
+def shift_of(pool: PoolModel, layouts: Layouts, freedom: Freedom, i: int) -> tuple[FloatArray, FloatArray]:
     """(l,) how far the origin, and any point of the footprint, may get from where the layout has it, in P."""
     box, at = freedom.moved(layouts)[:, i], layouts.origin_m[:, i]
     dx = np.maximum(at[:, 0] - box[:, 0], box[:, 1] - at[:, 0])
     dy = np.maximum(at[:, 1] - box[:, 2], box[:, 3] - at[:, 1])
     origin = np.hypot(dx, dy)
-    member = scope.members[i]
+    member = pool.members[i]
     stance = member.stance[layouts.option[:, i]]
     uneven = np.array([unevenness(shape) for shape in member.shapes])[stance]
     turn = np.minimum(freedom.turned()[:, i].max(axis=1), np.pi)
@@ -172,36 +176,36 @@ def unevenness(shape: Shape) -> float:
     return shape.radius_m - inner if inner > 0.0 else np.inf
 
 
-def _measure(scope: Scope, rule: RelationIR, layouts: Layouts, numbers: list[int]) -> FloatArray:
+def _measure(pool: PoolModel, rule: RelationIR, layouts: Layouts, numbers: list[int]) -> FloatArray:
     # What a relation measures at the seed poses, (l,): distance of footprints, or the room before the second begins.
     if rule.kind == "near":
-        return np.array([_apart(scope, layouts, k, *numbers) for k in range(len(layouts))])
+        return np.array([_apart(pool, layouts, k, *numbers) for k in range(len(layouts))])
     if rule.kind == "before":
         d = np.asarray(rule.direction)
-        ends = [[(_hull(scope, layouts, k, i) @ d) for i in numbers] for k in range(len(layouts))]
+        ends = [[(_hull(pool, layouts, k, i) @ d) for i in numbers] for k in range(len(layouts))]
         return np.array([float(two.min() - one.max()) for one, two in ends])
     return np.zeros(len(layouts))
 
 
-def _hull(scope: Scope, layouts: Layouts, k: int, i: int) -> FloatArray:
-    member, option = scope.members[i], int(layouts.option[k, i])
+def _hull(pool: PoolModel, layouts: Layouts, k: int, i: int) -> FloatArray:
+    member, option = pool.members[i], int(layouts.option[k, i])
     turned = member.shapes[int(member.stance[option])].turned(float(member.yaw_rad[option]))
     return turned.hull + layouts.origin_m[k, i]
 
 
-def _apart(scope: Scope, layouts: Layouts, k: int, i: int, j: int) -> float:
+def _apart(pool: PoolModel, layouts: Layouts, k: int, i: int, j: int) -> float:
     pieces = []
     for number in (i, j):
-        member, option = scope.members[number], int(layouts.option[k, number])
+        member, option = pool.members[number], int(layouts.option[k, number])
         turned = member.shapes[int(member.stance[option])].turned(float(member.yaw_rad[option]))
         pieces.append([polygon(piece + layouts.origin_m[k, number]) for piece in turned.pieces])
     return min(one.distance(two) for one in pieces[0] for two in pieces[1])
 
 
 def _holds(
-    scope: Scope, rule: RelationIR, layouts: Layouts, freedom: Freedom, numbers: list[int], seed: FloatArray
+    pool: PoolModel, rule: RelationIR, layouts: Layouts, freedom: Freedom, numbers: list[int], seed: FloatArray
 ) -> BoolArray:
-    shifts = [shift_of(scope, layouts, freedom, i) for i in numbers]
+    shifts = [shift_of(pool, layouts, freedom, i) for i in numbers]
     if rule.kind in ("near", "before"):
         moved = shifts[0][1] + shifts[1][1] + ROUNDING
         return seed + moved <= rule.gap_m if rule.kind == "near" else seed - moved >= rule.gap_m
@@ -215,7 +219,7 @@ def _holds(
     origins = [shift[0] + ROUNDING / 2 for shift in shifts]
     if rule.kind == "facing":
         turn = freedom.turned()[:, numbers[0]].max(axis=1)
-        heading = front_of(scope.members[numbers[0]], layouts.option[:, numbers[0]])
+        heading = front_of(pool.members[numbers[0]], layouts.option[:, numbers[0]])
         return facing_kept(at, heading, origins[0] + origins[1], turn, rule.tolerance)
     return between_kept(at, origins, rule.tolerance)
 

@@ -8,13 +8,13 @@ from itertools import pairwise
 import networkx as nx
 
 from scenec.ir.problem import WORLD_PARENT, RelationIR
-from scenec.plan.cases.cross_owner_relations import view_of
+from scenec.plan.cases.cross_owner_relations import cross_owner_relation
 from scenec.solve.coupling import lifted, overlapping
-from scenec.solve.model import Model
+from scenec.solve.model import SolverModel
 
 
 @dataclass(frozen=True)
-class Tied:
+class JointPool:
     """Things chosen together: `groups` of one owner each, and the relations that are measured across owners."""
 
     groups: tuple[tuple[str, ...], ...]
@@ -27,19 +27,19 @@ class Tied:
 
 
 @dataclass(frozen=True)
-class Pools:
+class PoolPartition:
     """`tied` things by their first; `frozen` things keep the solved pose; `model` has rules as pools keep them.
 
     Pools are independent: their things stand on different owners, or can never meet. What stands on an owner is inside
     its footprint, so that owners apart are enough.
     """
 
-    tied: tuple[Tied, ...]
+    joint_pools: tuple[JointPool, ...]
     frozen: frozenset[str]
-    model: Model
+    model: SolverModel
 
 
-def pools_of(base: Model) -> Pools:
+def pools_of(base: SolverModel) -> PoolPartition:
     """Things of one owner that may meet or that a relation ties are one group.
 
     A relation across owners is lifted to these where that is stricter (what stands on a tray is left of a box when the
@@ -58,11 +58,11 @@ def pools_of(base: Model) -> Pools:
     home = {name: k for k, names in enumerate(groups) for name in names}
     pools: nx.Graph[int] = nx.Graph()
     pools.add_nodes_from(range(len(groups)))
-    links = [[home[name] for name in view_of(model, rule).links] for rule in across]
+    links = [[home[name] for name in cross_owner_relation(model, rule).links] for rule in across]
     for numbers in links:
         pools.add_edges_from(pairwise(numbers))
-    tied = [
-        Tied(
+    joint_pools = [
+        JointPool(
             tuple(groups[k] for k in sorted(numbers)),
             tuple(rule for rule, at in zip(across, links, strict=True) if at[0] in numbers),
         )
@@ -73,4 +73,4 @@ def pools_of(base: Model) -> Pools:
         for name in model.problem.reach.members:
             if model.things[name].parent != WORLD_PARENT:
                 frozen |= set(model.chains[name])
-    return Pools(tuple(sorted(tied, key=lambda one: one.names)), frozenset(frozen), model)
+    return PoolPartition(tuple(sorted(joint_pools, key=lambda one: one.names)), frozenset(frozen), model)

@@ -13,17 +13,23 @@ import numpy as np
 from numpy.random import Generator
 
 from scenec.ir.problem import FloatArray, RelationIR
-from scenec.plan.cases.cells import Grown, grown, written
-from scenec.plan.cases.clip_cells import STEPS_M, clip
-from scenec.plan.cases.cross_owner_relations import Part, View, kept_across, measured, view_of
+from scenec.plan.cases.cells import GrownCells, grown_cells, plan_cases
+from scenec.plan.cases.clip_cells import STEPS_M, clip_cells
+from scenec.plan.cases.cross_owner_relations import (
+    CrossOwnerRelation,
+    OwnerLayouts,
+    cross_owner_relation,
+    holds_across_owners,
+    relation_values,
+)
 from scenec.plan.cases.feasible import BoolArray
-from scenec.plan.cases.pool import SURPLUS, Asked, reach_P, solved_layout
-from scenec.plan.cases.pool_model import Layouts, Scope, joined, scope_of
+from scenec.plan.cases.pool import SURPLUS, PoolRequest, reach_P, solved_layout
+from scenec.plan.cases.pool_model import Layouts, PoolModel, joined, pool_model_of
 from scenec.plan.cases.quality import quality
-from scenec.plan.cases.rejection import TRIES, seeded
+from scenec.plan.cases.rejection import TRIES, rejection_layouts
 from scenec.plan.cases.select import selected
 from scenec.plan.cases.signature import distinct
-from scenec.solve.model import Model
+from scenec.solve.model import SolverModel
 from scenec.solve.streams import stream
 from schemas.scene.runtime_plan import PlanCase
 
@@ -31,63 +37,71 @@ LOT = 4096  # layouts of each owner, and put together at once
 MOST_LOTS = 24
 
 
-def tied_cases(
-    model: Model, asked: Asked, groups: Sequence[Sequence[str]], rules: Sequence[RelationIR]
+def cross_owner_cases(
+    model: SolverModel, request: PoolRequest, groups: Sequence[Sequence[str]], rules: Sequence[RelationIR]
 ) -> list[PlanCase]:
     """Cases for all things of the groups, each of one owner, in the order of their names; none where no layout leaves
     any room for the `rules` across them."""
-    rng = stream(asked.seed, "tied", *asked.names)
-    scopes = [scope_of(model, names, asked.frozen, asked.solved) for names in groups]
-    views = [view_of(model, rule) for rule in sorted(rules, key=lambda rule: rule.kind in ("near", "far_from"))]
-    layouts = _together(scopes, views, asked, rng)
-    made = [grown(scope, part, rng) for scope, part in zip(scopes, layouts, strict=True)]
-    kept = np.ones(len(layouts[0]), dtype=bool)
-    for one in made:
-        kept &= clip(one.scope, one.layouts, one.freedom, *reach_P(model, one.scope))
-    parts = {name: Part(one.scope, one.layouts, one.freedom) for one in made for name in one.scope.names}
-    for view in views:
-        kept &= _shortened(view, parts)
-    cases = distinct(asked.names, _merged(asked.names, made, kept))
-    members = sorted((member for scope in scopes for member in scope.members), key=lambda member: member.name)
-    whole = Scope(tuple(members), scopes[0].clearance_m, (), model)
-    return selected(whole, cases, asked.want)
+    rng = stream(request.seed, "tied", *request.names)
+    pools = [pool_model_of(model, names, request.frozen, request.solved) for names in groups]
+    relations = [
+        cross_owner_relation(model, rule) for rule in sorted(rules, key=lambda rule: rule.kind in ("near", "far_from"))
+    ]
+    layouts = _together(pools, relations, request, rng)
+    cells_by_owner = [grown_cells(pool, part, rng) for pool, part in zip(pools, layouts, strict=True)]
+    is_kept = np.ones(len(layouts[0]), dtype=bool)
+    for one in cells_by_owner:
+        is_kept &= clip_cells(one.pool, one.layouts, one.freedom, *reach_P(model, one.pool))
+    parts = {
+        name: OwnerLayouts(one.pool, one.layouts, one.freedom) for one in cells_by_owner for name in one.pool.names
+    }
+    for relation in relations:
+        is_kept &= _shortened(relation, parts)
+    cases = distinct(request.names, _merged(request.names, cells_by_owner, is_kept))
+    members = sorted((member for pool in pools for member in pool.members), key=lambda member: member.name)
+    whole = PoolModel(tuple(members), pools[0].clearance_m, (), model)
+    return selected(whole, cases, request.count)
 
 
-def _together(scopes: Sequence[Scope], views: Sequence[View], asked: Asked, rng: Generator) -> list[Layouts]:
+def _together(
+    pools: Sequence[PoolModel], relations: Sequence[CrossOwnerRelation], request: PoolRequest, rng: Generator
+) -> list[Layouts]:
     """Layouts (l) of each scope that belong together, the solved ones first."""
-    solved = [solved_layout(scope, asked.solved) for scope in scopes]
-    pools = [joined([one, _random(scope, rng)]) for scope, one in zip(scopes, solved, strict=True)]
-    want = int(SURPLUS * asked.want)
-    found = [[one] for one in solved]
+    solved = [solved_layout(pool, request.solved) for pool in pools]
+    candidates_of_owner = [joined([one, _random(pool, rng)]) for pool, one in zip(pools, solved, strict=True)]
+    want = int(SURPLUS * request.count)
+    layouts_by_owner = [[one] for one in solved]
     count = 1
     for number in range(MOST_LOTS):
-        lot = [pool.take(rng.integers(len(pool), size=LOT)) for pool in pools]
+        lot = [candidates.take(rng.integers(len(candidates), size=LOT)) for candidates in candidates_of_owner]
         good = np.ones(LOT, dtype=bool)
-        for view in views:
+        for relation in relations:
             rows = np.flatnonzero(good)
             left = [part.take(rows) for part in lot]
-            parts = {name: Part(scope, one) for scope, one in zip(scopes, left, strict=True) for name in scope.names}
-            good[rows] = kept_across(view, parts, measured(view, parts))
+            parts = {
+                name: OwnerLayouts(pool, one) for pool, one in zip(pools, left, strict=True) for name in pool.names
+            }
+            good[rows] = holds_across_owners(relation, parts, relation_values(relation, parts))
         rows = np.flatnonzero(good)[: want - count]
         count += len(rows)
-        for part, kept in zip(lot, found, strict=True):
-            kept.append(part.take(rows))
+        for part, chosen in zip(lot, layouts_by_owner, strict=True):
+            chosen.append(part.take(rows))
         if count >= want or (number >= MOST_LOTS // 4 and count == 1):
             break
-    return [joined(parts) for parts in found]
+    return [joined(parts) for parts in layouts_by_owner]
 
 
-def _random(scope: Scope, rng: Generator) -> Layouts:
-    found = seeded(scope, LOT, rng, 1)
-    return found if len(found) >= LOT // 16 else joined([found, seeded(scope, LOT // 4, rng, TRIES)])
+def _random(pool: PoolModel, rng: Generator) -> Layouts:
+    layouts = rejection_layouts(pool, LOT, rng, 1)
+    return layouts if len(layouts) >= LOT // 16 else joined([layouts, rejection_layouts(pool, LOT // 4, rng, TRIES)])
 
 
-def _shortened(view: View, parts: Mapping[str, Part]) -> BoolArray:
+def _shortened(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) -> BoolArray:
     """Shortens the steps of all links until a relation holds for all that is left; which layouts (l,) can be kept."""
-    measure = measured(view, parts)
-    links = [(parts[name], parts[name].scope.index[name], name in view.turning) for name in view.links]
+    values = relation_values(relation, parts)
+    links = [(parts[name], parts[name].pool.index[name], name in relation.turning) for name in relation.links]
     before = [(_steps(part)[:, i].copy(), _spins(part)[:, i].copy()) for part, i, _ in links]
-    best = np.full(len(measure), -1.0)
+    best = np.full(len(values), -1.0)
 
     def limit(step_m: FloatArray) -> None:
         for (part, i, turns), (step, spin) in zip(links, before, strict=True):
@@ -95,33 +109,33 @@ def _shortened(view: View, parts: Mapping[str, Part]) -> BoolArray:
             _spins(part)[:, i] = np.minimum(spin, step_m) if turns else spin
 
     for step_m in STEPS_M:
-        limit(np.full(len(measure), step_m))
-        best = np.where((best < 0.0) & kept_across(view, parts, measure), step_m, best)
+        limit(np.full(len(values), step_m))
+        best = np.where((best < 0.0) & holds_across_owners(relation, parts, values), step_m, best)
         if (best >= 0.0).all():
             break
     limit(np.maximum(best, 0.0))
     return best >= 0.0
 
 
-def _steps(part: Part) -> FloatArray:
+def _steps(part: OwnerLayouts) -> FloatArray:
     assert part.freedom is not None, "cells were grown"
     return part.freedom.step_m
 
 
-def _spins(part: Part) -> FloatArray:
+def _spins(part: OwnerLayouts) -> FloatArray:
     assert part.freedom is not None, "cells were grown"
     return part.freedom.spin_m
 
 
-def _merged(names: Sequence[str], made: Sequence[Grown], kept: BoolArray) -> list[PlanCase]:
+def _merged(names: Sequence[str], cells_by_owner: Sequence[GrownCells], is_kept: BoolArray) -> list[PlanCase]:
     # The cases of all owners as one, things in the order of names; quality is the mean over things.
-    found = [written(one, kept) for one in made]
-    order = [name for one in made for name in one.scope.names]
+    cases_by_owner = [plan_cases(one, is_kept) for one in cells_by_owner]
+    order = [name for one in cells_by_owner for name in one.pool.names]
     pick = [order.index(name) for name in names]
     merged = []
-    for cases in zip(*found, strict=True):
-        rates = [quality(one.scope, case) for one, case in zip(made, cases, strict=True)]
-        worth = np.average(rates, weights=[len(one.scope.members) for one in made])
+    for cases in zip(*cases_by_owner, strict=True):
+        rates = [quality(one.pool, case) for one, case in zip(cells_by_owner, cases, strict=True)]
+        worth = np.average(rates, weights=[len(one.pool.members) for one in cells_by_owner])
         columns = [
             [row for case in cases for row in getattr(case, key)]
             for key in ("cells_um", "origins_um", "yaws_urad", "stances", "base_um")

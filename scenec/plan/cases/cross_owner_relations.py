@@ -17,22 +17,22 @@ import shapely
 from scenec.ir.problem import WORLD_PARENT, FloatArray, RelationIR
 from scenec.plan.cases.clip_cells import ROUND_M, ROUNDING, Freedom, between_kept, facing_kept, shift_of, unevenness
 from scenec.plan.cases.feasible import BoolArray
-from scenec.plan.cases.pool_model import IntArray, Layouts, Scope
-from scenec.solve.model import Model
+from scenec.plan.cases.pool_model import IntArray, Layouts, PoolModel
+from scenec.solve.model import SolverModel
 from scenec.solve.shapes import Shape
 
 
 @dataclass(frozen=True)
-class Part:
+class OwnerLayouts:
     """Things of one owner in l layouts, with how far they may move (None: not at all)."""
 
-    scope: Scope
+    pool: PoolModel
     layouts: Layouts
     freedom: Freedom | None = None
 
 
 @dataclass(frozen=True)
-class Seen:
+class RelativePoses:
     """A thing seen from a base: `at_m` (l, 2) and `yaw_rad` (l,) in the layouts; how far its origin, any point of its
     footprint and its heading may get from there, each (l,)."""
 
@@ -46,7 +46,7 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class View:
+class CrossOwnerRelation:
     """A relation, the base it is measured from, and the links that decide it: things between the base and its members
     or its frame. `turning` are those whose turning counts."""
 
@@ -56,7 +56,7 @@ class View:
     turning: tuple[str, ...]
 
 
-def view_of(model: Model, rule: RelationIR) -> View:
+def cross_owner_relation(model: SolverModel, rule: RelationIR) -> CrossOwnerRelation:
     """How a relation across owners is measured."""
     chains = [model.chains[name] for name in rule.things]
     if rule.kind in ("before", "aligned"):
@@ -72,26 +72,28 @@ def view_of(model: Model, rule: RelationIR) -> View:
         turning |= {rule.things[0]}
     elif rule.kind in ("near", "far_from", "before"):
         turning |= {name for name in rule.things if max(map(unevenness, model.shapes[name])) > ROUND_M}
-    return View(rule, base, links, tuple(sorted(turning & set(links))))
+    return CrossOwnerRelation(rule, base, links, tuple(sorted(turning & set(links))))
 
 
-def kept_across(view: View, parts: Mapping[str, Part], measure: FloatArray) -> BoolArray:
+def holds_across_owners(
+    relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts], values: FloatArray
+) -> BoolArray:
     """(l,) whether a relation holds for every pose that is left to its links; `measure` as in `measured`."""
-    rule = view.rule
-    seen = _seen_by_rule(view, parts)
+    rule = relation.rule
+    poses = _member_poses(relation, parts)
     if rule.kind in ("near", "far_from", "before"):
-        moved = seen[0].outline_m + seen[1].outline_m + len(view.links) * ROUNDING
+        moved = poses[0].outline_m + poses[1].outline_m + len(relation.links) * ROUNDING
         if rule.kind == "near":
-            return measure + moved <= rule.gap_m
+            return values + moved <= rule.gap_m
         if rule.kind == "before":
-            span = np.hypot(*(seen[1].at_m - seen[0].at_m).T) + sum(_radius(one) + one.outline_m for one in seen[:2])
-            moved = moved + _sway(seen[-1].turn_rad) * span
-        return measure - moved >= rule.gap_m
-    at = np.stack([one.at_m for one in seen[: len(rule.things)]], axis=1)
-    moved = [one.origin_m + len(view.links) * ROUNDING for one in seen[: len(rule.things)]]
+            span = np.hypot(*(poses[1].at_m - poses[0].at_m).T) + sum(_radius(one) + one.outline_m for one in poses[:2])
+            moved = moved + _sway(poses[-1].turn_rad) * span
+        return values - moved >= rule.gap_m
+    at = np.stack([one.at_m for one in poses[: len(rule.things)]], axis=1)
+    moved = [one.origin_m + len(relation.links) * ROUNDING for one in poses[: len(rule.things)]]
     if rule.kind == "facing":
-        front = np.array([shape.front_rad for shape in seen[0].shapes])[seen[0].stance]
-        return facing_kept(at, seen[0].yaw_rad + front, moved[0] + moved[1], seen[0].turn_rad, rule.tolerance)
+        front = np.array([shape.front_rad for shape in poses[0].shapes])[poses[0].stance]
+        return facing_kept(at, poses[0].yaw_rad + front, moved[0] + moved[1], poses[0].turn_rad, rule.tolerance)
     if rule.kind == "between":
         return between_kept(at, moved, rule.tolerance)
     dx, dy = rule.direction
@@ -99,76 +101,80 @@ def kept_across(view: View, parts: Mapping[str, Part], measure: FloatArray) -> B
     most = np.max(moved, axis=0)
     middle = at.mean(axis=1, keepdims=True)
     span = 2.0 * (np.hypot(*np.moveaxis(at - middle, -1, 0)).max(axis=1) + most)
-    return np.ptp(across, axis=1) + 2.0 * most + _sway(seen[-1].turn_rad) * span <= rule.tolerance
+    return np.ptp(across, axis=1) + 2.0 * most + _sway(poses[-1].turn_rad) * span <= rule.tolerance
 
 
-def measured(view: View, parts: Mapping[str, Part]) -> FloatArray:
+def relation_values(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) -> FloatArray:
     """What a relation measures in each layout (l,): the distance of footprints, or the room before the second begins;
     0 for those that origins and headings decide."""
-    rule = view.rule
-    seen = _seen_by_rule(view, parts)
+    rule = relation.rule
+    poses = _member_poses(relation, parts)
     if rule.kind == "before":
-        ends = [_hull_along(one, rule.direction) for one in seen[:2]]
+        ends = [_hull_along(one, rule.direction) for one in poses[:2]]
         return ends[1].min(axis=1) - ends[0].max(axis=1)
     if rule.kind in ("near", "far_from"):
-        gap = np.hypot(*(seen[1].at_m - seen[0].at_m).T) - _radius(seen[0]) - _radius(seen[1])
+        gap = np.hypot(*(poses[1].at_m - poses[0].at_m).T) - _radius(poses[0]) - _radius(poses[1])
         rows = np.flatnonzero(gap <= rule.gap_m) if rule.kind == "near" else np.arange(len(gap))
-        pieces = [_pieces(one, rows) for one in seen[:2]]  # Those too far for circles around them are too far.
+        pieces = [_pieces(one, rows) for one in poses[:2]]  # Those too far for circles around them are too far.
         gaps = [shapely.distance(one, two) for one in pieces[0] for two in pieces[1]]
         gap[rows] = np.nanmin(np.stack(gaps), axis=0)
         return gap
-    return np.zeros(len(seen[0].yaw_rad))
+    return np.zeros(len(poses[0].yaw_rad))
 
 
-def _seen_by_rule(view: View, parts: Mapping[str, Part]) -> list[Seen]:
+def _member_poses(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) -> list[RelativePoses]:
     # The members of a rule along the axes of its frame, and that frame last.
-    rule, known = view.rule, dict[str, Seen]()
-    frame = rule.frame if rule.kind in ("before", "aligned") and rule.frame != WORLD_PARENT else view.base
-    axes = _seen(frame, view.base, parts, known)
+    rule, known = relation.rule, dict[str, RelativePoses]()
+    frame = rule.frame if rule.kind in ("before", "aligned") and rule.frame != WORLD_PARENT else relation.base
+    axes = _relative_poses(frame, relation.base, parts, known)
     c, s = np.cos(axes.yaw_rad), np.sin(axes.yaw_rad)
-    found = []
+    members = []
     for name in rule.things:
-        one = _seen(name, view.base, parts, known)
+        one = _relative_poses(name, relation.base, parts, known)
         x, y = one.at_m.T
         at = np.stack([c * x + s * y, c * y - s * x], axis=1)
-        shapes = _shapes(name, view, parts)
+        shapes = _shapes(name, relation, parts)
         stance = one.stance
-        found.append(Seen(at, one.yaw_rad - axes.yaw_rad, stance, one.origin_m, one.outline_m, one.turn_rad, shapes))
-    return [*found, axes]
+        members.append(
+            RelativePoses(at, one.yaw_rad - axes.yaw_rad, stance, one.origin_m, one.outline_m, one.turn_rad, shapes)
+        )
+    return [*members, axes]
 
 
-def _shapes(name: str, view: View, parts: Mapping[str, Part]) -> tuple[Shape, ...]:
+def _shapes(name: str, relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) -> tuple[Shape, ...]:
     # Of a base the upright stance alone: it carries the others, seen along its own axes.
-    shapes = next(iter(parts.values())).scope.model.shapes[name]
-    return shapes if name != view.base else tuple(shape for shape in shapes if shape.upright)
+    shapes = next(iter(parts.values())).pool.model.shapes[name]
+    return shapes if name != relation.base else tuple(shape for shape in shapes if shape.upright)
 
 
-def _seen(name: str, base: str, parts: Mapping[str, Part], known: dict[str, Seen]) -> Seen:
+def _relative_poses(
+    name: str, base: str, parts: Mapping[str, OwnerLayouts], known: dict[str, RelativePoses]
+) -> RelativePoses:
     if name in known:
         return known[name]
     if name == base:
         count = len(next(iter(parts.values())).layouts)
         none = np.zeros(count)
-        known[name] = Seen(np.zeros((count, 2)), none, np.zeros(count, dtype=np.int64), none, none, none)
+        known[name] = RelativePoses(np.zeros((count, 2)), none, np.zeros(count, dtype=np.int64), none, none, none)
         return known[name]
     part = parts[name]
-    i = part.scope.index[name]
-    member, option, p = part.scope.members[i], part.layouts.option[:, i], part.layouts.origin_m[:, i]
-    owner = _seen(member.thing.parent, base, parts, known)
+    i = part.pool.index[name]
+    member, option, p = part.pool.members[i], part.layouts.option[:, i], part.layouts.origin_m[:, i]
+    owner = _relative_poses(member.thing.parent, base, parts, known)
     c, s = np.cos(owner.yaw_rad), np.sin(owner.yaw_rad)
     at = owner.at_m + np.stack([c * p[:, 0] - s * p[:, 1], s * p[:, 0] + c * p[:, 1]], axis=1)
     radius = np.array([shape.radius_m for shape in member.shapes])[member.stance[option]]
-    own, outline, turn = (np.zeros(len(at)),) * 3
+    origin_shift, outline_shift, turn = (np.zeros(len(at)),) * 3
     if part.freedom is not None:
-        own, outline = shift_of(part.scope, part.layouts, part.freedom, i)
+        origin_shift, outline_shift = shift_of(part.pool, part.layouts, part.freedom, i)
         turn = part.freedom.turned()[:, i].max(axis=1)
     sway, out = _sway(owner.turn_rad), np.hypot(*p.T)
-    known[name] = Seen(
+    known[name] = RelativePoses(
         at,
         owner.yaw_rad + member.yaw_rad[option],
         member.stance[option],
-        owner.origin_m + sway * out + own,
-        owner.origin_m + sway * (out + radius) + outline,
+        owner.origin_m + sway * out + origin_shift,
+        owner.origin_m + sway * (out + radius) + outline_shift,
         owner.turn_rad + turn,
     )
     return known[name]
@@ -179,30 +185,32 @@ def _sway(turn_rad: FloatArray) -> FloatArray:
     return 2.0 * np.sin(np.minimum(turn_rad, np.pi) / 2.0)
 
 
-def _radius(one: Seen) -> FloatArray:
+def _radius(one: RelativePoses) -> FloatArray:
     return np.array([shape.radius_m for shape in one.shapes])[one.stance]
 
 
-def _hull_along(one: Seen, direction: tuple[float, float]) -> FloatArray:
+def _hull_along(one: RelativePoses, direction: tuple[float, float]) -> FloatArray:
     # (l, v) corners of the footprint's hull along a direction; repeated where a stance has fewer.
     most = max(len(shape.hull) for shape in one.shapes)
     hulls = np.stack([np.resize(shape.hull, (most, 2)) for shape in one.shapes])[one.stance]
     dx, dy = direction
     c, s = np.cos(one.yaw_rad), np.sin(one.yaw_rad)
-    ahead, beside = (c * dx + s * dy)[:, None], (c * dy - s * dx)[:, None]
-    return ahead * hulls[..., 0] + beside * hulls[..., 1] + (one.at_m @ np.array(direction))[:, None]
+    along_x, along_y = (c * dx + s * dy)[:, None], (c * dy - s * dx)[:, None]
+    return along_x * hulls[..., 0] + along_y * hulls[..., 1] + (one.at_m @ np.array(direction))[:, None]
 
 
-def _pieces(one: Seen, rows: IntArray) -> Sequence[np.ndarray]:
+def _pieces(one: RelativePoses, rows: IntArray) -> Sequence[np.ndarray]:
     # Polygons in some layouts (r,), an array for each piece that any stance has; None where a stance has fewer.
     most = max(len(shape.pieces) for shape in one.shapes)
-    found = [np.full(len(rows), None, dtype=object) for _ in range(most)]
+    polygons = [np.full(len(rows), None, dtype=object) for _ in range(most)]
     for stance, shape in enumerate(one.shapes):
         mine = np.flatnonzero(one.stance[rows] == stance)
         yaw, at = one.yaw_rad[rows[mine]], one.at_m[rows[mine]]
         c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
-        for made, piece in zip(found, shape.pieces, strict=False):
+        for polygons_of_piece, piece in zip(polygons, shape.pieces, strict=False):
             x, y = piece.T
             if len(mine):
-                made[mine] = shapely.polygons(np.stack([c * x - s * y, s * x + c * y], axis=-1) + at[:, None])
-    return found
+                polygons_of_piece[mine] = shapely.polygons(
+                    np.stack([c * x - s * y, s * x + c * y], axis=-1) + at[:, None]
+                )
+    return polygons

@@ -10,22 +10,22 @@ from numpy.random import Generator
 
 from scenec.ir.problem import FloatArray
 from scenec.plan.cases.apart import meeting
-from scenec.plan.cases.batch_relations import ahead
+from scenec.plan.cases.batch_relations import axis_orders
 from scenec.plan.cases.feasible import BoolArray
-from scenec.plan.cases.pool_model import Layouts, Scope
+from scenec.plan.cases.pool_model import Layouts, PoolModel
 
 STEPS_M = (0.04, 0.04, 0.02, 0.02, 0.01, 0.01, 0.005, np.inf)  # the last one closes what is left
 
 
-def grow(scope: Scope, layouts: Layouts, free: BoolArray, rng: Generator) -> FloatArray:
+def grow_cells(pool: PoolModel, layouts: Layouts, free: BoolArray, rng: Generator) -> FloatArray:
     """Rectangles (l, n, 4) around those of the layouts; only those that are `free` (l, n) grow."""
     rect = layouts.rect_m.copy()
-    meet, bounds = meeting(scope, layouts), _ahead(scope)
-    turns = [(i, side) for i in range(len(scope.members)) for side in range(4) if free[:, i].any()]
+    meet, bounds = meeting(pool, layouts), _orders_by_side(pool)
+    turns = [(i, side) for i in range(len(pool.members)) for side in range(4) if free[:, i].any()]
     for step in STEPS_M:
         for turn in rng.permutation(len(turns)).tolist():
             i, side = turns[turn]
-            out = _limit(scope, layouts, rect, meet, i, side)
+            out = _limit(pool, layouts, rect, meet, i, side)
             for j, along, gap in bounds.get((i, side), ()):
                 bound = rect[:, j, 2 * along] - gap if side % 2 else rect[:, j, 2 * along + 1] + gap
                 out = np.minimum(out, bound) if side % 2 else np.maximum(out, bound)
@@ -39,9 +39,9 @@ def grow(scope: Scope, layouts: Layouts, free: BoolArray, rng: Generator) -> Flo
     return rect
 
 
-def _limit(scope: Scope, layouts: Layouts, rect: FloatArray, meet: BoolArray, i: int, side: int) -> FloatArray:
+def _limit(pool: PoolModel, layouts: Layouts, rect: FloatArray, meet: BoolArray, i: int, side: int) -> FloatArray:
     # (l,) how far a side of member i may be moved out before it meets its place, its range, or another cell.
-    member, along, high = scope.members[i], side // 2, side % 2 == 1
+    member, along, high = pool.members[i], side // 2, side % 2 == 1
     mine = rect[:, i]
     out = np.empty(len(rect))
     stance = member.stance[layouts.option[:, i]]
@@ -49,10 +49,10 @@ def _limit(scope: Scope, layouts: Layouts, rect: FloatArray, meet: BoolArray, i:
         rows = stance == s
         out[rows] = room.limit(mine[rows], side)
     if not member.pinned:
-        most = max(float(t.most_m[:, side].max()) for t in member.turns.values())
+        most = max(float(t.most_m[:, side].max()) for t in member.yaw_extents.values())
         reach = member.origin_m[side] + (most if high else -most)
         out = np.minimum(out, reach) if high else np.maximum(out, reach)
-    gap = scope.least_gap_m[i][None]
+    gap = pool.least_gap_m[i][None]
     low_m, high_m = mine[:, None, 2 - 2 * along], mine[:, None, 3 - 2 * along]
     beside = (
         meet[:, i]
@@ -66,10 +66,10 @@ def _limit(scope: Scope, layouts: Layouts, rect: FloatArray, meet: BoolArray, i:
     return np.maximum(out, np.where(beside & (edge <= mine[:, None, side] + 1e-9), edge, -np.inf).max(axis=1))
 
 
-def _ahead(scope: Scope) -> dict[tuple[int, int], list[tuple[int, int, float]]]:
+def _orders_by_side(pool: PoolModel) -> dict[tuple[int, int], list[tuple[int, int, float]]]:
     # For (member, side): members that a directional relation along an axis keeps beyond that side, axis and gap.
-    found: dict[tuple[int, int], list[tuple[int, int, float]]] = {}
-    for first, second, along, gap_m in ahead(scope.rules, scope.index):
-        found.setdefault((first, 2 * along + 1), []).append((second, along, gap_m))
-        found.setdefault((second, 2 * along), []).append((first, along, gap_m))
-    return found
+    orders: dict[tuple[int, int], list[tuple[int, int, float]]] = {}
+    for first, second, along, gap_m in axis_orders(pool.rules, pool.index):
+        orders.setdefault((first, 2 * along + 1), []).append((second, along, gap_m))
+        orders.setdefault((second, 2 * along), []).append((first, along, gap_m))
+    return orders

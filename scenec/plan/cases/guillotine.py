@@ -13,14 +13,14 @@ from numpy.random import Generator
 
 from scenec.ir.problem import FloatArray
 from scenec.plan.cases.pool_model import IntArray
-from scenec.plan.cases.slots import Ways, leaning
+from scenec.plan.cases.slots import SlotOptions, ordered_by_bias
 
 ASKEW = 0.3  # how much chance moves a cut away from the share of the areas
 SQUARE = 0.8  # chance that the longer side is cut
 
 
 @dataclass(frozen=True)
-class Part:
+class SlicingTree:
     """A part of the place: member `number`, or two halves one after the other along axis `along`.
 
     `least_m` (2,) is what it needs at least; `share` of the length goes to the first half if both have room then.
@@ -30,15 +30,15 @@ class Part:
     number: int = -1
     along: int = 0
     share: float = 0.0
-    halves: tuple[Part, ...] = ()
+    halves: tuple[SlicingTree, ...] = ()
 
 
-def guillotine(box_m: FloatArray, ways: Ways, gap_m: float, rng: Generator) -> FloatArray | None:
+def guillotine(box_m: FloatArray, slot_options: SlotOptions, gap_m: float, rng: Generator) -> FloatArray | None:
     """Slots (n, 4) in a box (4,), or None where a partition needs more than the box."""
-    n = len(ways.least_m)
-    area = (ways.size_m + gap_m).prod(axis=-1).min(axis=1)
+    n = len(slot_options.least_m)
+    area = (slot_options.size_m + gap_m).prod(axis=-1).min(axis=1)
     size = box_m[[1, 3]] - box_m[[0, 2]]
-    whole = _cut(ways, rng.permutation(n), size, area, gap_m, rng)
+    whole = _cut(slot_options, rng.permutation(n), size, area, gap_m, rng)
     if (whole.least_m > size + 1e-9).any():
         return None
     slots = np.zeros((n, 4))
@@ -57,14 +57,16 @@ def guillotine(box_m: FloatArray, ways: Ways, gap_m: float, rng: Generator) -> F
     return slots
 
 
-def _cut(ways: Ways, members: IntArray, size_m: FloatArray, area_m2: FloatArray, gap_m: float, rng: Generator) -> Part:
+def _cut(
+    slot_options: SlotOptions, members: IntArray, size_m: FloatArray, area_m2: FloatArray, gap_m: float, rng: Generator
+) -> SlicingTree:
     # A random partition among some members of about this size (2,).
     if len(members) == 1:
         i = int(members[0])
-        tight = (ways.size_m[i] / np.maximum(size_m, 1e-9)).max(axis=1)
-        return Part(ways.size_m[i, int(tight.argmin())], i)
+        tight = (slot_options.size_m[i] / np.maximum(size_m, 1e-9)).max(axis=1)
+        return SlicingTree(slot_options.size_m[i, int(tight.argmin())], i)
     along = 0 if (size_m[0] > size_m[1]) == (rng.random() < SQUARE) else 1
-    members = leaning(ways, members, along, rng)
+    members = ordered_by_bias(slot_options, members, along, rng)
     at = int(rng.integers(max(1, len(members) // 3), len(members) - len(members) // 3 + (len(members) < 3)))
     at = min(max(at, 1), len(members) - 1)
     share = float(area_m2[members[:at]].sum() / area_m2[members].sum())
@@ -72,9 +74,9 @@ def _cut(ways: Ways, members: IntArray, size_m: FloatArray, area_m2: FloatArray,
     one, two = size_m.copy(), size_m.copy()
     one[along], two[along] = share * (size_m[along] - gap_m), (1.0 - share) * (size_m[along] - gap_m)
     halves = (
-        _cut(ways, members[:at], one, area_m2, gap_m, rng),
-        _cut(ways, members[at:], two, area_m2, gap_m, rng),
+        _cut(slot_options, members[:at], one, area_m2, gap_m, rng),
+        _cut(slot_options, members[at:], two, area_m2, gap_m, rng),
     )
     least = np.maximum(halves[0].least_m, halves[1].least_m)
     least[along] = halves[0].least_m[along] + gap_m + halves[1].least_m[along]
-    return Part(least, along=along, share=share, halves=halves)
+    return SlicingTree(least, along=along, share=share, halves=halves)

@@ -13,15 +13,15 @@ from scenec.plan.cases.cells import cases_of
 from scenec.plan.cases.free_rectangle import free_rectangle
 from scenec.plan.cases.grid import grid
 from scenec.plan.cases.guillotine import guillotine
-from scenec.plan.cases.pool_model import GRAIN_M, Layouts, Member, Scope, around, joined, scope_of
+from scenec.plan.cases.pool_model import GRAIN_M, Layouts, Member, PoolModel, around, joined, pool_model_of
 from scenec.plan.cases.quality import quality
-from scenec.plan.cases.rejection import TRIES, seeded
+from scenec.plan.cases.rejection import TRIES, rejection_layouts
 from scenec.plan.cases.select import FEW, selected
 from scenec.plan.cases.shelf import shelf
 from scenec.plan.cases.signature import distinct
-from scenec.plan.cases.slots import seated, ways_of
+from scenec.plan.cases.slots import layouts_in_slots, slot_options_of
 from scenec.plan.cases.strip import strips
-from scenec.solve.model import Model
+from scenec.solve.model import SolverModel
 from scenec.solve.streams import stream
 from schemas.scene.runtime_plan import PlanCase
 
@@ -32,82 +32,82 @@ SURPLUS_OF_FEW, SURPLUS = 3.0, 1.3  # layouts made for each case wanted
 
 
 @dataclass(frozen=True)
-class Asked:
+class PoolRequest:
     """What a pool is made from: its things, poses that are frozen, the solved assignment, how many cases, the seed."""
 
     names: tuple[str, ...]
     frozen: Mapping[str, Placement]
     solved: Mapping[str, Placement]
-    want: int
+    count: int
     seed: int
 
 
-def pool_cases(model: Model, asked: Asked) -> list[PlanCase]:
+def pool_cases(model: SolverModel, request: PoolRequest) -> list[PlanCase]:
     """Cases for the things of a pool in the order of their names; at least the solved layout as it is."""
-    scope = scope_of(model, asked.names, asked.frozen, asked.solved)
-    reach, base = reach_P(model, scope)
-    rng = stream(asked.seed, "cases", *asked.names)
-    if len(scope.members) == 1 and not scope.members[0].pinned:
-        alone = _alone(scope, asked, reach, base)
+    pool = pool_model_of(model, request.names, request.frozen, request.solved)
+    reach, base = reach_P(model, pool)
+    rng = stream(request.seed, "cases", *request.names)
+    if len(pool.members) == 1 and not pool.members[0].pinned:
+        alone = _alone(pool, request, reach, base)
         if alone:
-            return [case.model_copy(update={"quality": quality(scope, case)}) for case in alone]
-    surplus = int((SURPLUS_OF_FEW if len(scope.members) <= FEW else SURPLUS) * asked.want)
-    parts = [solved_layout(scope, asked.solved)]
-    parts.append(seeded(scope, surplus - 1, rng, 1))
+            return [case.model_copy(update={"quality": quality(pool, case)}) for case in alone]
+    surplus = int((SURPLUS_OF_FEW if len(pool.members) <= FEW else SURPLUS) * request.count)
+    parts = [solved_layout(pool, request.solved)]
+    parts.append(rejection_layouts(pool, surplus - 1, rng, 1))
     if (missing := surplus - sum(map(len, parts))) > 0:
         # Crowded, or tied by relations: no exact shares to keep, and more variety by structure.
-        orderly = structured(scope, round(STRUCTURED * missing), rng) if len(scope.members) > 2 else []
-        parts.append(seeded(scope, missing - sum(map(len, orderly)), rng, TRIES))
+        orderly = structured(pool, round(STRUCTURED * missing), rng) if len(pool.members) > 2 else []
+        parts.append(rejection_layouts(pool, missing - sum(map(len, orderly)), rng, TRIES))
         missing = surplus - sum(map(len, [*parts, *orderly]))
-        parts += orderly if missing <= 0 else [*orderly, *structured(scope, missing, rng)]
-    cases = cases_of(scope, joined(parts), rng, reach, base, sure=1)
-    judged = [case.model_copy(update={"quality": quality(scope, case)}) for case in distinct(asked.names, cases)]
-    return selected(scope, judged, asked.want)
+        parts += orderly if missing <= 0 else [*orderly, *structured(pool, missing, rng)]
+    cases = cases_of(pool, joined(parts), rng, reach, base, sure=1)
+    judged = [case.model_copy(update={"quality": quality(pool, case)}) for case in distinct(request.names, cases)]
+    return selected(pool, judged, request.count)
 
 
-def structured(scope: Scope, want: int, rng: Generator) -> list[Layouts]:
+def structured(pool: PoolModel, want: int, rng: Generator) -> list[Layouts]:
     """Layouts of the four structured families on the place that all members share, `want` or fewer in all."""
-    box, ways = _shared_box(scope), ways_of(scope)
+    box, slot_options = _shared_box(pool), slot_options_of(pool)
     if box is None:
         return []
-    found: list[Layouts] = []
+    layouts: list[Layouts] = []
     for number, (name, family) in enumerate(FAMILIES):
-        share = -(-(want - sum(map(len, found))) // (len(FAMILIES) - number))
+        share = -(-(want - sum(map(len, layouts))) // (len(FAMILIES) - number))
         slots, misses = [], 0
         while len(slots) < share and misses < MISSES + 4 * len(slots):
-            cut = family(box, ways, scope.clearance_m + 2 * GRAIN_M, rng)
+            cut = family(box, slot_options, pool.clearance_m + 2 * GRAIN_M, rng)
             misses += cut is None
             slots += [] if cut is None else [cut]
         if slots:
-            found.append(seated(scope, ways, np.array(slots), name, rng))
-    return found
+            layouts.append(layouts_in_slots(pool, slot_options, np.array(slots), name, rng))
+    return layouts
 
 
-def _shared_box(scope: Scope) -> FloatArray | None:
+def _shared_box(pool: PoolModel) -> FloatArray | None:
     # The box of the one place on which all free members are; None where they are on several.
-    boxes = [room.box_m for m in scope.members if not m.pinned for room in m.room.values()]
+    boxes = [room.box_m for m in pool.members if not m.pinned for room in m.room.values()]
     same = boxes and all(np.array_equal(box, boxes[0]) for box in boxes)
     return boxes[0] + GRAIN_M * np.array([1.0, -1.0, 1.0, -1.0]) if same else None
 
 
-def _alone(scope: Scope, asked: Asked, reach: ReachIR | None, base_P_m: np.ndarray) -> list[PlanCase]:
+def _alone(pool: PoolModel, request: PoolRequest, reach: ReachIR | None, base_P_m: np.ndarray) -> list[PlanCase]:
     # A cell that is the whole of a plain rectangle, or strips.
-    (member,) = scope.members
+    (member,) = pool.members
     plain = not any(len(room.ends_m) or room.blocks for room in member.room.values())
     if not plain or (reach is not None and member.name in reach.members):
-        return strips(scope, reach, base_P_m)
-    rng = stream(asked.seed, "alone", member.name)
-    found = seeded(scope, 64, rng, TRIES)
-    stances = member.stance[found.option[:, 0]]
-    first = [int(np.flatnonzero(stances == s)[0]) for s in sorted(set(stances.tolist()))]
-    return cases_of(scope, found.take(first), rng) if first else []
+        return strips(pool, reach, base_P_m)
+    rng = stream(request.seed, "alone", member.name)
+    layouts = rejection_layouts(pool, 64, rng, TRIES)
+    member_stance = member.stance[layouts.option[:, 0]]
+    first = [int(np.flatnonzero(member_stance == s)[0]) for s in sorted(set(member_stance.tolist()))]
+    return cases_of(pool, layouts.take(first), rng) if first else []
 
 
-def solved_layout(scope: Scope, solved: Mapping[str, Placement]) -> Layouts:
+def solved_layout(pool: PoolModel, solved: Mapping[str, Placement]) -> Layouts:
     """The solver's assignment as the only layout; the option of a free member follows its grid."""
-    n = len(scope.members)
+    n = len(pool.members)
     option, origin, rect = np.zeros((1, n), dtype=np.int64), np.zeros((1, n, 2)), np.zeros((1, n, 4))
-    for i, member in enumerate(scope.members):
+    for i, member in enumerate(pool.members):
         placement = solved[member.name]
         shift = np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
         origin[0, i] = placement.x_m + shift[0], placement.y_m + shift[1]
@@ -125,9 +125,9 @@ def _nearest(member: Member, placement: Placement) -> int:
     return int(off.argmin())
 
 
-def reach_P(model: Model, scope: Scope) -> tuple[ReachIR | None, np.ndarray]:
+def reach_P(model: SolverModel, pool: PoolModel) -> tuple[ReachIR | None, np.ndarray]:
     """The reach and its base in the background's frame; None for things on movable owners, which are frozen."""
     reach = model.problem.reach
-    if reach is None or scope.members[0].thing.parent != WORLD_PARENT:
+    if reach is None or pool.members[0].thing.parent != WORLD_PARENT:
         return None, np.zeros(2)
     return reach, (np.linalg.inv(model.problem.X_WB) @ (*reach.base_m, 1.0))[:2]

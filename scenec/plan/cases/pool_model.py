@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from scenec.ir.problem import FloatArray, Placement, RelationIR, Thing
 from scenec.plan.cases.feasible import Feasible, feasible_on
-from scenec.solve.model import SLACK_M, Model, Site
+from scenec.solve.model import SLACK_M, Site, SolverModel
 from scenec.solve.planar import hull_of, polygon
-from scenec.solve.search import spot_placements
+from scenec.solve.search import fixed_pose_placements
 from scenec.solve.shapes import Shape
 
 IntArray = NDArray[np.int64]
@@ -28,7 +28,7 @@ GRAIN_M, GRAIN_RAD = 1e-6, 1e-6  # cells are kept in whole micrometres and micro
 
 
 @dataclass(frozen=True)
-class Turns:
+class YawExtents:
     """A stance turned: `edges` (k + 1,) yaws, `extent_m` (k + 1, 4) at these, `most_m` (k, 4) between two of them.
 
     The extent is that of the footprint from the asset origin towards -x, +x, -y, +y of P. `most_m` is an upper bound:
@@ -40,17 +40,17 @@ class Turns:
     most_m: FloatArray
 
 
-def turns_of(shape: Shape, low: float, high: float) -> Turns:
+def yaw_extents_of(shape: Shape, low: float, high: float) -> YawExtents:
     """The turns of a shape, with what it carries, over a span of yaws."""
     count = max(1, ceil((high - low) / YAW_STEP - 1e-9))
     edges = np.linspace(low, high, count + 1) if high > low else np.array([low, low])
     reach = extent_at(shape, edges)
     rise = shape.radius_m * (1.0 - cos((edges[1] - edges[0]) / 2.0))
-    return Turns(edges, reach, np.maximum(reach[:-1], reach[1:]) + rise)
+    return YawExtents(edges, reach, np.maximum(reach[:-1], reach[1:]) + rise)
 
 
 def extent_at(shape: Shape, yaw_rad: FloatArray) -> FloatArray:
-    """Reach (k, 4), as in `Turns`, at yaws (k,)."""
+    """Reach (k, 4), as in `YawExtents`, at yaws (k,)."""
     beyond = overhang_m(shape)
     x, y = (own_hull(shape) if beyond > 0.0 else shape.hull).T
     cosine, sine = np.cos(yaw_rad)[:, None], np.sin(yaw_rad)[:, None]
@@ -68,20 +68,20 @@ def overhang_m(shape: Shape) -> float:
     """How far what a body carries may stick out of its own footprint: 0 unless a place was drawn beyond it."""
     if shape.own == len(shape.slabs):
         return 0.0
-    own = polygon(own_hull(shape))
-    out = float(shapely.distance(shapely.points(shape.hull), own).max())
+    hull_polygon = polygon(own_hull(shape))
+    out = float(shapely.distance(shapely.points(shape.hull), hull_polygon).max())
     return out if out > GRAIN_M else 0.0
 
 
 @dataclass(frozen=True)
 class Member:
-    """One thing of a scope. Options (m,): `stance`, `yaw_rad`, `base_m`, `height_m`; `extent_m` (m, 4) as in `Turns`;
-    `at_m` (m, 2) their origins in P, NaN where these are free. Only the first `grid` are drawn, the other is the
-    pose that the solver found. `origin_m` (4,) bounds the origin in P; `overhang_m` by stance: see there."""
+    """One thing of a scope. Options (m,): `stance`, `yaw_rad`, `base_m`, `height_m`; `extent_m` (m, 4) as in
+    `YawExtents`; `at_m` (m, 2) their origins in P, NaN where these are free. Only the first `grid` are drawn, the other
+    is the pose that the solver found. `origin_m` (4,) bounds the origin in P; `overhang_m` by stance: see there."""
 
     thing: Thing
     shapes: tuple[Shape, ...]
-    turns: Mapping[int, Turns]
+    yaw_extents: Mapping[int, YawExtents]
     room: Mapping[int, Feasible]
     stance: IntArray
     yaw_rad: FloatArray
@@ -106,13 +106,13 @@ class Member:
 
 
 @dataclass(frozen=True)
-class Scope:
+class PoolModel:
     """Members in the order of their names, the clearance between them, rules among them (frame P)."""
 
     members: tuple[Member, ...]
     clearance_m: float
     rules: tuple[RelationIR, ...]
-    model: Model
+    model: SolverModel
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -173,21 +173,21 @@ def joined(parts: Sequence[Layouts]) -> Layouts:
     )
 
 
-def scope_of(
-    model: Model,
+def pool_model_of(
+    model: SolverModel,
     names: Sequence[str],
     fixed: Mapping[str, Placement],
     solved: Mapping[str, Placement],
-) -> Scope:
+) -> PoolModel:
     """The scope of some things of one owner; those in `fixed` have one pose only. The `solved` assignment adds an
     option to each of the others."""
     inside = set(names)
     rules = tuple(rule for rule in model.rules if inside.issuperset(rule.things) and model.in_one_frame(rule))
     members = tuple(_member(model, name, fixed.get(name), solved[name]) for name in sorted(names))
-    return Scope(members, model.problem.clearance_m, rules, model)
+    return PoolModel(members, model.problem.clearance_m, rules, model)
 
 
-def _member(model: Model, name: str, fixed: Placement | None, solved: Placement) -> Member:
+def _member(model: SolverModel, name: str, fixed: Placement | None, solved: Placement) -> Member:
     thing, shapes = model.things[name], model.shapes[name]
     domain, site = thing.domain, model.site(thing)
     (xa, xb), (ya, yb) = domain.x_m, domain.y_m
@@ -196,8 +196,8 @@ def _member(model: Model, name: str, fixed: Placement | None, solved: Placement)
     poses: list[Placement] = []
     if fixed is not None:
         poses = [fixed]
-    elif domain.spots:
-        poses = [pose for k in range(len(domain.spots)) for pose in spot_placements(model, thing, k)]
+    elif domain.fixed_poses:
+        poses = [pose for k in range(len(domain.fixed_poses)) for pose in fixed_pose_placements(model, thing, k)]
     overhang = np.array([overhang_m(shape) for shape in shapes])
     if poses:
         used = sorted({pose.stance for pose in poses})
@@ -213,18 +213,20 @@ def _member(model: Model, name: str, fixed: Placement | None, solved: Placement)
             len(poses),
             True,
         )
-    stances = [s for s in model.stances(thing) if _stands(shapes[s], site) <= site.top_m + SLACK_M]
+    orientations = [s for s in model.allowed_orientations(thing) if _stands(shapes[s], site) <= site.top_m + SLACK_M]
     low, high = domain.yaw_rad
-    turns = {s: turns_of(shapes[s], low, high) for s in stances}
+    yaw_extents = {s: yaw_extents_of(shapes[s], low, high) for s in orientations}
     drop = 1 if high - low > 2 * pi - 1e-9 or high == low else 0  # a full turn ends where it began
     grid = [
-        Placement(0.0, 0.0, yaw, s) for s in stances for yaw in turns[s].edges[: len(turns[s].edges) - drop].tolist()
+        Placement(0.0, 0.0, yaw, s)
+        for s in orientations
+        for yaw in yaw_extents[s].edges[: len(yaw_extents[s].edges) - drop].tolist()
     ]
     return Member(
         thing,
         shapes,
-        turns,
-        {s: feasible_on(site, shapes[s].height_m) for s in stances},
+        yaw_extents,
+        {s: feasible_on(site, shapes[s].height_m) for s in orientations},
         *_options([*grid, solved], shapes),
         np.full((len(grid) + 1, 2), np.nan),
         origin,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scenec.ir.problem import FloatArray
-from scenec.plan.cases.pool_model import Scope
+from scenec.plan.cases.pool_model import PoolModel
 from schemas.scene.runtime_plan import PlanCase
 
 SHORT_EDGE_M = 0.02  # room beside a footprint that counts as plenty
@@ -13,7 +13,7 @@ GAP_M = 0.02
 FREE_YAW_RAD = np.pi
 
 
-def quality(scope: Scope, case: PlanCase) -> float:
+def quality(pool: PoolModel, case: PlanCase) -> float:
     """Between 0 (everything pinned) and 1, the mean of six terms between 0 and 1.
 
     Share of the place that cells cover; least area and mean aspect of cells; least short edge and mean yaw freedom
@@ -21,9 +21,9 @@ def quality(scope: Scope, case: PlanCase) -> float:
     """
     cells = np.array(case.cells_um, dtype=np.float64) * 1e-6
     size = np.stack([cells[:, 1] - cells[:, 0], cells[:, 3] - cells[:, 2]], axis=1)
-    place = next(iter(scope.members[0].room.values())).box_m
+    place = next(iter(pool.members[0].room.values())).box_m
     room = float((place[1] - place[0]) * (place[3] - place[2]))
-    least = np.array([m.footprint_m2.min() for m in scope.members])
+    least = np.array([m.footprint_m2.min() for m in pool.members])
     area = size.prod(axis=1)
     turn = np.array([sum(b - a for a, b in yaws) * 1e-6 for yaws in case.yaws_urad])
     pinned = (turn == 0.0) & np.array([o is not None and o[0] == o[1] and o[2] == o[3] for o in case.origins_um])

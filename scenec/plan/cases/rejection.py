@@ -16,7 +16,7 @@ from numpy.random import Generator
 from scenec.ir.problem import FloatArray
 from scenec.plan.cases.apart import apart
 from scenec.plan.cases.batch_relations import may_hold
-from scenec.plan.cases.pool_model import IntArray, Layouts, Member, Scope, around, joined
+from scenec.plan.cases.pool_model import IntArray, Layouts, Member, PoolModel, around, joined
 
 LOT = 4096  # layouts or candidates looked at together
 MOST_LOTS = 48
@@ -25,47 +25,47 @@ TRIES = 96
 ROUNDS = 4
 
 
-def seeded(scope: Scope, want: int, rng: Generator, tries: int) -> Layouts:
+def rejection_layouts(pool: PoolModel, want: int, rng: Generator, tries: int) -> Layouts:
     """Up to `want` random layouts that hold as far as rectangles can tell, each thing drawn `tries` times."""
-    order = sized(scope)
-    allowed = [_frugal(member, _thrift(scope)) for member in scope.members]
-    found: list[Layouts] = []
+    order = largest_first(pool)
+    allowed = [_compact_options(member, _yaw_freedom(pool)) for member in pool.members]
+    lots_found: list[Layouts] = []
     count, lots = 0, 0
     lot = LOT if tries == 1 else max(64, LOT // tries)
     while count < want and lots < MOST_LOTS:
-        part = _lot(scope, order, allowed, lot, rng, tries)
+        part = _lot(pool, order, allowed, lot, rng, tries)
         lots += 1
         if len(part):
-            found.append(part)
+            lots_found.append(part)
             count += len(part)
         if lots == 4 and count * MOST_LOTS / lots < want / 8:
             break
-    return _first(scope, found, want)
+    return _first(pool, lots_found, want)
 
 
-def _first(scope: Scope, found: list[Layouts], want: int) -> Layouts:
-    n = len(scope.members)
+def _first(pool: PoolModel, lots_found: list[Layouts], want: int) -> Layouts:
+    n = len(pool.members)
     none = Layouts(np.zeros((0, n), dtype=np.int64), np.zeros((0, n, 2)), np.zeros((0, n, 4)), [])
-    if not found:
+    if not lots_found:
         return none
-    whole = joined(found)
+    whole = joined(lots_found)
     return whole.take(np.arange(min(want, len(whole))))
 
 
-def sized(scope: Scope) -> list[int]:
+def largest_first(pool: PoolModel) -> list[int]:
     """Numbers of the members: those with written poses first, then the largest."""
     return sorted(
-        range(len(scope.members)),
-        key=lambda i: (not scope.members[i].pinned, -float(scope.members[i].footprint_m2.min())),
+        range(len(pool.members)),
+        key=lambda i: (not pool.members[i].pinned, -float(pool.members[i].footprint_m2.min())),
     )
 
 
-def _thrift(scope: Scope) -> float:
+def _yaw_freedom(pool: PoolModel) -> float:
     # 1 where any yaw may be drawn, towards 0 as rectangles at random yaws would take more than SHARE_M2 of the room.
-    free = [m for m in scope.members if not m.pinned]
+    free = [m for m in pool.members if not m.pinned]
     if not free:
         return 1.0
-    gap = scope.clearance_m
+    gap = pool.clearance_m
     room = float(np.prod(_size(free[0])))
     least = sum((float(np.sqrt(m.footprint_m2.min())) + gap) ** 2 for m in free) / max(room, 1e-9)
     usual = sum((float(np.sqrt(m.footprint_m2.mean())) + gap) ** 2 for m in free) / max(room, 1e-9)
@@ -77,23 +77,23 @@ def _size(member: Member) -> FloatArray:
     return np.array([x1 - x0, y1 - y0])
 
 
-def _frugal(member: Member, thrift: float) -> IntArray:
+def _compact_options(member: Member, yaw_freedom: float) -> IntArray:
     # Options whose rectangle is small enough; all of them when there is room.
     area = member.footprint_m2
-    if member.pinned or thrift >= 1.0:
+    if member.pinned or yaw_freedom >= 1.0:
         return np.arange(member.grid)
     area = area[: member.grid]
     stance = member.stance[: member.grid]
     least, most = np.empty(len(area)), np.empty(len(area))
     for s in set(stance.tolist()):
         least[stance == s], most[stance == s] = area[stance == s].min(), area[stance == s].max()
-    return np.flatnonzero(area <= least + thrift * (most - least) + 1e-12)
+    return np.flatnonzero(area <= least + yaw_freedom * (most - least) + 1e-12)
 
 
 def _lot(
-    scope: Scope, order: Sequence[int], allowed: list[IntArray], count: int, rng: Generator, tries: int
+    pool: PoolModel, order: Sequence[int], allowed: list[IntArray], count: int, rng: Generator, tries: int
 ) -> Layouts:
-    n = len(scope.members)
+    n = len(pool.members)
     option = np.zeros((count, n), dtype=np.int64)
     origin, rect = np.zeros((count, n, 2)), np.zeros((count, n, 4))
     placed: list[int] = []
@@ -106,7 +106,7 @@ def _lot(
             for begin in range(0, len(pending), step):
                 rows = pending[begin : begin + step]
                 picked, at, around_m, good = _candidates(
-                    scope, i, placed, (option, origin, rect), rows, allowed, rng, tries
+                    pool, i, placed, (option, origin, rect), rows, allowed, rng, tries
                 )
                 first = good.argmax(axis=1)
                 won = good[np.arange(len(rows)), first]
@@ -124,7 +124,7 @@ def _lot(
 
 
 def _candidates(
-    scope: Scope,
+    pool: PoolModel,
     i: int,
     placed: list[int],
     state: tuple[IntArray, FloatArray, FloatArray],
@@ -135,30 +135,30 @@ def _candidates(
 ) -> tuple[IntArray, FloatArray, FloatArray, np.ndarray]:
     # Options, origins, rectangles (r, tries, ...) drawn for member i in some layouts, and which of them are good.
     option, origin, rect = state
-    member = scope.members[i]
+    member = pool.members[i]
     picked = allowed[i][rng.integers(len(allowed[i]), size=(len(rows), tries))]
-    at = drawn(member, picked, rng)
+    at = sample_origins(member, picked, rng)
     around_m = around(member, picked.ravel(), at.reshape(-1, 2)).reshape(len(rows), tries, 4)
     good = inside(member, picked, at, around_m)
-    level = scope.level
+    level = pool.level
     for j in placed:
-        clear = apart(around_m, rect[rows, j][:, None], scope.least_gap_m[i, j])
-        if not level and scope.least_gap_m[i, j] <= scope.clearance_m:
-            other = scope.members[j]
+        clear = apart(around_m, rect[rows, j][:, None], pool.least_gap_m[i, j])
+        if not level and pool.least_gap_m[i, j] <= pool.clearance_m:
+            other = pool.members[j]
             low = member.base_m[picked] + float(member.thing.place.origin_P_m[2])
             base = (other.base_m[option[rows, j]] + float(other.thing.place.origin_P_m[2]))[:, None]
             top = base + other.height_m[option[rows, j]][:, None]
             clear |= (low >= top - 1e-9) | (low + member.height_m[picked] <= base + 1e-9)
         good &= clear
     known = {*placed, i}
-    for rule in scope.rules:
-        numbers = [scope.index[name] for name in rule.things]
+    for rule in pool.rules:
+        numbers = [pool.index[name] for name in rule.things]
         if i not in numbers or not known.issuperset(numbers):
             continue
         shape = (len(rows), tries)
         rects, origins, fronts = [], [], []
         for k in numbers:
-            mate = scope.members[k]
+            mate = pool.members[k]
             chosen = picked if k == i else np.broadcast_to(option[rows, k][:, None], shape)
             rects.append(around_m if k == i else np.broadcast_to(rect[rows, k][:, None], (*shape, 4)))
             origins.append(at if k == i else np.broadcast_to(origin[rows, k][:, None], (*shape, 2)))
@@ -173,7 +173,7 @@ def front_of(member: Member, option: IntArray) -> FloatArray:
     return member.yaw_rad[option] + fronts[member.stance[option]]
 
 
-def drawn(member: Member, option: IntArray, rng: Generator) -> FloatArray:
+def sample_origins(member: Member, option: IntArray, rng: Generator) -> FloatArray:
     """Origins (..., 2) in P for options (...): as written, or uniform over the box of the place and the range."""
     share = rng.random((*option.shape, 2))
     if member.pinned:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from scenec.ir.problem import FloatArray
-from scenec.plan.cases.pool_model import IntArray, Scope
+from scenec.plan.cases.pool_model import IntArray, PoolModel
 from schemas.scene.runtime_plan import PlanCase
 
 FLOOR = 0.35  # of the best quality
@@ -16,7 +16,7 @@ BALANCE_OF_FEW, BALANCE = 0.95, 0.7  # weight of distance, in diagonals of the s
 TOPOLOGY = 0.25  # weight of another order of neighbours in the distance
 
 
-def selected(scope: Scope, cases: Sequence[PlanCase], want: int) -> list[PlanCase]:
+def selected(pool: PoolModel, cases: Sequence[PlanCase], want: int) -> list[PlanCase]:
     """At most `want` cases: the best one, then each time the one with the best sum of quality and of distance to what
     is chosen already. The order of the cases given does not matter except between equals."""
     if not cases:
@@ -25,11 +25,11 @@ def selected(scope: Scope, cases: Sequence[PlanCase], want: int) -> list[PlanCas
     good = [case for case in cases if case.quality >= FLOOR * best]
     if len(good) <= want:
         return good
-    centre = _centres(scope, good)
+    centre = _centres(pool, good)
     order = _topology(centre)
     value = np.array([case.quality for case in good])
     chosen = [int(value.argmax())]
-    balance = BALANCE_OF_FEW if len(scope.members) <= FEW else BALANCE
+    balance = BALANCE_OF_FEW if len(pool.members) <= FEW else BALANCE
     far = np.full(len(good), np.inf)
     while len(chosen) < want:
         last = chosen[-1]
@@ -42,9 +42,9 @@ def selected(scope: Scope, cases: Sequence[PlanCase], want: int) -> list[PlanCas
     return [good[k] for k in sorted(chosen)]
 
 
-def _centres(scope: Scope, cases: Sequence[PlanCase]) -> FloatArray:
+def _centres(pool: PoolModel, cases: Sequence[PlanCase]) -> FloatArray:
     # (c, n, 2) middles of cells in diagonals of the support.
-    x0, x1, y0, y1 = next(iter(scope.members[0].room.values())).box_m
+    x0, x1, y0, y1 = next(iter(pool.members[0].room.values())).box_m
     cells = np.array([case.cells_um for case in cases], dtype=np.float64) * 1e-6
     middle = np.stack([cells[..., :2].mean(axis=-1), cells[..., 2:].mean(axis=-1)], axis=-1)
     return middle / max(float(np.hypot(x1 - x0, y1 - y0)), 1e-9)

@@ -6,15 +6,15 @@ import numpy as np
 from numpy.random import Generator
 
 from scenec.ir.problem import FloatArray
-from scenec.plan.cases.slots import Ways, leaning
+from scenec.plan.cases.slots import SlotOptions, ordered_by_bias
 
 NOISE = 0.15
 
 
-def shelf(box_m: FloatArray, ways: Ways, gap_m: float, rng: Generator) -> FloatArray | None:
+def shelf(box_m: FloatArray, slot_options: SlotOptions, gap_m: float, rng: Generator) -> FloatArray | None:
     """Slots (n, 4) in a box (4,), or None where the rows do not fit."""
     x0, x1, y0, y1 = box_m.tolist()
-    size, n = ways.least_m, len(ways.least_m)
+    size, n = slot_options.least_m, len(slot_options.least_m)
     order = np.argsort(-size[:, 1] * (1.0 - NOISE * rng.random() * rng.random(n)))
     rows: list[list[int]] = []
     used: list[float] = []
@@ -35,9 +35,9 @@ def shelf(box_m: FloatArray, ways: Ways, gap_m: float, rng: Generator) -> FloatA
     slots = np.zeros((n, 4))
     more = _shares(len(rows), rng) * spare
     y = y0
-    lean = [float(ways.lean[row, 1].mean()) for row in rows]
-    for r in np.argsort(np.array(lean) + 0.1 * rng.standard_normal(len(rows))).tolist():
-        members = leaning(ways, np.array(rows[r]), 0, rng).tolist()
+    bias = [float(slot_options.bias[row, 1].mean()) for row in rows]
+    for r in np.argsort(np.array(bias) + 0.1 * rng.standard_normal(len(rows))).tolist():
+        members = ordered_by_bias(slot_options, np.array(rows[r]), 0, rng).tolist()
         wider = _shares(len(members), rng) * (x1 - x0 - used[r] + gap_m)
         x, high = x0, y + depth[r] + float(more[r])
         for i, extra in zip(members, wider.tolist(), strict=True):

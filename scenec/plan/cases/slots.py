@@ -13,9 +13,9 @@ from numpy.random import Generator
 
 from scenec.ir.problem import FloatArray
 from scenec.plan.cases.apart import clashes
-from scenec.plan.cases.batch_relations import ahead, may_hold
+from scenec.plan.cases.batch_relations import axis_orders, may_hold
 from scenec.plan.cases.feasible import BoolArray
-from scenec.plan.cases.pool_model import GRAIN_M, IntArray, Layouts, Scope, around
+from scenec.plan.cases.pool_model import GRAIN_M, IntArray, Layouts, PoolModel, around
 from scenec.plan.cases.rejection import front_of, inside
 
 WAYS = 4  # at least: two for each stance
@@ -25,15 +25,15 @@ MIXING = 3  # exchanges tried for each thing once they hold
 
 
 @dataclass(frozen=True)
-class Ways:
+class SlotOptions:
     """`option` (n, w) ways in which each thing takes little room, and `size_m` (n, w, 2) of the rectangles around it.
 
-    `lean` (n, 2) says where directional relations want it: -1 at low x or y, 1 at high, 0 anywhere.
+    `bias` (n, 2) says where directional relations want it: -1 at low x or y, 1 at high, 0 anywhere.
     """
 
     option: IntArray
     size_m: FloatArray
-    lean: FloatArray
+    bias: FloatArray
 
     @property
     def least_m(self) -> FloatArray:
@@ -41,51 +41,55 @@ class Ways:
         return self.size_m[:, 0]
 
 
-def ways_of(scope: Scope) -> Ways:
+def slot_options_of(pool: PoolModel) -> SlotOptions:
     """For each member the options of least area in each quarter of a turn, the least deep first."""
     options, sizes = [], []
-    width = max(WAYS, *(2 * len(set(member.stance[: member.grid].tolist())) for member in scope.members))
-    for member in scope.members:
+    width = max(WAYS, *(2 * len(set(member.stance[: member.grid].tolist())) for member in pool.members))
+    for member in pool.members:
         area = member.footprint_m2[: member.grid]
-        found: list[int] = []
+        chosen: list[int] = []
         for stance in sorted(set(member.stance[: member.grid].tolist())):
             for quarter in (0, 1):
                 of = np.floor((member.yaw_rad[: member.grid] + np.pi / 4) / (np.pi / 2)).astype(int) % 2 == quarter
                 rows = np.flatnonzero(of & (member.stance[: member.grid] == stance))
                 if len(rows):
-                    found.append(int(rows[area[rows].argmin()]))
-        found = (found * width)[:width]
-        reach = member.extent_m[found] + GRAIN_M
+                    chosen.append(int(rows[area[rows].argmin()]))
+        chosen = (chosen * width)[:width]
+        reach = member.extent_m[chosen] + GRAIN_M
         size = np.stack([reach[:, 0] + reach[:, 1], reach[:, 2] + reach[:, 3]], axis=1)
         order = np.argsort(size[:, 1], kind="stable")
-        options.append(np.array(found)[order])
+        options.append(np.array(chosen)[order])
         sizes.append(size[order])
-    lean = np.zeros((len(options), 2))
-    for first, second, along in _axial(scope)[:, :3].astype(np.int64).tolist():
-        lean[first, along] -= 1.0
-        lean[second, along] += 1.0
-    return Ways(np.array(options), np.array(sizes), lean)
+    bias = np.zeros((len(options), 2))
+    for first, second, along in _axial(pool)[:, :3].astype(np.int64).tolist():
+        bias[first, along] -= 1.0
+        bias[second, along] += 1.0
+    return SlotOptions(np.array(options), np.array(sizes), bias)
 
 
-def leaning(ways: Ways, members: IntArray, along: int, rng: Generator) -> IntArray:
-    """Members in a random order in which those that lean to low values tend to come first."""
-    return members[np.argsort(ways.lean[members, along] + SWAY * rng.standard_normal(len(members)), kind="stable")]
+def ordered_by_bias(slot_options: SlotOptions, members: IntArray, along: int, rng: Generator) -> IntArray:
+    """Members in a random order in which those with a bias to low values tend to come first."""
+    return members[
+        np.argsort(slot_options.bias[members, along] + SWAY * rng.standard_normal(len(members)), kind="stable")
+    ]
 
 
-def seated(scope: Scope, ways: Ways, slots_m: FloatArray, family: str, rng: Generator) -> Layouts:
+def layouts_in_slots(
+    pool: PoolModel, slot_options: SlotOptions, slots_m: FloatArray, family: str, rng: Generator
+) -> Layouts:
     """Layouts that hold, from slots (l, n, 4): slot i belongs to member i at first and must fit it."""
     slots = slots_m.copy()
-    _exchange(scope, ways, slots, rng)
+    _exchange(pool, slot_options, slots, rng)
     count, n = slots.shape[:2]
     option, origin, rect = np.zeros((count, n), dtype=np.int64), np.zeros((count, n, 2)), np.zeros((count, n, 4))
     good = np.ones(count, dtype=bool)
-    for i, member in enumerate(scope.members):
+    for i, member in enumerate(pool.members):
         if member.pinned:
             option[:, i], origin[:, i] = 0, member.at_m[0]
             rect[:, i] = around(member, option[:, i], origin[:, i])
             continue
-        fits = _fits(ways.size_m[i][None], _size(slots[:, i])[:, None])
-        option[:, i] = ways.option[i][(fits * (1.0 + rng.random(fits.shape))).argmax(axis=1)]
+        fits = _fits(slot_options.size_m[i][None], _size(slots[:, i])[:, None])
+        option[:, i] = slot_options.option[i][(fits * (1.0 + rng.random(fits.shape))).argmax(axis=1)]
         reach = member.extent_m[option[:, i]]
         low = np.maximum(slots[:, i][:, [0, 2]] + reach[:, [0, 2]], member.origin_m[[0, 2]])
         high = np.minimum(slots[:, i][:, [1, 3]] - reach[:, [1, 3]], member.origin_m[[1, 3]])
@@ -94,25 +98,27 @@ def seated(scope: Scope, ways: Ways, slots_m: FloatArray, family: str, rng: Gene
         rect[:, i] = around(member, option[:, i], origin[:, i])
         good &= inside(member, option[:, i], origin[:, i], rect[:, i])
     layouts = Layouts(option, origin, rect, [family] * count)
-    good &= np.logical_not(np.asarray(clashes(scope, layouts)).any(axis=(1, 2)))
-    for rule in scope.rules:
-        numbers = [scope.index[name] for name in rule.things]
-        fronts = [front_of(scope.members[k], option[:, k]) for k in numbers]
+    good &= np.logical_not(np.asarray(clashes(pool, layouts)).any(axis=(1, 2)))
+    for rule in pool.rules:
+        numbers = [pool.index[name] for name in rule.things]
+        fronts = [front_of(pool.members[k], option[:, k]) for k in numbers]
         good &= may_hold(rule, [rect[:, k] for k in numbers], [origin[:, k] for k in numbers], fronts)
     return layouts.take(good)
 
 
-def _exchange(scope: Scope, ways: Ways, slots: FloatArray, rng: Generator) -> None:
+def _exchange(pool: PoolModel, slot_options: SlotOptions, slots: FloatArray, rng: Generator) -> None:
     # Exchanges slots in place: first those of broken directional relations, then any that keep all of them.
     count, n = slots.shape[:2]
-    rules = _axial(scope)
-    is_free = np.array([not member.pinned for member in scope.members])
+    rules = _axial(pool)
+    is_free = np.array([not member.pinned for member in pool.members])
     free = np.flatnonzero(is_free)
     if len(free) < 2 or not count:
         return
     rows = np.arange(count)
     seat = np.tile(np.arange(n), (count, 1))  # the slot of each member, by its number at first
-    fits = np.asarray(_fits(ways.size_m[:, None], _size(slots)[:, None, :, None]).any(axis=-1))  # (l, member, slot)
+    fits = np.asarray(
+        _fits(slot_options.size_m[:, None], _size(slots)[:, None, :, None]).any(axis=-1)
+    )  # (l, member, slot)
     broken = _broken(slots, seat, rules)
     cost = broken.sum(axis=1)
     for step in range((REPAIRS if len(rules) else 0) + MIXING * len(free)):
@@ -137,9 +143,9 @@ def _exchange(scope: Scope, ways: Ways, slots: FloatArray, rng: Generator) -> No
     slots[:] = slots[rows[:, None], seat]
 
 
-def _axial(scope: Scope) -> FloatArray:
-    # (r, 4) rows of `scenec.plan.cases.batch_relations.Ahead`.
-    return np.array(ahead(scope.rules, scope.index)).reshape(-1, 4)
+def _axial(pool: PoolModel) -> FloatArray:
+    # (r, 4) rows of `scenec.plan.cases.batch_relations.AxisOrder`.
+    return np.array(axis_orders(pool.rules, pool.index)).reshape(-1, 4)
 
 
 def _broken(slots: FloatArray, seat: IntArray, rules: FloatArray) -> FloatArray:

@@ -16,12 +16,12 @@ from shapely.geometry.base import BaseGeometry
 from geom.planar import inner_radius
 from scenec.ir.problem import FloatArray, ReachIR
 from scenec.plan.cases.cells import SPARE_M
-from scenec.plan.cases.pool_model import GRAIN_M, GRAIN_RAD, Member, Scope
+from scenec.plan.cases.pool_model import GRAIN_M, GRAIN_RAD, Member, PoolModel
 from scenec.solve.model import Site
 from scenec.solve.planar import ROUND_OUT, SEGMENTS, hull_of
-from scenec.solve.regions import eroded, sums
+from scenec.solve.regions import eroded, no_fit_polygons
 from scenec.solve.shapes import Shape
-from scenec.solve.shelf import stretches
+from scenec.solve.shelf import free_intervals
 from schemas.scene.runtime_plan import PlanCase
 
 SECTOR_RAD = pi / 8.0
@@ -31,12 +31,12 @@ LEAST_SHARE = 1e-3  # strips with less than this of a region are dropped
 ROUND = 1.002  # a footprint whose border lies in so narrow a ring about its origin needs no sectors
 
 
-def strips(scope: Scope, reach: ReachIR | None, base_P_m: FloatArray) -> list[PlanCase]:
+def strips(pool: PoolModel, reach: ReachIR | None, base_P_m: FloatArray) -> list[PlanCase]:
     """Cases of the only member of a scope that cover its feasible region; none where even a sector finds no room."""
-    (member,) = scope.members
-    site = scope.model.site(member.thing)
+    (member,) = pool.members
+    site = pool.model.site(member.thing)
     cases: list[PlanCase] = []
-    for stance in sorted(member.turns):
+    for stance in sorted(member.yaw_extents):
         shape, span = member.shapes[stance], member.thing.domain.yaw_rad
         for low, high in _sectors(shape, site, span):
             swept = _swept(shape, low, high)
@@ -82,7 +82,7 @@ def _region(
         for part, part_low, part_high in (*site.above, *site.keep_outs)
         if part_low < high - 1e-9 and part_high > low + 1e-9
         for piece in shapely.get_parts(shapely.constrained_delaunay_triangles(part))
-        for no_fit in sums(shapely.get_coordinates(piece)[:-1], [swept])
+        for no_fit in no_fit_polygons(shapely.get_coordinates(piece)[:-1], [swept])
     ]
     region = region.difference(shapely.union_all(blocked)) if blocked else region
     x0, x1, y0, y1 = np.clip(member.origin_m, -1e3, 1e3)
@@ -104,9 +104,9 @@ def _cut(
     borders = np.linspace(y0, y1, 2 if plain else STRIPS + 1).tolist()
     x_low, y_low = swept.min(axis=0) - SPARE_M
     x_high, y_high = swept.max(axis=0) + SPARE_M
-    found = []
+    cases = []
     for below, above in pairwise(borders):
-        for left, right in stretches(region, below, above):
+        for left, right in free_intervals(region, below, above):
             box = np.array([left, right, below, above]) - shift[[0, 0, 1, 1]]
             origins = [*np.ceil(box[[0, 2]] / GRAIN_M - 1e-3), *np.floor(box[[1, 3]] / GRAIN_M + 1e-3)]
             ox0, oy0, ox1, oy1 = (int(v) for v in origins)
@@ -116,7 +116,7 @@ def _cut(
             a, b = int(np.ceil(low / GRAIN_RAD)), int(np.floor(high / GRAIN_RAD))
             if a > b:
                 a = b = round(low / GRAIN_RAD)
-            found.append(
+            cases.append(
                 PlanCase(
                     family="free_rectangle" if plain else "strip",
                     weight=round(float((right - left) * (above - below) * max(high - low, 1e-3)) * 1e6, 3),
@@ -127,4 +127,4 @@ def _cut(
                     base_um=(0,),
                 )
             )
-    return found
+    return cases

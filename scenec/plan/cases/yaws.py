@@ -8,16 +8,16 @@ import numpy as np
 
 from scenec.ir.problem import FloatArray
 from scenec.plan.cases.feasible import BoolArray
-from scenec.plan.cases.pool_model import GRAIN_RAD, Turns
+from scenec.plan.cases.pool_model import GRAIN_RAD, YawExtents
 
 MOST_INTERVALS = 4
 LEAST_RAD = 1e-3  # narrower intervals than this are no freedom worth keeping
 TURN = 2.0 * np.pi
 
 
-def fitting(turns: Turns, rect_m: FloatArray, origin_m: FloatArray) -> BoolArray:
+def fitting(yaw_extents: YawExtents, rect_m: FloatArray, origin_m: FloatArray) -> BoolArray:
     """(m, k) whether the footprint fits rectangles (m, 4) with its origin in boxes (m, 4) all through each interval."""
-    left, right, front, back = turns.most_m.T
+    left, right, front, back = yaw_extents.most_m.T
     x0, x1, y0, y1 = (v[:, None] for v in rect_m.T)
     ox0, ox1, oy0, oy1 = (v[:, None] for v in origin_m.T)
     return (
@@ -30,9 +30,9 @@ def fitting(turns: Turns, rect_m: FloatArray, origin_m: FloatArray) -> BoolArray
     )
 
 
-def intervals(turns: Turns, fits: BoolArray, window_rad: tuple[float, float]) -> list[tuple[float, float]]:
+def intervals(yaw_extents: YawExtents, fits: BoolArray, window_rad: tuple[float, float]) -> list[tuple[float, float]]:
     """The longest runs of fitting intervals (k,) within a window, as (low, high) on whole microradians; maybe none."""
-    edges = turns.edges
+    edges = yaw_extents.edges
     change = [0, len(fits)]  # the usual case first: all of them fit
     if not fits.all():
         change = np.flatnonzero(np.diff(np.concatenate([[False], fits, [False]]).astype(np.int8))).tolist()

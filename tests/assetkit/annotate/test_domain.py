@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from assetkit.annotate.annotator import Observation, ObjectShape
+from assetkit.annotate.annotator import ObjectShape, Observation
 from assetkit.annotate.domain import out_of_domain
 from assetkit.annotate.embedded import EmbeddedAnnotator
 from benchmarks.assets.semantics import observed

@@ -1,10 +1,10 @@
-"""The embedded annotator takes categories from names, weakens those that the shape contradicts, and gives none without."""
+"""The embedded annotator takes categories from names, weakens those that the shape contradicts, else gives none."""
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assetkit.annotate.annotator import MIN_SCORE, UNKNOWN, Observation, ObjectShape
+from assetkit.annotate.annotator import MIN_SCORE, UNKNOWN, ObjectShape, Observation
 from assetkit.annotate.embedded import EmbeddedAnnotator
 
 MUG = ObjectShape((0.08, 0.085, 0.115), 0.6, 0.8)

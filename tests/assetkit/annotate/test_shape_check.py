@@ -30,7 +30,9 @@ def test_misfit_is_the_worst_factor_in_either_direction():
     mug = categories()["mug"]
     small, middle, large = (low for low, _ in mug.extents_m)
     assert misfit(mug, (small / 2.0, middle, large)) == pytest.approx(2.0)
-    assert [f.remaining_chance for f in compare(mug, ObjectShape((small / 2.0, middle, large), None, None))] == [STRANGE]
+    assert [f.remaining_chance for f in compare(mug, ObjectShape((small / 2.0, middle, large), None, None))] == [
+        STRANGE
+    ]
 
 
 @pytest.mark.parametrize(

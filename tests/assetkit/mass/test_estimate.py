@@ -110,7 +110,9 @@ def needle(mesh: Mesh) -> Mesh:
 
 PLAIN = box(*A)
 TABLE = {
-    "overlapping boxes in one mesh": Case((join_meshes(box(*A), box(*B)),), union_of(in_box(*A), in_box(*B)), OVERLAPPING),
+    "overlapping boxes in one mesh": Case(
+        (join_meshes(box(*A), box(*B)),), union_of(in_box(*A), in_box(*B)), OVERLAPPING
+    ),
     "overlapping boxes, a mesh each": Case((box(*A), box(*B)), union_of(in_box(*A), in_box(*B)), OVERLAPPING),
     "a box inside a box of the same winding": Case(
         (join_meshes(box(CUBE), box(ROOM)),), union_of(in_box(CUBE)), solid_box(CUBE)

@@ -13,11 +13,11 @@ from hypothesis import given
 from PIL import Image
 
 from assetkit.materials.part_materials import face_materials, material_of, part_materials
-from assetkit.materials.surface_appearance import SurfaceAppearance, AppearanceSampler, tones_of
+from assetkit.materials.surface_appearance import AppearanceSampler, SurfaceAppearance, tones_of
 from assetkit.parts.find import find_parts
+from assetkit.taxonomy.category_materials import appearance_table, category_materials, class_names, material_prior
 from assetkit.taxonomy.material_classes import UNKNOWN, materials
 from assetkit.taxonomy.tables import categories
-from assetkit.taxonomy.category_materials import class_names, appearance_table, category_materials, material_prior
 from schemas.evidence import declared, default
 from schemas.model import Material, Mesh, Model, Texture, TextureUse
 
@@ -70,7 +70,9 @@ def test_what_things_are_usually_made_of_counts() -> None:
 
 def test_a_name_weighs_more_than_what_is_usual() -> None:
     """The name of the render material counts first, then that of the file; the method names it."""
-    evidence = material_of(SurfaceAppearance(), declared("mug", "user"), own_names=["Steel_brushed"], of_whole=["mug.obj"])
+    evidence = material_of(
+        SurfaceAppearance(), declared("mug", "user"), own_names=["Steel_brushed"], of_whole=["mug.obj"]
+    )
     assert evidence.value == "steel"
     assert evidence.method.startswith("name says steel")
     assert material_of(SurfaceAppearance(), NOTHING, of_whole=["granite_slab.obj"]).value == "stone"
@@ -101,7 +103,10 @@ def test_metallic_maps_and_glass_are_seen() -> None:
     metallic = np.array([0.0, 0.0, 1.0])
     grey = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
     assert material_of(SurfaceAppearance(grey, True, None, metallic), NOTHING).value in ("steel", "metal")
-    assert material_of(SurfaceAppearance(see_through=1.0), declared("bottle", "user"), own_names=["glass"]).value == "glass"
+    assert (
+        material_of(SurfaceAppearance(see_through=1.0), declared("bottle", "user"), own_names=["glass"]).value
+        == "glass"
+    )
 
 
 @given(st.permutations(["dark", "earthy"]), st.floats(0.0, 1.0))

@@ -1,4 +1,4 @@
-"""Parts that a role depends on and clues dispute: they are listed, a person decides, and the next run uses the label."""
+"""Parts that a role depends on and clues dispute: they are listed, a person decides, the next run uses the label."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import pytest
 import trimesh
 from typer.testing import CliRunner
 
-from assetkit.parts.human_labels import disputed_parts, outdated_regions, region_key, with_human_labels
 from assetkit.parts.find import find_parts
+from assetkit.parts.human_labels import disputed_parts, outdated_regions, region_key, with_human_labels
 from cli.main import app
 from schemas.decision import Decision, PartLabel
 from schemas.evidence import Evidence, declared

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assetkit.options import METERS_PER_UNIT
-from assetkit.scale.metric_scale import ScaleEstimate, is_normalised, estimate_scale
+from assetkit.scale.metric_scale import ScaleEstimate, estimate_scale, is_normalised
 from assetkit.scale.size_prior import CATEGORY_PRECISION, size_prior
 from assetkit.taxonomy.tables import categories, size_anchors
 
@@ -56,7 +56,9 @@ def test_a_size_that_no_unit_makes_usual_goes_to_a_person_with_bounds_that_hold_
 def test_a_belief_scales_with_the_numbers(factor: float, category: str) -> None:
     edges = [math.sqrt(low * high) for low, high in categories()[category].extents_m]
     one = size_prior(edges, categories()[category], CATEGORY_PRECISION).quantiles((0.1, 0.5, 0.9))
-    other = size_prior([factor * e for e in edges], categories()[category], CATEGORY_PRECISION).quantiles((0.1, 0.5, 0.9))
+    other = size_prior([factor * e for e in edges], categories()[category], CATEGORY_PRECISION).quantiles(
+        (0.1, 0.5, 0.9)
+    )
     assert other == pytest.approx([q / factor for q in one], rel=1e-3)
     assert one[0] < 1.0 < one[2]
 

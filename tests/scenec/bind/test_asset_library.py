@@ -144,7 +144,7 @@ def test_round_tops_lie_inside_and_round_footprints_outside(library: AssetLibrar
     top = library.surface(can, 1.0, "top", "top")
     assert top is not None
     circle = shapely.Point(0.0, 0.0).buffer(0.04, 256)
-    footprint = shapely.Polygon(library.body(can).stances[0].slabs[0].outline_m)
+    footprint = shapely.Polygon(library.body(can).resting_orientations[0].slabs[0].outline_m)
     assert circle.buffer(1e-6).contains(top.polygon)
     assert footprint.contains(circle.buffer(-1e-6))
 
@@ -190,7 +190,7 @@ def test_how_an_asset_rests_is_not_known_once_its_shape_has_changed(tmp_path: Pa
     payloads = tmp_path / "rod" / "usd" / "payloads"
     looks, physics = payloads / "rod_materials.usda", payloads / "rod_physics.usda"
     looks.write_text(looks.read_text() + "# another colour\n")
-    assert AssetLibrary(tmp_path).body(FixedAsset(type="fixed", id="rod"), orientation="stable").stances
+    assert AssetLibrary(tmp_path).body(FixedAsset(type="fixed", id="rod"), orientation="stable").resting_orientations
     physics.write_text(physics.read_text().replace("0.2", "0.3"))
     with pytest.raises(InvalidInput, match=r"rod_physics\.usda"):
         AssetLibrary(tmp_path).body(FixedAsset(type="fixed", id="rod"))

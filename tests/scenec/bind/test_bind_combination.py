@@ -22,7 +22,7 @@ def test_a_thing_keeps_its_place_footprint_and_path(tmp_path: Path):
     (problem,) = lowered(SOUND, tmp_path).problems
     a = problem.things[0]
     assert (a.name, a.parent, a.place.name, a.path) == ("a", "background", "top", ("layout", "nodes", "a"))
-    (slab,) = a.body.stances[0].slabs
+    (slab,) = a.body.resting_orientations[0].slabs
     assert sorted(map(tuple, np.round(slab.outline_m, 12))) == [(x, y) for x in (-0.05, 0.05) for y in (-0.05, 0.05)]
     assert (slab.low_m, slab.high_m) == (0.0, 0.1)
     assert np.allclose(a.place.origin_P_m, [0.0, 0.0, 0.05])
@@ -64,7 +64,11 @@ def test_a_scatter_group_makes_copies_and_a_relation_to_it_means_all_of_them(tmp
 
 def test_an_assigned_slot_is_left_to_its_member(tmp_path: Path):
     (problem,) = lowered(GROUPED + SLOTS % (THREE, "a: l"), tmp_path).problems
-    assert [[spot.name for spot in thing.domain.spots] for thing in problem.things] == [["l"], ["m", "r"], ["m", "r"]]
+    assert [[spot.name for spot in thing.domain.fixed_poses] for thing in problem.things] == [
+        ["l"],
+        ["m", "r"],
+        ["m", "r"],
+    ]
 
 
 def test_degrees_and_full_turns(tmp_path: Path):
@@ -89,7 +93,9 @@ def test_the_order_of_sections_and_nodes_does_not_change_what_is_asked(tmp_path:
             other.domain,
             other.path,
         )
-        assert np.array_equal(thing.body.stances[0].slabs[0].outline_m, other.body.stances[0].slabs[0].outline_m)
+        assert np.array_equal(
+            thing.body.resting_orientations[0].slabs[0].outline_m, other.body.resting_orientations[0].slabs[0].outline_m
+        )
 
 
 def test_beyond_256_combinations_a_pool_is_as_large_as_all_its_candidates(tmp_path: Path):
@@ -101,8 +107,8 @@ def test_beyond_256_combinations_a_pool_is_as_large_as_all_its_candidates(tmp_pa
         scene_library.cube(folder, name)
     pools = pool("bin", *many, text=pool("cube_0", *many), of="b")
     result = lowered(pools, tmp_path, folder)
-    assert [part.union for part in result.parts] == [("a", "b")]
+    assert [part.union for part in result.components] == [("a", "b")]
     (problem,) = result.problems
     a, b, _ = problem.things
-    assert (len(a.body.stances[0].slabs), len(b.body.stances[0].slabs)) == (20, 19 + 5)
-    assert np.isclose(b.body.stances[0].height_m, 0.08)
+    assert (len(a.body.resting_orientations[0].slabs), len(b.body.resting_orientations[0].slabs)) == (20, 19 + 5)
+    assert np.isclose(b.body.resting_orientations[0].height_m, 0.08)

@@ -49,8 +49,8 @@ def report(text: str, folder: Path, library: AssetLibrary | None = None) -> Comp
     return compile_program(folder / "p.yaml", library=library).report
 
 
-def labels(found: CompileReport) -> list[tuple[int | None, str]]:
-    return [(label.where.line, label.text) for label in found.diagnostics[-1].labels]
+def labels(report: CompileReport) -> list[tuple[int | None, str]]:
+    return [(label.where.line, label.text) for label in report.diagnostics[-1].labels]
 
 
 def test_a_slot_variant_that_cannot_be_is_shown(tmp_path: Path):

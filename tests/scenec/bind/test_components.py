@@ -56,16 +56,18 @@ def compiled(text: str, folder: Path, library: AssetLibrary) -> Compiled:
 
 def test_independent_things_have_verdicts_of_their_own(tmp_path: Path, library: AssetLibrary):
     """Six things of four candidates each are 4096 combinations, but 24 verdicts, and each candidate is in a scene."""
-    found = compiled(row_of(["small, other, third, bin"] * 6), tmp_path, library)
-    assert found.report.combinations == 4096
-    assert [component.things for component in found.report.components] == [(f"o{k}",) for k in range(6)]
-    assert [len(component.combinations) for component in found.report.components] == [4] * 6
-    assert not any(component.union for component in found.report.components)
-    assert not found.report.diagnostics
-    shown = Counter((item.id, item.asset_id) for scene in found.scenes for item in scene.objects)
+    compiled_program = compiled(row_of(["small, other, third, bin"] * 6), tmp_path, library)
+    assert compiled_program.report.combinations == 4096
+    assert [component.things for component in compiled_program.report.components] == [(f"o{k}",) for k in range(6)]
+    assert [len(component.combinations) for component in compiled_program.report.components] == [4] * 6
+    assert not any(component.union for component in compiled_program.report.components)
+    assert not compiled_program.report.diagnostics
+    shown = Counter((item.id, item.asset_id) for scene in compiled_program.scenes for item in scene.objects)
     assert shown == {(f"o{k}", asset): 4 for k, asset in product(range(6), ("small", "other", "third", "bin"))}
-    assert [row.combination for row in found.report.matrix] == [scene.combination for scene in found.scenes]
-    for problem, result in zip(found.problems, found.results, strict=True):
+    assert [row.combination for row in compiled_program.report.matrix] == [
+        scene.combination for scene in compiled_program.scenes
+    ]
+    for problem, result in zip(compiled_program.problems, compiled_program.results, strict=True):
         assert isinstance(result, Solved)
         assert not violations(problem, result.placements)
 

@@ -22,8 +22,8 @@ def first(**changes) -> Problem:
 
 
 def of_body(**changes) -> Problem:
-    stance = replace(FIRST.body.stances[0], **changes)
-    return first(body=replace(FIRST.body, stances=(stance,)))
+    stance = replace(FIRST.body.resting_orientations[0], **changes)
+    return first(body=replace(FIRST.body, resting_orientations=(stance,)))
 
 
 def test_a_whole_problem_passes_all():
@@ -38,8 +38,8 @@ def test_a_whole_problem_passes_all():
     [
         (replace(PROBLEM, things=(*PROBLEM.things, FIRST)), "2 things are called"),
         (first(parent="nobody"), "the owner nobody"),
-        (first(domain=replace(FIRST.domain, stances=(7,))), "no stance 7"),
-        (first(domain=replace(FIRST.domain, stances=())), "no way to stand"),
+        (first(domain=replace(FIRST.domain, orientation_indices=(7,))), "no stance 7"),
+        (first(domain=replace(FIRST.domain, orientation_indices=())), "no way to stand"),
         (first(domain=replace(FIRST.domain, x_m=(0.2, 0.1))), "x of .* is reversed"),
         (first(domain=replace(FIRST.domain, y_m=(np.nan, 0.1))), "y of .* is reversed"),
         (of_body(slabs=()), "no collision geometry"),

@@ -11,9 +11,9 @@ from shapely import box
 
 from scenec.check.judge_scene import violations
 from scenec.explain.minimal_conflict import minimal_conflict, quick_xplain
-from scenec.ir.relaxed import nodes, relaxed, rules
 from scenec.explain.suggestions import _least_change, suggestions
 from scenec.ir.problem import KeepOutIR, Problem, Result, Solved
+from scenec.ir.relaxed import nodes, relaxed, rules
 from scenec.proofs import prove
 from scenec.solve import solve
 from tests.support.scene.proof_problems import box_body, left_of, problem, table, thing
@@ -23,9 +23,9 @@ RANGE = "layout", "nodes", "a", "placement", "ranges"
 
 
 def feasible(case: Problem) -> Result:
-    found = solve(case, 0, 4000)
-    assert not isinstance(found, Solved) or violations(case, found.placements) == ()
-    return found
+    result = solve(case, 0, 4000)
+    assert not isinstance(result, Solved) or violations(case, result.placements) == ()
+    return result
 
 
 def conflict_of(case: Problem):
@@ -114,9 +114,9 @@ def test_quick_xplain_finds_the_only_conflict(guilty):
 
 
 def edits(case: Problem) -> tuple[str, ...]:
-    found = suggestions(case, conflict_of(case), feasible)
-    assert all(edit.verified for edit in found)
-    return tuple(edit.edit for edit in found)
+    suggested = suggestions(case, conflict_of(case), feasible)
+    assert all(edit.verified for edit in suggested)
+    return tuple(edit.edit for edit in suggested)
 
 
 def test_a_gap_is_lowered_just_as_far_as_needed():

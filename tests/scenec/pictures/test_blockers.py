@@ -10,7 +10,7 @@ import shapely
 
 from benchmarks.scenes.workload import box_body
 from scenec.ir.problem import Exhausted, Infeasible, Placement, Proof, Slab
-from scenec.pictures.blockers import footprint, owner_parts, standing
+from scenec.pictures.blockers import footprint, obstructing_things, owner_parts
 from scenec.pictures.failure import failure
 from tests.scenec.solve.test_solver_scenes import problem, thing
 
@@ -21,7 +21,7 @@ PROOF = Infeasible(Proof("infeasible", "no room", 0.0, 1.0, "", ()))
 
 def test_what_can_stand_in_one_place_only_is_in_the_way():
     given = problem(FIXED, BOOK)
-    ((found, at),) = standing(given, PROOF, FIXED.parent, FIXED.place.name)
+    ((found, at),) = obstructing_things(given, PROOF, FIXED.parent, FIXED.place.name)
     assert found.name == "lamp"
     assert footprint(found, at).bounds == pytest.approx((0.2, 0.05, 0.4, 0.15))
 
@@ -30,7 +30,7 @@ def test_after_a_search_without_an_answer_all_that_stood_is_in_the_way_but_the_o
     stood = {"book": Placement(0.0, 0.0, 0.0, 0), "cup": Placement(0.3, 0.0, 0.0, 0)}
     result = Exhausted(2, 3, "cup", 10, stood)
     given = problem(LAMP, BOOK, CUP)
-    assert [item.name for item, _ in standing(given, result, BOOK.parent, BOOK.place.name)] == ["book"]
+    assert [item.name for item, _ in obstructing_things(given, result, BOOK.parent, BOOK.place.name)] == ["book"]
     assert failure(given, result).startswith(b"\x89PNG")
 
 

@@ -7,7 +7,7 @@ import pytest
 import shapely
 from shapely import LineString, MultiPolygon, Point, Polygon, box
 
-from scenec.solve.points import drawn
+from scenec.solve.points import sample_point
 from scenec.solve.regions import eroded, half_plane
 
 SLIVER = Polygon([(0, 0), (1, 1e-17), (1, 2e-17)])
@@ -26,13 +26,13 @@ SLIVER = Polygon([(0, 0), (1, 1e-17), (1, 2e-17)])
     ids=["box", "two boxes", "line", "point", "sliver", "sliver and point"],
 )
 def test_a_point_lies_in_its_region(region: shapely.Geometry):
-    point = drawn(region, np.random.default_rng(0))
+    point = sample_point(region, np.random.default_rng(0))
     assert point is not None
     assert region.distance(Point(point)) < 1e-12
 
 
 def test_nowhere_has_no_point():
-    assert drawn(Polygon(), np.random.default_rng(0)) is None
+    assert sample_point(Polygon(), np.random.default_rng(0)) is None
 
 
 def test_a_footprint_at_any_point_of_an_eroded_region_lies_on_the_place_and_beyond_it_does_not():

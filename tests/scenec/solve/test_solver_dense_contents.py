@@ -11,8 +11,8 @@ from scenec.check.judge_scene import violations
 from scenec.ir.problem import Body, Exhausted, Slab, Solved, Stance, Volume
 from scenec.solve import solve
 from scenec.solve.planar import hull_of
-from scenec.solve.regions import FEW_CORNERS, sum_points
-from scenec.solve.shapes import BROAD, shape_of
+from scenec.solve.regions import FEW_CORNERS, minkowski_sum_points
+from scenec.solve.shapes import COARSE_SHARE, shape_of
 from tests.support.scene.proof_problems import problem, thing
 
 WALLS = 12
@@ -39,17 +39,17 @@ def test_going_round_two_outlines_finds_their_whole_sum(seed: int, n: int, k: in
     rng = np.random.default_rng(seed)
     one, two = hull_of(rng.normal(size=(n, 2))), hull_of(rng.normal(size=(k, 2)))
     every = MultiPoint((one[:, None] - two[None]).reshape(-1, 2)).convex_hull
-    found = MultiPoint(sum_points(one, two)).convex_hull
+    found = MultiPoint(minkowski_sum_points(one, two)).convex_hull
     assert found.symmetric_difference(every).area <= 1e-12 * every.area
-    assert len(one) * len(two) <= FEW_CORNERS or len(sum_points(one, two)) == len(one) + len(two)
+    assert len(one) * len(two) <= FEW_CORNERS or len(minkowski_sum_points(one, two)) == len(one) + len(two)
 
 
 def test_broad_pieces_are_few_and_hold_the_footprint_and_little_more():
-    shape = shape_of(mug().stances[0])
-    broad, whole = (union_all([Polygon(piece) for piece in pieces]) for pieces in (shape.broad, shape.pieces))
-    assert len(shape.broad) <= 3
+    shape = shape_of(mug().resting_orientations[0])
+    broad, whole = (union_all([Polygon(piece) for piece in pieces]) for pieces in (shape.coarse_pieces, shape.pieces))
+    assert len(shape.coarse_pieces) <= 3
     assert broad.buffer(1e-9).covers(whole)
-    assert broad.area - whole.area <= len(shape.pieces) * BROAD * shape.area_m2
+    assert broad.area - whole.area <= len(shape.pieces) * COARSE_SHARE * shape.area_m2
 
 
 def test_mugs_stand_in_two_layers_where_the_floor_is_full():

@@ -16,22 +16,22 @@ from scenec.ir.problem import (
     Body,
     Domain,
     Exhausted,
+    FixedPose,
     KeepOutIR,
     Problem,
     ReachIR,
     RelationIR,
     Slab,
     Solved,
-    Spot,
     Stance,
     Surface,
     Thing,
     Volume,
 )
 from scenec.solve import ComponentCache, solve
-from scenec.solve.check import faulty
+from scenec.solve.check import invalid_things
 from scenec.solve.model import model_of
-from scenec.solve.search import Effort, search
+from scenec.solve.search import SearchBudget, search
 
 
 def thing(name: str, body: Body, parent: str = WORLD_PARENT, place: Surface | Volume | None = None, **domain) -> Thing:
@@ -57,7 +57,7 @@ def cylinder(name: str, radius_m: float, height_m: float = 0.08) -> Body:
 def tray(width_m: float = 0.4, depth_m: float = 0.3) -> Body:
     """A board with a rim of 6 cm: the surface within is `floor`, and the room within is the volume `inside`."""
     w, d, rim, floor = width_m / 2, depth_m / 2, 0.005, 0.01
-    board = box_body("tray", width_m, depth_m, floor).stances[0].slabs
+    board = box_body("tray", width_m, depth_m, floor).resting_orientations[0].slabs
     sides = ((-w, -d, rim - w, d), (w - rim, -d, w, d), (-w, -d, w, rim - d), (-w, d - rim, w, d))
     outlines = [np.array([(a, b), (c, b), (c, e), (a, e)]) for a, b, c, e in sides]
     inner = box(rim - w, rim - d, w - rim, d - rim)
@@ -188,11 +188,11 @@ def test_components_tied_by_a_direction_share_a_coordinate_and_stay_apart():
 
 
 def test_each_member_of_a_rack_takes_a_slot_of_its_own():
-    slots = tuple(Spot(-0.5 + 0.11 * k, 0.0, 0.0, 0.0, name=f"s{k}") for k in range(10))
-    things = [thing(f"box{k}", box_body("box", 0.09, 0.09), spots=slots) for k in range(10)]
+    slots = tuple(FixedPose(-0.5 + 0.11 * k, 0.0, 0.0, 0.0, name=f"s{k}") for k in range(10))
+    things = [thing(f"box{k}", box_body("box", 0.09, 0.09), fixed_poses=slots) for k in range(10)]
     placements = solved(problem(*things)).placements.values()
     assert len({p.x_m for p in placements}) == 10
-    one_more = thing("one more", box_body("box", 0.05, 0.05), spots=slots)
+    one_more = thing("one more", box_body("box", 0.05, 0.05), fixed_poses=slots)
     assert not isinstance(solve(problem(*things, one_more), budget=300), Solved)
 
 
@@ -200,9 +200,9 @@ def test_exact_search_alone_seats_thirty_boxes_at_any_yaw():
     rng = np.random.default_rng(1)
     given = problem(*(thing(f"box{k}", box_body("box", *rng.uniform(0.04, 0.14, 2))) for k in range(30)))
     model = model_of(given)
-    found = search(model, list(model.things), {}, 0, Effort(2000))
+    found = search(model, list(model.things), {}, 0, SearchBudget(2000))
     assert found is not None
-    assert faulty(model, found) == {}
+    assert invalid_things(model, found) == {}
     assert violations(given, {name: placed.placement for name, placed in found.items()}) == ()
     assert sum(abs(sin(4 * placed.placement.yaw_rad)) > 1e-6 for placed in found.values()) > 5
 
@@ -225,9 +225,9 @@ def test_when_steps_run_out_it_says_how_far_it_got_and_what_was_in_the_way():
     assert isinstance(result, Exhausted)
     assert (result.placed, result.of) == (6, 7)
     assert result.blocking in {t.name for t in things}
-    standing = tuple(t for t in things if t.name in result.stood)
+    standing = tuple(t for t in things if t.name in result.best_placements)
     assert len(standing) == 6
-    assert violations(problem(*standing), result.stood) == ()
+    assert violations(problem(*standing), result.best_placements) == ()
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from scenec.source.read import Read, read_program
+from scenec.source.read import ReadResult, read_program
 from tests.support.bad_inputs.scene import BOX, GROUPED, HEAD, ON, SLOTS, SOUND, THREE, placed
 
 ROOT = Path(__file__).parents[3]
@@ -16,7 +16,7 @@ POSES = SOUND.replace(
 REGION = "    row: {type: region, members: [a, b, c], surface: tabletop, ranges: {%s}}\n"
 
 
-def read(folder: Path, text: str) -> Read:
+def read(folder: Path, text: str) -> ReadResult:
     (folder / "program.yaml").write_text(text)
     return read_program(folder / "program.yaml")
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scenec.source.incremental_parse import Pieces
+from scenec.source.incremental_parse import IncrementalParser
 from scenec.source.parse import Parsed, parse
 from schemas.diagnostics import Diagnostic, InvalidInput
 
@@ -51,9 +51,9 @@ def edited(draw: st.DrawFn) -> tuple[str, str]:
 @given(edited())
 def test_an_edited_text_read_in_pieces_is_the_text_read_as_a_whole(texts: tuple[str, str]):
     before, after = texts
-    pieces = Pieces()
-    outcome(pieces.parse, before)
-    assert outcome(pieces.parse, after) == outcome(parse, after)
+    parser = IncrementalParser()
+    outcome(parser.parse, before)
+    assert outcome(parser.parse, after) == outcome(parse, after)
 
 
 @pytest.mark.parametrize(
@@ -82,19 +82,19 @@ def test_an_edited_text_read_in_pieces_is_the_text_read_as_a_whole(texts: tuple[
     ],
 )
 def test_corners_of_yaml_are_read_alike(text: str):
-    pieces = Pieces()
-    assert outcome(pieces.parse, text) == outcome(parse, text)
-    assert outcome(pieces.parse, "# moved\n" + text) == outcome(parse, "# moved\n" + text)
+    parser = IncrementalParser()
+    assert outcome(parser.parse, text) == outcome(parse, text)
+    assert outcome(parser.parse, "# moved\n" + text) == outcome(parse, "# moved\n" + text)
 
 
 def test_only_what_changed_is_parsed_again(monkeypatch: pytest.MonkeyPatch):
     text = "objects:\n" + "".join(f"  - {{id: o{i}}}\n" for i in range(9)) + "clearance: 0.01\n"
-    pieces, seen = Pieces(), list[bytes]()
-    pieces.parse(text.encode(), "p.yaml")
+    parser, seen = IncrementalParser(), list[bytes]()
+    parser.parse(text.encode(), "p.yaml")
     monkeypatch.setattr(
         "scenec.source.incremental_parse.parse", lambda data, *rest: seen.append(data) or parse(data, *rest)
     )
-    pieces.parse(("# a line more\n" + text.replace("o4", "other")).encode(), "p.yaml")
+    parser.parse(("# a line more\n" + text.replace("o4", "other")).encode(), "p.yaml")
     assert seen == [b"  - {id: other}\n"]
 
 
@@ -122,15 +122,15 @@ def renumbered(draw: st.DrawFn) -> tuple[str, str]:
 @given(renumbered())
 def test_a_text_with_other_numbers_is_read_as_a_whole_text_is(texts: tuple[str, str]):
     before, after = texts
-    pieces = Pieces()
-    outcome(pieces.parse, before)
-    assert outcome(pieces.parse, after) == outcome(parse, after)
+    parser = IncrementalParser()
+    outcome(parser.parse, before)
+    assert outcome(parser.parse, after) == outcome(parse, after)
 
 
 def test_other_numbers_of_the_same_length_need_no_parser(monkeypatch: pytest.MonkeyPatch):
     text = "objects:\n  - {id: cup, size_m: [0.10, 0.25, 1.5]} # 0.1 m\n  - {id: pot, size_m: [0.10, 0.25, 1.5]}\n"
-    pieces, after = Pieces(), "# moved\n" + text.replace("0.25", "0.40")
-    pieces.parse(text.encode(), "p.yaml")
+    parser, after = IncrementalParser(), "# moved\n" + text.replace("0.25", "0.40")
+    parser.parse(text.encode(), "p.yaml")
     whole = parse(after.encode(), "p.yaml")
     monkeypatch.setattr("scenec.source.incremental_parse.parse", None)
-    assert pieces.parse(after.encode(), "p.yaml") == whole
+    assert parser.parse(after.encode(), "p.yaml") == whole

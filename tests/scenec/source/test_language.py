@@ -30,14 +30,14 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> AssetLibrary:
 @pytest.fixture(scope="module")
 def problems(library: AssetLibrary) -> dict[str, tuple[Problem, ...]]:
     """The problems of each program by its file's stem; none has a finding."""
-    found = {}
+    problems_of = {}
     for path in SCENES:
         read = read_program(path)
         assert read.program is not None, read.diagnostics
         lowered = lower(read.program, library, read.spans)
         assert not read.diagnostics + lowered.diagnostics
-        found[path.stem] = lowered.problems
-    return found
+        problems_of[path.stem] = lowered.problems
+    return problems_of
 
 
 @pytest.mark.parametrize("path", SCENES + EXAMPLES, ids=lambda path: path.stem)
@@ -61,17 +61,17 @@ def test_overlay(problems: dict[str, tuple[Problem, ...]]):
     cup, block = problem.things
     assert problem.scene == "overlay"
     assert cup.domain.x_m == (0.2, 0.3)
-    assert np.isclose(cup.body.stances[0].height_m, 0.12)
+    assert np.isclose(cup.body.resting_orientations[0].height_m, 0.12)
     assert block.name == "block"
 
 
 def test_primitives_stand_on_each_of_their_sides(problems: dict[str, tuple[Problem, ...]]):
     box, can, ball = problems["primitives"][0].things
-    assert np.allclose(sorted(stance.height_m for stance in box.body.stances), [0.04, 0.06, 0.1])
-    assert np.allclose([stance.height_m for stance in can.body.stances], [0.12, 0.06], atol=1e-5)
-    assert np.isclose(ball.body.stances[0].height_m, 0.08)
+    assert np.allclose(sorted(stance.height_m for stance in box.body.resting_orientations), [0.04, 0.06, 0.1])
+    assert np.allclose([stance.height_m for stance in can.body.resting_orientations], [0.12, 0.06], atol=1e-5)
+    assert np.isclose(ball.body.resting_orientations[0].height_m, 0.08)
     for thing in (box, can, ball):
-        for stance in thing.body.stances:
+        for stance in thing.body.resting_orientations:
             assert min(slab.low_m for slab in stance.slabs) == 0.0
 
 
@@ -94,11 +94,11 @@ def test_volume_is_as_hollow_as_its_owner(problems: dict[str, tuple[Problem, ...
 
 def test_discrete_poses_stand_and_keep_their_heading(problems: dict[str, tuple[Problem, ...]]):
     (box,) = problems["discrete"][0].things
-    first, second = box.domain.spots
+    first, second = box.domain.fixed_poses
     assert np.isclose(first.yaw_rad, np.pi / 2)
     assert np.isclose(first.z_m, 0.0)
     # (0.5, 0.5, 0.5, 0.5) turns x to y, y to z, z to x: what was 6 cm wide is now high.
-    assert np.isclose(box.body.stances[second.stance].height_m, 0.06)
+    assert np.isclose(box.body.resting_orientations[second.stance].height_m, 0.06)
     assert np.isclose(second.z_m, 0.03)
 
 
@@ -113,8 +113,8 @@ def test_groups_place_their_members(problems: dict[str, tuple[Problem, ...]]):
 def test_slots_and_their_variant(problems: dict[str, tuple[Problem, ...]]):
     as_written, swapped = problems["slot"]
     assert as_written.combination == {"variants.slots.rack": "as_written"}
-    assert [[s.name for s in t.domain.spots] for t in as_written.things] == [["left"], ["right"]]
-    assert [[s.name for s in t.domain.spots] for t in swapped.things] == [["right"], ["left"]]
+    assert [[s.name for s in t.domain.fixed_poses] for t in as_written.things] == [["left"], ["right"]]
+    assert [[s.name for s in t.domain.fixed_poses] for t in swapped.things] == [["right"], ["left"]]
 
 
 def test_relations(problems: dict[str, tuple[Problem, ...]]):
@@ -142,7 +142,7 @@ def test_every_combination_of_variants_is_a_problem(problems: dict[str, tuple[Pr
     assert np.allclose(turned.X_WB[:2, 0], [np.cos(np.pi / 6), np.sin(np.pi / 6)])
     assert np.allclose(turned.X_WB[:3, 3], [0, 0, 0.7])
     flat = next(p for p in found if p.combination["variants.assets"] == "flat")
-    assert np.isclose(flat.things[1].body.stances[0].height_m, 0.01)
+    assert np.isclose(flat.things[1].body.resting_orientations[0].height_m, 0.01)
 
 
 def test_the_programs_of_the_reference_page_are_sound(tmp_path: Path, library: AssetLibrary):

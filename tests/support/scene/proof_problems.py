@@ -35,11 +35,11 @@ def thing(
     yaw=(0.0, 0.0),
     parent: str = WORLD_PARENT,
     height: float = 0.05,
-    spots=(),
+    fixed_poses=(),
 ) -> Thing:
     body = size if isinstance(size, Body) else box_body(name, *size, height)
     path = ("layout", "nodes", name)
-    return Thing(name, body, parent, place, Domain(x, y, yaw, (0,), spots, (*path, "placement", "ranges")), path)
+    return Thing(name, body, parent, place, Domain(x, y, yaw, (0,), fixed_poses, (*path, "placement", "ranges")), path)
 
 
 def left_of(number: int, one: str, two: str, gap: float = 0.0) -> RelationIR:

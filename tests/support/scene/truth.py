@@ -26,7 +26,7 @@ class Grid:
 
     def __init__(self, thing: Thing, step_m: float) -> None:
         assert isinstance(thing.place, Surface)
-        self.thing, self.outline = thing, thing.body.stances[0].slabs[0].outline_m
+        self.thing, self.outline = thing, thing.body.resting_orientations[0].slabs[0].outline_m
         low, high = thing.domain.yaw_rad
         square = np.allclose(np.ptp(self.outline, axis=0)[0], np.ptp(self.outline, axis=0)[1])
         high = min(high, low + (np.pi / 2 if square else np.pi))
@@ -62,7 +62,7 @@ def truth(problem: Problem, steps_m: tuple[float, ...] = (0.01, 0.005, 0.0025)) 
 
 def _truth_on_grid(problem: Problem, step_m: float) -> Truth:
     grids = [Grid(thing, step_m) for thing in problem.things]
-    strict, loose = (_kept(problem, grids, relaxed) for relaxed in (False, True))
+    strict, loose = (_poses_kept(problem, grids, relaxed) for relaxed in (False, True))
     if any(not mask.any() for mask in loose):
         return "no"
     if any(mask.sum() > MOST_POSES for mask in loose):
@@ -72,9 +72,9 @@ def _truth_on_grid(problem: Problem, step_m: float) -> Truth:
     return "unclear" if _some(problem, grids, loose, relaxed=True) else "no"
 
 
-def _kept(problem: Problem, grids: list[Grid], relaxed: bool) -> list[np.ndarray]:
+def _poses_kept(problem: Problem, grids: list[Grid], relaxed: bool) -> list[np.ndarray]:
     """For each thing, which poses keep the rules that concern it alone."""
-    kept = []
+    masks = []
     for grid in grids:
         off = grid.off if relaxed else 0.0
         west, south, east, north = grid.thing.place.polygon.bounds
@@ -97,8 +97,8 @@ def _kept(problem: Problem, grids: list[Grid], relaxed: bool) -> list[np.ndarray
                     distance >= problem.reach.least_m - near - NOISE
                 )
             mask[part] = inside
-        kept.append(mask)
-    return kept
+        masks.append(mask)
+    return masks
 
 
 def _difference(one: np.ndarray, two: np.ndarray) -> Polygon:
