@@ -3,3 +3,38 @@
 Folders from the ground up: `mesh` (triangle surfaces), `mass`, `convex` and `repair`, then `solid` (closed bodies from
 visual meshes), `features` (cavities, supports, holes), `decomposition` (convex parts) and `grasp`. First read `pose`.
 """
+
+from typing import TYPE_CHECKING
+
+from schemas.lazy_exports import lazy_exports
+
+if TYPE_CHECKING:
+    from geom.convex.hull import convex_hull
+    from geom.decomposition.decompose import convex_parts
+    from geom.mass.inertia import of_closed_surface
+    from geom.mesh.topology import observe
+    from geom.mesh.weld import weld_points
+    from geom.pose import pose_from_quat
+    from geom.repair.holes import fill_openings
+
+__all__ = [
+    "convex_hull",
+    "convex_parts",
+    "fill_openings",
+    "observe",
+    "of_closed_surface",
+    "pose_from_quat",
+    "weld_points",
+]
+__getattr__, __dir__ = lazy_exports(
+    __name__,
+    {
+        "convex_hull": "geom.convex.hull",
+        "convex_parts": "geom.decomposition.decompose",
+        "fill_openings": "geom.repair.holes",
+        "observe": "geom.mesh.topology",
+        "of_closed_surface": "geom.mass.inertia",
+        "pose_from_quat": "geom.pose",
+        "weld_points": "geom.mesh.weld",
+    },
+)

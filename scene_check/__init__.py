@@ -3,18 +3,23 @@
 `model.py` has the data; `check_scene.py` judges one scene, `check_batch.py` many; `from_plan.py` reads plan documents.
 """
 
-from scene_check.check_scene import check
-from scene_check.model import (
-    CheckKeepOut,
-    CheckObject,
-    CheckPlace,
-    CheckPrism,
-    CheckReach,
-    CheckRelation,
-    CheckScene,
-    Violation,
-    ViolationKind,
-)
+from typing import TYPE_CHECKING
+
+from schemas.lazy_exports import lazy_exports
+
+if TYPE_CHECKING:
+    from scene_check.check_scene import check
+    from scene_check.model import (
+        CheckKeepOut,
+        CheckObject,
+        CheckPlace,
+        CheckPrism,
+        CheckReach,
+        CheckRelation,
+        CheckScene,
+        Violation,
+        ViolationKind,
+    )
 
 __all__ = [
     "CheckKeepOut",
@@ -28,3 +33,18 @@ __all__ = [
     "ViolationKind",
     "check",
 ]
+__getattr__, __dir__ = lazy_exports(
+    __name__,
+    {
+        "CheckKeepOut": "scene_check.model",
+        "CheckObject": "scene_check.model",
+        "CheckPlace": "scene_check.model",
+        "CheckPrism": "scene_check.model",
+        "CheckReach": "scene_check.model",
+        "CheckRelation": "scene_check.model",
+        "CheckScene": "scene_check.model",
+        "Violation": "scene_check.model",
+        "ViolationKind": "scene_check.model",
+        "check": "scene_check.check_scene",
+    },
+)

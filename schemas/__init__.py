@@ -1,1 +1,48 @@
 """Data that crosses a package border or the disk: models, evidence, diagnostics. Standard library, pydantic, numpy."""
+
+from typing import TYPE_CHECKING
+
+from schemas.lazy_exports import lazy_exports
+
+if TYPE_CHECKING:
+    from schemas.asset import AssetRecord
+    from schemas.codes import CODES
+    from schemas.diagnostics import Diagnostic, InvalidInput, Severity
+    from schemas.evidence import Evidence
+    from schemas.gap import GapReport, ModelExtension
+    from schemas.outcome import ItemOutcome
+    from schemas.report import IngestReport
+    from schemas.scene.program import SceneProgram
+    from schemas.scene.runtime_plan import RuntimePlan
+
+__all__ = [
+    "CODES",
+    "AssetRecord",
+    "Diagnostic",
+    "Evidence",
+    "GapReport",
+    "IngestReport",
+    "InvalidInput",
+    "ItemOutcome",
+    "ModelExtension",
+    "RuntimePlan",
+    "SceneProgram",
+    "Severity",
+]
+__getattr__, __dir__ = lazy_exports(
+    __name__,
+    {
+        "AssetRecord": "schemas.asset",
+        "CODES": "schemas.codes",
+        "Diagnostic": "schemas.diagnostics",
+        "Evidence": "schemas.evidence",
+        "GapReport": "schemas.gap",
+        "IngestReport": "schemas.report",
+        "InvalidInput": "schemas.diagnostics",
+        "ItemOutcome": "schemas.outcome",
+        "ModelExtension": "schemas.gap",
+        "RuntimePlan": "schemas.scene.runtime_plan",
+        "SceneProgram": "schemas.scene.program",
+        "Severity": "schemas.diagnostics",
+    },
+)

@@ -45,7 +45,7 @@ class Found:
     selection: Selection
 
 
-def find(
+def find_effects(
     problem: Problem,
     trials: Trials,
     *,

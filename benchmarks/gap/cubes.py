@@ -22,10 +22,11 @@ from pathlib import Path
 import cma
 import numpy as np
 
-from cli.gap.problem import Case, case_of
+from cli.engines import REPLAY_ENGINE
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
-from simgap.find_gap import find
+from simgap.case import Case, case_of
+from simgap.find_gap import find_effects
 from simgap.kinds.free_body.candidates import candidates_of
 from simgap.kinds.free_body.problem import FreeBodyProblem
 from simgap.problem import Candidate, Model, Term, View
@@ -94,7 +95,7 @@ def ahead(theirs: FloatArray, ours: FloatArray) -> tuple[float, float, float]:
 
 def named_by_us(case: Case, trials: Trials) -> tuple[Model, str]:
     """The extended model, and what was said."""
-    found = find(case.problem, trials, measurement="", horizon_s=0.0, quick=True)
+    found = find_effects(case.problem, trials, measurement="", horizon_s=0.0, quick=True)
     verdict = found.report.verdict
     return found.selection.final.model, f"{verdict.status}: {verdict.statement}"
 
@@ -111,7 +112,7 @@ def main() -> None:
     measurement = read(asked.folder).value
     if measurement is None:
         raise SystemExit(f"{asked.folder}: not a measurement; `mana gap simulate` says why")
-    case = case_of(subset(measurement, asked.tosses, asked.first))
+    case = case_of(subset(measurement, asked.tosses, asked.first), REPLAY_ENGINE)
     problem = case.problem
     assert isinstance(problem, FreeBodyProblem), "tosses are free bodies"
     unit = {"position": 1.0 / problem.mover.size_m, "rotation": 180.0 / np.pi}

@@ -1,4 +1,4 @@
-"""Samplers that others use, on the boxes of the workload: what the solver is timed beside, in the same process.
+"""Baseline samplers of other tools, on the boxes of the workload, timed in the same process as the solver.
 
 Each takes sizes (n, 2), `left_of` pairs, a random generator and a CPU limit, and returns poses (n, 3) of x, y, yaw, or
 None when it gave up. Rules as published: robosuite's UniformRandomSampler (bounding circles, 5000 tries an object), the

@@ -1,4 +1,4 @@
-"""How fast scenes are solved: the workload of the anchors, edits, and growth with the number of objects.
+"""Measures how fast scenes are solved: the tabletop workload, edits, and growth with the number of objects.
 
     python -m benchmarks.scenes.solve_speed [--sizes 5,10,30,60,80] [--seeds 3] [--limit 5]
 

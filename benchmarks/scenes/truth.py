@@ -1,8 +1,8 @@
-"""Whether the compiler's verdicts are true: proofs against trying everything, scenes against the independent judge.
+"""Measures whether verdicts are true: proofs against exhaustive grids, scenes against the independent judge.
 
     python -m benchmarks.scenes.truth [--programs 300] [--scenes 20000] [--start 0]
 
-Programs are random and small; `tests/support/scene/truth.py` tries all poses of a grid and says yes, no or unclear.
+Programs are random and small; `tests/support/scene/truth.py` tries all poses of a grid and answers yes, no or unclear.
 Scenes are those that the solver finds for random mixed problems; `scene_check` shares no code with it. Times are
 CPU times.
 """

@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from cli.gap.find import Tick, search
+from cli.engines import REPLAY_ENGINE
 from jobs.cache import write_atomically
 from schemas.gap import GapReport
 from schemas.model import FloatArray
 from simgap.recording.read import read
+from simgap.run import Tick, search
 
 # The truth, which the search does not see: Dahl's friction (P. R. Dahl, Aerospace Corp. TOR-0158, 1968), integrated by
 # SciPy. The library has no such law; in steady sliding it equals Coulomb's.
@@ -50,7 +51,7 @@ def gap_demo(out: Path, *, jobs: int, tick: Tick) -> GapDemo:
     outcome = read(folder / "recordings")
     if outcome.value is None:  # Not bad input: the recordings are ours.
         raise RuntimeError(outcome.diagnostics[0].headline)
-    report = search(outcome.value, outcome.diagnostics, folder, jobs=jobs, tick=tick, since=since)
+    report = search(outcome.value, outcome.diagnostics, folder, engine=REPLAY_ENGINE, jobs=jobs, tick=tick, since=since)
     return GapDemo(report, folder.name)
 
 

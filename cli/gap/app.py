@@ -11,6 +11,7 @@ import typer
 from rich.markup import escape
 
 from cli import text
+from cli.engines import REPLAY_ENGINE
 from jobs.cache import write_atomically
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.gap import GapReport
@@ -41,7 +42,7 @@ def find_command(
 
     Example: `mana gap find recordings/door --out door_gap`
     """
-    from cli.gap.find import search  # Loads engine and plotting.
+    from simgap.run import search  # Loads engine and plotting.
 
     started = time.monotonic()
     value, findings = _read(measurement, as_json)
@@ -52,7 +53,9 @@ def find_command(
             progress.update(task, description=words, completed=done, total=total)
 
         try:
-            report = search(value, findings, out, jobs=jobs, tick=tick, since=started, quick=quick)
+            report = search(
+                value, findings, out, engine=REPLAY_ENGINE, jobs=jobs, tick=tick, since=started, quick=quick
+            )
         except KeyboardInterrupt:
             if not as_json:
                 text.console.print("interrupted; the same command continues")

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from cli.gap.problem import Case, case_of, cut_windows
+from cli.engines import REPLAY_ENGINE
 from jobs.cache import write_atomically
 from schemas.diagnostics import InvalidInput, finding
 from schemas.model import FloatArray
 from sim.dynamics.mechanism import rollout
+from simgap.case import Case, case_of, cut_windows, replay_engine
 from simgap.extension.extension import read_extension, terms_of
 from simgap.kinds.event_problem import EventProblem
 from simgap.kinds.mechanism.apply_model import apply_terms
@@ -33,7 +34,7 @@ def simulate(measurement: Measurement, extension: Path | None, out: Path) -> dic
 
     Raises InvalidInput for an extension that this model cannot take.
     """
-    case = case_of(measurement)
+    case = case_of(measurement, REPLAY_ENGINE)
     models: dict[str, Model] = {"declared": ()}
     if extension is not None:
         models["extended"] = terms_of(read_extension(extension))
@@ -99,14 +100,13 @@ def _engine_notes(case: Case, models: dict[str, Model]) -> list[str]:
     """For mechanisms: how far PyBullet is from the roll-outs here, with the same numbers and inputs."""
     if not isinstance(case.problem, MechanismProblem):
         return []
-    from sim.bullet import mechanism
-
+    engine = replay_engine(REPLAY_ENGINE)
     notes = []
     for name, model in models.items():
         applied = apply_terms(case.problem.declared, model)
         windows = cut_windows(joint_windows(case.measurement.trials[0], applied), _ENGINE_S)
         try:
-            theirs, _ = mechanism.rollout(applied.mechanism, windows, applied.laws)
+            theirs, _ = engine.mechanism_rollout(applied.mechanism, windows, applied.laws)
         except ValueError as refused:
             notes.append(f"{name} model: not replayed in PyBullet: {refused}")
             continue

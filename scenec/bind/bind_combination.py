@@ -74,9 +74,7 @@ class Lowering:
         self.names, self.choice, self.library, self.spans, self.derivations = names, choice, library, spans, derivations
         self.program = names.program
         self.diagnostics: list[Diagnostic] = []
-        self.diagnostics_by_path: list[
-            tuple[Path, Diagnostic]
-        ] = []  # with paths instead of lines, for reuse when lines shift
+        self.diagnostics_by_path: list[tuple[Path, Diagnostic]] = []  # without lines, for reuse when lines shift
         self.places: dict[tuple[str, str], tuple[str, Place] | None] = {}
         self.objects = {thing.id: thing for thing in self.program.objects}
         self.object_of = {t: node.object for n, node in self.program.layout.nodes.items() for t in names.copies[n]}

@@ -79,9 +79,7 @@ class VariantSpace:
 
     def count(self, keys: Collection[str]) -> int:
         """How many combinations of the values of some keys there are, without listing them."""
-        slots = prod(
-            len(choices) for group, choices in self.slots.items() if slot_key(group) in keys
-        )
+        slots = prod(len(choices) for group, choices in self.slots.items() if slot_key(group) in keys)
         others = [key for key in keys if key not in map(slot_key, self.slots)]
         return slots * sum(self._size(variant, background, keys) for variant, background, _ in self._settings(others))
 
@@ -103,9 +101,7 @@ class VariantSpace:
         every = declared | {f"objects.{name}" for name in self.as_authored}
         assignments = range(max(map(len, self.slots.values()), default=1))
         for one, n in product(self.combinations(declared), assignments):
-            slots = {
-                slot_key(group): [*choices][min(n, len(choices) - 1)] for group, choices in self.slots.items()
-            }
+            slots = {slot_key(group): [*choices][min(n, len(choices) - 1)] for group, choices in self.slots.items()}
             pools = dict(self._pools(one.get(ASSETS, AS_WRITTEN), every))
             for k in range(max(map(len, pools.values()), default=1)):
                 picked = {
@@ -126,9 +122,7 @@ class VariantSpace:
         behind = None
         if background is not None:
             behind = _named(single_assets(background.asset), combination.get(BACKGROUND_POOL))
-        assign = {
-            group: choices[combination.get(slot_key(group), AS_WRITTEN)] for group, choices in self.slots.items()
-        }
+        assign = {group: choices[combination.get(slot_key(group), AS_WRITTEN)] for group, choices in self.slots.items()}
         return Choice(dict(combination), objects, background, behind, assign)
 
     def must_be_separate(self) -> frozenset[str]:

@@ -72,12 +72,12 @@ class Verdicts:
 
     def shown(self) -> tuple[Combination, ...]:
         """Combinations of all keys that are made into scenes: every one where these are few, else a cover."""
-        parts = self.lowered.components
-        if len(parts) == 1:
-            return parts[0].combinations
+        components = self.lowered.components
+        if len(components) == 1:
+            return components[0].combinations
         if self.lowered.count <= AT_LEAST:
             return tuple(self.lowered.binder.variants.combinations(self.lowered.keys))
-        return cover([component.combinations for component in parts])
+        return cover([component.combinations for component in components])
 
     def whole(self, component: int, chosen: Combination) -> Combination:
         """A combination of all keys that contains `chosen`; other components have one that compiled, where there is
@@ -96,17 +96,17 @@ class Verdicts:
             refuted := next((one.result for one in component_results if isinstance(one.result, Infeasible)), None)
         ) is not None:
             return refuted
-        stood = [
+        placements_of_components = [
             one.result.placements if isinstance(one.result, Solved) else _best_placements(one.result)
             for one in component_results
         ]
-        together = {name: at for places in stood for name, at in sorted(places.items())}
+        together = {name: at for places in placements_of_components for name, at in sorted(places.items())}
         steps = sum(one.result.steps for one in component_results if not isinstance(one.result, Infeasible))
-        lost = next((one.result for one in component_results if isinstance(one.result, Exhausted)), None)
-        if lost is None:
+        exhausted = next((one.result for one in component_results if isinstance(one.result, Exhausted)), None)
+        if exhausted is None:
             return Solved(dict(sorted(together.items())), steps)
         things = sum(len(component.things) for component in self.lowered.components)
-        return replace(lost, placed=len(together), of=things, steps=steps, best_placements=together)
+        return replace(exhausted, placed=len(together), of=things, steps=steps, best_placements=together)
 
     def matrix(self, shown: Sequence[Combination]) -> tuple[CombinationVerdict, ...]:
         """A row for each combination of all keys, while there are at most 256; else one for each of `shown`."""

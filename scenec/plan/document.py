@@ -1,4 +1,4 @@
-"""Problems and their solved scenes made into a RuntimeSamplingPlan: pools of checked cases for each combination."""
+"""Builds a RuntimeSamplingPlan from problems and their solved scenes: pools of judged cases for each combination."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from schemas.scene.runtime_plan import (
 )
 
 _DIGITS = 9  # nanometres
-_MARK = "\x01"  # no name holds it
+_MARK = "\x01"  # occurs in no name
 
 
 def runtime_plan(
@@ -54,8 +54,8 @@ def runtime_plan(
 ) -> RuntimePlan:
     """The plan of a compiled program; `diversity` trades its size for coverage (1: some hundred cases a pool).
 
-    `reached_by` are the keys of combinations by thing that decide anything of it (all, when None): pools that these
-    leave alike are made once.
+    `reached_by` are the keys that affect a thing, by its name (all, when None): pools whose keys have equal values are
+    made once.
 
     Every case is judged by the independent checker at extreme poses; RuntimeError when one is refused, a defect of
     ours. Deterministic in program, packages, seed and diversity.
@@ -150,7 +150,7 @@ def _combination(
 
 
 def _materials(program: SceneProgram) -> tuple[PairedMaterial, ...]:
-    # With the things of the plan in place of the program's objects.
+    # Materials with the things of the plan instead of the program's objects.
     names = Names(program)
     nodes = program.layout.nodes.items()
     things = {
@@ -164,7 +164,7 @@ def _materials(program: SceneProgram) -> tuple[PairedMaterial, ...]:
 
 
 class PlanBodies:
-    """Bodies by number, each once."""
+    """Numbers the bodies of a plan, each once."""
 
     def __init__(self, packages: Path | None) -> None:
         self.packages = packages

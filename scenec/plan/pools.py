@@ -1,4 +1,4 @@
-"""The pools of a plan: things chosen together, made once for all combinations that leave them alike."""
+"""Pools of a plan: sets of things sampled jointly, made once for all combinations with equal keys."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from schemas.scene.runtime_plan import PlanPool
 
 MOST_CASES = 800  # of a pool
 MOST_CELLS = 13_000  # in the cases of a pool: about a megabyte
-PoolKey = tuple[tuple[str, ...], frozenset[tuple[str, str]]]  # things of pools, and what decides anything of them
+# Names of the things of a pool, and the key values that affect them.
+PoolKey = tuple[tuple[str, ...], frozenset[tuple[str, str]]]
 
 
 def plan_pools(
@@ -26,12 +27,12 @@ def plan_pools(
     pools_by_key: dict[PoolKey, tuple[PlanPool, ...]],
     reached_by: Mapping[str, Collection[str]] | None,
 ) -> tuple[PlanPool, ...]:
-    """The pools of a solved combination. Those that `made` has, alike in all that decides anything of them, are taken
-    over: `reached_by` are the keys of combinations by thing that do (all, when None)."""
+    """The pools of a solved combination. Pools in `pools_by_key` are reused, new ones are added to it; `reached_by` are
+    the keys that affect a thing, by its name (all, when None)."""
     problem, pools = base.problem, pools_of(base)
     frozen = {name: result.placements[name] for name in pools.frozen}
     stacked_names = stacked(base, {name: base.put(name, at) for name, at in result.placements.items()})
-    plan_pools: list[PlanPool] = []
+    all_pools: list[PlanPool] = []
     for joint_pool in pools.joint_pools:
         keys = problem.combination.keys() if reached_by is None else reached_by[joint_pool.names[0]]
         pool_key = (
@@ -40,13 +41,13 @@ def plan_pools(
         )
         if pool_key not in pools_by_key:
             for names in joint_pool.groups:
-                if stacked_names.intersection(names):  # a pile stays as it was found, in its receptacle
+                if stacked_names.intersection(names):  # a stack keeps its solved poses in its receptacle
                     frozen |= {name: result.placements[name] for name in names}
             pools_by_key[pool_key] = _plan_pools_of(
                 pools.model, joint_pool, frozen, result, _cases_wanted(len(joint_pool.names), diversity), seed
             )
-        plan_pools += pools_by_key[pool_key]
-    return tuple(plan_pools)
+        all_pools += pools_by_key[pool_key]
+    return tuple(all_pools)
 
 
 def _plan_pools_of(
@@ -57,7 +58,7 @@ def _plan_pools_of(
     case_count: int,
     seed: int,
 ) -> tuple[PlanPool, ...]:
-    # One pool where rules tie its groups and cases are found that keep them; else one a group, what is tied held still.
+    # One pool for all groups where cases satisfy their cross-owner relations; else one per group, linked things frozen.
     if joint_pool.rules:
         request = PoolRequest(joint_pool.names, frozen, result.placements, case_count, seed)
         cases = cross_owner_cases(model, request, joint_pool.groups, joint_pool.rules)

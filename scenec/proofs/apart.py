@@ -1,7 +1,7 @@
-"""Near and far at once.
+"""Contradiction of `near` and `far_from`.
 
 Theorem (triangle inequality): the distance of two footprints is at most the sum of the distances along a path of
-`near`, plus the diameters of the footprints passed on the way.
+`near`, plus the diameters of the footprints in between.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scenec.proofs.places import area_hull
 
 
 def near_and_far(problem: Problem) -> Proof | None:
-    """A proof for the first `far_from` that a chain of `near`, or the size of the support, cannot stretch to."""
+    """A proof for the first `far_from` larger than a chain of `near`, or the diameter of the support, allows."""
     by_name = {thing.name: thing for thing in problem.things}
     graph = nx.Graph()
     for relation in problem.relations:
@@ -59,7 +59,7 @@ def _by_place(relation: RelationIR, by_name: dict[str, Thing]) -> Proof | None:
     one, two = (by_name[name] for name in relation.things[:2])
     if (one.parent, one.place.name) != (two.parent, two.place.name) or one.domain.fixed_poses or two.domain.fixed_poses:
         return None
-    # The two touch their place at points as far apart as its diameter at most.
+    # Points of both footprints lie on the place, so that their distance is at most its diameter.
     most = _widest(area_hull(one.place))
     if relation.gap_m <= most + SLACK_M:
         return None

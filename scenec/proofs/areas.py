@@ -1,7 +1,7 @@
-"""More footprint than room.
+"""Area bound: the footprints on a place need more area than it has.
 
-Theorem: footprints at least c apart, each grown by c/2, have disjoint insides, and all lie in their place grown by c/2;
-so the sum of their grown areas is at most the grown area of the place.
+Theorem: footprints at least c apart, each grown by c/2, have disjoint interiors, and all lie in their place grown by
+c/2; so the sum of their grown areas is at most the grown area of the place.
 
 Grown by r, a region of area A and boundary length L has at most A + r L + pi r^2 (Steiner; equality for convex ones).
 """
@@ -22,7 +22,7 @@ Rectangle = tuple[float, float, float, float]
 
 
 def more_area_than_there_is(problem: Problem) -> Proof | None:
-    """A proof for the first place, or stretch of a place that ranges share, with less room than footprints."""
+    """A proof for the first place, or part of a place that ranges share, with less area than its footprints need."""
     places: dict[tuple[str, str], list[Thing]] = {}
     for thing in problem.things:
         places.setdefault((thing.parent, thing.place.name), []).append(thing)
@@ -35,7 +35,7 @@ def more_area_than_there_is(problem: Problem) -> Proof | None:
 
 
 def _side_by_side(things: list[Thing]) -> list[Thing]:
-    """Things no two of which can be one over the other: all on a surface; in a volume those too high to stack."""
+    """Things of which no two can overlap in the plane: all on a surface; in a volume those too high to stack."""
     place = things[0].place
     if not isinstance(place, Volume):
         return things
@@ -52,7 +52,7 @@ def _side_by_side(things: list[Thing]) -> list[Thing]:
 
 
 def _stretches(things: list[Thing]) -> Iterator[tuple[Polygon | None, list[Thing]]]:
-    """Rectangles that ranges share, with all things bound to lie inside; then the whole place."""
+    """Rectangles common to ranges, each with the things that must lie inside; then the whole place."""
     boxes = {thing.name: _covered(thing) for thing in things}
     for low_x, low_y, high_x, high_y in dict.fromkeys(box for box in boxes.values() if np.isfinite(box).all()):
         inside = [
@@ -67,7 +67,7 @@ def _stretches(things: list[Thing]) -> Iterator[tuple[Polygon | None, list[Thing
 
 
 def _covered(thing: Thing) -> Rectangle:
-    """The rectangle in A that the footprint cannot leave by its ranges."""
+    """The rectangle in A that contains the footprint by its ranges."""
     extents = [
         [
             support_bounds(hull(thing.body.resting_orientations[k].slabs), axis, thing.domain.yaw_rad)[1]
@@ -101,6 +101,6 @@ def _over_full(problem: Problem, things: list[Thing], stretch: Polygon | None) -
 
 
 def _grown_area(thing: Thing, stance: int, half_m: float) -> float:
-    """Area of the whole footprint grown by half the clearance, a little less (arcs are replaced by chords)."""
+    """Area of the whole footprint grown by half the clearance, from below (arcs are replaced by chords)."""
     footprint = shapely.union_all([Polygon(slab.outline_m) for slab in thing.body.resting_orientations[stance].slabs])
     return float(footprint.buffer(half_m, quad_segs=8).area)

@@ -1,9 +1,9 @@
-"""Distances along one axis as a system of differences: cycles of relations, chains too long for their place.
+"""Difference constraints along one axis: cycles of relations, and chains too long for their place.
 
 Along a unit direction d of a frame, the begin b, origin o and end f of each footprint are numbers, and support, ranges,
 `before`, `near`, `aligned` and reach bound differences of two of them from below: v - u >= w. Theorem (Bellman 1958):
-such a system has a solution iff no cycle has a positive sum of w. Widths and reaches are the least over all headings
-and stances allowed, so a positive cycle rules out every scene.
+such a system has a solution iff no cycle has a positive sum of w. Widths and supports are the least over all allowed
+yaws and orientations, so a positive cycle excludes every scene.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ BEGIN, ORIGIN, END = 0, 1, 2
 
 @dataclass(frozen=True)
 class DifferenceReason:
-    """Why one difference is bounded."""
+    """Origin of one difference constraint, for the text of the proof."""
 
     kind: str
     text: str
@@ -31,7 +31,7 @@ class DifferenceReason:
 
 @dataclass
 class DifferenceConstraints:
-    """Edges u -> v with v - u >= w, and the reason of each."""
+    """System of difference constraints: edges u -> v with v - u >= w, and the reason of each."""
 
     u: list[int] = field(default_factory=list)
     v: list[int] = field(default_factory=list)
@@ -39,7 +39,7 @@ class DifferenceConstraints:
     reasons: list[DifferenceReason] = field(default_factory=list)
 
     def add_lower_bound(self, u: int, v: int, w: float, reason: DifferenceReason) -> None:
-        """Adds v - u >= w unless it says nothing."""
+        """Adds v - u >= w if w is finite."""
         if np.isfinite(w):
             self.u.append(u)
             self.v.append(v)
@@ -48,7 +48,7 @@ class DifferenceConstraints:
 
 
 def too_long_along_an_axis(problem: Problem) -> Proof | None:
-    """A proof when the differences along some direction of some frame contradict one another."""
+    """A proof when the constraints along some direction of some frame contradict each other."""
     yaws = {
         root: yaw_ranges(problem, root) for root in dict.fromkeys([WORLD_PARENT, *(t.parent for t in problem.things)])
     }
@@ -62,7 +62,7 @@ def too_long_along_an_axis(problem: Problem) -> Proof | None:
 
 
 def yaw_ranges(problem: Problem, root: str) -> dict[str, YawCell]:
-    """The interval of headings, in the frame of `root`, of all that stands on it through any number of owners."""
+    """Yaw interval, in the frame of `root`, of all things on it, through any number of owners."""
     yaw_range_of: dict[str, YawCell] = {root: (0.0, 0.0)}
     waiting = list(problem.things)
     while ready := [thing for thing in waiting if thing.parent in yaw_range_of and thing.name != root]:
@@ -81,7 +81,7 @@ def _yaw_range(thing: Thing) -> YawCell:
 
 
 def _directions(problem: Problem, yaw_range_of: dict[str, YawCell]) -> list[FloatArray]:
-    """The axes of the frame and the directions of relations in it, each once whatever its sign."""
+    """The axes of the frame and the directions of relations in it, each once regardless of sign."""
     candidates = [np.array([1.0, 0.0]), np.array([0.0, 1.0])]
     for relation in problem.relations:
         if relation.kind in ("before", "aligned") and (turn := _fixed(relation.frame, yaw_range_of)) is not None:
@@ -122,7 +122,7 @@ def _system(problem: Problem, root: str, yaw_range_of: dict[str, YawCell], d: Fl
 
 
 def _related(problem: Problem) -> set[str]:
-    """Things in relations, and their owners; any other is bounded by its place alone (`fits`)."""
+    """Names of things in relations and of their owners; others are handled by `fits`."""
     owner = {thing.name: thing.parent for thing in problem.things}
     related: set[str] = set()
     for name in (name for relation in problem.relations for name in relation.things):
@@ -135,7 +135,7 @@ def _related(problem: Problem) -> set[str]:
 def _own_differences(
     system: DifferenceConstraints, thing: Thing, node: dict[str, int], yaw_range_of: dict[str, YawCell], d: FloatArray
 ) -> None:
-    """Extent of the footprint over its origin, the least and greatest over stances and headings."""
+    """Constraints between begin, origin and end of a footprint, over all orientations and yaws."""
     yaw, at, reason = (
         yaw_range_of[thing.name],
         node[thing.name],
@@ -154,7 +154,7 @@ def _own_differences(
 def _place_differences(
     system: DifferenceConstraints, thing: Thing, node: dict[str, int], yaw_range_of: dict[str, YawCell], d: FloatArray
 ) -> None:
-    """The footprint on its place, the origin in its ranges, both from the owner's origin."""
+    """Constraints of the footprint on its place and of the origin in its ranges, relative to the owner's origin."""
     at, yaw = node[thing.name], yaw_range_of[thing.parent]
     owner = 0 if node[thing.parent] == 0 else node[thing.parent] + ORIGIN
     corner = thing.place.origin_P_m[:2]
@@ -250,7 +250,8 @@ def _proof(system: DifferenceConstraints, cycle: list[int], direction: FloatArra
     axis = f"({direction[0]:g}, {direction[1]:g})"
     if kinds <= {"relation", "width"}:
         authored = tuple(reason for reason in reasons if reason.kind == "relation")
-        text = f"{_listed(authored)} contradict one another: in a circle along {axis} they ask for {needed - room:.4g} m more"
+        excess = f"in a circle along {axis} they ask for {needed - room:.4g} m more"
+        text = f"{_listed(authored)} contradict one another: {excess}"
         return Proof("relation-cycle", text, needed, room, "m", _paths(authored))
     things = [reason for reason in reasons if reason.kind == "width"]
     rest = [reason for reason in reasons if reason.kind != "width"]

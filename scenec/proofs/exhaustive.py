@@ -1,9 +1,10 @@
-"""A complete argument for few things: branch and bound over headings, stances, spots and sides, with linear bounds.
+"""Complete argument for few things: branch and bound over yaws, orientations, fixed poses and sides, with linear
+bounds.
 
 Where the linear conditions of a node (`node_conditions`) have no solution, the node is closed. Otherwise the solution
-breaks some disjunction, say that two things stand apart: one child for each way to keep it. When none is broken the
-widest interval of headings is halved. All nodes closed = no scene. A bounded number of linear programs; a point that
-survives ends the search without a claim.
+violates some disjunction, for instance that two things are apart: one child for each option of it. When none is
+violated the widest interval of yaws is halved. All nodes closed means no scene. The number of linear programs is
+bounded; a point that satisfies everything ends the search without a claim.
 """
 
 from __future__ import annotations
@@ -25,11 +26,11 @@ from scenec.proofs.places import PlacementBounds, fits_height, free_region, max_
 MOST_THINGS = 5
 MOST_START_NODES = 64
 SMALLEST_CELL_RAD = np.radians(0.25)
-COARSE_CELL_RAD = np.radians(15.001)  # a little over a round part of a turn
+COARSE_CELL_RAD = np.radians(15.001)  # slightly more than a whole fraction of a turn
 
 
 def no_arrangement(problem: Problem, most_programs: int = 400) -> Proof | None:
-    """A proof when the things on one owner, or a few of them tied by relations, have no arrangement at all."""
+    """A proof when the things on one owner, or a few of them linked by relations, have no arrangement."""
     for things in related_sets(problem):
         search = BranchAndBound(problem, things)
         if search.closed(most_programs):
@@ -42,7 +43,7 @@ def no_arrangement(problem: Problem, most_programs: int = 400) -> Proof | None:
 
 
 def related_sets(problem: Problem) -> list[tuple[Thing, ...]]:
-    """Sets of 2 to 5 things on one owner to be looked at: all of them, or those that relations tie together."""
+    """Sets of 2 to MOST_THINGS things on one owner: all of them, or those that relations link."""
     sets: list[tuple[Thing, ...]] = []
     for parent in dict.fromkeys(thing.parent for thing in problem.things):
         things = [thing for thing in problem.things if thing.parent == parent]
@@ -69,7 +70,7 @@ class BranchAndBound:
         self.programs = 0
 
     def closed(self, most_programs: int) -> bool:
-        """Whether every node is ruled out within so many linear programs."""
+        """Whether every node is closed within so many linear programs."""
         nodes = self._start()
         if nodes is None:
             return False
@@ -98,7 +99,7 @@ class BranchAndBound:
         return True
 
     def _start(self) -> list[BranchNode] | None:
-        """One node for each choice of stances and spots; None when they are too many."""
+        """One node for each choice of orientations and fixed poses; None when they are too many."""
         choices = [self._poses(thing) for thing in self.things]
         if np.prod([float(len(poses)) for poses in choices]) > MOST_START_NODES:
             return None
@@ -128,7 +129,8 @@ class BranchAndBound:
         ]
 
     def _usable(self, thing: Thing, stance: Stance, place: PlacementBounds) -> list[YawCell]:
-        """Headings at which the thing alone has a place, adjoining cells joined; one period of a symmetric outline."""
+        """Yaw intervals at which the thing alone has a free region, adjacent ones joined; one period of a symmetric
+        outline."""
         low, high = thing.domain.yaw_rad
         turns = any(r.kind == "facing" and r.things[0] == thing.name for r in self.conditions.relations)
         if not turns and len(stance.slabs) == 1:
@@ -155,7 +157,8 @@ class BranchAndBound:
         return max(things, key=lambda k: (node.poses[k].yaw[1] - node.poses[k].yaw[0], -k))
 
     def _solve(self, rows: tuple[LinearConstraint, ...]) -> FloatArray | None:
-        """Origins (n, 2) in P that satisfy the rows, or None when there are none (a failed program counts as some)."""
+        """Origins (n, 2) in P that satisfy the constraints, or None if infeasible (a failed program counts as
+        feasible)."""
         count = len(self.things)
         matrix = np.zeros((len(rows), 2 * count))
         for k, row in enumerate(rows):
@@ -171,7 +174,7 @@ class BranchAndBound:
         return np.zeros((count, 2)) if answer.x is None else answer.x.reshape(-1, 2)
 
     def _broken(self, node: BranchNode, point: FloatArray) -> Disjunction | None:
-        """The disjunction most broken at the point, among those not yet chosen at the node."""
+        """The disjunction most violated at the point, among those not yet chosen at the node."""
         worst, most_broken = SLACK_M, None
         for disjunction in self.conditions.disjunctions(node):
             if disjunction.key in node.chosen:
@@ -183,7 +186,7 @@ class BranchAndBound:
         return most_broken
 
     def _has_arrangement(self, node: BranchNode) -> bool:
-        """Whether the sides chosen leave an arrangement at the middle headings: then no claim can be made."""
+        """Whether the chosen sides leave an arrangement at the middle yaws, so that no claim can be made."""
         middles = tuple(replace(pose, yaw=(sum(pose.yaw) / 2.0,) * 2) for pose in node.poses)
         exact = BranchNode(middles, node.sides, node.chosen)
         point = self._solve((*self.conditions.rows(exact), *node.sides))
@@ -191,7 +194,7 @@ class BranchAndBound:
 
 
 def _excess(row: LinearConstraint, point: FloatArray) -> float:
-    """By how much (m) a row is broken at origins (n, 2) in P."""
+    """Violation (m) of a constraint at origins (n, 2) in P."""
     first = point[row.first] if row.first >= 0 else np.zeros(2)
     second = point[row.second] if row.second >= 0 else np.zeros(2)
     return float((second - first) @ row.normal) - row.bound

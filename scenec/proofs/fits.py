@@ -1,8 +1,7 @@
-"""Each thing by itself: too high under its lid, no heading at which it fits its place, none of its spots usable.
+"""Single things: too high for their place, no yaw at which they fit, or no usable fixed pose.
 
-Theorem: if for every stance and every cell of headings the region left to the origin is empty, taken with the least
-reach of the outline along each wall and with what it covers at all headings of the cell as its obstacle, then there is
-no pose at all.
+Theorem: if for every orientation and every yaw interval the region of the origin is empty, computed with the least
+support of the outline along each wall and with its kernel over the interval as obstacle, then there is no pose.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ SMALLEST_CELL_RAD = np.radians(0.5)
 
 
 def no_place_of_its_own(problem: Problem) -> Proof | None:
-    """A proof for the first thing that has no pose even when all others are away."""
+    """A proof for the first thing that has no pose even without all others."""
     for thing in problem.things:
         proof = _too_high(thing) or (
             _no_fixed_pose(problem, thing) if thing.domain.fixed_poses else _no_region(problem, thing)
@@ -60,7 +59,7 @@ def _no_region(problem: Problem, thing: Thing) -> Proof | None:
 
 
 def _plainly(problem: Problem, thing: Thing, stance: Stance) -> bool:
-    """Whether it simply stands in the middle of its ranges, or of its place: the usual case, told in microseconds."""
+    """Whether it fits in the middle of its ranges or place: a fast sufficient test for the usual case."""
     place, reach = thing.place, problem.reach
     bounded = any((rule.parent, rule.place.name) == (thing.parent, place.name) for rule in problem.keep_outs)
     if bounded or not isinstance(place, Surface) or place.above or (reach and thing.name in reach.members):
@@ -72,7 +71,7 @@ def _plainly(problem: Problem, thing: Thing, stance: Stance) -> bool:
 
 
 def any_heading(place: PlacementBounds, yaw: YawCell) -> bool:
-    """False only when no heading of the interval leaves the origin a place (cells are halved down to half a degree)."""
+    """False only when no yaw of the interval leaves a region for the origin (halved down to half a degree)."""
     cells = [yaw]
     while cells:
         low, high = cells.pop()
@@ -103,7 +102,7 @@ def _no_fixed_pose(problem: Problem, thing: Thing) -> Proof | None:
 
 
 def fixed_pose_usable(problem: Problem, thing: Thing, fixed_pose: FixedPose) -> bool:
-    """Whether the thing may stand at one written pose when all others are away. True when in doubt."""
+    """Whether one fixed pose is valid without all other things. True when in doubt."""
     stance = thing.body.resting_orientations[fixed_pose.stance]
     base = fixed_pose.z_m - stance.origin_height_m
     if base + stance.height_m > headroom(thing.place) + SLACK_M:

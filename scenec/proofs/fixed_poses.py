@@ -1,7 +1,7 @@
-"""Written poses: more things than poses.
+"""Fixed poses: more things than usable poses.
 
-Theorem (Hall 1935): things that exclude each other from the same poses can all be placed iff every set of them has as
-many usable poses as members; a set with fewer is a proof.
+Theorem (Hall 1935): things that exclude each other from the same poses can all be placed iff every set of them has at
+least as many usable poses as members; a set with fewer is a proof.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def _exclusive_positions(things: list[Thing], usable: dict[str, dict[Position, l
 
 
 def _overlap(one: Thing, two: Thing, position: Position, usable: dict[str, dict[Position, list[FixedPose]]]) -> bool:
-    """Whether both footprints cover the origin of the position, hence one another, whatever stance and heading."""
+    """Whether both footprints contain the origin of the position, hence overlap, at any orientation and yaw."""
     spans = [
         (-stance.origin_height_m, stance.height_m - stance.origin_height_m)
         for thing in (one, two)
@@ -89,7 +89,7 @@ def _covers_origin(outline: np.ndarray, yaw_rad: float) -> bool:
 
 
 def _alternating(graph: nx.Graph, matching: dict, start: str) -> set[str]:
-    """Things reached from an unmatched one by alternating paths: with their poses they break Hall's condition."""
+    """Things on alternating paths from an unmatched one: with their poses they violate Hall's condition."""
     seen, waiting = {start}, [start]
     while waiting:
         for position in graph[waiting.pop()]:

@@ -1,10 +1,10 @@
-"""What holds at a node of the search over arrangements: poses known so far, linear rows, and disjunctions of rows.
+"""Necessary conditions at a node of the branch and bound: known poses, linear constraints, and disjunctions of these.
 
-A node gives every thing a stance and an interval of headings. What must hold for all headings of the intervals is
-linear in the origins (walls, ranges, `before`, `aligned`, `near` from outside ...). Two outlines that must be apart,
-reduced to what they cover at all headings (`kernel`), give a disjunction: the difference of the origins lies outside
-their grown Minkowski difference, a convex outline, hence beyond one of its edges: one option an edge (beyond it, and
-not beyond the edges before it).
+A node gives every thing a resting orientation and an interval of yaws. Conditions that hold for all yaws of the
+intervals are linear in the origins (walls, ranges, `before`, `aligned`, `near` from outside ...). Two outlines that
+must be apart, reduced to their `kernel` (the part covered at all yaws), give a disjunction: the difference of the
+origins lies outside their grown Minkowski difference, a convex outline, hence beyond one of its edges. Each edge is one
+option (beyond it, and not beyond the edges before it).
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ KEPT_SHAPE = 0.005
 
 @dataclass(frozen=True)
 class NodePose:
-    """What is known of one thing at a node: its stance, its headings in A, how high over the place its lowest point may
-    be; `at` when a spot fixes its origin in A."""
+    """Pose of one thing at a node: its orientation, interval of yaws in A, range of heights of its lowest point over
+    the place; `at` is its origin in A at a fixed pose."""
 
     stance: Stance
     yaw: YawCell
@@ -39,7 +39,7 @@ class NodePose:
 
     @property
     def key(self) -> tuple:
-        """Tells poses of one thing apart."""
+        """Identifies it among the poses of one thing."""
         return (self.yaw, self.stance.quat_wxyz, None if self.at is None else tuple(self.at.tolist()))
 
 
@@ -55,7 +55,7 @@ class LinearConstraint:
 
 @dataclass(frozen=True)
 class BranchNode:
-    """Poses of all things and the sides chosen so far."""
+    """Poses of all things, and the options (`sides`) of disjunctions chosen so far."""
 
     poses: tuple[NodePose, ...]
     sides: tuple[LinearConstraint, ...] = ()
@@ -64,7 +64,7 @@ class BranchNode:
 
 @dataclass(frozen=True)
 class Disjunction:
-    """A disjunction: one of these sets of rows must hold."""
+    """At least one of these sets of linear constraints must hold."""
 
     key: tuple
     things: tuple[int, ...]
@@ -79,14 +79,14 @@ class NodeConditions:
         self.index = {thing.name: k for k, thing in enumerate(things)}
         self.relations = [r for r in problem.relations if all(name in self.index for name in r.things)]
         self.corner = [thing.place.origin_P_m[:2] for thing in things]
-        # What was derived once for a thing or pair at its stances and headings.
+        # Cached constraints and regions of a thing or pair, by orientations and yaws.
         self.walls: dict[tuple, list[LinearConstraint]] = {}
         self.blocked: dict[tuple, list[Disjunction]] = {}
         self.known: dict[tuple, Disjunction | None] = {}
         self.reached: dict[tuple, FloatArray] = {}
 
     def rows(self, node: BranchNode) -> list[LinearConstraint]:
-        """What must hold at a node."""
+        """Linear constraints that must hold at a node."""
         rows: list[LinearConstraint] = []
         for k, pose in enumerate(node.poses):
             if pose.at is not None:
@@ -129,7 +129,7 @@ class NodeConditions:
         return []
 
     def _frame(self, node: BranchNode, frame: str) -> float | None:
-        """Heading in P of the frame of a relation, where it is fixed."""
+        """Yaw in P of the frame of a relation, None where it is not fixed."""
         if frame == self.things[0].parent:
             return 0.0
         if frame in self.index:
@@ -144,7 +144,7 @@ class NodeConditions:
         return LinearConstraint(one, two, (float(normal[0]), float(normal[1])), gap_m + front + back + SLACK_M)
 
     def _facing(self, node: BranchNode, one: int, two: int, tolerance: float) -> list[LinearConstraint]:
-        """The second origin lies in the wedge that the front of the first sweeps, when that is narrower than pi."""
+        """The second origin lies in the wedge swept by the front of the first, if that is narrower than pi."""
         w, x, y, z = node.poses[one].stance.quat_wxyz
         low, high = node.poses[one].yaw
         front = np.arctan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
@@ -159,7 +159,7 @@ class NodeConditions:
         return rows
 
     def disjunctions(self, node: BranchNode) -> list[Disjunction]:
-        """What may hold in one of several ways."""
+        """Disjunctions that must hold at a node."""
         disjunctions: list[Disjunction] = []
         for k, pose in enumerate(node.poses):
             if pose.at is None:
@@ -182,7 +182,8 @@ class NodeConditions:
         return disjunctions
 
     def _apart(self, node: BranchNode, one: int, two: int, gap_m: float, word: str) -> list[Disjunction]:
-        """Pieces of two outlines that must be apart: all of them for one place, those that meet in height otherwise."""
+        """Disjunctions of pairs of pieces of two things that must keep a gap; none where they may not overlap in
+        height."""
         first, second = node.poses[one], node.poses[two]
         if word == "apart" and not self._surely_meet(one, two, first, second):
             return []
@@ -200,7 +201,7 @@ class NodeConditions:
         return disjunctions
 
     def _surely_meet(self, one: int, two: int, first: NodePose, second: NodePose) -> bool:
-        """Whether two things of one place overlap in height wherever they stand. Others are left aside: no claim."""
+        """Whether two things of one place overlap in height at all their poses. False where in doubt."""
         if self.things[one].place.name != self.things[two].place.name:
             return False
         top, other_top = first.base_m[0] + first.stance.height_m, second.base_m[0] + second.stance.height_m
@@ -211,7 +212,8 @@ class NodeConditions:
     ) -> Disjunction:
         """p_two - p_one lies outside a convex outline: beyond one edge, and not beyond those before it.
 
-        `first` and `second` are the corners of where the two may be by themselves: edges out of reach are no option.
+        `first` and `second` are the corners of the regions of both origins by walls alone; unreachable edges are no
+        option.
         """
         edges = np.roll(ring, -1, axis=0) - ring
         lengths = np.hypot(edges[:, 0], edges[:, 1])
@@ -228,7 +230,7 @@ class NodeConditions:
         return Disjunction(key, (two,) if one < 0 else (one, two), tuple(options))
 
     def _alone(self, k: int, pose: NodePose) -> FloatArray:
-        """Corners (m, 2) of where the origin of a thing may be in P by its walls alone."""
+        """Corners (m, 2) of the region in P of the origin of a thing by its walls alone."""
         key = (k, pose.key)
         if pose.at is not None:
             return (pose.at + self.corner[k])[None]
@@ -255,13 +257,13 @@ class NodeConditions:
 
 
 def _pieces(stance: Stance) -> list[tuple[int, FloatArray]]:
-    """The outlines of a stance, the two largest when there are many: any choice is safe."""
+    """The two largest outlines of an orientation: any subset gives valid conditions."""
     order = sorted(range(len(stance.slabs)), key=lambda k: -Polygon(stance.slabs[k].outline_m).area)
     return [(k, stance.slabs[k].outline_m) for k in order[:2]]
 
 
 def _fewer_corners(ring: FloatArray) -> FloatArray:
-    """A convex outline inside the given one, half a hundredth of its size away at most, with fewer sides to try."""
+    """A convex outline inside the given one with fewer sides, at most KEPT_SHAPE of its size away."""
     tolerance = KEPT_SHAPE * float(np.ptp(ring, axis=0).max())
     simplified = ring_of(shapely.simplify(Polygon(ring), tolerance, preserve_topology=True))
     return simplified if len(simplified) >= 3 else ring

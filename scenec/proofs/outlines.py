@@ -1,7 +1,8 @@
-"""Outlines whose heading is only known to lie in an interval: least and greatest reach, and what is surely covered.
+"""Outlines whose yaw is only known to lie in an interval: bounds of their support function, and the part surely
+covered.
 
-All outlines are convex, (n, 2), counter-clockwise, about the asset origin in the stance frame S. A bound given here
-holds for every heading of the interval, so that what follows from it is never false.
+All outlines are convex, (n, 2), counter-clockwise, about the asset origin in the stance frame S. Each bound holds for
+every yaw of the interval, so that proofs from it are never false.
 """
 
 from __future__ import annotations
@@ -34,23 +35,23 @@ def hull(slabs: tuple[Slab, ...]) -> FloatArray:
 
 
 def resting_orientations(thing: Thing) -> tuple[Stance, ...]:
-    """The stances that the thing may take."""
+    """The resting orientations that the thing may take."""
     return tuple(thing.body.resting_orientations[k] for k in thing.domain.orientation_indices)
 
 
 def support_bounds(outline: FloatArray, direction: FloatArray, yaw: YawCell) -> tuple[float, float, float, float]:
-    """(least front, greatest front, least back, greatest back): how far the outline turned by a heading of the interval
-    reaches from its origin along a unit direction (2,), and against it. Exact.
+    """(least front, greatest front, least back, greatest back): exact bounds over the yaw interval of the support
+    function of the turned outline along a unit direction (2,), and against it.
 
-    The reach is the greatest of sinusoids, one a corner; its extremes lie at the ends of the interval, where two
-    corners change places (an edge normal meets the direction), or where a corner meets the direction or its opposite.
+    The support function is the maximum of one sinusoid per corner. Its extremes are at the ends of the interval, where
+    an edge normal meets the direction, or where a corner meets the direction or its opposite.
     """
     return _support_bounds(outline.tobytes(), (float(direction[0]), float(direction[1])), yaw)[:4]
 
 
 def least_width(outline: FloatArray, direction: FloatArray, yaw: YawCell) -> float:
-    """Least extent along a unit direction over the headings of the interval (exact: between its breakpoints, where an
-    edge stands across the direction, the extent is concave)."""
+    """Least extent along a unit direction over the yaw interval (exact: between yaws at which an edge normal meets the
+    direction the extent is concave)."""
     return _support_bounds(outline.tobytes(), (float(direction[0]), float(direction[1])), yaw)[4]
 
 
@@ -58,7 +59,7 @@ def least_width(outline: FloatArray, direction: FloatArray, yaw: YawCell) -> flo
 def _support_bounds(
     key: bytes, direction: tuple[float, float], yaw: YawCell
 ) -> tuple[float, float, float, float, float]:
-    """The four bounds of `support_bounds` and the least width: the same few outlines are asked for again and again."""
+    """The four bounds of `support_bounds` and the least width; cached, since few outlines recur often."""
     outline = np.frombuffer(key).reshape(-1, 2)
     aim = np.arctan2(direction[1], direction[0])
     edges = np.roll(outline, -1, axis=0) - outline
@@ -75,10 +76,10 @@ def _support_bounds(
 
 
 def kernel(outline: FloatArray, yaw: YawCell) -> FloatArray:
-    """What the outline covers at every heading of the interval, (m, 2); (0, 2) when it is nothing.
+    """Polygon (m, 2) inside the part that the outline covers at every yaw of the interval; (0, 2) when that is empty.
 
-    An edge turned through the interval sweeps a half-plane; its farthest points run on an arc, which is replaced by the
-    chords of two equal parts (inside the arc, so the answer is covered all the same).
+    The boundary of the region left by a turning edge is an arc, which is replaced by the chords of its two halves;
+    these lie inside the arc, so that the result is still covered.
     """
     return _kernel(np.ascontiguousarray(outline).tobytes(), yaw)
 
@@ -106,7 +107,7 @@ def _kernel(key: bytes, yaw: YawCell) -> FloatArray:
 
 
 def half_planes(normals: FloatArray, bounds: FloatArray, start: FloatArray) -> FloatArray:
-    """The part (m, 2) of a convex outline with normals @ p <= bounds; (0, 2) when nothing is left."""
+    """The part (m, 2) of a convex outline with normals @ p <= bounds; (0, 2) when it is empty."""
     ring = start
     for normal, bound in zip(normals, bounds, strict=True):
         over = ring @ normal - bound
@@ -123,7 +124,7 @@ def half_planes(normals: FloatArray, bounds: FloatArray, start: FloatArray) -> F
 
 
 def period(outline: FloatArray) -> float:
-    """The least turn (a part of 2 pi) that maps the outline onto itself, to 1 um; 2 pi when there is none."""
+    """The least fraction of 2 pi that turns the outline onto itself, within 0.5 um; 2 pi when there is none."""
     for parts in range(len(outline), 1, -1):
         if len(outline) % parts == 0:
             moved = turned(outline, TURN / parts)

@@ -1,4 +1,4 @@
-"""Who stands on whom: an owner that is not there, or owners in a circle. Nothing can be placed before its owner is."""
+"""Ownership proofs: an owner is missing, or owners form a cycle. Nothing can be placed before its owner."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scenec.ir.problem import WORLD_PARENT, Problem, Proof
 
 
 def no_first_owner(problem: Problem) -> Proof | None:
-    """A proof when the owners of the things do not end in the background."""
+    """A proof when the chain of owners of some thing does not end in the background."""
     by_name = {thing.name: thing for thing in problem.things}
     for thing in problem.things:
         if thing.parent != WORLD_PARENT and thing.parent not in by_name:

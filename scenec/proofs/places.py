@@ -1,6 +1,8 @@
-"""What a thing may not leave and not enter on its place, as convex pieces in A that bound the truth from the safe side.
+"""Bounds on where a thing may be on its place: walls and obstacles as convex pieces in A, each on the safe side of the
+truth.
 
-Walls are convex hulls of what must contain an outline; obstacles are convex pieces that an outline must not enter.
+Walls are convex hulls of regions that must contain an outline; obstacles are convex pieces that an outline must not
+enter.
 """
 
 from __future__ import annotations
@@ -21,9 +23,8 @@ LEAST_AREA_M2 = 1e-8
 
 @dataclass(frozen=True)
 class PlacementBounds:
-    """For one thing in one stance: (outline in S, container or obstacle (n, 2) in A), and the rectangle of its origin.
-
-    `ring` is the robot's reach in A (centre, least, most) where the place does not move.
+    """For one thing in one orientation: walls and obstacles as (outline in S, container or obstacle (n, 2) in A), and
+    the rectangle of its origin. `ring` is the robot's reach in A (centre, least, most) where the place does not move.
     """
 
     walls: tuple[tuple[FloatArray, FloatArray], ...]
@@ -34,17 +35,17 @@ class PlacementBounds:
 
 
 def background_yaw(problem: Problem) -> float:
-    """Heading of the background in the world."""
+    """Yaw of the background in the world."""
     return float(np.arctan2(problem.X_WB[1, 0], problem.X_WB[0, 0]))
 
 
 def area(place: Surface | Volume) -> shapely.Geometry:
-    """All that any footprint in the place may cover, in A (the union of the layers of a volume)."""
+    """The area in A that footprints in the place may cover (the union of the layers of a volume)."""
     return place.polygon if isinstance(place, Surface) else shapely.union_all([layer[2] for layer in place.layers])
 
 
 def area_hull(place: Surface | Volume) -> FloatArray:
-    """Convex hull of that, counter-clockwise (n, 2)."""
+    """Convex hull of `area`, counter-clockwise (n, 2)."""
     return ring_of(shapely.convex_hull(area(place)))
 
 
@@ -54,22 +55,22 @@ def ring_of(convex: shapely.Geometry) -> FloatArray:
 
 
 def headroom(place: Surface | Volume) -> float:
-    """Greatest height of a thing that stands there."""
+    """Greatest possible height (m) of a thing on the place."""
     return place.clearance_m if isinstance(place, Surface) else place.height_m
 
 
 def fits_height(thing: Thing, stance: Stance) -> bool:
-    """Whether a stance stays under the lid or rim."""
+    """Whether an orientation is low enough for the clearance or rim."""
     return stance.height_m <= headroom(thing.place) + SLACK_M
 
 
 def max_base_height(thing: Thing, stance: Stance) -> float:
-    """How high over the floor it may stand at most: on contents of a volume, else 0."""
+    """Largest height (m) of its lowest point over the floor: on contents of a volume, else 0."""
     return max(0.0, thing.place.height_m - stance.height_m) if isinstance(thing.place, Volume) else 0.0
 
 
 def placement_bounds(problem: Problem, thing: Thing, stance: Stance) -> PlacementBounds:
-    """The room of a thing in one stance. Raises nothing; things with spots are not asked."""
+    """Bounds of a thing in one orientation. Of things with fixed poses only `ring` is used."""
     walls: list[tuple[FloatArray, FloatArray]] = []
     obstacles: list[tuple[FloatArray, FloatArray]] = []
     lift = max_base_height(thing, stance)
@@ -103,7 +104,8 @@ def placement_bounds(problem: Problem, thing: Thing, stance: Stance) -> Placemen
 
 
 def _layers(place: Volume, low_m: float, high_m: float) -> shapely.Geometry:
-    """What holds a slab that spans at least these heights: all layers there at once; any layer if none is certain."""
+    """Container of a slab that spans at least these heights: the intersection of these layers, else the union of
+    all."""
     spanned = [polygon for low, high, polygon in place.layers if min(high, high_m) - max(low, low_m) > SLACK_M]
     return shapely.intersection_all(spanned) if spanned else area(place)
 
@@ -129,7 +131,7 @@ def _ring(problem: Problem, thing: Thing) -> tuple[FloatArray, float, float] | N
 
 
 def linear_bounds(placement_bounds: PlacementBounds, yaw: YawCell) -> tuple[FloatArray, FloatArray]:
-    """(normals (k, 2), bounds (k,)): normals @ origin <= bounds for the origin in A at any heading of the interval."""
+    """(normals (k, 2), bounds (k,)): normals @ origin <= bounds for the origin in A at any yaw of the interval."""
     normals, bounds = [], []
     for outline, container in placement_bounds.walls:
         edges = np.roll(container, -1, axis=0) - container
@@ -149,7 +151,7 @@ def linear_bounds(placement_bounds: PlacementBounds, yaw: YawCell) -> tuple[Floa
 
 
 def forbidden(placement_bounds: PlacementBounds, yaw: YawCell) -> list[FloatArray]:
-    """Convex outlines in A in whose inside the origin cannot be at any heading of the interval."""
+    """Convex outlines in A whose interior cannot contain the origin at any yaw of the interval."""
     outlines = [
         minkowski(obstacle, -inner)
         for outline, obstacle in placement_bounds.obstacles
@@ -170,7 +172,7 @@ def minkowski(one: FloatArray, two: FloatArray) -> FloatArray:
 
 
 def free_region(placement_bounds: PlacementBounds, yaw: YawCell) -> shapely.Geometry:
-    """Where the origin may be for some heading of the interval, or a little more; empty proves that it has no pose."""
+    """Superset of the region of the origin over the yaw interval; if empty, there is no pose."""
     normals, bounds = linear_bounds(placement_bounds, yaw)
     far = 1e3
     region = half_planes(normals, bounds, np.array([[-far, -far], [far, -far], [far, far], [-far, far]]))

@@ -153,7 +153,8 @@ def invalid_things(
 ) -> dict[str, set[str]]:
     """Invalid things of an assignment, each with the things it clashes with; empty for a valid assignment. With
     `suspects` only faults that involve one of them are searched."""
-    checked = assignment if suspects is None else {*suspects, *stacked(model, assignment)}  # stacked things depend on others
+    # Stacked things depend on others.
+    checked = assignment if suspects is None else {*suspects, *stacked(model, assignment)}
     names = [name for name in assignment if name in checked]
     mates = _close(model, assignment, names)
     causes = {}

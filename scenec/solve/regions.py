@@ -140,7 +140,8 @@ def on_site_region(site: Site, turned: ShapeAtYaw, base_m: float = 0.0) -> BaseG
         area = eroded(site.layers[0][2], turned.pieces)
     else:
         area = None
-        for low, high, layer in sorted(site.layers, key=lambda layer: layer[2].area):  # the narrowest, which most often leave nothing, first
+        # The narrowest first, which most often leave nothing.
+        for low, high, layer in sorted(site.layers, key=lambda layer: layer[2].area):
             if outlines := _within(slabs, low - base_m, high - base_m):
                 here = eroded(layer, outlines)
                 area = here if area is None else area.intersection(here)

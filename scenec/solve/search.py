@@ -81,14 +81,14 @@ def search(
     model: SolverModel, names: Sequence[str], standing: Assignment, seed: int, search_budget: SearchBudget
 ) -> dict[str, Placed] | None:
     """Consistent poses for `names`, given `standing`; None when the steps ran out or all attempts failed."""
-    order, regions, attempt, hopeless = ordered(model, names), RegionCache(model), 0, 0
-    while search_budget.steps_taken < search_budget.max_steps and hopeless < HOPELESS:
+    order, regions, attempt, failed_alone = ordered(model, names), RegionCache(model), 0, 0
+    while search_budget.steps_taken < search_budget.max_steps and failed_alone < HOPELESS:
         nodes = sum(steps_of(model, name) for name in order)
         limit = search_budget.steps_taken + NODES_BEFORE_RESTART * nodes * (1 + attempt)
         outcome = _descend(model, order, standing, seed, attempt, search_budget, limit, regions)
         if isinstance(outcome, dict):
             return outcome
-        attempt, hopeless = attempt + 1, hopeless + (outcome == "alone")
+        attempt, failed_alone = attempt + 1, failed_alone + (outcome == "alone")
         # Things that failed most come first in the next attempt, after their owners.
         order = ordered(model, names, search_budget.failures)
     return None

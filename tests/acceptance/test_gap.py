@@ -15,12 +15,13 @@ from typer.testing import CliRunner
 
 from cli.demo.gap import FRICTION_NM, gap_demo
 from cli.demo.page import _pictures
-from cli.gap.find import answer_key, search
-from cli.gap.store import Store
+from cli.engines import REPLAY_ENGINE
 from cli.main import app
 from schemas.diagnostics import InvalidInput
 from schemas.gap import GapReport
 from simgap.recording.read import read
+from simgap.result_store import ResultStore
+from simgap.run import answer_key, search
 from tests.support.bad_inputs.gap import SAMPLES
 
 RUN = CliRunner()
@@ -174,7 +175,7 @@ def test_effects_are_listed_and_explained():
 
 
 def test_the_demo_finds_what_it_hides_and_shows_it(tmp_path: Path):
-    gap = gap_demo(tmp_path, jobs=1, tick=lambda *_: None)
+    gap = gap_demo(tmp_path, engine=REPLAY_ENGINE, jobs=1, tick=lambda *_: None)
     (named,) = gap.report.verdict.effects
     assert named.name == "joint.coulomb_friction"
     low, high = named.parameters["torque_Nm"].ci95
@@ -194,7 +195,7 @@ def test_an_answer_is_given_again_at_once_and_only_for_the_same_input(
     assert again.exit_code == 0
     assert json.loads(again.output) == json.loads((found[1] / "report.json").read_text())
     assert {p: p.read_bytes() for p in found[1].rglob("*") if p.is_file()} == before  # wall_s too: nothing was run
-    store = Store(found[1], json.loads((found[1] / ".cache" / "answer.json").read_text())["key"])
+    store = ResultStore(found[1], json.loads((found[1] / ".cache" / "answer.json").read_text())["key"])
     assert store.answered()
     assert not replace(store, key="other").answered()
     page = found[1] / "report.html"
@@ -212,14 +213,16 @@ def test_an_interrupted_run_continues_with_what_was_finished(found: tuple[Path, 
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        search(measurement, (), tmp_path, jobs=1, tick=cut, since=0.0, quick=True)
+        search(measurement, (), tmp_path, engine=REPLAY_ENGINE, jobs=1, tick=cut, since=0.0, quick=True)
     parts = sorted(tmp_path.rglob("*.bin"))
     assert len(parts) == 7  # conventions, places, five candidates
     assert not (tmp_path / "report.json").exists()
-    store = Store(tmp_path, answer_key(measurement, quick=True))
+    store = ResultStore(tmp_path, answer_key(measurement, quick=True))
     assert isinstance(store.part("traps", lambda: pytest.fail("worked out again")), tuple)
     parts[0].write_bytes(b"damaged")
-    resumed = search(measurement, (), tmp_path, jobs=1, tick=lambda *_: None, since=0.0, quick=True)
+    resumed = search(
+        measurement, (), tmp_path, engine=REPLAY_ENGINE, jobs=1, tick=lambda *_: None, since=0.0, quick=True
+    )
     assert resumed.hypotheses == report(found[1]).hypotheses
     assert resumed.verdict == report(found[1]).verdict
     assert not list(tmp_path.rglob("*.bin"))
@@ -233,7 +236,7 @@ def test_a_stored_part_from_elsewhere_runs_nothing(tmp_path: Path):
         def __reduce__(self) -> tuple:
             return (Path.touch, (tmp_path / "owned",))
 
-    store = Store(tmp_path, "key")
+    store = ResultStore(tmp_path, "key")
     store.part("x", lambda: 1)
     (file,) = tmp_path.rglob("*.bin")
     file.write_bytes(zlib.compress(pickle.dumps(Evil())))

@@ -9,7 +9,7 @@ import pytest
 
 from cli.demo.scene import scene_demo
 from cli.scene.output import write_output
-from cli.scene.settle import resolve_overlays
+from cli.scene.settle import settled
 from gate.external_validators import usd_validation
 from scenec.bind.asset_library import AssetLibrary
 from scenec.check.judge_scene import violations
@@ -56,7 +56,7 @@ def test_examples_compile_and_stay(name: str, library: AssetLibrary, tmp_path: P
         assert moving == [item.id for item in scene.objects]
     verdict = usd_validation(tmp_path / str(report.scene))
     assert verdict.passed, verdict.findings
-    assert not [row for row in resolve_overlays(tmp_path / str(report.scene)) if not row.stayed]
+    assert not [row for row in settled(tmp_path / str(report.scene)) if not row.stayed]
 
 
 def test_a_scaled_package_keeps_its_density(library: AssetLibrary, tmp_path: Path):

@@ -1,1 +1,1 @@
-"""Tests of `scenec`."""
+"""Tests of `scenec`: programs from text to scene, sessions and proofs."""

@@ -1,4 +1,5 @@
-"""Laws of the compiler: what is moved as a whole stays as it was, order does not matter, nothing refused gets out."""
+"""Laws of the compiler: rigid motion of the background moves the scene, order does not matter, invalid scenes are
+refused."""
 
 from __future__ import annotations
 

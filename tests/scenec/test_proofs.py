@@ -1,4 +1,4 @@
-"""Arguments that there is no scene: each by its smallest case and its nearest case that has a scene; never false."""
+"""Proofs that there is no scene: each argument by its smallest case and by the nearest feasible one; never false."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A warm session gives the verdicts of a cold compile, and leaves what an edit does not concern where it was."""
+"""A warm session gives the verdicts of a cold compile, and leaves things that an edit does not concern in place."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Two cells are apart when their rectangles are, along x or y: then so are the footprints, wherever they lie inside."""
+"""Separation of cells: two are apart when their rectangles are, along x or y, so that any footprints inside are too."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def apart(one_m: FloatArray, two_m: FloatArray, gap_m: FloatArray | float) -> Bo
 
 
 def meeting(pool: PoolModel, layouts: Layouts) -> BoolArray:
-    """(l, n, n) whether two members share some height in each layout, and so must keep apart."""
+    """(l, n, n) whether two members have a common height in each layout, and so must be apart."""
     count, n = layouts.option.shape
     if pool.level:
         return np.broadcast_to(~np.eye(n, dtype=bool), (count, n, n))
@@ -33,7 +33,7 @@ def meeting(pool: PoolModel, layouts: Layouts) -> BoolArray:
         high[:, i] = low[:, i] + member.height_m[layouts.option[:, i]]
     meet = np.minimum(high[:, :, None], high[:, None]) - np.maximum(low[:, :, None], low[:, None]) > ROUNDING_M
     meet[:, np.arange(n), np.arange(n)] = False
-    # `far_from` counts seen from above, whatever the heights.
+    # `far_from` is planar and applies at any heights.
     return meet | (pool.least_gap_m > pool.clearance_m)
 
 

@@ -1,7 +1,7 @@
-"""Relations on poses, for many layouts at once: is a draw worth keeping? Rectangles stand in for footprints.
+"""Evaluates relations on many layouts at once, with rectangles instead of footprints, to reject draws early.
 
-`before` and `far_from` of rectangles imply those of footprints; `near` is only implied by them, and exact later.
-Frame P of the owner, metres and radians.
+`before` and `far_from` of rectangles imply those of footprints; `near` of rectangles is only necessary, and exact
+later. Frame P of the owner, metres and radians.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class AxisOrder(NamedTuple):
 
 
 def axis_orders(rules: Sequence[RelationIR], number: Mapping[str, int]) -> list[AxisOrder]:
-    """The `before` relations along an axis, of members by number; those against an axis the other way round."""
+    """The `before` relations along an axis, of members by number; those against an axis are reversed."""
     orders = []
     for rule in rules:
         along = axis_of(rule.direction)

@@ -1,4 +1,4 @@
-"""Layouts made into cases: cells grown, clipped by relations, with the yaws at which footprints fit them."""
+"""Converts layouts to cases: cells grown, clipped by relations, with the yaw intervals at which footprints fit them."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from scenec.plan.cases.pool_model import GRAIN_M, IntArray, Layouts, Member, Poo
 from scenec.plan.cases.yaws import fitting, intervals
 from schemas.scene.runtime_plan import Bounds_um, Interval_urad, PlanCase
 
-SPARE_M = 3 * GRAIN_M  # around the footprint of what is pinned, so that rounding never empties its cell
+SPARE_M = 3 * GRAIN_M  # margin around pinned footprints, so that rounding never empties their cells
 
 
 @dataclass(frozen=True)
 class GrownCells:
-    """Layouts of a scope, which things are `free` (l, n) to move, their cells `rect_m` (l, n, 4), and how far."""
+    """Layouts with cells `rect_m` (l, n, 4), which things are `free` (l, n) to move, and their freedom."""
 
     pool: PoolModel
     layouts: Layouts
@@ -38,11 +38,11 @@ def cases_of(
     base_P_m: FloatArray | None = None,
     sure: int = 0,
 ) -> list[PlanCase]:
-    """A case for each layout that keeps its relations, in their order; the first `sure` are known to be valid and stay
-    where no other does.
+    """A case for each layout that satisfies its relations, in order; the first `sure` are known to be valid and are
+    kept where no other is.
 
-    What cannot have a cell of its own (it meets another's rectangle, or fills a round place) is pinned where the layout
-    has it; such a layout must be known to be valid.
+    A thing that cannot have a cell of its own (it meets another's rectangle, or fills a round place) is pinned at its
+    pose in the layout; such a layout must be known to be valid.
     """
     cells = grown_cells(pool, layouts, rng)
     is_kept = clip_cells(pool, layouts, cells.freedom, reach, np.zeros(2) if base_P_m is None else base_P_m)
@@ -53,14 +53,14 @@ def cases_of(
 
 
 def grown_cells(pool: PoolModel, layouts: Layouts, rng: Generator) -> GrownCells:
-    """The layouts with cells as large as they can be, before relations limit poses inside."""
+    """The layouts with cells as large as possible, before relations limit poses inside."""
     free = _free(pool, layouts)
     rect = grow_cells(pool, layouts, free, rng)
     return GrownCells(pool, layouts, free, rect, freedom_of(pool, layouts, rect, free))
 
 
 def plan_cases(cells: GrownCells, is_kept: BoolArray) -> list[PlanCase]:
-    """A case for each of the layouts that are kept (l,), with what its freedom leaves."""
+    """A case for each of the kept layouts (l,), with the poses that its freedom allows."""
     pool, layouts, free = cells.pool, cells.layouts, cells.free
     columns = [_cells(m, i, layouts, cells.rect_m, cells.freedom, free) for i, m in enumerate(pool.members)]
     return [
@@ -94,10 +94,10 @@ def _cells(
     # (cell, origins, yaws) of one member in each layout, in A.
     option, shift = layouts.option[:, i], np.asarray(member.thing.place.origin_P_m[:2], dtype=np.float64)
     stance, yaw = member.stance[option], member.yaw_rad[option]
-    turns_left = freedom.turned()[:, i]
+    turns_left = freedom.clipped_turns()[:, i]
     clipped = np.any(turns_left < freedom.turn_rad[:, i], axis=1)
     cell = _inward(rect_m[:, i] - shift[[0, 0, 1, 1]])
-    box = _inward(freedom.moved(layouts)[:, i] - shift[[0, 0, 1, 1]])
+    box = _inward(freedom.clipped_boxes(layouts)[:, i] - shift[[0, 0, 1, 1]])
     at = np.round((layouts.origin_m[:, i] - shift) / GRAIN_M).astype(np.int64)
     for low, high, axis in ((0, 1, 0), (2, 3, 1)):
         crossed = box[:, low] > box[:, high]
@@ -137,7 +137,7 @@ def _inward(rect_m: FloatArray) -> IntArray:
 
 
 def _outward(rect_m: FloatArray) -> Bounds_um:
-    # A rectangle (4,) with something to spare.
+    # A rectangle (4,) on whole micrometres with a margin of SPARE_M.
     low = np.floor((rect_m[[0, 2]] - SPARE_M) / GRAIN_M)
     high = np.ceil((rect_m[[1, 3]] + SPARE_M) / GRAIN_M)
     return int(low[0]), int(high[0]), int(low[1]), int(high[1])

@@ -1,8 +1,8 @@
-"""Relations that rectangles alone do not keep: by how much must poses stay near those of the layout?
+"""Clips the freedom of cells until relations hold that disjoint rectangles alone do not guarantee.
 
-Each thing may move from its seed pose so far that neither its origin nor, by turning, its footprint gets farther than a
-step; that bounds what the relation measures (a distance of two sets changes by no more than they move). Frame P,
-metres, radians.
+Each thing may move from its seed pose so far that neither its origin nor, by turning, any point of its footprint moves
+farther than a step; that bounds the change of the value of a relation (a distance of two sets changes by at most the
+sum of their motions). Frame P, metres, radians.
 """
 
 from __future__ import annotations
@@ -42,15 +42,15 @@ STEPS_M = (
     0.001,
     0.0,
 )
-ROUND_M = 1e-3  # a footprint whose border lies in so narrow a ring may turn freely
-ROUNDING = 2e-6  # of what is written, metres and radians
+ROUND_M = 1e-3  # footprints with a boundary in a ring narrower than this may turn freely
+ROUNDING = 2e-6  # of values in plans, metres and radians
 
 
 @dataclass
 class Freedom:
-    """How far things may move: `origin_m` (l, n, 4) boxes and `turn_rad` (l, n, 2) down and up from the yaw as far as
-    cells allow, `radius_m` (l, n) of footprints about their origins, and what relations leave of it: at most `step_m`
-    (l, n, 2) along x and y, and turns that move no point of the footprint farther than `spin_m` (l, n)."""
+    """Freedom of motion of things in layouts. By cells: `origin_m` (l, n, 4) boxes and `turn_rad` (l, n, 2) down and up
+    from the yaw; `radius_m` (l, n) of footprints about their origins. By relations: at most `step_m` (l, n, 2) along x
+    and y, and turns that move no point of the footprint farther than `spin_m` (l, n)."""
 
     origin_m: FloatArray
     turn_rad: FloatArray
@@ -58,19 +58,19 @@ class Freedom:
     step_m: FloatArray
     spin_m: FloatArray
 
-    def moved(self, layouts: Layouts) -> FloatArray:
-        """(l, n, 4) the boxes that are left."""
+    def clipped_boxes(self, layouts: Layouts) -> FloatArray:
+        """(l, n, 4) boxes of the origins after clipping."""
         at = layouts.origin_m[..., [0, 0, 1, 1]]
         step = self.step_m[..., [0, 0, 1, 1]]
         return at + np.clip(self.origin_m - at, -step, step)
 
-    def turned(self) -> FloatArray:
-        """(l, n, 2) turns down and up that are left."""
+    def clipped_turns(self) -> FloatArray:
+        """(l, n, 2) turns down and up after clipping."""
         return np.minimum(self.turn_rad, (self.spin_m / np.maximum(self.radius_m, 1e-9))[..., None])
 
 
 def freedom_of(pool: PoolModel, layouts: Layouts, rect_m: FloatArray, free: BoolArray) -> Freedom:
-    """All that cells allow, for free things; nothing for the others."""
+    """The freedom that cells allow to free things; none for the others."""
     count, n = layouts.option.shape
     at = layouts.origin_m[..., [0, 0, 1, 1]]
     origin, turn, radius = at.copy(), np.zeros((count, n, 2)), np.zeros((count, n))
@@ -97,15 +97,15 @@ def freedom_of(pool: PoolModel, layouts: Layouts, rect_m: FloatArray, free: Bool
 def clip_cells(
     pool: PoolModel, layouts: Layouts, freedom: Freedom, reach: ReachIR | None, base_P_m: FloatArray
 ) -> BoolArray:
-    """Shortens steps until every relation and the reach (base (2,) in P) hold for all that is left.
+    """Shortens steps until every relation and the reach (base (2,) in P) hold for all remaining poses.
 
-    Returns which layouts (l,) can be kept: in the others something fails even at the seed pose.
+    Returns which layouts (l,) can be kept: in the others some relation fails even at the seed pose.
     """
     is_kept = np.ones(len(layouts), dtype=bool)
     for rule in pool.rules:
         numbers = [pool.index[name] for name in rule.things]
         if rule.kind == "far_from" or (rule.kind == "before" and axis_of(rule.direction) is not None):
-            continue  # kept by the rectangles
+            continue  # guaranteed by the rectangles
         seed = _measure(pool, rule, layouts, numbers)
         spins = [i for i in numbers if _turns_matter(pool, rule, i)]
         test = partial(_holds, pool, rule, layouts, freedom, numbers, seed)
@@ -121,14 +121,14 @@ def clip_cells(
 
 
 def _turns_matter(pool: PoolModel, rule: RelationIR, i: int) -> bool:
-    # Whether a relation may cease to hold when a thing turns on the spot.
+    # Whether a relation may be violated by a thing that turns about its origin.
     if rule.kind == "facing":
         return pool.index[rule.things[0]] == i
     return rule.kind in ("near", "before") and max(map(unevenness, pool.members[i].shapes)) > ROUND_M
 
 
 def _axes(rule: RelationIR) -> slice:
-    # The axes along which steps matter: across its own for what is aligned along one.
+    # The axes along which steps matter: only that across for `aligned` along an axis.
     along = axis_of(rule.direction)
     if rule.kind != "aligned" or along is None:
         return slice(None)
@@ -138,7 +138,7 @@ def _axes(rule: RelationIR) -> slice:
 def _lower(
     freedom: Freedom, numbers: list[int], axes: slice, spins: list[int], holds: Callable[[], BoolArray]
 ) -> BoolArray:
-    # The largest of STEPS_M with which a test holds, row by row; whether there is any.
+    # Sets the largest of STEPS_M with which the test holds, row by row; returns whether there is any.
     steps, turns = freedom.step_m[:, numbers].copy(), freedom.spin_m[:, spins].copy()
     best = np.full(len(steps), -1.0)
     for step in STEPS_M:
@@ -156,20 +156,20 @@ def _lower(
 
 
 def shift_of(pool: PoolModel, layouts: Layouts, freedom: Freedom, i: int) -> tuple[FloatArray, FloatArray]:
-    """(l,) how far the origin, and any point of the footprint, may get from where the layout has it, in P."""
-    box, at = freedom.moved(layouts)[:, i], layouts.origin_m[:, i]
+    """(l,) largest shift of the origin, and of any point of the footprint, from the layout, in P."""
+    box, at = freedom.clipped_boxes(layouts)[:, i], layouts.origin_m[:, i]
     dx = np.maximum(at[:, 0] - box[:, 0], box[:, 1] - at[:, 0])
     dy = np.maximum(at[:, 1] - box[:, 2], box[:, 3] - at[:, 1])
     origin = np.hypot(dx, dy)
     member = pool.members[i]
     stance = member.stance[layouts.option[:, i]]
     uneven = np.array([unevenness(shape) for shape in member.shapes])[stance]
-    turn = np.minimum(freedom.turned()[:, i].max(axis=1), np.pi)
+    turn = np.minimum(freedom.clipped_turns()[:, i].max(axis=1), np.pi)
     return origin, origin + np.minimum(2.0 * freedom.radius_m[:, i] * np.sin(turn / 2.0), uneven)
 
 
 def unevenness(shape: Shape) -> float:
-    """How far a footprint may miss itself when turned about its origin: width of the ring its border lies in."""
+    """Width of the ring about the origin that contains the boundary of a footprint: its change by any turn."""
     if len(shape.pieces) > 1:
         return np.inf
     inner = inner_radius(shape.hull)
@@ -177,7 +177,7 @@ def unevenness(shape: Shape) -> float:
 
 
 def _measure(pool: PoolModel, rule: RelationIR, layouts: Layouts, numbers: list[int]) -> FloatArray:
-    # What a relation measures at the seed poses, (l,): distance of footprints, or the room before the second begins.
+    # Value of a relation at the seed poses, (l,): distance of footprints, or the gap before the second begins.
     if rule.kind == "near":
         return np.array([_apart(pool, layouts, k, *numbers) for k in range(len(layouts))])
     if rule.kind == "before":
@@ -209,7 +209,7 @@ def _holds(
     if rule.kind in ("near", "before"):
         moved = shifts[0][1] + shifts[1][1] + ROUNDING
         return seed + moved <= rule.gap_m if rule.kind == "near" else seed - moved >= rule.gap_m
-    boxes = freedom.moved(layouts)[:, numbers]
+    boxes = freedom.clipped_boxes(layouts)[:, numbers]
     if rule.kind == "aligned":
         dx, dy = rule.direction
         low = np.minimum(-dy * boxes[..., 0], -dy * boxes[..., 1]) + np.minimum(dx * boxes[..., 2], dx * boxes[..., 3])
@@ -218,7 +218,7 @@ def _holds(
     at = layouts.origin_m[:, numbers]
     origins = [shift[0] + ROUNDING / 2 for shift in shifts]
     if rule.kind == "facing":
-        turn = freedom.turned()[:, numbers[0]].max(axis=1)
+        turn = freedom.clipped_turns()[:, numbers[0]].max(axis=1)
         heading = front_of(pool.members[numbers[0]], layouts.option[:, numbers[0]])
         return facing_kept(at, heading, origins[0] + origins[1], turn, rule.tolerance)
     return between_kept(at, origins, rule.tolerance)
@@ -227,7 +227,8 @@ def _holds(
 def facing_kept(
     at_m: FloatArray, heading_rad: FloatArray, moved_m: FloatArray, turn_rad: FloatArray, tolerance_rad: float
 ) -> BoolArray:
-    """(l,) whether the first of origins (l, 2, 2) faces the second, however they move together and the first turns."""
+    """(l,) whether the first of origins (l, 2, 2) faces the second for all their joint motion and turns of the
+    first."""
     toward = at_m[:, 1] - at_m[:, 0]
     length = np.hypot(*toward.T)
     away = np.abs(wrapped_all(np.arctan2(toward[:, 1], toward[:, 0]) - heading_rad))
@@ -236,9 +237,9 @@ def facing_kept(
 
 
 def between_kept(at_m: FloatArray, moved_m: list[FloatArray], tolerance_m: float) -> BoolArray:
-    """(l,) whether the first of origins (l, 3, 2) stays between the others when each moves as far as given.
+    """(l,) whether the first of origins (l, 3, 2) stays between the others for all given motion of each.
 
-    The foot of the perpendicular keeps its share of the line; all is bounded by how far the ends move.
+    Uses that the foot of the perpendicular keeps its share of the line, and bounds the rest by the motion of the ends.
     """
     line, step = at_m[:, 2] - at_m[:, 1], at_m[:, 0] - at_m[:, 1]
     length = np.maximum(np.hypot(*line.T), 1e-9)
@@ -254,7 +255,7 @@ def between_kept(at_m: FloatArray, moved_m: list[FloatArray], tolerance_m: float
 
 
 def _reached(layouts: Layouts, freedom: Freedom, i: int, reach: ReachIR, base_P_m: FloatArray) -> BoolArray:
-    box = freedom.moved(layouts)[:, i]
+    box = freedom.clipped_boxes(layouts)[:, i]
     far_x = np.maximum(np.abs(box[:, 0] - base_P_m[0]), np.abs(box[:, 1] - base_P_m[0]))
     far_y = np.maximum(np.abs(box[:, 2] - base_P_m[1]), np.abs(box[:, 3] - base_P_m[1]))
     near_x = np.maximum(np.maximum(box[:, 0] - base_P_m[0], base_P_m[0] - box[:, 1]), 0.0)

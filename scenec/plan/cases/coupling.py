@@ -1,4 +1,4 @@
-"""Which things must be chosen together: pools of one owner, and pools that relations across owners tie."""
+"""Partitions things into pools: groups of one owner, joined where cross-owner relations link them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from scenec.solve.model import SolverModel
 
 @dataclass(frozen=True)
 class JointPool:
-    """Things chosen together: `groups` of one owner each, and the relations that are measured across owners."""
+    """Things sampled jointly: `groups` of one owner each, and the cross-owner relations between them."""
 
     groups: tuple[tuple[str, ...], ...]
     rules: tuple[RelationIR, ...]
@@ -28,10 +28,11 @@ class JointPool:
 
 @dataclass(frozen=True)
 class PoolPartition:
-    """`tied` things by their first; `frozen` things keep the solved pose; `model` has rules as pools keep them.
+    """All pools, sorted by name; `frozen` things keep their solved pose; `model` has the relations lifted as far as
+    possible.
 
-    Pools are independent: their things stand on different owners, or can never meet. What stands on an owner is inside
-    its footprint, so that owners apart are enough.
+    Pools are independent: their things are on different owners, or can never meet. Contents lie inside the footprint of
+    their owner, so that it suffices to keep owners apart.
     """
 
     joint_pools: tuple[JointPool, ...]
@@ -40,11 +41,11 @@ class PoolPartition:
 
 
 def pools_of(base: SolverModel) -> PoolPartition:
-    """Things of one owner that may meet or that a relation ties are one group.
+    """Partition of the things of a model: those of one owner that may meet or that a relation links form one group.
 
-    A relation across owners is lifted to these where that is stricter (what stands on a tray is left of a box when the
-    tray is). Otherwise the groups of all that its truth depends on are one pool. A chain of owners within a robot's
-    reach is frozen.
+    A relation across owners is lifted to the owners where that is stricter (contents of a tray are left of a box when
+    the tray is). Otherwise the groups of all things that it depends on form one pool. Chains of owners in a robot's
+    reach are frozen.
     """
     model = replace(base, rules=tuple(lifted(base, rule) for rule in base.rules))
     graph: nx.Graph[str] = nx.Graph()

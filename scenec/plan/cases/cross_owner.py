@@ -1,8 +1,8 @@
-"""Cases of things of several owners that relations tie: whatever decides such a relation is chosen together.
+"""Cases of things of several owners that cross-owner relations link: all of them are sampled jointly.
 
-The things of each owner are laid out at random as in a pool of their own. Layouts of the owners are put together at
-random, those are kept in which every relation across owners holds, and poses are held so near to them that it goes on
-holding for all that is left (see `scenec.plan.cases.cross_owner_relations`).
+The things of each owner are laid out at random as in a pool of their own. Layouts of the owners are combined at random;
+combinations in which every cross-owner relation holds are kept, and their freedom is clipped until each relation holds
+for all remaining poses (see `scenec.plan.cases.cross_owner_relations`).
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ from scenec.solve.model import SolverModel
 from scenec.solve.streams import stream
 from schemas.scene.runtime_plan import PlanCase
 
-LOT = 4096  # layouts of each owner, and put together at once
+LOT = 4096  # layouts of each owner, and combinations tested at once
 MOST_LOTS = 24
 
 
 def cross_owner_cases(
     model: SolverModel, request: PoolRequest, groups: Sequence[Sequence[str]], rules: Sequence[RelationIR]
 ) -> list[PlanCase]:
-    """Cases for all things of the groups, each of one owner, in the order of their names; none where no layout leaves
-    any room for the `rules` across them."""
+    """Cases for all things of the groups, each of one owner, in the order of their names; none where no layout
+    satisfies the cross-owner `rules`."""
     rng = stream(request.seed, "tied", *request.names)
     pools = [pool_model_of(model, names, request.frozen, request.solved) for names in groups]
     relations = [
@@ -66,10 +66,10 @@ def cross_owner_cases(
 def _together(
     pools: Sequence[PoolModel], relations: Sequence[CrossOwnerRelation], request: PoolRequest, rng: Generator
 ) -> list[Layouts]:
-    """Layouts (l) of each scope that belong together, the solved ones first."""
+    """Layouts of each pool that satisfy all relations row by row, the solved ones first."""
     solved = [solved_layout(pool, request.solved) for pool in pools]
     candidates_of_owner = [joined([one, _random(pool, rng)]) for pool, one in zip(pools, solved, strict=True)]
-    want = int(SURPLUS * request.count)
+    layout_count = int(SURPLUS * request.count)
     layouts_by_owner = [[one] for one in solved]
     count = 1
     for number in range(MOST_LOTS):
@@ -82,11 +82,11 @@ def _together(
                 name: OwnerLayouts(pool, one) for pool, one in zip(pools, left, strict=True) for name in pool.names
             }
             good[rows] = holds_across_owners(relation, parts, relation_values(relation, parts))
-        rows = np.flatnonzero(good)[: want - count]
+        rows = np.flatnonzero(good)[: layout_count - count]
         count += len(rows)
         for part, chosen in zip(lot, layouts_by_owner, strict=True):
             chosen.append(part.take(rows))
-        if count >= want or (number >= MOST_LOTS // 4 and count == 1):
+        if count >= layout_count or (number >= MOST_LOTS // 4 and count == 1):
             break
     return [joined(parts) for parts in layouts_by_owner]
 
@@ -97,7 +97,7 @@ def _random(pool: PoolModel, rng: Generator) -> Layouts:
 
 
 def _shortened(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) -> BoolArray:
-    """Shortens the steps of all links until a relation holds for all that is left; which layouts (l,) can be kept."""
+    """Shortens steps of all links until a relation holds for all remaining poses; which layouts (l,) can be kept."""
     values = relation_values(relation, parts)
     links = [(parts[name], parts[name].pool.index[name], name in relation.turning) for name in relation.links]
     before = [(_steps(part)[:, i].copy(), _spins(part)[:, i].copy()) for part, i, _ in links]

@@ -1,8 +1,9 @@
-"""Relations measured across owners, for many layouts at once: do they hold wherever things may still move?
+"""Evaluates cross-owner relations on many layouts at once: do they hold for all poses that the freedom of things
+allows?
 
-Things are seen from a *base*: the innermost owner that carries all that a relation speaks of, so that what moves all of
-them alike does not count. A thing on a tray gets as far as the tray does, farther by the turning of the tray the
-farther out it stands, and as far again as it may move on the tray itself. Metres, radians.
+Poses are relative to a *base*: the innermost owner that carries all things of a relation, so that common motion does
+not count. A thing on a tray moves as far as the tray, additionally by its distance from the tray's origin times the
+turn of the tray, and by its own freedom on the tray. Metres, radians.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from scenec.solve.shapes import Shape
 
 @dataclass(frozen=True)
 class OwnerLayouts:
-    """Things of one owner in l layouts, with how far they may move (None: not at all)."""
+    """Things of one owner in l layouts, with their freedom (None: fixed)."""
 
     pool: PoolModel
     layouts: Layouts
@@ -33,8 +34,8 @@ class OwnerLayouts:
 
 @dataclass(frozen=True)
 class RelativePoses:
-    """A thing seen from a base: `at_m` (l, 2) and `yaw_rad` (l,) in the layouts; how far its origin, any point of its
-    footprint and its heading may get from there, each (l,)."""
+    """Poses of a thing relative to a base: `at_m` (l, 2) and `yaw_rad` (l,) in the layouts; bounds (l,) on the motion
+    of its origin, of any point of its footprint, and of its yaw."""
 
     at_m: FloatArray
     yaw_rad: FloatArray
@@ -47,8 +48,8 @@ class RelativePoses:
 
 @dataclass(frozen=True)
 class CrossOwnerRelation:
-    """A relation, the base it is measured from, and the links that decide it: things between the base and its members
-    or its frame. `turning` are those whose turning counts."""
+    """A relation, its base, and the links that it depends on: things between the base and its members or its frame.
+    `turning` are those whose yaw matters."""
 
     rule: RelationIR
     base: str
@@ -57,7 +58,7 @@ class CrossOwnerRelation:
 
 
 def cross_owner_relation(model: SolverModel, rule: RelationIR) -> CrossOwnerRelation:
-    """How a relation across owners is measured."""
+    """Base and links of a relation across owners."""
     chains = [model.chains[name] for name in rule.things]
     if rule.kind in ("before", "aligned"):
         chains.append(() if rule.frame == WORLD_PARENT else model.chains[rule.frame])
@@ -78,7 +79,7 @@ def cross_owner_relation(model: SolverModel, rule: RelationIR) -> CrossOwnerRela
 def holds_across_owners(
     relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts], values: FloatArray
 ) -> BoolArray:
-    """(l,) whether a relation holds for every pose that is left to its links; `measure` as in `measured`."""
+    """(l,) whether a relation holds for every allowed pose of its links; `values` from `relation_values`."""
     rule = relation.rule
     poses = _member_poses(relation, parts)
     if rule.kind in ("near", "far_from", "before"):
@@ -105,8 +106,8 @@ def holds_across_owners(
 
 
 def relation_values(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) -> FloatArray:
-    """What a relation measures in each layout (l,): the distance of footprints, or the room before the second begins;
-    0 for those that origins and headings decide."""
+    """Value of a relation in each layout (l,): distance of footprints, or gap before the second begins; 0 for relations
+    that depend on origins and yaws alone."""
     rule = relation.rule
     poses = _member_poses(relation, parts)
     if rule.kind == "before":
@@ -115,7 +116,8 @@ def relation_values(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayou
     if rule.kind in ("near", "far_from"):
         gap = np.hypot(*(poses[1].at_m - poses[0].at_m).T) - _radius(poses[0]) - _radius(poses[1])
         rows = np.flatnonzero(gap <= rule.gap_m) if rule.kind == "near" else np.arange(len(gap))
-        pieces = [_pieces(one, rows) for one in poses[:2]]  # Those too far for circles around them are too far.
+        # Footprints whose bounding circles are too far apart are skipped.
+        pieces = [_pieces(one, rows) for one in poses[:2]]
         gaps = [shapely.distance(one, two) for one in pieces[0] for two in pieces[1]]
         gap[rows] = np.nanmin(np.stack(gaps), axis=0)
         return gap
@@ -123,7 +125,7 @@ def relation_values(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayou
 
 
 def _member_poses(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) -> list[RelativePoses]:
-    # The members of a rule along the axes of its frame, and that frame last.
+    # Poses of the members along the axes of the relation's frame, then that of the frame.
     rule, known = relation.rule, dict[str, RelativePoses]()
     frame = rule.frame if rule.kind in ("before", "aligned") and rule.frame != WORLD_PARENT else relation.base
     axes = _relative_poses(frame, relation.base, parts, known)
@@ -142,7 +144,7 @@ def _member_poses(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts
 
 
 def _shapes(name: str, relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) -> tuple[Shape, ...]:
-    # Of a base the upright stance alone: it carries the others, seen along its own axes.
+    # Of a base only the upright shape: it carries the others and defines the axes.
     shapes = next(iter(parts.values())).pool.model.shapes[name]
     return shapes if name != relation.base else tuple(shape for shape in shapes if shape.upright)
 
@@ -167,7 +169,7 @@ def _relative_poses(
     origin_shift, outline_shift, turn = (np.zeros(len(at)),) * 3
     if part.freedom is not None:
         origin_shift, outline_shift = shift_of(part.pool, part.layouts, part.freedom, i)
-        turn = part.freedom.turned()[:, i].max(axis=1)
+        turn = part.freedom.clipped_turns()[:, i].max(axis=1)
     sway, out = _sway(owner.turn_rad), np.hypot(*p.T)
     known[name] = RelativePoses(
         at,
@@ -181,7 +183,7 @@ def _relative_poses(
 
 
 def _sway(turn_rad: FloatArray) -> FloatArray:
-    # How far a point one metre out gets when what carries it turns.
+    # Motion of a point at 1 m from the origin of a turning owner.
     return 2.0 * np.sin(np.minimum(turn_rad, np.pi) / 2.0)
 
 

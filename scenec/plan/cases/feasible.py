@@ -1,4 +1,4 @@
-"""Where a cell may lie: inside a place, clear of what rises above it and of keep-outs. Exact for rectangles.
+"""Feasible area of cells: inside a place, clear of obstacles above it and of keep-outs. Exact for rectangles.
 
 Rectangles are rows (x_low, x_high, y_low, y_high) in the owner's frame P, metres; all tests are for many at once.
 """
@@ -17,7 +17,7 @@ from scenec.solve.model import SLACK_M, Site
 from scenec.solve.planar import outline_of
 
 BoolArray = NDArray[np.bool_]
-MOST_TRIANGLES = 24  # beyond this, notches of a place are filled by their hulls: safe, and less room
+MOST_TRIANGLES = 24  # above this, notches of a place are replaced by their hulls: safe, but less area
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Feasible:
 
 
 def feasible_on(site: Site, height_m: float) -> Feasible:
-    """The room on a place for whatever is at most `height_m` tall and stands on its floor; P frame."""
+    """Feasible area of a place for things up to `height_m` tall on its floor; frame P."""
     layers = [area for low, _, area in site.layers if low < height_m - SLACK_M] or [site.layers[0][2]]
     area: BaseGeometry = layers[0] if len(layers) == 1 else shapely.intersection_all(layers)
     low, high = site.base_P_m, site.base_P_m + height_m
@@ -87,7 +87,7 @@ def feasible_on(site: Site, height_m: float) -> Feasible:
 
 
 def _convex(area: BaseGeometry) -> list[FloatArray]:
-    # Convex outlines that cover an area: itself, its triangles when they are few, else hulls of its parts.
+    # Convex outlines that cover an area: itself, its triangles if few, else hulls of its parts.
     if shapely.convex_hull(area).area - area.area <= 1e-12:
         return [outline_of(shapely.convex_hull(area))]
     triangles = [p for p in shapely.get_parts(shapely.constrained_delaunay_triangles(area)).tolist() if p.area > 1e-12]

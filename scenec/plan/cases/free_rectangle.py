@@ -1,4 +1,4 @@
-"""Free-rectangle search: largest first, each thing into a random maximal empty rectangle that takes it (ProcTHOR)."""
+"""Free-rectangle family: largest first, each thing into a random maximal empty rectangle that fits it (ProcTHOR)."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from scenec.ir.problem import FloatArray
 from scenec.plan.cases.slots import SlotOptions
 
 MOST_FREE = 160
-LEAN = 3.0  # weight of where relations want a thing, against how well it fits
+LEAN = 3.0  # weight of the bias by relations against the fit
 
 
 def free_rectangle(box_m: FloatArray, slot_options: SlotOptions, gap_m: float, rng: Generator) -> FloatArray | None:
-    """Slots (n, 4) in a box (4,), or None where nothing empty takes a thing. Things stand at sides and corners."""
+    """Slots (n, 4) in a box (4,), or None where no empty rectangle fits a thing. Slots are at sides and corners."""
     n = len(slot_options.least_m)
     free = box_m[None].copy()
     middle, size = (box_m[[0, 2]] + box_m[[1, 3]]) / 2.0, box_m[[1, 3]] - box_m[[0, 2]]
@@ -24,7 +24,7 @@ def free_rectangle(box_m: FloatArray, slot_options: SlotOptions, gap_m: float, r
         fits = (slot_options.size_m[i][None] <= room[:, None] + 1e-9).all(axis=-1)
         if not fits.any():
             return None
-        # The tightest of a random few: leaves room for what comes.
+        # Tight fits with random weights leave room for later things.
         waste = room.prod(axis=1)[:, None] - slot_options.size_m[i].prod(axis=-1)[None]
         pull = -(free[:, [0, 2]] + room / 2.0 - middle) @ slot_options.bias[i] / size.max()
         score = np.where(fits, waste / waste.max() * (0.3 + rng.random(fits.shape)) + LEAN * pull[:, None], np.inf)
@@ -41,7 +41,7 @@ def free_rectangle(box_m: FloatArray, slot_options: SlotOptions, gap_m: float, r
 
 
 def _without(free: FloatArray, taken: FloatArray) -> FloatArray:
-    # Maximal empty rectangles after one is taken (Jylanki 2010): those it cuts are split, what others hold is dropped.
+    # Maximal empty rectangles after one is taken (Jylanki 2010): intersected ones are split, contained ones dropped.
     x0, x1, y0, y1 = taken
     cut = (free[:, 0] < x1 - 1e-9) & (free[:, 1] > x0 + 1e-9) & (free[:, 2] < y1 - 1e-9) & (free[:, 3] > y0 + 1e-9)
     parts = [free[~cut]]

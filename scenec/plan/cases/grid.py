@@ -1,4 +1,4 @@
-"""Grid family: rows and columns of random sizes, things dealt out at random among the places that are wide enough."""
+"""Grid family: rows and columns of random sizes, things assigned at random to cells that are large enough."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.random import Generator
 from scenec.ir.problem import FloatArray
 from scenec.plan.cases.slots import SlotOptions
 
-UNEVEN = 0.5  # share of the spare room that rows and columns get at random
+UNEVEN = 0.5  # share of the even size that is distributed at random
 
 
 def grid(box_m: FloatArray, slot_options: SlotOptions, gap_m: float, rng: Generator) -> FloatArray | None:

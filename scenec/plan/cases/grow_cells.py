@@ -1,6 +1,8 @@
-"""Cells grown from layouts: all sides of all cells by turns, in ever smaller steps, until neighbours stop them.
+"""Grows cells from the rectangles of layouts: all sides of all cells in turn, in decreasing steps, until they meet
+others.
 
-Every state in between keeps cells apart, inside their places, and directional relations; P frame, metres.
+Every intermediate state keeps cells disjoint, inside their places, and satisfies directional relations; frame P,
+metres.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from scenec.plan.cases.batch_relations import axis_orders
 from scenec.plan.cases.feasible import BoolArray
 from scenec.plan.cases.pool_model import Layouts, PoolModel
 
-STEPS_M = (0.04, 0.04, 0.02, 0.02, 0.01, 0.01, 0.005, np.inf)  # the last one closes what is left
+STEPS_M = (0.04, 0.04, 0.02, 0.02, 0.01, 0.01, 0.005, np.inf)  # the last one closes the remaining gaps
 
 
 def grow_cells(pool: PoolModel, layouts: Layouts, free: BoolArray, rng: Generator) -> FloatArray:

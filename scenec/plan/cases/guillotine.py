@@ -1,7 +1,8 @@
-"""Guillotine partitioning: the place is cut across again and again, each part at least as large as what it must hold.
+"""Guillotine partitioning: the place is cut recursively, each part at least as large as its things need.
 
-Who goes to which side and which way to cut is drawn from above, as if areas were shared out. What each part needs
-then follows from below, so that a partition fails only where the whole place is too small (slicing trees, Otten 1982).
+Which things go to which side, and the axis of each cut, are drawn top-down as if areas were shared out. The least size
+of each part follows bottom-up, so that a partition fails only if the whole place is too small (slicing trees, Otten
+1982).
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ from scenec.ir.problem import FloatArray
 from scenec.plan.cases.pool_model import IntArray
 from scenec.plan.cases.slots import SlotOptions, ordered_by_bias
 
-ASKEW = 0.3  # how much chance moves a cut away from the share of the areas
+ASKEW = 0.3  # largest random shift of a cut away from the share of the areas
 SQUARE = 0.8  # chance that the longer side is cut
 
 
 @dataclass(frozen=True)
 class SlicingTree:
-    """A part of the place: member `number`, or two halves one after the other along axis `along`.
+    """A slicing tree: the slot of member `number`, or two halves one after the other along axis `along`.
 
-    `least_m` (2,) is what it needs at least; `share` of the length goes to the first half if both have room then.
+    `least_m` (2,) is its least size; `share` of the length goes to the first half if both have room then.
     """
 
     least_m: FloatArray

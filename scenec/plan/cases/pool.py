@@ -1,4 +1,4 @@
-"""The cases of one pool: random layouts first, structured families where these run dry, solved layouts in any case."""
+"""Cases of one pool: random layouts first, structured families where too few are found, solved layouts in any case."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from schemas.scene.runtime_plan import PlanCase
 
 FAMILIES = (("grid", grid), ("guillotine", guillotine), ("free_rectangle", free_rectangle), ("shelf", shelf))
 MISSES = 24  # partitions that may fail before a family is given up
-STRUCTURED = 0.2  # of the cases that plain rejection does not find
-SURPLUS_OF_FEW, SURPLUS = 3.0, 1.3  # layouts made for each case wanted
+STRUCTURED = 0.2  # share of the layouts missing after plain rejection
+SURPLUS_OF_FEW, SURPLUS = 3.0, 1.3  # layouts made per requested case
 
 
 @dataclass(frozen=True)
 class PoolRequest:
-    """What a pool is made from: its things, poses that are frozen, the solved assignment, how many cases, the seed."""
+    """Input of a pool: its things, frozen poses, the solved assignment, number of cases, seed."""
 
     names: tuple[str, ...]
     frozen: Mapping[str, Placement]
@@ -43,7 +43,7 @@ class PoolRequest:
 
 
 def pool_cases(model: SolverModel, request: PoolRequest) -> list[PlanCase]:
-    """Cases for the things of a pool in the order of their names; at least the solved layout as it is."""
+    """Cases for the things of a pool in the order of their names; at least the solved layout."""
     pool = pool_model_of(model, request.names, request.frozen, request.solved)
     reach, base = reach_P(model, pool)
     rng = stream(request.seed, "cases", *request.names)
@@ -55,7 +55,7 @@ def pool_cases(model: SolverModel, request: PoolRequest) -> list[PlanCase]:
     parts = [solved_layout(pool, request.solved)]
     parts.append(rejection_layouts(pool, surplus - 1, rng, 1))
     if (missing := surplus - sum(map(len, parts))) > 0:
-        # Crowded, or tied by relations: no exact shares to keep, and more variety by structure.
+        # Crowded or with relations: no exact distribution to preserve, and structure adds variety.
         orderly = structured(pool, round(STRUCTURED * missing), rng) if len(pool.members) > 2 else []
         parts.append(rejection_layouts(pool, missing - sum(map(len, orderly)), rng, TRIES))
         missing = surplus - sum(map(len, [*parts, *orderly]))
@@ -65,14 +65,14 @@ def pool_cases(model: SolverModel, request: PoolRequest) -> list[PlanCase]:
     return selected(pool, judged, request.count)
 
 
-def structured(pool: PoolModel, want: int, rng: Generator) -> list[Layouts]:
-    """Layouts of the four structured families on the place that all members share, `want` or fewer in all."""
+def structured(pool: PoolModel, layout_count: int, rng: Generator) -> list[Layouts]:
+    """Layouts of the four structured families on the place that all members share, `layout_count` or fewer in all."""
     box, slot_options = _shared_box(pool), slot_options_of(pool)
     if box is None:
         return []
     layouts: list[Layouts] = []
     for number, (name, family) in enumerate(FAMILIES):
-        share = -(-(want - sum(map(len, layouts))) // (len(FAMILIES) - number))
+        share = -(-(layout_count - sum(map(len, layouts))) // (len(FAMILIES) - number))
         slots, misses = [], 0
         while len(slots) < share and misses < MISSES + 4 * len(slots):
             cut = family(box, slot_options, pool.clearance_m + 2 * GRAIN_M, rng)
@@ -91,7 +91,7 @@ def _shared_box(pool: PoolModel) -> FloatArray | None:
 
 
 def _alone(pool: PoolModel, request: PoolRequest, reach: ReachIR | None, base_P_m: np.ndarray) -> list[PlanCase]:
-    # A cell that is the whole of a plain rectangle, or strips.
+    # A single cell for a plain rectangle, else strips.
     (member,) = pool.members
     plain = not any(len(room.ends_m) or room.blocks for room in member.room.values())
     if not plain or (reach is not None and member.name in reach.members):

@@ -1,7 +1,7 @@
-"""What is chosen together: the things of a pool as tables, in the owner's frame P. Metres, radians.
+"""Model of a pool: its things as tables of options, and layouts of them, in the owner's frame P. Metres, radians.
 
-A thing's *options* are its stances at the yaws of a fine grid, or the spots that were written for it. A *layout* picks
-an option and an origin for each thing and holds a rectangle around its footprint; layouts are kept many at once.
+A thing's *options* are its orientations at the yaws of a fine grid, or its fixed poses. A *layout* has an option, an
+origin and a rectangle around the footprint for each thing; many layouts are stored as arrays.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from scenec.solve.shapes import Shape
 
 IntArray = NDArray[np.int64]
 YAW_STEP = pi / 360.0
-GRAIN_M, GRAIN_RAD = 1e-6, 1e-6  # cells are kept in whole micrometres and microradians (schemas.scene.runtime_plan)
+GRAIN_M, GRAIN_RAD = 1e-6, 1e-6  # cells are stored in whole micrometres and microradians (schemas.scene.runtime_plan)
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class YawExtents:
 
 
 def yaw_extents_of(shape: Shape, low: float, high: float) -> YawExtents:
-    """The turns of a shape, with what it carries, over a span of yaws."""
+    """The extents of a shape, with its load, over a range of yaws."""
     count = max(1, ceil((high - low) / YAW_STEP - 1e-9))
     edges = np.linspace(low, high, count + 1) if high > low else np.array([low, low])
     reach = extent_at(shape, edges)
@@ -60,12 +60,12 @@ def extent_at(shape: Shape, yaw_rad: FloatArray) -> FloatArray:
 
 
 def own_hull(shape: Shape) -> FloatArray:
-    """Convex hull (n, 2) of the body alone, without what it carries."""
+    """Convex hull (n, 2) of the body alone, without its load."""
     return hull_of(np.concatenate([slab.outline_m for slab in shape.slabs[: shape.own]]))
 
 
 def overhang_m(shape: Shape) -> float:
-    """How far what a body carries may stick out of its own footprint: 0 unless a place was drawn beyond it."""
+    """Largest overhang of the load of a body over its own footprint: 0 unless a place was drawn beyond it."""
     if shape.own == len(shape.slabs):
         return 0.0
     hull_polygon = polygon(own_hull(shape))
@@ -75,7 +75,7 @@ def overhang_m(shape: Shape) -> float:
 
 @dataclass(frozen=True)
 class Member:
-    """One thing of a scope. Options (m,): `stance`, `yaw_rad`, `base_m`, `height_m`; `extent_m` (m, 4) as in
+    """One thing of a pool. Options (m,): `stance`, `yaw_rad`, `base_m`, `height_m`; `extent_m` (m, 4) as in
     `YawExtents`; `at_m` (m, 2) their origins in P, NaN where these are free. Only the first `grid` are drawn, the other
     is the pose that the solver found. `origin_m` (4,) bounds the origin in P; `overhang_m` by stance: see there."""
 
@@ -107,7 +107,7 @@ class Member:
 
 @dataclass(frozen=True)
 class PoolModel:
-    """Members in the order of their names, the clearance between them, rules among them (frame P)."""
+    """Members in the order of their names, the clearance between them, relations among them (frame P)."""
 
     members: tuple[Member, ...]
     clearance_m: float
@@ -136,7 +136,7 @@ class PoolModel:
 
     @cached_property
     def level(self) -> bool:
-        """Whether all members stand side by side, so that any two share some height in every option."""
+        """Whether any two members have a common height in every option."""
         bases = [(m.base_m + float(m.thing.place.origin_P_m[2])) for m in self.members]
         low = max(float(base.max()) for base in bases)
         high = min(float((base + m.height_m).min()) for base, m in zip(bases, self.members, strict=True))
@@ -179,7 +179,7 @@ def pool_model_of(
     fixed: Mapping[str, Placement],
     solved: Mapping[str, Placement],
 ) -> PoolModel:
-    """The scope of some things of one owner; those in `fixed` have one pose only. The `solved` assignment adds an
+    """The model of some things of one owner; those in `fixed` have one pose only. The `solved` assignment adds an
     option to each of the others."""
     inside = set(names)
     rules = tuple(rule for rule in model.rules if inside.issuperset(rule.things) and model.in_one_frame(rule))
@@ -216,7 +216,7 @@ def _member(model: SolverModel, name: str, fixed: Placement | None, solved: Plac
     orientations = [s for s in model.allowed_orientations(thing) if _stands(shapes[s], site) <= site.top_m + SLACK_M]
     low, high = domain.yaw_rad
     yaw_extents = {s: yaw_extents_of(shapes[s], low, high) for s in orientations}
-    drop = 1 if high - low > 2 * pi - 1e-9 or high == low else 0  # a full turn ends where it began
+    drop = 1 if high - low > 2 * pi - 1e-9 or high == low else 0  # the end of a full turn equals its begin
     grid = [
         Placement(0.0, 0.0, yaw, s)
         for s in orientations
@@ -237,7 +237,7 @@ def _member(model: SolverModel, name: str, fixed: Placement | None, solved: Plac
 
 
 def _stands(shape: Shape, site: Site) -> float:
-    # What must stay under the top of a place: what a thing in a receptacle carries may rise over the rim.
+    # Height that must stay below the top of a place: the load of contents may rise over the rim of a receptacle.
     return shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
 
 

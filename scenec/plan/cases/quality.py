@@ -1,4 +1,4 @@
-"""How good a case is: room, shape and gaps of its cells, and how often it had to fall back (paper: case selection)."""
+"""Quality of a case from 0 to 1: area, shape and gaps of its cells, less its pinned things (paper: case selection)."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Random layouts by rejection, many at once: the family whose shares come nearest to uniform chance.
+"""Random layouts by rejection, many at once: the family closest to the uniform distribution.
 
-With one try for each thing this is plain rejection: whatever survives is drawn from the exact conditional distribution
-(of footprints whose bounding rectangles are apart). With more, things are seated one after another, the largest first
-(random sequential placement), and in crowded scenes at yaws whose rectangle wastes little.
+With one try per thing this is plain rejection: accepted layouts have the exact conditional distribution (of footprints
+with disjoint bounding rectangles). With more tries, things are placed one after another, the largest first (random
+sequential addition), in crowded scenes at yaws with a small bounding rectangle.
 """
 
 from __future__ import annotations
@@ -18,42 +18,42 @@ from scenec.plan.cases.apart import apart
 from scenec.plan.cases.batch_relations import may_hold
 from scenec.plan.cases.pool_model import IntArray, Layouts, Member, PoolModel, around, joined
 
-LOT = 4096  # layouts or candidates looked at together
+LOT = 4096  # layouts or candidates evaluated at once
 MOST_LOTS = 48
-SHARE_M2 = 0.38  # of a place that rectangles may take before yaws are held near quarter turns
+SHARE_M2 = 0.38  # share of a place covered by rectangles above which yaws are restricted
 TRIES = 96
 ROUNDS = 4
 
 
-def rejection_layouts(pool: PoolModel, want: int, rng: Generator, tries: int) -> Layouts:
-    """Up to `want` random layouts that hold as far as rectangles can tell, each thing drawn `tries` times."""
+def rejection_layouts(pool: PoolModel, layout_count: int, rng: Generator, tries: int) -> Layouts:
+    """Up to `layout_count` random layouts whose rectangles are valid, each thing drawn `tries` times."""
     order = largest_first(pool)
     allowed = [_compact_options(member, _yaw_freedom(pool)) for member in pool.members]
     lots_found: list[Layouts] = []
     count, lots = 0, 0
     lot = LOT if tries == 1 else max(64, LOT // tries)
-    while count < want and lots < MOST_LOTS:
+    while count < layout_count and lots < MOST_LOTS:
         part = _lot(pool, order, allowed, lot, rng, tries)
         lots += 1
         if len(part):
             lots_found.append(part)
             count += len(part)
-        if lots == 4 and count * MOST_LOTS / lots < want / 8:
+        if lots == 4 and count * MOST_LOTS / lots < layout_count / 8:
             break
-    return _first(pool, lots_found, want)
+    return _first(pool, lots_found, layout_count)
 
 
-def _first(pool: PoolModel, lots_found: list[Layouts], want: int) -> Layouts:
+def _first(pool: PoolModel, lots_found: list[Layouts], layout_count: int) -> Layouts:
     n = len(pool.members)
     none = Layouts(np.zeros((0, n), dtype=np.int64), np.zeros((0, n, 2)), np.zeros((0, n, 4)), [])
     if not lots_found:
         return none
     whole = joined(lots_found)
-    return whole.take(np.arange(min(want, len(whole))))
+    return whole.take(np.arange(min(layout_count, len(whole))))
 
 
 def largest_first(pool: PoolModel) -> list[int]:
-    """Numbers of the members: those with written poses first, then the largest."""
+    """Indices of the members: those with fixed poses first, then the largest."""
     return sorted(
         range(len(pool.members)),
         key=lambda i: (not pool.members[i].pinned, -float(pool.members[i].footprint_m2.min())),
@@ -61,7 +61,7 @@ def largest_first(pool: PoolModel) -> list[int]:
 
 
 def _yaw_freedom(pool: PoolModel) -> float:
-    # 1 where any yaw may be drawn, towards 0 as rectangles at random yaws would take more than SHARE_M2 of the room.
+    # 1 where any yaw may be drawn, towards 0 as rectangles at random yaws would cover more than SHARE_M2 of the area.
     free = [m for m in pool.members if not m.pinned]
     if not free:
         return 1.0
@@ -168,13 +168,13 @@ def _candidates(
 
 
 def front_of(member: Member, option: IntArray) -> FloatArray:
-    """Heading in P of the front (+x of the asset frame) by option."""
+    """Direction (rad) in P of the front (+x of the asset frame), by option."""
     fronts = np.array([shape.front_rad for shape in member.shapes])
     return member.yaw_rad[option] + fronts[member.stance[option]]
 
 
 def sample_origins(member: Member, option: IntArray, rng: Generator) -> FloatArray:
-    """Origins (..., 2) in P for options (...): as written, or uniform over the box of the place and the range."""
+    """Origins (..., 2) in P for options (...): fixed poses, or uniform over the box of the place and the range."""
     share = rng.random((*option.shape, 2))
     if member.pinned:
         return member.at_m[option]
@@ -186,7 +186,7 @@ def sample_origins(member: Member, option: IntArray, rng: Generator) -> FloatArr
 
 
 def inside(member: Member, option: IntArray, origin_m: FloatArray, rect_m: FloatArray) -> np.ndarray:
-    """Whether candidates (...) lie in the place and their origins in range; written poses are taken at their word."""
+    """Whether candidates (...) lie in the place and their origins in range; fixed poses are accepted as authored."""
     if member.pinned:
         return np.ones(option.shape, dtype=bool)
     good = np.ones(option.size, dtype=bool)

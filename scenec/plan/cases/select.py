@@ -1,4 +1,5 @@
-"""Which cases make the pool: none below a quality floor, then quality balanced against distance (paper: selection)."""
+"""Selects the cases of a pool: none below a quality floor, then quality balanced against distance (paper:
+selection)."""
 
 from __future__ import annotations
 
@@ -11,19 +12,19 @@ from scenec.plan.cases.pool_model import IntArray, PoolModel
 from schemas.scene.runtime_plan import PlanCase
 
 FLOOR = 0.35  # of the best quality
-FEW = 16  # things, up to which what cases reach counts most; beyond, room to turn is scarce and quality counts more
+FEW = 16  # things up to which coverage counts most; with more, yaw freedom is scarce and quality counts more
 BALANCE_OF_FEW, BALANCE = 0.95, 0.7  # weight of distance, in diagonals of the support, against quality from 0 to 1
-TOPOLOGY = 0.25  # weight of another order of neighbours in the distance
+TOPOLOGY = 0.25  # weight of a different order of things in the distance
 
 
-def selected(pool: PoolModel, cases: Sequence[PlanCase], want: int) -> list[PlanCase]:
-    """At most `want` cases: the best one, then each time the one with the best sum of quality and of distance to what
-    is chosen already. The order of the cases given does not matter except between equals."""
+def selected(pool: PoolModel, cases: Sequence[PlanCase], case_count: int) -> list[PlanCase]:
+    """At most `case_count` cases: the best one, then repeatedly the one with the best weighted sum of quality and
+    distance to the cases already chosen. The order of the given cases does not matter except between equals."""
     if not cases:
         return []
     best = max(case.quality for case in cases)
     good = [case for case in cases if case.quality >= FLOOR * best]
-    if len(good) <= want:
+    if len(good) <= case_count:
         return good
     centre = _centres(pool, good)
     order = _topology(centre)
@@ -31,7 +32,7 @@ def selected(pool: PoolModel, cases: Sequence[PlanCase], want: int) -> list[Plan
     chosen = [int(value.argmax())]
     balance = BALANCE_OF_FEW if len(pool.members) <= FEW else BALANCE
     far = np.full(len(good), np.inf)
-    while len(chosen) < want:
+    while len(chosen) < case_count:
         last = chosen[-1]
         step = centre - centre[last]
         moved = np.sqrt(np.einsum("cnd,cnd->cn", step, step)).mean(axis=1)

@@ -1,4 +1,4 @@
-"""Shelf packing: rows of slots, first fit by decreasing depth with noise (Coffman et al. 1980), then rows shuffled."""
+"""Shelf family: rows of slots, first fit by decreasing depth with noise (Coffman et al. 1980), then rows shuffled."""
 
 from __future__ import annotations
 

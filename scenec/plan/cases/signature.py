@@ -1,4 +1,4 @@
-"""When are two cases the same? Their things' names and planar bounds, rounded to 0.1 mm."""
+"""Signature of a case: names of its things and planar bounds rounded to 0.1 mm; equal ones are the same case."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Signature = tuple[tuple[object, ...], ...]
 
 
 def signature(names: Sequence[str], case: PlanCase) -> Signature:
-    """Sorted names, each with its stance, the four bounds of its cell and, where it is bound, of its origin."""
+    """Sorted names, each with its stance, the four bounds of its cell and, where given, of its origin."""
     return tuple(
         sorted(
             (name, stance, *_rounded(cell), *(() if origins is None else _rounded(origins)))
@@ -26,5 +26,5 @@ def _rounded(bounds_um: Sequence[int]) -> tuple[int, ...]:
 
 
 def distinct(names: Sequence[str], cases: Sequence[PlanCase]) -> list[PlanCase]:
-    """The cases without repetitions, the first of each kept."""
+    """The cases without duplicates, the first of each."""
     return list({signature(names, case): case for case in reversed(cases)}.values())[::-1]

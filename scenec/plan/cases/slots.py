@@ -1,7 +1,7 @@
-"""Structured layouts: a family cuts the place into slots, one for each thing; here things are seated in them.
+"""Structured layouts: a family partitions the place into one slot per thing; here things are placed in these slots.
 
-Things of a slot lie at quarter turns (or whatever of their yaws takes least room). Slots are exchanged while
-directional relations are broken, and then some more, so that one partition serves many arrangements. P frame, metres.
+Things lie in their slots at quarter turns (or the yaw of least area in each). Slots are exchanged while directional
+relations are violated, and further afterwards, so that one partition gives many arrangements. Frame P, metres.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from scenec.plan.cases.feasible import BoolArray
 from scenec.plan.cases.pool_model import GRAIN_M, IntArray, Layouts, PoolModel, around
 from scenec.plan.cases.rejection import front_of, inside
 
-WAYS = 4  # at least: two for each stance
-SWAY = 0.4  # how much chance disturbs the order that relations want
-REPAIRS = 2000  # exchanges tried while relations are broken
+WAYS = 4  # options per thing at least: two for each stance
+SWAY = 0.4  # standard deviation of the noise on the order by bias
+REPAIRS = 2000  # exchanges tried while relations are violated
 MIXING = 3  # exchanges tried for each thing once they hold
 
 
 @dataclass(frozen=True)
 class SlotOptions:
-    """`option` (n, w) ways in which each thing takes little room, and `size_m` (n, w, 2) of the rectangles around it.
+    """`option` (n, w): options of small area of each thing; `size_m` (n, w, 2): sizes of their bounding rectangles.
 
-    `bias` (n, 2) says where directional relations want it: -1 at low x or y, 1 at high, 0 anywhere.
+    `bias` (n, 2) is the side that directional relations favour: negative low x or y, positive high, 0 none.
     """
 
     option: IntArray
@@ -37,12 +37,12 @@ class SlotOptions:
 
     @property
     def least_m(self) -> FloatArray:
-        """(n, 2) the first way of each thing: the least deep one."""
+        """(n, 2) size of the first option of each thing, that of least depth."""
         return self.size_m[:, 0]
 
 
 def slot_options_of(pool: PoolModel) -> SlotOptions:
-    """For each member the options of least area in each quarter of a turn, the least deep first."""
+    """For each member the options of least area in each quarter turn, the least deep first."""
     options, sizes = [], []
     width = max(WAYS, *(2 * len(set(member.stance[: member.grid].tolist())) for member in pool.members))
     for member in pool.members:
@@ -77,7 +77,7 @@ def ordered_by_bias(slot_options: SlotOptions, members: IntArray, along: int, rn
 def layouts_in_slots(
     pool: PoolModel, slot_options: SlotOptions, slots_m: FloatArray, family: str, rng: Generator
 ) -> Layouts:
-    """Layouts that hold, from slots (l, n, 4): slot i belongs to member i at first and must fit it."""
+    """Valid layouts from slots (l, n, 4): slot i belongs to member i at first and must fit it."""
     slots = slots_m.copy()
     _exchange(pool, slot_options, slots, rng)
     count, n = slots.shape[:2]
@@ -107,7 +107,7 @@ def layouts_in_slots(
 
 
 def _exchange(pool: PoolModel, slot_options: SlotOptions, slots: FloatArray, rng: Generator) -> None:
-    # Exchanges slots in place: first those of broken directional relations, then any that keep all of them.
+    # Exchanges slots in place: first those of violated directional relations, then any that violate none.
     count, n = slots.shape[:2]
     rules = _axial(pool)
     is_free = np.array([not member.pinned for member in pool.members])
@@ -149,7 +149,7 @@ def _axial(pool: PoolModel) -> FloatArray:
 
 
 def _broken(slots: FloatArray, seat: IntArray, rules: FloatArray) -> FloatArray:
-    # (l, r) by how much each relation is broken when members sit at these slots (l, n).
+    # (l, r) violation of each relation with members in these slots (l, n).
     first, second, along = rules[:, :3].astype(np.int64).T
     rows = np.arange(len(slots))[:, None]
     ends, begins = slots[rows, seat[:, first], 2 * along + 1], slots[rows, seat[:, second], 2 * along]

@@ -1,7 +1,7 @@
-"""A thing with a domain of its own: its whole feasible region, cut into strips for each stance and sector of yaws.
+"""Strips: cases of a single thing that cover its whole feasible region, for each orientation and sector of yaws.
 
 A strip is a rectangle of the *origin*; it holds for every yaw of its sector, because the footprint swept over the
-sector stays on the place there. Weights are areas times yaws, so that draws are uniform over what the strips cover.
+sector stays on the place there. Weights are areas times yaws, so that draws are uniform over the covered region.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ SECTOR_RAD = pi / 8.0
 SWEEP_RAD = pi / 90.0
 STRIPS = 16  # across the region
 LEAST_SHARE = 1e-3  # strips with less than this of a region are dropped
-ROUND = 1.002  # a footprint whose border lies in so narrow a ring about its origin needs no sectors
+ROUND = 1.002  # ratio of outer to inner radius of a footprint below which it needs no sectors
 
 
 def strips(pool: PoolModel, reach: ReachIR | None, base_P_m: FloatArray) -> list[PlanCase]:
-    """Cases of the only member of a scope that cover its feasible region; none where even a sector finds no room."""
+    """Cases of the only member of a pool that cover its feasible region; none where no sector has any region."""
     (member,) = pool.members
     site = pool.model.site(member.thing)
     cases: list[PlanCase] = []
@@ -61,7 +61,7 @@ def _is_round(shape: Shape) -> bool:
 
 
 def _swept(shape: Shape, low: float, high: float) -> FloatArray:
-    # Convex outline (n, 2) that holds the footprint at all yaws of a sector, rounding included.
+    # Convex outline (n, 2) that contains the footprint at all yaws of a sector, rounding included.
     count = max(1, ceil((high - low) / SWEEP_RAD))
     yaws = np.linspace(low - GRAIN_RAD, high + GRAIN_RAD, count + 1)
     step = float(yaws[1] - yaws[0])
@@ -73,7 +73,7 @@ def _swept(shape: Shape, low: float, high: float) -> FloatArray:
 def _region(
     member: Member, site: Site, shape: Shape, swept: FloatArray, reach: ReachIR | None, base_P_m: FloatArray
 ) -> BaseGeometry:
-    # Where the origin may be (P) at any yaw of the sector.
+    # Region of the origin (P) that is valid for all yaws of the sector.
     low, high = site.base_P_m, site.base_P_m + shape.height_m
     layers = [area for below, _, area in site.layers if below < shape.height_m - 1e-9]
     region = shapely.intersection_all([eroded(area, [swept]) for area in layers or [site.layers[0][2]]])
@@ -86,7 +86,8 @@ def _region(
     ]
     region = region.difference(shapely.union_all(blocked)) if blocked else region
     x0, x1, y0, y1 = np.clip(member.origin_m, -1e3, 1e3)
-    region = region.intersection(shapely.box(x0, y0, x1, y1))  # Without width it has no area: another family serves.
+    # A range without width leaves no area; other families handle it.
+    region = region.intersection(shapely.box(x0, y0, x1, y1))
     if reach is not None and member.name in reach.members:
         centre = shapely.Point(base_P_m)
         region = region.intersection(centre.buffer(reach.most_m, quad_segs=8 * SEGMENTS))

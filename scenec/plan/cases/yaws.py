@@ -1,4 +1,4 @@
-"""Yaws at which a footprint fits a cell: unions of small intervals on which an upper bound of its extents fits."""
+"""Yaw intervals at which a footprint fits a cell: unions of small intervals with upper bounds of its extents."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from scenec.plan.cases.feasible import BoolArray
 from scenec.plan.cases.pool_model import GRAIN_RAD, YawExtents
 
 MOST_INTERVALS = 4
-LEAST_RAD = 1e-3  # narrower intervals than this are no freedom worth keeping
+LEAST_RAD = 1e-3  # narrower intervals are dropped
 TURN = 2.0 * np.pi
 
 
 def fitting(yaw_extents: YawExtents, rect_m: FloatArray, origin_m: FloatArray) -> BoolArray:
-    """(m, k) whether the footprint fits rectangles (m, 4) with its origin in boxes (m, 4) all through each interval."""
+    """(m, k) whether the footprint fits rectangles (m, 4), its origin in boxes (m, 4), throughout each yaw interval."""
     left, right, front, back = yaw_extents.most_m.T
     x0, x1, y0, y1 = (v[:, None] for v in rect_m.T)
     ox0, ox1, oy0, oy1 = (v[:, None] for v in origin_m.T)

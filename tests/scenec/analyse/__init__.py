@@ -1,1 +1,1 @@
-"""Tests of `scenec.analyse`."""
+"""Tests of `scenec.analyse`: the interaction graph."""

@@ -1,1 +1,1 @@
-"""Tests of `scenec.bind.check_assets`."""
+"""Tests of `scenec.bind`: assets, components and variants bound to geometry."""

@@ -1,4 +1,4 @@
-"""A finding that is due to a choice shows the line that makes it; one that every combination has names none."""
+"""A finding caused by a choice shows the line of that choice; one of every combination shows none."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Verdicts by component: they say of every combination of the whole program what solving it as a whole says."""
+"""Verdicts by component equal those of solving every combination of the whole program."""
 
 import re
 from collections import Counter
@@ -97,7 +97,7 @@ def test_what_may_meet_or_is_related_under_any_variant_is_one_component(tmp_path
 
 
 def test_the_fault_of_one_component_is_told_of_it_alone(tmp_path: Path, library: AssetLibrary):
-    """The bin is deeper than the table; what stands elsewhere is not asked for."""
+    """The bin is deeper than the table; things elsewhere do not matter."""
     found = compiled(row_of(["small, other", "small, bin", "other, third"], deep_m=0.07), tmp_path, library)
     assert found.report.verdict == "infeasible"
     assert [c.verdict for c in found.report.components] == ["compiled", "infeasible", "compiled"]

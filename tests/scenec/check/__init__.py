@@ -1,1 +1,1 @@
-"""Tests of `scenec.check`."""
+"""Tests of `scenec.check`: invariants between the phases."""

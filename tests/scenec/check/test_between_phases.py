@@ -1,4 +1,4 @@
-"""The verifiers between the phases: what is whole passes, each fault of ours is named at its phase."""
+"""The verifiers between the phases: complete problems pass, each defect is named at its phase."""
 
 from __future__ import annotations
 

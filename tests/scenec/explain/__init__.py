@@ -1,1 +1,1 @@
-"""Tests of `scenec.explain`."""
+"""Tests of `scenec.explain`: conflicts and suggested edits."""

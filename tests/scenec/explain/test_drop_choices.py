@@ -1,4 +1,4 @@
-"""A candidate or variant that alone is to blame is named; what is offered was compiled without it."""
+"""A candidate or variant that alone causes a failure is named; the suggested edit was compiled."""
 
 from pathlib import Path
 

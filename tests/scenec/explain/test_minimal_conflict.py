@@ -1,4 +1,4 @@
-"""Conflicts by the solver's own word: the members contradict one another, and each removed leaves a scene."""
+"""Conflicts judged by the solver: the members contradict one another, and without any one of them there is a scene."""
 
 from __future__ import annotations
 

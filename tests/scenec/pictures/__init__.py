@@ -1,1 +1,1 @@
-"""Tests of `scenec.pictures`."""
+"""Tests of `scenec.pictures`: obstacles drawn in failure pictures."""

@@ -1,4 +1,4 @@
-"""What a failure picture shows as in the way."""
+"""Obstacles that a failure picture shows."""
 
 from __future__ import annotations
 

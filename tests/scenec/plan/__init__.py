@@ -1,1 +1,1 @@
-"""Tests of `scenec.plan.document`."""
+"""Tests of `scenec.plan`: sampling plans and their cases."""

@@ -1,1 +1,1 @@
-"""Tests of `scenec.solve`."""
+"""Tests of `scenec.solve`: regions, families, search and whole solves."""

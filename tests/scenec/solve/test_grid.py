@@ -1,4 +1,4 @@
-"""The grid family: what has room is spread over its place, and only where nothing else is asked."""
+"""The grid family spreads unrelated things with room over their place, and leaves all others to other families."""
 
 from dataclasses import replace
 

@@ -1,1 +1,1 @@
-"""Tests of `scenec.source`."""
+"""Tests of `scenec.source`: parsing, validation and checks of program texts."""

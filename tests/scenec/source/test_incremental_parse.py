@@ -1,4 +1,4 @@
-"""A text read again in pieces gives what the whole text gives, whatever was changed in it."""
+"""The incremental parser gives the same tree as the parser of whole texts, for any edit."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Tiny programs, one for each construct of the language: they read, fit the schema, and mean what they say."""
+"""Tiny programs, one for each construct of the language: they read, fit the schema, and give the right problem."""
 
 from __future__ import annotations
 

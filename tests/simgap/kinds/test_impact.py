@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from schemas.measurement import MeasurementSpec
-from simgap.find_gap import find
+from simgap.find_gap import find_effects
 from simgap.kinds.impact.law import mobility, velocity_after
 from simgap.kinds.impact.problem import ImpactProblem
 from simgap.recording.read import Measurement
@@ -91,7 +91,7 @@ def problem_of(impacts: Impacts, tmp_path) -> ImpactProblem:
 
 
 def named(problem: ImpactProblem) -> dict[str, dict[str, float]]:
-    verdict = find(problem, problem.trials, measurement="", horizon_s=0.0, quick=True).report.verdict
+    verdict = find_effects(problem, problem.trials, measurement="", horizon_s=0.0, quick=True).report.verdict
     return {e.name: {n: p.value for n, p in e.parameters.items()} for e in verdict.effects if e.confidence >= 0.8}
 
 
@@ -163,7 +163,7 @@ def test_a_tangent_jacobian_of_the_other_sense_is_found_and_turned(tmp_path):
 
 def test_equal_input_gives_equal_reports(tmp_path):
     one, two = (
-        find(p, p.trials, measurement="", horizon_s=0.0, quick=True).report
+        find_effects(p, p.trials, measurement="", horizon_s=0.0, quick=True).report
         for p in (problem_of(events(Truth(friction=0.1), 5, 24), tmp_path) for _ in range(2))
     )
     assert one == two

@@ -13,7 +13,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from schemas.measurement import MeasurementSpec
-from simgap.find_gap import find
+from simgap.find_gap import find_effects
 from simgap.kinds.push.footprint import nearest
 from simgap.kinds.push.problem import PushProblem
 from simgap.kinds.push.sliding import pushed
@@ -126,7 +126,7 @@ def problem_of(made: tuple[Push, ...], tmp_path) -> PushProblem:
 
 def verdict_of(problem: PushProblem):
     trials = split_trials(problem.measurement.spec, problem.trial_ids)
-    return find(problem, trials, measurement="", horizon_s=0.0, quick=True).report.verdict
+    return find_effects(problem, trials, measurement="", horizon_s=0.0, quick=True).report.verdict
 
 
 def named(verdict) -> dict[str, dict[str, float]]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simgap.find_gap import find
+from simgap.find_gap import find_effects
 from simgap.kinds.mechanism.inputs import next_inputs
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.recording.train_test_split import split_trials
@@ -49,7 +49,7 @@ def test_inputs_of_others_are_noticed_before_anything_is_searched(numbers: tuple
 def test_nothing_is_searched_where_inputs_belong_to_others() -> None:
     case = mechanism_case(SHUFFLED[0])
     problem = case.problem()
-    found = find(problem, split_trials(case.spec, problem.trial_ids), measurement="made up", horizon_s=0.2, quick=True)
+    found = find_effects(problem, split_trials(case.spec, problem.trial_ids), measurement="made up", horizon_s=0.2, quick=True)
     assert found.report.verdict.status == "outside_model_class"
     assert not found.report.hypotheses
     assert "inputs do not belong" in found.report.verdict.statement

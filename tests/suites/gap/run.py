@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from schemas.gap import GapReport, Verdict
-from simgap.find_gap import find
+from simgap.find_gap import find_effects
 from simgap.inference.verdict_text import NAMED
 from simgap.recording.train_test_split import split_trials
 from tests.suites.gap.case import Case
@@ -28,7 +28,7 @@ def run_case(case: Case) -> Record:
     began = time.process_time()
     problem = case.problem()
     trials = split_trials(case.spec, problem.trial_ids)
-    report = find(problem, trials, measurement=case.name, horizon_s=0.0, quick=True).report
+    report = find_effects(problem, trials, measurement=case.name, horizon_s=0.0, quick=True).report
     spent = time.process_time() - began
     best = max(report.hypotheses, key=lambda h: h.delta_bic, default=None)
     first = next(iter(report.verdict.effects), None)

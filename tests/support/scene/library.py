@@ -30,12 +30,12 @@ _HOLD |= {"slices": [{"height_m": 0.0175 + 0.035 * i, "polygons": [_INSIDE]} for
 
 
 def cube(library: Path, asset_id: str = "cube", outcome: str = "accepted") -> None:
-    """A solid cube; nobody knows how it comes to rest."""
+    """A solid cube without known stable poses."""
     block(library, asset_id, (CUBE_M, CUBE_M, CUBE_M), outcome)
 
 
 def block(library: Path, asset_id: str, size_m: tuple[float, float, float], outcome: str = "accepted") -> None:
-    """A solid block; nobody knows how it comes to rest."""
+    """A solid block without known stable poses."""
     shape = CollisionShape("box", size_m, samples.at(0.5 * size_m[2]))
     _package(library, asset_id, [samples.box_mesh(size_m)], [shape], ["manipulated"], [], outcome=outcome)
 

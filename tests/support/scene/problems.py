@@ -1,4 +1,4 @@
-"""Small problems written by hand, for tests of what comes after the language."""
+"""Small problems built by hand, for tests of the phases after reading and binding."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Random problems by a seed: small ones, more than half of them without a scene; and mixed ones, most with one."""
+"""Random problems by seed: small ones, more than half of them infeasible; mixed ones, mostly feasible; ones with
+trays."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Whether a small problem has a scene, by trying all poses of a grid; shares nothing with the compiler's arguments.
 
-Boxes on one rectangular table, all else by distance tables. Three answers. `yes`: some grid poses satisfy everything.
+Boxes on one rectangular table; pairs by distance tables. Three answers. `yes`: some grid poses satisfy everything.
 `no`: no grid poses satisfy even the rules relaxed by how far a grid pose may be from a real one, so nothing does.
 `unclear`: in between, or too many poses.
 """
@@ -53,7 +53,7 @@ def _ticks(low: float, high: float, step_m: float) -> tuple[np.ndarray, float]:
 
 
 def truth(problem: Problem, steps_m: tuple[float, ...] = (0.01, 0.005, 0.0025)) -> Truth:
-    """What trying all poses says of the problem, on finer grids until it is clear."""
+    """The answer from all poses of a grid, refined until it is clear."""
     for step_m in steps_m:
         if (answer := _truth_on_grid(problem, step_m)) != "unclear":
             return answer

@@ -1,1 +1,1 @@
-"""Tests of `scenec.plan.document.cases`."""
+"""Tests of `scenec.plan.cases`: layout families and slots."""

@@ -1,4 +1,4 @@
-"""What `mana gap find` has already worked out: the answer itself, and the parts of a run that was interrupted."""
+"""Stored results of a sim-gap search: its finished answer, and the parts of a run that was interrupted."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _THEIRS = {
 
 
 @dataclass(frozen=True)
-class Store:
+class ResultStore:
     """Below an output folder; `key` says what went in: measurement, options, code."""
 
     out: Path

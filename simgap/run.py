@@ -1,4 +1,8 @@
-"""The work of `mana gap find`: traps, search, pictures, files."""
+"""A sim-gap search from a measurement folder to its report: conventions, search, pictures, files, stored parts.
+
+`find` is the entry point. Candidates are fitted in forked processes; every finished part is stored, so that an
+interrupted search continues and a finished one answers at once.
+"""
 
 from __future__ import annotations
 
@@ -9,19 +13,18 @@ from itertools import count
 from pathlib import Path
 from typing import Protocol
 
-from cli.gap.problem import Case, case_of, traps_of
-from cli.gap.store import Store
 from jobs.cache import content_key, write_atomically
 from jobs.versions import code_hash, library_versions
-from schemas.diagnostics import Diagnostic
+from schemas.diagnostics import Diagnostic, InvalidInput, Severity
 from schemas.gap import GapReport
+from simgap.case import Case, case_of, traps_of
 from simgap.extension.extension import terms_of
-from simgap.find_gap import Found, find
+from simgap.find_gap import Found, find_effects
 from simgap.inference.candidate_fit import Map, Trial
 from simgap.kinds.event_problem import EventProblem
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.problem import Candidate
-from simgap.recording.read import Measurement
+from simgap.recording.read import Measurement, read
 from simgap.report.html import PAGE, PICTURES, REPORT, render_page
 from simgap.report.localise import localise
 from simgap.report.pictures.ablation import ladder
@@ -29,6 +32,7 @@ from simgap.report.pictures.events import outcomes
 from simgap.report.pictures.overlay import overlay
 from simgap.report.pictures.unexplained import unexplained
 from simgap.report.side_by_side import most_telling, replay
+from simgap.result_store import ResultStore
 
 Work = Callable[[Candidate], Trial]
 _MOST_REPLAYED = 12  # held-out trials among which the most telling one is looked for
@@ -42,11 +46,46 @@ class Tick(Protocol):
         ...
 
 
+def find(
+    measurement: str | Path,
+    out: str | Path,
+    *,
+    engine: str,
+    jobs: int = 1,
+    quick: bool = False,
+    tick: Tick | None = None,
+) -> GapReport:
+    """Name the effect that the declared model of a measurement folder lacks; write report, page and extension to `out`.
+
+    `engine` names the physics engine that rolls out bodies (`"sim.bullet.replay_engine:BulletReplayEngine"` is
+    PyBullet). Any number of `jobs` gives the same answer; `quick` leaves out the slow baseline with all effects at
+    once; `tick` is called as the search goes on. An answer that `out` already holds is returned at once.
+
+    Raises InvalidInput with the first error of a folder that cannot be used.
+    """
+    since, outcome = time.monotonic(), read(Path(measurement))
+    if outcome.value is None:
+        errors = [d for d in outcome.diagnostics if d.severity is Severity.ERROR]
+        raise InvalidInput((errors or list(outcome.diagnostics))[0])
+    silent: Tick = lambda words, done=0, total=None: None  # noqa: E731
+    return search(
+        outcome.value,
+        outcome.diagnostics,
+        Path(out),
+        engine=engine,
+        jobs=jobs,
+        tick=tick or silent,
+        since=since,
+        quick=quick,
+    )
+
+
 def search(
     measurement: Measurement,
     findings: Sequence[Diagnostic],
     out: Path,
     *,
+    engine: str,
     jobs: int,
     tick: Tick,
     since: float,
@@ -56,16 +95,16 @@ def search(
 
     An answer that `out` already holds is not worked out again; an interrupted run continues with what it had finished.
     """
-    store = Store(out, answer_key(measurement, quick))
+    store = ResultStore(out, answer_key(measurement, quick))
     if store.answered():
         return GapReport.model_validate_json((out / REPORT).read_bytes())
-    case = case_of(measurement)
+    case = case_of(measurement, engine)
     tick("checking the simulator's conventions")
     traps = store.part("traps", lambda: traps_of(case, findings))
     tick("localising the error")
     ids = (*case.trials.train, *case.trials.test)
     where = store.part("localise", lambda: localise(case.problem, (), ids, case.joints))
-    found = find(
+    found = find_effects(
         case.problem,
         case.trials,
         measurement=measurement.content_hash,
@@ -92,7 +131,7 @@ def search(
 
 def answer_key(measurement: Measurement, quick: bool) -> str:
     """What an answer depends on: the measurement, the options, our code and the libraries below it."""
-    return content_key("gap find", measurement.content_hash, quick, library_versions(), code_hash(("simgap", "cli")))
+    return content_key("gap find", measurement.content_hash, quick, library_versions(), code_hash(("simgap",)))
 
 
 def _target(measurement: Measurement) -> dict[str, str]:
@@ -130,7 +169,7 @@ def _pictures(case: Case, found: Found) -> dict[str, bytes]:
     return drawn
 
 
-def _each(jobs: int, tick: Tick, store: Store) -> Map:
+def _each(jobs: int, tick: Tick, store: ResultStore) -> Map:
     """Candidates one after another, or in forked processes that inherit the problem; order and results are the same.
 
     Each is stored as soon as it is done. Calls are told apart by their number: equal keys make equal calls.

@@ -1,16 +1,24 @@
-"""A measurement folder as a problem with its simulator; the only place of `gap` that chooses one."""
+"""A measurement made ready for the search: its problem, its trials, and the conventions that were checked.
+
+Bodies and linkages are rolled out by an engine, which the caller names (`sim.named_engine`); mechanisms, impacts and
+pushes have roll-outs of their own, and an engine only checks the conventions of mechanisms.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
 from schemas.gap import Trap
+from sim.dynamics.body_rollout import BodyReplay
+from sim.dynamics.linkage_rollout import LinkageReplay
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout
 from sim.dynamics.tree import Tree
+from sim.named_engine import load_engine
 from simgap.kinds.event_problem import EventProblem
 from simgap.kinds.free_body.declared_model import build_body
 from simgap.kinds.free_body.problem import FreeBodyProblem
@@ -26,21 +34,50 @@ from simgap.recording.read import Measurement
 from simgap.recording.train_test_split import Trials, split_trials
 from simgap.report.side_by_side import joint_windows
 from simgap.sanity import convention_checks
+from simgap.sanity.convention_checks import JointReplay
 
 _FINER = 4.0  # the step size trap divides steps by this
 
 
+class ReplayEngine(Protocol):
+    """What the sim gap needs of a physics engine: replays of bodies and linkages, roll-outs of mechanisms."""
+
+    @property
+    def largest_step_s(self) -> float:
+        """The step at which a search rolls out bodies (s)."""
+        ...
+
+    @property
+    def mechanism_rollout(self) -> JointReplay:
+        """Rolls out windows of a mechanism, as `sim.dynamics.mechanism.rollout` does."""
+        ...
+
+    def body_replay(self, step_s: float) -> BodyReplay:
+        """A replay of one free rigid body with steps of at most `step_s`."""
+        ...
+
+    def linkage_replay(self, step_s: float) -> LinkageReplay:
+        """A replay of a free linkage with steps of at most `step_s`."""
+        ...
+
+
+def replay_engine(name: str) -> ReplayEngine:
+    """The engine of this name; loads it."""
+    return load_engine(name)()
+
+
 @dataclass(frozen=True)
 class Case:
-    """A measurement ready for the search; `joints` are those of a mechanism."""
+    """A measurement ready for the search; `joints` are those of a mechanism, `engine` is the name of the engine."""
 
     measurement: Measurement
     problem: MechanismProblem | FreeBodyProblem | ImpactProblem | PushProblem
     trials: Trials
     joints: tuple[str, ...]
+    engine: str
 
 
-def case_of(measurement: Measurement) -> Case:
+def case_of(measurement: Measurement, engine: str) -> Case:
     """The problem of a measurement. Raises InvalidInput for kinds, subjects and sizes that cannot be searched."""
     if measurement.spec.kind == "tracking":
         text = f"measurements of kind '{measurement.spec.kind}' are read and checked, but no search explains them yet"
@@ -51,29 +88,24 @@ def case_of(measurement: Measurement) -> Case:
         raise InvalidInput(finding("gap/too-few-trials", str(few), severity=Severity.ERROR)) from None
     try:
         if measurement.spec.kind == "mechanism":
-            return Case(measurement, MechanismProblem(measurement), trials, measurement.joints)
+            return Case(measurement, MechanismProblem(measurement), trials, measurement.joints, engine)
         if measurement.spec.kind == "impact":
             impact = ImpactProblem(measurement, trials)
-            return Case(measurement, impact, impact.trials, ())
+            return Case(measurement, impact, impact.trials, (), engine)
         if measurement.spec.kind == "push":
-            return Case(measurement, PushProblem(measurement), trials, ())
-        return Case(measurement, FreeBodyProblem(measurement, mover_of(measurement)), trials, ())
+            return Case(measurement, PushProblem(measurement), trials, (), engine)
+        return Case(measurement, FreeBodyProblem(measurement, mover_of(measurement, engine)), trials, (), engine)
     except ValueError as refused:
         raise InvalidInput(finding("gap/subject-unsupported-yet", str(refused))) from None
 
 
-def mover_of(measurement: Measurement, finer: float = 1.0) -> RigidMover | LinkageMover:
+def mover_of(measurement: Measurement, engine: str, finer: float = 1.0) -> RigidMover | LinkageMover:
     """The declared body with an engine in steps so many times finer. Raises ValueError for a subject it cannot hold."""
-    from sim.bullet.windows import LARGEST_STEP_S  # Loads the engine, which mechanisms do not need.
-
-    step_s, spec, root = LARGEST_STEP_S / finer, measurement.spec, measurement.root
+    replays = replay_engine(engine)
+    step_s, spec, root = replays.largest_step_s / finer, measurement.spec, measurement.root
     if measurement.joints:
-        from sim.bullet.linkage import BulletLinkageReplay
-
-        return LinkageMover(build_linkage(spec, root), BulletLinkageReplay(step_s))
-    from sim.bullet.body import BulletBodyReplay
-
-    return RigidMover(build_body(spec, root), BulletBodyReplay(step_s))
+        return LinkageMover(build_linkage(spec, root), replays.linkage_replay(step_s))
+    return RigidMover(build_body(spec, root), replays.body_replay(step_s))
 
 
 def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
@@ -83,15 +115,14 @@ def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
     if isinstance(problem, EventProblem):
         return (*found, *problem.traps)  # No engine: the law is in closed form.
     if isinstance(problem, MechanismProblem):
-        from sim.bullet import mechanism  # Loads the engine.
-
-        found += convention_checks.joint_engine_traps(mechanism.rollout, without_armature(problem.declared))
+        engine = replay_engine(case.engine)
+        found += convention_checks.joint_engine_traps(engine.mechanism_rollout, without_armature(problem.declared))
         found.append(_joint_step_trap(case, problem))
         return tuple(found)
     rate = convention_checks.rate_frame_trap(case.measurement)
     found += [rate] if rate else []
     # At small steps, so that a wrong convention is not confused with the error of a step.
-    finer = mover_of(case.measurement, _FINER)
+    finer = mover_of(case.measurement, case.engine, _FINER)
     if isinstance(finer, LinkageMover):
         found += linkage_engine_traps(finer)
     else:
