@@ -148,20 +148,20 @@ def compile_program(
                 between_phases.after_solving(problem, result.placements, derivations)
         return result
 
-    tried = verdicts(lowered, solved)
-    worst = tried.worst
-    shown = tried.shown()
-    failed = None if worst is None else tried.whole(worst[0], worst[1].combination)
+    outcome = verdicts(lowered, solved)
+    worst = outcome.worst
+    shown = outcome.shown()
+    failed = None if worst is None else outcome.whole(worst[0], worst[1].combination)
     if failed is not None and failed not in shown:
         shown = (failed, *shown)
     with clock.phase("bind"):
-        problems = tuple(lowered.whole(one) for one in shown)
-    results = tuple(tried.result(one) for one in shown)
+        problems = tuple(lowered.whole(combination) for combination in shown)
+    results = tuple(outcome.result(combination) for combination in shown)
     report = CompileReport(
         verdict="compiled",
         seconds=clock.total_s,
-        matrix=tried.matrix(shown),
-        components=tried.components(),
+        matrix=outcome.matrix(shown),
+        components=outcome.components(),
         combinations=lowered.count,
         diagnostics=diagnostics,
         phases=clock.seconds,
@@ -171,12 +171,12 @@ def compile_program(
         with clock.phase("explain"):
             explanation = _explain(problems, index, results[index], seed) if explain else Explanation()
             explanation = replace(
-                explanation, edits=(*dropped_choices(tried.rows), *explanation.edits)[:MOST_SUGGESTIONS]
+                explanation, edits=(*dropped_choices(outcome.rows), *explanation.edits)[:MOST_SUGGESTIONS]
             )
         if explanation.proof is not None:  # Of the conflict, not of the whole.
             results = (*results[:index], Infeasible(explanation.proof), *results[index + 1 :])
-        report = _failure(report, read, problems[index], results[index], explanation, tried.due_to(*worst), clock)
-        return Compiled(report, (), results, problems, index, explanation.conflict, chosen=tried.due_to(*worst))
+        report = _failure(report, read, problems[index], results[index], explanation, outcome.due_to(*worst), clock)
+        return Compiled(report, (), results, problems, index, explanation.conflict, chosen=outcome.due_to(*worst))
     if len(lowered.components) > 1:
         with clock.phase("check"):
             for problem, result in zip(problems, results, strict=True):

@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from cli import text
-from cli.cell_answer import ONE_THREAD, ask
+from cli.engines import REPLAY_CANDIDATES
 from cli.replay.render import camera_names, draw_variants
 from jobs.cache import write_atomically
-from jobs.cell import Limits
-from jobs.schedule import run_all
-from jobs.warm import warm_cells
 from schemas.diagnostics import Diagnostic
-
-LIMITS = Limits(seconds=3600.0, memory_mb=8192)
 
 
 def augment_command(
@@ -51,35 +44,33 @@ def augment_command(
 
     Example: `mana replay augment demos/ --assets library/ --out more/ --variants 20 --objects 3`
     """
-    given = {
-        "out": str(out), "plan": _text(plan), "assets": _text(assets), "meshes": _text(meshes), "scene": _text(scene),
-        "supports": support or [],
-        "options": {
-            "variants": variants, "objects": objects, "seed": seed, "clearance_m": clearance,
-            "most_hidden": most_hidden,
-            "plan": _text(plan), "assets": _text(assets), "supports": support or [],
-        },
-    }  # fmt: skip
-    rows: list[dict[str, Any]] = []
-    refused: list[tuple[Path, Diagnostic]] = []
-    with warm_cells("cli.replay.augment_cell", env=ONE_THREAD), text.progress(quiet=as_json) as progress:
-        sources = [source for path in episodes for source in recordings_below(path)]
-        prefixes = distinct_prefixes(sources)
-        task = progress.add_task("augmenting", total=len(sources))
-        asked = {source: {**given, "source": str(source), "prefix": prefixes[source]} for source in sources}
-        for source, answer in run_all(
-            lambda path: ask("cli.replay.augment_cell", asked[path], LIMITS, path.name), sources, jobs=jobs
-        ):
-            if "refused" in answer:
-                refused.append((source, Diagnostic.model_validate(answer["refused"])))
-            rows += answer.get("rows", [])
-            progress.update(task, advance=1)
-    rows.sort(key=lambda row: (row["source"], row["episode"]))
+    from replay.run import augment  # Loads the readers of episodes.
+
+    with text.progress(quiet=as_json) as bar:
+        task = bar.add_task("augmenting", total=None)
+        outcome = augment(
+            episodes,
+            out,
+            plan=plan,
+            assets=assets,
+            candidates=REPLAY_CANDIDATES,
+            variants=variants,
+            objects=objects,
+            seed=seed,
+            clearance_m=clearance,
+            most_hidden=most_hidden,
+            supports=support or [],
+            meshes=meshes,
+            scene=scene,
+            jobs=jobs,
+            progress=lambda done, total: bar.update(task, completed=done, total=total),
+        )
+    rows, refused = list(outcome.rows), list(outcome.refused)
     if render:
-        wanted = {"out": str(out), "meshes": _text(meshes), "cameras": camera_names(cameras), "every": every}
-        folders = [out / (prefixes[Path(row["source"])] + row["episode"]) for row in rows]
-        drawn = draw_variants([v for one in folders for v in sorted(one.glob("variant_*"))], wanted, jobs, as_json)
-        for row, folder in zip(rows, folders, strict=True):
+        options = {"out": str(out), "meshes": _text(meshes), "cameras": camera_names(cameras), "every": every}
+        numbered = [v for folder in outcome.folders for v in sorted(folder.glob("variant_*"))]
+        drawn = draw_variants(numbered, options, jobs, as_json)
+        for row, folder in zip(rows, outcome.folders, strict=True):
             row["frames"] = sum(drawn[v].get("frames", 0) for v in drawn if v.parent == folder)
         refused += [(v, Diagnostic.model_validate(one["refused"])) for v, one in drawn.items() if "refused" in one]
     report = {
@@ -96,32 +87,6 @@ def augment_command(
         _show(rows, refused, out)
     if refused:
         raise typer.Exit(1)
-
-
-def recordings_below(path: Path) -> Iterator[Path]:
-    """The path itself where it is a recording, else the recordings in the folder, in the order of their names."""
-    from replay.recording.read import is_recording
-
-    if path.is_file() or is_recording(path):
-        yield path
-        return
-    below = [child for child in sorted(path.iterdir()) if is_recording(child)]
-    yield from below or [path]
-
-
-def distinct_prefixes(sources: Sequence[Path]) -> dict[Path, str]:
-    """For recordings that share a name, the folders above them that tell them apart, as a prefix of their output."""
-    prefixes = dict.fromkeys(sources, "")
-    depth = 0
-    while depth < max((len(source.parts) for source in sources), default=0):
-        names = Counter(prefixes[source] + source.stem for source in prefixes)
-        shared = [source for source in prefixes if names[prefixes[source] + source.stem] > 1]
-        if not shared:
-            break
-        depth += 1
-        for source in shared:
-            prefixes[source] = "_".join(source.parent.parts[-depth:]).replace("/", "") + "_"
-    return prefixes
 
 
 def _text(path: Path | None) -> str | None:

@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from cli.cell_answer import answer, ask
 from jobs.cell import Limits
+from replay.cell_answer import answer, ask
 from replay.verification.check_output import check_output
 from schemas.diagnostics import Diagnostic, InvalidInput
 from schemas.replay import VariantCheck

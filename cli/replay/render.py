@@ -10,10 +10,10 @@ from typing import Annotated, Any
 import typer
 
 from cli import text
-from cli.cell_answer import ONE_THREAD, ask
 from jobs.cell import Limits
 from jobs.schedule import run_all
 from jobs.warm import warm_cells
+from replay.cell_answer import ONE_THREAD, ask
 
 _CELL, _LIMITS = "cli.replay.render_cell", Limits(seconds=12 * 3600.0, memory_mb=8192)
 

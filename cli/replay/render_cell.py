@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import render.frames  # noqa: F401  Loaded once for all processes of a batch.
-from cli.cell_answer import answer
 from cli.replay.frames import NoSuchCamera, draw_variant
 from jobs.cache import content_key, file_sha256, write_atomically
+from replay.cell_answer import answer
 from schemas.diagnostics import InvalidInput, finding
 from schemas.replay import VARIANT_FILE
 from usdio.write.scene import PACKAGES

@@ -103,7 +103,9 @@ def _placed(places: Sequence[Site], candidate: Candidate, put: Sequence[Put], rn
         for turn in range(YAWS):
             yaw = float(np.remainder(start + turn * 2.0 * np.pi / YAWS + np.pi, 2.0 * np.pi) - np.pi)
             outline = _hull(points @ _turned(yaw).T)
-            region = eroded(free, outline).difference(shapely.union_all([minkowski_difference(one, outline) for one in taken]))
+            region = eroded(free, outline).difference(
+                shapely.union_all([minkowski_difference(one, outline) for one in taken])
+            )
             seen = region.intersection(site.seen) if wants_seen else region
             if seen.area > LEAST_AREA_M2:
                 return _at(site, candidate, points, seen, yaw, len(put), rng)

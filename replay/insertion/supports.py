@@ -64,7 +64,9 @@ def _top(shape: CollisionShape, X_WB: FloatArray) -> tuple[float, Polygon]:
     face = MultiPoint(top).convex_hull
     if not isinstance(face, Polygon) or shape.kind in ("sphere", "capsule"):
         return height, Polygon()
-    if shape.kind == "cylinder" and len(top) < CIRCLE_CORNERS:  # it lies: what is level is a side of the polygon around it
+    if (
+        shape.kind == "cylinder" and len(top) < CIRCLE_CORNERS
+    ):  # it lies: what is level is a side of the polygon around it
         return height, Polygon()
     if shape.kind == "cylinder":  # its corners lie around the circle, by at most this share of the radius
         face = face.buffer(-shape.size_m[0] * (1.0 / np.cos(np.pi / CIRCLE_CORNERS) - np.cos(np.pi / CIRCLE_CORNERS)))

@@ -19,11 +19,11 @@ def chosen_paths(program: SceneProgram, combination: Mapping[str, str]) -> dict[
             continue
         path: Path | None = None
         if key == ASSETS:
-            path = ("variants", "assets", [one.id for one in variants.assets].index(value))
+            path = ("variants", "assets", [variant.id for variant in variants.assets].index(value))
         elif key == BACKGROUNDS:
-            path = ("variants", "backgrounds", [one.id for one in variants.backgrounds].index(value))
-        elif key in [slot_key(one.group) for one in variants.slots]:
-            keys = [(slot_key(one.group), one.id) for one in variants.slots]
+            path = ("variants", "backgrounds", [variant.id for variant in variants.backgrounds].index(value))
+        elif key in [slot_key(variant.group) for variant in variants.slots]:
+            keys = [(slot_key(variant.group), variant.id) for variant in variants.slots]
             path = ("variants", "slots", keys.index((key, value)))
         elif key == BACKGROUND_POOL:
             path = _candidate(background, value, ("background", "asset"))

@@ -17,23 +17,23 @@ EMPTY_M = 2e-6  # by which a cell may be too small for its footprint, from round
 
 def judge(plan: RuntimePlan) -> None:
     """Raises RuntimeError when the judge refuses a scene, or a cell is empty: a defect of ours, not of the program."""
-    for one in plan.combinations:
-        rules = scene_rules(plan, one)
-        count = EACH * max((len(pool.cases) for pool in one.pools), default=0)
+    for combination in plan.combinations:
+        rules = scene_rules(plan, combination)
+        count = EACH * max((len(pool.cases) for pool in combination.pools), default=0)
         for begin in range(0, count, LOT):
             scenes = np.arange(begin, min(begin + LOT, count))
-            for k, violations in check_batch(rules, extremes(rules, one, scenes)):
-                cases = {pool.things[0]: int(scenes[k]) % len(pool.cases) for pool in one.pools}
+            for k, violations in check_batch(rules, extremes(rules, combination, scenes)):
+                cases = {pool.things[0]: int(scenes[k]) % len(pool.cases) for pool in combination.pools}
                 raise RuntimeError(f"{plan.scene}: the checker refuses cases {cases}: {violations[0]}")
 
 
-def extremes(rules: SceneRules, one: PlanCombination, scenes: np.ndarray) -> BatchPoses:
+def extremes(rules: SceneRules, combination: PlanCombination, scenes: np.ndarray) -> BatchPoses:
     """The given scenes (n,) by number: each case in turn, its things at ends of yaw intervals and corners of cells."""
-    count, names = len(scenes), [thing.id for thing in one.things]
+    count, names = len(scenes), [thing.id for thing in combination.things]
     origin, yaw = np.zeros((count, len(names), 3)), np.zeros((count, len(names)))
     form = np.zeros((count, len(names)), dtype=np.int64)
-    home = {name: (pool, k) for pool in one.pools for k, name in enumerate(pool.things)}
-    for i, (thing, rule) in enumerate(zip(one.things, rules.things, strict=True)):
+    home = {name: (pool, k) for pool in combination.pools for k, name in enumerate(pool.things)}
+    for i, (thing, rule) in enumerate(zip(combination.things, rules.things, strict=True)):
         place = rules.places[rule.place]
         at, turn, form[:, i] = _in_place(rule.forms, *home[thing.id], scenes, i)
         at += place.at.origin_m

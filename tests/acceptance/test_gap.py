@@ -175,7 +175,7 @@ def test_effects_are_listed_and_explained():
 
 
 def test_the_demo_finds_what_it_hides_and_shows_it(tmp_path: Path):
-    gap = gap_demo(tmp_path, engine=REPLAY_ENGINE, jobs=1, tick=lambda *_: None)
+    gap = gap_demo(tmp_path, jobs=1, tick=lambda *_: None)
     (named,) = gap.report.verdict.effects
     assert named.name == "joint.coulomb_friction"
     low, high = named.parameters["torque_Nm"].ci95

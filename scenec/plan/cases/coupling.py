@@ -74,4 +74,4 @@ def pools_of(base: SolverModel) -> PoolPartition:
         for name in model.problem.reach.members:
             if model.things[name].parent != WORLD_PARENT:
                 frozen |= set(model.chains[name])
-    return PoolPartition(tuple(sorted(joint_pools, key=lambda one: one.names)), frozenset(frozen), model)
+    return PoolPartition(tuple(sorted(joint_pools, key=lambda pool: pool.names)), frozenset(frozen), model)

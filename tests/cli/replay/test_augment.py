@@ -6,12 +6,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-import cli.replay.augment
 from cli.main import app
-from cli.replay.augment import distinct_prefixes
-from cli.replay.augment_cell import augment as augmented
 from cli.replay.render_cell import draw
 from jobs.cell import Limits
+from replay.augment_worker import augment as augmented
+from replay.run import distinct_prefixes
 from replay.verification.check_output import check_output, summary
 from scenec.plan.document import plan_text
 from schemas.diagnostics import InvalidInput
@@ -69,6 +68,7 @@ def given(recordings: Path, plan: Path, out: Path, **options):
     asked = {"variants": 1, "objects": 2, "seed": 0, "clearance_m": 0.01, "most_hidden": 1.0} | options
     nothing = dict.fromkeys(("assets", "meshes", "scene"))
     return {
+        "candidates": "cli.replay.candidates:candidates",
         "source": str(recordings / "one"),
         "prefix": "",
         "plan": str(plan),
@@ -137,7 +137,7 @@ def test_nothing_to_put_in_is_refused(recordings, plan, tmp_path):
 
 
 def test_what_is_no_recording_and_what_takes_too_long_stop_only_themselves(recordings, plan, tmp_path, monkeypatch):
-    monkeypatch.setattr(cli.replay.augment, "LIMITS", Limits(seconds=0.05, memory_mb=8192))
+    monkeypatch.setattr("replay.run.LIMITS", Limits(seconds=0.05, memory_mb=8192))
     made = augment(recordings / "one", plan, tmp_path / "out")
     assert made.exit_code == 1
     assert json.loads(made.stdout)["refused"][0]["diagnostic"]["code"] == "replay/stopped"

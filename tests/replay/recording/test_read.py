@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from cli.replay.augment import recordings_below
 from replay.recording.files import archives, hdf5
 from replay.recording.formats.digests import stream_digests
 from replay.recording.kinematics import link_poses
@@ -18,6 +17,7 @@ from replay.recording.mjcf.episode_parts import episode_parts
 from replay.recording.mjcf.read import read_mjcf
 from replay.recording.read import read_episode, read_episodes
 from replay.recording.recorded_numbers import Recorded
+from replay.run import recordings_below
 from schemas.diagnostics import InvalidInput
 from tests.support import replay_samples
 

@@ -1,4 +1,8 @@
-"""Augment the recordings of one source in a process of its own: the entry point of a cell."""
+"""Entry point of an augmentation cell: the recordings of one source become variants with new objects.
+
+The request is JSON: source, folders, options, and the name of the function that offers candidates. Finished episodes
+with the same options and inputs are kept.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +10,23 @@ import json
 import shutil
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from cli.cell_answer import answer
-from cli.replay.candidates import candidates
 from jobs.cache import content_key, file_sha256, write_atomically
 from replay.augmentation import Prepared, no_room, prepare, variants
+from replay.cell_answer import answer
 from replay.envelope.envelope import Settings
+from replay.insertion.candidates import from_plan
 from replay.recording.formats.digests import stream_digests
 from replay.recording.formats.write import write_variant
 from replay.recording.read import read_episodes
 from replay.recording.recorded_numbers import stop
+from runtime_plan import load
+from schemas.diagnostics import InvalidInput, finding
 from schemas.replay import VARIANT_FILE, Variant
+from sim.named_engine import load_engine
 from usdio.write.scene import PACKAGES, copy_package
 
 DONE = "augmented.json"
@@ -28,7 +36,7 @@ def augment(given: dict[str, Any]) -> dict[str, Any]:
     """`rows`, one for each episode of the source. What was finished before with the same options is left as it is."""
     paths = {key: Path(given[key]) if given[key] else None for key in ("meshes", "scene", "plan", "assets")}
     out = Path(given["out"])
-    draw, left_out = candidates(paths["plan"], paths["assets"])
+    draw, left_out = _candidates(given["candidates"], paths["plan"], paths["assets"])
     digests, rows = _digests(paths["plan"], paths["assets"], paths["scene"]), []
     for episode in read_episodes(Path(given["source"]), paths["meshes"], paths["scene"]):
         folder = out / (given["prefix"] + episode.name)
@@ -43,6 +51,15 @@ def augment(given: dict[str, Any]) -> dict[str, Any]:
             write_atomically(folder / DONE, json.dumps(row, indent=1).encode())
         rows.append(row)
     return {"rows": rows}
+
+
+def _candidates(name: str | None, plan: Path | None, assets: Path | None) -> tuple[Any, list[str]]:
+    """What is drawn for each variant, and packages left out: of the named function, else of the plan."""
+    if name is not None:
+        return load_engine(name)(plan, assets)
+    if plan is None:
+        raise InvalidInput(finding("replay/no-candidates", "no plan, and no function that offers candidates"))
+    return partial(from_plan, load(plan, assets)), []
 
 
 def _digests(plan: Path | None, assets: Path | None, scene: Path | None) -> list[str]:
