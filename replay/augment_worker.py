@@ -94,27 +94,27 @@ def _written(prepared: Prepared, draw: Any, given: dict[str, Any], folder: Path)
     assets = Path(given["assets"]) if given["assets"] else None
     for old in folder.glob("variant_*"):
         shutil.rmtree(old)
-    made: list[Variant] = []
+    written: list[Variant] = []
     for variant in variants(
         prepared, draw, range(options["variants"]), options["objects"], options["seed"], assets, options["most_hidden"]
     ):
         stated = variant.model_copy(
             update={"source": str(episode.source), "provenance": _provenance(given), "meshes": given["meshes"] or ""}
         )
-        made.append(write_variant(episode, stated, folder / f"variant_{variant.number:04d}"))
-    for package in sorted({one.package for variant in made for one in variant.inserted if one.package}):
+        written.append(write_variant(episode, stated, folder / f"variant_{variant.number:04d}"))
+    for package in sorted({one.package for variant in written for one in variant.inserted if one.package}):
         copy_package(Path(given["assets"]) / package, Path(given["out"]) / PACKAGES / package)
-    return {"episode": episode.name, "source": given["source"], **_figures(prepared, made)}
+    return {"episode": episode.name, "source": given["source"], **_figures(prepared, written)}
 
 
-def _figures(prepared: Prepared, made: list[Variant]) -> dict[str, Any]:
-    counts = sorted(len(variant.inserted) for variant in made)
-    short = [d.model_dump(mode="json") for variant in made if (d := no_room(prepared, variant)) is not None]
+def _figures(prepared: Prepared, written: list[Variant]) -> dict[str, Any]:
+    counts = sorted(len(variant.inserted) for variant in written)
+    short = [d.model_dump(mode="json") for variant in written if (d := no_room(prepared, variant)) is not None]
     return {
-        "variants": len(made),
-        "objects_requested": made[0].objects_requested if made else 0,
+        "variants": len(written),
+        "objects_requested": written[0].objects_requested if written else 0,
         "objects_inserted": {"min": counts[0], "median": counts[len(counts) // 2]} if counts else {},
-        "most_hidden": max((max(v.camera_hidden.values(), default=0.0) for v in made), default=0.0),
+        "most_hidden": max((max(v.camera_hidden.values(), default=0.0) for v in written), default=0.0),
         "capsules": len(prepared.envelope.body),
         "supports": {site.room.support.name: round(site.room.support.area.area, 4) for site in prepared.sites},
         "diagnostics": short[:3],

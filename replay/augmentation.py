@@ -50,17 +50,17 @@ def prepare(episode: Episode, settings: Settings, wanted_supports: Sequence[str]
     )
 
 
-def chosen_supports(episode: Episode, wanted: Sequence[str]) -> tuple[Support, ...]:
+def chosen_supports(episode: Episode, chosen: Sequence[str]) -> tuple[Support, ...]:
     """Raises InvalidInput (`replay/no-support`)."""
     known = supports(episode)
     names = ", ".join(support.name for support in known) or "none"
-    unknown = [name for name in wanted if name not in {support.name for support in known}]
+    unknown = [name for name in chosen if name not in {support.name for support in known}]
     if unknown:
         raise stop(
             "replay/no-support", f"the episode has no support '{unknown[0]}' (it has {names})", episode.source.name
         )
-    if wanted:
-        return tuple(support for support in known if support.name in wanted)
+    if chosen:
+        return tuple(support for support in known if support.name in chosen)
     if not known:
         raise stop("replay/no-support", "no fixture of the episode has a level top face", episode.source.name)
     return used_supports(episode, known) or known
@@ -70,7 +70,7 @@ def variants(
     prepared: Prepared,
     choices: Callable[[int, int], Choices],
     numbers: Iterable[int],
-    wanted: int,
+    objects_requested: int,
     seed: int,
     packages: Path | None = None,
     most_hidden: float = 1.0,
@@ -98,7 +98,7 @@ def variants(
         tries: list[tuple[dict[str, float], tuple[Put, ...]]] = []
         while len(tries) < TRIES and (not tries or _most(tries[-1][0]) > most_hidden):
             rng = np.random.default_rng([seed, number, 1 + len(tries)])
-            put = insert(prepared.sites, chosen.candidates, wanted, rng)
+            put = insert(prepared.sites, chosen.candidates, objects_requested, rng)
             tries.append((hides(put), put))
         hidden, put = min(tries, key=lambda one: _most(one[0]))
         placed_before = len(put)
@@ -113,7 +113,7 @@ def variants(
             seed=seed,
             number=number,
             clearance_m=prepared.envelope.clearance_m,
-            objects_requested=wanted,
+            objects_requested=objects_requested,
             inserted=inserted,
             materials={name: chosen.materials[name] for name in worn},
             lights=chosen.lights,

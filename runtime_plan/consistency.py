@@ -62,7 +62,9 @@ def _combination(plan: RuntimePlan, combination: PlanCombination) -> Iterator[st
         yield "a keep-out has no place"
 
 
-def _thing(plan: RuntimePlan, combination: PlanCombination, thing: PlanThing, known: dict[str, PlanThing]) -> Iterator[str]:
+def _thing(
+    plan: RuntimePlan, combination: PlanCombination, thing: PlanThing, known: dict[str, PlanThing]
+) -> Iterator[str]:
     if not thing.bodies or not all(0 <= body < len(plan.bodies) for body in thing.bodies):
         yield "its bodies are not in the plan"
     if thing.parent != WORLD and thing.parent not in known:

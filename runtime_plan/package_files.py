@@ -13,5 +13,7 @@ def changed_physics(package: Path, hashes: Mapping[str, str]) -> list[str]:
 
     `hashes` are those of `record.json`. Stable poses, anchors and grasps are not of such a package. Looks may change.
     """
-    kept = {name: hashes[name] for name in sorted(hashes) if name.startswith("usd/") and "_materials." not in name}
-    return changed_files(package, kept)
+    physics_hashes = {
+        name: hashes[name] for name in sorted(hashes) if name.startswith("usd/") and "_materials." not in name
+    }
+    return changed_files(package, physics_hashes)

@@ -14,11 +14,11 @@ _TURNS = 1.0 / (2.0 * math.pi)
 
 def _terms(count: int) -> tuple[float, ...]:
     """Taylor coefficients of sin(r pi/2) in r^2, by products alone: a library's power may round differently."""
-    quarter, term, made = math.pi / 2.0, math.pi / 2.0, []
+    quarter, term, terms = math.pi / 2.0, math.pi / 2.0, []
     for k in range(count):
-        made.append(term)
+        terms.append(term)
         term = -term * quarter * quarter / ((2 * k + 2) * (2 * k + 3))
-    return tuple(made)
+    return tuple(terms)
 
 
 _TERMS = _terms(8)  # for |r| <= 1/2 the first term left out is below 5e-17

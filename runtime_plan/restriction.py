@@ -92,8 +92,8 @@ def _lit(one: PlanCombination, restriction: Restriction, lighting: Sequence[Ligh
     if restriction.lighting is None:
         return one
     new = {light.id for light in restriction.lighting if isinstance(light, Lighting)}
-    kept = {name for name in restriction.lighting if isinstance(name, str)} & set(one.lighting)
-    return one.model_copy(update={"lighting": tuple(light.id for light in lighting if light.id in new | kept)})
+    known = {name for name in restriction.lighting if isinstance(name, str)} & set(one.lighting)
+    return one.model_copy(update={"lighting": tuple(light.id for light in lighting if light.id in new | known)})
 
 
 def _known(plan: RuntimePlan, restriction: Restriction) -> None:

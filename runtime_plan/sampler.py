@@ -15,7 +15,7 @@ from runtime_plan.backend import NUMPY, Backend
 from runtime_plan.plan import Plan
 from runtime_plan.portable_trig import half_turns
 from runtime_plan.samples import Samples
-from runtime_plan.tables import ABSENT, AUTHORED, Forms, Layout, PlanTables, Pool, Outlines, Tables
+from runtime_plan.tables import ABSENT, AUTHORED, Forms, Layout, Outlines, PlanTables, Pool, Tables
 
 Array = Any
 CHUNK = 512  # samples worked on at once, so that their numbers stay in the processor's cache
@@ -30,12 +30,12 @@ def sample_with(backend: Backend, tables: PlanTables, n: int, seed: int, start: 
     """The same with the arrays of another library, of which `tables` are as well."""
     if n < 0 or start < 0 or not 0 <= seed < 2**64:
         raise ValueError(f"n and start are at least 0, seed is from 0 to 2**64 - 1: {n}, {start}, {seed}")
-    made = _empty(backend, tables, n, seed, start)
+    samples = _empty(backend, tables, n, seed, start)
     for low in range(0, n, chunk):
         high = min(n, low + chunk)
         u = backend.uniforms(seed, start + low, high - low, tables.layout.blocks)
-        _fill(backend, made, slice(low, high), tables, u)
-    return made
+        _fill(backend, samples, slice(low, high), tables, u)
+    return samples
 
 
 def _empty(backend: Backend, tables: PlanTables, n: int, seed: int, start: int) -> Samples:
@@ -61,22 +61,22 @@ def _empty(backend: Backend, tables: PlanTables, n: int, seed: int, start: int) 
     )
 
 
-def _fill(backend: Backend, made: Samples, chunk: slice, tables: PlanTables, u: Array) -> None:
+def _fill(backend: Backend, samples: Samples, chunk: slice, tables: PlanTables, u: Array) -> None:
     """Draw the samples of a chunk, one combination after the other."""
     if len(tables.combinations) == 1:
-        _draw(backend, made, chunk, tables, 0, u)
+        _draw(backend, samples, chunk, tables, 0, u)
         return
     chosen = backend.xp.searchsorted(tables.shares, u[:, 0], side="right")
-    made.combination[chunk] = chosen
+    samples.combination[chunk] = chosen
     for index in range(len(tables.combinations)):
         rows = (chosen == index).nonzero()
         rows = rows[0] if isinstance(rows, tuple) else rows[:, 0]
         if len(rows):
-            _draw(backend, made, rows + chunk.start, tables, index, u[rows])
+            _draw(backend, samples, rows + chunk.start, tables, index, u[rows])
 
 
-def _draw(backend: Backend, made: Samples, rows: Any, plan: PlanTables, index: int, u: Array) -> None:
-    """Draw `rows`, all of one combination, into `made`."""
+def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index: int, u: Array) -> None:
+    """Draw `rows`, all of one combination, into `samples`."""
     tables, layout, forms = plan.combinations[index], plan.layout, plan.forms
     things = len(tables.things)
     columns = slice(None) if tables.all_things else tables.things
@@ -89,18 +89,18 @@ def _draw(backend: Backend, made: Samples, rows: Any, plan: PlanTables, index: i
     x, y = _place(backend, tables, table_rows, form, c, s, u[:, layout.xs :], u[:, layout.ys :])
     z = _pick(backend, tables.height_m, table_rows) + _pick(backend, forms.origin_height_m, form)
     _to_world(tables, x, y, z, c, s)
-    made.case[rows, : len(tables.pools)] = cases
-    made.present[at, columns] = True
-    made.asset_index[at, columns] = bodies
-    made.stance[at, columns] = stance
-    made.support[at, columns] = tables.support
-    made.yaw_rad[at, columns] = yaw
+    samples.case[rows, : len(tables.pools)] = cases
+    samples.present[at, columns] = True
+    samples.asset_index[at, columns] = bodies
+    samples.stance[at, columns] = stance
+    samples.support[at, columns] = tables.support
+    samples.yaw_rad[at, columns] = yaw
     for axis, values in enumerate((x, y, z)):
-        made.position_m[at, columns, axis] = values
+        samples.position_m[at, columns, axis] = values
     for axis, values in enumerate(_quaternion(backend, forms, form, c, s)):
-        made.quat_wxyz[at, columns, axis] = values
-    made.background[rows] = tables.background_body
-    _looks(backend, made, rows, at, columns, plan, tables, u)
+        samples.quat_wxyz[at, columns, axis] = values
+    samples.background[rows] = tables.background_body
+    _looks(backend, samples, rows, at, columns, plan, tables, u)
 
 
 def _pick(backend: Backend, values: Array, index: Array) -> Array:
@@ -150,7 +150,7 @@ def _place(
     cosine = 1.0 - 2.0 * s * s
     sine = 2.0 * s * c
     ends = _ends(backend, tables.outlines, form, cosine, sine)
-    made = []
+    lows = []
     for axis, u in enumerate((ux, uy)):
         bounds, (least, most) = tables.bounds_m[2 * axis :], ends[axis]
         low = _pick(backend, bounds[0], rows) - least
@@ -161,8 +161,8 @@ def _place(
         high -= low
         high *= u[:, :things]
         low += high
-        made.append(low)
-    return made[0], made[1]
+        lows.append(low)
+    return lows[0], lows[1]
 
 
 def _ends(
@@ -172,14 +172,14 @@ def _ends(
     xp = backend.xp
     if len(outlines) == 1:
         return _ends_of(xp, outlines[0], form, cosine, sine)
-    found = backend.full((4, *cosine.shape), 0.0)
+    bounds = backend.full((4, *cosine.shape), 0.0)
     for outline in outlines:
         columns = outline.columns
         of = form if form.ndim == 1 else form[:, columns]
         ends = _ends_of(xp, outline, of, cosine[:, columns], sine[:, columns])
         for k, values in enumerate((*ends[0], *ends[1])):
-            found[k][:, columns] = values
-    return (found[0], found[1]), (found[2], found[3])
+            bounds[k][:, columns] = values
+    return (bounds[0], bounds[1]), (bounds[2], bounds[3])
 
 
 def _ends_of(
@@ -231,16 +231,16 @@ def _quaternion(backend: Backend, forms: Forms, form: Array, c: Array, s: Array)
 
 
 def _looks(
-    backend: Backend, made: Samples, rows: Any, at: Any, columns: Any, plan: PlanTables, tables: Tables, u: Array
+    backend: Backend, samples: Samples, rows: Any, at: Any, columns: Any, plan: PlanTables, tables: Tables, u: Array
 ) -> None:
     """Materials and lighting of `rows`."""
     for k, group in enumerate(tables.groups):
         worn = group.worn[backend.floor_to_int(u[:, plan.layout.materials + k] * len(group.worn))]
-        made.material[at, columns] = backend.xp.maximum(made.material[at, columns], worn[:, :-1])
-        made.background_material[rows] = backend.xp.maximum(made.background_material[rows], worn[:, -1])
+        samples.material[at, columns] = backend.xp.maximum(samples.material[at, columns], worn[:, :-1])
+        samples.background_material[rows] = backend.xp.maximum(samples.background_material[rows], worn[:, -1])
     if len(tables.lighting):
         lighting = tables.lighting[backend.floor_to_int(u[:, plan.layout.lighting] * len(tables.lighting))]
         bounds = plan.channels[lighting]
         drawn = u[:, plan.layout.lighting + 1 : plan.layout.lighting + 5]
-        made.lighting[rows] = lighting
-        made.channels[rows] = bounds[..., 0] + drawn * (bounds[..., 1] - bounds[..., 0])
+        samples.lighting[rows] = lighting
+        samples.channels[rows] = bounds[..., 0] + drawn * (bounds[..., 1] - bounds[..., 0])

@@ -118,13 +118,13 @@ def _unfit(document: SceneSamples) -> str:
 
 
 def _arrays(plan: Plan, document: SceneSamples) -> Samples:
-    n, names, found = len(document.samples), plan.tables.names, plan.document
+    n, names, drawn_plan = len(document.samples), plan.tables.names, plan.document
     column = {name: index for index, name in enumerate(names)} | {WORLD: BACKGROUND}
-    material = {one.id: index for index, one in enumerate(found.materials)} | {None: AUTHORED}
-    light = {one.id: index for index, one in enumerate(found.lighting)}
-    most = max(len(one.pools) for one in found.combinations)
+    material = {one.id: index for index, one in enumerate(drawn_plan.materials)} | {None: AUTHORED}
+    light = {one.id: index for index, one in enumerate(drawn_plan.lighting)}
+    most = max(len(one.pools) for one in drawn_plan.combinations)
     shape = (n, len(names))
-    made = Samples(
+    samples = Samples(
         seed=document.seed,
         start=document.samples[0].index if n else 0,
         names=names,
@@ -144,27 +144,27 @@ def _arrays(plan: Plan, document: SceneSamples) -> Samples:
         channels=np.full((n, 4), np.nan),
     )
     for k, one in enumerate(document.samples):
-        combination = found.combinations[one.combination]
-        made.case[k, : len(combination.pools)] = one.case
-        made.background[k] = -1 if combination.background is None else combination.background
+        combination = drawn_plan.combinations[one.combination]
+        samples.case[k, : len(combination.pools)] = one.case
+        samples.background[k] = -1 if combination.background is None else combination.background
         for name, item in one.objects.items():
             at = column[name]
-            made.present[k, at] = True
-            made.asset_index[k, at] = _body(plan, combination, name, item.asset)
-            made.support[k, at] = column[item.support]
-            made.position_m[k, at], made.quat_wxyz[k, at] = item.position_m, item.quat_wxyz
-            made.material[k, at] = material[item.material]
+            samples.present[k, at] = True
+            samples.asset_index[k, at] = _body(plan, combination, name, item.asset)
+            samples.support[k, at] = column[item.support]
+            samples.position_m[k, at], samples.quat_wxyz[k, at] = item.position_m, item.quat_wxyz
+            samples.material[k, at] = material[item.material]
         if one.lighting is not None:
-            made.lighting[k] = light[one.lighting.id]
+            samples.lighting[k] = light[one.lighting.id]
             drawn = [getattr(one.lighting, name) for name in _CHANNELS]
-            made.channels[k] = [np.nan if value is None else value for value in drawn]
-    return made
+            samples.channels[k] = [np.nan if value is None else value for value in drawn]
+    return samples
 
 
 def _body(plan: Plan, combination: PlanCombination, name: str, asset: str) -> int:
     """The body of that asset which the thing may be."""
     thing = next((thing for thing in combination.things if thing.id == name), None)
-    found = [body for body in (thing.bodies if thing else ()) if plan.document.bodies[body].asset_id == asset]
-    if not found:
+    matching = [body for body in (thing.bodies if thing else ()) if plan.document.bodies[body].asset_id == asset]
+    if not matching:
         raise ValueError(f"`{name}` as `{asset}`")
-    return found[0]
+    return matching[0]

@@ -222,7 +222,7 @@ def _tables(plan: RuntimePlan, one: PlanCombination, names: tuple[str, ...], for
         sorted({int(forms.start[body]) + s for body in thing.bodies for s in stances})
         for thing, stances in zip(one.things, possible, strict=True)
     ]
-    fixed = all(len(found) == 1 for found in choices)
+    fixed = all(len(indices) == 1 for indices in choices)
     X_WB = np.array(one.X_WB, dtype=np.float64)
     return Tables(
         things=np.array([column[thing.id] for thing in one.things], dtype=np.int64),
@@ -240,8 +240,8 @@ def _tables(plan: RuntimePlan, one: PlanCombination, names: tuple[str, ...], for
         bodies=bodies,
         body_row=most * np.arange(len(one.things)),
         body_count=np.array([len(thing.bodies) for thing in one.things], dtype=np.float64),
-        stance_of=np.array([found[0] for found in possible], dtype=np.int64) if fixed else None,
-        form=np.array([found[0] for found in choices], dtype=np.int64) if fixed else None,
+        stance_of=np.array([indices[0] for indices in possible], dtype=np.int64) if fixed else None,
+        form=np.array([indices[0] for indices in choices], dtype=np.int64) if fixed else None,
         outlines=_outlines(choices, forms),
         levels=_levels([thing.parent for thing in one.things], local),
         background=(*X_WB[:3, 3].tolist(), *_half_turn(float(X_WB[0, 0]), float(X_WB[1, 0]))),
@@ -293,7 +293,7 @@ def _outlines(choices: Sequence[Sequence[int]], forms: Forms) -> tuple[Outlines,
     for index, found in enumerate(choices):
         corners = max(len(forms.corners[form]) for form in found)
         sizes.setdefault((len(found) == 1, max(2, (corners - 1).bit_length())), []).append(index)
-    made = []
+    outlines = []
     for (fixed, _), columns in sorted(sizes.items(), reverse=True):
         used = [choices[c][0] for c in columns] if fixed else range(len(forms.corners))
         wanted = {form for c in columns for form in choices[c]}
@@ -305,8 +305,8 @@ def _outlines(choices: Sequence[Sequence[int]], forms: Forms) -> tuple[Outlines,
                 x_m[:, k], y_m[:, k] = outline[0]
                 x_m[: len(outline), k], y_m[: len(outline), k] = outline.T
         everything = len(columns) == len(choices)
-        made.append(Outlines(None if everything else np.array(columns, dtype=np.int64), x_m, y_m, fixed))
-    return tuple(made)
+        outlines.append(Outlines(None if everything else np.array(columns, dtype=np.int64), x_m, y_m, fixed))
+    return tuple(outlines)
 
 
 def _levels(parents: Sequence[str], local: dict[str, int]) -> tuple[Level, ...]:
@@ -314,12 +314,12 @@ def _levels(parents: Sequence[str], local: dict[str, int]) -> tuple[Level, ...]:
     depth: list[int] = []
     for parent in parents:  # owners stand before what they own
         depth.append(depth[local[parent]] + 1 if parent in local else 0)
-    made = []
+    levels = []
     for level in sorted(set(depth)):
         columns = [index for index, deep in enumerate(depth) if deep == level]
         owners = np.array([local[parents[c]] for c in columns], dtype=np.int64) if level else None
-        made.append(Level(None if len(columns) == len(depth) else np.array(columns, dtype=np.int64), owners))
-    return tuple(made)
+        levels.append(Level(None if len(columns) == len(depth) else np.array(columns, dtype=np.int64), owners))
+    return tuple(levels)
 
 
 def _groups(plan: RuntimePlan, one: PlanCombination, local: dict[str, int]) -> tuple[Group, ...]:
@@ -336,14 +336,14 @@ def _groups(plan: RuntimePlan, one: PlanCombination, local: dict[str, int]) -> t
             else:
                 rest.append((members, known))
         groups = [*rest, (joined, covered)]
-    made = []
+    material_groups = []
     columns = local | {WORLD: len(local)}
     for members in sorted(sorted(members) for members, _ in groups):
         worn = np.full((len(members) + 1, len(columns)), AUTHORED, dtype=np.int64)
         for row, index in enumerate(members, start=1):
             worn[row, [columns[name] for name in plan.materials[index].objects if name in columns]] = index
-        made.append(Group(worn))
-    return tuple(made)
+        material_groups.append(Group(worn))
+    return tuple(material_groups)
 
 
 def _index(named: Sequence[object], name: str) -> int:

@@ -46,16 +46,16 @@ class Judge:
         kept = rows[whole]
         stands = stands_of(self._plan, one, rules, samples, kept, columns)
         for number, violations in check_batch(rules, stands):
-            for found in violations:
+            for violation in violations:
                 yield (
                     int(kept[number]),
                     {
-                        "kind": found.kind,
-                        "things": list(found.names),
-                        "value": float(found.value),
-                        "bound": float(found.bound),
-                        "unit": found.unit,
-                        "label": found.label,
+                        "kind": violation.kind,
+                        "things": list(violation.names),
+                        "value": float(violation.value),
+                        "bound": float(violation.bound),
+                        "unit": violation.unit,
+                        "label": violation.label,
                     },
                 )
 

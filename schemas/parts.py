@@ -80,8 +80,8 @@ class Part(_Model):
 
 def labelled(parts: Sequence[Evidence[Part]], label: str) -> tuple[Evidence[Part], ...]:
     """The parts called `label`, the surest label first."""
-    found = (p for p in parts if p.value.label.value == label)
-    return tuple(sorted(found, key=lambda p: (-p.value.label.confidence, p.value.part_id)))
+    matching = (p for p in parts if p.value.label.value == label)
+    return tuple(sorted(matching, key=lambda p: (-p.value.label.confidence, p.value.part_id)))
 
 
 def by_id(parts: Sequence[Evidence[Part]]) -> Mapping[str, Part]:

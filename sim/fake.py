@@ -76,7 +76,10 @@ class FakeSimulator:
         surfaces = [surface(shape) for shape in fixed]
         firsts = np.cumsum([0, *(len(points) for points, _ in surfaces)])[:-1]
         triangles = np.concatenate([own + first for (_, own), first in zip(surfaces, firsts, strict=True)])
-        fall = Rays(np.concatenate([points for points, _ in surfaces]), triangles).hit_distances(centres, -np.eye(3)[2]) - below
+        fall = (
+            Rays(np.concatenate([points for points, _ in surfaces]), triangles).hit_distances(centres, -np.eye(3)[2])
+            - below
+        )
         free_m = 0.5 * -World().gravity_mps2[2] * duration_s**2
         caught = fall < free_m
         rest = centres - np.where(caught, fall, free_m)[:, None] * np.eye(3)[2]

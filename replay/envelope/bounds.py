@@ -88,12 +88,12 @@ def _reach(ends: FloatArray, way: FloatArray) -> FloatArray:
 
 def _chain(robot: Robot, number: int) -> list[int]:
     """The moving joints from a link to the root."""
-    found = []
+    links = []
     while number >= 0:
         if robot.links[number].coordinate >= 0:
-            found.append(number)
+            links.append(number)
         number = robot.links[number].parent
-    return found
+    return links
 
 
 def turns(X_WR: FloatArray) -> FloatArray:

@@ -78,9 +78,9 @@ def _polytope(corners: FloatArray, protrusion_m: float) -> Cover:
     size = float(np.linalg.norm(np.ptp(corners, axis=0)))
     protrusion_m = max(protrusion_m, _FINEST * size)
     pieces, centres = _pieces(corners[hull.vertices], solid, protrusion_m)
-    kept, radii = _fewest(pieces, centres, solid.depth(centres) + protrusion_m)
+    chosen, radii = _fewest(pieces, centres, solid.depth(centres) + protrusion_m)
     residual_m = _ROUNDING * size
-    return Cover(centres[kept], radii, residual_m, float((radii - solid.depth(centres[kept])).max()) + thicker_m)
+    return Cover(centres[chosen], radii, residual_m, float((radii - solid.depth(centres[chosen])).max()) + thicker_m)
 
 
 def _thick(corners: FloatArray) -> tuple[FloatArray, float]:
@@ -166,12 +166,12 @@ def _fewest(pieces: list[FloatArray], centres: FloatArray, radii: FloatArray) ->
     while (owner < 0).any():
         best = int(np.argmax(holds[:, owner < 0].sum(axis=1)))
         owner[(owner < 0) & holds[best]] = best
-    kept = np.unique(owner)
+    owners = np.unique(owner)
     exact = [
         np.linalg.norm(np.concatenate([pieces[j] for j in np.flatnonzero(owner == k)]) - centres[k], axis=1).max()
-        for k in kept
+        for k in owners
     ]
-    return kept, np.array(exact)
+    return owners, np.array(exact)
 
 
 def _squared(one: FloatArray, two: FloatArray) -> FloatArray:

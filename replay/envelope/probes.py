@@ -41,8 +41,8 @@ def probed(robot: Robot, t_s: FloatArray, points: list[FloatArray], tolerances: 
             break
         middle = 0.5 * (first[wide] + last[wide])
         first, last = np.concatenate([first[wide], middle]), np.concatenate([middle, last[wide]])
-        kept.append(middle)
-    return at_places(robot, t_s, np.append(np.sort(np.concatenate(kept)), float(len(t_s) - 1)))
+        places.append(middle)
+    return at_places(robot, t_s, np.append(np.sort(np.concatenate(places)), float(len(t_s) - 1)))
 
 
 def _within(

@@ -47,7 +47,7 @@ def from_plan(plan: Plan, seed: int, number: int) -> Choices:
     """
     drawn = sample(plan, DRAWS, seed, start=number * DRAWS)
     bodies, materials = plan.document.bodies, plan.document.materials
-    found = []
+    candidates = []
     for k in range(DRAWS):
         combination = plan.document.combinations[int(drawn.combination[k])]
         places = {thing.id: combination.places[thing.place][1].name for thing in combination.things}
@@ -56,10 +56,10 @@ def from_plan(plan: Plan, seed: int, number: int) -> Choices:
             worn = int(drawn.material[k, column])
             stance = body.stances[int(drawn.stance[k, column])]
             material = "" if worn < 0 else materials[worn].id
-            found.append(Candidate(body, stance, material, places[drawn.names[column]]))
+            candidates.append(Candidate(body, stance, material, places[drawn.names[column]]))
     light = sampled_lighting(plan, drawn, 0)
     lights = {} if light is None else light.model_dump(exclude_none=True)
-    return Choices(found, lights, {material.id: material for material in materials})
+    return Choices(candidates, lights, {material.id: material for material in materials})
 
 
 def from_bodies(bodies: Sequence[PlanBody], seed: int, number: int) -> Choices:

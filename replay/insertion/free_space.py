@@ -40,7 +40,7 @@ class Obstacle:
 
 def obstacles(episode: Episode) -> tuple[Obstacle, ...]:
     """Fixtures, and links and objects that never move."""
-    found = [
+    obstacles_found = [
         _obstacle(name, apply(fixture.X_WB, circumscribed_hull(shape)))
         for fixture in episode.fixtures
         for name, shape in zip(fixture.shape_names, fixture.shapes, strict=True)
@@ -48,12 +48,12 @@ def obstacles(episode: Episode) -> tuple[Obstacle, ...]:
     for robot in [*episode.robots, *map(as_robot, episode.objects)]:
         poses, moving = link_poses(robot, robot.q[:1], robot.X_WR[:1])[0], moving_links(robot)
         still = [number for number in range(len(robot.links)) if number not in moving]
-        found += [
+        obstacles_found += [
             _obstacle(robot.links[number].name, apply(poses[number], circumscribed_hull(shape)))
             for number in still
             for shape in robot.links[number].shapes
         ]
-    return tuple(found)
+    return tuple(obstacles_found)
 
 
 def _obstacle(name: str, corners_W: FloatArray) -> Obstacle:

@@ -54,18 +54,18 @@ class Put:
 
 def sites(rooms: Sequence[Room], cameras: tuple[Camera, ...], stands_for: Mapping[str, str]) -> tuple[Site, ...]:
     """Rooms with what cameras see of them. `stands_for` maps places of plans to supports, besides equal names."""
-    made = []
+    sites_seen = []
     for room in rooms:
         support = room.support
         named = {place for place, name in stands_for.items() if name == support.name} | {support.name}
-        made.append(Site(room, seen_area(cameras, support.height_m, support.area), frozenset(named)))
-    return tuple(made)
+        sites_seen.append(Site(room, seen_area(cameras, support.height_m, support.area), frozenset(named)))
+    return tuple(sites_seen)
 
 
 def insert(
-    places: Sequence[Site], candidates: Sequence[Candidate], wanted: int, rng: np.random.Generator
+    places: Sequence[Site], candidates: Sequence[Candidate], count: int, rng: np.random.Generator
 ) -> tuple[Put, ...]:
-    """Up to `wanted` objects; fewer where no candidate finds room at any heading tried.
+    """Up to `count` objects; fewer where no candidate finds room at any heading tried.
 
     Room only shrinks, so that a body found without room in a stance and a place `TRIES` times is not tried so again.
     """
@@ -73,7 +73,7 @@ def insert(
     refused: Counter[tuple[str, float, str, str]] = Counter()
     for candidate in candidates:
         kind = (candidate.body.asset_id, candidate.body.scale, candidate.stance.name, candidate.place)
-        if len(put) == wanted:
+        if len(put) == count:
             break
         if refused[kind] == TRIES:
             continue

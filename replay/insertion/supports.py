@@ -33,8 +33,8 @@ class Support:
 
 def supports(episode: Episode) -> tuple[Support, ...]:
     """All level top faces of fixtures, faces of one fixture and height that touch as one; largest first."""
-    found = [support for fixture in episode.fixtures for support in _of_fixture(fixture)]
-    return tuple(sorted(found, key=lambda support: (-support.area.area, support.name)))
+    all_supports = [support for fixture in episode.fixtures for support in _of_fixture(fixture)]
+    return tuple(sorted(all_supports, key=lambda support: (-support.area.area, support.name)))
 
 
 def used_supports(episode: Episode, known: tuple[Support, ...]) -> tuple[Support, ...]:
@@ -48,13 +48,13 @@ def _of_fixture(fixture: Fixture) -> list[Support]:
         height, face = _top(shape, fixture.X_WB)
         if face.area >= LEAST_AREA_M2:
             by_height[round(height / LEVEL_M)].append((name, height, face))
-    made = []
+    supports_of_fixture = []
     for faces in by_height.values():
         whole = shapely.union_all([face.buffer(_TOUCH_M, join_style="mitre") for _, _, face in faces])
         for part in shapely.get_parts(whole.buffer(-_TOUCH_M, join_style="mitre")):
             name, _, _ = max(faces, key=lambda one: one[2].intersection(part).area)
-            made.append(Support(name, fixture.name, max(height for _, height, _ in faces), part))
-    return made
+            supports_of_fixture.append(Support(name, fixture.name, max(height for _, height, _ in faces), part))
+    return supports_of_fixture
 
 
 def _top(shape: CollisionShape, X_WB: FloatArray) -> tuple[float, Polygon]:

@@ -150,7 +150,7 @@ class Described:
         return points * shape.scale
 
     def _cameras(self, robots: tuple[Robot, ...]) -> tuple[Camera, ...]:
-        found = []
+        cameras = []
         for entry in self.description.cameras:
             if f"cam.{entry.name}.px" in self.columns:
                 X_WC = self._poses(f"cam.{entry.name}")
@@ -159,8 +159,8 @@ class Described:
             else:
                 X_WC = np.tile(_pose(entry, self.file), (len(self.t_s), 1, 1))
             fovy_rad = float(np.radians(entry.fovy_deg))
-            found.append(Camera(entry.name, X_WC, fovy_rad, entry.width_px, entry.height_px))
-        return tuple(found)
+            cameras.append(Camera(entry.name, X_WC, fovy_rad, entry.width_px, entry.height_px))
+        return tuple(cameras)
 
     def _link(self, robots: tuple[Robot, ...], name: str, link: str) -> FloatArray:
         for robot in robots:

@@ -24,11 +24,11 @@ def moving_links(robot: Robot) -> frozenset[int]:
     changes = np.ptp(robot.q, axis=0) != 0.0
     if robot.qd is not None:
         changes |= np.abs(robot.qd).max(axis=0) != 0.0
-    found: set[int] = set()
+    moving: set[int] = set()
     for number, link in enumerate(robot.links):
-        if link.parent in found or (link.coordinate >= 0 and changes[link.coordinate]):
-            found.add(number)
-    return frozenset(found)
+        if link.parent in moving or (link.coordinate >= 0 and changes[link.coordinate]):
+            moving.add(number)
+    return frozenset(moving)
 
 
 def position(link: Link, q: FloatArray) -> FloatArray:

@@ -24,8 +24,8 @@ class Recorded:
 
 def stop(code: str, headline: str, file: str | None = None, line: int | None = None, **more: object) -> InvalidInput:
     """The exception that ends reading with one finding."""
-    found: Diagnostic = finding(code, headline, where=Location(file=file, line=line), **more)  # pyright: ignore[reportArgumentType]
-    return InvalidInput(found)
+    diagnostic: Diagnostic = finding(code, headline, where=Location(file=file, line=line), **more)  # pyright: ignore[reportArgumentType]
+    return InvalidInput(diagnostic)
 
 
 def checked_stamps(t_s: FloatArray, file: str) -> FloatArray:

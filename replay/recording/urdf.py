@@ -101,8 +101,8 @@ def _order(robot: Any, joints: dict[str, Any], file: str) -> list[tuple[str, str
 
 
 def _end(joint: Any, tag: str) -> str:
-    found = joint.find(tag)
-    return found.get("link", "") if found is not None else ""
+    element = joint.find(tag)
+    return element.get("link", "") if element is not None else ""
 
 
 def _drive(name: str, joints: dict[str, Any], driven: list[str], file: str) -> tuple[int, float, float]:
@@ -142,8 +142,8 @@ def _origin(element: Any, file: str) -> FloatArray:
 def _shapes(link: Any, moves: bool, folder: Path, meshes: Path | None, file: str) -> tuple[CollisionShape, ...]:
     """Collision shapes; the visuals of a link that moves and has none."""
     elements = link.findall("collision") or (link.findall("visual") if moves else [])
-    found = (_shape(element, link.get("name", ""), folder, meshes, file) for element in elements)
-    return tuple(shape for shape in found if shape is not None)
+    shapes = (_shape(element, link.get("name", ""), folder, meshes, file) for element in elements)
+    return tuple(shape for shape in shapes if shape is not None)
 
 
 def _shape(element: Any, link: str, folder: Path, meshes: Path | None, file: str) -> CollisionShape | None:
@@ -167,7 +167,7 @@ def _shape(element: Any, link: str, folder: Path, meshes: Path | None, file: str
 
 def _sizes(a: dict[str, str], name: str, count: int, link: str, file: str) -> tuple[float, ...]:
     """Positive numbers. Raises InvalidInput."""
-    found = numbers(a, name, count, None, file)
-    if min(found) <= 0.0:
+    sizes = numbers(a, name, count, None, file)
+    if min(sizes) <= 0.0:
         raise stop("replay/invalid-value", f"a shape of link '{link}' has {name}='{a[name]}'", file)
-    return found
+    return sizes

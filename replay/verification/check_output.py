@@ -80,10 +80,10 @@ def read_variant_episode(folder: Path, variant: Variant, meshes: Path | None = N
     named = [Path(p) for p in (variant.meshes, str(Path(variant.source).parent)) if p and Path(p).is_dir()]
     scene = Path(variant.scene) if variant.scene and Path(variant.scene).is_file() else None
     episodes = read_episodes(recording(folder, variant), meshes or next(iter(named), None), scene)
-    found = next((e for e in episodes if e.part == variant.part), None)
-    if found is None:
+    matching = next((e for e in episodes if e.part == variant.part), None)
+    if matching is None:
         raise stop("replay/missing-file", f"the copy of the recording has no '{variant.part}'", VARIANT_FILE)
-    return found
+    return matching
 
 
 def _checked(

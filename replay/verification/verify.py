@@ -38,12 +38,12 @@ def near_pairs(
     the true ones.
     """
     placed = [[_placed(body) for body in variant] for variant in variants]
-    found = [_still_pairs(episode, objects) for objects in placed]
+    pairs_by_variant = [_still_pairs(episode, objects) for objects in placed]
     for stretch in dense_motion(episode, sub_times):
         for body in stretch.bodies:
             for shape in body.shapes:
                 moving = path(solid(shape), body.X_WB)
-                for objects, near in zip(placed, found, strict=True):
+                for objects, near in zip(placed, pairs_by_variant, strict=True):
                     for thing in objects:
                         for still in thing.shapes:
                             best = min((pair.distance_m for pair in near.values()), default=float("inf"))
@@ -56,7 +56,7 @@ def near_pairs(
                                 pair = (thing.name, body.name)
                                 t_s = float(stretch.t_s[row])
                                 near[pair] = Near(inserted=pair[0], other=pair[1], distance_m=distance, t_s=t_s)
-    rows = [sorted(near.values(), key=lambda pair: pair.distance_m) for near in found]
+    rows = [sorted(near.values(), key=lambda pair: pair.distance_m) for near in pairs_by_variant]
     return [[pair for k, pair in enumerate(row) if k == 0 or pair.distance_m < clearance_m] for row in rows]
 
 

@@ -50,7 +50,7 @@ def task_pixels(
     objects = [convexes(body.shapes) for body in episode.objects]
     standing = [placed(convex, fixture.X_WB) for fixture in episode.fixtures for convex in convexes(fixture.shapes)]
     links = [(robot, [convexes(link.shapes) for link in robot.links]) for robot in episode.robots]
-    found = []
+    pixels = []
     for row in chosen.tolist():
         others = list(standing)
         for robot, shapes in links:
@@ -61,8 +61,8 @@ def task_pixels(
             for body, some in zip(episode.objects, objects, strict=True)
         ]
         for camera in episode.cameras if cameras is None else cameras:
-            found += _seen(camera, camera.X_WC[row], bodies, others)
-    return tuple(found)
+            pixels += _seen(camera, camera.X_WC[row], bodies, others)
+    return tuple(pixels)
 
 
 def newly_hidden(seen: Iterable[Seen], inserted: Sequence[Convex]) -> dict[str, float]:

@@ -78,17 +78,17 @@ class BulletResets:
 
         Of such bodies the engine keeps the restitution to itself: it answers 0 whatever was set.
         """
-        found = pybullet.getDynamicsInfo(self._bodies[number][0], -1, physicsClientId=self.client)
-        return float(found[0]), np.array(found[2]), float(found[1])
+        info = pybullet.getDynamicsInfo(self._bodies[number][0], -1, physicsClientId=self.client)
+        return float(info[0]), np.array(info[2]), float(info[1])
 
     def poses(self) -> FloatArray:
         """X_WA (n, 4, 4) of all bodies."""
-        made = []
+        poses_WA = []
         for handle, loose, _ in self._bodies:
             position, quat_xyzw = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self.client)
             X_WI = pose.pose(Rotation.from_quat(quat_xyzw).as_matrix(), np.array(position))
-            made.append(X_WI @ pose.inverse(loose.X_AI) if loose else X_WI)
-        return np.stack(made)
+            poses_WA.append(X_WI @ pose.inverse(loose.X_AI) if loose else X_WI)
+        return np.stack(poses_WA)
 
     def run(self, duration_s: float) -> None:
         """Let the world go for a while."""

@@ -83,6 +83,6 @@ def fixed_body(shapes: Sequence[CollisionShape], scale: float, client: int) -> i
 
 def scaled(X: FloatArray, scale: float) -> FloatArray:
     """A pose (4, 4) with its lengths `scale` times as large."""
-    made = np.array(X, dtype=np.float64)
-    made[:3, 3] *= scale
-    return made
+    scaled_pose = np.array(X, dtype=np.float64)
+    scaled_pose[:3, 3] *= scale
+    return scaled_pose

@@ -80,8 +80,8 @@ def link_body(model: LinkageModel, name: str) -> BodyModel:
     if at == 0:
         return model.base
     link = model.joints.tree[at - 1]
-    own = {"mass_kg": link.mass_kg, "com_B": link.com_J, "inertia_B": link.inertia_J}
-    return replace(model.base, shapes=model.shapes[at - 1], **own)
+    link_mass = {"mass_kg": link.mass_kg, "com_B": link.com_J, "inertia_B": link.inertia_J}
+    return replace(model.base, shapes=model.shapes[at - 1], **link_mass)
 
 
 def with_link_body(model: LinkageModel, name: str, body: BodyModel) -> LinkageModel:

@@ -15,7 +15,7 @@ from schemas.zip_damage import ZIP_DAMAGE
 MAX_ENTRIES, MAX_BYTES = 20_000, 2**30
 
 
-def read_arrays(path: Path, wanted: Callable[[str], bool]) -> dict[str, FloatArray]:
+def read_arrays(path: Path, is_needed: Callable[[str], bool]) -> dict[str, FloatArray]:
     """The arrays whose key is wanted. Raises FileNotFoundError, and InvalidInput for what is damaged or too large."""
     try:
         with zipfile.ZipFile(path) as packed:
@@ -23,7 +23,7 @@ def read_arrays(path: Path, wanted: Callable[[str], bool]) -> dict[str, FloatArr
         if len(sizes) > MAX_ENTRIES or sum(sizes) > MAX_BYTES:
             raise stop("replay/unreadable", f"{path.name}: {len(sizes)} arrays, {sum(sizes)} bytes", path.name)
         with np.load(path, allow_pickle=False) as archive:
-            return {key: archive[key] for key in archive.files if wanted(key)}
+            return {key: archive[key] for key in archive.files if is_needed(key)}
     except FileNotFoundError:
         raise
     except ZIP_DAMAGE as error:

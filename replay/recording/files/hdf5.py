@@ -90,8 +90,8 @@ def values(group: Any, name: str, file: str) -> FloatArray:
 
 def numbered(group: Any, prefix: str) -> list[str]:
     """Names `<prefix><number>` in a group, by number."""
-    found = [name for name in group if re.fullmatch(re.escape(prefix) + r"\d+", name)]
-    return sorted(found, key=lambda name: int(name[len(prefix) :]))
+    names = [name for name in group if re.fullmatch(re.escape(prefix) + r"\d+", name)]
+    return sorted(names, key=lambda name: int(name[len(prefix) :]))
 
 
 def text(attribute: Any) -> str:

@@ -25,13 +25,13 @@ class MeshArchive:
     @classmethod
     def beside(cls, file: Path) -> MeshArchive | None:
         """The archive in the folder of a file or one folder up; None where there is none."""
-        found = [folder / MESHES for folder in (file.parent, file.parent.parent) if (folder / MESHES).is_file()]
-        return cls(found[0]) if found else None
+        archives = [folder / MESHES for folder in (file.parent, file.parent.parent) if (folder / MESHES).is_file()]
+        return cls(archives[0]) if archives else None
 
     def points(self, body: MjBody, geom: MjGeom) -> FloatArray:
         """Vertices (n, 3) in the frame of the body. Raises InvalidInput where there are none."""
         name = geom.name or f"geom{geom.number}"
-        found = self.by_key.get(f"{body.name}|{name}")
-        if found is None:
+        corners = self.by_key.get(f"{body.name}|{name}")
+        if corners is None:
             raise stop("replay/missing-mesh", f"no mesh of geom '{name}' of body '{body.name}'", MESHES)
-        return checked_numbers(found, f"{body.name}|{name}", MESHES)
+        return checked_numbers(corners, f"{body.name}|{name}", MESHES)

@@ -24,10 +24,10 @@ def stream_digests(source: Path, part: str = "") -> dict[str, str]:
         return {p.relative_to(source).as_posix(): _of_bytes(recording_bytes(source, p)) for p in files}
     if not h5py.is_hdf5(source):
         return {source.name: _of_bytes(source.read_bytes())}
-    found: dict[str, str] = {}
+    digests: dict[str, str] = {}
     with opened(source) as file:
-        _collect(child(file, part, source.name) if part else file, part, source.name, found)
-    return found
+        _collect(child(file, part, source.name) if part else file, part, source.name, digests)
+    return digests
 
 
 def recording_files(folder: Path, part: str = "") -> list[Path]:
@@ -37,10 +37,10 @@ def recording_files(folder: Path, part: str = "") -> list[Path]:
     show the scene as it was.
     """
     files = (p for p in sorted(folder.rglob("*")) if p.is_file() and not p.is_symlink())
-    found = [p for p in files if not any(name.startswith(".") for name in p.relative_to(folder).parts)]
+    visible = [p for p in files if not any(name.startswith(".") for name in p.relative_to(folder).parts)]
     if not is_lerobot(folder):
-        return found
-    return [p for p in found if _belongs(p, p.relative_to(folder), part)]
+        return visible
+    return [p for p in visible if _belongs(p, p.relative_to(folder), part)]
 
 
 def recording_bytes(folder: Path, file: Path) -> bytes:
@@ -55,19 +55,19 @@ def _belongs(path: Path, relative: Path, part: str) -> bool:
     return relative.parts[0] not in ("data", "videos", "images")
 
 
-def _collect(group: Any, at: str, file: str, found: dict[str, str]) -> None:
+def _collect(group: Any, at: str, file: str, digests: dict[str, str]) -> None:
     if at.count("/") > DEEPEST:
         raise stop("replay/unreadable", f"groups within groups without end: '{at[:80]}...'", file)
     for name in sorted(group):
         item = child(group, name, file)
         if isinstance(item, h5py.Group):
-            _collect(item, f"{at}/{name}", file, found)
+            _collect(item, f"{at}/{name}", file, digests)
         elif isinstance(item, h5py.Dataset):
             data = item[()]
             head = f"{item.dtype.str}{item.shape}"
             texts = item.dtype.kind == "O"  # in full: NumPy leaves out the middle of long arrays
             body = repr(np.asarray(data).tolist()).encode() if texts else np.ascontiguousarray(data).tobytes()
-            found[f"{at}/{name}"] = _of_bytes(head.encode() + body)
+            digests[f"{at}/{name}"] = _of_bytes(head.encode() + body)
 
 
 def _of_bytes(data: bytes) -> str:

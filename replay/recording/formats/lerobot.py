@@ -78,10 +78,10 @@ def info_without_videos(path: Path) -> bytes:
 
 def tables(path: Path, info: dict[str, Any]) -> list[Path]:
     """The tables of a data set in the order of their names. Raises InvalidInput where there is none."""
-    found = sorted(p for p in (path / "data").rglob("*.parquet") if p.is_file() and not p.is_symlink())
-    if not found:
+    parquet_files = sorted(p for p in (path / "data").rglob("*.parquet") if p.is_file() and not p.is_symlink())
+    if not parquet_files:
         raise stop("replay/missing-file", f"no table below data/ ({info.get('data_path', '')})", INFO)
-    return found
+    return parquet_files
 
 
 def _rows(columns: Columns, index: int) -> Columns:

@@ -18,12 +18,12 @@ def model_cameras(model: MjModel, parts: Parts, n: int, size_px: tuple[int, int]
         X_WL = link_poses(robot, robot.q, robot.X_WR)
         poses |= {link.name: X_WL[:, index] for index, link in enumerate(robot.links)}
     poses |= {body.name: body.X_WB for body in parts[1]}
-    found = []
+    cameras = []
     for body in model.bodies:
         X_WB, at = np.eye(4), body
         while at.name not in poses and at.parent >= 0:
             X_WB, at = at.X_PB @ X_WB, model.bodies[at.parent]
         X_WB = poses.get(at.name, np.eye(4)) @ X_WB
         X_WB = np.broadcast_to(X_WB, (n, 4, 4))
-        found += [Camera(c.name, X_WB @ c.X_BC, c.fovy_rad, *size_px) for c in body.cameras]
-    return tuple(found)
+        cameras += [Camera(c.name, X_WB @ c.X_BC, c.fovy_rad, *size_px) for c in body.cameras]
+    return tuple(cameras)

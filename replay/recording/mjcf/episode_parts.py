@@ -108,11 +108,15 @@ def _object(model: MjModel, tree: list[int], recorded: Recorded, mesh_points: Me
     X_RB = {tree[0]: np.eye(4)}
     for number in tree[1:]:
         X_RB[number] = X_RB[model.bodies[number].parent] @ model.bodies[number].X_PB
-    own = [(number, s) for number in tree for _, s in body_shapes(model, number, mesh_points, moves=False)]
-    if not own:  # Only pictures: they are what there is.
-        own = [(number, s) for number in tree for _, s in body_shapes(model, number, mesh_points, moves=True)]
+    numbered_shapes = [(number, s) for number in tree for _, s in body_shapes(model, number, mesh_points, moves=False)]
+    if not numbered_shapes:  # Only pictures: they are what there is.
+        numbered_shapes = [
+            (number, s) for number in tree for _, s in body_shapes(model, number, mesh_points, moves=True)
+        ]
     return FreeBody(
-        root.name, _pose_of(recorded, root.name, model.file), tuple(moved(shape, X_RB[n]) for n, shape in own)
+        root.name,
+        _pose_of(recorded, root.name, model.file),
+        tuple(moved(shape, X_RB[n]) for n, shape in numbered_shapes),
     )
 
 
@@ -133,16 +137,16 @@ def body_shapes(
     body = model.bodies[number]
     pictures = moves and not any(g.collides for g in body.geoms)
     unnamed = sum(not g.name for g in body.geoms)
-    found = []
+    named_shapes = []
     for index, geom in enumerate(body.geoms):
         if (geom.collides or pictures) and geom.kind != "none":
             name = geom.name or (body.name if unnamed == 1 else f"{body.name}_{index}")
             try:
-                found.append((name, _shape(model, body, geom, mesh_points)))
+                named_shapes.append((name, _shape(model, body, geom, mesh_points)))
             except InvalidInput as refused:
                 if geom.collides or refused.diagnostic.code != "replay/missing-mesh":
                     raise
-    return found
+    return named_shapes
 
 
 def uncovered_links(model: MjModel, robots: tuple[Robot, ...]) -> tuple[Diagnostic, ...]:

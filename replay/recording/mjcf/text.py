@@ -92,12 +92,12 @@ def numbers(
     if text is None and default is not None:
         return default
     try:
-        found = tuple(float(word) for word in (text or "").replace(",", " ").split())
+        values = tuple(float(word) for word in (text or "").replace(",", " ").split())
     except ValueError:
-        found = ()
-    if len(found) != count or not np.isfinite(found).all():
+        values = ()
+    if len(values) != count or not np.isfinite(values).all():
         raise stop("replay/invalid-value", f"{name}='{text}' should be {count} finite numbers", file)
-    return found
+    return values
 
 
 @dataclass(frozen=True)
