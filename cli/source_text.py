@@ -60,34 +60,34 @@ def _lines(diagnostic: Diagnostic, root: Path, indent: str = "") -> list[str]:
 
 def _marks(diagnostic: Diagnostic) -> list[Mark]:
     """All places with a line, by file and line, the file of the main one first; one mark a place."""
-    found: dict[Location, Mark] = {}
+    marks: dict[Location, Mark] = {}
     if diagnostic.where.line is not None:
-        found[diagnostic.where] = (diagnostic.where, "", True)
+        marks[diagnostic.where] = (diagnostic.where, "", True)
     for label in diagnostic.labels:
         if label.where.line is not None:
-            found[label.where] = (label.where, label.text, label.where == diagnostic.where)
+            marks[label.where] = (label.where, label.text, label.where == diagnostic.where)
     main = diagnostic.where.file
-    return sorted(found.values(), key=lambda m: (m[0].file != main, m[0].file or "", m[0].line or 0, m[0].column or 0))
+    return sorted(marks.values(), key=lambda m: (m[0].file != main, m[0].file or "", m[0].line or 0, m[0].column or 0))
 
 
 def _excerpt(marks: list[Mark], source: tuple[str, ...], gutter: int, indent: str, style: str) -> list[str]:
     """The lines that carry marks, each mark underlined below its line; left-out lines are dots."""
-    made: list[str] = []
+    lines_shown: list[str] = []
     shown = sorted({at.line for at, _, _ in marks if at.line is not None})
     skips = {b for a, b in pairwise(shown) if b > a + 1}
     for number in shown:
         if number in skips:
-            made.append(f"{indent}[blue]...[/]")
+            lines_shown.append(f"{indent}[blue]...[/]")
         line = source[number - 1] if number <= len(source) else ""
-        made.append(f"{indent}[blue]{number:>{gutter}} |[/] {escape(line)}")
+        lines_shown.append(f"{indent}[blue]{number:>{gutter}} |[/] {escape(line)}")
         for at, words, main in marks:
             if at.line == number:
                 start = (at.column or 1) - 1
                 under = ("^" if main else "-") * max(1, _end(line, start) - start)
                 colour = style if main else "blue"
                 said = f" {escape(words)}" if words else ""
-                made.append(f"{indent}{' ' * gutter} [blue]|[/] {' ' * start}[{colour}]{under}{said}[/]")
-    return made
+                lines_shown.append(f"{indent}{' ' * gutter} [blue]|[/] {' ' * start}[{colour}]{under}{said}[/]")
+    return lines_shown
 
 
 def _end(line: str, start: int) -> int:

@@ -100,7 +100,7 @@ class ModelExtension(_Machine):
     effects: tuple[AppliedEffect, ...] = ()
 
 
-class Trap(_Machine):
+class ConventionCheck(_Machine):
     """One simulator convention that was checked before any physics was blamed."""
 
     name: str
@@ -194,7 +194,7 @@ class GapReport(_Machine):
     n_train: int
     n_test: int
     wall_s: float
-    traps: tuple[Trap, ...] = ()
+    traps: tuple[ConventionCheck, ...] = ()
     baseline: Baseline
     localisation: tuple[Localisation, ...] = ()
     hypotheses: tuple[Hypothesis, ...] = ()

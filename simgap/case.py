@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
-from schemas.gap import Trap
+from schemas.gap import ConventionCheck
 from sim.dynamics.body_rollout import BodyReplay
 from sim.dynamics.linkage_rollout import LinkageReplay
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout
@@ -24,7 +24,7 @@ from simgap.kinds.free_body.declared_model import build_body
 from simgap.kinds.free_body.problem import FreeBodyProblem
 from simgap.kinds.free_body.rigid import RigidMover
 from simgap.kinds.impact.problem import ImpactProblem
-from simgap.kinds.linkage.convention_checks import linkage_engine_traps
+from simgap.kinds.linkage.convention_checks import linkage_engine_checks
 from simgap.kinds.linkage.declared_model import build_linkage
 from simgap.kinds.linkage.tossed_body import LinkageMover
 from simgap.kinds.mechanism.apply_model import apply_terms
@@ -108,26 +108,26 @@ def mover_of(measurement: Measurement, engine: str, finer: float = 1.0) -> Rigid
     return RigidMover(build_body(spec, root), replays.body_replay(step_s))
 
 
-def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
+def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[ConventionCheck, ...]:
     """All conventions that were checked, by reading and by experiment."""
-    found = list(convention_checks.reader_traps(case.measurement, findings))
+    found = list(convention_checks.reader_checks(case.measurement, findings))
     problem = case.problem
     if isinstance(problem, EventProblem):
         return (*found, *problem.traps)  # No engine: the law is in closed form.
     if isinstance(problem, MechanismProblem):
         engine = replay_engine(case.engine)
-        found += convention_checks.joint_engine_traps(engine.mechanism_rollout, without_armature(problem.declared))
+        found += convention_checks.joint_engine_checks(engine.mechanism_rollout, without_armature(problem.declared))
         found.append(_joint_step_trap(case, problem))
         return tuple(found)
-    rate = convention_checks.rate_frame_trap(case.measurement)
+    rate = convention_checks.rate_frame_check(case.measurement)
     found += [rate] if rate else []
     # At small steps, so that a wrong convention is not confused with the error of a step.
     finer = mover_of(case.measurement, case.engine, _FINER)
     if isinstance(finer, LinkageMover):
-        found += linkage_engine_traps(finer)
+        found += linkage_engine_checks(finer)
     else:
-        found += convention_checks.body_engine_traps(finer.engine, finer.declared)
-    found.append(convention_checks.step_trap(problem, FreeBodyProblem(case.measurement, finer), case.trials.train))
+        found += convention_checks.body_engine_checks(finer.engine, finer.declared)
+    found.append(convention_checks.step_size_check(problem, FreeBodyProblem(case.measurement, finer), case.trials.train))
     finer.engine.close()
     return tuple(found)
 
@@ -138,7 +138,7 @@ def without_armature(model: MechanismModel) -> MechanismModel:
     return replace(model, tree=tree)
 
 
-def _joint_step_trap(case: Case, problem: MechanismProblem) -> Trap:
+def _joint_step_trap(case: Case, problem: MechanismProblem) -> ConventionCheck:
     """Our own roll-outs at steps four times smaller, against the readings' noise, over one second."""
     applied = apply_terms(problem.declared, ())
     trial = next(t for t in case.measurement.trials if t.id in case.trials.train)
@@ -146,7 +146,7 @@ def _joint_step_trap(case: Case, problem: MechanismProblem) -> Trap:
     plain, fine = (rollout(applied.mechanism, windows, largest_step_s=5e-3 / k)[0] for k in (1.0, _FINER))
     span = max(float(np.ptp(windows.q0)), float(np.ptp(trial.q)), 1e-9)
     moved = float(np.abs(plain - fine).max()) / span
-    return Trap(
+    return ConventionCheck(
         name="step_size",
         status="ok" if moved < 0.01 else "suspect",
         evidence=f"steps four times smaller move the first second by {moved:.2%} of the range",

@@ -17,7 +17,7 @@ from schemas.gap import (
     Localisation,
     ModelExtension,
     Rival,
-    Trap,
+    ConventionCheck,
 )
 from schemas.model import FloatArray
 from simgap.baselines.all_effects import all_effects_losses
@@ -29,9 +29,9 @@ from simgap.inference.forward_selection import MOST_EFFECTS, Selection, select
 from simgap.inference.losses import Comparison, compare, trial_losses
 from simgap.inference.verdict import judge
 from simgap.inference.verdict_text import NAMED
-from simgap.problem import Farsighted, Model, Problem, Timed, View, around
+from simgap.problem import LongHorizonProblem, Model, Problem, Timed, View, around
 from simgap.recording.train_test_split import Trials
-from simgap.sanity.input_pairing import others_inputs_trap, pairing_trap
+from simgap.sanity.input_pairing import other_inputs_check, pairing_check
 
 _NOISE_LOSS = 1.3  # mean loss, in typical errors, of noise that grows along a roll-out
 
@@ -51,7 +51,7 @@ def find_effects(
     *,
     measurement: str,
     horizon_s: float,
-    traps: tuple[Trap, ...] = (),
+    traps: tuple[ConventionCheck, ...] = (),
     localisation: tuple[Localisation, ...] = (),
     each: Map | None = None,
     quick: bool = False,
@@ -60,13 +60,13 @@ def find_effects(
 
     `quick` leaves out the baseline with all effects at once.
     """
-    others = others_inputs_trap(problem, search_view(problem))
+    others = other_inputs_check(problem, search_view(problem))
     mixed_up = others is not None and others.status == "suspect"
     selection = select(problem, trials, search_view(problem), each, 0 if mixed_up else MOST_EFFECTS)
     last = around(problem, selection.final.model)
     box = _black_box(last, selection, trials)
     leftover = compare(selection.final_losses, box)
-    pairing = pairing_trap(last, selection.final.model, trials.train, search_view(problem))
+    pairing = pairing_check(last, selection.final.model, trials.train, search_view(problem))
     doubts = [trap for trap in (others, pairing) if trap is not None]
     timing = last.timing() if isinstance(last, Timed) else None
     traps = (*traps, *doubts, *([timing] if timing else []))
@@ -103,7 +103,7 @@ def find_effects(
 
 def search_view(problem: Problem) -> View:
     """The roll-outs on which effects are chosen."""
-    return problem.search_view if isinstance(problem, Farsighted) else "short_horizon"
+    return problem.search_view if isinstance(problem, LongHorizonProblem) else "short_horizon"
 
 
 def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
@@ -126,7 +126,7 @@ def _in_tails(problem: Problem, selection: Selection, trials: Trials) -> float:
 
     Contacts make roll-outs part ways for no cause: there a model that is right has long tails, too.
     """
-    if not isinstance(problem, Farsighted):
+    if not isinstance(problem, LongHorizonProblem):
         return 0.0
     model, view = selection.final.model, search_view(problem)
     level = spread(problem, model, trials.train, view)

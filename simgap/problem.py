@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Protocol, runtime_checkable
 
-from schemas.gap import Place, Trap
+from schemas.gap import Place, ConventionCheck
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Effect
 
@@ -35,7 +35,7 @@ class Candidate:
     bounds: dict[str, tuple[float, float]]
     nuisance: bool = False
     shapes: tuple[str, ...] = ()
-    probes: tuple[dict[str, float], ...] = ()
+    extra_starts: tuple[dict[str, float], ...] = ()
     reached: dict[str, float] = field(default_factory=dict)
     told: dict[str, float] = field(default_factory=dict)
     step: float = 2e-3
@@ -80,7 +80,7 @@ class DirectEstimate:
 
 
 @runtime_checkable
-class Farsighted(Protocol):
+class LongHorizonProblem(Protocol):
     """A problem whose roll-outs stay near the truth for long: its effects are chosen on long horizons.
 
     Contacts make long roll-outs part ways for no cause; where there are none, what a cause does grows with time, and a
@@ -145,11 +145,11 @@ class Problem(Protocol):
 class Timed(Protocol):
     """A problem that finds out when its inputs act."""
 
-    def timing(self) -> Trap | None:
+    def timing(self) -> ConventionCheck | None:
         """What it found; None where stamps are even, or nothing else would do."""
         ...
 
 
 def around(problem: Problem, model: Model) -> Problem:
     """The problem as seen from `model`: where starts are free, what they do is taken there."""
-    return problem.around(model) if isinstance(problem, Farsighted) else problem
+    return problem.around(model) if isinstance(problem, LongHorizonProblem) else problem

@@ -144,9 +144,9 @@ def endpoint_stated(
     url: str | None, model: str | None, kind: str, seconds: float, usd_per_million: tuple[float, float] | None
 ) -> Endpoint:
     """The endpoint that the `--annotator-*` flags name. Raises typer.BadParameter for what cannot be asked."""
-    said = {"kind": kind, "url": url, "model": model, "seconds": seconds, "usd_per_million": usd_per_million}
+    stated = {"kind": kind, "url": url, "model": model, "seconds": seconds, "usd_per_million": usd_per_million}
     try:
-        return Endpoint.model_validate(said)
+        return Endpoint.model_validate(stated)
     except ValidationError as error:
         first = error.errors()[0]
         flag = {"seconds": "timeout", "usd_per_million": "price"}.get(str(first["loc"][0]), first["loc"][0])
@@ -275,14 +275,14 @@ def _rows(rows: list[dict[str, object]], as_json: bool) -> None:
 
 def _evidence_rows(record: dict) -> list[dict[str, object]]:
     """The headline values of a record, one row each."""
-    found: list[dict[str, object]] = []
+    rows: list[dict[str, object]] = []
     for section in ("geometry", "semantics", "physics", "source"):
         for key, value in record[section].items():
             if isinstance(value, dict) and "confidence" in value:
                 sure = f"{100 * value['confidence']:.0f} %"
                 source = f"{value['source']}: {value['method']}"
-                found.append({"what": key, "value": _short(value["value"]), "source": source, "sure": sure})
-    return found
+                rows.append({"what": key, "value": _short(value["value"]), "source": source, "sure": sure})
+    return rows
 
 
 def _short(value: object) -> str:

@@ -101,17 +101,17 @@ def _decision(
     if not by or not by.strip():
         raise typer.BadParameter("say who decides", param_hint="--by")
     fields = [_field_and_value(text_) for text_ in set_]
-    said = dict(fields)
-    if len(said) < len(fields):
+    statements = dict(fields)
+    if len(statements) < len(fields):
         raise typer.BadParameter("a field can be set once", param_hint="--set")
-    if name in meant.packages and len(meant.packages) > 1 and (whole := _OF_THE_FILE & set(said)):
+    if name in meant.packages and len(meant.packages) > 1 and (whole := _OF_THE_FILE & set(statements)):
         shown = " and ".join(sorted(whole))
         raise typer.BadParameter(
             f"{shown}: the same for all objects of the file; name {meant.source}", param_hint="--set"
         )
     try:
         return decision_about(
-            library, meant, name, set_=said, parts=_part_labels(part), accept=accept, by=by.strip(), reason=reason
+            library, meant, name, set_=statements, parts=_part_labels(part), accept=accept, by=by.strip(), reason=reason
         )
     except LookupError as nothing:
         raise typer.BadParameter(str(nothing), param_hint="ITEM") from None

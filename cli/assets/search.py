@@ -140,14 +140,16 @@ def _one_of(
     raise typer.BadParameter(f"'{value}' is not known; {hint}", param_hint=flag)
 
 
-def _json(request: str, found: SearchResult, limit: int) -> dict[str, object]:
+def _json(request: str, result: SearchResult, limit: int) -> dict[str, object]:
     return {
         "request": request,
-        "read": [{"words": w.words, "field": w.field, "as": w.reading, "optional": w.optional} for w in found.criteria],
-        "unmatched": [w.words for w in found.unmatched],
-        "total": len(found.hits),
-        "hits": [_row(hit) for hit in found.hits[:limit]],
-        "near": [_row(hit) for hit in found.near_misses],
+        "read": [
+            {"words": w.words, "field": w.field, "as": w.reading, "optional": w.optional} for w in result.criteria
+        ],
+        "unmatched": [w.words for w in result.unmatched],
+        "total": len(result.hits),
+        "hits": [_row(hit) for hit in result.hits[:limit]],
+        "near": [_row(hit) for hit in result.near_misses],
     }
 
 
@@ -177,20 +179,20 @@ def _match(result: Match) -> dict[str, object]:
     }
 
 
-def _show(found: SearchResult, limit: int) -> None:
-    for criterion in found.criteria:
+def _show(result: SearchResult, limit: int) -> None:
+    for criterion in result.criteria:
         text.console.print(
             f"[dim]'{escape(criterion.words)}' read as {escape(criterion.reading)}[/dim]", soft_wrap=True
         )
-    for criterion in found.unmatched:
+    for criterion in result.unmatched:
         text.console.print(f"[yellow]'{escape(criterion.words)}' matched nothing[/yellow]", soft_wrap=True)
-    shown = found.hits[:limit]
-    text.console.print(f"{len(found.hits)} found" + (f", {len(shown)} shown" if len(shown) < len(found.hits) else ""))
+    shown = result.hits[:limit]
+    text.console.print(f"{len(result.hits)} found" + (f", {len(shown)} shown" if len(shown) < len(result.hits) else ""))
     for hit in shown:
         _show_hit(hit)
-    if found.near_misses:
+    if result.near_misses:
         text.console.print("nearest misses:")
-        for hit in found.near_misses:
+        for hit in result.near_misses:
             _show_hit(hit)
 
 

@@ -40,7 +40,7 @@ class Spoiled:
 def spoil_package(package: Path) -> tuple[Spoiled, ...]:
     """Each of `SPOILS` in a copy of the released `package`, and what the gate and the outside validators say then."""
     clean = {_words(d) for d in validate_file(package / MAIN.format(name=package.name))}
-    found = []
+    spoiled = []
     with tempfile.TemporaryDirectory(prefix="mana") as folder:
         for number, (what, layer, attribute, change) in enumerate(SPOILS):
             copy = Path(folder) / str(number) / package.name
@@ -57,12 +57,12 @@ def spoil_package(package: Path) -> tuple[Spoiled, ...]:
                 if d.severity is not Severity.INFO and _words(d) not in clean
             ]
             outside = tuple(d for d in said if d.code in ("asset/simready-rule", "asset/usd-rule"))
-            found.append(Spoiled(what, tuple(d for d in said if d not in outside), outside))
-    return tuple(found)
+            spoiled.append(Spoiled(what, tuple(d for d in said if d not in outside), outside))
+    return tuple(spoiled)
 
 
-def _words(said: Diagnostic) -> tuple[str, str, str | None]:
-    return said.code, said.headline, said.where.prim
+def _words(diagnostic: Diagnostic) -> tuple[str, str, str | None]:
+    return diagnostic.code, diagnostic.headline, diagnostic.where.prim
 
 
 def _first_tenfold(text: str) -> str:

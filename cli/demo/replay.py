@@ -102,9 +102,9 @@ def _recording(folder: Path, arm: Path) -> Path:
 
 def _outlines(variant: Variant, packages: Path) -> list[tuple[str, BaseGeometry]]:
     """Name and outline in W of each object put in."""
-    found = []
+    outlines = []
     for one in variant.inserted:
         body = inserted_body(one, packages)
         corners = np.concatenate([apply(body.X_WA, circumscribed_hull(shape)) for shape in body.body.shapes])
-        found.append((one.asset_id, MultiPoint(corners[:, :2]).convex_hull))
-    return found
+        outlines.append((one.asset_id, MultiPoint(corners[:, :2]).convex_hull))
+    return outlines

@@ -37,8 +37,8 @@ def picture(plan: Plan, seed: int = 0) -> bytes:
     pools = sorted(one.pools, key=lambda pool: (-len(pool.things), -len(pool.cases)))[:3]
     homes = {thing.id: thing.place for thing in one.things}
     rows = [(pool, home) for pool in pools for home in sorted({homes[name] for name in pool.things})]
-    made = Figure(figsize=(3.0 * (_CASES + 1), 2.6 * len(rows)), layout="constrained")
-    grid = made.subplots(len(rows), _CASES + 1, squeeze=False)
+    sheet = Figure(figsize=(3.0 * (_CASES + 1), 2.6 * len(rows)), layout="constrained")
+    grid = sheet.subplots(len(rows), _CASES + 1, squeeze=False)
     for row, (pool, home) in zip(grid, rows, strict=True):
         owner, place = one.places[home]
         cases = sorted(pool.cases, key=lambda case: -case.weight)[:_CASES]
@@ -57,7 +57,7 @@ def picture(plan: Plan, seed: int = 0) -> bytes:
                     axes.text(*middle, pool.things[k], ha="center", va="center", fontsize=6)
             axes.set_title(f"{case.family.replace('_', ' ')}, on {owner}", fontsize=8)
         _origins(row[-1], plan, one, pool, home, seed)
-    return png(made)
+    return png(sheet)
 
 
 def _thing(one: PlanCombination, name: str) -> PlanThing:

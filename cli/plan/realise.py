@@ -56,15 +56,15 @@ class Layers:
         if material < 0:
             return SampleEdit(name, at, quat, package)
         own, worn = self._physical(body), self._plan.document.materials[material]
-        made = wearing(own.body, own.density_kgm3, worn)
-        density_factor = made.mass.mass_kg / own.body.mass.mass_kg if at is not None else 1.0
-        return SampleEdit(name, at, quat, package, worn, made.contact if is_paired(worn) else None, density_factor)
+        dressed = wearing(own.body, own.density_kgm3, worn)
+        density_factor = dressed.mass.mass_kg / own.body.mass.mass_kg if at is not None else 1.0
+        return SampleEdit(name, at, quat, package, worn, dressed.contact if is_paired(worn) else None, density_factor)
 
 
 def _scenes(folder: Path) -> dict[frozenset[tuple[str, str]], Path]:
     """Stages by their combination: a restricted plan counts its combinations anew."""
-    found = {}
+    files = {}
     for said in sorted(folder.glob("scene*.json")):
         scene = CompiledScene.model_validate_json(said.read_bytes())
-        found[frozenset(scene.combination.items())] = said.with_suffix(".usda")
-    return found
+        files[frozenset(scene.combination.items())] = said.with_suffix(".usda")
+    return files

@@ -38,7 +38,7 @@ def restrict_command(
     from scenec.plan.document import plan_text
 
     whole = load(plan)
-    kept = restrict(
+    restricted = restrict(
         whole,
         Restriction(
             split=split,
@@ -48,8 +48,8 @@ def restrict_command(
             lighting=lighting,
         ),
     )
-    write_atomically(out, plan_text(kept.document).encode())
-    count = len(kept.document.combinations)
+    write_atomically(out, plan_text(restricted.document).encode())
+    count = len(restricted.document.combinations)
     if as_json:
         print(json.dumps({"plan": str(out), "restricted_from": whole.sha256, "combinations": count}))
         return
@@ -57,10 +57,10 @@ def restrict_command(
 
 
 def _pairs(option: str, values: list[str] | None) -> dict[str, tuple[str, ...]]:
-    found: dict[str, tuple[str, ...]] = {}
+    pairs: dict[str, tuple[str, ...]] = {}
     for value in values or ():
         key, equals, names = value.partition("=")
         if not (key and equals and names):
             raise typer.BadParameter(f"{value!r} is not KEY=A,B", param_hint=option)
-        found[key] = (*found.get(key, ()), *names.split(","))
-    return found
+        pairs[key] = (*pairs.get(key, ()), *names.split(","))
+    return pairs

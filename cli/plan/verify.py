@@ -31,14 +31,14 @@ def judge_drawn(plan: Path, n: int, seed: int, jobs: int, progress: Progress) ->
     load(plan)  # a plan that cannot be used is refused here, not in a process of its own
     batches = [(plan, seed, start, min(BATCH, n - start)) for start in range(0, n, BATCH)]
     task = progress.add_task("judging", total=n)
-    found: list[Row] = []
+    violations: list[Row] = []
     pool = ProcessPoolExecutor(jobs, get_context("spawn")) if jobs > 1 else nullcontext()
     with pool as workers:
         verdicts: Iterable[list[Row]] = workers.map(_judged, batches) if workers else map(_judged, batches)
         for batch, rows in zip(batches, verdicts, strict=True):
-            found += rows
+            violations += rows
             progress.update(task, advance=batch[3])
-    return _verdict(n, found)
+    return _verdict(n, violations)
 
 
 def _judged(batch: tuple[Path, int, int, int]) -> list[Row]:

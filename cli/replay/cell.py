@@ -20,10 +20,10 @@ def checked(
 ) -> list[VariantCheck]:
     """The check of every variant below `out`. Raises InvalidInput, also where a library crashes (`replay/stopped`)."""
     paths = {"out": str(out), "packages": packages and str(packages), "meshes": meshes and str(meshes)}
-    found = ask("cli.replay.cell", {**paths, "clearance_m": clearance_m, "settle": settle}, LIMITS, out.name)
-    if "refused" in found:
-        raise InvalidInput(Diagnostic.model_validate(found["refused"]))
-    return [VariantCheck.model_validate(row) for row in found["checks"]]
+    reply = ask("cli.replay.cell", {**paths, "clearance_m": clearance_m, "settle": settle}, LIMITS, out.name)
+    if "refused" in reply:
+        raise InvalidInput(Diagnostic.model_validate(reply["refused"]))
+    return [VariantCheck.model_validate(row) for row in reply["checks"]]
 
 
 def check(given: dict[str, Any]) -> dict[str, Any]:

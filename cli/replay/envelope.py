@@ -57,8 +57,8 @@ def envelope_command(
     refinement = Tolerances() if probes else None
     settings = Settings(protrusion, clearance_m=clearance, simplification_m=simplification, probes=refinement)
     prepared = prepare(read_episode(episode, meshes, scene), settings, support or [])
-    found = prepared.envelope
-    rows = [_row(found, number) for number in range(len(found.bodies))]
+    envelope = prepared.envelope
+    rows = [_row(envelope, number) for number in range(len(envelope.bodies))]
     areas = {
         site.room.support.name: {"area_m2": site.room.support.area.area, "taken_by": site.room.blocked_by(0.1)}
         for site in prepared.sites
@@ -70,13 +70,13 @@ def envelope_command(
         "bodies": rows,
         "supports": areas,
     }
-    if len(found.body):
-        points, triangles = zero_surface(*signed_distance(found, 0.01))
+    if len(envelope.body):
+        points, triangles = zero_surface(*signed_distance(envelope, 0.01))
         mesh = trimesh.Trimesh(points, triangles, process=False).export(file_type="ply")
         write_atomically(out / MESH, mesh)  # pyright: ignore[reportArgumentType]
     write_atomically(out / PICTURE, picture(prepared))
-    columns = {term: getattr(found, term) for term in (*_TERMS, "body", "start_W", "end_W", "t_from_s", "t_to_s")}
-    np.savez_compressed(out / CAPSULES, bodies=np.array(found.bodies), **columns)  # pyright: ignore[reportArgumentType]
+    columns = {term: getattr(envelope, term) for term in (*_TERMS, "body", "start_W", "end_W", "t_from_s", "t_to_s")}
+    np.savez_compressed(out / CAPSULES, bodies=np.array(envelope.bodies), **columns)  # pyright: ignore[reportArgumentType]
     write_atomically(out / LEDGER, (json.dumps(report, indent=1) + "\n").encode())
     if as_json:
         print(json.dumps(report, indent=1))

@@ -25,8 +25,8 @@ def picture(prepared: Prepared, put: Sequence[tuple[str, BaseGeometry]] = ()) ->
     """PNG. Left from above: free (green) and taken (red) parts of supports up to 0.1 m, and objects put in, by name and
     outline in W. Right from the side: the middle lines of the envelope's capsules, a colour for each body.
     """
-    made = figure(11.0, 4.6)
-    above, side = made.subplots(1, 2, gridspec_kw={"width_ratios": [1.0, 1.1]})
+    sheet = figure(11.0, 4.6)
+    above, side = sheet.subplots(1, 2, gridspec_kw={"width_ratios": [1.0, 1.1]})
     for site in prepared.sites:
         support = site.room.support
         _fill(above, support.area, _SWEPT, "#b0563f")
@@ -44,7 +44,7 @@ def picture(prepared: Prepared, put: Sequence[tuple[str, BaseGeometry]] = ()) ->
         axes.set_xlabel(x)
         axes.set_ylabel(y)
         axes.spines[["top", "right"]].set_visible(False)
-    return png(made)
+    return png(sheet)
 
 
 def _side(axes: Axes, envelope: Envelope) -> None:

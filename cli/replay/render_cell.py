@@ -39,9 +39,9 @@ def draw(given: dict[str, Any]) -> dict[str, Any]:
         raise InvalidInput(finding("replay/missing-camera", str(error))) from None
     shutil.rmtree(folder / PICTURES, ignore_errors=True)
     fresh.rename(folder / PICTURES)
-    made = {"key": key, "frames": figures["frames"]}
-    write_atomically(note, json.dumps(made).encode())
-    return made
+    note_content = {"key": key, "frames": figures["frames"]}
+    write_atomically(note, json.dumps(note_content).encode())
+    return note_content
 
 
 if __name__ == "__main__":

@@ -30,12 +30,12 @@ def moved(before: Compiled | None, after: Compiled) -> int | None:
 
 
 def _stamps(root: Path) -> dict[Path, tuple[int, int]]:
-    found = {}
+    stamps = {}
     for pattern in ("**/*.yaml", "**/*.yml"):
         for file in root.glob(pattern):
             try:
                 state = file.stat()
             except OSError:  # An editor may write a file by putting another in its place.
                 continue
-            found[file] = state.st_mtime_ns, state.st_size
-    return found
+            stamps[file] = state.st_mtime_ns, state.st_size
+    return stamps

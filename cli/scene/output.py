@@ -73,13 +73,13 @@ def write_report(report: CompileReport, out: Path) -> None:
 def write_graphs(compiled: Compiled, out: Path) -> tuple[Path, ...]:
     """Write the interaction graph of every combination as `graph.dot` and `graph.json`, numbered like the scenes."""
     out.mkdir(parents=True, exist_ok=True)
-    made = []
+    written = []
     for index, graph in enumerate(compiled.graphs):
         stem = GRAPH if index == 0 else f"{GRAPH}-{index + 1}"
         for suffix, words in (("dot", graph.dot()), ("json", graph.json())):
-            made.append(out / f"{stem}.{suffix}")
-            write_atomically(made[-1], words.encode())
-    return tuple(made)
+            written.append(out / f"{stem}.{suffix}")
+            write_atomically(written[-1], words.encode())
+    return tuple(written)
 
 
 def draw_plan(compiled: Compiled, out: Path) -> Path | None:

@@ -34,7 +34,7 @@ class Tolerances:
 def probed(robot: Robot, t_s: FloatArray, points: list[FloatArray], tolerances: Tolerances) -> Course:
     """The linear course, refined by probing points[l] (k, 3) of every link l."""
     first = np.arange(max(len(t_s) - 1, 0), dtype=float)
-    last, kept = first + 1.0, [first]
+    last, places = first + 1.0, [first]
     for _ in range(_DEEPEST):
         wide = ~_within(robot, t_s, points, first, last, tolerances)
         if not wide.any():

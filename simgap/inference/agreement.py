@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 from scipy import stats
 
-from simgap.inference.candidate_fit import Trial
-from simgap.inference.direct_comparison import DIRECT_LEVEL
-from simgap.inference.parametric_bootstrap import Numerics
+from simgap.inference.candidate_fit import CandidateFit
+from simgap.inference.direct_comparison import DIRECT_ALPHA
+from simgap.inference.parametric_bootstrap import MethodBias
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
 
 AGREE_ERRORS = 3.0
@@ -19,7 +19,7 @@ _LOOKS = 2.0  # at losses and at strengths, as on roll-outs
 _HELD = 1e-6  # a range so narrow holds a value, relative
 
 
-def agrees(found: Trial) -> bool | None:
+def agrees(found: CandidateFit) -> bool | None:
     """Whether the direct estimate says the same as the fit; None where there is no direct route."""
     if found.direct is None:
         return None
@@ -35,12 +35,12 @@ def agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool:
     noise = float(np.hypot(direct.standard_errors[strength], widths.get(strength, 0.0) / 1.96))
     slack = max(AGREE_ERRORS * noise, AGREE_SHARE * max(abs(step), abs(direct.values[strength] - null)))
     one_way = step * (direct.values[strength] - null) > 0.0
-    return _heard(direct, term.candidate, strength) and one_way and abs(apart) <= slack
+    return _is_significant(direct, term.candidate, strength) and one_way and abs(apart) <= slack
 
 
-def said_directly(
+def direct_agreement(
     problem: Problem,
-    found: Trial,
+    found: CandidateFit,
     term: Term,
     widths: dict[str, float],
     others: Model,
@@ -64,22 +64,22 @@ def said_directly(
     return _shapes_of(said, pinned, term.candidate), True
 
 
-def beyond(term: Term, direct: DirectEstimate, made_up: Numerics) -> bool:
+def beyond(term: Term, direct: DirectEstimate, method_bias: MethodBias) -> bool:
     """Whether the direct route sees more of some strength than it makes up where there is none."""
     null = term.candidate.null
-    return not made_up.direct or any(abs(direct.values[n] - null[n]) > least for n, least in made_up.direct.items())
+    return not method_bias.direct or any(abs(direct.values[n] - null[n]) > least for n, least in method_bias.direct.items())
 
 
-def _heard(direct: DirectEstimate, candidate: Candidate, strength: str) -> bool:
+def _is_significant(direct: DirectEstimate, candidate: Candidate, strength: str) -> bool:
     """Whether a direct estimate differs from none beyond chance: by trials held out, or by its error over trials.
 
     The second sees far smaller effects, as on roll-outs; it says nothing of a threshold, which is sharp anywhere.
     """
     error = direct.standard_errors[strength]
-    if direct.p_value < DIRECT_LEVEL or candidate.probes or direct.trials < 2 or error <= 0.0:
-        return direct.p_value < DIRECT_LEVEL
+    if direct.p_value < DIRECT_ALPHA or candidate.extra_starts or direct.trials < 2 or error <= 0.0:
+        return direct.p_value < DIRECT_ALPHA
     t = abs(direct.values[strength] - candidate.null[strength]) / error
-    return bool(_LOOKS * 2.0 * stats.t.sf(t, direct.trials - 1) < DIRECT_LEVEL)
+    return bool(_LOOKS * 2.0 * stats.t.sf(t, direct.trials - 1) < DIRECT_ALPHA)
 
 
 def _shapes_of(free: DirectEstimate, pinned: DirectEstimate, candidate: Candidate) -> DirectEstimate:

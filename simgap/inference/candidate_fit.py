@@ -11,19 +11,19 @@ from simgap.inference.fit import Fit, is_twin
 from simgap.inference.losses import Comparison, adjusted, compare, met, met_p
 from simgap.problem import Candidate, DirectEstimate
 
-LEVEL = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
+ALPHA = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
 _SINGLED_OUT = 0.5  # of the loss that the direct route leaves with the next best candidate
 _LEAST_GAIN = 0.04  # a share of the loss (half of it of the error), or of the noise, below which nothing has a name
-_TOLD_GAIN = 0.01  # the same of what a route without simulator surely tells: it may hardly help beside other causes
+_CONFIRMED_LEAST_GAIN = 0.01  # the same of what a route without simulator surely tells: it may hardly help beside other causes
 
 
 def least_gain(candidate: Candidate) -> float:
     """Share of the loss, or of the noise, below which the candidate has no name."""
-    return _TOLD_GAIN if candidate.told else _LEAST_GAIN
+    return _CONFIRMED_LEAST_GAIN if candidate.direct_half_width else _LEAST_GAIN
 
 
 @dataclass(frozen=True)
-class Trial:
+class CandidateFit:
     """One candidate tried on top of a base model: its fit, and how it does on training trials held out in turn."""
 
     candidate: Candidate
@@ -33,14 +33,14 @@ class Trial:
     delta_bic: float
 
 
-Map = Callable[[Callable[[Candidate], Trial], Iterable[Candidate]], Iterable[Trial]]
+Map = Callable[[Callable[[Candidate], CandidateFit], Iterable[Candidate]], Iterable[CandidateFit]]
 
 
 @dataclass(frozen=True)
-class Round:
+class Screening:
     """All candidates tried on one base, best first; `p_adjusted` beside them."""
 
-    tried: tuple[Trial, ...]
+    tried: tuple[CandidateFit, ...]
     p_adjusted: tuple[float, ...]
 
     def p_of(self, key: str) -> float:
@@ -48,7 +48,7 @@ class Round:
         return next((p for t, p in zip(self.tried, self.p_adjusted, strict=True) if t.candidate.key == key), 1.0)
 
 
-def round_of(tried: Sequence[Trial]) -> Round:
+def screening_of(tried: Sequence[CandidateFit]) -> Screening:
     """The trials of all candidates on one base, best first, with Holm's correction for their number.
 
     Three or four trials that meet a threshold cannot speak below a hundredth, however clearly each of them does. Where
@@ -57,12 +57,12 @@ def round_of(tried: Sequence[Trial]) -> Round:
     ordered = sorted(tried, key=lambda t: (-t.comparison.gain, t.candidate.key))
     p = [float(v) for v in adjusted([t.comparison.p_value for t in ordered])]
     for k, t in enumerate(ordered):
-        if t.candidate.probes and _singled_out(t, ordered):
+        if t.candidate.extra_starts and _singled_out(t, ordered):
             p[k] = t.comparison.p_value
-    return Round(tuple(ordered), tuple(p))
+    return Screening(tuple(ordered), tuple(p))
 
 
-def _singled_out(found: Trial, tried: Sequence[Trial]) -> bool:
+def _singled_out(found: CandidateFit, tried: Sequence[CandidateFit]) -> bool:
     """Whether the direct route leaves far less with it than with any other, of the trials that it changes.
 
     Most others change next to nothing: their median is what is left without it.
@@ -77,19 +77,19 @@ def _singled_out(found: Trial, tried: Sequence[Trial]) -> bool:
     return bool(own[changed].sum() < _SINGLED_OUT * min(other[changed].sum() for other in left))
 
 
-def told_loss(found: Trial) -> float:
+def direct_held_out_loss(found: CandidateFit) -> float:
     """What the direct estimate leaves of the loss, by trials held out in turn; infinite where there is none."""
     direct = found.direct
     return np.inf if direct is None or direct.held_out is None else float(direct.held_out.sum())
 
 
-def tried_on(base: Fit, extended: Fit, direct: DirectEstimate | None) -> Trial:
+def tried_on(base: Fit, extended: Fit, direct: DirectEstimate | None) -> CandidateFit:
     """The last term of `extended` as a candidate on top of `base`; both fitted to errors of the same trials."""
     comparison = compare(base.held_out, extended.held_out)
-    if extended.free[-1].probes:
+    if extended.free[-1].extra_starts:
         comparison = replace(comparison, p_value=met_p(base.held_out, extended.held_out))
     comparison = replace(comparison, p_value=chance(comparison, extended))
-    return Trial(extended.free[-1], extended, comparison, direct, _delta_bic(base, extended))
+    return CandidateFit(extended.free[-1], extended, comparison, direct, _delta_bic(base, extended))
 
 
 def chance(comparison: Comparison, extended: Fit) -> float:
@@ -97,7 +97,7 @@ def chance(comparison: Comparison, extended: Fit) -> float:
 
     The strength of a threshold says nothing: there it is one look.
     """
-    if extended.free[-1].probes:
+    if extended.free[-1].extra_starts:
         return comparison.p_value
     return min(1.0, 2.0 * min(comparison.p_value, extended.p_value))
 

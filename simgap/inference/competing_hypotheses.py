@@ -9,17 +9,17 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from simgap.inference.candidate_fit import LEVEL, Map, Round, Trial, chance, least_gain, tried_on, warm_without
+from simgap.inference.candidate_fit import ALPHA, Map, Screening, CandidateFit, chance, least_gain, tried_on, warm_without
 from simgap.inference.fit import Errors, Fit, extend, fit, is_twin
 from simgap.inference.losses import compare, paired_p
-from simgap.inference.search_state import Standpoint
+from simgap.inference.search_state import SearchState
 from simgap.problem import Candidate, Term
 
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
 AS_GOOD = 0.05  # level at which the best beats another
 AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
 # The same of a known double: declared numbers that stay free beside one of the two, and not beside the other, do more.
-_DOUBLES_AHEAD = 0.15
+_CONFUSABLE_AHEAD = 0.15
 _SMOOTHED = 0.002  # share of what the best takes away by which it must be ahead
 _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
 _LITTLE_MORE = 2.0  # times what the best leaves: what leaves more was no match for it
@@ -31,7 +31,7 @@ _RICHER = 1  # parameters more that a rival of another kind may have: a spring h
 _BEATEN_TOGETHER, _TOGETHER = 0.01, 0.8
 
 
-def beside_others(here: Standpoint, found: Trial, others: Sequence[Trial], each: Map) -> tuple[Fit, Trial, list[Trial]]:
+def beside_others(here: SearchState, found: CandidateFit, others: Sequence[CandidateFit], each: Map) -> tuple[Fit, CandidateFit, list[CandidateFit]]:
     """The model without one accepted effect, the best in its place, and it and `others` tried there, best first.
 
     Another takes the place of what was found only if it is better beyond chance, or simpler and no worse.
@@ -40,7 +40,7 @@ def beside_others(here: Standpoint, found: Trial, others: Sequence[Trial], each:
     now = {t.candidate.key: t.values for t in here.base.model}
     before = {t.candidate.key: t.fit.model[-1].values for t in (found, *others)}
 
-    def instead(candidate: Candidate) -> Trial:
+    def instead(candidate: Candidate) -> CandidateFit:
         values = before[candidate.key]
         starts = [now.get(candidate.key, values), values]
         direct = here.problem.direct(candidate, kept.model, here.trials.train)
@@ -54,7 +54,7 @@ def beside_others(here: Standpoint, found: Trial, others: Sequence[Trial], each:
     return kept, next(simpler, best), tried
 
 
-def challengers(found: Trial, this: Round, rivals: Collection[str], base: Fit) -> list[Trial]:
+def alternatives(found: CandidateFit, this: Screening, rivals: Collection[str], base: Fit) -> list[CandidateFit]:
     """What may stand in the place of an accepted effect: its rivals, then its doubles and all that left little more.
 
     Two causes together may be mimicked by a double of one of them, which leaves far less than that one alone.
@@ -64,23 +64,23 @@ def challengers(found: Trial, this: Round, rivals: Collection[str], base: Fit) -
     free = [t for t in this.tried if t.candidate.key not in taken]
     known = [t for t in free if t.candidate.key in rivals]
     judged = [t for t in free if t.comparison.gain > 0.0 and t.candidate.key not in rivals]
-    doubles = [t for t in judged if are_doubles(t.candidate, found.candidate)]
-    near = (t for t in judged if float(t.fit.held_out.sum()) < most and not are_doubles(t.candidate, found.candidate))
+    doubles = [t for t in judged if are_confusable(t.candidate, found.candidate)]
+    near = (t for t in judged if float(t.fit.held_out.sum()) < most and not are_confusable(t.candidate, found.candidate))
     return [*known, *doubles, *near][:_MOST_RIVALS]
 
 
-def are_doubles(one: Candidate, other: Candidate) -> bool:
+def are_confusable(one: Candidate, other: Candidate) -> bool:
     """Whether the library says of either that it looks like the other."""
     named = {c.effect for c in one.effect.confusables}
     return other.effect.name in named or one.effect.name in {c.effect for c in other.effect.confusables}
 
 
-def replacement(this: Round, base: Fit, accepted: Sequence[Trial]) -> tuple[int, Trial] | None:
+def replacement(this: Screening, base: Fit, accepted: Sequence[CandidateFit]) -> tuple[int, CandidateFit] | None:
     """The best of a round where an accepted effect all but vanishes beside it, and the place of that effect."""
     if not this.tried:
         return None
     best = this.tried[0]
-    if this.p_adjusted[0] >= LEVEL or best.comparison.gain <= least_gain(best.candidate):
+    if this.p_adjusted[0] >= ALPHA or best.comparison.gain <= least_gain(best.candidate):
         return None
     for place, found in enumerate(accepted):
         term = next(t for t in base.model if t.candidate.key == found.candidate.key)
@@ -89,7 +89,7 @@ def replacement(this: Round, base: Fit, accepted: Sequence[Trial]) -> tuple[int,
     return None
 
 
-def takes_a_place(extended: Fit, base: Fit) -> bool:
+def replaces_an_effect(extended: Fit, base: Fit) -> bool:
     """Whether an effect accepted before all but vanishes beside the new one: that is another name, not one more."""
     return any(vanishes(term, extended) for term in base.model)
 
@@ -105,33 +105,33 @@ def vanishes(term: Term, extended: Fit) -> bool:
     )
 
 
-def in_its_place(this: Round, base: Fit, found: Trial, known: Sequence[Trial]) -> list[Trial]:
+def possible_replacements(this: Screening, base: Fit, found: CandidateFit, known: Sequence[CandidateFit]) -> list[CandidateFit]:
     """Significant candidates beside which what was found before all but vanishes: they may be what it is."""
     term = next(t for t in base.model if t.candidate.key == found.candidate.key)
     taken = {t.candidate.key for t in known}
     return [
         trial
         for trial, p in zip(this.tried, this.p_adjusted, strict=True)
-        if p < LEVEL and trial.candidate.key not in taken and vanishes(term, trial.fit)
+        if p < ALPHA and trial.candidate.key not in taken and vanishes(term, trial.fit)
     ]
 
 
-def as_good_together(
+def as_good_with_confusable(
     errors: Errors,
     base: Fit,
     nuisances: Sequence[Candidate],
-    found: Trial,
-    doubles: Sequence[Trial],
-    best: Trial,
-    others: Sequence[Trial],
-) -> list[Trial]:
+    found: CandidateFit,
+    doubles: Sequence[CandidateFit],
+    best: CandidateFit,
+    others: Sequence[CandidateFit],
+) -> list[CandidateFit]:
     """Which of `others` do as well in the place of `best` once `found` gives way to one of its doubles.
 
     Two causes may stand for two others where neither does alone: friction by load and a weight for dry friction and a
     spring. Without the double the spring would look refuted.
     """
     kept = warm_without(base, [found.candidate, best.candidate], nuisances)
-    out: list[Trial] = []
+    out: list[CandidateFit] = []
     for double in doubles:
         others_kept = [c for c in kept if not is_twin(c, double.candidate)]
         near = fit(errors, [*others_kept, replace(double.candidate, start=double.fit.model[-1].values)])
@@ -149,23 +149,23 @@ def as_good_together(
     return out
 
 
-def simpler_and_as_good(simpler: Trial, best: Trial) -> bool:
+def simpler_and_as_good(simpler: CandidateFit, best: CandidateFit) -> bool:
     """Whether a candidate has fewer parameters, gains nearly what the best does, and is not beaten by it."""
     fewer = len(simpler.candidate.null) < len(best.candidate.null)
     near = simpler.comparison.gain > _NEARLY * best.comparison.gain
-    significant = simpler.comparison.p_value < LEVEL
+    significant = simpler.comparison.p_value < ALPHA
     return fewer and near and significant and paired_p(simpler.fit.held_out, best.fit.held_out) > AS_GOOD
 
 
-def beaten(rival: Trial, best: Trial) -> bool:
+def beaten(rival: CandidateFit, best: CandidateFit) -> bool:
     """Whether the best leaves less than the rival, beyond chance and by more than smoothing may do."""
     ahead = compare(rival.fit.held_out, best.fit.held_out)
-    if are_doubles(rival.candidate, best.candidate) and ahead.gain < _DOUBLES_AHEAD:
+    if are_confusable(rival.candidate, best.candidate) and ahead.gain < _CONFUSABLE_AHEAD:
         return False
     return ahead.p_value < AS_GOOD and clearly_less(rival.fit, best.fit, best)
 
 
-def clearly_less(rival: Fit, better: Fit, best: Trial) -> bool:
+def clearly_less(rival: Fit, better: Fit, best: CandidateFit) -> bool:
     """Whether `better` leaves less than `rival` by more than smoothing may do, of what is left and what `best` takes.
 
     Readings and inputs are shifted and smoothed on the way to either: that errs with the size of what is hidden.
@@ -176,7 +176,7 @@ def clearly_less(rival: Fit, better: Fit, best: Trial) -> bool:
     return left - least > max(AHEAD_GAIN * left, _SMOOTHED * taken)
 
 
-def inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[Trial, ...]:
+def inseparable(errors: Errors, best: CandidateFit, tried: Sequence[CandidateFit]) -> tuple[CandidateFit, ...]:
     """Rivals that do as well as the best, and on top of which the best adds nothing."""
     found = []
     for rival in tried:
@@ -194,8 +194,8 @@ def inseparable(errors: Errors, best: Trial, tried: Sequence[Trial]) -> tuple[Tr
             continue
         both = extend(errors, rival.fit, best.candidate, [best.fit.model[-1].values, best.candidate.start])
         over_rival = compare(rival.fit.held_out, both.held_out)
-        little = are_doubles(rival.candidate, best.candidate) and over_rival.gain < _DOUBLES_AHEAD
-        if not little and chance(over_rival, both) < LEVEL and clearly_less(rival.fit, both, best):
+        little = are_confusable(rival.candidate, best.candidate) and over_rival.gain < _CONFUSABLE_AHEAD
+        if not little and chance(over_rival, both) < ALPHA and clearly_less(rival.fit, both, best):
             continue
         found.append(rival)
     return tuple(found)

@@ -51,7 +51,7 @@ class Fit:
     @cached_property
     def half_widths(self) -> dict[str, dict[str, float]]:
         """Half 95 % intervals by key and parameter, SI; at the end of a range as sure as what set it, if that is."""
-        return {c.key: {n: self._trials_say[c.key][n] or c.told.get(n, 0.0) for n in c.null} for c in self.free}
+        return {c.key: {n: self._trials_say[c.key][n] or c.direct_half_width.get(n, 0.0) for n in c.null} for c in self.free}
 
     @cached_property
     def _trials_say(self) -> dict[str, dict[str, float]]:
@@ -81,7 +81,7 @@ class Fit:
         candidate = self.free[-1]
         term, widths, n = self.model[-1], self._trials_say[candidate.key], len(self.losses)
         names = [name for name in candidate.strengths if widths[name] > 0.0]
-        if not names or n < 2 or candidate.probes:  # A threshold is sharp wherever it lies: that does not make it real.
+        if not names or n < 2 or candidate.extra_starts:  # A threshold is sharp wherever it lies: that does not make it real.
             return 1.0
         most = float(stats.t.ppf(0.975, n - 1))
         t = max(abs(term.values[name] - candidate.null[name]) / widths[name] * most for name in names)
@@ -101,12 +101,12 @@ def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: F
         found = problem.residuals(model, trials, view)
         levels = np.nan_to_num(np.concatenate(found) / scale)
         ends = np.cumsum([len(r) for r in found])[:-1]
-        return clusters(np.split(np.minimum(np.maximum(levels, -_CLIP), _CLIP), ends))
+        return resampling_units(np.split(np.minimum(np.maximum(levels, -_CLIP), _CLIP), ends))
 
     return errors
 
 
-def clusters(by_trial: Sequence[FloatArray]) -> list[FloatArray]:
+def resampling_units(by_trial: Sequence[FloatArray]) -> list[FloatArray]:
     """Rows (k, c) of trials as flat arrays, one per trial; few trials are cut into stretches, which stand for them."""
     parts = -(-_LEAST_CLUSTERS // len(by_trial))
     if parts <= 1:
@@ -180,9 +180,9 @@ def promising(errors: Errors, base: Fit, candidate: Candidate) -> list[dict[str,
         dict(candidate.start),
         {**candidate.start, **{n: v for n, v in candidate.null.items() if n not in shapes}},
     ]
-    if shapes and not candidate.probes:
+    if shapes and not candidate.extra_starts:
         return [*starts, *_best_shapes(errors, base, model, candidate, shapes)]
-    scanned = [(_cost(errors((*model, Term(candidate, values)))), values) for values in candidate.probes]
+    scanned = [(_cost(errors((*model, Term(candidate, values)))), values) for values in candidate.extra_starts]
     for name, (low, high) in candidate.bounds.items():
         for share in np.linspace(0.02, 0.98, _FEW):
             values = {**candidate.start, name: low + float(share) * (high - low)}

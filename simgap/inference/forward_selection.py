@@ -14,25 +14,25 @@ from itertools import combinations
 import numpy as np
 
 from schemas.model import FloatArray
-from simgap.inference.candidate_fit import LEVEL, Map, Round, Trial, least_gain, warm_without
+from simgap.inference.candidate_fit import ALPHA, Map, Screening, CandidateFit, least_gain, warm_without
 from simgap.inference.competing_hypotheses import (
     AS_GOOD,
-    as_good_together,
+    as_good_with_confusable,
     beaten,
     beside_others,
-    challengers,
-    in_its_place,
+    alternatives,
+    possible_replacements,
     inseparable,
     replacement,
     simpler_and_as_good,
-    takes_a_place,
+    replaces_an_effect,
 )
-from simgap.inference.direct_comparison import told_apart
+from simgap.inference.direct_comparison import distinguishes
 from simgap.inference.fit import Errors, Fit, extend, fit, rollout_errors, spread
 from simgap.inference.losses import CLEAR, LITTLE, change, paired_p, trial_losses
-from simgap.inference.parametric_bootstrap import Numerics, numerics
+from simgap.inference.parametric_bootstrap import MethodBias, estimate_method_bias
 from simgap.inference.screening import try_all
-from simgap.inference.search_state import Standpoint, stand_at
+from simgap.inference.search_state import SearchState, refit_at
 from simgap.problem import Problem, View, around
 from simgap.recording.train_test_split import Trials
 
@@ -51,11 +51,11 @@ class Accepted:
     removed      loss that comes back without it, as a share of what is left in the end.
     """
 
-    trial: Trial
-    round: Round
+    trial: CandidateFit
+    round: Screening
     p_adjusted: float
-    rivals: tuple[Trial, ...]
-    made_up: Numerics
+    rivals: tuple[CandidateFit, ...]
+    method_bias: MethodBias
     removed: float = np.inf
 
     @property
@@ -74,13 +74,13 @@ class Selection:
     null: Fit
     null_losses: FloatArray
     accepted: tuple[Accepted, ...]
-    undecided: Round | None
+    undecided: Screening | None
     final: Fit
     final_losses: FloatArray
     scale: FloatArray
 
     @property
-    def rounds(self) -> tuple[Round, ...]:
+    def rounds(self) -> tuple[Screening, ...]:
         """One per accepted effect, and the last if none was taken there."""
         return (*(a.round for a in self.accepted), *([self.undecided] if self.undecided else []))
 
@@ -94,16 +94,16 @@ def select(
     """
     each = each or (lambda work, items: map(work, items))
     level = spread(problem, (), trials.train, view)
-    here = stand_at(problem, trials, view, fit(rollout_errors(problem, trials.train, view, level), problem.nuisances()))
+    here = refit_at(problem, trials, view, fit(rollout_errors(problem, trials.train, view, level), problem.nuisances()))
     null = here.base
     accepted: list[Accepted] = []
-    undecided: Round | None = None
+    undecided: Screening | None = None
     swaps = 0
     while True:
         for _ in accepted:  # What takes a place changes what the others stand beside.
             before = [a.key for a in accepted]
             for place in range(len(accepted)):
-                here, accepted[place] = _asked_again(here, accepted[place], each)
+                here, accepted[place] = _tested_again(here, accepted[place], each)
             if before == [a.key for a in accepted]:
                 break
         if len(accepted) == most:
@@ -113,23 +113,23 @@ def select(
         swapped = _swapped(here, this, accepted, each) if swaps < most else None
         if swapped is not None:
             place, accepted[place] = swapped
-            here, swaps = stand_at(problem, trials, view, accepted[place].trial.fit), swaps + 1
+            here, swaps = refit_at(problem, trials, view, accepted[place].trial.fit), swaps + 1
             continue
-        accepted = [replace(a, rivals=(*a.rivals, *in_its_place(this, here.base, a.trial, a.rivals))) for a in accepted]
+        accepted = [replace(a, rivals=(*a.rivals, *possible_replacements(this, here.base, a.trial, a.rivals))) for a in accepted]
         found = _next(here, this)
         if found is None:
             undecided = this
             break
         accepted.append(found)
-        here = stand_at(problem, trials, view, found.trial.fit)
-    accepted = [replace(a, removed=_removed(here, a)) for a in _with_doubles(here, accepted)]
+        here = refit_at(problem, trials, view, found.trial.fit)
+    accepted = [replace(a, removed=_removed(here, a)) for a in _with_rivals_beside_confusable(here, accepted)]
     last = around(problem, here.base.model)
     scale = spread(last, null.model, trials.train, view)
     null_losses, losses = (trial_losses(last.residuals(f.model, trials.test, view), scale) for f in (null, here.base))
     return Selection(null, null_losses, tuple(accepted), undecided, here.base, losses, scale)
 
 
-def _asked_again(here: Standpoint, found: Accepted, each: Map) -> tuple[Standpoint, Accepted]:
+def _tested_again(here: SearchState, found: Accepted, each: Map) -> tuple[SearchState, Accepted]:
     """What was chosen before the others were known, asked again beside them; the base follows a better one.
 
     What was accepted since is no rival any more; rivals that there is no time to ask stay.
@@ -137,14 +137,14 @@ def _asked_again(here: Standpoint, found: Accepted, each: Map) -> tuple[Standpoi
     taken = {c.key for c in here.base.free}
     found = replace(found, rivals=tuple(r for r in found.rivals if r.candidate.key not in taken))
     before = {r.candidate.key for r in found.rivals}
-    others = challengers(found.trial, found.round, before, here.base)
+    others = alternatives(found.trial, found.round, before, here.base)
     if not others:
         return here, found
     kept, best, tried = beside_others(here, found.trial, others, each)
-    made_up = found.made_up
+    method_bias = found.method_bias
     if best.candidate.key != found.key:
-        made_up = numerics(here.problem, here.trials.train, here.view, kept.model, best.fit.model)
-        if not _exceeds(best, made_up):
+        method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, kept.model, best.fit.model)
+        if not _exceeds(best, method_bias):
             best = next(t for t in tried if t.candidate.key == found.key)
     asked = {t.candidate.key for t in tried}
     unasked = (r for r in found.rivals if r.candidate.key not in asked)
@@ -153,10 +153,10 @@ def _asked_again(here: Standpoint, found: Accepted, each: Map) -> tuple[Standpoi
     found = replace(found, rivals=(*unasked, *still, *fresh))
     if best.candidate.key == found.key:
         return here, found
-    return replace(here, base=best.fit), _in_place(found, best, made_up)
+    return replace(here, base=best.fit), _in_place(found, best, method_bias)
 
 
-def _swapped(here: Standpoint, this: Round, accepted: Sequence[Accepted], each: Map) -> tuple[int, Accepted] | None:
+def _swapped(here: SearchState, this: Screening, accepted: Sequence[Accepted], each: Map) -> tuple[int, Accepted] | None:
     """What does the work of an accepted effect, and more, in its place: asked before anything is added."""
     instead = replacement(this, here.base, [a.trial for a in accepted])
     if instead is None:
@@ -164,13 +164,13 @@ def _swapped(here: Standpoint, this: Round, accepted: Sequence[Accepted], each: 
     place, trial = instead
     found = accepted[place]
     kept, best, _ = beside_others(here, found.trial, [trial], each)
-    made_up = numerics(here.problem, here.trials.train, here.view, kept.model, best.fit.model)
-    if best.candidate.key != trial.candidate.key or not _exceeds(best, made_up):
+    method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, kept.model, best.fit.model)
+    if best.candidate.key != trial.candidate.key or not _exceeds(best, method_bias):
         return None
-    return place, _in_place(found, best, made_up)
+    return place, _in_place(found, best, method_bias)
 
 
-def _in_place(found: Accepted, best: Trial, made_up: Numerics) -> Accepted:
+def _in_place(found: Accepted, best: CandidateFit, method_bias: MethodBias) -> Accepted:
     """Another effect in the place of an accepted one, and no longer among its rivals.
 
     What would not have passed in that round by itself is no surer for it.
@@ -178,59 +178,59 @@ def _in_place(found: Accepted, best: Trial, made_up: Numerics) -> Accepted:
     key = best.candidate.key
     tried = tuple(best if t.candidate.key == key else t for t in found.round.tried)
     rivals = tuple(r for r in found.rivals if r.candidate.key != key)
-    return Accepted(best, replace(found.round, tried=tried), found.round.p_of(key), rivals, made_up)
+    return Accepted(best, replace(found.round, tried=tried), found.round.p_of(key), rivals, method_bias)
 
 
-def _next(here: Standpoint, this: Round) -> Accepted | None:
+def _next(here: SearchState, this: Screening) -> Accepted | None:
     """The first of a round that test trials confirm and that exceeds what the method makes up."""
-    before = here.judged(here.base)
-    for trial in _looking_ahead(here.errors, _worthy(this, here.base)):
-        if not _confirmed(here.base, trial, before, here.judged_by_itself(trial.fit)):
+    before = here.test_losses(here.base)
+    for trial in _looking_ahead(here.errors, _significant_candidates(this, here.base)):
+        if not _confirmed(here.base, trial, before, here.test_losses_at_own_fit(trial.fit)):
             continue
-        made_up = numerics(here.problem, here.trials.train, here.view, here.base.model, trial.fit.model)
-        if _exceeds(trial, made_up):
-            errors = here.seen_from(trial.fit.model) if trial.candidate.probes else here.errors
+        method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, here.base.model, trial.fit.model)
+        if _exceeds(trial, method_bias):
+            errors = here.errors_at(trial.fit.model) if trial.candidate.extra_starts else here.errors
             p = this.p_of(trial.candidate.key)
-            return Accepted(trial, this, p, inseparable(errors, trial, this.tried), made_up)
+            return Accepted(trial, this, p, inseparable(errors, trial, this.tried), method_bias)
     return None
 
 
-def _removed(here: Standpoint, found: Accepted) -> float:
+def _removed(here: SearchState, found: Accepted) -> float:
     """Held-out loss that comes back in a refit without it, as a share of what is left with it."""
     without = fit(here.errors, warm_without(here.base, [found.trial.candidate], here.problem.nuisances()))
     return float(without.held_out.sum() / max(here.base.held_out.sum(), _TINY) - 1.0)
 
 
-def _with_doubles(here: Standpoint, accepted: Sequence[Accepted]) -> list[Accepted]:
+def _with_rivals_beside_confusable(here: SearchState, accepted: Sequence[Accepted]) -> list[Accepted]:
     """`accepted` with those among their rivals that become such beside a double of another accepted effect."""
     out = list(accepted)
     nuisances = here.problem.nuisances()
     for found in accepted:
         others = tuple(t for t in here.base.model if t.candidate.key != found.key)
-        doubles = [r for r in found.rivals if not told_apart(here.problem, found.trial, r, others, here.trials.train)]
+        doubles = [r for r in found.rivals if not distinguishes(here.problem, found.trial, r, others, here.trials.train)]
         if not doubles:
             continue
         for k, best in enumerate(accepted):
             known = {found.key, *(t.candidate.key for t in (*out[k].rivals, *doubles))}
-            fresh = [t for t in challengers(best.trial, best.round, (), here.base) if t.candidate.key not in known]
+            fresh = [t for t in alternatives(best.trial, best.round, (), here.base) if t.candidate.key not in known]
             if best is not found and fresh:
-                more = as_good_together(here.errors, here.base, nuisances, found.trial, doubles, best.trial, fresh)
+                more = as_good_with_confusable(here.errors, here.base, nuisances, found.trial, doubles, best.trial, fresh)
                 out[k] = replace(out[k], rivals=(*out[k].rivals, *more))
     return out
 
 
-def _worthy(this: Round, base: Fit) -> list[Trial]:
+def _significant_candidates(this: Screening, base: Fit) -> list[CandidateFit]:
     """Significant candidates by gain whose values differ from none.
 
     Before each of them comes any that has fewer parameters and is not beaten by it.
 
     The simpler one need not pass the correction itself: what it competes with has passed.
     """
-    ordered: list[Trial] = []
+    ordered: list[CandidateFit] = []
     for trial, p in zip(this.tried, this.p_adjusted, strict=True):
         removed = trial.comparison.gain * min(1.0, float(base.held_out.mean()))  # of what is left, or of the noise
         little = removed <= least_gain(trial.candidate)
-        if p >= LEVEL or little or not trial.fit.stands_out({}) or takes_a_place(trial.fit, base):
+        if p >= ALPHA or little or not trial.fit.stands_out({}) or replaces_an_effect(trial.fit, base):
             continue
         simpler = [
             t for t in this.tried if len(t.candidate.null) < len(trial.candidate.null) and simpler_and_as_good(t, trial)
@@ -239,7 +239,7 @@ def _worthy(this: Round, base: Fit) -> list[Trial]:
     return ordered
 
 
-def _looking_ahead(errors: Errors, worthy: list[Trial]) -> list[Trial]:
+def _looking_ahead(errors: Errors, worthy: list[CandidateFit]) -> list[CandidateFit]:
     """The same candidates, but one law that does the work of two comes after the better of the two.
 
     Two causes together are often mimicked best by a third that is neither; with a second term the mimic falls behind.
@@ -259,17 +259,17 @@ def _looking_ahead(errors: Errors, worthy: list[Trial]) -> list[Trial]:
     return [ahead, *(t for t in worthy if t is not ahead)]
 
 
-def _exceeds(found: Trial, made_up: Numerics) -> bool:
-    return found.fit.stands_out(made_up.fitted) and found.comparison.gain > made_up.gain
+def _exceeds(found: CandidateFit, method_bias: MethodBias) -> bool:
+    return found.fit.stands_out(method_bias.fitted) and found.comparison.gain > method_bias.gain
 
 
-def _confirmed(base: Fit, found: Trial, before: FloatArray, after: FloatArray) -> bool:
+def _confirmed(base: Fit, found: CandidateFit, before: FloatArray, after: FloatArray) -> bool:
     """Whether the test trials do better with it, in sum or typically: one cause of two may leave one trial worse.
 
     If all of them stay away from a threshold they have nothing to say.
     """
     largest = min(float(change(base.held_out, found.fit.held_out).max()), CLEAR)
-    if found.candidate.probes and float(change(before, after).max()) < LITTLE * largest:
+    if found.candidate.extra_starts and float(change(before, after).max()) < LITTLE * largest:
         return bool(after.sum() < (1.0 + LITTLE) * before.sum())
     typical = np.exp(np.mean(np.log((after + _TINY) / (before + _TINY))))
     return bool(min(typical, after.sum() / before.sum()) < 1.0 - 0.5 * least_gain(found.candidate))

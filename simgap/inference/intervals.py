@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from schemas.gap import Estimate
-from simgap.inference.candidate_fit import Trial
+from simgap.inference.candidate_fit import CandidateFit
 from simgap.inference.fit import BEYOND
 from simgap.problem import DirectEstimate, Term
 
@@ -24,8 +24,8 @@ def wider(sides: Sides, least: Sides) -> Sides:
     return {n: (max(a[0], b[0]), max(a[1], b[1])) for n, (a, b) in both.items()}
 
 
-def unsure(
-    term: Term, widths: Mapping[str, float], direct: DirectEstimate | None, rivals: Sequence[Sequence[Trial]]
+def distance_to_alternatives(
+    term: Term, widths: Mapping[str, float], direct: DirectEstimate | None, rivals: Sequence[Sequence[CandidateFit]]
 ) -> Sides:
     """How far values lie from those beside rivals of the other effects, and from the direct estimate, either way.
 
@@ -38,23 +38,23 @@ def unsure(
         ends = [o[n] for o in others]
         if direct is not None:
             apart = abs(direct.values[n] - value) > widths.get(n, 0.0)
-            own = 1.96 * direct.standard_errors[n] if apart or n in term.candidate.told else 0.0
+            own = 1.96 * direct.standard_errors[n] if apart or n in term.candidate.direct_half_width else 0.0
             ends += [direct.values[n] - own, direct.values[n] + own]
         out[n] = (max([0.0, *(value - e for e in ends)]), max([0.0, *(e - value for e in ends)]))
     return out
 
 
-def pressed(term: Term) -> dict[str, float]:
+def threshold_excess(term: Term) -> dict[str, float]:
     """Half of how far motion went beyond each threshold: one that yields more and more begins so much earlier.
 
     A joint pressed to a depth d into a stop of a force that grows as its depth to the power n looks as if a linear one
     began up to d (1 - 1/n) later.
     """
-    beyond = {n: far - term.values[n] for n, far in term.candidate.reached.items()}
+    beyond = {n: far - term.values[n] for n, far in term.candidate.max_excursion.items()}
     return {n: 0.5 * abs(d) for n, d in beyond.items() if d * (term.candidate.null[n] - term.values[n]) > 0.0}
 
 
-def stands(term: Term, sides: Sides) -> bool:
+def differs_from_none(term: Term, sides: Sides) -> bool:
     """Whether some strength still differs from none in the final model: whether none lies outside its interval."""
     for n in term.candidate.strengths:
         value, none, (below, above) = term.values[n], term.candidate.null[n], sides.get(n, (0.0, 0.0))

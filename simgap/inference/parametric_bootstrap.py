@@ -23,16 +23,16 @@ _STEPS = 4  # of a descent that begins where the truth is
 
 
 @runtime_checkable
-class Repeatable(Protocol):
+class Bootstrappable(Protocol):
     """A problem that can be recorded again in simulation."""
 
-    def repeated(self, model: Model, seed: int) -> Problem:
+    def bootstrap_sample(self, model: Model, seed: int) -> Problem:
         """The same measurement with the readings that `model` would have given; trial ids stay."""
         ...
 
 
 @dataclass(frozen=True)
-class Numerics:
+class MethodBias:
     """Per parameter: half the width of what 95 % of repeats without the effect show, by roll-outs and directly.
 
     gain   share of the loss that such repeats lose: for thresholds, which may lie anywhere where nothing meets them.
@@ -43,10 +43,10 @@ class Numerics:
     gain: float = 0.0
 
 
-def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, found: Model) -> Numerics:
+def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, base: Model, found: Model) -> MethodBias:
     """What is found of the last term of `found` in repeats by `base`; nothing where a problem cannot be repeated."""
-    if not isinstance(problem, Repeatable):
-        return Numerics()
+    if not isinstance(problem, Bootstrappable):
+        return MethodBias()
     term = found[-1]
     # There the numbers of `base` are the declared ones.
     known = [
@@ -59,7 +59,7 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
     direct: list[dict[str, float]] = []
     gains: list[dict[str, float]] = []
     for seed in range(_REPEATS):
-        again = problem.repeated(base, seed)
+        again = problem.bootstrap_sample(base, seed)
         errors = rollout_errors(again, trials, view, spread(again, given, trials, view))
         null = fit(errors, known, _STEPS)
         own = again.direct(term.candidate, null.model, trials)
@@ -70,12 +70,12 @@ def numerics(problem: Problem, trials: Sequence[str], view: View, base: Model, f
         gains.append({"gain": max(compare(null.held_out, extended.held_out).gain, 0.0)})
         if own is not None:
             direct.append(own.values)
-    if term.candidate.probes:
-        return Numerics(gain=reach_of({"gain": 0.0}, gains)["gain"])
-    return Numerics(reach_of(none, fitted), reach_of(none, direct))
+    if term.candidate.extra_starts:
+        return MethodBias(gain=prediction_half_widths({"gain": 0.0}, gains)["gain"])
+    return MethodBias(prediction_half_widths(none, fitted), prediction_half_widths(none, direct))
 
 
-def reach_of(none: Mapping[str, float], found: Sequence[Mapping[str, float]]) -> dict[str, float]:
+def prediction_half_widths(none: Mapping[str, float], found: Sequence[Mapping[str, float]]) -> dict[str, float]:
     """The furthest from `none` that another repeat would come, 95 %, by the narrower of two of Student's ranges.
 
     One takes the repeats to scatter about `none`; the other about their own mean, where a bias that all share counts

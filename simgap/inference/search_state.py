@@ -13,7 +13,7 @@ from simgap.recording.train_test_split import Trials
 
 
 @dataclass(frozen=True)
-class Standpoint:
+class SearchState:
     """A base model and what further effects are judged by beside it.
 
     problem   with what starts do taken at the model where the search came to stand here.
@@ -29,21 +29,21 @@ class Standpoint:
     errors: Errors
     base: Fit
 
-    def seen_from(self, model: Model) -> Errors:
+    def errors_at(self, model: Model) -> Errors:
         """Errors of roll-outs whose starts are taken at another model."""
         return rollout_errors(around(self.problem, model), self.trials.train, self.view, self.level)
 
-    def judged(self, found: Fit) -> FloatArray:
+    def test_losses(self, found: Fit) -> FloatArray:
         """(n,) losses of the test trials."""
         return trial_losses(self.problem.residuals(found.model, self.trials.test, self.view), self.level)
 
-    def judged_by_itself(self, found: Fit) -> FloatArray:
+    def test_losses_at_own_fit(self, found: Fit) -> FloatArray:
         """(n,) losses of the test trials, seen from the fit's own model."""
         seen = around(self.problem, found.model)
         return trial_losses(seen.residuals(found.model, self.trials.test, self.view), self.level)
 
 
-def stand_at(problem: Problem, trials: Trials, view: View, base: Fit) -> Standpoint:
+def refit_at(problem: Problem, trials: Trials, view: View, base: Fit) -> SearchState:
     """The search at `base`, which is fitted again there.
 
     What was an outlier to a poor model is evidence to a better one: the level follows the base.
@@ -51,4 +51,4 @@ def stand_at(problem: Problem, trials: Trials, view: View, base: Fit) -> Standpo
     here = around(problem, base.model)
     level = spread(here, base.model, trials.train, view)
     errors = rollout_errors(here, trials.train, view, level)
-    return Standpoint(here, trials, view, level, errors, fit(errors, warm(base)))
+    return SearchState(here, trials, view, level, errors, fit(errors, warm(base)))

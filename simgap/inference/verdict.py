@@ -6,17 +6,17 @@ import math
 from collections.abc import Sequence
 
 from schemas.gap import AmbiguousGroup, Gain, NamedEffect, Verdict
-from simgap.inference.agreement import beyond, said_directly
-from simgap.inference.candidate_fit import LEVEL, Trial
-from simgap.inference.competing_hypotheses import are_doubles
-from simgap.inference.direct_comparison import leads, told_apart
+from simgap.inference.agreement import beyond, direct_agreement
+from simgap.inference.candidate_fit import ALPHA, CandidateFit
+from simgap.inference.competing_hypotheses import are_confusable
+from simgap.inference.direct_comparison import is_better, distinguishes
 from simgap.inference.forward_selection import Accepted, Selection
-from simgap.inference.intervals import even, parameters, pressed, stands, unsure, wider
+from simgap.inference.intervals import even, parameters, threshold_excess, differs_from_none, distance_to_alternatives, wider
 from simgap.inference.losses import Comparison
 from simgap.inference.verdict_text import NAMED, STRANGE, experiment, statement, status
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
 
-_TOLD = 3  # candidates that the direct route is asked about besides
+_DIRECT_RIVALS = 3  # candidates that the direct route is asked about besides
 LEFTOVER = 0.1  # what a model without names may still explain before we say that something else is there
 
 
@@ -36,7 +36,7 @@ def judge(
     sure: the inputs may be those of other motions. Where a single trial judges nothing is either: a gain without an
     interval may be chance.
     """
-    unexplained = leftover.p_value < LEVEL and leftover.gain > LEFTOVER
+    unexplained = leftover.p_value < ALPHA and leftover.gain > LEFTOVER
     single = math.isinf(gains[0].ci95[0])
     nameless = max(leftover.gain if unexplained else 0.0, tails)
     doubted = [_doubted(problem, selection, found, trials) for found in selection.accepted]
@@ -45,20 +45,20 @@ def judge(
     in_doubt: list[Candidate] = []
     for accepted, alike in zip(selection.accepted, doubted, strict=True):
         term, widths = _of(selection, accepted)
-        if not stands(term, even(widths)):
+        if not differs_from_none(term, even(widths)):
             continue
         found = accepted.trial
         others = _without(selection.final.model, found)
         same = [*alike, *_preferred(problem, found, alike, others, accepted.round.tried, trials)]
-        said, agreed = said_directly(problem, found, term, widths, others, trials, alone=len(doubted) == 1)
-        direct = agreed and said is not None and beyond(term, said, accepted.made_up)
-        wide = wider(wider(even(widths), even(pressed(term))), unsure(term, widths, said, doubted))
+        said, agreed = direct_agreement(problem, found, term, widths, others, trials, alone=len(doubted) == 1)
+        direct = agreed and said is not None and beyond(term, said, accepted.method_bias)
+        wide = wider(wider(even(widths), even(threshold_excess(term))), distance_to_alternatives(term, widths, said, doubted))
         # What may be nothing, by the interval that is reported, has no sure name; nor has what took a place of another
         # and would not have passed among all candidates by itself.
         # Beside structure that nothing explains an effect must be the larger of the two: what is wrong with the model
         # repeats from trial to trial like a cause, wherever trials move alike.
         p = accepted.p_adjusted
-        drowned = strange or single or p >= LEVEL or accepted.removed < nameless or not stands(term, wide)
+        drowned = strange or single or p >= ALPHA or accepted.removed < nameless or not differs_from_none(term, wide)
         drowned = drowned or any(_left_by(found.candidate, other) for other in in_doubt)
         effect = NamedEffect(
             name=found.candidate.effect.name,
@@ -81,18 +81,18 @@ def judge(
     )
 
 
-def _doubted(problem: Problem, selection: Selection, found: Accepted, trials: Sequence[str]) -> list[Trial]:
+def _doubted(problem: Problem, selection: Selection, found: Accepted, trials: Sequence[str]) -> list[CandidateFit]:
     """The rivals that the direct route does not tell from an accepted effect; none where later ones do its work."""
     term, widths = _of(selection, found)
-    if not stands(term, even(widths)):
+    if not differs_from_none(term, even(widths)):
         return []
     others = _without(selection.final.model, found.trial)
-    return [r for r in found.rivals if not told_apart(problem, found.trial, r, others, trials)]
+    return [r for r in found.rivals if not distinguishes(problem, found.trial, r, others, trials)]
 
 
 def _preferred(
-    problem: Problem, found: Trial, known: Sequence[Trial], others: Model, tried: Sequence[Trial], trials: Sequence[str]
-) -> list[Trial]:
+    problem: Problem, found: CandidateFit, known: Sequence[CandidateFit], others: Model, tried: Sequence[CandidateFit], trials: Sequence[str]
+) -> list[CandidateFit]:
     """Other candidates of the round that the direct route prefers beyond chance: the two routes name different causes.
 
     One law that does the work of two on roll-outs seldom balances the equations of motion as well.
@@ -109,9 +109,9 @@ def _preferred(
         if t.candidate.key not in taken and t.direct is not None and t.direct.held_out is not None
     ]
     out = []
-    for _, _, rival in sorted(left, key=lambda entry: entry[:2])[:_TOLD]:
+    for _, _, rival in sorted(left, key=lambda entry: entry[:2])[:_DIRECT_RIVALS]:
         theirs = problem.direct(rival.candidate, others, trials)
-        if theirs is not None and leads(theirs, own) is True:
+        if theirs is not None and is_better(theirs, own) is True:
             out.append(rival)
     return out
 
@@ -119,21 +119,21 @@ def _preferred(
 def _of(selection: Selection, found: Accepted) -> tuple[Term, dict[str, float]]:
     """An accepted effect in the final model, and half the width of its intervals, numerics included."""
     term = next(t for t in selection.final.model if t.candidate.key == found.key)
-    least = found.made_up.fitted
+    least = found.method_bias.fitted
     return term, {n: max(w, least.get(n, 0.0)) for n, w in selection.final.half_widths.get(found.key, {}).items()}
 
 
-def _without(model: Model, found: Trial) -> Model:
+def _without(model: Model, found: CandidateFit) -> Model:
     return tuple(t for t in model if t.candidate.key != found.candidate.key)
 
 
 def _left_by(candidate: Candidate, earlier: Candidate) -> bool:
     """Whether an effect may be no more than what a law in doubt leaves: one that does nearly the same, at one place."""
-    return are_doubles(candidate, earlier) and candidate.where == earlier.where
+    return are_confusable(candidate, earlier) and candidate.where == earlier.where
 
 
 def _confidence(p_adjusted: float, direct: DirectEstimate | None, agreed: bool, shared: bool) -> float:
     """At least `NAMED` with both routes and no rival; at most one half else."""
     if shared or not agreed or direct is None:
         return 0.5 * (1.0 - p_adjusted) / (2.0 if shared and not agreed else 1.0)
-    return float(NAMED + (1.0 - NAMED) * (1.0 - min(1.0, p_adjusted / LEVEL)) * (1.0 - min(1.0, direct.p_value)))
+    return float(NAMED + (1.0 - NAMED) * (1.0 - min(1.0, p_adjusted / ALPHA)) * (1.0 - min(1.0, direct.p_value)))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 from schemas.gap import AmbiguousGroup, Gain, Interval, NamedEffect
-from simgap.inference.candidate_fit import Trial
+from simgap.inference.candidate_fit import CandidateFit
 
 NAMED = 0.8  # the confidence from which a name is sure
 _SMALL = 0.0095  # share that whole per cent would hide
@@ -80,7 +80,7 @@ def _figures(effect: NamedEffect) -> str:
     return ", ".join(f"{n} = {e.value:.3g}" for n, e in seen.items())
 
 
-def experiment(found: Trial, rivals: Sequence[Trial], single: bool = False) -> str:
+def experiment(found: CandidateFit, rivals: Sequence[CandidateFit], single: bool = False) -> str:
     """What would tell the effect from its rivals, from their own files; beside a `single` trial more of them."""
     names = {r.candidate.effect.name for r in rivals}
     told = [c.experiment for c in found.candidate.effect.confusables if c.effect in names]

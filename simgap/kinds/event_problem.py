@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
-from schemas.gap import Trap
+from schemas.gap import ConventionCheck
 from schemas.model import FloatArray
 from simgap.problem import Problem
 
@@ -15,7 +15,7 @@ class EventProblem(Problem, Protocol):
     """A problem whose rows have no time; short horizon and full roll-out are the same."""
 
     @property
-    def traps(self) -> tuple[Trap, ...]:
+    def traps(self) -> tuple[ConventionCheck, ...]:
         """Conventions of the record that were checked."""
         ...
 

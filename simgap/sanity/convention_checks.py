@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from schemas.diagnostics import Diagnostic
-from schemas.gap import Trap
+from schemas.gap import ConventionCheck
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyReplay, BodyWindows
@@ -71,7 +71,7 @@ _READ = (
 _OF_POSES = ("quaternion_order", "gravity_axis")
 
 
-def reader_traps(measurement: Measurement, findings: Sequence[Diagnostic]) -> tuple[Trap, ...]:
+def reader_checks(measurement: Measurement, findings: Sequence[Diagnostic]) -> tuple[ConventionCheck, ...]:
     """What reading and checking the folder says about conventions."""
     traps = []
     for trap in _READ:
@@ -81,19 +81,19 @@ def reader_traps(measurement: Measurement, findings: Sequence[Diagnostic]) -> tu
         suspect = any(d.code in trap.suspect for d in told)
         evidence = "; ".join(dict.fromkeys(d.headline for d in told)) or trap.fine
         traps.append(
-            Trap(name=trap.name, status="suspect" if suspect else "fixed" if told else "ok", evidence=evidence)
+            ConventionCheck(name=trap.name, status="suspect" if suspect else "fixed" if told else "ok", evidence=evidence)
         )
     return tuple(traps)
 
 
-def rate_frame_trap(measurement: Measurement) -> Trap | None:
+def rate_frame_check(measurement: Measurement) -> ConventionCheck | None:
     """Whether measured angular velocities, taken in body axes, agree with the change of orientation; None without."""
     errors = [e for t in measurement.trials if t.has("w_B") for e in [_rate_errors(t.t_s, t.quat_wxyz, t.w_B)]]
     if not errors:
         return None
     body, world = np.median(np.array(errors), axis=0)
     evidence = f"orientation changes leave {body:.2g} rad/s with rates in body axes, {world:.2g} in world axes"
-    return Trap(name="angular_velocity_frame", status="ok" if body <= world else "suspect", evidence=evidence)
+    return ConventionCheck(name="angular_velocity_frame", status="ok" if body <= world else "suspect", evidence=evidence)
 
 
 def _rate_errors(t_s: FloatArray, quat_wxyz: FloatArray, w_B: FloatArray) -> tuple[float, float]:
@@ -107,17 +107,17 @@ def _rate_errors(t_s: FloatArray, quat_wxyz: FloatArray, w_B: FloatArray) -> tup
     return of_body, of_world
 
 
-def step_trap(problem: Problem, finer: Problem, trials: Sequence[str]) -> Trap:
+def step_size_check(problem: Problem, finer: Problem, trials: Sequence[str]) -> ConventionCheck:
     """How much the error of the declared model changes under steps four times smaller (`finer`), on a few trials."""
     few = tuple(trials)[:_STEP_TRIALS]
     scale = np.maximum(problem.noise_floor(few, "short_horizon"), 1e-12)
     before, after = (float(trial_losses(p.residuals((), few, "short_horizon"), scale).mean()) for p in (problem, finer))
     change = abs(after - before) / max(before, 1e-12)
     evidence = f"steps four times smaller change the error by {change:.1%}"
-    return Trap(name="step_size", status="ok" if change < CONVERGED else "suspect", evidence=evidence)
+    return ConventionCheck(name="step_size", status="ok" if change < CONVERGED else "suspect", evidence=evidence)
 
 
-def body_engine_traps(engine: BodyReplay, model: BodyModel) -> tuple[Trap, ...]:
+def body_engine_checks(engine: BodyReplay, model: BodyModel) -> tuple[ConventionCheck, ...]:
     """Whether an engine holds the numbers of a free body: mass, inertia, gravity, no damping, friction."""
     traps = [_mass(engine, model), _inertia(engine, model), _damping(engine, model), _gravity(engine, model)]
     if model.has_support:
@@ -125,7 +125,7 @@ def body_engine_traps(engine: BodyReplay, model: BodyModel) -> tuple[Trap, ...]:
     return tuple(traps)
 
 
-def joint_engine_traps(engine: JointReplay, model: MechanismModel) -> tuple[Trap, ...]:
+def joint_engine_checks(engine: JointReplay, model: MechanismModel) -> tuple[ConventionCheck, ...]:
     """Whether an engine holds the inertia of joints and leaves them alone: no motor, no damping of its own."""
     n = len(model.tree)
     bare = replace(model, gravity_W=np.zeros(3), friction=np.zeros(n), damping=np.zeros(n), drive=Drive(), limits=None)
@@ -150,9 +150,9 @@ def joint_engine_traps(engine: JointReplay, model: MechanismModel) -> tuple[Trap
     )
 
 
-def held(name: str, error: float, what: str, bound: float = AGREES) -> Trap:
+def held(name: str, error: float, what: str, bound: float = AGREES) -> ConventionCheck:
     """A trap that is avoided when a relative error stays below its bound."""
-    return Trap(name=name, status="ok" if error < bound else "suspect", evidence=f"{what}: {error:.2%}")
+    return ConventionCheck(name=name, status="ok" if error < bound else "suspect", evidence=f"{what}: {error:.2%}")
 
 
 def _flying(model: BodyModel) -> BodyModel:
@@ -178,13 +178,13 @@ def _flight(
     return engine.rollout(model, start, [(BodyWrench(wrench), {})] if push else [])
 
 
-def _mass(engine: BodyReplay, model: BodyModel) -> Trap:
+def _mass(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
     force = np.array([model.mass_kg, 0.0, 0.0])
     motion = _flight(engine, _flying(model), 0.1, np.zeros(3), np.zeros(3), (force, np.zeros(3)))
     return held("mass_held", abs(motion.v_W[0, -1, 0] / 0.1 - 1.0), "error of the acceleration under a known force")
 
 
-def _inertia(engine: BodyReplay, model: BodyModel) -> Trap:
+def _inertia(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
     """The inertia from the spin that a torque about each axis gives, small enough that axes hardly turn."""
     spins = []
     for axis in np.eye(3):
@@ -196,20 +196,20 @@ def _inertia(engine: BodyReplay, model: BodyModel) -> Trap:
     return held("inertia_held", error, "error of the inertia seen in the engine against the declared one")
 
 
-def _damping(engine: BodyReplay, model: BodyModel) -> Trap:
+def _damping(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
     spin = np.linalg.eigh(model.inertia_B)[1][:, 2] * 5.0
     motion = _flight(engine, replace(_flying(model), com_B=np.zeros(3)), 1.0, np.array([1.0, 0.0, 0.0]), spin)
     lost = max(1.0 - np.linalg.norm(motion.v_W[0, -1]), 1.0 - np.linalg.norm(motion.w_B[0, -1]) / 5.0)
     return held("damping_off", abs(float(lost)), "speed lost in 1 s of free flight without drag", 1e-3)
 
 
-def _gravity(engine: BodyReplay, model: BodyModel) -> Trap:
+def _gravity(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
     motion = _flight(engine, replace(model, has_support=False), 0.2, np.zeros(3), np.zeros(3))
     error = np.linalg.norm(motion.v_W[0, -1] / 0.2 - model.gravity_W) / max(np.linalg.norm(model.gravity_W), 1e-9)
     return held("gravity_held", float(error), "error of the acceleration in free fall")
 
 
-def _friction(engine: BodyReplay, model: BodyModel) -> Trap:
+def _friction(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
     """The pair's friction from a flat plate that slides."""
     mu, g = (model.friction or 0.3), 9.81
     size = (0.2, 0.2, 0.02)
@@ -221,7 +221,7 @@ def _friction(engine: BodyReplay, model: BodyModel) -> Trap:
     v = engine.rollout(plate, start).v_W[0, :, 0]
     seen = float((v[3] - v[-1]) / (t[0, -1] - t[0, 3]) / g)
     status = "ok" if abs(seen - mu) < COEFFICIENT else "suspect"
-    return Trap(name="friction_of_pair", status=status, evidence=f"asked {mu:.3g}, a sliding plate shows {seen:.3g}")
+    return ConventionCheck(name="friction_of_pair", status=status, evidence=f"asked {mu:.3g}, a sliding plate shows {seen:.3g}")
 
 
 def _probe(shape: CollisionShape, inertia: FloatArray, friction: float) -> BodyModel:

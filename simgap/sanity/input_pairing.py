@@ -12,27 +12,27 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from schemas.gap import Trap
+from schemas.gap import ConventionCheck
 from schemas.model import FloatArray
 from simgap.inference.losses import paired_p, trial_losses
 from simgap.problem import Model, Problem, View
 
-LEVEL = 0.05
+ALPHA = 0.05
 # The first look comes before anything is known of the model: only what no model could turn round stops a search.
-FIRST_LEVEL = 1e-3
+FIRST_ALPHA = 1e-3
 PLACES = (1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6)  # files are shifted by few places, if by a rule
 
 
 @runtime_checkable
-class Driven(Protocol):
+class PermutableInputs(Protocol):
     """A problem whose motions answer to recorded inputs."""
 
-    def misdriven(self, by: int = 1) -> Problem | None:
+    def with_permuted_inputs(self, by: int = 1) -> Problem | None:
         """The same motions with inputs of the trial `by` places on; None where nothing drives, or all alike."""
         ...
 
 
-def others_inputs_trap(problem: Problem, view: View) -> Trap | None:
+def other_inputs_check(problem: Problem, view: View) -> ConventionCheck | None:
     """Whether inputs of other trials fit the motions better than their own; None where that cannot be asked.
 
     The model is the declared one. Which other trial fits is found on one half of the recording and judged on the
@@ -40,7 +40,7 @@ def others_inputs_trap(problem: Problem, view: View) -> Trap | None:
     """
     trials = problem.trial_ids
     places = [by for by in PLACES if 2 * abs(by) < len(trials) or 2 * by == len(trials)]
-    others = [problem.misdriven(by) for by in places] if isinstance(problem, Driven) else []
+    others = [problem.with_permuted_inputs(by) for by in places] if isinstance(problem, PermutableInputs) else []
     if len(trials) < 3 or not any(others):
         return None
     scale = np.maximum(problem.noise_floor(trials, view), 1e-12)
@@ -51,9 +51,9 @@ def others_inputs_trap(problem: Problem, view: View) -> Trap | None:
     theirs = told[best[0], row, 1] + told[best[1], row, 0]
     p_value = paired_p(own.sum(axis=1), theirs)
     ratio = float(np.exp(np.mean(np.log(own.sum(axis=1) / theirs))))
-    return Trap(
+    return ConventionCheck(
         name="inputs_of_others",
-        status="suspect" if p_value < FIRST_LEVEL else "ok",
+        status="suspect" if p_value < FIRST_ALPHA else "ok",
         evidence=f"with its own inputs a motion's error is {ratio:.3g} times as large as with the best of "
         f"{len(told)} others (p = {p_value:.2g} for chance)",
     )
@@ -65,15 +65,15 @@ def _halves(problem: Problem, trials: Sequence[str], view: View, scale: FloatArr
     return np.array([[np.nanmean(np.square(half)) for half in halves] for halves in parts])
 
 
-def pairing_trap(problem: Problem, model: Model, trials: Sequence[str], view: View) -> Trap | None:
+def pairing_check(problem: Problem, model: Model, trials: Sequence[str], view: View) -> ConventionCheck | None:
     """Whether `model` does better with each trial's own inputs; None where that cannot be asked."""
-    other = problem.misdriven() if isinstance(problem, Driven) else None
+    other = problem.with_permuted_inputs() if isinstance(problem, PermutableInputs) else None
     if other is None or len(trials) < 3:
         return None
     scale = np.maximum(problem.noise_floor(trials, view), 1e-12)
     own, swapped = (trial_losses(p.residuals(model, trials, view), scale) for p in (problem, other))
     p = paired_p(swapped, own)
     evidence = f"inputs of another trial make the error {np.exp(np.mean(np.log(swapped / own))):.2f} times as large"
-    return Trap(
-        name="inputs_belong", status="ok" if p < LEVEL else "suspect", evidence=f"{evidence} (p = {p:.2g} for chance)"
+    return ConventionCheck(
+        name="inputs_belong", status="ok" if p < ALPHA else "suspect", evidence=f"{evidence} (p = {p:.2g} for chance)"
     )

@@ -108,15 +108,13 @@ def _object(model: MjModel, tree: list[int], recorded: Recorded, mesh_points: Me
     X_RB = {tree[0]: np.eye(4)}
     for number in tree[1:]:
         X_RB[number] = X_RB[model.bodies[number].parent] @ model.bodies[number].X_PB
-    numbered_shapes = [(number, s) for number in tree for _, s in body_shapes(model, number, mesh_points, moves=False)]
-    if not numbered_shapes:  # Only pictures: they are what there is.
-        numbered_shapes = [
-            (number, s) for number in tree for _, s in body_shapes(model, number, mesh_points, moves=True)
-        ]
+    body_parts = [(number, s) for number in tree for _, s in body_shapes(model, number, mesh_points, moves=False)]
+    if not body_parts:  # Only pictures: they are what there is.
+        body_parts = [(number, s) for number in tree for _, s in body_shapes(model, number, mesh_points, moves=True)]
     return FreeBody(
         root.name,
         _pose_of(recorded, root.name, model.file),
-        tuple(moved(shape, X_RB[n]) for n, shape in numbered_shapes),
+        tuple(moved(shape, X_RB[n]) for n, shape in body_parts),
     )
 
 

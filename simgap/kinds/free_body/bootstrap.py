@@ -22,7 +22,7 @@ def moved(mover: Mover, applied: AppliedBody, series: Series, finer: float) -> S
     return Series(series.t_s, {name: values[0] for name, values in motion.items()})
 
 
-def repeated(
+def bootstrap_sample(
     mover: Mover,
     applied: AppliedBody,
     trials: Sequence[Trial],

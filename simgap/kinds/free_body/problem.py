@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
-from simgap.kinds.free_body.bootstrap import moved, repeated
+from simgap.kinds.free_body.bootstrap import moved, bootstrap_sample
 from simgap.kinds.free_body.candidates import PLAIN
 from simgap.kinds.free_body.direct_estimates import are_one, biases_of, estimate
 from simgap.kinds.free_body.toss import Toss
@@ -183,10 +183,10 @@ class FreeBodyProblem:
             for finer in (1.0, _FINER)
         ]
 
-    def repeated(self, model: Model, seed: int) -> FreeBodyProblem:
-        """See `simgap.inference.parametric_bootstrap.Repeatable`; in finer steps, so that their error shows."""
+    def bootstrap_sample(self, model: Model, seed: int) -> FreeBodyProblem:
+        """See `simgap.inference.parametric_bootstrap.Bootstrappable`; in finer steps, so that their error shows."""
         here = self.measurement
-        trials = repeated(
+        trials = bootstrap_sample(
             self.mover,
             self.mover.apply(model),
             here.trials,

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.gap import Trap
+from schemas.gap import ConventionCheck
 from sim.dynamics.body_rollout import BodyModel
 from simgap.inference.cluster_regression import Equations, solved
 from simgap.kinds.impact.model import impulses
@@ -20,7 +20,7 @@ _SURE = 4.0  # standard errors
 _BLOCKS = 20
 
 
-def oriented(body: BodyModel, events: Impacts) -> tuple[Impacts, Trap]:
+def oriented(body: BodyModel, events: Impacts) -> tuple[Impacts, ConventionCheck]:
     """Events whose Jacobians' angular parts agree with the measured spin, and what was found."""
     seen = impulses(body, events)
     X = np.stack([seen.normal_arm * seen.normal, seen.along_arm * seen.along], axis=1)
@@ -28,7 +28,7 @@ def oriented(body: BodyModel, events: Impacts) -> tuple[Impacts, Trap]:
     names = ("normal", "tangent")
     found = solved([Equations(seen.spin[k], X[k], X[k]) for k in blocks], names, dict.fromkeys(names, 1.0))
     if found is None:
-        return events, Trap(
+        return events, ConventionCheck(
             name="jacobian_signs", status="ok", evidence="too few events turn the body; the signs stand as given"
         )
     shares = {n: (found.values[n], found.standard_errors[n]) for n in names}
@@ -36,7 +36,7 @@ def oriented(body: BodyModel, events: Impacts) -> tuple[Impacts, Trap]:
     figures = "; ".join(f"{n} {v:.2f} +- {1.96 * e:.2f}" for n, (v, e) in shares.items())
     text = f"spin per moment of the impulses (1 is mechanics): {figures}"
     if not wrong:
-        return events, Trap(name="jacobian_signs", status="ok", evidence=text)
+        return events, ConventionCheck(name="jacobian_signs", status="ok", evidence=text)
     turn = np.array([1.0, 1.0, -1.0])
     fixed = replace(
         events,
@@ -44,4 +44,4 @@ def oriented(body: BodyModel, events: Impacts) -> tuple[Impacts, Trap]:
         tangent=events.tangent * (turn if "tangent" in wrong else 1.0),
     )
     what = f"; the angular part of the {' and '.join(wrong)} Jacobian has the wrong sign and was turned round"
-    return fixed, Trap(name="jacobian_signs", status="fixed", evidence=text + what)
+    return fixed, ConventionCheck(name="jacobian_signs", status="fixed", evidence=text + what)

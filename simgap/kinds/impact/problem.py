@@ -12,7 +12,7 @@ from dataclasses import fields, replace
 import numpy as np
 from scipy.spatial import KDTree
 
-from schemas.gap import Place, Trap
+from schemas.gap import Place, ConventionCheck
 from schemas.model import FloatArray, IntArray
 from sim.dynamics.body_rollout import BodyModel
 from sim.effects.library import effect
@@ -54,7 +54,7 @@ class ImpactProblem:
         return tuple(self._groups)
 
     @property
-    def traps(self) -> tuple[Trap, ...]:
+    def traps(self) -> tuple[ConventionCheck, ...]:
         """What was checked of the Jacobians."""
         return (self.trap,)
 

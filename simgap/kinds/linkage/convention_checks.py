@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.gap import Trap
+from schemas.gap import ConventionCheck
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.linkage.apply_model import AppliedLinkage
@@ -21,7 +21,7 @@ from simgap.sanity.convention_checks import held
 _STAMPS, _SPAN_S = 201, 0.2
 
 
-def linkage_engine_traps(mover: LinkageMover) -> tuple[Trap, ...]:
+def linkage_engine_checks(mover: LinkageMover) -> tuple[ConventionCheck, ...]:
     """A flight without gravity or joint friction, every joint turning: what should stay and how much it changes."""
     declared, joints = mover.declared, len(mover.declared.joints.tree)
     free = replace(declared.joints, friction=np.zeros(joints), damping=np.zeros(joints), limits=None)

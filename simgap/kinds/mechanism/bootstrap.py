@@ -18,7 +18,7 @@ from simgap.problem import Model
 from simgap.recording.recording import Trial
 
 
-def repeated(
+def bootstrap_sample(
     declared: MechanismModel,
     trials: Sequence[Trial],
     logs: Sequence[Log],

@@ -83,10 +83,10 @@ def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Cand
                 bounds["torque_Nm"] = (-float(model.friction[j]), float(model.friction[j]))
             start = {n: float(np.clip(_start(n, each, null[n], ranges), *bounds[n])) for n in null}
             shapes = tuple(n for n in null if n in SHAPES)
-            probes = _probes(each, null, bounds, ranges)
+            extra_starts = _probes(each, null, bounds, ranges)
             stops = {"lower_rad": ranges.low, "upper_rad": ranges.high}
             reached = {n: v for n, v in stops.items() if n in null}
-            out.append(Candidate(each, where, null, start, bounds, shapes=shapes, probes=probes, reached=reached))
+            out.append(Candidate(each, where, null, start, bounds, shapes=shapes, extra_starts=extra_starts, reached=reached))
     return tuple(out)
 
 

@@ -19,7 +19,7 @@ from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque
 from sim.dynamics.joint_dynamics import joint_dynamics
 from sim.dynamics.mechanism import Drive, Law, MechanismModel
 from sim.effects.series import with_columns
-from simgap.inference.fit import Errors, Fit, clusters, extend, fit, promising
+from simgap.inference.fit import Errors, Fit, resampling_units, extend, fit, promising
 from simgap.inference.losses import met_p, paired_p
 from simgap.kinds.mechanism.apply_model import Applied, apply_terms
 from simgap.kinds.mechanism.logs import Log
@@ -56,7 +56,7 @@ def in_noise_levels(unexplained: Callable[[Model], list[list[FloatArray]]], mode
 
     def errors(at: Model) -> list[FloatArray]:
         by_span = [[e / level for e in one] for one, level in zip(unexplained(at), levels, strict=True)]
-        return clusters([np.concatenate(trial) for trial in zip(*by_span, strict=True)])
+        return resampling_units([np.concatenate(trial) for trial in zip(*by_span, strict=True)])
 
     return errors
 
@@ -73,7 +73,7 @@ def estimate(errors: Errors, base: Fit, candidate: Candidate) -> DirectEstimate 
     return DirectEstimate(
         dict(found.model[-1].values),
         {name: width / 1.96 for name, width in widths.items()},
-        (met_p if candidate.probes else paired_p)(base.held_out, found.held_out),
+        (met_p if candidate.extra_starts else paired_p)(base.held_out, found.held_out),
         len(base.losses),
         found.held_out,
     )

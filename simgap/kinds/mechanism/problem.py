@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.gap import Trap
+from schemas.gap import ConventionCheck
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout
@@ -16,7 +16,7 @@ from sim.dynamics.tree import mass_matrix
 from simgap.inference.fit import Errors, Fit
 from simgap.inference.losses import paired_p, trial_losses
 from simgap.kinds.mechanism.apply_model import Applied, apply_terms
-from simgap.kinds.mechanism.bootstrap import repeated
+from simgap.kinds.mechanism.bootstrap import bootstrap_sample
 from simgap.kinds.mechanism.candidates import candidates_of, nuisances_of
 from simgap.kinds.mechanism.declared_model import build_mechanism
 from simgap.kinds.mechanism.equation_error import SPANS, balance, estimate, in_noise_levels, refitted
@@ -85,7 +85,7 @@ class MechanismProblem:
 
     @property
     def search_view(self) -> View:
-        """See `simgap.problem.Farsighted`."""
+        """See `simgap.problem.LongHorizonProblem`."""
         return "long_horizon"
 
     def channels(self) -> tuple[str, ...]:
@@ -146,14 +146,14 @@ class MechanismProblem:
             self._balances[key] = errors, refitted(errors, model)
         return estimate(*self._balances[key], candidate)
 
-    def repeated(self, model: Model, seed: int) -> MechanismProblem:
-        """See `simgap.inference.parametric_bootstrap.Repeatable`."""
+    def bootstrap_sample(self, model: Model, seed: int) -> MechanismProblem:
+        """See `simgap.inference.parametric_bootstrap.Bootstrappable`."""
         trials = self.measurement.trials
         logs = [self._logs[t.id] for t in trials]
-        again = repeated(self.declared, trials, logs, model, self.beat, _FINER * self._step_s, seed)
+        again = bootstrap_sample(self.declared, trials, logs, model, self.beat, _FINER * self._step_s, seed)
         return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s).around(model)
 
-    def misdriven(self, by: int = 1) -> MechanismProblem | None:
+    def with_permuted_inputs(self, by: int = 1) -> MechanismProblem | None:
         """See `simgap.sanity.input_pairing.Driven`."""
         trials = next_inputs(self.measurement.trials, by)
         if trials is None:
@@ -165,7 +165,7 @@ class MechanismProblem:
         return other
 
     def around(self, model: Model) -> MechanismProblem:
-        """See `simgap.problem.Farsighted`. The beat is the one by which the model leaves least, beyond chance."""
+        """See `simgap.problem.LongHorizonProblem`. The beat is the one by which the model leaves least, beyond chance."""
         own = self._seen_from(model)
         level = own.noise_floor(self.trial_ids, self.search_view)
         best, losses = own, own._losses(model, level)
@@ -179,13 +179,13 @@ class MechanismProblem:
         best._settled = True
         return best
 
-    def timing(self) -> Trap | None:
+    def timing(self) -> ConventionCheck | None:
         """See `simgap.problem.Timed`."""
         blurred = [off_beat_s(t) for t in self.measurement.trials]
         jitter_ms = 1e3 * float(np.sqrt(np.mean(np.square([b for b in blurred if b is not None] or [0.0]))))
         if self.beat == "stamps" and not self._open:
             return None
-        return Trap(
+        return ConventionCheck(
             name="input_timing",
             status="ok" if self.beat == "stamps" else "fixed",
             evidence=f"stamps stray from an even beat by {jitter_ms:.2g} ms (rms); {_TIMING[self.beat]}",

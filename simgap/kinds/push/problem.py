@@ -10,7 +10,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from schemas.gap import Place, Trap
+from schemas.gap import Place, ConventionCheck
 from schemas.model import FloatArray
 from sim.dynamics.body_rollout import BodyModel
 from sim.effects.library import effect
@@ -49,9 +49,9 @@ class PushProblem:
         return tuple(self._records)
 
     @property
-    def traps(self) -> tuple[Trap, ...]:
+    def traps(self) -> tuple[ConventionCheck, ...]:
         """What was checked of the forces."""
-        return (self._force_trap(),)
+        return (self._force_check(),)
 
     def channels(self) -> tuple[str, ...]:
         """Move and turn by the push and mean steady force, axes of the body before the push."""
@@ -144,16 +144,16 @@ class PushProblem:
             f"pushed to turn right (over {wide:.2g} m)": arm < -wide,
         }
 
-    def _force_trap(self) -> Trap:
+    def _force_check(self) -> ConventionCheck:
         """A force on the body that drives it does work along the tip's path; one taken on the tip does the reverse."""
         whole = self._joined(self.trial_ids)
         work = (whole.force * (whole.tips[:, -1] - whole.tips[:, 0])).sum(axis=1)
         seen = np.isfinite(work)
         if not seen.any():
-            return Trap(name="force_sign", status="ok", evidence="no forces were measured")
+            return ConventionCheck(name="force_sign", status="ok", evidence="no forces were measured")
         share = float((work[seen] > 0.0).mean())
         text = f"in {share:.0%} of the pushes the force on the body does work along the tip's path"
-        return Trap(name="force_sign", status="ok" if share > _WORKS else "suspect", evidence=text)
+        return ConventionCheck(name="force_sign", status="ok" if share > _WORKS else "suspect", evidence=text)
 
     def _joined(self, trials: Sequence[str]) -> Records:
         parts = [self._records[t] for t in trials]

@@ -12,7 +12,7 @@ from sim.bullet import mechanism
 from sim.dynamics.mechanism import Drive, Law, MechanismModel, Windows, rollout
 from sim.dynamics.tree import Link
 from sim.effects.library import effect
-from simgap.sanity.convention_checks import joint_engine_traps
+from simgap.sanity.convention_checks import joint_engine_checks
 
 TIMES = np.linspace(0.0, 0.4, 21)[None]
 
@@ -104,7 +104,7 @@ def test_an_armature_inside_a_chain_is_refused():
 @pytest.mark.parametrize("case", [HINGE, CHAIN], ids=["hinge", "chain"])
 def test_both_engines_pass_the_trap_experiments(case: MechanismModel):
     for engine in (rollout, mechanism.rollout):
-        assert {t.name: t.status for t in joint_engine_traps(engine, case)} == {
+        assert {t.name: t.status for t in joint_engine_checks(engine, case)} == {
             "joint_motor_and_damping_off": "ok",
             "joint_inertia_held": "ok",
         }
@@ -114,4 +114,4 @@ def test_a_joint_motor_left_on_is_seen():
     def braked(case: MechanismModel, windows: Windows, laws=()):
         return rollout(replace(case, friction=np.full(len(case.tree), 1.0)), windows, laws)
 
-    assert joint_engine_traps(braked, HINGE)[0].status == "suspect"
+    assert joint_engine_checks(braked, HINGE)[0].status == "suspect"

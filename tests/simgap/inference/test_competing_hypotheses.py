@@ -11,13 +11,13 @@ from schemas.gap import Gain, Place
 from schemas.model import FloatArray
 from sim.effects.library import effect
 from simgap.inference.agreement import agree
-from simgap.inference.candidate_fit import LEVEL, Round, Trial, round_of, tried_on
-from simgap.inference.competing_hypotheses import as_good_together, beaten, challengers, replacement
+from simgap.inference.candidate_fit import ALPHA, Screening, CandidateFit, screening_of, tried_on
+from simgap.inference.competing_hypotheses import as_good_with_confusable, beaten, alternatives, replacement
 from simgap.inference.fit import Errors, Fit, extend, fit
 from simgap.inference.forward_selection import Accepted, Selection, _confirmed  # pyright: ignore[reportPrivateUsage]
-from simgap.inference.intervals import even, stands, unsure, wider
+from simgap.inference.intervals import even, differs_from_none, distance_to_alternatives, wider
 from simgap.inference.losses import Comparison, met_p, paired_p
-from simgap.inference.parametric_bootstrap import Numerics
+from simgap.inference.parametric_bootstrap import MethodBias
 from simgap.inference.verdict import judge
 from simgap.problem import Candidate, DirectEstimate, Model, Term
 
@@ -59,11 +59,11 @@ def _errors(columns: dict[str, FloatArray], truth: dict[str, float]) -> Errors:
     return errors
 
 
-def _tried(errors: Errors, base: Fit, candidate: Candidate) -> Trial:
+def _tried(errors: Errors, base: Fit, candidate: Candidate) -> CandidateFit:
     return tried_on(base, extend(errors, base, candidate, [candidate.start]), None)
 
 
-def _accepted_then_tried(truth: dict[str, float]) -> tuple[Trial, Trial]:
+def _accepted_then_tried(truth: dict[str, float]) -> tuple[CandidateFit, CandidateFit]:
     """Coulomb friction on top of nothing, and viscous friction on top of that; their traces are alike by 0.9."""
     errors = _errors(_columns(0.9), truth)
     first = _tried(errors, fit(errors, ()), COULOMB)
@@ -98,44 +98,44 @@ def test_a_fit_at_the_far_end_of_a_told_range_does_not_stand_out_by_rounding(kno
     found = fit(errors, [candidate])
     assert found.model[-1].values["torque_Nm"] == pytest.approx(none - known)
     assert not found.stands_out({})
-    assert not stands(found.model[-1], even(found.half_widths[candidate.key]))
+    assert not differs_from_none(found.model[-1], even(found.half_widths[candidate.key]))
 
 
 def test_an_interval_of_a_fit_at_an_end_that_was_told_covers_what_tells_it():
     told = Term(replace(COULOMB, told={"torque_Nm": 0.4}), {"torque_Nm": 2.0})
-    assert unsure(told, {"torque_Nm": 0.4}, _told(1.6, 0.1), [])["torque_Nm"] == pytest.approx((0.4 + 0.196, 0.0))
+    assert distance_to_alternatives(told, {"torque_Nm": 0.4}, _told(1.6, 0.1), [])["torque_Nm"] == pytest.approx((0.4 + 0.196, 0.0))
 
 
 def test_what_makes_an_accepted_effect_vanish_is_tried_in_its_place():
     mimic, true = _accepted_then_tried({VISCOUS.key: 2.0})
     assert mimic.comparison.gain > 0.3
-    assert replacement(Round((true,), (1e-4,)), mimic.fit, [mimic]) == (0, true)
+    assert replacement(Screening((true,), (1e-4,)), mimic.fit, [mimic]) == (0, true)
 
 
 def test_what_stands_beside_an_accepted_effect_is_added():
     first, second = _accepted_then_tried({COULOMB.key: 2.0, VISCOUS.key: 2.0})
-    assert replacement(Round((second,), (1e-4,)), first.fit, [first]) is None
+    assert replacement(Screening((second,), (1e-4,)), first.fit, [first]) is None
 
 
 @pytest.mark.parametrize("p_adjusted", [0.2, 1.0])
 def test_chance_takes_no_place(p_adjusted: float):
     mimic, true = _accepted_then_tried({VISCOUS.key: 2.0})
-    assert replacement(Round((true,), (p_adjusted,)), mimic.fit, [mimic]) is None
+    assert replacement(Screening((true,), (p_adjusted,)), mimic.fit, [mimic]) is None
 
 
 def test_only_doubles_and_what_left_little_more_is_asked_again():
     mimic, _ = _accepted_then_tried({VISCOUS.key: 4.0})
     errors = _errors(_columns(0.9), {VISCOUS.key: 4.0})
     other = _tried(errors, fit(errors, ()), VISCOUS)
-    this = Round((mimic, other), (1e-4, 1e-4))
-    assert challengers(mimic, this, (), mimic.fit) == [other]
+    this = Screening((mimic, other), (1e-4, 1e-4))
+    assert alternatives(mimic, this, (), mimic.fit) == [other]
     unjudged = replace(other, comparison=replace(other.comparison, gain=0.0))
-    assert challengers(mimic, replace(this, tried=(mimic, unjudged)), (), mimic.fit) == []
-    assert challengers(mimic, replace(this, tried=(mimic, unjudged)), (VISCOUS.key,), mimic.fit) == [unjudged]
+    assert alternatives(mimic, replace(this, tried=(mimic, unjudged)), (), mimic.fit) == []
+    assert alternatives(mimic, replace(this, tried=(mimic, unjudged)), (VISCOUS.key,), mimic.fit) == [unjudged]
     # A double is asked even if it leaves far more than twice as much: beside another cause it may not.
-    assert challengers(other, this, (), other.fit) == [mimic]
+    assert alternatives(other, this, (), other.fit) == [mimic]
     stranger = replace(mimic, candidate=replace(COULOMB, effect=effect("sensor.bias")))
-    assert challengers(other, replace(this, tried=(stranger, other)), (), other.fit) == []
+    assert alternatives(other, replace(this, tried=(stranger, other)), (), other.fit) == []
 
 
 def test_trials_that_stay_away_from_a_threshold_do_not_hide_what_it_does_to_the_others():
@@ -179,12 +179,12 @@ def test_two_causes_that_stand_for_two_others_are_doubles_together():
     load, dry = (_tried(errors, null, cause[k]) for k in ("load", "dry"))
     weight, spring = (_tried(errors, load.fit, cause[k]) for k in ("weight", "spring"))
     assert beaten(spring, weight)
-    assert as_good_together(errors, weight.fit, (), load, [], weight, [spring]) == []
-    (found,) = as_good_together(errors, weight.fit, (), load, [dry], weight, [spring])
+    assert as_good_with_confusable(errors, weight.fit, (), load, [], weight, [spring]) == []
+    (found,) = as_good_with_confusable(errors, weight.fit, (), load, [dry], weight, [spring])
     assert found.candidate.key == cause["spring"].key
 
 
-def _four_trials_meet(told: float) -> Round:
+def _four_trials_meet(told: float) -> Screening:
     """A threshold that four trials of twelve meet, among others; directly it leaves so much, each of the others 10."""
 
     def said(left: float) -> DirectEstimate:
@@ -196,19 +196,19 @@ def _four_trials_meet(told: float) -> Round:
     columns[COULOMB.key] = columns[COULOMB.key] * size[:, None]
     errors = _errors(columns, {COULOMB.key: 2.0})
     null = fit(errors, ())
-    met = replace(COULOMB, probes=({"torque_Nm": 1.0},))
+    met = replace(COULOMB, extra_starts=({"torque_Nm": 1.0},))
     met_trial = tried_on(null, extend(errors, null, met, [met.start]), said(told))
     other = tried_on(null, extend(errors, null, VISCOUS, [VISCOUS.start]), said(10.0))
     crowd = [replace(other, candidate=replace(VISCOUS, where=Place(joint=f"axis{k}"))) for k in range(20)]
-    return round_of([*crowd, met_trial])
+    return screening_of([*crowd, met_trial])
 
 
 @pytest.mark.parametrize(("told", "passes"), [(3.0, True), (6.0, False)])
 def test_a_threshold_that_the_direct_route_singles_out_is_asked_once(told: float, passes: bool):
     found = _four_trials_meet(told)
     assert found.tried[0].candidate.key == COULOMB.key
-    assert found.tried[0].comparison.p_value < LEVEL
-    assert (found.p_adjusted[0] < LEVEL) == passes
+    assert found.tried[0].comparison.p_value < ALPHA
+    assert (found.p_adjusted[0] < ALPHA) == passes
     assert all(p == 1.0 for p in found.p_adjusted[1:])
 
 
@@ -221,7 +221,7 @@ def test_what_took_the_place_of_another_and_may_be_chance_has_no_sure_name(p_adj
     errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
     null = fit(errors, ())
     found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
-    accepted = Accepted(found, Round((found,), (p_adjusted,)), p_adjusted, (), Numerics())
+    accepted = Accepted(found, Screening((found,), (p_adjusted,)), p_adjusted, (), MethodBias())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
     verdict = judge(Told(), selection, ("t0",), [GAIN], Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
     assert verdict.status == ("effect_found" if sure else "ambiguous")
@@ -239,7 +239,7 @@ def test_what_may_be_nothing_by_its_own_interval_has_no_sure_name(error: float, 
     null = fit(errors, ())
     said = Told().direct(COULOMB, (), ())
     found = replace(_tried(errors, null, COULOMB), direct=said)
-    accepted = Accepted(found, Round((found,), (1e-6,)), 1e-6, (), Numerics())
+    accepted = Accepted(found, Screening((found,), (1e-6,)), 1e-6, (), MethodBias())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
     verdict = judge(Told(), selection, ("t0",), [GAIN], Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
     (low, high) = verdict.effects[0].parameters["torque_Nm"].ci95
@@ -255,11 +255,11 @@ def _told(value: float, error: float, p_value: float = 1e-3, trials: int = TRIAL
 def test_an_interval_reaches_to_what_the_other_route_says_and_no_further_the_other_way():
     """Twice as much, said directly, is no reason to take the effect for none."""
     term = Term(COULOMB, {"torque_Nm": 2.0})
-    sides = unsure(term, {"torque_Nm": 0.1}, _told(3.9, 0.2), [])
+    sides = distance_to_alternatives(term, {"torque_Nm": 0.1}, _told(3.9, 0.2), [])
     assert sides["torque_Nm"] == pytest.approx((0.0, 1.9 + 1.96 * 0.2))
-    assert stands(term, wider(sides, even({"torque_Nm": 0.1})))
-    assert not stands(term, unsure(term, {"torque_Nm": 0.1}, _told(0.3, 0.2), []))
-    assert unsure(term, {"torque_Nm": 0.1}, _told(2.05, 0.2), [])["torque_Nm"] == pytest.approx((0.0, 0.05))
+    assert differs_from_none(term, wider(sides, even({"torque_Nm": 0.1})))
+    assert not differs_from_none(term, distance_to_alternatives(term, {"torque_Nm": 0.1}, _told(0.3, 0.2), []))
+    assert distance_to_alternatives(term, {"torque_Nm": 0.1}, _told(2.05, 0.2), [])["torque_Nm"] == pytest.approx((0.0, 0.05))
 
 
 def test_a_direct_estimate_is_heard_by_its_error_where_losses_drown_it():
@@ -268,14 +268,14 @@ def test_a_direct_estimate_is_heard_by_its_error_where_losses_drown_it():
     assert agree(term, widths, _told(2.1, 0.1, p_value=0.1))
     assert not agree(term, widths, _told(2.1, 1.2, p_value=0.1))
     assert not agree(term, widths, _told(2.1, 0.1, p_value=0.1, trials=1))
-    threshold = Term(replace(COULOMB, probes=({"torque_Nm": 1.0},)), {"torque_Nm": 2.0})
+    threshold = Term(replace(COULOMB, extra_starts=({"torque_Nm": 1.0},)), {"torque_Nm": 2.0})
     assert not agree(threshold, widths, _told(2.1, 0.1, p_value=0.1))
 
 
 def test_test_trials_that_stay_away_from_a_threshold_do_not_confirm_what_harms_them():
     errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
     null = fit(errors, ())
-    threshold = replace(COULOMB, probes=({"torque_Nm": 1.0},))
+    threshold = replace(COULOMB, extra_starts=({"torque_Nm": 1.0},))
     found = replace(_tried(errors, null, COULOMB), candidate=threshold)
     still = np.ones(4)
     assert _confirmed(null, found, still, 1.05 * still)
@@ -294,7 +294,7 @@ def test_what_a_single_trial_judges_has_no_sure_name():
     errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
     null = fit(errors, ())
     found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
-    accepted = Accepted(found, Round((found,), (1e-6,)), 1e-6, (), Numerics())
+    accepted = Accepted(found, Screening((found,), (1e-6,)), 1e-6, (), MethodBias())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
     alone = GAIN.model_copy(update={"ci95": (-np.inf, 1.0)})
     verdicts = [judge(Told(), selection, ("t0",), [g], Comparison(0.0, (0.0, 0.0), 1.0)) for g in (GAIN, alone)]  # pyright: ignore[reportArgumentType]

@@ -11,12 +11,12 @@ from schemas.gap import Gain, Place
 from schemas.measurement import MeasurementSpec
 from schemas.model import FloatArray
 from sim.effects.library import effect
-from simgap.inference.candidate_fit import Trial, round_of, tried_on, warm_without
-from simgap.inference.fit import Errors, clusters, extend, fit
-from simgap.inference.forward_selection import Accepted, _asked_again  # pyright: ignore[reportPrivateUsage]
+from simgap.inference.candidate_fit import CandidateFit, screening_of, tried_on, warm_without
+from simgap.inference.fit import Errors, resampling_units, extend, fit
+from simgap.inference.forward_selection import Accepted, _tested_again  # pyright: ignore[reportPrivateUsage]
 from simgap.inference.losses import compare
-from simgap.inference.parametric_bootstrap import Numerics
-from simgap.inference.search_state import Standpoint
+from simgap.inference.parametric_bootstrap import MethodBias
+from simgap.inference.search_state import SearchState
 from simgap.problem import Candidate, DirectEstimate, Model
 from simgap.recording.train_test_split import Trials, split_trials
 
@@ -53,30 +53,30 @@ class _Columns:
         return ()
 
 
-def _search(count: int, alike: float) -> tuple[Standpoint, Accepted, list[Trial]]:
+def _search(count: int, alike: float) -> tuple[SearchState, Accepted, list[CandidateFit]]:
     columns = _Columns(count, alike)
     errors: Errors = columns.errors
     null = fit(errors, ())
     tried = [tried_on(null, extend(errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(count)]
-    this = round_of(tried)
+    this = screening_of(tried)
     first, *others = this.tried
-    found = Accepted(first, this, this.p_adjusted[0], tuple(others), Numerics())
+    found = Accepted(first, this, this.p_adjusted[0], tuple(others), MethodBias())
     trials = Trials(tuple(f"t{k}" for k in range(TRIALS)), ())
-    here = Standpoint(columns, trials, "short_horizon", np.ones(1), errors, first.fit)  # pyright: ignore[reportArgumentType]
+    here = SearchState(columns, trials, "short_horizon", np.ones(1), errors, first.fit)  # pyright: ignore[reportArgumentType]
     return here, found, others
 
 
 def test_rivals_that_there_is_no_time_to_ask_stay():
     here, found, others = _search(8, alike=0.999)
     assert len(others) == 7
-    _, again = _asked_again(here, found, map)
+    _, again = _tested_again(here, found, map)
     assert {r.candidate.key for r in again.rivals} == {t.candidate.key for t in others}
 
 
 def test_a_rival_that_was_accepted_since_is_none_any_more():
     here, found, (rival, *others) = _search(3, alike=0.999)
     both = extend(here.errors, found.trial.fit, rival.candidate, [rival.candidate.start])
-    _, again = _asked_again(replace(here, base=both), found, map)
+    _, again = _tested_again(replace(here, base=both), found, map)
     assert {r.candidate.key for r in again.rivals} <= {t.candidate.key for t in others}
 
 
@@ -93,7 +93,7 @@ def test_a_declared_number_comes_back_with_its_tolerance_when_an_effect_leaves()
 
 def test_a_trial_of_one_row_is_one_cluster():
     rows = [np.full((1, 2), float(k)) for k in range(7)]
-    assert [c.tolist() for c in clusters(rows)] == [[k, k] for k in range(7)]
+    assert [c.tolist() for c in resampling_units(rows)] == [[k, k] for k in range(7)]
 
 
 def test_a_direct_estimate_without_another_singles_nothing_out():
@@ -103,13 +103,13 @@ def test_a_direct_estimate_without_another_singles_nothing_out():
     said = DirectEstimate({}, {}, 0.01, TRIALS, np.full(TRIALS, 0.1))
     met = replace(
         met,
-        candidate=replace(met.candidate, probes=({"torque_Nm": 1.0},)),
+        candidate=replace(met.candidate, extra_starts=({"torque_Nm": 1.0},)),
         direct=said,
         comparison=replace(met.comparison, p_value=0.03),
     )
     chance = replace(other, comparison=replace(other.comparison, p_value=0.5))
     crowd = [replace(chance, candidate=replace(other.candidate, where=Place(joint=f"x{k}"))) for k in range(20)]
-    this = round_of([met, *crowd])
+    this = screening_of([met, *crowd])
     assert this.p_adjusted[this.tried.index(met)] > 0.05
 
 

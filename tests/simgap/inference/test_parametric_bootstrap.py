@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from simgap.inference.parametric_bootstrap import numerics, reach_of
+from simgap.inference.parametric_bootstrap import estimate_method_bias, prediction_half_widths
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.problem import Term
 from tests.suites.gap.mechanism_cases import mechanism_case
@@ -22,7 +22,7 @@ def swing() -> MechanismProblem:
 def test_a_model_explains_the_readings_that_it_gave_down_to_their_noise(swing):
     drag = next(c for c in swing.candidates() if c.effect.name == "joint.viscous_friction")
     model = (Term(drag, {"damping_Nms_per_rad": 0.8 * drag.bounds["damping_Nms_per_rad"][1]}),)
-    again = swing.repeated(model, 0)
+    again = swing.bootstrap_sample(model, 0)
     floor = swing.noise_floor(swing.trial_ids, "short_horizon")
     own, declared = (
         np.sqrt(np.mean(np.concatenate(again.residuals(m, again.trial_ids, "short_horizon")) ** 2)) for m in (model, ())
@@ -32,7 +32,7 @@ def test_a_model_explains_the_readings_that_it_gave_down_to_their_noise(swing):
 
 
 def test_the_same_seed_gives_the_same_readings_and_another_one_other_noise(swing):
-    first, same, other = (swing.repeated((), seed).measurement.trials[0].q for seed in (3, 3, 4))
+    first, same, other = (swing.bootstrap_sample((), seed).measurement.trials[0].q for seed in (3, 3, 4))
     assert (first == same).all()
     assert 0.0 < np.abs(first - other).max() < 0.01
 
@@ -40,8 +40,8 @@ def test_the_same_seed_gives_the_same_readings_and_another_one_other_noise(swing
 def test_what_is_found_without_an_effect_is_far_below_a_fifth_of_its_range(swing):
     drag = next(c for c in swing.candidates() if c.effect.name == "joint.viscous_friction")
     name, (_, high) = next(iter(drag.bounds.items()))
-    made_up = numerics(swing, swing.trial_ids[:6], "short_horizon", (), (Term(drag, {name: 0.2 * high}),))
-    for reach in (made_up.fitted[name], made_up.direct[name]):
+    method_bias = estimate_method_bias(swing, swing.trial_ids[:6], "short_horizon", (), (Term(drag, {name: 0.2 * high}),))
+    for reach in (method_bias.fitted[name], method_bias.direct[name]):
         assert 0.0 <= reach < 0.1 * high
 
 
@@ -54,14 +54,14 @@ def test_what_is_found_without_an_effect_is_far_below_a_fifth_of_its_range(swing
     ],
 )
 def test_repeats_reach_as_far_as_their_bias_and_scatter(found: tuple[float, ...], least: float, most: float) -> None:
-    reach = reach_of({"x": 0.3}, [{"x": 0.3 + v} for v in found])["x"]
+    reach = prediction_half_widths({"x": 0.3}, [{"x": 0.3 + v} for v in found])["x"]
     assert least - 1e-12 <= reach <= most + 1e-12
-    assert reach == pytest.approx(reach_of({"x": 0.0}, [{"x": -v} for v in found])["x"])
+    assert reach == pytest.approx(prediction_half_widths({"x": 0.0}, [{"x": -v} for v in found])["x"])
 
 
 def test_another_draw_lies_within_the_reach_as_often_as_it_should() -> None:
     rng = np.random.default_rng(5)
     for bias in (0.0, 3.0):
         draws = bias + rng.normal(0.0, 1.0, (4000, 4))
-        inside = [abs(d[3]) <= reach_of({"x": 0.0}, [{"x": v} for v in d[:3]])["x"] for d in draws]
+        inside = [abs(d[3]) <= prediction_half_widths({"x": 0.0}, [{"x": v} for v in d[:3]])["x"] for d in draws]
         assert np.mean(inside) > 0.9

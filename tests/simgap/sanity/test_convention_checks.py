@@ -12,7 +12,7 @@ import pytest
 from schemas.physics import CollisionShape
 from sim.bullet.body import BulletBodyReplay
 from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyWindows
-from simgap.sanity.convention_checks import body_engine_traps
+from simgap.sanity.convention_checks import body_engine_checks
 
 BOX = BodyModel(
     shapes=(CollisionShape("box", (0.1, 0.06, 0.04), np.eye(4)),),
@@ -45,7 +45,7 @@ class Altered:
 
 def test_the_engine_holds_what_it_was_given():
     with BulletBodyReplay(FINE_S) as engine:
-        found = {t.name: (t.status, t.evidence) for t in body_engine_traps(engine, BOX)}
+        found = {t.name: (t.status, t.evidence) for t in body_engine_checks(engine, BOX)}
     assert set(found) == NAMES
     assert {n for n, (status, _) in found.items() if status != "ok"} == set(), found
 
@@ -60,5 +60,5 @@ def test_the_engine_holds_what_it_was_given():
 )
 def test_a_wrong_convention_is_seen(field: str, change, trap: str):
     with BulletBodyReplay(FINE_S) as engine:
-        found = {t.name: t.status for t in body_engine_traps(Altered(engine, **{field: change}), BOX)}
+        found = {t.name: t.status for t in body_engine_checks(Altered(engine, **{field: change}), BOX)}
     assert found[trap] == "suspect"

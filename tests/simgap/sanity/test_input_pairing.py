@@ -11,7 +11,7 @@ from simgap.find_gap import find_effects
 from simgap.kinds.mechanism.inputs import next_inputs
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.recording.train_test_split import split_trials
-from simgap.sanity.input_pairing import others_inputs_trap, pairing_trap
+from simgap.sanity.input_pairing import other_inputs_check, pairing_check
 from tests.suites.gap.mechanism_cases import mechanism_case
 
 DRIVEN, SHUFFLED, FREE = (560, 565), (358, 378), (572,)
@@ -29,7 +29,7 @@ def problem_of(number: int) -> MechanismProblem:
 def test_a_model_does_better_with_its_own_inputs_if_they_are_its_own(numbers: tuple[int, ...], status: str) -> None:
     for number in numbers:
         problem = problem_of(number)
-        trap = pairing_trap(problem, (), problem.trial_ids, "long_horizon")
+        trap = pairing_check(problem, (), problem.trial_ids, "long_horizon")
         assert trap is not None
         assert trap.status == status
 
@@ -41,7 +41,7 @@ def test_a_model_does_better_with_its_own_inputs_if_they_are_its_own(numbers: tu
 )
 def test_inputs_of_others_are_noticed_before_anything_is_searched(numbers: tuple[int, ...], status: str) -> None:
     for number in numbers:
-        trap = others_inputs_trap(problem_of(number), "long_horizon")
+        trap = other_inputs_check(problem_of(number), "long_horizon")
         assert trap is not None
         assert trap.status == status
 
@@ -57,8 +57,8 @@ def test_nothing_is_searched_where_inputs_belong_to_others() -> None:
 
 def test_nothing_is_said_where_nothing_drives() -> None:
     problem = problem_of(FREE[0])
-    assert pairing_trap(problem, (), problem.trial_ids, "long_horizon") is None
-    assert others_inputs_trap(problem, "long_horizon") is None
+    assert pairing_check(problem, (), problem.trial_ids, "long_horizon") is None
+    assert other_inputs_check(problem, "long_horizon") is None
 
 
 def test_trials_that_are_driven_alike_tell_nothing() -> None:

@@ -197,7 +197,7 @@ def test_fits_go_no_further_than_what_motion_tells_errs(p_value: float, highest:
     held = narrowed(wide, DirectEstimate({"age_s": 0.0034}, {"age_s": 1e-4}, p_value, 12))
     span = 0.002 * (high - low)
     assert held.bounds["age_s"] == pytest.approx((max(low, -highest + 0.0034 - span), highest + span), abs=6e-5)
-    assert held.told == ({"age_s": pytest.approx(0.0004 + span, abs=6e-5)} if p_value < 0.01 else {})
+    assert held.direct_half_width == ({"age_s": pytest.approx(0.0004 + span, abs=6e-5)} if p_value < 0.01 else {})
 
 
 def test_accepted_terms_leave_nothing_to_find():
