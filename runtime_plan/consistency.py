@@ -1,4 +1,4 @@
-"""What a plan promises beyond its schema: every name and number in it leads somewhere."""
+"""Check a runtime plan beyond its schema: every name and index in it refers to something that exists."""
 
 from __future__ import annotations
 
@@ -8,17 +8,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from schemas.diagnostics import Diagnostic, finding
+from schemas.scene.program import BACKGROUND
 from schemas.scene.runtime_plan import PlanCase, PlanCombination, PlanPool, PlanThing, RuntimePlan
 
-WORLD = "background"
+
+def find_inconsistencies(plan: RuntimePlan) -> tuple[Diagnostic, ...]:
+    """One `plan/inconsistent` diagnostic per inconsistency; none for plans that the compiler writes."""
+    return tuple(finding("plan/inconsistent", text) for text in _inconsistencies(plan))
 
 
-def faults(plan: RuntimePlan) -> tuple[Diagnostic, ...]:
-    """`plan/inconsistent` for everything that does not fit together; none for what the compiler writes."""
-    return tuple(finding("plan/inconsistent", text) for text in _faults(plan))
-
-
-def _faults(plan: RuntimePlan) -> Iterator[str]:
+def _inconsistencies(plan: RuntimePlan) -> Iterator[str]:
     if not plan.combinations:
         yield "the plan has no combination"
     if any(not body.stances for body in plan.bodies):
@@ -57,7 +56,7 @@ def _combination(plan: RuntimePlan, combination: PlanCombination) -> Iterator[st
             yield from (f"pools[{number}]: {text}" for text in _pool(plan, pool, things))
     named = {name for relation in combination.relations for name in (*relation.things, relation.frame)}
     named |= set(combination.reach.members if combination.reach else ())
-    yield from (f"there is no thing `{name}`" for name in sorted(named - set(things) - {WORLD}))
+    yield from (f"there is no thing `{name}`" for name in sorted(named - set(things) - {BACKGROUND}))
     if any(not 0 <= rule.place < len(combination.places) for rule in combination.keep_outs):
         yield "a keep-out has no place"
 
@@ -67,7 +66,7 @@ def _thing(
 ) -> Iterator[str]:
     if not thing.bodies or not all(0 <= body < len(plan.bodies) for body in thing.bodies):
         yield "its bodies are not in the plan"
-    if thing.parent != WORLD and thing.parent not in known:
+    if thing.parent != BACKGROUND and thing.parent not in known:
         yield f"its owner `{thing.parent}` does not stand before it"
     if not 0 <= thing.place < len(combination.places):
         yield f"there is no place {thing.place}"

@@ -15,7 +15,7 @@ from runtime_plan.backend import NUMPY, Backend
 from runtime_plan.plan import Plan
 from runtime_plan.portable_trig import half_turns
 from runtime_plan.samples import Samples
-from runtime_plan.tables import ABSENT, AUTHORED, Forms, Layout, Outlines, PlanTables, Pool, Tables
+from runtime_plan.tables import ABSENT, AUTHORED, BodyStances, DrawLayout, Outlines, PlanTables, Pool, CombinationTables
 
 Array = Any
 CHUNK = 512  # samples worked on at once, so that their numbers stay in the processor's cache
@@ -66,7 +66,7 @@ def _fill(backend: Backend, samples: Samples, chunk: slice, tables: PlanTables, 
     if len(tables.combinations) == 1:
         _draw(backend, samples, chunk, tables, 0, u)
         return
-    chosen = backend.xp.searchsorted(tables.shares, u[:, 0], side="right")
+    chosen = backend.xp.searchsorted(tables.cumulative_shares, u[:, 0], side="right")
     samples.combination[chunk] = chosen
     for index in range(len(tables.combinations)):
         rows = (chosen == index).nonzero()
@@ -77,17 +77,17 @@ def _fill(backend: Backend, samples: Samples, chunk: slice, tables: PlanTables, 
 
 def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index: int, u: Array) -> None:
     """Draw `rows`, all of one combination, into `samples`."""
-    tables, layout, forms = plan.combinations[index], plan.layout, plan.forms
+    tables, layout, body_stances = plan.combinations[index], plan.layout, plan.body_stances
     things = len(tables.things)
     columns = slice(None) if tables.all_things else tables.things
     at = rows if isinstance(rows, slice) or tables.all_things else rows[:, None]  # rows x columns of the result
     cases = _cases(backend, tables.pools, u[:, layout.cases :])
-    table_rows = (cases if tables.one_each else cases[:, tables.pool_of]) + tables.first_row
-    bodies, stance, form = _forms(backend, tables, layout, forms, table_rows, u)
+    table_rows = (cases if tables.one_thing_per_pool else cases[:, tables.pool_of]) + tables.first_row
+    bodies, stance, body_stance = _forms(backend, tables, layout, body_stances, table_rows, u)
     yaw = _yaw(backend, tables, table_rows, u[:, layout.yaws : layout.yaws + things])
     c, s = half_turns(backend.xp, yaw)
-    x, y = _place(backend, tables, table_rows, form, c, s, u[:, layout.xs :], u[:, layout.ys :])
-    z = _pick(backend, tables.height_m, table_rows) + _pick(backend, forms.origin_height_m, form)
+    x, y = _place(backend, tables, table_rows, body_stance, c, s, u[:, layout.xs :], u[:, layout.ys :])
+    z = _pick(backend, tables.height_m, table_rows) + _pick(backend, body_stances.origin_height_m, body_stance)
     _to_world(tables, x, y, z, c, s)
     samples.case[rows, : len(tables.pools)] = cases
     samples.present[at, columns] = True
@@ -97,7 +97,7 @@ def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index
     samples.yaw_rad[at, columns] = yaw
     for axis, values in enumerate((x, y, z)):
         samples.position_m[at, columns, axis] = values
-    for axis, values in enumerate(_quaternion(backend, forms, form, c, s)):
+    for axis, values in enumerate(_quaternion(backend, body_stances, body_stance, c, s)):
         samples.quat_wxyz[at, columns, axis] = values
     samples.background[rows] = tables.background_body
     _looks(backend, samples, rows, at, columns, plan, tables, u)
@@ -111,51 +111,51 @@ def _cases(backend: Backend, pools: tuple[Pool, ...], u: Array) -> Array:
     """(m, P) case of each pool."""
     cases = backend.full((len(u), len(pools)), 0)
     for p, pool in enumerate(pools):
-        if pool.shares is not None:
-            cases[:, p] = backend.xp.searchsorted(pool.shares, u[:, p], side="right")
+        if pool.cumulative_shares is not None:
+            cases[:, p] = backend.xp.searchsorted(pool.cumulative_shares, u[:, p], side="right")
         elif pool.count > 1:
             cases[:, p] = backend.floor_to_int(u[:, p] * pool.count)
     return cases
 
 
 def _forms(
-    backend: Backend, tables: Tables, layout: Layout, forms: Forms, rows: Array, u: Array
+    backend: Backend, tables: CombinationTables, layout: DrawLayout, body_stances: BodyStances, rows: Array, u: Array
 ) -> tuple[Array, Array, Array]:
     """Body, stance and form of each thing: (m, T), or (T,) where they never change."""
-    if tables.form is not None:
-        return tables.bodies[:, 0], tables.stance_of, tables.form
+    if tables.body_stance is not None:
+        return tables.bodies[:, 0], tables.fixed_stance, tables.body_stance
     stance = _pick(backend, tables.stance, rows)
     if tables.bodies.shape[1] == 1:
         bodies = tables.bodies[:, 0]
     else:
         drawn = backend.floor_to_int(u[:, layout.bodies : layout.bodies + len(tables.things)] * tables.body_count)
         bodies = _pick(backend, tables.bodies, drawn + tables.body_row)
-    return bodies, stance, _pick(backend, forms.start, bodies) + stance
+    return bodies, stance, _pick(backend, body_stances.start, bodies) + stance
 
 
-def _yaw(backend: Backend, tables: Tables, rows: Array, u: Array) -> Array:
+def _yaw(backend: Backend, tables: CombinationTables, rows: Array, u: Array) -> Array:
     """(m, T) uniform over the intervals of each row."""
     along = u * _pick(backend, tables.turn[1], rows)
     yaw = along + _pick(backend, tables.turn[0], rows)
-    for past, jump in zip(tables.turn_past, tables.turn_jump, strict=True):
+    for past, jump in zip(tables.yaw_gap_at_rad, tables.yaw_gap_rad, strict=True):
         yaw += (along >= _pick(backend, past, rows)) * _pick(backend, jump, rows)
     return yaw
 
 
 def _place(
-    backend: Backend, tables: Tables, rows: Array, form: Array, c: Array, s: Array, ux: Array, uy: Array
+    backend: Backend, tables: CombinationTables, rows: Array, body_stance: Array, c: Array, s: Array, ux: Array, uy: Array
 ) -> tuple[Array, Array]:
     """x and y (m, T) of the asset origin in A: uniform where the footprint at its yaw stays in its cell."""
     things = c.shape[1]
     cosine = 1.0 - 2.0 * s * s
     sine = 2.0 * s * c
-    ends = _ends(backend, tables.outlines, form, cosine, sine)
+    ends = _ends(backend, tables.outlines, body_stance, cosine, sine)
     lows = []
     for axis, u in enumerate((ux, uy)):
         bounds, (least, most) = tables.bounds_m[2 * axis :], ends[axis]
         low = _pick(backend, bounds[0], rows) - least
         high = _pick(backend, bounds[1], rows) - most
-        if tables.boxed:
+        if tables.has_origin_boxes:
             low = backend.xp.maximum(low, _pick(backend, bounds[4], rows))
             high = backend.xp.minimum(high, _pick(backend, bounds[5], rows))
         high -= low
@@ -166,16 +166,16 @@ def _place(
 
 
 def _ends(
-    backend: Backend, outlines: tuple[Outlines, ...], form: Array, cosine: Array, sine: Array
+    backend: Backend, outlines: tuple[Outlines, ...], body_stance: Array, cosine: Array, sine: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Least and most x, least and most y (m, T) of the outlines, turned about the asset origin."""
     xp = backend.xp
     if len(outlines) == 1:
-        return _ends_of(xp, outlines[0], form, cosine, sine)
+        return _ends_of(xp, outlines[0], body_stance, cosine, sine)
     bounds = backend.full((4, *cosine.shape), 0.0)
     for outline in outlines:
         columns = outline.columns
-        of = form if form.ndim == 1 else form[:, columns]
+        of = body_stance if body_stance.ndim == 1 else body_stance[:, columns]
         ends = _ends_of(xp, outline, of, cosine[:, columns], sine[:, columns])
         for k, values in enumerate((*ends[0], *ends[1])):
             bounds[k][:, columns] = values
@@ -183,12 +183,12 @@ def _ends(
 
 
 def _ends_of(
-    xp: Any, outline: Outlines, form: Array, cosine: Array, sine: Array
+    xp: Any, outline: Outlines, body_stance: Array, cosine: Array, sine: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     least = most = back = front = None
     for corner_x, corner_y in zip(outline.x_m, outline.y_m, strict=True):
-        px = corner_x if outline.fixed else xp.take(corner_x, form)
-        py = corner_y if outline.fixed else xp.take(corner_y, form)
+        px = corner_x if outline.fixed else xp.take(corner_x, body_stance)
+        py = corner_y if outline.fixed else xp.take(corner_y, body_stance)
         x = cosine * px
         x -= sine * py
         y = sine * px
@@ -201,7 +201,7 @@ def _ends_of(
     return (least, most), (back, front)
 
 
-def _to_world(tables: Tables, x: Array, y: Array, z: Array, c: Array, s: Array) -> None:
+def _to_world(tables: CombinationTables, x: Array, y: Array, z: Array, c: Array, s: Array) -> None:
     """Turn poses (m, T) in A of each thing's place into those in W, in place; owners stand level.
 
     `c`, `s` are cosine and sine of half the yaw; `z` counts from U of the owner already.
@@ -224,20 +224,20 @@ def _to_world(tables: Tables, x: Array, y: Array, z: Array, c: Array, s: Array) 
         z[:, columns] += at_z
 
 
-def _quaternion(backend: Backend, forms: Forms, form: Array, c: Array, s: Array) -> tuple[Array, Array, Array, Array]:
+def _quaternion(backend: Backend, body_stances: BodyStances, body_stance: Array, c: Array, s: Array) -> tuple[Array, Array, Array, Array]:
     """The yaw after the orientation of the stance, (m, T) each of w, x, y, z."""
-    w, x, y, z = (_pick(backend, part, form) for part in forms.quat_wxyz)
+    w, x, y, z = (_pick(backend, part, body_stance) for part in body_stances.quat_wxyz)
     return c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w
 
 
 def _looks(
-    backend: Backend, samples: Samples, rows: Any, at: Any, columns: Any, plan: PlanTables, tables: Tables, u: Array
+    backend: Backend, samples: Samples, rows: Any, at: Any, columns: Any, plan: PlanTables, tables: CombinationTables, u: Array
 ) -> None:
     """Materials and lighting of `rows`."""
     for k, group in enumerate(tables.groups):
-        worn = group.worn[backend.floor_to_int(u[:, plan.layout.materials + k] * len(group.worn))]
-        samples.material[at, columns] = backend.xp.maximum(samples.material[at, columns], worn[:, :-1])
-        samples.background_material[rows] = backend.xp.maximum(samples.background_material[rows], worn[:, -1])
+        material_of = group.material_of[backend.floor_to_int(u[:, plan.layout.materials + k] * len(group.material_of))]
+        samples.material[at, columns] = backend.xp.maximum(samples.material[at, columns], material_of[:, :-1])
+        samples.background_material[rows] = backend.xp.maximum(samples.background_material[rows], material_of[:, -1])
     if len(tables.lighting):
         lighting = tables.lighting[backend.floor_to_int(u[:, plan.layout.lighting] * len(tables.lighting))]
         bounds = plan.channels[lighting]

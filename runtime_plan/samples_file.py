@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
-from runtime_plan.tables import ABSENT, AUTHORED, BACKGROUND, WORLD
+from runtime_plan.tables import ABSENT, AUTHORED, BACKGROUND_COLUMN, BACKGROUND
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.scene.runtime_plan import PlanCombination
 from schemas.scene.samples import SampledLighting, SampledObject, SceneSample, SceneSamples
@@ -41,10 +41,10 @@ def _documents(plan: Plan, samples: Samples) -> Iterator[SceneSample]:
                 asset=bodies[body].asset_id,
                 position_m=tuple(position),
                 quat_wxyz=tuple(quat),
-                support=WORLD if owner == BACKGROUND else names[owner],
-                material=material(worn),
+                support=BACKGROUND if owner == BACKGROUND_COLUMN else names[owner],
+                material=material(material_of),
             )
-            for name, (body, position, quat, owner, worn) in zip(names, rows, strict=True)
+            for name, (body, position, quat, owner, material_of) in zip(names, rows, strict=True)
             if body >= 0
         }
         background = int(samples.background[k])
@@ -119,7 +119,7 @@ def _unfit(document: SceneSamples) -> str:
 
 def _arrays(plan: Plan, document: SceneSamples) -> Samples:
     n, names, drawn_plan = len(document.samples), plan.tables.names, plan.document
-    column = {name: index for index, name in enumerate(names)} | {WORLD: BACKGROUND}
+    column = {name: index for index, name in enumerate(names)} | {BACKGROUND: BACKGROUND_COLUMN}
     material = {one.id: index for index, one in enumerate(drawn_plan.materials)} | {None: AUTHORED}
     light = {one.id: index for index, one in enumerate(drawn_plan.lighting)}
     most = max(len(one.pools) for one in drawn_plan.combinations)

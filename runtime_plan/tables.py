@@ -14,13 +14,13 @@ from schemas.scene.runtime_plan import PlanCase, PlanCombination, PlanStance, Ru
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 MICRO = 1e-6
-WORLD = "background"  # the owner of what stands on nothing that moves
-BACKGROUND, ABSENT = -1, -2  # in place of the column of an owner
+BACKGROUND = "background"  # the owner of what stands on nothing that moves
+BACKGROUND_COLUMN, ABSENT = -1, -2  # in place of the column of an owner
 AUTHORED = -1  # in place of the index of a material: as the asset is
 
 
 @dataclass(frozen=True)
-class Forms:
+class BodyStances:
     """Every way in which any body stands: form of body b in stance s is `start[b] + s`."""
 
     start: IntArray  # (bodies,)
@@ -51,22 +51,22 @@ class Level:
 
 
 @dataclass(frozen=True)
-class Group:
+class MaterialGroup:
     """Materials of which one is drawn: what each of T things and then the background wears, AUTHORED in row 0."""
 
-    worn: IntArray  # (m + 1, T + 1)
+    material_of: IntArray  # (m + 1, T + 1)
 
 
 @dataclass(frozen=True)
 class Pool:
     """Shares of its cases added up, the last exactly 1 (None: equal shares), and how many there are."""
 
-    shares: FloatArray | None
+    cumulative_shares: FloatArray | None
     count: int
 
 
 @dataclass(frozen=True)
-class Tables:
+class CombinationTables:
     """One combination of T things. A row is one thing in one case; `first_row[i]` + case is that of thing i.
 
     `bounds_m` (8, rows): cell and origin box as x low, x high, y low, y high each; `turn` (2, rows): start and total
@@ -81,30 +81,30 @@ class Tables:
     first_row: IntArray  # (T,)
     bounds_m: FloatArray
     turn: FloatArray
-    turn_past: FloatArray
-    turn_jump: FloatArray
-    boxed: bool  # whether any origin box bounds more than its cell does
+    yaw_gap_at_rad: FloatArray
+    yaw_gap_rad: FloatArray
+    has_origin_boxes: bool  # whether any origin box bounds more than its cell does
     place_m: FloatArray
     height_m: FloatArray
     stance: IntArray  # (rows,)
     bodies: IntArray  # (T, most bodies of one thing), repeated
     body_row: IntArray  # (T,) where the bodies of each begin, rows of `bodies` laid end to end
     body_count: FloatArray  # (T,)
-    stance_of: IntArray | None  # (T,) where every thing has one form in all cases, and
-    form: IntArray | None  # (T,) that form
+    fixed_stance: IntArray | None  # (T,) where every thing has one form in all cases, and
+    body_stance: IntArray | None  # (T,) that form
     outlines: tuple[Outlines, ...]
     levels: tuple[Level, ...]
     background: tuple[float, float, float, float, float]  # x, y, z (m), cosine and sine of half its yaw
     support: IntArray  # (T,) column of the owner, BACKGROUND for it
     background_body: int  # -1 for none
     all_things: bool  # whether its things are the columns of the samples, one by one
-    one_each: bool  # whether pool p is thing p alone
-    groups: tuple[Group, ...]
+    one_thing_per_pool: bool  # whether pool p is thing p alone
+    groups: tuple[MaterialGroup, ...]
     lighting: IntArray  # indices into the plan's
 
 
 @dataclass(frozen=True)
-class Layout:
+class DrawLayout:
     """Where in the words of one sample each draw lies; `blocks` of four words a sample."""
 
     cases: int
@@ -122,18 +122,18 @@ class PlanTables:
     """All combinations. `names` are the columns of samples: every thing of any combination, in order."""
 
     names: tuple[str, ...]
-    shares: FloatArray  # (combinations,) added up, the last exactly 1
-    combinations: tuple[Tables, ...]
-    forms: Forms
-    layout: Layout
+    cumulative_shares: FloatArray  # (combinations,) added up, the last exactly 1
+    combinations: tuple[CombinationTables, ...]
+    body_stances: BodyStances
+    layout: DrawLayout
     channels: FloatArray  # (lighting, 4, 2) bounds; NaN where a lighting leaves a channel alone
 
 
 def tables_of(plan: RuntimePlan) -> PlanTables:
     """The arrays of a consistent plan."""
     names = tuple(dict.fromkeys(thing.id for one in plan.combinations for thing in one.things))
-    forms = _forms(plan)
-    combinations = tuple(_tables(plan, one, names, forms) for one in plan.combinations)
+    body_stances = _forms(plan)
+    combinations = tuple(_tables(plan, one, names, body_stances) for one in plan.combinations)
     channels = [
         [
             bounds or (np.nan, np.nan)
@@ -143,30 +143,30 @@ def tables_of(plan: RuntimePlan) -> PlanTables:
     ]
     return PlanTables(
         names,
-        _shares([one.weight for one in plan.combinations]),
+        _cumulative_shares([one.weight for one in plan.combinations]),
         combinations,
-        forms,
+        body_stances,
         _layout(combinations),
         np.array(channels, dtype=np.float64).reshape(-1, 4, 2),
     )
 
 
-def _layout(combinations: Sequence[Tables]) -> Layout:
+def _layout(combinations: Sequence[CombinationTables]) -> DrawLayout:
     """The same for all combinations, so that a sample's words depend on seed and index alone."""
-    most = max(len(one.things) for one in combinations)
+    most_bodies = max(len(one.things) for one in combinations)
     several = any((one.body_count > 1).any() for one in combinations)
     cases = 1
     bodies = cases + max(len(one.pools) for one in combinations)
-    yaws = bodies + (most if several else 0)
-    xs, ys, materials = yaws + most, yaws + 2 * most, yaws + 3 * most
+    yaws = bodies + (most_bodies if several else 0)
+    xs, ys, materials = yaws + most_bodies, yaws + 2 * most_bodies, yaws + 3 * most_bodies
     lighting = materials + max(len(one.groups) for one in combinations)
-    return Layout(cases, bodies, yaws, xs, ys, materials, lighting, -(-(lighting + 5) // 4))
+    return DrawLayout(cases, bodies, yaws, xs, ys, materials, lighting, -(-(lighting + 5) // 4))
 
 
-def _forms(plan: RuntimePlan) -> Forms:
+def _forms(plan: RuntimePlan) -> BodyStances:
     stances = [stance for body in plan.bodies for stance in body.stances]
     start = np.cumsum([0, *(len(body.stances) for body in plan.bodies)])[:-1]
-    return Forms(
+    return BodyStances(
         start,
         np.array([stance.quat_wxyz for stance in stances], dtype=np.float64).reshape(-1, 4).T.copy(),
         np.array([stance.origin_height_m for stance in stances], dtype=np.float64),
@@ -192,14 +192,14 @@ def _turns_right(a: tuple[float, float], b: tuple[float, float], c: tuple[float,
     return (b[0] - a[0]) * (c[1] - a[1]) <= (b[1] - a[1]) * (c[0] - a[0])
 
 
-def _shares(weights: Sequence[float]) -> FloatArray:
+def _cumulative_shares(weights: Sequence[float]) -> FloatArray:
     added = np.cumsum(np.array(weights, dtype=np.float64))
-    shares = added / added[-1]
-    shares[-1] = 1.0
-    return shares
+    cumulative_shares = added / added[-1]
+    cumulative_shares[-1] = 1.0
+    return cumulative_shares
 
 
-def _tables(plan: RuntimePlan, one: PlanCombination, names: tuple[str, ...], forms: Forms) -> Tables:
+def _tables(plan: RuntimePlan, one: PlanCombination, names: tuple[str, ...], body_stances: BodyStances) -> CombinationTables:
     column = {name: index for index, name in enumerate(names)}
     local = {thing.id: index for index, thing in enumerate(one.things)}
     where = {name: (p, k) for p, pool in enumerate(one.pools) for k, name in enumerate(pool.things)}
@@ -210,8 +210,8 @@ def _tables(plan: RuntimePlan, one: PlanCombination, names: tuple[str, ...], for
         first_row[index] = len(rows)
         rows += [(case, k, index) for case in one.pools[p].cases]
     stance = np.array([case.stances[k] for case, k, _ in rows], dtype=np.int64)
-    most = max((len(thing.bodies) for thing in one.things), default=1)
-    bodies = np.array([(thing.bodies * most)[:most] for thing in one.things], dtype=np.int64).reshape(-1, most)
+    most_bodies = max((len(thing.bodies) for thing in one.things), default=1)
+    bodies = np.array([(thing.bodies * most_bodies)[:most_bodies] for thing in one.things], dtype=np.int64).reshape(-1, most_bodies)
     past, jump, turn = _turns([case.yaws_urad[k] for case, k, _ in rows])
     open_box = (-np.inf, np.inf, -np.inf, np.inf)
     bounds = [(*case.cells_um[k], *(case.origins_um[k] or open_box)) for case, k, _ in rows]
@@ -219,36 +219,36 @@ def _tables(plan: RuntimePlan, one: PlanCombination, names: tuple[str, ...], for
     possible = [sorted({int(s) for s in stance[first : first + _count(one, where, thing.id)]})
                 for thing, first in zip(one.things, first_row, strict=True)]  # fmt: skip
     choices = [
-        sorted({int(forms.start[body]) + s for body in thing.bodies for s in stances})
+        sorted({int(body_stances.start[body]) + s for body in thing.bodies for s in stances})
         for thing, stances in zip(one.things, possible, strict=True)
     ]
     fixed = all(len(indices) == 1 for indices in choices)
     X_WB = np.array(one.X_WB, dtype=np.float64)
-    return Tables(
+    return CombinationTables(
         things=np.array([column[thing.id] for thing in one.things], dtype=np.int64),
         pools=tuple(_pool([case.weight for case in pool.cases]) for pool in one.pools),
         pool_of=np.array([where[thing.id][0] for thing in one.things], dtype=np.int64),
         first_row=first_row,
         bounds_m=MICRO * np.array(bounds, dtype=np.float64).reshape(-1, 8).T,
         turn=turn,
-        turn_past=past,
-        turn_jump=jump,
-        boxed=any(case.origins_um[k] is not None for case, k, _ in rows),
+        yaw_gap_at_rad=past,
+        yaw_gap_rad=jump,
+        has_origin_boxes=any(case.origins_um[k] is not None for case, k, _ in rows),
         place_m=np.array([origin[:2] for origin in origins], dtype=np.float64).reshape(-1, 2).T.copy(),
         height_m=np.array([origins[t][2] + MICRO * case.base_um[k] for case, k, t in rows], dtype=np.float64),
         stance=stance,
         bodies=bodies,
-        body_row=most * np.arange(len(one.things)),
+        body_row=most_bodies * np.arange(len(one.things)),
         body_count=np.array([len(thing.bodies) for thing in one.things], dtype=np.float64),
-        stance_of=np.array([indices[0] for indices in possible], dtype=np.int64) if fixed else None,
-        form=np.array([indices[0] for indices in choices], dtype=np.int64) if fixed else None,
-        outlines=_outlines(choices, forms),
+        fixed_stance=np.array([indices[0] for indices in possible], dtype=np.int64) if fixed else None,
+        body_stance=np.array([indices[0] for indices in choices], dtype=np.int64) if fixed else None,
+        outlines=_outlines(choices, body_stances),
         levels=_levels([thing.parent for thing in one.things], local),
         background=(*X_WB[:3, 3].tolist(), *_half_turn(float(X_WB[0, 0]), float(X_WB[1, 0]))),
-        support=np.array([column.get(thing.parent, BACKGROUND) for thing in one.things], dtype=np.int64),
+        support=np.array([column.get(thing.parent, BACKGROUND_COLUMN) for thing in one.things], dtype=np.int64),
         background_body=-1 if one.background is None else one.background,
         all_things=tuple(thing.id for thing in one.things) == names,
-        one_each=tuple(pool.things for pool in one.pools) == tuple((thing.id,) for thing in one.things),
+        one_thing_per_pool=tuple(pool.things for pool in one.pools) == tuple((thing.id,) for thing in one.things),
         groups=_groups(plan, one, local),
         lighting=np.array([_index(plan.lighting, name) for name in one.lighting], dtype=np.int64),
     )
@@ -269,14 +269,14 @@ def _count(one: PlanCombination, where: dict[str, tuple[int, int]], name: str) -
 
 def _pool(weights: Sequence[float]) -> Pool:
     equal = all(weight == weights[0] for weight in weights)
-    return Pool(None if equal else _shares(weights), len(weights))
+    return Pool(None if equal else _cumulative_shares(weights), len(weights))
 
 
 def _turns(intervals: Sequence[Sequence[tuple[int, int]]]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """`turn_past`, `turn_jump` (k, rows) and `turn` (2, rows) of yaw intervals in microradians."""
-    most = max((len(found) for found in intervals), default=1)
-    past = np.full((most - 1, len(intervals)), np.inf)
-    jump = np.zeros((most - 1, len(intervals)))
+    most_bodies = max((len(found) for found in intervals), default=1)
+    past = np.full((most_bodies - 1, len(intervals)), np.inf)
+    jump = np.zeros((most_bodies - 1, len(intervals)))
     turn = np.zeros((2, len(intervals)))
     for row, found in enumerate(intervals):
         added = 0
@@ -287,21 +287,21 @@ def _turns(intervals: Sequence[Sequence[tuple[int, int]]]) -> tuple[FloatArray, 
     return past, jump, turn
 
 
-def _outlines(choices: Sequence[Sequence[int]], forms: Forms) -> tuple[Outlines, ...]:
+def _outlines(choices: Sequence[Sequence[int]], body_stances: BodyStances) -> tuple[Outlines, ...]:
     """Things by number of corners, rounded up to a power of two; those with several forms look theirs up."""
     sizes: dict[tuple[bool, int], list[int]] = {}
     for index, found in enumerate(choices):
-        corners = max(len(forms.corners[form]) for form in found)
+        corners = max(len(body_stances.corners[body_stance]) for body_stance in found)
         sizes.setdefault((len(found) == 1, max(2, (corners - 1).bit_length())), []).append(index)
     outlines = []
     for (fixed, _), columns in sorted(sizes.items(), reverse=True):
-        used = [choices[c][0] for c in columns] if fixed else range(len(forms.corners))
-        wanted = {form for c in columns for form in choices[c]}
-        most = max(len(forms.corners[form]) for form in wanted)
-        x_m, y_m = np.zeros((most, len(used))), np.zeros((most, len(used)))
-        for k, form in enumerate(used):
-            if form in wanted:
-                outline = forms.corners[form]
+        used = [choices[c][0] for c in columns] if fixed else range(len(body_stances.corners))
+        wanted = {body_stance for c in columns for body_stance in choices[c]}
+        most_bodies = max(len(body_stances.corners[body_stance]) for body_stance in wanted)
+        x_m, y_m = np.zeros((most_bodies, len(used))), np.zeros((most_bodies, len(used)))
+        for k, body_stance in enumerate(used):
+            if body_stance in wanted:
+                outline = body_stances.corners[body_stance]
                 x_m[:, k], y_m[:, k] = outline[0]
                 x_m[: len(outline), k], y_m[: len(outline), k] = outline.T
         everything = len(columns) == len(choices)
@@ -322,7 +322,7 @@ def _levels(parents: Sequence[str], local: dict[str, int]) -> tuple[Level, ...]:
     return tuple(levels)
 
 
-def _groups(plan: RuntimePlan, one: PlanCombination, local: dict[str, int]) -> tuple[Group, ...]:
+def _groups(plan: RuntimePlan, one: PlanCombination, local: dict[str, int]) -> tuple[MaterialGroup, ...]:
     """Materials that share a thing exclude one another; of each such group one is drawn, or none."""
     offered = [(_index(plan.materials, name), set(plan.materials[_index(plan.materials, name)].objects))
                for name in one.materials]  # fmt: skip
@@ -337,12 +337,12 @@ def _groups(plan: RuntimePlan, one: PlanCombination, local: dict[str, int]) -> t
                 rest.append((members, known))
         groups = [*rest, (joined, covered)]
     material_groups = []
-    columns = local | {WORLD: len(local)}
+    columns = local | {BACKGROUND: len(local)}
     for members in sorted(sorted(members) for members, _ in groups):
-        worn = np.full((len(members) + 1, len(columns)), AUTHORED, dtype=np.int64)
+        material_of = np.full((len(members) + 1, len(columns)), AUTHORED, dtype=np.int64)
         for row, index in enumerate(members, start=1):
-            worn[row, [columns[name] for name in plan.materials[index].objects if name in columns]] = index
-        material_groups.append(Group(worn))
+            material_of[row, [columns[name] for name in plan.materials[index].objects if name in columns]] = index
+        material_groups.append(MaterialGroup(material_of))
     return tuple(material_groups)
 
 

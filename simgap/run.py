@@ -20,13 +20,13 @@ from schemas.gap import GapReport
 from simgap.case import Case, case_of, traps_of
 from simgap.extension.extension import terms_of
 from simgap.find_gap import Found, find_effects
-from simgap.inference.candidate_fit import Map, Trial
+from simgap.inference.candidate_fit import Map, CandidateFit
 from simgap.kinds.event_problem import EventProblem
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.problem import Candidate
 from simgap.recording.read import Measurement, read
 from simgap.report.html import PAGE, PICTURES, REPORT, render_page
-from simgap.report.localise import localise
+from simgap.report.localise_error import localise_error
 from simgap.report.pictures.ablation import ladder
 from simgap.report.pictures.events import outcomes
 from simgap.report.pictures.overlay import overlay
@@ -34,7 +34,7 @@ from simgap.report.pictures.unexplained import unexplained
 from simgap.report.side_by_side import most_telling, replay
 from simgap.result_store import ResultStore
 
-Work = Callable[[Candidate], Trial]
+Work = Callable[[Candidate], CandidateFit]
 _MOST_REPLAYED = 12  # held-out trials among which the most telling one is looked for
 
 
@@ -103,7 +103,7 @@ def search(
     traps = store.part("traps", lambda: traps_of(case, findings))
     tick("localising the error")
     ids = (*case.trials.train, *case.trials.test)
-    where = store.part("localise", lambda: localise(case.problem, (), ids, case.joints))
+    where = store.part("localise", lambda: localise_error(case.problem, (), ids, case.joints))
     found = find_effects(
         case.problem,
         case.trials,
@@ -172,38 +172,40 @@ def _pictures(case: Case, found: Found) -> dict[str, bytes]:
 def _each(jobs: int, tick: Tick, store: ResultStore) -> Map:
     """Candidates one after another, or in forked processes that inherit the problem; order and results are the same.
 
-    Each is stored as soon as it is done. Calls are told apart by their number: equal keys make equal calls.
+    Each is stored as soon as it is done. Calls are report_candidate apart by their number: equal keys make equal calls.
     """
     calls = count()
 
-    def each(work: Work, items: Iterable[Candidate]) -> Iterator[Trial]:
+    def each(work: Work, items: Iterable[Candidate]) -> Iterator[CandidateFit]:
         call, todo = next(calls), list(items)
 
-        def kept(position: int) -> Trial:
+        def fit_at(position: int) -> CandidateFit:
             return store.part(f"{call}/{position}/{todo[position].key}", lambda: work(todo[position]))
 
-        def told(done: int, verb: str, item: Candidate) -> None:
+        def report_candidate(done: int, verb: str, item: Candidate) -> None:
             tick(f"step {call + 1}: {verb} {item.effect.name} at {item.where}", done, len(todo))
 
         if jobs == 1 or len(todo) < 2:
             for n, item in enumerate(todo):
-                told(n, "trying", item)
-                yield kept(n)
+                report_candidate(n, "trying", item)
+                yield fit_at(n)
         else:
             global _work
-            _work = kept
+            _work = fit_at
             with multiprocessing.get_context("fork").Pool(jobs) as pool:
                 for n, trial in enumerate(pool.imap(_inherited, range(len(todo)))):
-                    told(n + 1, "tried", todo[n])
+                    report_candidate(n + 1, "tried", todo[n])
                     yield trial
         tick(f"step {call + 1}: comparing the best", len(todo), len(todo))
 
     return each
 
 
-_work: Callable[[int], Trial] | None = None  # What forked processes inherit; functions with state cannot be sent.
+_work: Callable[[int], CandidateFit] | None = (
+    None  # What forked processes inherit; functions with state cannot be sent.
+)
 
 
-def _inherited(position: int) -> Trial:
+def _inherited(position: int) -> CandidateFit:
     assert _work is not None
     return _work(position)

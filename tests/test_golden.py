@@ -40,10 +40,10 @@ def compared(tmp_path: Path, name: str, old: Write | None, new: Write | None, ca
     return compare(recording(tmp_path / "a", name, old, case), recording(tmp_path / "b", name, new, case), [])
 
 
-def only(found: Comparison, name: str, case: str = CASE) -> list[Difference]:
+def only(differing: Comparison, name: str, case: str = CASE) -> list[Difference]:
     """Differences of the one file that differs."""
-    assert list(found.differing) == [f"{case}/{name}"]
-    return found.differing[f"{case}/{name}"]
+    assert list(differing.differing) == [f"{case}/{name}"]
+    return differing.differing[f"{case}/{name}"]
 
 
 def as_json(value: object) -> Write:
@@ -195,12 +195,12 @@ def test_rows_of_a_database_are_compared(tmp_path: Path):
 
 
 def test_binary_usd_is_compared_as_text(tmp_path: Path):
-    made = "import sys; from pxr import Sdf\nlayer = Sdf.Layer.CreateAnonymous('.usdc')\n"
-    made += "assert layer.ImportFromString(sys.argv[2]) and layer.Export(sys.argv[1])"
+    created = "import sys; from pxr import Sdf\nlayer = Sdf.Layer.CreateAnonymous('.usdc')\n"
+    created += "assert layer.ImportFromString(sys.argv[2]) and layer.Export(sys.argv[1])"
 
     def of(size: float) -> Write:
         text = f'#usda 1.0\ndef Cube "a" {{\n  double size = {size}\n}}\n'
-        return lambda path: subprocess.run([sys.executable, "-c", made, str(path), text], check=True)
+        return lambda path: subprocess.run([sys.executable, "-c", created, str(path), text], check=True)
 
     (found,) = only(compared(tmp_path, "a.usdc", of(1.0), of(1.5)), "a.usdc")
     assert (found.kind, found.most) == ("number", 0.5)

@@ -49,10 +49,10 @@ def subset(measurement: Measurement, count: int, first: int) -> Measurement:
 
 def errors(problem: FreeBodyProblem, model: Model, trials: Sequence[str], view: View) -> Metrics:
     """Per toss (n,) mean distance in m and mean angle in rad over the compared rows."""
-    found = problem.residuals(model, trials, view)
+    residuals = problem.residuals(model, trials, view)
     return {
-        "position": np.array([np.linalg.norm(r[:, :3], axis=1).mean() for r in found]),
-        "rotation": np.array([np.linalg.norm(r[:, 3:6], axis=1).mean() for r in found]),
+        "position": np.array([np.linalg.norm(r[:, :3], axis=1).mean() for r in residuals]),
+        "rotation": np.array([np.linalg.norm(r[:, 3:6], axis=1).mean() for r in residuals]),
     }
 
 
@@ -95,9 +95,9 @@ def ahead(theirs: FloatArray, ours: FloatArray) -> tuple[float, float, float]:
 
 def named_by_us(case: Case, trials: Trials) -> tuple[Model, str]:
     """The extended model, and what was said."""
-    found = find_effects(case.problem, trials, measurement="", horizon_s=0.0, quick=True)
-    verdict = found.report.verdict
-    return found.selection.final.model, f"{verdict.status}: {verdict.statement}"
+    outcome = find_effects(case.problem, trials, measurement="", horizon_s=0.0, quick=True)
+    verdict = outcome.report.verdict
+    return outcome.selection.final.model, f"{verdict.status}: {verdict.statement}"
 
 
 def main() -> None:
@@ -122,7 +122,7 @@ def main() -> None:
         return work(), time.process_time() - since
 
     since = time.process_time()
-    ours, said = named_by_us(case, case.trials)
+    ours, statement = named_by_us(case, case.trials)
     models: dict[str, tuple[Model, float]] = {"declared": ((), 0.0), "ours": (ours, time.process_time() - since)}
     for view in VIEWS:
         models[f"CMA-ES on {view}"] = timed(
@@ -140,9 +140,9 @@ def main() -> None:
             rows.append(row)
     values = {name: {t.candidate.key: t.values for t in model} for name, (model, _) in models.items()}
     if asked.json:
-        print(json.dumps({"said": said, "rows": rows, "models": values}, indent=1))
+        print(json.dumps({"said": statement, "rows": rows, "models": values}, indent=1))
         return
-    print(f"{len(case.trials.train)} tosses teach, {len(case.trials.test)} judge. {said}\n")
+    print(f"{len(case.trials.train)} tosses teach, {len(case.trials.test)} judge. {statement}\n")
     print(
         "| judged on | model | position / side | ahead by | rotation, deg | ahead by | CPU s |\n"
         "|---|---|---|---|---|---|---|"

@@ -65,10 +65,10 @@ def rejected(n: int, seed: int, rng: Generator, count: int, tries: int) -> np.nd
     """(count, n, 3) poses by rejection: `tries` 1 draws whole scenes, more seat box by box, the largest first."""
     sizes, pairs = sizes_and_pairs(n, seed)
     order = np.argsort(-sizes.prod(axis=1)).tolist()
-    found: list[np.ndarray] = []
-    while sum(map(len, found)) < count:
-        found.append(filled(sizes, pairs, order, rng, 100_000 if tries == 1 else 1500, tries))
-    return np.concatenate(found)[:count]
+    batches: list[np.ndarray] = []
+    while sum(map(len, batches)) < count:
+        batches.append(filled(sizes, pairs, order, rng, 100_000 if tries == 1 else 1500, tries))
+    return np.concatenate(batches)[:count]
 
 
 def cells(poses: np.ndarray, side_m: float) -> np.ndarray:
@@ -96,11 +96,11 @@ def invalid(problem, poses: np.ndarray) -> int:
 
 def occupancy(one: np.ndarray, two: np.ndarray) -> float:
     """Mean over boxes of half the summed difference of shares of 10 cm squares (total variation)."""
-    found = []
+    differences = []
     for i in range(one.shape[1]):
         a, b = (Counter(cells(poses, COARSE_M)[:, i].tolist()) for poses in (one, two))
-        found.append(sum(abs(a[k] / len(one) - b[k] / len(two)) for k in a.keys() | b.keys()) / 2)
-    return float(np.mean(found))
+        differences.append(sum(abs(a[k] / len(one) - b[k] / len(two)) for k in a.keys() | b.keys()) / 2)
+    return float(np.mean(differences))
 
 
 def distances(poses: np.ndarray) -> np.ndarray:

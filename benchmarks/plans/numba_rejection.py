@@ -31,23 +31,23 @@ def rejection(
     side = np.zeros((len(sizes), len(sizes)), dtype=np.int64)  # 1 where the row is left of the column, -1 right
     for a, b in pairs:
         side[a, b], side[b, a] = 1, -1
-    kept = np.zeros((keep, len(sizes), 3))
-    _draw(rng, 1, kept, 0, sizes / 2, side, tries)  # compiles
+    poses = np.zeros((keep, len(sizes), 3))
+    _draw(rng, 1, poses, 0, sizes / 2, side, tries)  # compiles
     best, done, begun = 0.0, 0, 0
     for _ in range(RUNS):
         since, before = time.process_time(), done
         while time.process_time() - since < limit_s / RUNS:
-            done += _draw(rng, LOT, kept, done, sizes / 2, side, tries)
+            done += _draw(rng, LOT, poses, done, sizes / 2, side, tries)
             begun += LOT
         best = max(best, (done - before) / (time.process_time() - since))
-    return best, done / begun, kept[:done]
+    return best, done / begun, poses[:done]
 
 
 @njit
 def _draw(
-    rng: Generator, attempts: int, kept: FloatArray, at: int, half: FloatArray, side: NDArray[np.int64], tries: int
+    rng: Generator, attempts: int, poses: FloatArray, at: int, half: FloatArray, side: NDArray[np.int64], tries: int
 ) -> int:
-    """How many attempts succeed; their poses go to `kept`, number `at` first, round and round."""
+    """How many attempts succeed; their poses go to `poses`, number `at` first, round and round."""
     pose = np.zeros((len(half), 7))  # x, y, yaw, its cosine and sine, half the extent along x, radius
     done = 0
     for _ in range(attempts):
@@ -55,7 +55,7 @@ def _draw(
             if not _seated(rng, i, pose, half, side, tries):
                 break
         else:
-            kept[(at + done) % len(kept)] = pose[:, :3]
+            poses[(at + done) % len(poses)] = pose[:, :3]
             done += 1
     return done
 

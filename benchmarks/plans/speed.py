@@ -75,7 +75,9 @@ def refused(plan: Plan, poses: np.ndarray) -> int:
     at = poses[:, [int(thing.name.removeprefix("box")) for thing in rules.things]]
     origin = np.concatenate([at[..., :2], np.zeros((*at.shape[:2], 1))], axis=-1)
     shape = at.shape[:2]
-    return sum(1 for _ in check_batch(rules, BatchPoses(origin, at[..., 2], np.zeros(shape, int), np.ones(shape, bool))))
+    return sum(
+        1 for _ in check_batch(rules, BatchPoses(origin, at[..., 2], np.zeros(shape, int), np.ones(shape, bool)))
+    )
 
 
 def rejection(sizes: np.ndarray, pairs: Pairs, limit_s: float, n: int = 512) -> tuple[float, float]:

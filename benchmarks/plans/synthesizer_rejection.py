@@ -40,8 +40,8 @@ def rejection(
         if poses is not None:
             done += 1
             kept = [*kept, poses][-keep:]
-    found = np.array(kept).reshape(-1, len(sizes), 3)
-    return done / (time.process_time() - since), done / begun, found
+    all_poses = np.array(kept).reshape(-1, len(sizes), 3)
+    return done / (time.process_time() - since), done / begun, all_poses
 
 
 def _attempt(

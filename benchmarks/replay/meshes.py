@@ -35,12 +35,12 @@ Mesh = tuple[FloatArray, IntArray]  # vertices (v, 3) in the body's frame, trian
 
 def recorded_meshes(folder: Path) -> dict[str, list[Mesh]]:
     """Meshes by body."""
-    found: dict[str, list[Mesh]] = {}
+    meshes: dict[str, list[Mesh]] = {}
     with np.load(folder / MESHES) as stored:
         for key in stored.files:
             if key.endswith("|v"):
-                found.setdefault(key.split("|")[0], []).append((stored[key], stored[key[:-1] + "f"]))
-    return found
+                meshes.setdefault(key.split("|")[0], []).append((stored[key], stored[key[:-1] + "f"]))
+    return meshes
 
 
 def first_rows(episode: Episode, count: int) -> Episode:
@@ -76,9 +76,9 @@ def farthest_outside(
     return asked, worst
 
 
-def _hull(vertices: FloatArray, wanted: int | None) -> FloatArray:
+def _hull(vertices: FloatArray, count: int | None) -> FloatArray:
     corners = vertices[ConvexHull(vertices).vertices]
-    return corners if wanted is None else corners[:: max(1, len(corners) // wanted)]
+    return corners if count is None else corners[:: max(1, len(corners) // count)]
 
 
 def _outside(places: FloatArray, envelope: Envelope, capsules: FloatArray) -> float:
@@ -132,7 +132,7 @@ def main() -> None:
         asked, worst = farthest_outside(
             episode, swept_envelope(episode, Settings(clearance_m=0.0)), meshes, given.vertices
         )
-        found = {
+        figures = {
             "episode": episode.name,
             "places": asked,
             "farthest_outside_mm": round(1e3 * worst, 4),
@@ -141,7 +141,7 @@ def main() -> None:
             ),
             "cpu_s": round(time.process_time() - started, 1),
         }
-        print(json.dumps(found), flush=True)
+        print(json.dumps(figures), flush=True)
 
 
 if __name__ == "__main__":

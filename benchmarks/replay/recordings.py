@@ -57,7 +57,7 @@ def tightness(episode: Episode, envelope: Envelope, reached: Reached) -> dict[st
     for stretch in dense_motion(episode, 4):
         for body in stretch.bodies:
             swept.setdefault(body.name, []).append(body.X_WB)
-    rng, found = np.random.default_rng(0), {}
+    rng, ratios = np.random.default_rng(0), {}
     bases = [robot.X_WR[0, :2, 3] for robot in episode.robots]
     for number, name in enumerate(envelope.bodies):
         mine = envelope.body == number
@@ -65,8 +65,8 @@ def tightness(episode: Episode, envelope: Envelope, reached: Reached) -> dict[st
         if len(points) >= POINTS // 4:
             hits = reached(name, points, np.concatenate(swept[name]))
             if hits is not None:
-                found[name] = round(len(points) / max(int(hits.sum()), 1), 2)
-    return found
+                ratios[name] = round(len(points) / max(int(hits.sum()), 1), 2)
+    return ratios
 
 
 def by_shapes(episode: Episode, clearance_m: float) -> Reached:
@@ -80,7 +80,7 @@ def inside(
 ) -> FloatArray:
     """Points (k, 3) drawn evenly from capsules' union beyond `FAR_M` of the bases."""
     low, high = (np.minimum(a, b) - radius[:, None]).min(axis=0), (np.maximum(a, b) + radius[:, None]).max(axis=0)
-    kept: list[FloatArray] = []
+    points_inside: list[FloatArray] = []
     for _ in range(200):
         points = rng.uniform(low, high, (200, 3))
         far = np.logical_and.reduce(
@@ -90,10 +90,10 @@ def inside(
         along = b - a
         share = np.einsum("pci,ci->pc", points[:, None] - a, along) / np.maximum((along**2).sum(axis=1), 1e-300)
         near = a + np.clip(share, 0.0, 1.0)[:, :, None] * along
-        kept += list(points[(np.linalg.norm(points[:, None] - near, axis=2) <= radius).any(axis=1)])
-        if len(kept) >= POINTS:
+        points_inside += list(points[(np.linalg.norm(points[:, None] - near, axis=2) <= radius).any(axis=1)])
+        if len(points_inside) >= POINTS:
             break
-    return np.array(kept[:POINTS])
+    return np.array(points_inside[:POINTS])
 
 
 def _swept(points: FloatArray, X_WB: FloatArray, shapes: tuple[CollisionShape, ...], clearance_m: float) -> BoolArray:
@@ -198,14 +198,14 @@ def put_in(prepared: Prepared, assets: Path, count: int) -> dict[str, float]:
     """Variants with three packages each: how many objects, in the picture of a camera, at what cost."""
     draw, _ = candidates(None, assets)
     started = time.process_time()
-    made = list(variants(prepared, draw, range(count), 3, 0, assets))
+    made_variants = list(variants(prepared, draw, range(count), 3, 0, assets))
     cpu_s = time.process_time() - started
-    places = [one.position_m for variant in made for one in variant.inserted]
+    places = [one.position_m for variant in made_variants for one in variant.inserted]
     cameras = prepared.episode.cameras
     seen = [any(in_picture(camera, np.array([place])) for camera in cameras) for place in places]
     return {
         "variants": count,
-        "with_three_objects": sum(len(variant.inserted) >= 3 for variant in made),
+        "with_three_objects": sum(len(variant.inserted) >= 3 for variant in made_variants),
         "objects": len(places),
         "in_a_picture": sum(seen),
         "distinct_poses": len(set(places)),

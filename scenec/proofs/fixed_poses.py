@@ -27,15 +27,18 @@ def more_things_than_fixed_poses(problem: Problem) -> Proof | None:
     bound = [thing for thing in things if usable[thing.name] and set(usable[thing.name]) <= exclusive]
     if not bound:
         return None
-    graph = nx.Graph()
-    graph.add_nodes_from(thing.name for thing in bound)
-    graph.add_edges_from((thing.name, position) for thing in bound for position in sorted(usable[thing.name]))
-    matching = nx.bipartite.hopcroft_karp_matching(graph, [thing.name for thing in bound])
-    alone = next((thing.name for thing in bound if thing.name not in matching), None)
+    # Nodes are whole numbers, things first: the matching iterates over sets, where the order of strings is random.
+    positions = sorted({position for thing in bound for position in usable[thing.name]})
+    node_of = {position: len(bound) + k for k, position in enumerate(positions)}
+    graph: nx.Graph[int] = nx.Graph()
+    graph.add_nodes_from(range(len(bound)))
+    graph.add_edges_from((k, node_of[p]) for k, thing in enumerate(bound) for p in sorted(usable[thing.name]))
+    matching = nx.bipartite.hopcroft_karp_matching(graph, range(len(bound)))
+    alone = next((k for k in range(len(bound)) if k not in matching), None)
     if alone is None:
         return None
     crowd = _alternating(graph, matching, alone)
-    members = [thing for thing in bound if thing.name in crowd]
+    members = [thing for k, thing in enumerate(bound) if k in crowd]
     poses = {position for thing in members for position in usable[thing.name]}
     text = f"{', '.join(thing.name for thing in members)} share {len(poses)} usable places, {len(members)} are needed"
     paths = tuple(dict.fromkeys(thing.path for thing in members))
@@ -88,7 +91,7 @@ def _covers_origin(outline: np.ndarray, yaw_rad: float) -> bool:
     return bool((edges[:, 1] * ring[:, 0] - edges[:, 0] * ring[:, 1] > SLACK_M * np.hypot(*edges.T)).all())
 
 
-def _alternating(graph: nx.Graph, matching: dict, start: str) -> set[str]:
+def _alternating(graph: nx.Graph[int], matching: dict[int, int], start: int) -> set[int]:
     """Things on alternating paths from an unmatched one: with their poses they violate Hall's condition."""
     seen, waiting = {start}, [start]
     while waiting:

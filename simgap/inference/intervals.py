@@ -12,7 +12,7 @@ from simgap.problem import DirectEstimate, Term
 Sides = dict[str, tuple[float, float]]  # how far an interval reaches below and above a value, by parameter
 
 
-def even(widths: Mapping[str, float]) -> Sides:
+def symmetric(widths: Mapping[str, float]) -> Sides:
     """The same below and above."""
     return {n: (w, w) for n, w in widths.items()}
 

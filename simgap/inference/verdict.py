@@ -11,7 +11,7 @@ from simgap.inference.candidate_fit import ALPHA, CandidateFit
 from simgap.inference.competing_hypotheses import are_confusable
 from simgap.inference.direct_comparison import is_better, distinguishes
 from simgap.inference.forward_selection import Accepted, Selection
-from simgap.inference.intervals import even, parameters, threshold_excess, differs_from_none, distance_to_alternatives, wider
+from simgap.inference.intervals import symmetric, parameters, threshold_excess, differs_from_none, distance_to_alternatives, wider
 from simgap.inference.losses import Comparison
 from simgap.inference.verdict_text import NAMED, STRANGE, experiment, statement, status
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
@@ -45,14 +45,14 @@ def judge(
     in_doubt: list[Candidate] = []
     for accepted, alike in zip(selection.accepted, doubted, strict=True):
         term, widths = _of(selection, accepted)
-        if not differs_from_none(term, even(widths)):
+        if not differs_from_none(term, symmetric(widths)):
             continue
         found = accepted.trial
         others = _without(selection.final.model, found)
         same = [*alike, *_preferred(problem, found, alike, others, accepted.round.tried, trials)]
         said, agreed = direct_agreement(problem, found, term, widths, others, trials, alone=len(doubted) == 1)
         direct = agreed and said is not None and beyond(term, said, accepted.method_bias)
-        wide = wider(wider(even(widths), even(threshold_excess(term))), distance_to_alternatives(term, widths, said, doubted))
+        wide = wider(wider(symmetric(widths), symmetric(threshold_excess(term))), distance_to_alternatives(term, widths, said, doubted))
         # What may be nothing, by the interval that is reported, has no sure name; nor has what took a place of another
         # and would not have passed among all candidates by itself.
         # Beside structure that nothing explains an effect must be the larger of the two: what is wrong with the model
@@ -84,7 +84,7 @@ def judge(
 def _doubted(problem: Problem, selection: Selection, found: Accepted, trials: Sequence[str]) -> list[CandidateFit]:
     """The rivals that the direct route does not tell from an accepted effect; none where later ones do its work."""
     term, widths = _of(selection, found)
-    if not differs_from_none(term, even(widths)):
+    if not differs_from_none(term, symmetric(widths)):
         return []
     others = _without(selection.final.model, found.trial)
     return [r for r in found.rivals if not distinguishes(problem, found.trial, r, others, trials)]

@@ -20,7 +20,7 @@ _ROLLS = 0.25  # slip over speed below which contact rolls
 Slices = dict[tuple[str, str], FloatArray]  # (phase, axis) -> mask (k, c)
 
 
-def localise(
+def localise_error(
     problem: Problem, model: Model, trials: Sequence[str], joints: Sequence[str] = ()
 ) -> tuple[Localisation, ...]:
     """The slices that hold more error than time, most first; those of bodies are phases, those of joints bands.

@@ -61,7 +61,7 @@ def swings(folder: Path, trials: int = 8) -> Path:
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+def answered(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("gap")
     measurement, out = swings(folder / "door"), folder / "out"
     result = RUN.invoke(app, ["gap", "find", str(measurement), "--out", str(out)])
@@ -73,16 +73,16 @@ def report(out: Path) -> GapReport:
     return GapReport.model_validate_json((out / "report.json").read_bytes())
 
 
-def test_a_hidden_effect_is_named_with_its_size(found: tuple[Path, Path]):
-    verdict = report(found[1]).verdict
+def test_a_hidden_effect_is_named_with_its_size(answered: tuple[Path, Path]):
+    verdict = report(answered[1]).verdict
     assert verdict.status == "effect_found", verdict.statement
     (effect,) = [e for e in verdict.effects if e.confidence >= 0.8]
     assert effect.name == "joint.viscous_friction"
     assert effect.parameters["damping_Nms_per_rad"].value == pytest.approx(DAMPING, rel=0.1)
 
 
-def test_conventions_error_places_and_steps_are_reported(found: tuple[Path, Path]):
-    said = report(found[1])
+def test_conventions_error_places_and_steps_are_reported(answered: tuple[Path, Path]):
+    said = report(answered[1])
     states = {t.name: t.status for t in said.traps}
     assert states["joint_motor_and_damping_off"] == states["joint_inertia_held"] == states["step_size"] == "ok"
     assert len(said.localisation) >= 5
@@ -91,33 +91,33 @@ def test_conventions_error_places_and_steps_are_reported(found: tuple[Path, Path
     assert said.ladder[-2].heldout < 0.5 * said.ladder[0].heldout
 
 
-def test_the_page_needs_no_other_file(found: tuple[Path, Path]):
-    page = (found[1] / "report.html").read_text()
+def test_the_page_needs_no_other_file(answered: tuple[Path, Path]):
+    page = (answered[1] / "report.html").read_text()
     assert page.count("data:image/png;base64,") == 3
     assert "http" not in page.replace("data:image", "")
     assert "joint.viscous_friction" in page
 
 
-def test_the_page_is_rendered_again_from_the_report(found: tuple[Path, Path]):
-    page = found[1] / "report.html"
+def test_the_page_is_rendered_again_from_the_report(answered: tuple[Path, Path]):
+    page = answered[1] / "report.html"
     before = page.read_bytes()
     page.unlink()
-    assert RUN.invoke(app, ["gap", "report", str(found[1])]).exit_code == 0
+    assert RUN.invoke(app, ["gap", "report", str(answered[1])]).exit_code == 0
     assert page.read_bytes() == before
 
 
-def test_the_same_folder_gives_the_same_bytes(found: tuple[Path, Path], tmp_path: Path):
-    again = RUN.invoke(app, ["gap", "find", str(found[0]), "--out", str(tmp_path), "--jobs", "2", "--json"])
+def test_the_same_folder_gives_the_same_bytes(answered: tuple[Path, Path], tmp_path: Path):
+    again = RUN.invoke(app, ["gap", "find", str(answered[0]), "--out", str(tmp_path), "--jobs", "2", "--json"])
     assert again.exit_code == 0
     files = ["extension.json", *(f"pictures/{n}.png" for n in ("overlay", "ladder", "unexplained"))]
-    assert all((tmp_path / f).read_bytes() == (found[1] / f).read_bytes() for f in files)
-    one, two = (report(f).model_copy(update={"wall_s": 0.0}) for f in (found[1], tmp_path))
+    assert all((tmp_path / f).read_bytes() == (answered[1] / f).read_bytes() for f in files)
+    one, two = (report(f).model_copy(update={"wall_s": 0.0}) for f in (answered[1], tmp_path))
     assert one == two
 
 
-def test_the_extension_brings_the_simulation_to_the_readings(found: tuple[Path, Path], tmp_path: Path):
-    extension = found[1] / "extension.json"
-    command = ["gap", "simulate", str(found[0]), "--extension", str(extension), "--out", str(tmp_path), "--json"]
+def test_the_extension_brings_the_simulation_to_the_readings(answered: tuple[Path, Path], tmp_path: Path):
+    extension = answered[1] / "extension.json"
+    command = ["gap", "simulate", str(answered[0]), "--extension", str(extension), "--out", str(tmp_path), "--json"]
     result = RUN.invoke(app, command)
     assert result.exit_code == 0, result.output
     rmse = {(r["view"], r["model"]): r["rmse"] for r in json.loads((tmp_path / "errors.json").read_text())["errors"]}
@@ -127,10 +127,10 @@ def test_the_extension_brings_the_simulation_to_the_readings(found: tuple[Path, 
     assert np.abs(table["q_door_extended"] - table["q_door_measured"]).max() < 0.03
 
 
-def test_an_extension_for_another_mechanism_is_refused(found: tuple[Path, Path], tmp_path: Path):
+def test_an_extension_for_another_mechanism_is_refused(answered: tuple[Path, Path], tmp_path: Path):
     other = tmp_path / "extension.json"
-    other.write_text((found[1] / "extension.json").read_text().replace('"door"', '"drawer"'))
-    command = ["gap", "simulate", str(found[0]), "--extension", str(other), "--out", str(tmp_path)]
+    other.write_text((answered[1] / "extension.json").read_text().replace('"door"', '"drawer"'))
+    command = ["gap", "simulate", str(answered[0]), "--extension", str(other), "--out", str(tmp_path)]
     refused = RUN.invoke(app, command).exception
     assert isinstance(refused, InvalidInput)
     assert refused.diagnostic.code == "gap/unknown-place"
@@ -186,26 +186,26 @@ def test_the_demo_finds_what_it_hides_and_shows_it(tmp_path: Path):
 
 
 def test_an_answer_is_given_again_at_once_and_only_for_the_same_input(
-    found: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+    answered: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.chdir(found[0].parent)
-    command = ["gap", "find", found[0].name, "--out", str(found[1]), "--json"]
-    before = {p: p.read_bytes() for p in found[1].rglob("*") if p.is_file()}
+    monkeypatch.chdir(answered[0].parent)
+    command = ["gap", "find", answered[0].name, "--out", str(answered[1]), "--json"]
+    before = {p: p.read_bytes() for p in answered[1].rglob("*") if p.is_file()}
     again = RUN.invoke(app, command)
     assert again.exit_code == 0
-    assert json.loads(again.output) == json.loads((found[1] / "report.json").read_text())
-    assert {p: p.read_bytes() for p in found[1].rglob("*") if p.is_file()} == before  # wall_s too: nothing was run
-    store = ResultStore(found[1], json.loads((found[1] / ".cache" / "answer.json").read_text())["key"])
+    assert json.loads(again.output) == json.loads((answered[1] / "report.json").read_text())
+    assert {p: p.read_bytes() for p in answered[1].rglob("*") if p.is_file()} == before  # wall_s too: nothing was run
+    store = ResultStore(answered[1], json.loads((answered[1] / ".cache" / "answer.json").read_text())["key"])
     assert store.answered()
     assert not replace(store, key="other").answered()
-    page = found[1] / "report.html"
+    page = answered[1] / "report.html"
     page.write_text("edited")
     assert not store.answered()
     page.write_bytes(before[page])
 
 
-def test_an_interrupted_run_continues_with_what_was_finished(found: tuple[Path, Path], tmp_path: Path):
-    measurement = read(found[0]).value
+def test_an_interrupted_run_continues_with_what_was_finished(answered: tuple[Path, Path], tmp_path: Path):
+    measurement = read(answered[0]).value
     assert measurement is not None
 
     def cut(words: str, done: int = 0, total: int | None = None) -> None:
@@ -223,10 +223,10 @@ def test_an_interrupted_run_continues_with_what_was_finished(found: tuple[Path, 
     resumed = search(
         measurement, (), tmp_path, engine=REPLAY_ENGINE, jobs=1, tick=lambda *_: None, since=0.0, quick=True
     )
-    assert resumed.hypotheses == report(found[1]).hypotheses
-    assert resumed.verdict == report(found[1]).verdict
+    assert resumed.hypotheses == report(answered[1]).hypotheses
+    assert resumed.verdict == report(answered[1]).verdict
     assert not list(tmp_path.rglob("*.bin"))
-    rivals = {r.name: r.heldout for r in report(found[1]).baselines}
+    rivals = {r.name: r.heldout for r in report(answered[1]).baselines}
     assert [r.name for r in resumed.baselines] == [n for n in rivals if n != "all_effects"]
     assert rivals["all_effects"] < rivals["null_refit"]  # It may fit, but it names nothing.
 

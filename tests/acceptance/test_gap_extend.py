@@ -94,9 +94,9 @@ def extended(package: Path, tossed: Path, tmp_path_factory: pytest.TempPathFacto
 
 
 def record(folder: Path) -> AssetRecord:
-    found = read_record(folder)
-    assert found is not None
-    return found
+    read_back = read_record(folder)
+    assert read_back is not None
+    return read_back
 
 
 def expected_inertia(package: Path) -> np.ndarray:

@@ -30,8 +30,8 @@ def rows() -> list[dict[str, str]]:
     if not (ASSETS / "manifest.csv").is_file():
         return []
     with (ASSETS / "manifest.csv").open() as file:
-        found = [r for r in csv.DictReader(file) if r["format"] not in PLANNED | {"other"}]
-    return [r for r in found if int(r["bytes_total"]) <= MAX_BYTES and r["id"] not in MISLABELLED | NEEDS_JOINTS]
+        planned = [r for r in csv.DictReader(file) if r["format"] not in PLANNED | {"other"}]
+    return [r for r in planned if int(r["bytes_total"]) <= MAX_BYTES and r["id"] not in MISLABELLED | NEEDS_JOINTS]
 
 
 @pytest.fixture(scope="module")
@@ -58,16 +58,16 @@ def test_row(row: dict[str, str], candidates):
         if outcome.value is not None:
             volume += outcome.value.section.volume_m3.value
             assert np.isfinite(np.concatenate([m.points for m in outcome.value.meshes])).all()
-    wanted = {w.replace("_", "-") for w in row["reason"].split(";")}
+    expected = {w.replace("_", "-") for w in row["reason"].split(";")}
     if row["outcome"] == "reject":
-        assert {c.removeprefix("asset/") for c in codes} & wanted
+        assert {c.removeprefix("asset/") for c in codes} & expected
         return
     assert not codes
     assert not taken.review
     if row["outcome"] == "repair":
         named = {r.replace("_", "-") for r in repairs} | {d.code.removeprefix("asset/") for d in taken.diagnostics}
         assert repairs
-        assert named & wanted or wanted <= {"scale-review", "texture-ktx2-or-missing-png"}
+        assert named & expected or expected <= {"scale-review", "texture-ktx2-or-missing-png"}
     elif not row["reason"]:
         assert not repairs
     if row["truth_volume_m3"]:

@@ -47,8 +47,8 @@ def at_most(part: Part, tables: int) -> Part:
     return part._replace(spec=spec, tables=dict(list(part.tables.items())[:tables]))
 
 
-def warned(found: Sequence[Diagnostic]) -> set[str]:
-    return {d.code for d in found if d.severity in (Severity.WARNING, Severity.ERROR)}
+def warned(diagnostics: Sequence[Diagnostic]) -> set[str]:
+    return {d.code for d in diagnostics if d.severity in (Severity.WARNING, Severity.ERROR)}
 
 
 def converted(folder: Path, part: Part) -> Measurement:

@@ -95,9 +95,9 @@ def too_long(text: str) -> list[str]:
 def results_in(text: str) -> list[str]:
     """What gives away results, each with its kind."""
     return [
-        f"{kind}: {found.group()}"
+        f"{kind}: {match.group()}"
         for kind, (pattern, _) in RESULTS.items()
-        for found in re.finditer(pattern, text, re.MULTILINE)
+        for match in re.finditer(pattern, text, re.MULTILINE)
     ]
 
 
@@ -117,8 +117,8 @@ def reached(start: Path) -> set[Path]:
 def missing_code(text: str) -> list[str]:
     """Files, modules and members of our packages that `text` names in backticks and that do not exist."""
     names = {package.name for package in PACKAGES}
-    found = re.findall(r"`([a-z_]\w*(?:[./]\w+)+)(?=[`/(\s:])", FENCE.sub("", text))
-    return [n for n in found if re.split(r"[./]", n)[0] in names and n not in CODES and not exists(n)]
+    named = re.findall(r"`([a-z_]\w*(?:[./]\w+)+)(?=[`/(\s:])", FENCE.sub("", text))
+    return [n for n in named if re.split(r"[./]", n)[0] in names and n not in CODES and not exists(n)]
 
 
 def exists(name: str) -> bool:

@@ -25,7 +25,7 @@ ODD: list[Any] = [
 
 def _paths(value: Any, path: tuple = ()) -> list[tuple]:
     below = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    return [path, *(found for key, inner in below for found in _paths(inner, (*path, key)))]
+    return [path, *(below_it for key, inner in below for below_it in _paths(inner, (*path, key)))]
 
 
 def _changed(value: Any, path: tuple, to: Any, how: str) -> Any:

@@ -56,7 +56,7 @@ def composed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def samples(stage: Usd.Stage) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Time codes (k,) and X_WB (k, 4, 4) of everything recorded, by name."""
-    found = {}
+    motion = {}
     for prim in stage.Traverse():
         form = UsdGeom.Xformable(prim)
         name = prim.GetCustomDataByKey("mana:id")
@@ -64,8 +64,8 @@ def samples(stage: Usd.Stage) -> dict[str, tuple[np.ndarray, np.ndarray]]:
             (op,) = form.GetOrderedXformOps()
             times = op.GetAttr().GetTimeSamples()
             values = [op.Get(t) for t in times] or [op.Get()]
-            found[name] = (np.array(times), np.array([np.array(v) for v in values]).transpose(0, 2, 1))
-    return found
+            motion[name] = (np.array(times), np.array([np.array(v) for v in values]).transpose(0, 2, 1))
+    return motion
 
 
 def assert_same_motion(file: Path, source: Path) -> None:

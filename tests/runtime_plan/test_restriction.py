@@ -40,7 +40,7 @@ def test_each_side_of_a_split_has_its_own_assets():
 
 
 def test_names_of_choices_assets_materials_and_lightings_stay():
-    kept = restrict(
+    restricted = restrict(
         PLAN,
         Restriction(
             choices={"variants.assets": ("as_written",)},
@@ -49,14 +49,14 @@ def test_names_of_choices_assets_materials_and_lightings_stay():
             lighting=("noon",),
         ),
     )
-    drawn = sample(kept, 300, 0)
-    assert cups(kept) == {"cup_b"}
+    drawn = sample(restricted, 300, 0)
+    assert cups(restricted) == {"cup_b"}
     assert drawn.present.all()
-    assert set(drawn.lighting.tolist()) == {[light.id for light in kept.document.lighting].index("noon")}
+    assert set(drawn.lighting.tolist()) == {[light.id for light in restricted.document.lighting].index("noon")}
     assert (drawn.material == -1).all()
-    felt = [material.id for material in kept.document.materials].index("felt")
+    felt = [material.id for material in restricted.document.materials].index("felt")
     assert set(drawn.background_material.tolist()) == {-1, felt}
-    assert kept.document.provenance.restricted_from == PLAN.sha256
+    assert restricted.document.provenance.restricted_from == PLAN.sha256
 
 
 def test_a_lighting_of_the_task_replaces_those_of_the_scene():

@@ -50,7 +50,7 @@ def test_torch_draws_the_same_scenes(name: str, answers: dict[str, Any]):
 def test_environments_of_isaac_lab_stand_as_the_samples_say_and_what_is_absent_is_parked(
     name: str, answers: dict[str, Any]
 ):
-    plan, found = PLANS[name], answers[name]
+    plan, answer = PLANS[name], answers[name]
     count, ended = torch_draws.ENVIRONMENTS, torch_draws.ENDED
     first = sample(plan, count, torch_draws.SEED)
     later = sample(plan, len(ended), torch_draws.SEED, start=count)
@@ -64,9 +64,9 @@ def test_environments_of_isaac_lab_stand_as_the_samples_say_and_what_is_absent_i
             parks += not there
             at = drawn.position_m[k, column] if there else parked(slot)
             quat = drawn.quat_wxyz[k, column] if there else (1.0, 0.0, 0.0, 0.0)
-            pose = found["root_pose"][slot, environment]
-            wanted = at + found["env_origins"][environment]  # 32-bit floats: to 1e-7 of what they say
+            pose = answer["root_pose"][slot, environment]
+            wanted = at + answer["env_origins"][environment]  # 32-bit floats: to 1e-7 of what they say
             np.testing.assert_allclose(pose[:3], wanted, rtol=1e-6, atol=1e-6)
             np.testing.assert_allclose(pose[3:], quat, atol=1e-6)
-    assert not found["root_velocity"].any()
+    assert not answer["root_velocity"].any()
     assert (parks > 0) == (name == "tray")

@@ -38,23 +38,23 @@ GATE = "asset/gate-"  # Rules over released USD files; tests/gate/test_static_ga
 def findings(file: Path, options: Options) -> list[Diagnostic]:
     """What the stages up to semantics say about a file, and physics where the source states some."""
     taken = ReadSource().run(discover([file])[0], options)
-    found = list(taken.diagnostics)
+    diagnostics = list(taken.diagnostics)
     for item in taken.objects[:1]:
         draft = Draft("part", file.name, item)
         tools = Tools(FakeSimulator(), file.parent, options)
         canonical = Canonicalize().run(draft, tools)
-        found += canonical.diagnostics
-        found += NormalizeAppearance().run(draft, tools).diagnostics
+        diagnostics += canonical.diagnostics
+        diagnostics += NormalizeAppearance().run(draft, tools).diagnostics
         if canonical.value is not None:
             draft = replace(draft, canonicalize=canonical.value)
             described = DescribeObject().run(draft, tools)
-            found += described.diagnostics
-            found += ProposeParts().run(replace(draft, semantics=described.value), tools).diagnostics
+            diagnostics += described.diagnostics
+            diagnostics += ProposeParts().run(replace(draft, semantics=described.value), tools).diagnostics
             if described.value is not None and described.value.frame is not None:
-                found += Canonicalize().run(replace(draft, frame=described.value.frame), tools).diagnostics
+                diagnostics += Canonicalize().run(replace(draft, frame=described.value.frame), tools).diagnostics
         if canonical.value is not None and (item.model.masses or item.model.contacts):
-            found += AuthorPhysics().run(replace(draft, canonicalize=canonical.value), tools).diagnostics
-    return found
+            diagnostics += AuthorPhysics().run(replace(draft, canonicalize=canonical.value), tools).diagnostics
+    return diagnostics
 
 
 def test_every_code_has_a_sample():

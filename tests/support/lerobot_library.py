@@ -39,11 +39,11 @@ class Library:
         assert self._child.stdout is not None
         self._child.stdin.write(json.dumps([version, str(folder), episode]) + "\n")
         self._child.stdin.flush()
-        said = []
+        output = []
         while (line := self._child.stdout.readline()) not in ("", "done 0\n", "done 1\n"):
-            said.append(line)
-        assert line == "done 0\n", "".join(said)
-        return "".join(said)
+            output.append(line)
+        assert line == "done 0\n", "".join(output)
+        return "".join(output)
 
     def close(self) -> None:
         """Ends it."""
@@ -64,10 +64,10 @@ def _answer(version: str, folder: str, episode: int | None) -> None:
     pairs = None if version == "v2.1" else {"observation.state": [0.0, 1.0 / FPS]}
     data = LeRobotDataset(NAME, root=folder, episodes=[episode], delta_timestamps=pairs)
     states = np.stack([np.atleast_2d(data[k]["observation.state"].numpy()) for k in range(len(data))])
-    found = {"state": states[:, 0], "state_after": states[:-1, -1]}
+    columns = {"state": states[:, 0], "state_after": states[:-1, -1]}
     stored = data.hf_dataset.with_format("arrow")[:]  # Else 64 bits are made 32.
-    found |= {name: stored[name].to_numpy() for name in ("timestamp", "source_timestamp")}
-    return np.savez(beside / "found.npz", **found, tolerance_s=data.tolerance_s)
+    columns |= {name: stored[name].to_numpy() for name in ("timestamp", "source_timestamp")}
+    return np.savez(beside / "found.npz", **columns, tolerance_s=data.tolerance_s)
 
 
 def _write(kind: Any, folder: Path, given: dict[str, np.ndarray]) -> None:

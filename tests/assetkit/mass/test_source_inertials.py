@@ -77,16 +77,16 @@ def test_a_low_centre_without_a_tensor_is_kept_and_the_filling_squeezed_about_it
     assert found.stated.centre is not None
     assert [d.severity for d in found.diagnostics] == [Severity.INFO]
     assert [r.name for r in found.repairs] == ["squeezed_inertia"]
-    made = mass_evidence(SOLID, ["part"], mass_inputs(stated(centre=np.array([0.0, 0.0, 0.0024]))))
+    evidence = mass_evidence(SOLID, ["part"], mass_inputs(stated(centre=np.array([0.0, 0.0, 0.0024]))))
     reach, most = rms_distance_and_bound(
-        made.properties.inertia_kgm2 / 0.9, MESH.points - made.properties.centre_of_mass_m
+        evidence.properties.inertia_kgm2 / 0.9, MESH.points - evidence.properties.centre_of_mass_m
     )
     assert reach <= 0.9 * most
-    assert made.inertia_kgm2.source == "inferred"
-    assert "squeezed" in made.inertia_kgm2.method
-    low, high = (np.array(b) for b in made.inertia_kgm2.bounds or ())
-    assert (low <= made.properties.inertia_kgm2 + 1e-15).all()
-    assert (made.properties.inertia_kgm2 <= high + 1e-15).all()
+    assert evidence.inertia_kgm2.source == "inferred"
+    assert "squeezed" in evidence.inertia_kgm2.method
+    low, high = (np.array(b) for b in evidence.inertia_kgm2.bounds or ())
+    assert (low <= evidence.properties.inertia_kgm2 + 1e-15).all()
+    assert (evidence.properties.inertia_kgm2 <= high + 1e-15).all()
     weighted = moved(of_box((0.2, 0.1, 0.0048), 1.0), pose(None, (0.0, 0.0, 0.0024)))  # All in a base plate.
     truth = scaled(weighted, 0.9 / weighted.mass_kg).inertia_kgm2
     assert (np.diag(low) <= np.diag(truth)).all()

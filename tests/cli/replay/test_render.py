@@ -57,9 +57,9 @@ def test_pictures_agree_with_rays(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["frames"] == 3
 
-    said = json.loads((out / "frames.json").read_text())
-    number = next(int(key) for key, thing in said["instances"].items() if thing["name"] == "cube")
-    frame = said["cameras"][camera.name]["frames"][1]
+    frames = json.loads((out / "frames.json").read_text())
+    number = next(int(key) for key, thing in frames["instances"].items() if thing["name"] == "cube")
+    frame = frames["cameras"][camera.name]["frames"][1]
     assert (frame["row"], frame["t_s"]) == (ROW, episode.t_s[ROW])
     ids, depth_mm, rgb = (
         np.asarray(Image.open(out / camera.name / kind / frame["file"])) for kind in ("instances", "depth", "rgb")
@@ -75,7 +75,7 @@ def test_pictures_agree_with_rays(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert np.count_nonzero(ids == number) == pytest.approx((1.0 - share) * len(without.depths), rel=0.03)
     seen_m = depth_mm[ids == number] / 1000.0
     assert without.depths.min() - 1e-3 <= seen_m.min() <= seen_m.max() <= without.depths.max() + 1e-3
-    assert_depth(without, depth_mm, ids == number, said["cameras"][camera.name], frame["X_WC"])
+    assert_depth(without, depth_mm, ids == number, frames["cameras"][camera.name], frame["X_WC"])
 
 
 def assert_depth(seen: Seen, depth_mm: np.ndarray, shown: np.ndarray, lens: dict, X_WC: list[list[float]]) -> None:

@@ -33,14 +33,14 @@ def farthest_out(found, points):
 
 
 def check(shape, protrusion_m):
-    found = cover([shape], protrusion_m)
+    covered = cover([shape], protrusion_m)
     corners = circumscribed_hull(shape)
-    assert farthest_out(found, inside(corners, np.random.default_rng(0))) <= found.residual_m
+    assert farthest_out(covered, inside(corners, np.random.default_rng(0))) <= covered.residual_m
     hull = ConvexHull(corners)
-    on_balls = found.centres_B[:, None] + found.radii_m[:, None, None] * directions()
+    on_balls = covered.centres_B[:, None] + covered.radii_m[:, None, None] * directions()
     beyond = on_balls @ hull.equations[:, :3].T + hull.equations[:, 3]
-    assert beyond.max() <= found.protrusion_m + 1e-12
-    return found
+    assert beyond.max() <= covered.protrusion_m + 1e-12
+    return covered
 
 
 def directions(n=200):
@@ -51,7 +51,10 @@ def directions(n=200):
 @pytest.mark.parametrize("kind", SHAPES)
 def test_all_of_a_shape_lies_in_its_balls(kind):
     found = check(SHAPES[kind], 0.006)
-    assert found.protrusion_m <= max(0.006, 0.03 * np.linalg.norm(np.ptp(circumscribed_hull(SHAPES[kind]), axis=0))) + 1e-12
+    assert (
+        found.protrusion_m
+        <= max(0.006, 0.03 * np.linalg.norm(np.ptp(circumscribed_hull(SHAPES[kind]), axis=0))) + 1e-12
+    )
     assert found.residual_m < 1e-9
 
 

@@ -15,7 +15,7 @@ from simgap.inference.candidate_fit import ALPHA, Screening, CandidateFit, scree
 from simgap.inference.competing_hypotheses import as_good_with_confusable, beaten, alternatives, replacement
 from simgap.inference.fit import Errors, Fit, extend, fit
 from simgap.inference.forward_selection import Accepted, Selection, _confirmed  # pyright: ignore[reportPrivateUsage]
-from simgap.inference.intervals import even, differs_from_none, distance_to_alternatives, wider
+from simgap.inference.intervals import symmetric, differs_from_none, distance_to_alternatives, wider
 from simgap.inference.losses import Comparison, met_p, paired_p
 from simgap.inference.parametric_bootstrap import MethodBias
 from simgap.inference.verdict import judge
@@ -98,12 +98,14 @@ def test_a_fit_at_the_far_end_of_a_told_range_does_not_stand_out_by_rounding(kno
     found = fit(errors, [candidate])
     assert found.model[-1].values["torque_Nm"] == pytest.approx(none - known)
     assert not found.stands_out({})
-    assert not differs_from_none(found.model[-1], even(found.half_widths[candidate.key]))
+    assert not differs_from_none(found.model[-1], symmetric(found.half_widths[candidate.key]))
 
 
 def test_an_interval_of_a_fit_at_an_end_that_was_told_covers_what_tells_it():
     told = Term(replace(COULOMB, told={"torque_Nm": 0.4}), {"torque_Nm": 2.0})
-    assert distance_to_alternatives(told, {"torque_Nm": 0.4}, _told(1.6, 0.1), [])["torque_Nm"] == pytest.approx((0.4 + 0.196, 0.0))
+    assert distance_to_alternatives(told, {"torque_Nm": 0.4}, _told(1.6, 0.1), [])["torque_Nm"] == pytest.approx(
+        (0.4 + 0.196, 0.0)
+    )
 
 
 def test_what_makes_an_accepted_effect_vanish_is_tried_in_its_place():
@@ -257,9 +259,11 @@ def test_an_interval_reaches_to_what_the_other_route_says_and_no_further_the_oth
     term = Term(COULOMB, {"torque_Nm": 2.0})
     sides = distance_to_alternatives(term, {"torque_Nm": 0.1}, _told(3.9, 0.2), [])
     assert sides["torque_Nm"] == pytest.approx((0.0, 1.9 + 1.96 * 0.2))
-    assert differs_from_none(term, wider(sides, even({"torque_Nm": 0.1})))
+    assert differs_from_none(term, wider(sides, symmetric({"torque_Nm": 0.1})))
     assert not differs_from_none(term, distance_to_alternatives(term, {"torque_Nm": 0.1}, _told(0.3, 0.2), []))
-    assert distance_to_alternatives(term, {"torque_Nm": 0.1}, _told(2.05, 0.2), [])["torque_Nm"] == pytest.approx((0.0, 0.05))
+    assert distance_to_alternatives(term, {"torque_Nm": 0.1}, _told(2.05, 0.2), [])["torque_Nm"] == pytest.approx(
+        (0.0, 0.05)
+    )
 
 
 def test_a_direct_estimate_is_heard_by_its_error_where_losses_drown_it():

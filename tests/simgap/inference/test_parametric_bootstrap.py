@@ -40,7 +40,9 @@ def test_the_same_seed_gives_the_same_readings_and_another_one_other_noise(swing
 def test_what_is_found_without_an_effect_is_far_below_a_fifth_of_its_range(swing):
     drag = next(c for c in swing.candidates() if c.effect.name == "joint.viscous_friction")
     name, (_, high) = next(iter(drag.bounds.items()))
-    method_bias = estimate_method_bias(swing, swing.trial_ids[:6], "short_horizon", (), (Term(drag, {name: 0.2 * high}),))
+    method_bias = estimate_method_bias(
+        swing, swing.trial_ids[:6], "short_horizon", (), (Term(drag, {name: 0.2 * high}),)
+    )
     for reach in (method_bias.fitted[name], method_bias.direct[name]):
         assert 0.0 <= reach < 0.1 * high
 

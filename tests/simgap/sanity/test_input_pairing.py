@@ -49,7 +49,9 @@ def test_inputs_of_others_are_noticed_before_anything_is_searched(numbers: tuple
 def test_nothing_is_searched_where_inputs_belong_to_others() -> None:
     case = mechanism_case(SHUFFLED[0])
     problem = case.problem()
-    found = find_effects(problem, split_trials(case.spec, problem.trial_ids), measurement="made up", horizon_s=0.2, quick=True)
+    found = find_effects(
+        problem, split_trials(case.spec, problem.trial_ids), measurement="made up", horizon_s=0.2, quick=True
+    )
     assert found.report.verdict.status == "outside_model_class"
     assert not found.report.hypotheses
     assert "inputs do not belong" in found.report.verdict.statement

@@ -49,22 +49,22 @@ def free_body_case(number: int) -> Case:
     weight = 9.81 * box.mass
     kind = number % 3
     if kind == 2:
-        name, made = list(_controls(box, rng).items())[(number // 3) % 5]
+        name, hidden = list(_controls(box, rng).items())[(number // 3) % 5]
     else:
         some = _effects(box, weight)
-        name, made = list(some.items())[(number - number // 3) % len(some)]
+        name, hidden = list(some.items())[(number - number // 3) % len(some)]
     spec, again = _spec(box), deepcopy(rng)
-    problem = _recorded(box, spec, made, rng)
-    gain = ideal_gain(problem(), _recorded(box, spec, replace(made, hidden={}), again)()) if made.truth else 0.0
-    size_word = size_of(gain) if made.truth else ""
+    problem = _recorded(box, spec, hidden, rng)
+    gain = ideal_gain(problem(), _recorded(box, spec, replace(hidden, hidden={}), again)()) if hidden.truth else 0.0
+    size_word = size_of(gain) if hidden.truth else ""
     return Case(
         name=f"{number:03d} toss {name}" + (f" {size_word}" if size_word else ""),
-        family="pair" if made.doubles else made.family,
+        family="pair" if hidden.doubles else hidden.family,
         problem=problem,
         spec=spec,
-        truth=made.truth,
-        doubles=made.doubles,
-        checked=made.checked,
+        truth=hidden.truth,
+        doubles=hidden.doubles,
+        checked=hidden.checked,
         size=size_word,
         ideal=gain,
     )

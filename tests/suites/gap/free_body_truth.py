@@ -74,13 +74,13 @@ def _read(
     mounted = Rotation.from_rotvec([hidden.get("turned_rad", 0.0), 0.0, 0.0])
     turn = Rotation.from_quat(np.roll(pose[:, 3:7], -1, axis=1)) * mounted
     shake = Rotation.from_rotvec(rng.normal(0.0, 5e-4 * noise, (len(pose), 3)))
-    kept = rng.uniform(size=len(pose)) > 0.02
+    recorded = rng.uniform(size=len(pose)) > 0.02
     return Recording(
-        t_s=(t_s * clock)[kept],
-        p=(scale * pose[:, :3] + rng.normal(0.0, 5e-5 * noise, (len(pose), 3)))[kept],
-        quat_wxyz=np.roll((turn * shake).as_quat(), 1, axis=1)[kept],
-        v=(scale / clock * rates[:, :3] + rng.normal(0.0, 4e-3 * noise, (len(pose), 3)))[kept],
-        w=(mounted.inv().apply(rates[:, 3:]) / clock + rng.normal(0.0, 0.04 * noise, (len(pose), 3)))[kept],
+        t_s=(t_s * clock)[recorded],
+        p=(scale * pose[:, :3] + rng.normal(0.0, 5e-5 * noise, (len(pose), 3)))[recorded],
+        quat_wxyz=np.roll((turn * shake).as_quat(), 1, axis=1)[recorded],
+        v=(scale / clock * rates[:, :3] + rng.normal(0.0, 4e-3 * noise, (len(pose), 3)))[recorded],
+        w=(mounted.inv().apply(rates[:, 3:]) / clock + rng.normal(0.0, 0.04 * noise, (len(pose), 3)))[recorded],
     )
 
 

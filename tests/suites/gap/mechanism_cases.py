@@ -149,7 +149,7 @@ def _hidden(number: int, family: Family, scene: str, chosen: list[HiddenEffect],
         chosen_doubles = chosen[0].scenes[scene]
     names = "+".join(e.name.partition(".")[2] for e in chosen)
     size = size_of(gain)
-    spec, made = declared_spec(stage.plant), stage.problem(hidden)
+    spec, problem = declared_spec(stage.plant), stage.problem(hidden)
     words = f"{scene} {names} {size} x{noise:.0f}" + (" mujoco" if stage.mujoco else "")
     return Case(
         _titled(number, words),
@@ -161,7 +161,7 @@ def _hidden(number: int, family: Family, scene: str, chosen: list[HiddenEffect],
         checked=checked,
         size=size,
         ideal=gain,
-        chance=chance(made, stage.problem({}), split_trials(spec, made.trial_ids).train),
+        chance=chance(problem, stage.problem({}), split_trials(spec, problem.trial_ids).train),
     )
 
 

@@ -23,9 +23,9 @@ def size_of(gain: float) -> str:
 def null_error(problem: Problem, scale: np.ndarray | None = None) -> tuple[float, np.ndarray]:
     """Root of the null refit's mean loss over all trials, in levels `scale` (c,; default: what it leaves itself)."""
     ids, view = problem.trial_ids, "short_horizon"
-    found = fit(rollout_errors(problem, ids, view, spread(problem, (), ids, view)), problem.nuisances())
-    level = spread(problem, found.model, ids, view) if scale is None else scale
-    return float(np.sqrt(trial_losses(problem.residuals(found.model, ids, view), level).mean())), level
+    null_fit = fit(rollout_errors(problem, ids, view, spread(problem, (), ids, view)), problem.nuisances())
+    level = spread(problem, null_fit.model, ids, view) if scale is None else scale
+    return float(np.sqrt(trial_losses(problem.residuals(null_fit.model, ids, view), level).mean())), level
 
 
 def ideal_gain(hidden: Problem, plain: Problem) -> float:
@@ -37,7 +37,7 @@ def ideal_gain(hidden: Problem, plain: Problem) -> float:
 def sized(problem_at: Callable[[float], Problem], guess: float, most: float, aim: float) -> tuple[float, float]:
     """(strength, gain) at which a perfect model gains about `aim`; regula falsi on logarithms, at most `most`."""
     without, level = null_error(problem_at(0.0))
-    wanted = np.log(1.0 / (1.0 - aim) ** 2 - 1.0)
+    target = np.log(1.0 / (1.0 - aim) ** 2 - 1.0)
     tried: list[tuple[float, float, float]] = []  # log strength, log of excess power, gain
     at, top = np.log(min(guess, most)), np.log(most)
     for _ in range(_TRIES):
@@ -48,10 +48,10 @@ def sized(problem_at: Callable[[float], Problem], guess: float, most: float, aim
         below = max((t for t in tried if t[2] < aim), default=None)
         above = min((t for t in tried if t[2] >= aim), default=None)
         if below is None or above is None:
-            at = min(at + float(np.clip(0.5 * (wanted - tried[-1][1]), -2.0, 2.0)), top)
+            at = min(at + float(np.clip(0.5 * (target - tried[-1][1]), -2.0, 2.0)), top)
             continue
         # Between the two, where a straight line says; thresholds make that line a poor guide near its ends.
-        share = float(np.clip((wanted - below[1]) / max(above[1] - below[1], 1e-9), 0.2, 0.8))
+        share = float(np.clip((target - below[1]) / max(above[1] - below[1], 1e-9), 0.2, 0.8))
         at = below[0] + share * (above[0] - below[0])
     best = min(tried, key=lambda t: abs(t[2] - aim))
     return float(np.exp(best[0])), best[2]

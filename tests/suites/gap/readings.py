@@ -40,9 +40,9 @@ def read(
     for k in range(1, rows if colour else 0):
         error[:, k] = colour * error[:, k - 1] + np.sqrt(1.0 - colour**2) * error[:, k]
     count = COUNT if noise else 1e-9
-    kept = rng.random((trials, rows)) >= _LOST
-    kept[:, [0, -1]] = True
-    return t * (1.0 + float(np.max(h("clock_share")))), np.round((q + error) / count) * count, kept
+    recorded = rng.random((trials, rows)) >= _LOST
+    recorded[:, [0, -1]] = True
+    return t * (1.0 + float(np.max(h("clock_share")))), np.round((q + error) / count) * count, recorded
 
 
 def measurement(

@@ -80,13 +80,13 @@ def outcome(case: Case, verdict: Verdict) -> str:
 
 def covered(case: Case, report: GapReport) -> list[bool]:
     """For each checked parameter of an effect that was named: whether its interval holds the true value."""
-    found = []
+    inside = []
     for effect in report.verdict.effects:
         for (name, parameter), value in case.checked.items():
             if effect.name == name and effect.confidence >= NAMED:
                 low, high = effect.parameters[parameter].ci95
-                found.append(low <= value <= high)
-    return found
+                inside.append(low <= value <= high)
+    return inside
 
 
 def said(verdict: Verdict) -> str:

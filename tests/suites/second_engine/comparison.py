@@ -171,12 +171,12 @@ def mass_errors(record: AssetRecord, facts: dict[str, Any]) -> dict[str, float]:
     """Relative differences between record and engine: mass, mass centre (of the extent), principal moments, tensor."""
     physics = record.physics
     extent = float(np.linalg.norm(record.geometry.extent_m.value))
-    wanted, held = np.array(physics.inertia_kgm2.value), np.array(facts["inertia_kgm2"])
+    expected, held = np.array(physics.inertia_kgm2.value), np.array(facts["inertia_kgm2"])
     return {
         "mass": abs(facts["mass_kg"] / physics.mass_kg.value - 1.0),
         "centre": float(np.abs(np.array(facts["centre_of_mass_m"]) - physics.centre_of_mass_m.value).max()) / extent,
-        "moments": float(np.abs(np.linalg.eigvalsh(held) / np.linalg.eigvalsh(wanted) - 1.0).max()),
-        "tensor": float(np.abs(held - wanted).max() / np.abs(wanted).max()),
+        "moments": float(np.abs(np.linalg.eigvalsh(held) / np.linalg.eigvalsh(expected) - 1.0).max()),
+        "tensor": float(np.abs(held - expected).max() / np.abs(expected).max()),
     }
 
 

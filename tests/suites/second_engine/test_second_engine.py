@@ -65,17 +65,17 @@ def group(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         return make_group(release(discover([assets / name for name in SHARED], root=assets), base / "out"))
     data: Path = request.getfixturevalue("bullet_data")
     candidates = [*discover(write_generated(base / "in")), *discover([data / n for n in INSTALLED], root=data)]
-    made: Path = request.getfixturevalue("scene_packages")
-    return make_group([*release(candidates, base / "out"), *(made / name for name in MADE)])
+    packages: Path = request.getfixturevalue("scene_packages")
+    return make_group([*release(candidates, base / "out"), *(packages / name for name in MADE)])
 
 
 def offenders(rows: list[tuple[Package, list[Rest], list[Rest], list[Rest]]], wrong: Callable[[Pair], bool]) -> dict:
     """Pairs of PyBullet with either reading of MuJoCo that are `wrong`, by package."""
-    found = {
+    pairs_by_name = {
         package.folder.name: [p for other in (urdf, usd) for p in comparison.pairs(package, bullet, other) if wrong(p)]
         for package, bullet, urdf, usd in rows
     }
-    return {name: pairs for name, pairs in found.items() if pairs}
+    return {name: pairs for name, pairs in pairs_by_name.items() if pairs}
 
 
 def test_every_reader_holds_the_mass_and_inertia_of_the_record(group: Group) -> None:

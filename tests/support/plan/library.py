@@ -32,7 +32,7 @@ def box_body(
     name: str, width_m: float, depth_m: float, height_m: float = 0.05, mass_kg: float | None = None
 ) -> PlanBody:
     """A box; upright, or lying on its side so that its height is its width in x."""
-    made = BoxAsset(type="box", size_m=(width_m, depth_m, height_m), mass_kg=mass_kg)
+    primitive = BoxAsset(type="box", size_m=(width_m, depth_m, height_m), mass_kg=mass_kg)
     root = 0.5**0.5
     up = PlanStance(name="upright", quat_wxyz=UPRIGHT, origin_height_m=0.0, prisms=(slab(width_m, depth_m, height_m),))
     # Turned by a quarter about y: +x of the asset points down, its top to +x; the origin lies in mid-side.
@@ -42,7 +42,7 @@ def box_body(
         high_m=width_m,
     )
     lying = PlanStance(name="side", quat_wxyz=(root, 0.0, root, 0.0), origin_height_m=width_m / 2, prisms=(side,))
-    return PlanBody(asset_id=name, primitive=made, mass_kg=mass_kg, stances=(up, lying))
+    return PlanBody(asset_id=name, primitive=primitive, mass_kg=mass_kg, stances=(up, lying))
 
 
 def round_body(name: str, radius_m: float, corners: int, height_m: float = 0.03) -> PlanBody:

@@ -71,7 +71,7 @@ def _answer(file: Path) -> None:
     plan = load(file)
     sampler = TorchSampler(plan)
     drawn = sampler.sample(COUNT, SEED, start=START)
-    made = {f.name: getattr(drawn, f.name) for f in fields(drawn) if f.name not in ("seed", "start", "names")}
+    arrays = {f.name: getattr(drawn, f.name) for f in fields(drawn) if f.name not in ("seed", "start", "names")}
 
     bodies = slots(plan)
     assets = tuple(f"{thing}_as_{asset}" for thing, asset in bodies)
@@ -80,10 +80,10 @@ def _answer(file: Path) -> None:
     env, reset = SimpleNamespace(scene=scene), IsaacLabReset(plan, sampler, assets, SEED)
     for env_ids in (torch.arange(ENVIRONMENTS), torch.tensor(ENDED)):
         reset(env, env_ids)
-    made["root_pose"] = torch.stack([scene[asset].pose for asset in assets])
-    made["root_velocity"] = torch.stack([scene[asset].velocity for asset in assets])
-    made["env_origins"] = scene.env_origins
-    np.savez(file.with_suffix(".npz"), **{name: value.numpy() for name, value in made.items()})
+    arrays["root_pose"] = torch.stack([scene[asset].pose for asset in assets])
+    arrays["root_velocity"] = torch.stack([scene[asset].velocity for asset in assets])
+    arrays["env_origins"] = scene.env_origins
+    np.savez(file.with_suffix(".npz"), **{name: value.numpy() for name, value in arrays.items()})
 
 
 if __name__ == "__main__":
