@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from shapely.affinity import affine_transform
 
 from scenec.check.judge_scene import violations, world_poses
-from scenec.ir.relaxed import relaxed, rules
 from scenec.ir.problem import Placement, Problem, Surface, Thing
+from scenec.ir.relaxed import relaxed, rules
 from scenec.proofs import prove, prove_cheaply
 from tests.support.scene.proof_problems import box_body, problem, table, thing
 from tests.support.scene.random_problems import random_problem
