@@ -91,7 +91,7 @@ def recordings_below(path: Path) -> Iterator[Path]:
 
 
 def distinct_prefixes(sources: Sequence[Path]) -> dict[Path, str]:
-    """For recordings that share a name, the folders above them that tell them apart, as a prefix of their output."""
+    """A prefix of the output of each recording: where several share a name, the folders above them that differ."""
     prefixes = dict.fromkeys(sources, "")
     depth = 0
     while depth < max((len(source.parts) for source in sources), default=0):

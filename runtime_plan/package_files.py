@@ -16,4 +16,4 @@ def changed_physics(package: Path, hashes: Mapping[str, str]) -> list[str]:
     physics_hashes = {
         name: hashes[name] for name in sorted(hashes) if name.startswith("usd/") and "_materials." not in name
     }
-    return changed_files(package, {name: hashes[name] for name in files})
+    return changed_files(package, physics_hashes)

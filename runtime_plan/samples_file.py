@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
-from runtime_plan.tables import ABSENT, AUTHORED, BACKGROUND_COLUMN, BACKGROUND
+from runtime_plan.tables import ABSENT, AUTHORED, BACKGROUND_COLUMN
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.scene.runtime_plan import PlanCombination
 from schemas.scene.samples import SampledLighting, SampledObject, SceneSample, SceneSamples
@@ -95,7 +95,7 @@ def read_samples(path: Path | str, plan: Plan) -> tuple[tuple[int, ...], Samples
     if said:
         raise InvalidInput(finding("plan/unreadable-samples", f"{path.name}: {said}", where=here))
     try:
-        return tuple(one.index for one in document.samples), _arrays(plan, document)
+        return tuple(sample.index for sample in document.samples), _arrays(plan, document)
     except (KeyError, IndexError, ValueError) as wrong:
         text = f"{path.name} names what the plan does not have: {wrong}"
         raise InvalidInput(finding("plan/unreadable-samples", text, where=here)) from None
@@ -105,30 +105,30 @@ def _unfit(document: SceneSamples) -> str:
     """What keeps samples from being judged at all; empty when nothing does."""
     if not document.samples:
         return "it holds no sample"
-    indices = [one.index for one in document.samples]
+    indices = [sample.index for sample in document.samples]
     if len(set(indices)) < len(indices):
         return "two samples have one index"
-    for one in document.samples:
-        for name, item in one.objects.items():
+    for sample in document.samples:
+        for name, item in sample.objects.items():
             if not np.isfinite(item.position_m).all():
-                return f"sample {one.index}: the position of `{name}` is not finite"
+                return f"sample {sample.index}: the position of `{name}` is not finite"
             if not abs(float(np.linalg.norm(item.quat_wxyz)) - 1.0) <= NORM_TOLERANCE:
-                return f"sample {one.index}: the quaternion of `{name}` has no unit length"
+                return f"sample {sample.index}: the quaternion of `{name}` has no unit length"
     return ""
 
 
 def _arrays(plan: Plan, document: SceneSamples) -> Samples:
     n, names, drawn_plan = len(document.samples), plan.tables.names, plan.document
     column = {name: index for index, name in enumerate(names)} | {BACKGROUND: BACKGROUND_COLUMN}
-    material = {one.id: index for index, one in enumerate(drawn_plan.materials)} | {None: AUTHORED}
-    light = {one.id: index for index, one in enumerate(drawn_plan.lighting)}
-    most = max(len(one.pools) for one in drawn_plan.combinations)
+    material = {sample.id: index for index, sample in enumerate(drawn_plan.materials)} | {None: AUTHORED}
+    light = {sample.id: index for index, sample in enumerate(drawn_plan.lighting)}
+    most = max(len(sample.pools) for sample in drawn_plan.combinations)
     shape = (n, len(names))
     samples = Samples(
         seed=document.seed,
         start=document.samples[0].index if n else 0,
         names=names,
-        combination=np.array([one.combination for one in document.samples], dtype=np.int64),
+        combination=np.array([sample.combination for sample in document.samples], dtype=np.int64),
         case=np.full((n, most), -1),
         present=np.zeros(shape, dtype=bool),
         asset_index=np.full(shape, -1),
@@ -138,25 +138,25 @@ def _arrays(plan: Plan, document: SceneSamples) -> Samples:
         quat_wxyz=np.full((*shape, 4), np.nan),
         yaw_rad=np.full(shape, np.nan),
         material=np.full(shape, AUTHORED),
-        background_material=np.array([material[one.background_material] for one in document.samples], dtype=np.int64),
+        background_material=np.array([material[sample.background_material] for sample in document.samples], dtype=np.int64),
         background=np.full(n, -1),
         lighting=np.full(n, -1),
         channels=np.full((n, 4), np.nan),
     )
-    for k, one in enumerate(document.samples):
-        combination = drawn_plan.combinations[one.combination]
-        samples.case[k, : len(combination.pools)] = one.case
+    for k, sample in enumerate(document.samples):
+        combination = drawn_plan.combinations[sample.combination]
+        samples.case[k, : len(combination.pools)] = sample.case
         samples.background[k] = -1 if combination.background is None else combination.background
-        for name, item in one.objects.items():
+        for name, item in sample.objects.items():
             at = column[name]
             samples.present[k, at] = True
             samples.asset_index[k, at] = _body(plan, combination, name, item.asset)
             samples.support[k, at] = column[item.support]
             samples.position_m[k, at], samples.quat_wxyz[k, at] = item.position_m, item.quat_wxyz
             samples.material[k, at] = material[item.material]
-        if one.lighting is not None:
-            samples.lighting[k] = light[one.lighting.id]
-            drawn = [getattr(one.lighting, name) for name in _CHANNELS]
+        if sample.lighting is not None:
+            samples.lighting[k] = light[sample.lighting.id]
+            drawn = [getattr(sample.lighting, name) for name in _CHANNELS]
             samples.channels[k] = [np.nan if value is None else value for value in drawn]
     return samples
 

@@ -1,4 +1,4 @@
-"""A plan as flat arrays, made once: what a draw looks up, in metres and radians. Needs numpy and `schemas` alone."""
+"""Lookup tables of a plan: the flat arrays (m, rad) from which the sampler draws. Needs numpy and `schemas` alone."""
 
 from __future__ import annotations
 
@@ -9,31 +9,31 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from schemas.scene.program import BACKGROUND
 from schemas.scene.runtime_plan import PlanCase, PlanCombination, PlanStance, RuntimePlan
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 MICRO = 1e-6
-BACKGROUND = "background"  # the owner of what stands on nothing that moves
 BACKGROUND_COLUMN, ABSENT = -1, -2  # in place of the column of an owner
 AUTHORED = -1  # in place of the index of a material: as the asset is
 
 
 @dataclass(frozen=True)
 class BodyStances:
-    """Every way in which any body stands: form of body b in stance s is `start[b] + s`."""
+    """The stances of all bodies, one after the other: stance s of body b has the index `start[b] + s`."""
 
     start: IntArray  # (bodies,)
-    quat_wxyz: FloatArray  # (4, forms)
-    origin_height_m: FloatArray  # (forms,)
-    corners: tuple[FloatArray, ...]  # convex outline of all pieces of each form, (v, 2) in S
+    quat_wxyz: FloatArray  # (4, body stances)
+    origin_height_m: FloatArray  # (body stances,)
+    corners: tuple[FloatArray, ...]  # convex outline of all pieces of each, (v, 2) in S
 
 
 @dataclass(frozen=True)
 class Outlines:
     """Columns of things whose outlines have about as many corners; shorter outlines repeat their first corner.
 
-    `x_m`, `y_m` are (v, k) for the columns when `forms` is None, else (v, forms).
+    `x_m`, `y_m` are (v, k) for the columns when `fixed`, else (v, body stances).
     """
 
     columns: IntArray | None  # (k,), None for all
@@ -44,7 +44,7 @@ class Outlines:
 
 @dataclass(frozen=True)
 class Level:
-    """Things as deep as one another: their columns, and the columns of their owners (None: the background)."""
+    """Things with the same number of movable owners: their columns, and those of their owners (None: the background)."""
 
     columns: IntArray | None  # (k,), None for all
     owners: IntArray | None  # (k,)
@@ -52,14 +52,14 @@ class Level:
 
 @dataclass(frozen=True)
 class MaterialGroup:
-    """Materials of which one is drawn: what each of T things and then the background wears, AUTHORED in row 0."""
+    """Materials of which one is drawn. Row 0 is AUTHORED throughout; columns are the T things, then the background."""
 
-    material_of: IntArray  # (m + 1, T + 1)
+    material_of: IntArray  # (m + 1, T + 1) index of a material, or AUTHORED
 
 
 @dataclass(frozen=True)
 class Pool:
-    """Shares of its cases added up, the last exactly 1 (None: equal shares), and how many there are."""
+    """Cumulative shares of the cases of a pool, the last exactly 1 (None: equal shares), and their number."""
 
     cumulative_shares: FloatArray | None
     count: int
@@ -69,10 +69,10 @@ class Pool:
 class CombinationTables:
     """One combination of T things. A row is one thing in one case; `first_row[i]` + case is that of thing i.
 
-    `bounds_m` (8, rows): cell and origin box as x low, x high, y low, y high each; `turn` (2, rows): start and total
-    length of the yaw intervals; `turn_past`, `turn_jump` (k, rows): where along that length the next interval begins,
-    and how far its start lies beyond. `height_m` (rows,) is that of the support point in U of the owner, `place_m`
-    (2, T) the origin of the place there.
+    `bounds_m` (8, rows): cell and origin box as x low, x high, y low, y high each; `yaw_span_rad` (2, rows): start and
+    total length of the yaw intervals; `yaw_gap_at_rad`, `yaw_gap_rad` (k, rows): where along that length a gap between
+    two intervals lies, and its width. `height_m` (rows,) is that of the support point in U of the owner, `place_m` (2, T)
+    the origin of the place there.
     """
 
     things: IntArray  # (T,) columns in the samples
@@ -90,8 +90,8 @@ class CombinationTables:
     bodies: IntArray  # (T, most bodies of one thing), repeated
     body_row: IntArray  # (T,) where the bodies of each begin, rows of `bodies` laid end to end
     body_count: FloatArray  # (T,)
-    fixed_stance: IntArray | None  # (T,) where every thing has one form in all cases, and
-    body_stance: IntArray | None  # (T,) that form
+    fixed_stance: IntArray | None  # (T,) where every thing has one body and stance in all cases, and
+    body_stance: IntArray | None  # (T,) the index of both in `BodyStances`
     outlines: tuple[Outlines, ...]
     levels: tuple[Level, ...]
     background: tuple[float, float, float, float, float]  # x, y, z (m), cosine and sine of half its yaw
@@ -105,7 +105,7 @@ class CombinationTables:
 
 @dataclass(frozen=True)
 class DrawLayout:
-    """Where in the words of one sample each draw lies; `blocks` of four words a sample."""
+    """Offset of each draw in the random words of one sample; a sample uses `blocks` of four words."""
 
     cases: int
     bodies: int
@@ -122,7 +122,7 @@ class PlanTables:
     """All combinations. `names` are the columns of samples: every thing of any combination, in order."""
 
     names: tuple[str, ...]
-    cumulative_shares: FloatArray  # (combinations,) added up, the last exactly 1
+    cumulative_shares: FloatArray  # (combinations,) the last exactly 1
     combinations: tuple[CombinationTables, ...]
     body_stances: BodyStances
     layout: DrawLayout
@@ -131,9 +131,9 @@ class PlanTables:
 
 def tables_of(plan: RuntimePlan) -> PlanTables:
     """The arrays of a consistent plan."""
-    names = tuple(dict.fromkeys(thing.id for one in plan.combinations for thing in one.things))
-    body_stances = _forms(plan)
-    combinations = tuple(_tables(plan, one, names, body_stances) for one in plan.combinations)
+    names = tuple(dict.fromkeys(thing.id for combination in plan.combinations for thing in combination.things))
+    body_stances = _body_stances(plan)
+    combinations = tuple(_combination_tables(plan, combination, names, body_stances) for combination in plan.combinations)
     channels = [
         [
             bounds or (np.nan, np.nan)
@@ -143,7 +143,7 @@ def tables_of(plan: RuntimePlan) -> PlanTables:
     ]
     return PlanTables(
         names,
-        _cumulative_shares([one.weight for one in plan.combinations]),
+        _cumulative_shares([combination.weight for combination in plan.combinations]),
         combinations,
         body_stances,
         _layout(combinations),
@@ -153,17 +153,17 @@ def tables_of(plan: RuntimePlan) -> PlanTables:
 
 def _layout(combinations: Sequence[CombinationTables]) -> DrawLayout:
     """The same for all combinations, so that a sample's words depend on seed and index alone."""
-    most_bodies = max(len(one.things) for one in combinations)
-    several = any((one.body_count > 1).any() for one in combinations)
+    most_things = max(len(combination.things) for combination in combinations)
+    several = any((combination.body_count > 1).any() for combination in combinations)
     cases = 1
-    bodies = cases + max(len(one.pools) for one in combinations)
-    yaws = bodies + (most_bodies if several else 0)
-    xs, ys, materials = yaws + most_bodies, yaws + 2 * most_bodies, yaws + 3 * most_bodies
-    lighting = materials + max(len(one.groups) for one in combinations)
+    bodies = cases + max(len(combination.pools) for combination in combinations)
+    yaws = bodies + (most_things if several else 0)
+    xs, ys, materials = yaws + most_things, yaws + 2 * most_things, yaws + 3 * most_things
+    lighting = materials + max(len(combination.groups) for combination in combinations)
     return DrawLayout(cases, bodies, yaws, xs, ys, materials, lighting, -(-(lighting + 5) // 4))
 
 
-def _forms(plan: RuntimePlan) -> BodyStances:
+def _body_stances(plan: RuntimePlan) -> BodyStances:
     stances = [stance for body in plan.bodies for stance in body.stances]
     start = np.cumsum([0, *(len(body.stances) for body in plan.bodies)])[:-1]
     return BodyStances(
@@ -199,58 +199,58 @@ def _cumulative_shares(weights: Sequence[float]) -> FloatArray:
     return cumulative_shares
 
 
-def _tables(plan: RuntimePlan, one: PlanCombination, names: tuple[str, ...], body_stances: BodyStances) -> CombinationTables:
+def _combination_tables(plan: RuntimePlan, combination: PlanCombination, names: tuple[str, ...], body_stances: BodyStances) -> CombinationTables:
     column = {name: index for index, name in enumerate(names)}
-    local = {thing.id: index for index, thing in enumerate(one.things)}
-    where = {name: (p, k) for p, pool in enumerate(one.pools) for k, name in enumerate(pool.things)}
-    rows: list[tuple[PlanCase, int, int]] = []  # case, place within it, thing
-    first_row = np.zeros(len(one.things), dtype=np.int64)
-    for index, thing in enumerate(one.things):
-        p, k = where[thing.id]
-        first_row[index] = len(rows)
-        rows += [(case, k, index) for case in one.pools[p].cases]
-    stance = np.array([case.stances[k] for case, k, _ in rows], dtype=np.int64)
-    most_bodies = max((len(thing.bodies) for thing in one.things), default=1)
-    bodies = np.array([(thing.bodies * most_bodies)[:most_bodies] for thing in one.things], dtype=np.int64).reshape(-1, most_bodies)
-    past, jump, turn = _turns([case.yaws_urad[k] for case, k, _ in rows])
+    local = {thing.id: index for index, thing in enumerate(combination.things)}
+    pool_and_place = {name: (p, k) for p, pool in enumerate(combination.pools) for k, name in enumerate(pool.things)}
+    thing_cases: list[tuple[PlanCase, int, int]] = []  # case, place within it, thing
+    first_row = np.zeros(len(combination.things), dtype=np.int64)
+    for index, thing in enumerate(combination.things):
+        p, k = pool_and_place[thing.id]
+        first_row[index] = len(thing_cases)
+        thing_cases += [(case, k, index) for case in combination.pools[p].cases]
+    stance = np.array([case.stances[k] for case, k, _ in thing_cases], dtype=np.int64)
+    most_bodies = max((len(thing.bodies) for thing in combination.things), default=1)
+    bodies = np.array([(thing.bodies * most_bodies)[:most_bodies] for thing in combination.things], dtype=np.int64).reshape(-1, most_bodies)
+    yaw_gap_at_rad, yaw_gap_rad, yaw_span_rad = _yaw_intervals([case.yaws_urad[k] for case, k, _ in thing_cases])
     open_box = (-np.inf, np.inf, -np.inf, np.inf)
-    bounds = [(*case.cells_um[k], *(case.origins_um[k] or open_box)) for case, k, _ in rows]
-    origins = [one.places[thing.place][1].origin_m for thing in one.things]
-    possible = [sorted({int(s) for s in stance[first : first + _count(one, where, thing.id)]})
-                for thing, first in zip(one.things, first_row, strict=True)]  # fmt: skip
+    bounds = [(*case.cells_um[k], *(case.origins_um[k] or open_box)) for case, k, _ in thing_cases]
+    origins = [combination.places[thing.place][1].origin_m for thing in combination.things]
+    possible = [sorted({int(s) for s in stance[first : first + _count(combination, pool_and_place, thing.id)]})
+                for thing, first in zip(combination.things, first_row, strict=True)]  # fmt: skip
     choices = [
         sorted({int(body_stances.start[body]) + s for body in thing.bodies for s in stances})
-        for thing, stances in zip(one.things, possible, strict=True)
+        for thing, stances in zip(combination.things, possible, strict=True)
     ]
     fixed = all(len(indices) == 1 for indices in choices)
-    X_WB = np.array(one.X_WB, dtype=np.float64)
+    X_WB = np.array(combination.X_WB, dtype=np.float64)
     return CombinationTables(
-        things=np.array([column[thing.id] for thing in one.things], dtype=np.int64),
-        pools=tuple(_pool([case.weight for case in pool.cases]) for pool in one.pools),
-        pool_of=np.array([where[thing.id][0] for thing in one.things], dtype=np.int64),
+        things=np.array([column[thing.id] for thing in combination.things], dtype=np.int64),
+        pools=tuple(_pool([case.weight for case in pool.cases]) for pool in combination.pools),
+        pool_of=np.array([pool_and_place[thing.id][0] for thing in combination.things], dtype=np.int64),
         first_row=first_row,
         bounds_m=MICRO * np.array(bounds, dtype=np.float64).reshape(-1, 8).T,
-        turn=turn,
-        yaw_gap_at_rad=past,
-        yaw_gap_rad=jump,
-        has_origin_boxes=any(case.origins_um[k] is not None for case, k, _ in rows),
+        yaw_span_rad=yaw_span_rad,
+        yaw_gap_at_rad=yaw_gap_at_rad,
+        yaw_gap_rad=yaw_gap_rad,
+        has_origin_boxes=any(case.origins_um[k] is not None for case, k, _ in thing_cases),
         place_m=np.array([origin[:2] for origin in origins], dtype=np.float64).reshape(-1, 2).T.copy(),
-        height_m=np.array([origins[t][2] + MICRO * case.base_um[k] for case, k, t in rows], dtype=np.float64),
+        height_m=np.array([origins[t][2] + MICRO * case.base_um[k] for case, k, t in thing_cases], dtype=np.float64),
         stance=stance,
         bodies=bodies,
-        body_row=most_bodies * np.arange(len(one.things)),
-        body_count=np.array([len(thing.bodies) for thing in one.things], dtype=np.float64),
+        body_row=most_bodies * np.arange(len(combination.things)),
+        body_count=np.array([len(thing.bodies) for thing in combination.things], dtype=np.float64),
         fixed_stance=np.array([indices[0] for indices in possible], dtype=np.int64) if fixed else None,
         body_stance=np.array([indices[0] for indices in choices], dtype=np.int64) if fixed else None,
         outlines=_outlines(choices, body_stances),
-        levels=_levels([thing.parent for thing in one.things], local),
+        levels=_levels([thing.parent for thing in combination.things], local),
         background=(*X_WB[:3, 3].tolist(), *_half_turn(float(X_WB[0, 0]), float(X_WB[1, 0]))),
-        support=np.array([column.get(thing.parent, BACKGROUND_COLUMN) for thing in one.things], dtype=np.int64),
-        background_body=-1 if one.background is None else one.background,
-        all_things=tuple(thing.id for thing in one.things) == names,
-        one_thing_per_pool=tuple(pool.things for pool in one.pools) == tuple((thing.id,) for thing in one.things),
-        groups=_groups(plan, one, local),
-        lighting=np.array([_index(plan.lighting, name) for name in one.lighting], dtype=np.int64),
+        support=np.array([column.get(thing.parent, BACKGROUND_COLUMN) for thing in combination.things], dtype=np.int64),
+        background_body=-1 if combination.background is None else combination.background,
+        all_things=tuple(thing.id for thing in combination.things) == names,
+        one_thing_per_pool=tuple(pool.things for pool in combination.pools) == tuple((thing.id,) for thing in combination.things),
+        groups=_groups(plan, combination, local),
+        lighting=np.array([_index(plan.lighting, name) for name in combination.lighting], dtype=np.int64),
     )
 
 
@@ -263,8 +263,8 @@ def _half_turn(cosine: float, sine: float) -> tuple[float, float]:
     return abs(sine) / (2.0 * half), half if sine >= 0.0 else -half
 
 
-def _count(one: PlanCombination, where: dict[str, tuple[int, int]], name: str) -> int:
-    return len(one.pools[where[name][0]].cases)
+def _count(combination: PlanCombination, where: dict[str, tuple[int, int]], name: str) -> int:
+    return len(combination.pools[where[name][0]].cases)
 
 
 def _pool(weights: Sequence[float]) -> Pool:
@@ -272,35 +272,35 @@ def _pool(weights: Sequence[float]) -> Pool:
     return Pool(None if equal else _cumulative_shares(weights), len(weights))
 
 
-def _turns(intervals: Sequence[Sequence[tuple[int, int]]]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """`turn_past`, `turn_jump` (k, rows) and `turn` (2, rows) of yaw intervals in microradians."""
-    most_bodies = max((len(found) for found in intervals), default=1)
-    past = np.full((most_bodies - 1, len(intervals)), np.inf)
-    jump = np.zeros((most_bodies - 1, len(intervals)))
+def _yaw_intervals(intervals: Sequence[Sequence[tuple[int, int]]]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """`yaw_gap_at_rad`, `yaw_gap_rad` (k, rows) and `yaw_span_rad` (2, rows) of yaw intervals in microradians."""
+    most_intervals = max((len(yaws) for yaws in intervals), default=1)
+    past = np.full((most_intervals - 1, len(intervals)), np.inf)
+    jump = np.zeros((most_intervals - 1, len(intervals)))
     turn = np.zeros((2, len(intervals)))
-    for row, found in enumerate(intervals):
+    for row, yaws in enumerate(intervals):
         added = 0
-        for k, ((low, high), (following, _)) in enumerate(pairwise(found)):
+        for k, ((low, high), (following, _)) in enumerate(pairwise(yaws)):
             added += high - low
             past[k, row], jump[k, row] = MICRO * added, MICRO * (following - high)
-        turn[:, row] = MICRO * found[0][0], MICRO * (added + found[-1][1] - found[-1][0])
+        turn[:, row] = MICRO * yaws[0][0], MICRO * (added + yaws[-1][1] - yaws[-1][0])
     return past, jump, turn
 
 
 def _outlines(choices: Sequence[Sequence[int]], body_stances: BodyStances) -> tuple[Outlines, ...]:
-    """Things by number of corners, rounded up to a power of two; those with several forms look theirs up."""
+    """Things by number of corners, rounded up to a power of two; those with several body stances look theirs up."""
     sizes: dict[tuple[bool, int], list[int]] = {}
-    for index, found in enumerate(choices):
-        corners = max(len(body_stances.corners[body_stance]) for body_stance in found)
-        sizes.setdefault((len(found) == 1, max(2, (corners - 1).bit_length())), []).append(index)
+    for index, possible in enumerate(choices):
+        corners = max(len(body_stances.corners[body_stance]) for body_stance in possible)
+        sizes.setdefault((len(possible) == 1, max(2, (corners - 1).bit_length())), []).append(index)
     outlines = []
     for (fixed, _), columns in sorted(sizes.items(), reverse=True):
         used = [choices[c][0] for c in columns] if fixed else range(len(body_stances.corners))
-        wanted = {body_stance for c in columns for body_stance in choices[c]}
-        most_bodies = max(len(body_stances.corners[body_stance]) for body_stance in wanted)
-        x_m, y_m = np.zeros((most_bodies, len(used))), np.zeros((most_bodies, len(used)))
+        used_by_columns = {body_stance for c in columns for body_stance in choices[c]}
+        most_corners = max(len(body_stances.corners[body_stance]) for body_stance in used_by_columns)
+        x_m, y_m = np.zeros((most_corners, len(used))), np.zeros((most_corners, len(used)))
         for k, body_stance in enumerate(used):
-            if body_stance in wanted:
+            if body_stance in used_by_columns:
                 outline = body_stances.corners[body_stance]
                 x_m[:, k], y_m[:, k] = outline[0]
                 x_m[: len(outline), k], y_m[: len(outline), k] = outline.T
@@ -312,7 +312,7 @@ def _outlines(choices: Sequence[Sequence[int]], body_stances: BodyStances) -> tu
 def _levels(parents: Sequence[str], local: dict[str, int]) -> tuple[Level, ...]:
     """Things by their number of movable owners, those without first."""
     depth: list[int] = []
-    for parent in parents:  # owners stand before what they own
+    for parent in parents:  # owners come before what they own
         depth.append(depth[local[parent]] + 1 if parent in local else 0)
     levels = []
     for level in sorted(set(depth)):
@@ -322,10 +322,10 @@ def _levels(parents: Sequence[str], local: dict[str, int]) -> tuple[Level, ...]:
     return tuple(levels)
 
 
-def _groups(plan: RuntimePlan, one: PlanCombination, local: dict[str, int]) -> tuple[MaterialGroup, ...]:
-    """Materials that share a thing exclude one another; of each such group one is drawn, or none."""
+def _groups(plan: RuntimePlan, combination: PlanCombination, local: dict[str, int]) -> tuple[MaterialGroup, ...]:
+    """Materials that share a thing exclude combination another; of each such group combination is drawn, or none."""
     offered = [(_index(plan.materials, name), set(plan.materials[_index(plan.materials, name)].objects))
-               for name in one.materials]  # fmt: skip
+               for name in combination.materials]  # fmt: skip
     groups: list[tuple[list[int], set[str]]] = []
     for index, things in offered:
         joined, covered = [index], set(things)

@@ -127,7 +127,9 @@ def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[ConventionChec
         found += linkage_engine_checks(finer)
     else:
         found += convention_checks.body_engine_checks(finer.engine, finer.declared)
-    found.append(convention_checks.step_size_check(problem, FreeBodyProblem(case.measurement, finer), case.trials.train))
+    found.append(
+        convention_checks.step_size_check(problem, FreeBodyProblem(case.measurement, finer), case.trials.train)
+    )
     finer.engine.close()
     return tuple(found)
 

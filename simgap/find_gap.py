@@ -10,6 +10,7 @@ import numpy as np
 from schemas.gap import (
     AppliedEffect,
     Baseline,
+    ConventionCheck,
     Estimate,
     Gain,
     GapReport,
@@ -17,7 +18,6 @@ from schemas.gap import (
     Localisation,
     ModelExtension,
     Rival,
-    ConventionCheck,
 )
 from schemas.model import FloatArray
 from simgap.baselines.all_effects import all_effects_losses

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Protocol, runtime_checkable
 
-from schemas.gap import Place, ConventionCheck
+from schemas.gap import ConventionCheck, Place
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Effect
 

@@ -20,7 +20,7 @@ from schemas.gap import GapReport
 from simgap.case import Case, case_of, traps_of
 from simgap.extension.extension import terms_of
 from simgap.find_gap import Found, find_effects
-from simgap.inference.candidate_fit import Map, CandidateFit
+from simgap.inference.candidate_fit import CandidateFit, Map
 from simgap.kinds.event_problem import EventProblem
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.problem import Candidate

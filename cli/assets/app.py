@@ -143,7 +143,7 @@ def ingest_command(
 def endpoint_stated(
     url: str | None, model: str | None, kind: str, seconds: float, usd_per_million: tuple[float, float] | None
 ) -> Endpoint:
-    """The endpoint that the `--annotator-*` flags name. Raises typer.BadParameter for what cannot be asked."""
+    """The endpoint that the `--annotator-*` flags name. Raises typer.BadParameter for an unusable one."""
     stated = {"kind": kind, "url": url, "model": model, "seconds": seconds, "usd_per_million": usd_per_million}
     try:
         return Endpoint.model_validate(stated)

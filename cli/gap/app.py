@@ -36,9 +36,9 @@ def find_command(
 ) -> None:
     """Say which effect the model lacks, how strong it is, how sure that is, and what it gains on unseen trials.
 
-    Finding no effect, or two that cannot be told apart, is an answer too; the page `report.html` explains it. The same
-    command again gives the stored answer at once, or continues where it was interrupted. Exit code 1 when the folder
-    cannot be used, 2 when interrupted or called wrongly.
+    Finding no effect, or two that cannot be distinguished, is an answer too; the page `report.html` explains it. The
+    same command again gives the stored answer at once, or continues where it was interrupted. Exit code 1 when the
+    folder cannot be used, 2 when interrupted or called wrongly.
 
     Example: `mana gap find recordings/door --out door_gap`
     """
@@ -201,7 +201,7 @@ def _read(folder: Path, quiet: bool) -> tuple[Measurement, tuple[Diagnostic, ...
 
 
 def _show(report: GapReport) -> None:
-    """The verdict, then what speaks for it."""
+    """Print the verdict, then its evidence."""
     from simgap.inference.verdict_text import share  # Loads scipy.
 
     style = _STATUS[report.verdict.status]

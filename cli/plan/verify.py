@@ -1,4 +1,4 @@
-"""Samples judged in batches, in as many processes as asked for."""
+"""Samples judged in batches, in a given number of processes."""
 
 from __future__ import annotations
 

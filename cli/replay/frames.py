@@ -112,7 +112,7 @@ def _things(
 
 
 def _color(group: str, number: int) -> tuple[float, float, float]:
-    """Linear RGB; what stands differs in shade, so that a table can be told from the floor (golden-ratio steps)."""
+    """Linear RGB; what stands differs in shade, so that a table differs from the floor (golden-ratio steps)."""
     shade = 0.4 + 0.6 * (number * 0.618 % 1.0) if group == "Fixtures" else 1.0
     red, green, blue = (shade * channel for channel in COLORS[group])
     return red, green, blue
@@ -148,7 +148,7 @@ def _draw(request: FramesRequest) -> None:
     with tempfile.TemporaryDirectory(prefix="mana") as place:
         file = Path(place) / "request.npz"
         array_files.save(request, FramesRequest, file)
-        result = run_module("render.draw_frames", [str(file)], _LIMITS)
+        result = run_module("render.frames_worker", [str(file)], _LIMITS)
     if result.status != "ok":
         raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
 

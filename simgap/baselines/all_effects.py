@@ -26,10 +26,10 @@ def all_effects_losses(problem: Problem, base: Model, trials: Trials, view: View
     """
     candidates = problem.candidates()
     same = {(c.effect.name, c.where) for c in candidates}
-    kept = tuple(t for t in base if (t.candidate.effect.name, t.candidate.where) not in same)
+    fixed_terms = tuple(t for t in base if (t.candidate.effect.name, t.candidate.where) not in same)
 
     def losses(shares: FloatArray, ids: tuple[str, ...]) -> FloatArray:
-        return trial_losses(problem.residuals((*kept, *_terms(candidates, shares)), ids, view), scale)
+        return trial_losses(problem.residuals((*fixed_terms, *_terms(candidates, shares)), ids, view), scale)
 
     start = _start(candidates)
     if len(start) < 2:  # Less than CMA-ES takes.
@@ -47,11 +47,11 @@ def all_effects_losses(problem: Problem, base: Model, trials: Trials, view: View
     strategy = cma.CMAEvolutionStrategy(start, _STEP, options)
     best, least = start, float(losses(start, trials.train).mean())
     while not strategy.stop():
-        asked = strategy.ask()
-        told = [float(losses(x, trials.train).mean()) for x in asked]
-        strategy.tell(asked, told)
-        if min(told) < least:
-            best, least = asked[int(np.argmin(told))], min(told)
+        proposals = strategy.ask()
+        train_losses = [float(losses(x, trials.train).mean()) for x in proposals]
+        strategy.tell(proposals, train_losses)
+        if min(train_losses) < least:
+            best, least = proposals[int(np.argmin(train_losses))], min(train_losses)
     return losses(best, trials.test)
 
 

@@ -19,11 +19,11 @@ _LOOKS = 2.0  # at losses and at strengths, as on roll-outs
 _HELD = 1e-6  # a range so narrow holds a value, relative
 
 
-def agrees(found: CandidateFit) -> bool | None:
+def agrees(candidate_fit: CandidateFit) -> bool | None:
     """Whether the direct estimate says the same as the fit; None where there is no direct route."""
-    if found.direct is None:
+    if candidate_fit.direct is None:
         return None
-    return agree(found.fit.model[-1], found.fit.half_widths[found.candidate.key], found.direct)
+    return agree(candidate_fit.fit.model[-1], candidate_fit.fit.half_widths[candidate_fit.candidate.key], candidate_fit.direct)
 
 
 def agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool:
@@ -40,7 +40,7 @@ def agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool:
 
 def direct_agreement(
     problem: Problem,
-    found: CandidateFit,
+    candidate_fit: CandidateFit,
     term: Term,
     widths: dict[str, float],
     others: Model,
@@ -52,22 +52,24 @@ def direct_agreement(
     What is said is said of the final model: values move when causes are found that were not yet known. And a strength
     means something beside a shape only: torque at rest beside the speed at which it is gone.
     """
-    said = found.direct
-    if said is None or (alone and agree(term, widths, said)):
-        return said, said is not None
-    said = problem.direct(found.candidate, others, trials)
-    if said is None or agree(term, widths, said) or not term.candidate.shapes:
-        return said, said is not None and agree(term, widths, said)
+    direct = candidate_fit.direct
+    if direct is None or (alone and agree(term, widths, direct)):
+        return direct, direct is not None
+    direct = problem.direct(candidate_fit.candidate, others, trials)
+    if direct is None or agree(term, widths, direct) or not term.candidate.shapes:
+        return direct, direct is not None and agree(term, widths, direct)
     pinned = problem.direct(of_one_shape(term), others, trials)
     if pinned is None or not agree(term, widths, pinned):
-        return said, False
-    return _shapes_of(said, pinned, term.candidate), True
+        return direct, False
+    return _shapes_of(direct, pinned, term.candidate), True
 
 
 def beyond(term: Term, direct: DirectEstimate, method_bias: MethodBias) -> bool:
     """Whether the direct route sees more of some strength than it makes up where there is none."""
     null = term.candidate.null
-    return not method_bias.direct or any(abs(direct.values[n] - null[n]) > least for n, least in method_bias.direct.items())
+    return not method_bias.direct or any(
+        abs(direct.values[n] - null[n]) > least for n, least in method_bias.direct.items()
+    )
 
 
 def _is_significant(direct: DirectEstimate, candidate: Candidate, strength: str) -> bool:

@@ -14,7 +14,9 @@ from simgap.problem import Candidate, DirectEstimate
 ALPHA = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
 _SINGLED_OUT = 0.5  # of the loss that the direct route leaves with the next best candidate
 _LEAST_GAIN = 0.04  # a share of the loss (half of it of the error), or of the noise, below which nothing has a name
-_CONFIRMED_LEAST_GAIN = 0.01  # the same of what a route without simulator surely tells: it may hardly help beside other causes
+_CONFIRMED_LEAST_GAIN = (
+    0.01  # the same of what a route without simulator surely tells: it may hardly help beside other causes
+)
 
 
 def least_gain(candidate: Candidate) -> float:
@@ -62,24 +64,24 @@ def screening_of(tried: Sequence[CandidateFit]) -> Screening:
     return Screening(tuple(ordered), tuple(p))
 
 
-def _singled_out(found: CandidateFit, tried: Sequence[CandidateFit]) -> bool:
+def _singled_out(candidate_fit: CandidateFit, tried: Sequence[CandidateFit]) -> bool:
     """Whether the direct route leaves far less with it than with any other, of the trials that it changes.
 
     Most others change next to nothing: their median is what is left without it.
     """
-    left = [
-        t.direct.held_out for t in tried if t is not found and t.direct is not None and t.direct.held_out is not None
+    other_losses = [
+        t.direct.held_out for t in tried if t is not candidate_fit and t.direct is not None and t.direct.held_out is not None
     ]
-    if found.direct is None or found.direct.held_out is None or not left:
+    if candidate_fit.direct is None or candidate_fit.direct.held_out is None or not other_losses:
         return False
-    own = found.direct.held_out
-    changed = met(np.median(left, axis=0), own)
-    return bool(own[changed].sum() < _SINGLED_OUT * min(other[changed].sum() for other in left))
+    own_losses = candidate_fit.direct.held_out
+    changed = met(np.median(other_losses, axis=0), own_losses)
+    return bool(own_losses[changed].sum() < _SINGLED_OUT * min(losses[changed].sum() for losses in other_losses))
 
 
-def direct_held_out_loss(found: CandidateFit) -> float:
+def direct_held_out_loss(candidate_fit: CandidateFit) -> float:
     """What the direct estimate leaves of the loss, by trials held out in turn; infinite where there is none."""
-    direct = found.direct
+    direct = candidate_fit.direct
     return np.inf if direct is None or direct.held_out is None else float(direct.held_out.sum())
 
 
@@ -109,14 +111,14 @@ def _delta_bic(base: Fit, fitted: Fit) -> float:
     return float(n * np.log(max(base.losses.mean(), 1e-12) / max(fitted.losses.mean(), 1e-12)) - extra * np.log(n))
 
 
-def warm(found: Fit) -> list[Candidate]:
+def warm(fitted: Fit) -> list[Candidate]:
     """Terms as candidates that start at their present values."""
-    return [replace(t.candidate, start=t.values) for t in found.model]
+    return [replace(t.candidate, start=t.values) for t in fitted.model]
 
 
-def warm_without(found: Fit, gone: Sequence[Candidate], nuisances: Sequence[Candidate]) -> list[Candidate]:
+def warm_without(fitted: Fit, removed: Sequence[Candidate], nuisances: Sequence[Candidate]) -> list[Candidate]:
     """`warm` without some effects; a declared number that one of them had taken over is free in its tolerance again."""
-    keys = {c.key for c in gone}
-    kept = [c for c in warm(found) if c.key not in keys]
-    there = {c.key for c in kept}
-    return [*(n for n in nuisances if n.key not in there and any(is_twin(n, c) for c in gone)), *kept]
+    keys = {c.key for c in removed}
+    remaining = [c for c in warm(fitted) if c.key not in keys]
+    present = {c.key for c in remaining}
+    return [*(n for n in nuisances if n.key not in present and any(is_twin(n, c) for c in removed)), *remaining]

@@ -43,8 +43,8 @@ def solved(trials: Sequence[Equations], names: Sequence[str], null: Mapping[str,
             return None
         rest = [t.y - t.X @ theta for t in used]
         level = 1.4826 * np.median(np.abs(np.concatenate(rest))) + 1e-300
-        kept = [np.abs(r) <= _OUTLIER * level for r in rest]
-        clean = [Equations(t.y[k], t.X[k], t.Z[k]) for t, k in zip(used, kept, strict=True)]
+        inliers = [np.abs(r) <= _OUTLIER * level for r in rest]
+        clean = [Equations(t.y[k], t.X[k], t.Z[k]) for t, k in zip(used, inliers, strict=True)]
         theta = _theta(clean)
     if theta is None:
         return None

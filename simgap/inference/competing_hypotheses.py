@@ -9,7 +9,16 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from simgap.inference.candidate_fit import ALPHA, Map, Screening, CandidateFit, chance, least_gain, tried_on, warm_without
+from simgap.inference.candidate_fit import (
+    ALPHA,
+    CandidateFit,
+    Map,
+    Screening,
+    chance,
+    least_gain,
+    tried_on,
+    warm_without,
+)
 from simgap.inference.fit import Errors, Fit, extend, fit, is_twin
 from simgap.inference.losses import compare, paired_p
 from simgap.inference.search_state import SearchState
@@ -31,41 +40,45 @@ _RICHER = 1  # parameters more that a rival of another kind may have: a spring h
 _BEATEN_TOGETHER, _TOGETHER = 0.01, 0.8
 
 
-def beside_others(here: SearchState, found: CandidateFit, others: Sequence[CandidateFit], each: Map) -> tuple[Fit, CandidateFit, list[CandidateFit]]:
+def beside_others(
+    here: SearchState, accepted: CandidateFit, others: Sequence[CandidateFit], each: Map
+) -> tuple[Fit, CandidateFit, list[CandidateFit]]:
     """The model without one accepted effect, the best in its place, and it and `others` tried there, best first.
 
     Another takes the place of what was found only if it is better beyond chance, or simpler and no worse.
     """
-    kept = fit(here.errors, warm_without(here.base, [found.candidate], here.problem.nuisances()))
+    without = fit(here.errors, warm_without(here.base, [accepted.candidate], here.problem.nuisances()))
     now = {t.candidate.key: t.values for t in here.base.model}
-    before = {t.candidate.key: t.fit.model[-1].values for t in (found, *others)}
+    before = {t.candidate.key: t.fit.model[-1].values for t in (accepted, *others)}
 
     def instead(candidate: Candidate) -> CandidateFit:
         values = before[candidate.key]
         starts = [now.get(candidate.key, values), values]
-        direct = here.problem.direct(candidate, kept.model, here.trials.train)
-        return tried_on(kept, extend(here.errors, kept, candidate, starts), direct)
+        direct = here.problem.direct(candidate, without.model, here.trials.train)
+        return tried_on(without, extend(here.errors, without, candidate, starts), direct)
 
-    tried = list(each(instead, [t.candidate for t in (found, *others)]))
-    same = next(t for t in tried if t.candidate.key == found.candidate.key)
+    tried = list(each(instead, [t.candidate for t in (accepted, *others)]))
+    same = next(t for t in tried if t.candidate.key == accepted.candidate.key)
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
     best = tried[0] if beaten(same, tried[0]) else same
     simpler = (t for t in tried if len(t.candidate.null) < len(best.candidate.null) and not beaten(t, best))
-    return kept, next(simpler, best), tried
+    return without, next(simpler, best), tried
 
 
-def alternatives(found: CandidateFit, this: Screening, rivals: Collection[str], base: Fit) -> list[CandidateFit]:
+def alternatives(accepted: CandidateFit, this: Screening, rivals: Collection[str], base: Fit) -> list[CandidateFit]:
     """What may stand in the place of an accepted effect: its rivals, then its doubles and all that left little more.
 
     Two causes together may be mimicked by a double of one of them, which leaves far less than that one alone.
     """
     taken = {c.key for c in base.free}
-    most = _LITTLE_MORE * float(found.fit.held_out.sum())
+    most = _LITTLE_MORE * float(accepted.fit.held_out.sum())
     free = [t for t in this.tried if t.candidate.key not in taken]
     known = [t for t in free if t.candidate.key in rivals]
     judged = [t for t in free if t.comparison.gain > 0.0 and t.candidate.key not in rivals]
-    doubles = [t for t in judged if are_confusable(t.candidate, found.candidate)]
-    near = (t for t in judged if float(t.fit.held_out.sum()) < most and not are_confusable(t.candidate, found.candidate))
+    doubles = [t for t in judged if are_confusable(t.candidate, accepted.candidate)]
+    near = (
+        t for t in judged if float(t.fit.held_out.sum()) < most and not are_confusable(t.candidate, accepted.candidate)
+    )
     return [*known, *doubles, *near][:_MOST_RIVALS]
 
 
@@ -105,9 +118,11 @@ def vanishes(term: Term, extended: Fit) -> bool:
     )
 
 
-def possible_replacements(this: Screening, base: Fit, found: CandidateFit, known: Sequence[CandidateFit]) -> list[CandidateFit]:
+def possible_replacements(
+    this: Screening, base: Fit, accepted: CandidateFit, known: Sequence[CandidateFit]
+) -> list[CandidateFit]:
     """Significant candidates beside which what was found before all but vanishes: they may be what it is."""
-    term = next(t for t in base.model if t.candidate.key == found.candidate.key)
+    term = next(t for t in base.model if t.candidate.key == accepted.candidate.key)
     taken = {t.candidate.key for t in known}
     return [
         trial
@@ -120,21 +135,21 @@ def as_good_with_confusable(
     errors: Errors,
     base: Fit,
     nuisances: Sequence[Candidate],
-    found: CandidateFit,
+    accepted: CandidateFit,
     doubles: Sequence[CandidateFit],
     best: CandidateFit,
     others: Sequence[CandidateFit],
 ) -> list[CandidateFit]:
-    """Which of `others` do as well in the place of `best` once `found` gives way to one of its doubles.
+    """Which of `others` do as well in the place of `best` once `accepted` gives way to one of its doubles.
 
     Two causes may stand for two others where neither does alone: friction by load and a weight for dry friction and a
     spring. Without the double the spring would look refuted.
     """
-    kept = warm_without(base, [found.candidate, best.candidate], nuisances)
+    remaining = warm_without(base, [accepted.candidate, best.candidate], nuisances)
     out: list[CandidateFit] = []
     for double in doubles:
-        others_kept = [c for c in kept if not is_twin(c, double.candidate)]
-        near = fit(errors, [*others_kept, replace(double.candidate, start=double.fit.model[-1].values)])
+        others_remaining = [c for c in remaining if not is_twin(c, double.candidate)]
+        near = fit(errors, [*others_remaining, replace(double.candidate, start=double.fit.model[-1].values)])
         for other in others:
             richer = len(other.candidate.null) > len(best.candidate.null) + _RICHER
             if richer or other.candidate.key in {double.candidate.key, *(t.candidate.key for t in out)}:
@@ -178,7 +193,7 @@ def clearly_less(rival: Fit, better: Fit, best: CandidateFit) -> bool:
 
 def inseparable(errors: Errors, best: CandidateFit, tried: Sequence[CandidateFit]) -> tuple[CandidateFit, ...]:
     """Rivals that do as well as the best, and on top of which the best adds nothing."""
-    found = []
+    inseparable_rivals = []
     for rival in tried:
         if rival is best or rival.comparison.gain < RIVAL_SHARE * best.comparison.gain:
             continue
@@ -197,5 +212,5 @@ def inseparable(errors: Errors, best: CandidateFit, tried: Sequence[CandidateFit
         little = are_confusable(rival.candidate, best.candidate) and over_rival.gain < _CONFUSABLE_AHEAD
         if not little and chance(over_rival, both) < ALPHA and clearly_less(rival.fit, both, best):
             continue
-        found.append(rival)
-    return tuple(found)
+        inseparable_rivals.append(rival)
+    return tuple(inseparable_rivals)

@@ -20,7 +20,9 @@ def is_better(best: DirectEstimate, other: DirectEstimate) -> bool | None:
     return ahead.p_value < ALPHA and ahead.gain > AHEAD_GAIN
 
 
-def distinguishes(problem: Problem, best: CandidateFit, rival: CandidateFit, others: tuple[Term, ...], trials: Sequence[str]) -> bool:
+def distinguishes(
+    problem: Problem, best: CandidateFit, rival: CandidateFit, others: tuple[Term, ...], trials: Sequence[str]
+) -> bool:
     """Whether the direct route keeps the best beside the rival, drops the rival beside the best, and prefers the best.
 
     The preference is asked of fits that start afresh: a rival's term that got stuck where the simulator left it would

@@ -51,7 +51,9 @@ class Fit:
     @cached_property
     def half_widths(self) -> dict[str, dict[str, float]]:
         """Half 95 % intervals by key and parameter, SI; at the end of a range as sure as what set it, if that is."""
-        return {c.key: {n: self._trials_say[c.key][n] or c.direct_half_width.get(n, 0.0) for n in c.null} for c in self.free}
+        return {
+            c.key: {n: self._trials_say[c.key][n] or c.direct_half_width.get(n, 0.0) for n in c.null} for c in self.free
+        }
 
     @cached_property
     def _trials_say(self) -> dict[str, dict[str, float]]:
@@ -81,7 +83,9 @@ class Fit:
         candidate = self.free[-1]
         term, widths, n = self.model[-1], self._trials_say[candidate.key], len(self.losses)
         names = [name for name in candidate.strengths if widths[name] > 0.0]
-        if not names or n < 2 or candidate.extra_starts:  # A threshold is sharp wherever it lies: that does not make it real.
+        if (
+            not names or n < 2 or candidate.extra_starts
+        ):  # A threshold is sharp wherever it lies: that does not make it real.
             return 1.0
         most = float(stats.t.ppf(0.975, n - 1))
         t = max(abs(term.values[name] - candidate.null[name]) / widths[name] * most for name in names)
@@ -98,9 +102,9 @@ def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: F
     """Residuals of roll-outs over `scale` (c,), one array per cluster; missing ones count as 0."""
 
     def errors(model: Model) -> list[FloatArray]:
-        found = problem.residuals(model, trials, view)
-        levels = np.nan_to_num(np.concatenate(found) / scale)
-        ends = np.cumsum([len(r) for r in found])[:-1]
+        residuals = problem.residuals(model, trials, view)
+        levels = np.nan_to_num(np.concatenate(residuals) / scale)
+        ends = np.cumsum([len(r) for r in residuals])[:-1]
         return resampling_units(np.split(np.minimum(np.maximum(levels, -_CLIP), _CLIP), ends))
 
     return errors
@@ -153,13 +157,13 @@ def extend(
     rows = [k for k, (c, _) in enumerate(_parameters(base.free)) if not is_twin(c, candidate)]
     others = base.solution.x[rows]
     tries = [np.concatenate([others, _shares((candidate,), {candidate.key: s})]) for s in starts]
-    found = [errors(_model(free, x)) for x in tries]
-    best = min(range(len(tries)), key=lambda k: _cost(found[k]))
+    residuals = [errors(_model(free, x)) for x in tries]
+    best = min(range(len(tries)), key=lambda k: _cost(residuals[k]))
     solution = descend(
         lambda x: errors(_model(free, x)),
         tries[best],
         known=base.solution.jac[:, rows],
-        at=found[best],
+        at=residuals[best],
         most=most,
         starting=len(tries),
         steps=_steps(free),

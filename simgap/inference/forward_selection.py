@@ -14,18 +14,18 @@ from itertools import combinations
 import numpy as np
 
 from schemas.model import FloatArray
-from simgap.inference.candidate_fit import ALPHA, Map, Screening, CandidateFit, least_gain, warm_without
+from simgap.inference.candidate_fit import ALPHA, CandidateFit, Map, Screening, least_gain, warm_without
 from simgap.inference.competing_hypotheses import (
     AS_GOOD,
+    alternatives,
     as_good_with_confusable,
     beaten,
     beside_others,
-    alternatives,
-    possible_replacements,
     inseparable,
+    possible_replacements,
     replacement,
-    simpler_and_as_good,
     replaces_an_effect,
+    simpler_and_as_good,
 )
 from simgap.inference.direct_comparison import distinguishes
 from simgap.inference.fit import Errors, Fit, extend, fit, rollout_errors, spread
@@ -115,7 +115,9 @@ def select(
             place, accepted[place] = swapped
             here, swaps = refit_at(problem, trials, view, accepted[place].trial.fit), swaps + 1
             continue
-        accepted = [replace(a, rivals=(*a.rivals, *possible_replacements(this, here.base, a.trial, a.rivals))) for a in accepted]
+        accepted = [
+            replace(a, rivals=(*a.rivals, *possible_replacements(this, here.base, a.trial, a.rivals))) for a in accepted
+        ]
         found = _next(here, this)
         if found is None:
             undecided = this
@@ -129,63 +131,65 @@ def select(
     return Selection(null, null_losses, tuple(accepted), undecided, here.base, losses, scale)
 
 
-def _tested_again(here: SearchState, found: Accepted, each: Map) -> tuple[SearchState, Accepted]:
+def _tested_again(here: SearchState, accepted: Accepted, each: Map) -> tuple[SearchState, Accepted]:
     """What was chosen before the others were known, asked again beside them; the base follows a better one.
 
     What was accepted since is no rival any more; rivals that there is no time to ask stay.
     """
     taken = {c.key for c in here.base.free}
-    found = replace(found, rivals=tuple(r for r in found.rivals if r.candidate.key not in taken))
-    before = {r.candidate.key for r in found.rivals}
-    others = alternatives(found.trial, found.round, before, here.base)
+    accepted = replace(accepted, rivals=tuple(r for r in accepted.rivals if r.candidate.key not in taken))
+    before = {r.candidate.key for r in accepted.rivals}
+    others = alternatives(accepted.trial, accepted.round, before, here.base)
     if not others:
-        return here, found
-    kept, best, tried = beside_others(here, found.trial, others, each)
-    method_bias = found.method_bias
-    if best.candidate.key != found.key:
-        method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, kept.model, best.fit.model)
+        return here, accepted
+    without, best, tried = beside_others(here, accepted.trial, others, each)
+    method_bias = accepted.method_bias
+    if best.candidate.key != accepted.key:
+        method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, without.model, best.fit.model)
         if not _exceeds(best, method_bias):
-            best = next(t for t in tried if t.candidate.key == found.key)
+            best = next(t for t in tried if t.candidate.key == accepted.key)
     asked = {t.candidate.key for t in tried}
-    unasked = (r for r in found.rivals if r.candidate.key not in asked)
+    unasked = (r for r in accepted.rivals if r.candidate.key not in asked)
     still = (t for t in tried if t.candidate.key in before and t is not best and not beaten(t, best))
     fresh = (t for t in inseparable(here.errors, best, tried) if t.candidate.key not in before)
-    found = replace(found, rivals=(*unasked, *still, *fresh))
-    if best.candidate.key == found.key:
-        return here, found
-    return replace(here, base=best.fit), _in_place(found, best, method_bias)
+    accepted = replace(accepted, rivals=(*unasked, *still, *fresh))
+    if best.candidate.key == accepted.key:
+        return here, accepted
+    return replace(here, base=best.fit), _in_place(accepted, best, method_bias)
 
 
-def _swapped(here: SearchState, this: Screening, accepted: Sequence[Accepted], each: Map) -> tuple[int, Accepted] | None:
+def _swapped(
+    here: SearchState, this: Screening, accepted: Sequence[Accepted], each: Map
+) -> tuple[int, Accepted] | None:
     """What does the work of an accepted effect, and more, in its place: asked before anything is added."""
     instead = replacement(this, here.base, [a.trial for a in accepted])
     if instead is None:
         return None
     place, trial = instead
-    found = accepted[place]
-    kept, best, _ = beside_others(here, found.trial, [trial], each)
-    method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, kept.model, best.fit.model)
+    replaced = accepted[place]
+    without, best, _ = beside_others(here, replaced.trial, [trial], each)
+    method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, without.model, best.fit.model)
     if best.candidate.key != trial.candidate.key or not _exceeds(best, method_bias):
         return None
-    return place, _in_place(found, best, method_bias)
+    return place, _in_place(replaced, best, method_bias)
 
 
-def _in_place(found: Accepted, best: CandidateFit, method_bias: MethodBias) -> Accepted:
+def _in_place(replaced: Accepted, best: CandidateFit, method_bias: MethodBias) -> Accepted:
     """Another effect in the place of an accepted one, and no longer among its rivals.
 
     What would not have passed in that round by itself is no surer for it.
     """
     key = best.candidate.key
-    tried = tuple(best if t.candidate.key == key else t for t in found.round.tried)
-    rivals = tuple(r for r in found.rivals if r.candidate.key != key)
-    return Accepted(best, replace(found.round, tried=tried), found.round.p_of(key), rivals, method_bias)
+    tried = tuple(best if t.candidate.key == key else t for t in replaced.round.tried)
+    rivals = tuple(r for r in replaced.rivals if r.candidate.key != key)
+    return Accepted(best, replace(replaced.round, tried=tried), replaced.round.p_of(key), rivals, method_bias)
 
 
 def _next(here: SearchState, this: Screening) -> Accepted | None:
     """The first of a round that test trials confirm and that exceeds what the method makes up."""
-    before = here.test_losses(here.base)
+    losses_before = here.test_losses(here.base)
     for trial in _looking_ahead(here.errors, _significant_candidates(this, here.base)):
-        if not _confirmed(here.base, trial, before, here.test_losses_at_own_fit(trial.fit)):
+        if not _confirmed(here.base, trial, losses_before, here.test_losses_at_own_fit(trial.fit)):
             continue
         method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, here.base.model, trial.fit.model)
         if _exceeds(trial, method_bias):
@@ -195,9 +199,9 @@ def _next(here: SearchState, this: Screening) -> Accepted | None:
     return None
 
 
-def _removed(here: SearchState, found: Accepted) -> float:
+def _removed(here: SearchState, accepted: Accepted) -> float:
     """Held-out loss that comes back in a refit without it, as a share of what is left with it."""
-    without = fit(here.errors, warm_without(here.base, [found.trial.candidate], here.problem.nuisances()))
+    without = fit(here.errors, warm_without(here.base, [accepted.trial.candidate], here.problem.nuisances()))
     return float(without.held_out.sum() / max(here.base.held_out.sum(), _TINY) - 1.0)
 
 
@@ -205,16 +209,20 @@ def _with_rivals_beside_confusable(here: SearchState, accepted: Sequence[Accepte
     """`accepted` with those among their rivals that become such beside a double of another accepted effect."""
     out = list(accepted)
     nuisances = here.problem.nuisances()
-    for found in accepted:
-        others = tuple(t for t in here.base.model if t.candidate.key != found.key)
-        doubles = [r for r in found.rivals if not distinguishes(here.problem, found.trial, r, others, here.trials.train)]
-        if not doubles:
+    for doubted in accepted:
+        others = tuple(t for t in here.base.model if t.candidate.key != doubted.key)
+        confusables = [
+            r for r in doubted.rivals if not distinguishes(here.problem, doubted.trial, r, others, here.trials.train)
+        ]
+        if not confusables:
             continue
         for k, best in enumerate(accepted):
-            known = {found.key, *(t.candidate.key for t in (*out[k].rivals, *doubles))}
+            known = {doubted.key, *(t.candidate.key for t in (*out[k].rivals, *confusables))}
             fresh = [t for t in alternatives(best.trial, best.round, (), here.base) if t.candidate.key not in known]
-            if best is not found and fresh:
-                more = as_good_with_confusable(here.errors, here.base, nuisances, found.trial, doubles, best.trial, fresh)
+            if best is not doubted and fresh:
+                more = as_good_with_confusable(
+                    here.errors, here.base, nuisances, doubted.trial, confusables, best.trial, fresh
+                )
                 out[k] = replace(out[k], rivals=(*out[k].rivals, *more))
     return out
 
@@ -259,17 +267,17 @@ def _looking_ahead(errors: Errors, worthy: list[CandidateFit]) -> list[Candidate
     return [ahead, *(t for t in worthy if t is not ahead)]
 
 
-def _exceeds(found: CandidateFit, method_bias: MethodBias) -> bool:
-    return found.fit.stands_out(method_bias.fitted) and found.comparison.gain > method_bias.gain
+def _exceeds(candidate_fit: CandidateFit, method_bias: MethodBias) -> bool:
+    return candidate_fit.fit.stands_out(method_bias.fitted) and candidate_fit.comparison.gain > method_bias.gain
 
 
-def _confirmed(base: Fit, found: CandidateFit, before: FloatArray, after: FloatArray) -> bool:
+def _confirmed(base: Fit, candidate_fit: CandidateFit, before: FloatArray, after: FloatArray) -> bool:
     """Whether the test trials do better with it, in sum or typically: one cause of two may leave one trial worse.
 
     If all of them stay away from a threshold they have nothing to say.
     """
-    largest = min(float(change(base.held_out, found.fit.held_out).max()), CLEAR)
-    if found.candidate.extra_starts and float(change(before, after).max()) < LITTLE * largest:
+    largest = min(float(change(base.held_out, candidate_fit.fit.held_out).max()), CLEAR)
+    if candidate_fit.candidate.extra_starts and float(change(before, after).max()) < LITTLE * largest:
         return bool(after.sum() < (1.0 + LITTLE) * before.sum())
     typical = np.exp(np.mean(np.log((after + _TINY) / (before + _TINY))))
-    return bool(min(typical, after.sum() / before.sum()) < 1.0 - 0.5 * least_gain(found.candidate))
+    return bool(min(typical, after.sum() / before.sum()) < 1.0 - 0.5 * least_gain(candidate_fit.candidate))

@@ -43,11 +43,11 @@ class MethodBias:
     gain: float = 0.0
 
 
-def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, base: Model, found: Model) -> MethodBias:
-    """What is found of the last term of `found` in repeats by `base`; nothing where a problem cannot be repeated."""
+def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, base: Model, model: Model) -> MethodBias:
+    """What is found of the last term of `model` in repeats by `base`; nothing where a problem cannot be repeated."""
     if not isinstance(problem, Bootstrappable):
         return MethodBias()
-    term = found[-1]
+    term = model[-1]
     # There the numbers of `base` are the declared ones.
     known = [
         replace(t.candidate, start=t.values, null=t.values if t.candidate.nuisance else t.candidate.null) for t in base
@@ -62,32 +62,32 @@ def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, ba
         again = problem.bootstrap_sample(base, seed)
         errors = rollout_errors(again, trials, view, spread(again, given, trials, view))
         null = fit(errors, known, _STEPS)
-        own = again.direct(term.candidate, null.model, trials)
+        direct_estimate = again.direct(term.candidate, null.model, trials)
         # Nothing is hidden here: a descent from the found values alone may be stuck where the loss is higher.
-        starts = [{**term.values, **none}, term.values, *([own.values] if own is not None else [])]
+        starts = [{**term.values, **none}, term.values, *([direct_estimate.values] if direct_estimate is not None else [])]
         extended = extend(errors, null, term.candidate, starts, _STEPS)
         fitted.append(extended.model[-1].values)
         gains.append({"gain": max(compare(null.held_out, extended.held_out).gain, 0.0)})
-        if own is not None:
-            direct.append(own.values)
+        if direct_estimate is not None:
+            direct.append(direct_estimate.values)
     if term.candidate.extra_starts:
         return MethodBias(gain=prediction_half_widths({"gain": 0.0}, gains)["gain"])
     return MethodBias(prediction_half_widths(none, fitted), prediction_half_widths(none, direct))
 
 
-def prediction_half_widths(none: Mapping[str, float], found: Sequence[Mapping[str, float]]) -> dict[str, float]:
+def prediction_half_widths(none: Mapping[str, float], estimates: Sequence[Mapping[str, float]]) -> dict[str, float]:
     """The furthest from `none` that another repeat would come, 95 %, by the narrower of two of Student's ranges.
 
     One takes the repeats to scatter about `none`; the other about their own mean, where a bias that all share counts
     once and not as if it could be of either sign and any size.
     """
-    if not found:
+    if not estimates:
         return {}
-    n = len(found)
+    n = len(estimates)
     about_none, about_mean = float(stats.t.ppf(0.975, n)), float(stats.t.ppf(0.975, n - 1)) * np.sqrt(1.0 + 1.0 / n)
     out = {}
     for name, at in none.items():
-        off = np.array([v[name] for v in found]) - at
+        off = np.array([v[name] for v in estimates]) - at
         biased = abs(float(off.mean())) + about_mean * float(off.std(ddof=1)) if n > 1 else np.inf
         out[name] = min(about_none * float(np.sqrt((off**2).mean())), float(biased))
     return out

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-from simgap.inference.candidate_fit import Map, Screening, CandidateFit, screening_of, direct_held_out_loss, tried_on, warm
+from simgap.inference.candidate_fit import (
+    CandidateFit,
+    Map,
+    Screening,
+    direct_held_out_loss,
+    screening_of,
+    tried_on,
+    warm,
+)
 from simgap.inference.competing_hypotheses import RIVAL_SHARE
 from simgap.inference.fit import Errors, Fit, extend, fit, promising, rollout_errors, spread
 from simgap.inference.losses import Comparison
@@ -75,20 +83,20 @@ def _to_the_end(here: SearchState, screened: list[CandidateFit], farther: bool, 
     return screening_of([*(_finalists_refitted(here, fits) if farther else fits), *unjudged])
 
 
-def _shows(found: CandidateFit) -> bool:
-    direct = 1.0 if found.direct is None else found.direct.p_value
-    return min(direct, found.comparison.p_value) < _SHOWS
+def _shows(candidate_fit: CandidateFit) -> bool:
+    direct = 1.0 if candidate_fit.direct is None else candidate_fit.direct.p_value
+    return min(direct, candidate_fit.comparison.p_value) < _SHOWS
 
 
-def _begun(found: CandidateFit) -> list[dict[str, float]]:
+def _begun(candidate_fit: CandidateFit) -> list[dict[str, float]]:
     """Where a fit to the end begins: the quick fit and the direct estimate, of a threshold also halfway to none.
 
     No descent leads far along a threshold, and a law that is nearly right asks for less on longer roll-outs.
     """
-    quick, none = found.fit.model[-1].values, found.candidate.null
-    starts = [quick] if found.direct is None or found.direct.values == quick else [quick, found.direct.values]
-    if found.candidate.extra_starts:
-        starts.append({**quick, **{n: 0.5 * (none[n] + quick[n]) for n in found.candidate.strengths}})
+    quick, none = candidate_fit.fit.model[-1].values, candidate_fit.candidate.null
+    starts = [quick] if candidate_fit.direct is None or candidate_fit.direct.values == quick else [quick, candidate_fit.direct.values]
+    if candidate_fit.candidate.extra_starts:
+        starts.append({**quick, **{n: 0.5 * (none[n] + quick[n]) for n in candidate_fit.candidate.strengths}})
     return starts
 
 
@@ -104,12 +112,12 @@ def _finalists_refitted(here: SearchState, finalists: list[CandidateFit]) -> lis
     return [_settled(here, t) if rival else t for t, rival in zip(near, rivals, strict=True)]
 
 
-def _settled(here: SearchState, found: CandidateFit) -> CandidateFit:
+def _settled(here: SearchState, candidate_fit: CandidateFit) -> CandidateFit:
     """A candidate's fit taken up again, with starts as they are where its own model leads."""
-    fitted = found.fit
+    fitted = candidate_fit.fit
     for _ in range(_SETTLING):
         again = fit(here.errors_at(fitted.model), warm(fitted))
         if again.losses.sum() >= fitted.losses.sum():
             break
         fitted = again
-    return found if fitted is found.fit else tried_on(here.base, fitted, found.direct)
+    return candidate_fit if fitted is candidate_fit.fit else tried_on(here.base, fitted, candidate_fit.direct)

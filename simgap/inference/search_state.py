@@ -33,14 +33,14 @@ class SearchState:
         """Errors of roll-outs whose starts are taken at another model."""
         return rollout_errors(around(self.problem, model), self.trials.train, self.view, self.level)
 
-    def test_losses(self, found: Fit) -> FloatArray:
+    def test_losses(self, fitted: Fit) -> FloatArray:
         """(n,) losses of the test trials."""
-        return trial_losses(self.problem.residuals(found.model, self.trials.test, self.view), self.level)
+        return trial_losses(self.problem.residuals(fitted.model, self.trials.test, self.view), self.level)
 
-    def test_losses_at_own_fit(self, found: Fit) -> FloatArray:
+    def test_losses_at_own_fit(self, fitted: Fit) -> FloatArray:
         """(n,) losses of the test trials, seen from the fit's own model."""
-        seen = around(self.problem, found.model)
-        return trial_losses(seen.residuals(found.model, self.trials.test, self.view), self.level)
+        seen = around(self.problem, fitted.model)
+        return trial_losses(seen.residuals(fitted.model, self.trials.test, self.view), self.level)
 
 
 def refit_at(problem: Problem, trials: Trials, view: View, base: Fit) -> SearchState:

@@ -9,9 +9,16 @@ from schemas.gap import AmbiguousGroup, Gain, NamedEffect, Verdict
 from simgap.inference.agreement import beyond, direct_agreement
 from simgap.inference.candidate_fit import ALPHA, CandidateFit
 from simgap.inference.competing_hypotheses import are_confusable
-from simgap.inference.direct_comparison import is_better, distinguishes
+from simgap.inference.direct_comparison import distinguishes, is_better
 from simgap.inference.forward_selection import Accepted, Selection
-from simgap.inference.intervals import symmetric, parameters, threshold_excess, differs_from_none, distance_to_alternatives, wider
+from simgap.inference.intervals import (
+    differs_from_none,
+    distance_to_alternatives,
+    parameters,
+    symmetric,
+    threshold_excess,
+    wider,
+)
 from simgap.inference.losses import Comparison
 from simgap.inference.verdict_text import NAMED, STRANGE, experiment, statement, status
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
@@ -52,7 +59,10 @@ def judge(
         same = [*alike, *_preferred(problem, found, alike, others, accepted.round.tried, trials)]
         said, agreed = direct_agreement(problem, found, term, widths, others, trials, alone=len(doubted) == 1)
         direct = agreed and said is not None and beyond(term, said, accepted.method_bias)
-        wide = wider(wider(symmetric(widths), symmetric(threshold_excess(term))), distance_to_alternatives(term, widths, said, doubted))
+        wide = wider(
+            wider(symmetric(widths), symmetric(threshold_excess(term))),
+            distance_to_alternatives(term, widths, said, doubted),
+        )
         # What may be nothing, by the interval that is reported, has no sure name; nor has what took a place of another
         # and would not have passed among all candidates by itself.
         # Beside structure that nothing explains an effect must be the larger of the two: what is wrong with the model
@@ -81,28 +91,33 @@ def judge(
     )
 
 
-def _doubted(problem: Problem, selection: Selection, found: Accepted, trials: Sequence[str]) -> list[CandidateFit]:
+def _doubted(problem: Problem, selection: Selection, accepted: Accepted, trials: Sequence[str]) -> list[CandidateFit]:
     """The rivals that the direct route does not tell from an accepted effect; none where later ones do its work."""
-    term, widths = _of(selection, found)
+    term, widths = _of(selection, accepted)
     if not differs_from_none(term, symmetric(widths)):
         return []
-    others = _without(selection.final.model, found.trial)
-    return [r for r in found.rivals if not distinguishes(problem, found.trial, r, others, trials)]
+    others = _without(selection.final.model, accepted.trial)
+    return [r for r in accepted.rivals if not distinguishes(problem, accepted.trial, r, others, trials)]
 
 
 def _preferred(
-    problem: Problem, found: CandidateFit, known: Sequence[CandidateFit], others: Model, tried: Sequence[CandidateFit], trials: Sequence[str]
+    problem: Problem,
+    accepted: CandidateFit,
+    known: Sequence[CandidateFit],
+    others: Model,
+    tried: Sequence[CandidateFit],
+    trials: Sequence[str],
 ) -> list[CandidateFit]:
     """Other candidates of the round that the direct route prefers beyond chance: the two routes name different causes.
 
     One law that does the work of two on roll-outs seldom balances the equations of motion as well.
     """
-    if found.direct is None or found.direct.held_out is None:
+    if accepted.direct is None or accepted.direct.held_out is None:
         return []
-    own = problem.direct(found.candidate, others, trials)
-    if own is None:
+    own_estimate = problem.direct(accepted.candidate, others, trials)
+    if own_estimate is None:
         return []
-    taken = {found.candidate.key, *(t.candidate.key for t in known), *(t.candidate.key for t in others)}
+    taken = {accepted.candidate.key, *(t.candidate.key for t in known), *(t.candidate.key for t in others)}
     left = [
         (float(t.direct.held_out.sum()), t.candidate.key, t)
         for t in tried
@@ -110,21 +125,21 @@ def _preferred(
     ]
     out = []
     for _, _, rival in sorted(left, key=lambda entry: entry[:2])[:_DIRECT_RIVALS]:
-        theirs = problem.direct(rival.candidate, others, trials)
-        if theirs is not None and is_better(theirs, own) is True:
+        rival_estimate = problem.direct(rival.candidate, others, trials)
+        if rival_estimate is not None and is_better(rival_estimate, own_estimate) is True:
             out.append(rival)
     return out
 
 
-def _of(selection: Selection, found: Accepted) -> tuple[Term, dict[str, float]]:
+def _of(selection: Selection, accepted: Accepted) -> tuple[Term, dict[str, float]]:
     """An accepted effect in the final model, and half the width of its intervals, numerics included."""
-    term = next(t for t in selection.final.model if t.candidate.key == found.key)
-    least = found.method_bias.fitted
-    return term, {n: max(w, least.get(n, 0.0)) for n, w in selection.final.half_widths.get(found.key, {}).items()}
+    term = next(t for t in selection.final.model if t.candidate.key == accepted.key)
+    least = accepted.method_bias.fitted
+    return term, {n: max(w, least.get(n, 0.0)) for n, w in selection.final.half_widths.get(accepted.key, {}).items()}
 
 
-def _without(model: Model, found: CandidateFit) -> Model:
-    return tuple(t for t in model if t.candidate.key != found.candidate.key)
+def _without(model: Model, accepted: CandidateFit) -> Model:
+    return tuple(t for t in model if t.candidate.key != accepted.candidate.key)
 
 
 def _left_by(candidate: Candidate, earlier: Candidate) -> bool:

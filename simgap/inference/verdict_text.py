@@ -80,15 +80,15 @@ def _figures(effect: NamedEffect) -> str:
     return ", ".join(f"{n} = {e.value:.3g}" for n, e in seen.items())
 
 
-def experiment(found: CandidateFit, rivals: Sequence[CandidateFit], single: bool = False) -> str:
+def experiment(accepted: CandidateFit, rivals: Sequence[CandidateFit], single: bool = False) -> str:
     """What would tell the effect from its rivals, from their own files; beside a `single` trial more of them."""
     names = {r.candidate.effect.name for r in rivals}
-    told = [c.experiment for c in found.candidate.effect.confusables if c.effect in names]
-    told += [
-        c.experiment for r in rivals for c in r.candidate.effect.confusables if c.effect == found.candidate.effect.name
+    experiments = [c.experiment for c in accepted.candidate.effect.confusables if c.effect in names]
+    experiments += [
+        c.experiment for r in rivals for c in r.candidate.effect.confusables if c.effect == accepted.candidate.effect.name
     ]
     if single:
-        told = ["judge by two trials or more", *told]
-    if not told:
-        told = [c.experiment for c in found.candidate.effect.confusables[:1]]
-    return "; ".join(dict.fromkeys(told)) or "more trials with larger and smaller motion"
+        experiments = ["judge by two trials or more", *experiments]
+    if not experiments:
+        experiments = [c.experiment for c in accepted.candidate.effect.confusables[:1]]
+    return "; ".join(dict.fromkeys(experiments)) or "more trials with larger and smaller motion"

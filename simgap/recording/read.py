@@ -77,37 +77,37 @@ def _read(root: Path) -> Outcome[Measurement]:
     spec, problems = read_spec(document)
     if spec is None:
         return Outcome(None, problems)
-    found = list(subject_findings(spec, document))
+    findings = list(subject_findings(spec, document))
     every_joint = subject_joints(root, spec.subject, document)
     joints = tuple(j for j in every_joint if {f"q_{j.name}", f"command_{j.name}"} & set(spec.columns))
     columns, more = declared_columns(spec, [j.name for j in joints], [j.name for j in every_joint], document)
-    found += more
+    findings += more
     if _is_series(spec) and "t" not in spec.columns and spec.rate_hz is None:
         text = "neither a column 't' nor 'rate_hz' tells the time"
-        found.append(finding("gap/no-clock", text, where=document.place(("columns",), of_key=True)))
-    if _refused(found):
-        return Outcome(None, tuple(found))
+        findings.append(finding("gap/no-clock", text, where=document.place(("columns",), of_key=True)))
+    if _refused(findings):
+        return Outcome(None, tuple(findings))
     paths = trajectory_files(root)
     hashed = content_hash(root, [spec_path, *paths, *subject_files(root, spec.subject, document)])
     trials, more = tables_by_trial(root, paths, spec.kind, sources_of(columns, spec.aux))
-    found += more
-    if _refused(found):
-        return Outcome(None, tuple(found))
+    findings += more
+    if _refused(findings):
+        return Outcome(None, tuple(findings))
     bare = Measurement(spec, (), root, hashed, tuple(j.name for j in joints), spec.sensor_noise)
     fill = {"impact": _with_impacts, "push": _with_pushes}.get(spec.kind, _with_series)
     measurement, more = fill(bare, trials, columns, joints)
-    found += more
+    findings += more
     in_files = measurement.impacts.ids if measurement.impacts is not None else tuple(trials)
-    found += check_split(spec, in_files, measurement.trial_ids, document)
-    return Outcome(None if _refused(found) or not measurement.trial_ids else measurement, tuple(found))
+    findings += check_split(spec, in_files, measurement.trial_ids, document)
+    return Outcome(None if _refused(findings) or not measurement.trial_ids else measurement, tuple(findings))
 
 
 def _is_series(spec: MeasurementSpec) -> bool:
     return spec.kind not in ("impact", "push")
 
 
-def _refused(found: list[Diagnostic]) -> bool:
-    return any(d.severity is Severity.ERROR for d in found)
+def _refused(findings: list[Diagnostic]) -> bool:
+    return any(d.severity is Severity.ERROR for d in findings)
 
 
 def _with_series(bare: Measurement, trials: Mapping[str, Parts], columns: Columns, joints: Joints) -> Built:
@@ -118,17 +118,17 @@ def _with_series(bare: Measurement, trials: Mapping[str, Parts], columns: Column
         return series_trial(trial_id, file, table, columns, spec.aux, names, spec.rate_hz)
 
     raw, refused = each(trials, build)
-    clean, noise, found = check_series(Setting(spec, joints), raw) if raw else ((), spec.sensor_noise, ())
-    return replace(bare, trials=clean, noise=noise), (*refused, *absent_side_channels(spec.aux, raw), *found)
+    clean, noise, findings = check_series(Setting(spec, joints), raw) if raw else ((), spec.sensor_noise, ())
+    return replace(bare, trials=clean, noise=noise), (*refused, *absent_side_channels(spec.aux, raw), *findings)
 
 
 def _with_impacts(bare: Measurement, trials: Mapping[str, Parts], columns: Columns, joints: Joints) -> Built:
     rows = impact_rows([parts[""] for parts in trials.values()], columns)
-    impacts, found = check_impacts(rows, bare.spec.subject)
-    return replace(bare, impacts=impacts), found
+    impacts, findings = check_impacts(rows, bare.spec.subject)
+    return replace(bare, impacts=impacts), findings
 
 
 def _with_pushes(bare: Measurement, trials: Mapping[str, Parts], columns: Columns, joints: Joints) -> Built:
     raw, refused = each(trials, lambda trial_id, parts: push_trial(trial_id, parts, columns))
-    clean, found = check_pushes(raw)
-    return replace(bare, pushes=clean), (*refused, *found)
+    clean, findings = check_pushes(raw)
+    return replace(bare, pushes=clean), (*refused, *findings)

@@ -52,9 +52,9 @@ class Trial:
 
     def rows(self, keep: FloatArray) -> Trial:
         """The trial with the rows of a mask or an order of row numbers."""
-        kept = {name: getattr(self, name)[keep] for name in COLUMNS}
+        columns = {name: getattr(self, name)[keep] for name in COLUMNS}
         gone = len(self) - len(self.t_s[keep])
-        return replace(self, **kept, aux={k: v[keep] for k, v in self.aux.items()}, dropped=self.dropped + gone)
+        return replace(self, **columns, aux={k: v[keep] for k, v in self.aux.items()}, dropped=self.dropped + gone)
 
 
 COLUMNS = (

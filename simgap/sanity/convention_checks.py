@@ -81,7 +81,9 @@ def reader_checks(measurement: Measurement, findings: Sequence[Diagnostic]) -> t
         suspect = any(d.code in trap.suspect for d in told)
         evidence = "; ".join(dict.fromkeys(d.headline for d in told)) or trap.fine
         traps.append(
-            ConventionCheck(name=trap.name, status="suspect" if suspect else "fixed" if told else "ok", evidence=evidence)
+            ConventionCheck(
+                name=trap.name, status="suspect" if suspect else "fixed" if told else "ok", evidence=evidence
+            )
         )
     return tuple(traps)
 
@@ -93,7 +95,9 @@ def rate_frame_check(measurement: Measurement) -> ConventionCheck | None:
         return None
     body, world = np.median(np.array(errors), axis=0)
     evidence = f"orientation changes leave {body:.2g} rad/s with rates in body axes, {world:.2g} in world axes"
-    return ConventionCheck(name="angular_velocity_frame", status="ok" if body <= world else "suspect", evidence=evidence)
+    return ConventionCheck(
+        name="angular_velocity_frame", status="ok" if body <= world else "suspect", evidence=evidence
+    )
 
 
 def _rate_errors(t_s: FloatArray, quat_wxyz: FloatArray, w_B: FloatArray) -> tuple[float, float]:
@@ -221,7 +225,9 @@ def _friction(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
     v = engine.rollout(plate, start).v_W[0, :, 0]
     seen = float((v[3] - v[-1]) / (t[0, -1] - t[0, 3]) / g)
     status = "ok" if abs(seen - mu) < COEFFICIENT else "suspect"
-    return ConventionCheck(name="friction_of_pair", status=status, evidence=f"asked {mu:.3g}, a sliding plate shows {seen:.3g}")
+    return ConventionCheck(
+        name="friction_of_pair", status=status, evidence=f"asked {mu:.3g}, a sliding plate shows {seen:.3g}"
+    )
 
 
 def _probe(shape: CollisionShape, inertia: FloatArray, friction: float) -> BodyModel:

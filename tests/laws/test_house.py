@@ -1,6 +1,6 @@
 """Laws of the source tree: how many files lie side by side, what a name may be, what a docstring must say.
 
-The rules are those of docs/contributing/index.md; each test here names one and lists what breaks it.
+The rules are those of CONTRIBUTING.md; each test here names one and lists what breaks it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def test_every_folder_of_python_files_is_a_package_with_a_docstring() -> None:
 
 
 def test_stage_folder_holds_the_stages_and_nothing_else() -> None:
-    """Each file of `assetkit/stages` defines a class with `name` and `run`."""
+    """Each file of `assetkit/stages` defines one class with `name`, `version`, `result` and `run`."""
     for path in (ROOT / "assetkit" / "stages").glob("*.py"):
         if path.name == "__init__.py":
             continue
@@ -52,7 +52,10 @@ def test_stage_folder_holds_the_stages_and_nothing_else() -> None:
 
 def _is_stage(node: ast.ClassDef) -> bool:
     methods = {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
-    return {"accepts", "run"} <= methods
+    fields = {
+        t.id for item in node.body if isinstance(item, ast.Assign) for t in item.targets if isinstance(t, ast.Name)
+    }
+    return "run" in methods and {"name", "version", "result"} <= fields
 
 
 @pytest.mark.parametrize("package", [*PACKAGES, "tests", "benchmarks"])

@@ -99,6 +99,7 @@ def apply(text: str, root: Path) -> None:
     for path, content in new_files(text).items():
         if (root / path).exists():
             raise NotApplicable(f"{path} exists already")
+        (root / path).parent.mkdir(parents=True, exist_ok=True)
         (root / path).write_text(content)
     for change in changes(text):
         file = root / change.path

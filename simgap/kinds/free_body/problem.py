@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
-from simgap.kinds.free_body.bootstrap import moved, bootstrap_sample
+from simgap.kinds.free_body.bootstrap import bootstrap_sample, moved
 from simgap.kinds.free_body.candidates import PLAIN
 from simgap.kinds.free_body.direct_estimates import are_one, biases_of, estimate
 from simgap.kinds.free_body.toss import Toss

@@ -86,7 +86,9 @@ def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Cand
             extra_starts = _probes(each, null, bounds, ranges)
             stops = {"lower_rad": ranges.low, "upper_rad": ranges.high}
             reached = {n: v for n, v in stops.items() if n in null}
-            out.append(Candidate(each, where, null, start, bounds, shapes=shapes, extra_starts=extra_starts, reached=reached))
+            out.append(
+                Candidate(each, where, null, start, bounds, shapes=shapes, extra_starts=extra_starts, reached=reached)
+            )
     return tuple(out)
 
 

@@ -19,7 +19,7 @@ from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque
 from sim.dynamics.joint_dynamics import joint_dynamics
 from sim.dynamics.mechanism import Drive, Law, MechanismModel
 from sim.effects.series import with_columns
-from simgap.inference.fit import Errors, Fit, resampling_units, extend, fit, promising
+from simgap.inference.fit import Errors, Fit, extend, fit, promising, resampling_units
 from simgap.inference.losses import met_p, paired_p
 from simgap.kinds.mechanism.apply_model import Applied, apply_terms
 from simgap.kinds.mechanism.logs import Log

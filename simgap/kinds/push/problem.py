@@ -10,7 +10,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from schemas.gap import Place, ConventionCheck
+from schemas.gap import ConventionCheck, Place
 from schemas.model import FloatArray
 from sim.dynamics.body_rollout import BodyModel
 from sim.effects.library import effect

@@ -19,7 +19,7 @@ _CLEARER = 0.8  # A lag must explain a fifth of the mismatch to be believed.
 
 def check_velocity_age(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     """Reports velocities that equal the motion half a frame or more earlier; nothing is changed."""
-    found = []
+    findings = []
     for column, slopes, recorded in _pairs(setting, trials):
         candidates = {
             0.0: slopes.central,
@@ -36,8 +36,8 @@ def check_velocity_age(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
             text = f"'{column}' is the velocity of {lag:g} frames before its stamp"
             text += f" (mismatch {off[0.0]:.2g}, then {off[lag]:.2g})"
             where = Location(file="measurement.yaml")
-            found.append(finding("gap/velocity-age", text, where=where, value=lag, bound=0.0, unit="frames"))
-    return Checked(trials, tuple(found))
+            findings.append(finding("gap/velocity-age", text, where=where, value=lag, bound=0.0, unit="frames"))
+    return Checked(trials, tuple(findings))
 
 
 def _pairs(setting: Setting, trials: Sequence[Trial]) -> Iterator[tuple[str, Slopes, FloatArray]]:

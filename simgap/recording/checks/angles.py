@@ -37,9 +37,9 @@ def degrees_to_radians(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     if degrees.any():
         trials = tuple(_scaled(trial, degrees) for trial in trials)
     text = "angles are in degrees; converted with their rates"
-    found = over_trials("gap/degrees", text, hits, len(trials), unit="jumps")
+    findings = over_trials("gap/degrees", text, hits, len(trials), unit="jumps")
     text = "angles span more than a hinge does; if they are degrees, convert them"
-    return Checked(trials, found + over_trials("gap/degrees-suspected", text, suspects, len(trials), unit="rad"))
+    return Checked(trials, findings + over_trials("gap/degrees-suspected", text, suspects, len(trials), unit="rad"))
 
 
 def _plausible_range(setting: Setting, joint: str) -> float:
@@ -52,7 +52,7 @@ def unwrap_angles(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     """Turning joints without jumps by a whole turn; commands follow, on the turn nearest to the angle."""
     turning = np.flatnonzero(setting.turns)
     hits: list[Hit] = []
-    kept: list[Trial] = []
+    continuous: list[Trial] = []
     for trial in trials:
         count = sum(wraps(trial.q[:, k], _TURN_RAD) for k in turning)
         if count:
@@ -62,9 +62,9 @@ def unwrap_angles(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
                 command[:, k] = _beside(unwrapped(command[:, k]), q[:, k])
             trial = replace(trial, q=q, command=command)
             hits.append(Hit(trial, count, f"{count} jumps by a turn"))
-        kept.append(trial)
+        continuous.append(trial)
     return Checked(
-        tuple(kept), over_trials("gap/angle-wrapped", "wrapped angles made continuous", hits, len(trials), unit="jumps")
+        tuple(continuous), over_trials("gap/angle-wrapped", "wrapped angles made continuous", hits, len(trials), unit="jumps")
     )
 
 

@@ -28,14 +28,14 @@ def order_stamps(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     Stamps that run back by less than _LATE periods in no sortable way are late ones: the rows keep their order, on the
     regular clock through them. A trial whose clock restarts is left out.
     """
-    kept: list[Trial] = []
+    ordered: list[Trial] = []
     repaired: list[Hit] = []
     late: list[Hit] = []
     broken: list[Hit] = []
     for trial in trials:
         steps = np.diff(trial.t_s)
         if (steps > 0.0).all():
-            kept.append(_from_zero(trial))
+            ordered.append(_from_zero(trial))
             continue
         backward, doubled = int((steps < 0.0).sum()), int((steps == 0.0).sum())
         t_s, order = np.unique(trial.t_s, return_index=True)  # The first row of each stamp, sorted.
@@ -48,24 +48,24 @@ def order_stamps(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
             period = float(np.ptp(t_s)) / (len(trial) - 1)
             if -steps.min() < _LATE * period:
                 late.append(Hit(trial, backward, text))
-                kept.append(replace(trial, t_s=period * np.arange(len(trial)), t0_s=float(t_s[0])))
+                ordered.append(replace(trial, t_s=period * np.arange(len(trial)), t0_s=float(t_s[0])))
             else:
                 broken.append(Hit(trial, backward, text))
             continue
         repaired.append(Hit(trial, backward + doubled, f"{backward} rows out of order, {doubled} stamped twice"))
-        kept.append(_from_zero(trial.rows(order)))
-    found = over_trials("gap/time-not-increasing", "rows sorted by stamp", repaired, len(trials), unit="rows")
+        ordered.append(_from_zero(trial.rows(order)))
+    findings = over_trials("gap/time-not-increasing", "rows sorted by stamp", repaired, len(trials), unit="rows")
     text = "stamps run back; the rows are put on a regular clock"
-    found += over_trials("gap/stamp-jitter", text, late, len(trials), unit="rows")
-    found += over_trials(
+    findings += over_trials("gap/stamp-jitter", text, late, len(trials), unit="rows")
+    findings += over_trials(
         "gap/clock-restarts",
         "no one clock through these trials, left out",
         broken,
         len(trials),
         unit="rows",
-        severity=Severity.WARNING if kept else Severity.ERROR,
+        severity=Severity.WARNING if ordered else Severity.ERROR,
     )
-    return Checked(tuple(kept), found)
+    return Checked(tuple(ordered), findings)
 
 
 def check_rate(setting: Setting, trials: tuple[Trial, ...]) -> Checked:

@@ -39,9 +39,9 @@ def drop_duplicates(setting: Setting, trials: tuple[Trial, ...], noise: SensorNo
             copy_of[b.id] = a.id
             how = f"turned by {yaw_deg:.0f} degrees" if abs(yaw_deg) > 0.1 else "unchanged"
             hits.append(Hit(b, len(b), f"the recording of {a.id}, {how}"))
-    kept = tuple(t for t in trials if t.id not in copy_of)
+    originals = tuple(t for t in trials if t.id not in copy_of)
     text = "copies of another trial, left out"
-    return Checked(kept, over_trials("gap/duplicate-trials", text, hits, len(trials), unit="rows"))
+    return Checked(originals, over_trials("gap/duplicate-trials", text, hits, len(trials), unit="rows"))
 
 
 def _up(setting: Setting) -> FloatArray:

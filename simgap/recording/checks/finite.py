@@ -22,7 +22,7 @@ def drop_non_finite_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked
 
     Velocities may be missing (a first difference has none) and are NaN then.
     """
-    kept: list[Trial] = []
+    finite_trials: list[Trial] = []
     holes: list[Hit] = []
     empty: list[Hit] = []
     for recorded in trials:
@@ -36,18 +36,18 @@ def drop_non_finite_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked
         if gone:
             text = f"{gone} of {len(trial)} rows dropped, the first is row {int(np.argmin(keep)) + 1}"
             holes.append(Hit(trial, gone, text))
-        kept.append(sound)
-    found = over_trials("gap/non-finite-rows", "rows without a number", holes, len(trials), unit="rows")
-    found += over_trials(
+        finite_trials.append(sound)
+    findings = over_trials("gap/non-finite-rows", "rows without a number", holes, len(trials), unit="rows")
+    findings += over_trials(
         "gap/empty-trial",
         f"fewer than {MIN_ROWS} rows",
         empty,
         len(trials),
         bound=MIN_ROWS,
         unit="rows",
-        severity=Severity.WARNING if kept else Severity.ERROR,
+        severity=Severity.WARNING if finite_trials else Severity.ERROR,
     )
-    return Checked(tuple(kept), found)
+    return Checked(tuple(finite_trials), findings)
 
 
 def _whole_rows(setting: Setting, trial: Trial) -> FloatArray:

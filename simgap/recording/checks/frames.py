@@ -85,18 +85,18 @@ def _decide(
     what: str,
 ) -> Checked:
     """The first reading if it agrees with the motion, else the best one if that agrees and is clearly better."""
-    given = off(trials)
-    if given <= AGREES:
+    declared_mismatch = off(trials)
+    if declared_mismatch <= AGREES:
         return Checked(trials)
-    others = [(off(mapped(trials, reading.change)), k) for k, reading in enumerate(readings[1:], 1)]
-    least, k = min(others)
+    alternatives = [(off(mapped(trials, reading.change)), k) for k, reading in enumerate(readings[1:], 1)]
+    best_mismatch, k = min(alternatives)
     where = Location(file="measurement.yaml")
-    if least <= AGREES and given >= DECISIVE * least:
-        text = f"{readings[k].text} (mismatch {given:.2f}, then {least:.2f})"
-        found = finding(readings[k].code, text, where=where, value=given, bound=AGREES)
-        return Checked(mapped(trials, readings[k].change), (found,))
-    text = f"recorded {what} does not follow from the motion in any frame or order (mismatch {given:.2f})"
-    return Checked(trials, (finding("gap/velocity-inconsistent", text, where=where, value=given, bound=AGREES),))
+    if best_mismatch <= AGREES and declared_mismatch >= DECISIVE * best_mismatch:
+        text = f"{readings[k].text} (mismatch {declared_mismatch:.2f}, then {best_mismatch:.2f})"
+        diagnostic = finding(readings[k].code, text, where=where, value=declared_mismatch, bound=AGREES)
+        return Checked(mapped(trials, readings[k].change), (diagnostic,))
+    text = f"recorded {what} does not follow from the motion in any frame or order (mismatch {declared_mismatch:.2f})"
+    return Checked(trials, (finding("gap/velocity-inconsistent", text, where=where, value=declared_mismatch, bound=AGREES),))
 
 
 def _quats(trial: Trial) -> FloatArray:

@@ -27,16 +27,16 @@ def check_impacts(impacts: Impacts, subject: Subject) -> tuple[Impacts, tuple[Di
     _, first = np.unique(np.nan_to_num(state), axis=0, return_index=True)
     once = np.zeros(len(state), dtype=bool)
     once[first] = True
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if not whole.all():
-        found.append(_rows("gap/non-finite-rows", "events without a number dropped", int((~whole).sum())))
+        findings.append(_rows("gap/non-finite-rows", "events without a number dropped", int((~whole).sum())))
     if (whole & ~once).any():
-        found.append(_rows("gap/duplicate-trials", "events listed twice, left out once", int((whole & ~once).sum())))
-    kept = _take(impacts, np.flatnonzero(whole & once))
-    if not len(kept):
+        findings.append(_rows("gap/duplicate-trials", "events listed twice, left out once", int((whole & ~once).sum())))
+    finite_events = _take(impacts, np.flatnonzero(whole & once))
+    if not len(finite_events):
         text = "no event with all its numbers"
-        return kept, (*found, finding("gap/empty-trial", text, where=_TABLE, severity=Severity.ERROR))
-    return kept, (*found, *_mechanics(kept, subject))
+        return finite_events, (*findings, finding("gap/empty-trial", text, where=_TABLE, severity=Severity.ERROR))
+    return finite_events, (*findings, *_mechanics(finite_events, subject))
 
 
 def _mechanics(impacts: Impacts, subject: Subject) -> list[Diagnostic]:
@@ -53,19 +53,19 @@ def _mechanics(impacts: Impacts, subject: Subject) -> list[Diagnostic]:
         (f"leave with more than {_ENERGY:g} times their energy", gain > _ENERGY),
     )
     n = len(impacts)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     for text, odd in cases:
         count = int(odd.sum())
         if count:
             ids = ", ".join(impacts.ids[i] for i in np.flatnonzero(odd)[:5])
             severity = Severity.WARNING if count > _MOST * n else Severity.INFO
             headline = f"{count} of {n} events {text}: {ids}"
-            found.append(
+            findings.append(
                 finding(
                     "gap/impact-inconsistent", headline, where=_TABLE, value=count, bound=_MOST * n, severity=severity
                 )
             )
-    return found
+    return findings
 
 
 def _take(impacts: Impacts, rows: FloatArray) -> Impacts:

@@ -41,12 +41,12 @@ def check_series(
     setting: Setting, trials: tuple[Trial, ...]
 ) -> tuple[tuple[Trial, ...], SensorNoise, tuple[Diagnostic, ...]]:
     """The trials after every check, the sensor noise, and all findings in order."""
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     for check in CHECKS:
         trials, more = check(setting, trials)
-        found += more
+        findings += more
         if not trials:
-            return (), setting.spec.sensor_noise, tuple(found)
+            return (), setting.spec.sensor_noise, tuple(findings)
     noise, more = estimate_noise(setting, trials)
     trials, copies = drop_duplicates(setting, trials, noise)
-    return trials, noise, (*found, *more, *copies)
+    return trials, noise, (*findings, *more, *copies)

@@ -17,7 +17,7 @@ _MOST = 0.02  # of the rows; more of them are no accident but the signal
 def drop_corrupted_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     """Without rows of which a column stands off both neighbours as no motion does."""
     hits: list[Hit] = []
-    kept: list[Trial] = []
+    cleaned: list[Trial] = []
     for trial in trials:
         bad = np.zeros(len(trial), dtype=bool)
         smooth = (trial.p, one_sign(trial.quat_wxyz), *trial.q.T[:, :, None])
@@ -30,8 +30,8 @@ def drop_corrupted_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
             rows = ", ".join(str(r + 1) for r in np.flatnonzero(bad)[:5])
             hits.append(Hit(trial, float(bad.sum()), f"row {rows}"))
             trial = trial.rows(~bad)
-        kept.append(trial)
-    return Checked(tuple(kept), over_trials("gap/corrupted-rows", "rows off the path dropped", hits, len(trials)))
+        cleaned.append(trial)
+    return Checked(tuple(cleaned), over_trials("gap/corrupted-rows", "rows off the path dropped", hits, len(trials)))
 
 
 def spikes(values: FloatArray, factor: float = _SPIKE) -> FloatArray:

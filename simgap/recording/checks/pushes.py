@@ -18,7 +18,7 @@ _FAR_M = 1.0
 
 def check_pushes(pushes: Sequence[Push]) -> tuple[tuple[Push, ...], tuple[Diagnostic, ...]]:
     """The pushes that can be used, each with clean series, and the findings."""
-    kept: list[Push] = []
+    usable: list[Push] = []
     problems: dict[str, list[tuple[str, str]]] = {}
     for push in pushes:
         reason = _unusable(push)
@@ -33,13 +33,13 @@ def check_pushes(pushes: Sequence[Push]) -> tuple[tuple[Push, ...], tuple[Diagno
         elif (distance := _nearest(clean)) > _FAR_M:
             text = f"the tip stays {distance:.3g} m away; unit or frame?"
             problems.setdefault("gap/push-inconsistent", []).append((push.id, text))
-        kept.append(clean)
-    copies = _copies(kept)
+        usable.append(clean)
+    copies = _copies(usable)
     for later, first in copies.items():
         problems.setdefault("gap/duplicate-trials", []).append((later, f"the push {first}"))
     return (
-        tuple(p for p in kept if p.id not in copies),
-        tuple(_finding(code, hits, len(pushes), bool(kept)) for code, hits in problems.items()),
+        tuple(p for p in usable if p.id not in copies),
+        tuple(_finding(code, hits, len(pushes), bool(usable)) for code, hits in problems.items()),
     )
 
 

@@ -18,7 +18,7 @@ FEW = 0.1  # of a trial's rows: lost tracking, not a wrong column
 
 def normalise_quaternions(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     """Rows within NEAR of length 1 are scaled, a few others dropped; with more of those the trial is left out."""
-    kept: list[Trial] = []
+    unit_trials: list[Trial] = []
     scaled: list[Hit] = []
     dropped: list[Hit] = []
     refused: list[Hit] = []
@@ -36,26 +36,26 @@ def normalise_quaternions(setting: Setting, trials: tuple[Trial, ...]) -> Checke
             trial, length, off = trial.rows(~far), length[~far], off[~far]
         if off.max(initial=0.0) > ROUNDING:
             scaled.append(Hit(trial, float(off.max()), f"length off by {off.max():.2g}"))
-        kept.append(replace(trial, quat_wxyz=trial.quat_wxyz / length[:, None]))
+        unit_trials.append(replace(trial, quat_wxyz=trial.quat_wxyz / length[:, None]))
     code, total = "gap/quaternion-not-unit", len(trials)
-    found = over_trials(code, "quaternions scaled to length 1", scaled, total, bound=ROUNDING)
-    found += over_trials(code, "rows without a unit quaternion dropped", dropped, total, bound=NEAR)
-    severity = Severity.WARNING if kept else Severity.ERROR
+    findings = over_trials(code, "quaternions scaled to length 1", scaled, total, bound=ROUNDING)
+    findings += over_trials(code, "rows without a unit quaternion dropped", dropped, total, bound=NEAR)
+    severity = Severity.WARNING if unit_trials else Severity.ERROR
     text = "no unit quaternions; these trials are left out"
-    return Checked(tuple(kept), found + over_trials(code, text, refused, total, bound=NEAR, severity=severity))
+    return Checked(tuple(unit_trials), findings + over_trials(code, text, refused, total, bound=NEAR, severity=severity))
 
 
 def unify_signs(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     """Successive quaternions on the same half of the sphere: q and -q are one orientation, but no one path."""
-    kept: list[Trial] = []
+    unified: list[Trial] = []
     hits: list[Hit] = []
     for trial in trials:
         flips = int((np.einsum("ni,ni->n", trial.quat_wxyz[1:], trial.quat_wxyz[:-1]) < 0.0).sum())
         if flips:
             hits.append(Hit(trial, flips, f"{flips} sign changes"))
             trial = replace(trial, quat_wxyz=one_sign(trial.quat_wxyz))
-        kept.append(trial)
-    return Checked(tuple(kept), over_trials("gap/quaternion-sign", "quaternion signs unified", hits, len(trials)))
+        unified.append(trial)
+    return Checked(tuple(unified), over_trials("gap/quaternion-sign", "quaternion signs unified", hits, len(trials)))
 
 
 def one_sign(quat_wxyz: FloatArray) -> FloatArray:

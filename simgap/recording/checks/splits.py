@@ -18,36 +18,36 @@ def check_split(
 
     `usable` are the ids of `in_files` that are left after the other checks.
     """
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if len(usable) < FEWEST:
         text = f"{len(usable)} trial{'s' * (len(usable) != 1)}; intervals by trial need at least {FEWEST}"
-        found.append(
+        findings.append(
             finding("gap/too-few-trials", text, where=document.place(), value=len(usable), bound=FEWEST, unit="trials")
         )
     split = spec.split
     if split is None:
-        return tuple(found)
+        return tuple(findings)
     both = [i for i in split.train if i in set(split.test)]
     if both:
         text = f"{_named(both)} {'is' if len(both) == 1 else 'are'} in train and in test"
         where = document.place(("split", "test", split.test.index(both[0])))
-        found.append(finding("gap/split-leak", text, where=where, value=len(both), bound=0, unit="trials"))
+        findings.append(finding("gap/split-leak", text, where=where, value=len(both), bound=0, unit="trials"))
     known = set(in_files)
     for part, ids in (("train", split.train), ("test", split.test)):
         unknown = [i for i in ids if i not in known]
         if unknown:
             where = document.place(("split", part, ids.index(unknown[0])))
             text = f"split.{part} names {_named(unknown)}; there is no such trial"
-            found.append(finding("gap/unknown-trial", text, where=where, value=len(unknown), bound=0, unit="trials"))
+            findings.append(finding("gap/unknown-trial", text, where=where, value=len(unknown), bound=0, unit="trials"))
         elif not set(ids) & set(usable):
             where = document.place(("split", part), of_key=True)
             text = f"split.{part} has no usable trial"
-            found.append(finding("gap/too-few-trials", text, where=where, value=0, severity=Severity.ERROR))
+            findings.append(finding("gap/too-few-trials", text, where=where, value=0, severity=Severity.ERROR))
     unused = [i for i in usable if i not in {*split.train, *split.test}]
     if unused:
         text = f"{_named(unused)} {'is' if len(unused) == 1 else 'are'} neither in train nor in test"
-        found.append(finding("gap/unused-trials", text, where=document.place(("split",), of_key=True)))
-    return tuple(found)
+        findings.append(finding("gap/unused-trials", text, where=document.place(("split",), of_key=True)))
+    return tuple(findings)
 
 
 def _named(ids: Sequence[str]) -> str:

@@ -40,29 +40,29 @@ def check_units(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     """
     if not trials:
         return Checked(trials)
-    trials, found = _clock(setting, trials)
+    trials, findings = _clock(setting, trials)
     trials, more = _lengths(setting, trials)
-    found += more
+    findings += more
     for rate in _rates(setting, trials):
         trials, more = _judge(setting, trials, rate)
-        found += more
-    return Checked(trials, found)
+        findings += more
+    return Checked(trials, findings)
 
 
 def _rates(setting: Setting, trials: Sequence[Trial]) -> list[Rate]:
-    found: list[Rate] = []
+    rates: list[Rate] = []
     declared = setting.spec.columns
     if "v" in declared and "p" in declared:
-        found.append(_rate("v", "p", linear_slopes(trials, lambda t: t.p), stacked(trials, lambda t: t.v_W), False))
+        rates.append(_rate("v", "p", linear_slopes(trials, lambda t: t.p), stacked(trials, lambda t: t.v_W), False))
     if {"w_body", "w_world"} & set(declared):
         turning = turning_slopes(trials, lambda t: t.quat_wxyz)
-        found.append(_rate("w", "orientation", turning, stacked(trials, lambda t: t.w_B), True))
+        rates.append(_rate("w", "orientation", turning, stacked(trials, lambda t: t.w_B), True))
     for k, joint in enumerate(setting.joints):
         if f"qd_{joint.name}" in declared:
             slopes = linear_slopes(trials, lambda t, k=k: t.q[:, [k]])
             recorded = stacked(trials, lambda t, k=k: t.qd[:, [k]])
-            found.append(_rate(f"qd_{joint.name}", f"q_{joint.name}", slopes, recorded, joint.turns))
-    return found
+            rates.append(_rate(f"qd_{joint.name}", f"q_{joint.name}", slopes, recorded, joint.turns))
+    return rates
 
 
 def _rate(column: str, position: str, slopes: Slopes, recorded: FloatArray, turns: bool) -> Rate:

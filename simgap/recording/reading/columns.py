@@ -79,33 +79,33 @@ def declared_columns(
     `measured` are the subject's `joints` that have a position or a command.
     """
     columns: list[Column] = []
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     for name, given in spec.columns.items():
         sources = (given,) if isinstance(given, str) else given
         where = document.place(("columns", name), of_key=True)
         joint = None if name in WIDTHS[spec.kind] else _joint_of(name, spec.kind)
         if name not in WIDTHS[spec.kind] and joint is None:
-            found.append(_unknown(name, spec.kind, joints, where))
+            findings.append(_unknown(name, spec.kind, joints, where))
             continue
         if joint is not None and joint not in joints:
-            found.append(_unknown_joint(name, joint, joints, where))
+            findings.append(_unknown_joint(name, joint, joints, where))
             continue
         if joint is not None and joint not in measured:
             text = f"'{name}': joint '{joint}' has neither q_{joint} nor command_{joint}"
-            found.append(finding("gap/missing-column", text, where=where))
+            findings.append(finding("gap/missing-column", text, where=where))
             continue
         width = 1 if joint is not None else WIDTHS[spec.kind][name]
         if (len(sources) != 1 and width not in (0, len(sources))) or not sources:
             text = f"'{name}' has {width or 'some'} numbers per row, {len(sources)} columns are given"
-            found.append(finding("gap/invalid-value", text, where=where, value=len(sources), bound=width))
+            findings.append(finding("gap/invalid-value", text, where=where, value=len(sources), bound=width))
             continue
         columns.append(Column(name, joint, sources, width))
     names = {c.name for c in columns} | {c.name.removesuffix(c.joint) + "<joint>" for c in columns if c.joint}
     for group in NEEDED[spec.kind]:
-        if not names.intersection(group) and not found:
+        if not names.intersection(group) and not findings:
             text = f"a measurement of kind {spec.kind} needs the column {' or '.join(group)}"
-            found.append(finding("gap/missing-column", text, where=document.place(("columns",), of_key=True)))
-    return tuple(columns), tuple(found)
+            findings.append(finding("gap/missing-column", text, where=document.place(("columns",), of_key=True)))
+    return tuple(columns), tuple(findings)
 
 
 def take(table: Table, column: Column, file: str) -> FloatArray:

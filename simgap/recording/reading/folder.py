@@ -39,14 +39,14 @@ def trajectory_files(root: Path) -> tuple[Path, ...]:
     Raises InvalidInput: `gap/missing-file` without any, `gap/path-escape` for a link that leaves the folder.
     """
     folder = root / TRAJECTORIES
-    found = sorted(_tables(folder), key=lambda p: natural_key(p.name)) if folder.is_dir() else []
-    if not found:
+    paths = sorted(_tables(folder), key=lambda p: natural_key(p.name)) if folder.is_dir() else []
+    if not paths:
         text = f"no {', '.join(SUFFIXES)} in {TRAJECTORIES}/"
         raise InvalidInput(finding("gap/missing-file", text, where=Location(file=TRAJECTORIES)))
-    for path in found:
+    for path in paths:
         if path.is_symlink() or folder.is_symlink():
             inside(root, f"{TRAJECTORIES}/{path.name}", Location(file=f"{TRAJECTORIES}/{path.name}"))
-    return tuple(found)
+    return tuple(paths)
 
 
 def natural_key(name: str) -> list[tuple[int, int, str]]:

@@ -72,11 +72,11 @@ def in_body(vectors_W: FloatArray, quat_wxyz: FloatArray) -> FloatArray:
 
 def absent_side_channels(aux: Mapping[str, str], trials: Sequence[Trial]) -> tuple[Diagnostic, ...]:
     """A warning for each side channel that some trial lacks; it only hides the effects that need it."""
-    found: list[Diagnostic] = []
+    warnings: list[Diagnostic] = []
     for name, source in aux.items():
         lacking = [trial for trial in trials if name not in trial.aux]
         if lacking:
             text = f"aux '{name}' is declared as {source}; {len(lacking)} of {len(trials)} files have no such column"
             where = Location(file=lacking[0].file)
-            found.append(finding("gap/missing-column", text, where=where, severity=Severity.WARNING))
-    return tuple(found)
+            warnings.append(finding("gap/missing-column", text, where=where, severity=Severity.WARNING))
+    return tuple(warnings)

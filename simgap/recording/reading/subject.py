@@ -54,31 +54,31 @@ def subject_joints(root: Path, subject: Subject, document: YamlDocument) -> tupl
 def subject_findings(spec: MeasurementSpec, document: YamlDocument) -> tuple[Diagnostic, ...]:
     """What a simulation of this kind could not do without."""
     subject, where = spec.subject, document.place(("subject",), of_key=True)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if spec.kind == "free_body" and not (subject.box or subject.mesh or subject.urdf or subject.package):
-        found.append(finding("gap/missing-key", "a free body needs one of box, mesh, urdf, package", where=where))
+        findings.append(finding("gap/missing-key", "a free body needs one of box, mesh, urdf, package", where=where))
     if spec.kind == "free_body" and (subject.box or subject.mesh) and subject.mass_kg is None:
-        found.append(finding("gap/missing-key", "'subject.mass_kg' is not given", where=where))
+        findings.append(finding("gap/missing-key", "'subject.mass_kg' is not given", where=where))
     if spec.kind == "mechanism" and not (subject.joints or subject.urdf or subject.package):
-        found.append(finding("gap/missing-key", "a mechanism needs joints, urdf or package", where=where))
+        findings.append(finding("gap/missing-key", "a mechanism needs joints, urdf or package", where=where))
     if spec.kind == "tracking" and not (subject.urdf or subject.package):
-        found.append(finding("gap/missing-key", "a tracked robot needs urdf or package", where=where))
+        findings.append(finding("gap/missing-key", "a tracked robot needs urdf or package", where=where))
     if spec.kind in ("impact", "push") and subject.mass_kg is None:
-        found.append(finding("gap/missing-key", "'subject.mass_kg' is not given", where=where))
+        findings.append(finding("gap/missing-key", "'subject.mass_kg' is not given", where=where))
     if spec.kind == "impact" and subject.inertia_kgm2 is None:
-        found.append(finding("gap/missing-key", "'subject.inertia_kgm2' is not given", where=where))
+        findings.append(finding("gap/missing-key", "'subject.inertia_kgm2' is not given", where=where))
     names = [joint.name for joint in subject.joints]
     for k, joint in enumerate(subject.joints):
         place = document.place(("subject", "joints", k))
         turning = joint.type == "revolute"
         if (joint.inertia_kgm2 or joint.gravity_load) is None if turning else joint.mass_kg is None:
             key = "inertia_kgm2" if turning else "mass_kg"
-            found.append(
+            findings.append(
                 finding("gap/missing-key", f"joint '{joint.name}' is {joint.type}: it needs {key}", where=place)
             )
         if joint.name in names[:k]:
-            found.append(finding("gap/invalid-value", f"two joints are called '{joint.name}'", where=place))
-    return tuple(found)
+            findings.append(finding("gap/invalid-value", f"two joints are called '{joint.name}'", where=place))
+    return tuple(findings)
 
 
 def read_subject(subject: Subject, root: Path) -> UrdfModel:

@@ -28,8 +28,8 @@ class Table:
     first_bad: Location | None = None
 
 
-def read_table(path: Path, file: str, wanted: Collection[str] | None = None) -> Table:
-    """The `wanted` columns that the file has (all of them if None); `file` is how findings call it.
+def read_table(path: Path, file: str, columns: Collection[str] | None = None) -> Table:
+    """The `columns` columns that the file has (all of them if None); `file` is how findings call it.
 
     A text cell without a number is NaN and counted. Raises InvalidInput (`gap/unreadable-table`, `gap/file-too-large`).
     """
@@ -42,7 +42,7 @@ def read_table(path: Path, file: str, wanted: Collection[str] | None = None) -> 
         ".npz": _npz,
     }
     try:
-        return readers[path.suffix.lower()](path, file, wanted)
+        return readers[path.suffix.lower()](path, file, columns)
     except InvalidInput:
         raise
     except OSError as error:
@@ -65,7 +65,7 @@ def _too_large(file: str, size: int) -> InvalidInput:
     )
 
 
-def _csv(path: Path, file: str, wanted: Collection[str] | None) -> Table:
+def _csv(path: Path, file: str, columns: Collection[str] | None) -> Table:
     """Text with one header row; separator `,`, `;` or tab; lines that begin with `#` are comments."""
     try:
         text = path.read_bytes().decode("utf-8-sig")
@@ -86,21 +86,21 @@ def _csv(path: Path, file: str, wanted: Collection[str] | None) -> Table:
         raise unreadable(file, f"two columns are called '{twice}'", skipped + 1)
     if all(_number(name) is not None for name in names):
         raise unreadable(file, "the first row holds numbers, not column names", skipped + 1)
-    kept = [i for i, name in enumerate(names) if wanted is None or name in wanted]
+    column_numbers = [i for i, name in enumerate(names) if columns is None or name in columns]
     body = lines[1:]
-    if not kept or not any(line.strip() for line in body):
-        return Table({names[i]: np.empty(0) for i in kept})
+    if not column_numbers or not any(line.strip() for line in body):
+        return Table({names[i]: np.empty(0) for i in column_numbers})
     if separator != "," and not any("." in line for line in body):
         body = [line.replace(",", ".") for line in body]  # The spreadsheet of a country with decimal commas.
     try:
-        values = np.loadtxt(body, delimiter=separator, usecols=kept, ndmin=2)
-        return Table({names[i]: values[:, k] for k, i in enumerate(kept)})
+        values = np.loadtxt(body, delimiter=separator, usecols=column_numbers, ndmin=2)
+        return Table({names[i]: values[:, k] for k, i in enumerate(column_numbers)})
     except (ValueError, IndexError):
-        return _tolerant_csv(body, file, names, kept, separator, skipped + 2)
+        return _tolerant_csv(body, file, names, column_numbers, separator, skipped + 2)
 
 
 def _tolerant_csv(
-    body: list[str], file: str, names: list[str], kept: list[int], separator: str, first_line: int
+    body: list[str], file: str, names: list[str], column_numbers: list[int], separator: str, first_line: int
 ) -> Table:
     """Cell by cell: blanks and words become NaN; a word is counted as a bad cell, a blank is just missing."""
     rows: list[list[float]] = []
@@ -109,18 +109,18 @@ def _tolerant_csv(
         if not any(cell.strip() for cell in cells) or cells[0].lstrip().startswith("#"):
             continue
         row: list[float] = []
-        for i in kept:
+        for i in column_numbers:
             cell = cells[i].strip() if i < len(cells) else "(row too short)"
             value = np.nan if cell == "" else _number(cell)
             if value is None:
                 bad, first = bad + 1, first or Location(file=file, line=number, column=i + 1)
             row.append(np.nan if value is None else value)
         rows.append(row)
-    values = np.array(rows).reshape(-1, len(kept))
-    for k, i in enumerate(kept):
+    values = np.array(rows).reshape(-1, len(column_numbers))
+    for k, i in enumerate(column_numbers):
         if len(values) and not np.isfinite(values[:, k]).any() and bad >= len(values):
             raise unreadable(file, f"column '{names[i]}' holds no number", first_line)
-    return Table({names[i]: values[:, k] for k, i in enumerate(kept)}, bad, first)
+    return Table({names[i]: values[:, k] for k, i in enumerate(column_numbers)}, bad, first)
 
 
 def _number(cell: str) -> float | None:
@@ -130,7 +130,7 @@ def _number(cell: str) -> float | None:
         return None
 
 
-def _parquet(path: Path, file: str, wanted: Collection[str] | None) -> Table:
+def _parquet(path: Path, file: str, columns: Collection[str] | None) -> Table:
     import pyarrow as pa  # Slow to import, and most folders hold CSV.
     import pyarrow.parquet as pq
 
@@ -138,7 +138,7 @@ def _parquet(path: Path, file: str, wanted: Collection[str] | None) -> Table:
         with pq.ParquetFile(path) as source:
             groups = source.metadata
             size = sum(groups.row_group(i).total_byte_size for i in range(groups.num_row_groups))
-            names = [n for n in source.schema_arrow.names if wanted is None or n in wanted]
+            names = [n for n in source.schema_arrow.names if columns is None or n in columns]
             if max(size, 8 * groups.num_rows * len(names)) > MAX_BYTES:
                 raise _too_large(file, size)
             table = source.read(columns=names, use_threads=False)
@@ -161,13 +161,13 @@ def _arrow_floats(column: object, name: str) -> FloatArray:
     return _floats(np.stack(list(values)), name)
 
 
-def _npz(path: Path, file: str, wanted: Collection[str] | None) -> Table:
+def _npz(path: Path, file: str, columns: Collection[str] | None) -> Table:
     with zipfile.ZipFile(path) as archive:
         size = sum(entry.file_size for entry in archive.infolist())
     if size > MAX_BYTES:
         raise _too_large(file, size)
     with np.load(path, allow_pickle=False) as arrays:
-        names = [name for name in arrays.files if wanted is None or name in wanted]
+        names = [name for name in arrays.files if columns is None or name in columns]
         return Table({name: _floats(arrays[name], name) for name in names})
 
 

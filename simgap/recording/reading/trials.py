@@ -17,22 +17,22 @@ _SHOWN = 5
 
 
 def tables_by_trial(
-    root: Path, paths: Sequence[Path], kind: Kind, wanted: Collection[str]
+    root: Path, paths: Sequence[Path], kind: Kind, columns: Collection[str]
 ) -> tuple[dict[str, Parts], tuple[Diagnostic, ...]]:
     """Every table under its trial's id (the file's stem), and findings: unreadable files and cells, one id twice."""
     trials: dict[str, dict[str, tuple[str, Table]]] = {}
     refused: list[Diagnostic] = []
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     for path in paths:
         file = path.relative_to(root).as_posix()
         trial_id, part = part_of(path.stem) if kind == "push" else (path.stem, "")
         if part in trials.get(trial_id, {}):
             other = trials[trial_id][part][0]
             text = f"trial '{trial_id}' is also in {other}"
-            found.append(finding("gap/trial-id-twice", text, where=Location(file=file)))
+            findings.append(finding("gap/trial-id-twice", text, where=Location(file=file)))
             continue
         try:
-            table = read_table(path, file, wanted)
+            table = read_table(path, file, columns)
         except InvalidInput as bad:
             refused.append(bad.diagnostic)
             continue
@@ -40,8 +40,8 @@ def tables_by_trial(
         if table.bad_cells:
             text = f"{table.bad_cells} cells hold no number; their rows are treated as incomplete"
             where = table.first_bad or Location(file=file)
-            found.append(finding("gap/unreadable-cells", text, where=where, value=table.bad_cells, unit="cells"))
-    return dict(trials), (*left_out(refused, bool(trials)), *found)
+            findings.append(finding("gap/unreadable-cells", text, where=where, value=table.bad_cells, unit="cells"))
+    return dict(trials), (*left_out(refused, bool(trials)), *findings)
 
 
 def each(trials: Mapping[str, Parts], build: Callable[[str, Parts], T]) -> tuple[tuple[T, ...], tuple[Diagnostic, ...]]:
@@ -58,15 +58,15 @@ def each(trials: Mapping[str, Parts], build: Callable[[str, Parts], T]) -> tuple
 
 def left_out(refused: Sequence[Diagnostic], any_left: bool) -> tuple[Diagnostic, ...]:
     """One finding per code for all refused files: a warning while others remain, else an error."""
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for code in dict.fromkeys(d.code for d in refused):
         same = [d for d in refused if d.code == code]
         count = f"; {len(same)} file{'s' * (len(same) > 1)} left out" if any_left or len(same) > 1 else ""
         labels = tuple(Label(where=d.where, text=d.headline) for d in same[:_SHOWN])
         severity = Severity.WARNING if any_left else Severity.ERROR
-        found.append(
+        diagnostics.append(
             same[0].model_copy(
                 update={"headline": same[0].headline + count, "severity": severity, "labels": labels * (len(same) > 1)}
             )
         )
-    return tuple(found)
+    return tuple(diagnostics)

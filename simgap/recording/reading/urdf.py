@@ -158,8 +158,8 @@ def _mass(inertial: Any) -> MassProperties | None:
 
 
 def _value(parent: Any, name: str) -> float | None:
-    found = parent.find(name) if parent is not None else None
-    return float(found.get("value")) if found is not None else None
+    element = parent.find(name) if parent is not None else None
+    return float(element.get("value")) if element is not None else None
 
 
 def _shapes(collision: Any, folder: Path, root: Path) -> list[CollisionShape]:

@@ -13,8 +13,8 @@ _WORDS = {"declared": "model as declared", "null_refit": "declared numbers refit
 
 def ladder(steps: Sequence[Rival]) -> bytes:
     """PNG of horizontal bars, one per step, in noise levels (logarithmic when they span more than a decade)."""
-    made = figure(8.0, 1.2 + 0.5 * len(steps))
-    axes = made.subplots()
+    canvas = figure(8.0, 1.2 + 0.5 * len(steps))
+    axes = canvas.subplots()
     values = [max(s.heldout, 1e-3) for s in steps]
     colours = [NOISE if s.name == "noise_floor" else DECLARED if s.name in _WORDS else EXTENDED for s in steps]
     names = [_WORDS.get(s.name, f"+ {s.name}") for s in steps]
@@ -31,4 +31,4 @@ def ladder(steps: Sequence[Rival]) -> bytes:
         axes.text(value * 1.05 if wide else value + 0.01 * max(values), row, f"{value:.3g}", va="center", fontsize=9)
     style_axes(axes, "held-out rms error over short horizons (1 = noise)", "", "Where the error goes")
     axes.grid(visible=False)
-    return png(made)
+    return png(canvas)

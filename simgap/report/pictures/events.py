@@ -25,8 +25,8 @@ def outcomes(problem: EventProblem, trials: Sequence[str], extension: Model) -> 
     sizes = [_size(e / floor) for e in errors]
     channel = int(np.argmax(sizes[0] - sizes[-1] if extension else sizes[0]))
     name = problem.channels()[channel]
-    made = figure(8.0, 4.6)
-    panels = made.subplots(1, len(models), sharex=True, sharey=True, squeeze=False)[0]
+    canvas = figure(8.0, 4.6)
+    panels = canvas.subplots(1, len(models), sharex=True, sharey=True, squeeze=False)[0]
     truth = measured[:, channel]
     low, high = _window(truth)
     for axes, (_, colour, words), error in zip(panels, models, errors, strict=True):
@@ -35,8 +35,10 @@ def outcomes(problem: EventProblem, trials: Sequence[str], extension: Model) -> 
         axes.set_xlim(low, high)
         axes.set_ylim(low, high)
         axes.locator_params(axis="x", nbins=5)
-        style_axes(axes, f"{name}, measured", f"{name}, simulated" if axes is panels[0] else "", f"Held-out events, {words}")
-    return png(made)
+        style_axes(
+            axes, f"{name}, measured", f"{name}, simulated" if axes is panels[0] else "", f"Held-out events, {words}"
+        )
+    return png(canvas)
 
 
 def _size(errors: FloatArray) -> FloatArray:

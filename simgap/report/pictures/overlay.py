@@ -11,8 +11,8 @@ from simgap.report.side_by_side import Replay
 
 def overlay(declared: Replay, extended: Replay | None, channel: int, unit: str) -> bytes:
     """PNG of one channel of one trial; `extended` is None where nothing was added to the model."""
-    made = figure(8.0, 5.0)
-    top, bottom = made.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    canvas = figure(8.0, 5.0)
+    top, bottom = canvas.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     t, truth = declared.t_s, declared.measured[:, channel]
     top.plot(t, truth, color=MEASURED, linewidth=2.6, label="measured")
     runs = [(declared, DECLARED, "simulated as declared", "--")]
@@ -28,4 +28,4 @@ def overlay(declared: Replay, extended: Replay | None, channel: int, unit: str) 
     style_axes(top, "", f"{name} ({unit})", f"Held-out trial {declared.trial}, one roll-out from its first row")
     style_axes(bottom, "time (s)", f"error ({unit})")
     top.legend(frameon=False, fontsize=9, loc="best")
-    return png(made)
+    return png(canvas)

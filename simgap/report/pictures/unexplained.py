@@ -42,8 +42,8 @@ def unexplained(
         return None
     link = problem.declared.tree[joint]
     unit = "N" if link.prismatic else "N m"
-    made = figure(8.0, 4.4)
-    axes = made.subplots()
+    canvas = figure(8.0, 4.4)
+    axes = canvas.subplots()
     thin = np.s_[:: max(1, len(state) // _MOST_POINTS)]
     axes.plot(state[thin], without[thin], ".", color=MEASURED, markersize=2.5, alpha=0.35, label="from the recording")
     x, y = _binned(state, without - with_law)
@@ -52,9 +52,11 @@ def unexplained(
     room = 0.25 * max(high - low, 1e-12)
     axes.set_ylim(low - room, high + room)
     axes.axhline(0.0, color=MEASURED, linewidth=0.8)
-    style_axes(axes, words, f"unexplained effort ({unit})", f"What acts on {link.name} beyond the declared model: {name}")
+    style_axes(
+        axes, words, f"unexplained effort ({unit})", f"What acts on {link.name} beyond the declared model: {name}"
+    )
     axes.legend(frameon=False, fontsize=9)
-    return png(made)
+    return png(canvas)
 
 
 def _feature(problem: MechanismProblem, logs: Sequence[Log], joint: int, name: str) -> tuple[FloatArray, str]:

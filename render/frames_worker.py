@@ -1,4 +1,4 @@
-"""`python -m render.draw_frames REQUEST.npz`: draw one saved `FramesRequest`; run it in a cell.
+"""`python -m render.frames_worker REQUEST.npz`: draw one saved `FramesRequest`; run it in a cell.
 
 Exit codes as those of `python -m render`.
 """

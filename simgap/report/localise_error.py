@@ -69,12 +69,12 @@ def _first_divergence(problem: Problem, model: Model, trials: Sequence[str]) -> 
     residuals = problem.residuals(model, trials, "full_rollout")
     for error, features in zip(residuals, problem.features(trials, "full_rollout"), strict=True):
         beyond = ~(np.abs(error / floor) <= _DIVERGED)
-        for c, kept in enumerate(times):
+        for c, divergence_s in enumerate(times):
             inside = np.flatnonzero(~beyond[:, c])
             last = inside[-1] + 1 if len(inside) else 0
             if last < len(error):
-                kept.append(float(features[last, -1]))
-    return [float(np.median(kept)) if len(kept) * 2 > len(residuals) else None for kept in times]
+                divergence_s.append(float(features[last, -1]))
+    return [float(np.median(divergence_s)) if len(divergence_s) * 2 > len(residuals) else None for divergence_s in times]
 
 
 def _event_slices(problem: EventProblem, features: FloatArray) -> Slices:
