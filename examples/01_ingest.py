@@ -2,9 +2,9 @@
 
     python examples/01_ingest.py OUT
 
-Sources are meshes that pybullet_data brings: files without units, one of them open. Each becomes a folder in
-`OUT/library` with metric scale, collision shapes, mass and inertia, dropped in PyBullet; `record.json` holds the source
-and the confidence of every value. The next examples use these packages.
+The sources are meshes that pybullet_data brings. Each becomes a folder in `OUT/library` with metric scale, repaired
+geometry, collision shapes, mass and inertia, and was dropped in PyBullet; its `record.json` holds the source and the
+confidence of every value. Examples 02 and 04 use these packages.
 """
 
 from __future__ import annotations
@@ -22,16 +22,20 @@ MESHES = ("objects/mug.obj", "tray/tray_textured.obj", "duck.obj", "domino/domin
 
 
 def main(out: Path) -> None:
-    """Ingest the meshes; print one line per source and the mass of each package with its origin."""
-    data = Path(pybullet_data.getDataPath())
-    library = out / "library"
+    """Ingest the meshes; print the outcome of each source and the mass of each package with its bounds."""
+    data, library = Path(pybullet_data.getDataPath()), out / "library"
     options = assetkit.Options(license="Zlib", author="Bullet contributors")
     report = assetkit.ingest([data / mesh for mesh in MESHES], library, engine=SIMULATOR, options=options, root=data)
     for item in report.items:
-        print(f"{Path(item.source).name}: {item.outcome}, {', '.join(item.codes) or 'no findings'}")
+        print(f"{Path(item.source).name}: {item.outcome}")
+        for diagnostic in item.diagnostics:
+            print(f"  {diagnostic.code}: {diagnostic.headline}")
         for package in item.packages:
             record = AssetRecord.model_validate_json((library / package / "record.json").read_bytes())
-            print(f"  {package}: {record}")
+            mass_kg, shapes = record.physics.mass_kg, record.physics.collision_method
+            low_kg, high_kg = mass_kg.bounds or (mass_kg.value, mass_kg.value)
+            print(f"  {package}: {mass_kg.value:.3f} kg [{low_kg:.3f}, {high_kg:.3f}], collision shapes: {shapes}")
+    print(f"{library / 'report.html'} shows all of them")
 
 
 if __name__ == "__main__":

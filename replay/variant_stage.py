@@ -10,7 +10,7 @@ from replay.recording.kinematics import link_poses
 from replay.recording.recorded_numbers import stop
 from replay.verification.check_output import read_variant, read_variant_episode
 from replay.verification.inserted_bodies import as_packaged
-from runtime_plan.materials import is_paired, wearing
+from runtime_plan.materials import is_paired, with_material
 from schemas.replay import VARIANT_FILE, Inserted, Variant
 from schemas.scene.compiled import PlacedObject
 from schemas.scene.program import PairedMaterial
@@ -95,5 +95,5 @@ def _put_in(one: Inserted, variant: Variant, library: Path) -> InsertedObject:
 def _edit(one: Inserted, material: PairedMaterial, library: Path) -> SampleEdit:
     """What a material makes of an object that never moves: looks and contact, no mass."""
     own = as_packaged(one, library)
-    contact = wearing(own.body, own.density_kgm3, material).contact if is_paired(material) else None
+    contact = with_material(own.body, own.density_kgm3, material).contact if is_paired(material) else None
     return SampleEdit(one.name, material=material, contact=contact)

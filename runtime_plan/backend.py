@@ -16,7 +16,10 @@ Array = Any
 
 
 class Backend(Protocol):
-    """Operations that array libraries spell differently. `xp` has `maximum`, `minimum`, `round`, `searchsorted`, `sqrt`, `take`."""
+    """Operations that array libraries spell differently.
+
+    `xp` has `maximum`, `minimum`, `round`, `searchsorted`, `sqrt`, `take`.
+    """
 
     xp: ModuleType
 

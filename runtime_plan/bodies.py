@@ -1,4 +1,4 @@
-"""Rigid bodies (kg, m, asset frame) of a plan for a simulator: packages reread from disk, or primitives at their scale."""
+"""Rigid bodies (kg, m, asset frame) of a plan for a simulator: packages reread from disk, or scaled primitives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A paired material as one change: what it does to a body's mass, inertia and contact, together or not at all."""
+"""Apply a paired material to a body: mass (kg), inertia (kg m2) and contact change together or not at all."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from schemas.scene.program import PairedMaterial
 
 
 def is_paired(material: PairedMaterial) -> bool:
-    """Whether it says anything of physics; if not it is a recipe of appearance, and bodies stay as they are."""
+    """Whether the material has physical values; if not it changes appearance alone, and bodies stay as they are."""
     physical = (material.density_kgm3, material.static_friction, material.dynamic_friction, material.restitution)
     return any(value is not None for value in physical)
 
 
-def wearing(body: RigidBody, density_kgm3: float | None, material: PairedMaterial | None) -> RigidBody:
-    """The body made of a material: mass and inertia as its own density is to the new one, contact as it states.
+def with_material(body: RigidBody, density_kgm3: float | None, material: PairedMaterial | None) -> RigidBody:
+    """The body made of a material: mass and inertia scaled by the ratio of densities, contact values as stated.
 
-    `density_kgm3` is that of the body as it is; where nobody knows it or the material has none, mass stays. What the
-    material leaves open of the contact stays; dynamic friction never exceeds static.
+    `density_kgm3` is the density of the given body; where it is unknown or the material has none, mass stays. Contact
+    values that the material does not state stay; dynamic friction never exceeds static.
     """
     if material is None or not is_paired(material):
         return body

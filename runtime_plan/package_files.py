@@ -1,4 +1,4 @@
-"""Whether the files of a package are those that were tried in simulation."""
+"""Compare the files of a package with the hashes in its record: shape and physics as tested in simulation."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from jobs.cache import changed_files
 
 
 def changed_physics(package: Path, hashes: Mapping[str, str]) -> list[str]:
-    """Files of shape and physics that are absent or other than recorded, in the order of their names.
+    """Files of shape and physics that are absent or differ from their recorded hash, sorted by name.
 
-    `hashes` are those of `record.json`. Stable poses, anchors and grasps are not of such a package. Looks may change.
+    `hashes` are those of `record.json`. Stable poses, anchors and grasps of a changed package are invalid; its
+    materials of appearance may change.
     """
     physics_hashes = {
         name: hashes[name] for name in sorted(hashes) if name.startswith("usd/") and "_materials." not in name

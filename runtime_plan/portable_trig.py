@@ -1,6 +1,7 @@
-"""Sine and cosine from additions, products and square roots alone, which round alike on every machine.
+"""Sine and cosine of half a yaw (rad), computed by additions, products and square roots alone.
 
-Libraries and processors differ in the last bit of their own; a sample is to have the same bits everywhere.
+These round alike on every machine (IEEE 754), while library functions differ in the last bit: samples have the same
+bits everywhere.
 """
 
 from __future__ import annotations
@@ -9,10 +10,10 @@ import math
 from types import ModuleType
 from typing import Any
 
-_TURNS = 1.0 / (2.0 * math.pi)
+_TURNS_PER_RAD = 1.0 / (2.0 * math.pi)
 
 
-def _terms(count: int) -> tuple[float, ...]:
+def _taylor_coefficients(count: int) -> tuple[float, ...]:
     """Taylor coefficients of sin(r pi/2) in r^2, by products alone: a library's power may round differently."""
     quarter, term, terms = math.pi / 2.0, math.pi / 2.0, []
     for k in range(count):
@@ -21,19 +22,19 @@ def _terms(count: int) -> tuple[float, ...]:
     return tuple(terms)
 
 
-_TERMS = _terms(8)  # for |r| <= 1/2 the first term left out is below 5e-17
+_COEFFICIENTS = _taylor_coefficients(8)  # for |r| <= 1/2 the first term left out is below 5e-17
 
 
-def half_turns(xp: ModuleType, yaw_rad: Any) -> tuple[Any, Any]:
+def half_angle(xp: ModuleType, yaw_rad: Any) -> tuple[Any, Any]:
     """Cosine and sine of half the yaw, brought to (-pi, pi] before: the scalar and z part of its quaternion."""
-    turns = yaw_rad * _TURNS
+    turns = yaw_rad * _TURNS_PER_RAD
     turns -= xp.round(turns)
     square = turns * turns
-    quarter = square * _TERMS[-1]
-    for term in _TERMS[-2:0:-1]:
+    quarter = square * _COEFFICIENTS[-1]
+    for term in _COEFFICIENTS[-2:0:-1]:
         quarter += term
         quarter *= square
-    quarter += _TERMS[0]
+    quarter += _COEFFICIENTS[0]
     quarter *= turns  # sine of a quarter of the yaw, at most sin(pi/4): its cosine is safe to take by the root
     square = quarter * quarter
     sine = xp.sqrt(1.0 - square)

@@ -1,4 +1,4 @@
-"""Read a plan, and refuse one that is damaged, of another version, or older than the packages beside it."""
+"""Read a runtime plan from its JSON file; refuse it if damaged, of another version, or older than its packages."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def load(path: Path | str, packages: Path | str | None = None) -> Plan:
         raise InvalidInput(finding("plan/missing-file", f"there is no file {path}", where=here))
     data = path.read_bytes()
     try:
-        found = json.loads(data)
-        version = found["schema_version"]
+        content = json.loads(data)
+        version = content["schema_version"]
         major = int(str(version).split(".")[0])
     except (ValueError, TypeError, KeyError, RecursionError) as wrong:
-        said = "it has no `schema_version`" if isinstance(wrong, TypeError | KeyError) else str(wrong)
-        raise InvalidInput(finding("plan/unreadable", f"{path.name} is no plan: {said}", where=here)) from None
+        reason = "it has no `schema_version`" if isinstance(wrong, TypeError | KeyError) else str(wrong)
+        raise InvalidInput(finding("plan/unreadable", f"{path.name} is no plan: {reason}", where=here)) from None
     known = int(SCHEMA_VERSION.split(".")[0])
     if major != known:
         text = f"{path.name} has version {version}; this Mana reads {known}.x"
@@ -58,9 +58,9 @@ def _same_packages(document: RuntimePlan, folder: Path) -> None:
         if not record.is_file():
             text = f"the package {body.package} of the plan is not in {folder}"
             raise InvalidInput(finding("plan/missing-package", text, where=where))
-        found = hashlib.sha256(record.read_bytes()).hexdigest()
-        if body.package_hash is not None and found != body.package_hash:
+        sha256 = hashlib.sha256(record.read_bytes()).hexdigest()
+        if body.package_hash is not None and sha256 != body.package_hash:
             text = f"the package {body.package} is not the one that the plan was made from"
             raise InvalidInput(
-                finding("plan/changed-package", text, where=where, value=found[:12], bound=body.package_hash[:12])
+                finding("plan/changed-package", text, where=where, value=sha256[:12], bound=body.package_hash[:12])
             )

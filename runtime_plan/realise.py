@@ -1,4 +1,4 @@
-"""Samples put into a simulator: bodies are built once, a reset moves them and gives them their materials."""
+"""Realise samples in a simulator: build each body once, then set poses (W, m) and materials at each reset."""
 
 from __future__ import annotations
 
@@ -8,59 +8,58 @@ import numpy as np
 
 from geom.pose import pose_from_quat
 from runtime_plan.bodies import PhysicalBody, physical_body
-from runtime_plan.materials import wearing
+from runtime_plan.materials import with_material
 from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
-from schemas.scene.program import PairedMaterial
+from schemas.scene.program import BACKGROUND, PairedMaterial
 from sim.port import ResetWorld
 
 Slot = tuple[str, int]  # a thing (or the background) and one of its bodies
-BACKGROUND = "background"
 
 
 class Realiser:
-    """A plan in a world. Bodies are built when a sample first needs them, and never again."""
+    """The bodies of a plan in one simulated world. A body is built when a sample first needs it, and never again."""
 
     def __init__(self, plan: Plan, packages: Path | None, world: ResetWorld) -> None:
         self._plan, self._packages, self._world = plan, packages, world
         self._physical: dict[int, PhysicalBody] = {}
         self._number: dict[Slot, int] = {}
-        self._worn: dict[Slot, int] = {}
-        self._standing: set[Slot] = set()
+        self._material_of: dict[Slot, int] = {}
+        self._placed: set[Slot] = set()
 
     def reset(self, samples: Samples, k: int) -> dict[str, int]:
-        """Make the world sample k; returns the number in the world of each thing that is present.
+        """Set the world to sample k; returns the number in the world of each thing that is present.
 
-        What the sample does not have is parked. Materials come whole: mass, inertia and contact in one call.
+        Bodies that the sample lacks are parked. A material sets mass, inertia and contact in one call.
         """
         used: dict[Slot, tuple[np.ndarray, int, bool]] = {}
         background = int(samples.background[k])
         if background >= 0:
-            one = self._plan.document.combinations[int(samples.combination[k])]
-            used[BACKGROUND, background] = np.array(one.X_WB), int(samples.background_material[k]), False
+            combination = self._plan.document.combinations[int(samples.combination[k])]
+            used[BACKGROUND, background] = np.array(combination.X_WB), int(samples.background_material[k]), False
         for column in np.flatnonzero(samples.present[k]).tolist():
             X_WA = pose_from_quat(samples.quat_wxyz[k, column], samples.position_m[k, column])
             slot = samples.names[column], int(samples.asset_index[k, column])
             used[slot] = X_WA, int(samples.material[k, column]), True
-        for slot in sorted(self._standing - set(used)):
-            self._world.stand(self._number[slot], None)
+        for slot in sorted(self._placed - set(used)):
+            self._world.set_pose(self._number[slot], None)
         for slot, (X_WA, material, moves) in used.items():
-            self._wear(slot, material, moves)
-            self._world.stand(self._number[slot], X_WA)
-        self._standing = set(used)
+            self._build(slot, material, moves)
+            self._world.set_pose(self._number[slot], X_WA)
+        self._placed = set(used)
         return {name: self._number[name, body] for name, body in used if name != BACKGROUND}
 
-    def _wear(self, slot: Slot, material: int, moves: bool) -> None:
-        """Build the body of a slot if there is none, and give it its material if it has another."""
-        if slot in self._number and self._worn[slot] == material:
+    def _build(self, slot: Slot, material: int, moves: bool) -> None:
+        """Build the body of a slot if there is none, and set its material if it has another one."""
+        if slot in self._number and self._material_of[slot] == material:
             return
         index = slot[1]
         if index not in self._physical:
             self._physical[index] = physical_body(self._plan.document.bodies[index], self._packages)
-        own = self._physical[index]
+        physical = self._physical[index]
         paired: PairedMaterial | None = self._plan.document.materials[material] if material >= 0 else None
-        body = wearing(own.body, own.density_kgm3, paired)
+        body = with_material(physical.body, physical.density_kgm3, paired)
         if slot not in self._number:
-            self._number[slot] = self._world.add(own.body, moves)
-        self._world.wear(self._number[slot], body.mass, body.contact)
-        self._worn[slot] = material
+            self._number[slot] = self._world.add(physical.body, moves)
+        self._world.set_material(self._number[slot], body.mass, body.contact)
+        self._material_of[slot] = material

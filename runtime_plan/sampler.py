@@ -1,8 +1,7 @@
-"""Draw scenes from a plan, many at once. Needs numpy and `schemas` alone.
+"""Draw scenes from the tables of a plan, many at once, as arrays (m, rad). Needs numpy and `schemas` alone.
 
 A sample's numbers depend on seed and index alone (`runtime_plan.counter_rng`), in this order: combination, case of
-each pool,
-body of each thing, yaw, x and y of each thing, a material of each group, lighting and its channels.
+each pool, body of each thing, yaw, x and y of each thing, a material of each group, lighting and its channels.
 """
 
 from __future__ import annotations
@@ -13,9 +12,9 @@ import numpy as np
 
 from runtime_plan.backend import NUMPY, Backend
 from runtime_plan.plan import Plan
-from runtime_plan.portable_trig import half_turns
+from runtime_plan.portable_trig import half_angle
 from runtime_plan.samples import Samples
-from runtime_plan.tables import ABSENT, AUTHORED, BodyStances, DrawLayout, Outlines, PlanTables, Pool, CombinationTables
+from runtime_plan.tables import ABSENT, AUTHORED, BodyStances, CombinationTables, DrawLayout, Outlines, PlanTables, Pool
 
 Array = Any
 CHUNK = 512  # samples worked on at once, so that their numbers stay in the processor's cache
@@ -27,7 +26,7 @@ def sample(plan: Plan, n: int, seed: int, start: int = 0) -> Samples:
 
 
 def sample_with(backend: Backend, tables: PlanTables, n: int, seed: int, start: int, chunk: int) -> Samples:
-    """The same with the arrays of another library, of which `tables` are as well."""
+    """As `sample`, in chunks, with the arrays of `backend`; `tables` hold arrays of the same library."""
     if n < 0 or start < 0 or not 0 <= seed < 2**64:
         raise ValueError(f"n and start are at least 0, seed is from 0 to 2**64 - 1: {n}, {start}, {seed}")
     samples = _empty(backend, tables, n, seed, start)
@@ -83,10 +82,10 @@ def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index
     at = rows if isinstance(rows, slice) or tables.all_things else rows[:, None]  # rows x columns of the result
     cases = _cases(backend, tables.pools, u[:, layout.cases :])
     table_rows = (cases if tables.one_thing_per_pool else cases[:, tables.pool_of]) + tables.first_row
-    bodies, stance, body_stance = _forms(backend, tables, layout, body_stances, table_rows, u)
+    bodies, stance, body_stance = _bodies_and_stances(backend, tables, layout, body_stances, table_rows, u)
     yaw = _yaw(backend, tables, table_rows, u[:, layout.yaws : layout.yaws + things])
-    c, s = half_turns(backend.xp, yaw)
-    x, y = _place(backend, tables, table_rows, body_stance, c, s, u[:, layout.xs :], u[:, layout.ys :])
+    c, s = half_angle(backend.xp, yaw)
+    x, y = _origin(backend, tables, table_rows, body_stance, c, s, u[:, layout.xs :], u[:, layout.ys :])
     z = _pick(backend, tables.height_m, table_rows) + _pick(backend, body_stances.origin_height_m, body_stance)
     _to_world(tables, x, y, z, c, s)
     samples.case[rows, : len(tables.pools)] = cases
@@ -100,7 +99,7 @@ def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index
     for axis, values in enumerate(_quaternion(backend, body_stances, body_stance, c, s)):
         samples.quat_wxyz[at, columns, axis] = values
     samples.background[rows] = tables.background_body
-    _looks(backend, samples, rows, at, columns, plan, tables, u)
+    _materials_and_lighting(backend, samples, rows, at, columns, plan, tables, u)
 
 
 def _pick(backend: Backend, values: Array, index: Array) -> Array:
@@ -118,10 +117,10 @@ def _cases(backend: Backend, pools: tuple[Pool, ...], u: Array) -> Array:
     return cases
 
 
-def _forms(
+def _bodies_and_stances(
     backend: Backend, tables: CombinationTables, layout: DrawLayout, body_stances: BodyStances, rows: Array, u: Array
 ) -> tuple[Array, Array, Array]:
-    """Body, stance and form of each thing: (m, T), or (T,) where they never change."""
+    """Body, stance and index in `BodyStances` of each thing: (m, T), or (T,) where they never change."""
     if tables.body_stance is not None:
         return tables.bodies[:, 0], tables.fixed_stance, tables.body_stance
     stance = _pick(backend, tables.stance, rows)
@@ -135,24 +134,31 @@ def _forms(
 
 def _yaw(backend: Backend, tables: CombinationTables, rows: Array, u: Array) -> Array:
     """(m, T) uniform over the intervals of each row."""
-    along = u * _pick(backend, tables.turn[1], rows)
-    yaw = along + _pick(backend, tables.turn[0], rows)
-    for past, jump in zip(tables.yaw_gap_at_rad, tables.yaw_gap_rad, strict=True):
-        yaw += (along >= _pick(backend, past, rows)) * _pick(backend, jump, rows)
+    along = u * _pick(backend, tables.yaw_span_rad[1], rows)
+    yaw = along + _pick(backend, tables.yaw_span_rad[0], rows)
+    for gap_at, gap in zip(tables.yaw_gap_at_rad, tables.yaw_gap_rad, strict=True):
+        yaw += (along >= _pick(backend, gap_at, rows)) * _pick(backend, gap, rows)
     return yaw
 
 
-def _place(
-    backend: Backend, tables: CombinationTables, rows: Array, body_stance: Array, c: Array, s: Array, ux: Array, uy: Array
+def _origin(
+    backend: Backend,
+    tables: CombinationTables,
+    rows: Array,
+    body_stance: Array,
+    c: Array,
+    s: Array,
+    ux: Array,
+    uy: Array,
 ) -> tuple[Array, Array]:
     """x and y (m, T) of the asset origin in A: uniform where the footprint at its yaw stays in its cell."""
     things = c.shape[1]
     cosine = 1.0 - 2.0 * s * s
     sine = 2.0 * s * c
-    ends = _ends(backend, tables.outlines, body_stance, cosine, sine)
-    lows = []
+    footprint = _footprint_bounds(backend, tables.outlines, body_stance, cosine, sine)
+    origin = []
     for axis, u in enumerate((ux, uy)):
-        bounds, (least, most) = tables.bounds_m[2 * axis :], ends[axis]
+        bounds, (least, most) = tables.bounds_m[2 * axis :], footprint[axis]
         low = _pick(backend, bounds[0], rows) - least
         high = _pick(backend, bounds[1], rows) - most
         if tables.has_origin_boxes:
@@ -161,31 +167,31 @@ def _place(
         high -= low
         high *= u[:, :things]
         low += high
-        lows.append(low)
-    return lows[0], lows[1]
+        origin.append(low)
+    return origin[0], origin[1]
 
 
-def _ends(
+def _footprint_bounds(
     backend: Backend, outlines: tuple[Outlines, ...], body_stance: Array, cosine: Array, sine: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Least and most x, least and most y (m, T) of the outlines, turned about the asset origin."""
+    """Least and most x, least and most y (m, T) indices the outlines, turned about the asset origin."""
     xp = backend.xp
     if len(outlines) == 1:
-        return _ends_of(xp, outlines[0], body_stance, cosine, sine)
+        return _bounds_of(xp, outlines[0], body_stance, cosine, sine)
     bounds = backend.full((4, *cosine.shape), 0.0)
     for outline in outlines:
         columns = outline.columns
-        of = body_stance if body_stance.ndim == 1 else body_stance[:, columns]
-        ends = _ends_of(xp, outline, of, cosine[:, columns], sine[:, columns])
-        for k, values in enumerate((*ends[0], *ends[1])):
+        indices = body_stance if body_stance.ndim == 1 else body_stance[:, columns]
+        outline_bounds = _bounds_of(xp, outline, indices, cosine[:, columns], sine[:, columns])
+        for k, values in enumerate((*outline_bounds[0], *outline_bounds[1])):
             bounds[k][:, columns] = values
     return (bounds[0], bounds[1]), (bounds[2], bounds[3])
 
 
-def _ends_of(
+def _bounds_of(
     xp: Any, outline: Outlines, body_stance: Array, cosine: Array, sine: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    least = most = back = front = None
+    lowest_x = highest_x = lowest_y = highest_y = None
     for corner_x, corner_y in zip(outline.x_m, outline.y_m, strict=True):
         px = corner_x if outline.fixed else xp.take(corner_x, body_stance)
         py = corner_y if outline.fixed else xp.take(corner_y, body_stance)
@@ -193,18 +199,18 @@ def _ends_of(
         x -= sine * py
         y = sine * px
         y += cosine * py
-        if least is None:
-            least, most, back, front = x, x, y, y
+        if lowest_x is None:
+            lowest_x, highest_x, lowest_y, highest_y = x, x, y, y
         else:
-            least, most = xp.minimum(least, x), xp.maximum(most, x)
-            back, front = xp.minimum(back, y), xp.maximum(front, y)
-    return (least, most), (back, front)
+            lowest_x, highest_x = xp.minimum(lowest_x, x), xp.maximum(highest_x, x)
+            lowest_y, highest_y = xp.minimum(lowest_y, y), xp.maximum(highest_y, y)
+    return (lowest_x, highest_x), (lowest_y, highest_y)
 
 
 def _to_world(tables: CombinationTables, x: Array, y: Array, z: Array, c: Array, s: Array) -> None:
-    """Turn poses (m, T) in A of each thing's place into those in W, in place; owners stand level.
+    """Transform poses (m, T) from A of each thing's place to W, in place; owners are level.
 
-    `c`, `s` are cosine and sine of half the yaw; `z` counts from U of the owner already.
+    `c`, `s` are cosine and sine of half the yaw; `z` is already a height in U of the owner.
     """
     x += tables.place_m[0]
     y += tables.place_m[1]
@@ -224,16 +230,25 @@ def _to_world(tables: CombinationTables, x: Array, y: Array, z: Array, c: Array,
         z[:, columns] += at_z
 
 
-def _quaternion(backend: Backend, body_stances: BodyStances, body_stance: Array, c: Array, s: Array) -> tuple[Array, Array, Array, Array]:
-    """The yaw after the orientation of the stance, (m, T) each of w, x, y, z."""
+def _quaternion(
+    backend: Backend, body_stances: BodyStances, body_stance: Array, c: Array, s: Array
+) -> tuple[Array, Array, Array, Array]:
+    """The product of yaw and stance quaternions, (m, T) each of w, x, y, z."""
     w, x, y, z = (_pick(backend, part, body_stance) for part in body_stances.quat_wxyz)
     return c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w
 
 
-def _looks(
-    backend: Backend, samples: Samples, rows: Any, at: Any, columns: Any, plan: PlanTables, tables: CombinationTables, u: Array
+def _materials_and_lighting(
+    backend: Backend,
+    samples: Samples,
+    rows: Any,
+    at: Any,
+    columns: Any,
+    plan: PlanTables,
+    tables: CombinationTables,
+    u: Array,
 ) -> None:
-    """Materials and lighting of `rows`."""
+    """Draw the materials and the lighting of `rows`."""
     for k, group in enumerate(tables.groups):
         material_of = group.material_of[backend.floor_to_int(u[:, plan.layout.materials + k] * len(group.material_of))]
         samples.material[at, columns] = backend.xp.maximum(samples.material[at, columns], material_of[:, :-1])

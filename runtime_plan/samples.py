@@ -1,18 +1,18 @@
-"""Many samples of a plan as arrays."""
+"""Samples of a plan as arrays, one row per sample: choices as indices, poses in the world frame (m, wxyz)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any
 
-Array = Any  # an array of the chosen library: numpy unless another was asked for
+Array = Any  # an array of the chosen library: numpy by default
 
 
 @dataclass(frozen=True)
 class Samples:
     """n samples of a plan with N things in all; sample k has the index `start + k`.
 
-    names         N, the columns below; `present` (n, N) says which of them a sample has
+    names         N, the columns below; `present` (n, N) whether a sample has them
     combination   (n,) index into the plan's; `case` (n, P) the case of each of its pools, -1 beyond them
     asset_index   (n, N) into the plan's bodies, -1 where absent; `stance` (n, N) into the body's, 0 where absent
     support       (n, N) column of the owner, -1 for the background, -2 where absent

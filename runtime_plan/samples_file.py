@@ -1,4 +1,4 @@
-"""Samples as a file, and back."""
+"""Convert samples between arrays and the JSON document `SceneSamples`: poses in W (m, quaternions wxyz)."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
 from runtime_plan.tables import ABSENT, AUTHORED, BACKGROUND_COLUMN
 from schemas.diagnostics import InvalidInput, Location, finding
+from schemas.scene.program import BACKGROUND
 from schemas.scene.runtime_plan import PlanCombination
 from schemas.scene.samples import SampledLighting, SampledObject, SceneSample, SceneSamples
 
@@ -20,7 +21,7 @@ _CHANNELS = ("intensity", "exposure", "temperature_K", "rotation")
 
 
 def as_document(plan: Plan, samples: Samples) -> SceneSamples:
-    """Samples under the names of the plan."""
+    """Samples as a document, with indices replaced by the names of the plan."""
     return SceneSamples(plan=plan.sha256, seed=samples.seed, samples=tuple(_documents(plan, samples)))
 
 
@@ -42,9 +43,9 @@ def _documents(plan: Plan, samples: Samples) -> Iterator[SceneSample]:
                 position_m=tuple(position),
                 quat_wxyz=tuple(quat),
                 support=BACKGROUND if owner == BACKGROUND_COLUMN else names[owner],
-                material=material(material_of),
+                material=material(material_index),
             )
-            for name, (body, position, quat, owner, material_of) in zip(names, rows, strict=True)
+            for name, (body, position, quat, owner, material_index) in zip(names, rows, strict=True)
             if body >= 0
         }
         background = int(samples.background[k])
@@ -91,9 +92,9 @@ def read_samples(path: Path | str, plan: Plan) -> tuple[tuple[int, ...], Samples
         raise InvalidInput(
             finding("plan/other-plan", text, where=here, value=document.plan[:12], bound=plan.sha256[:12])
         )
-    said = _unfit(document)
-    if said:
-        raise InvalidInput(finding("plan/unreadable-samples", f"{path.name}: {said}", where=here))
+    defect = _defect(document)
+    if defect:
+        raise InvalidInput(finding("plan/unreadable-samples", f"{path.name}: {defect}", where=here))
     try:
         return tuple(sample.index for sample in document.samples), _arrays(plan, document)
     except (KeyError, IndexError, ValueError) as wrong:
@@ -101,8 +102,8 @@ def read_samples(path: Path | str, plan: Plan) -> tuple[tuple[int, ...], Samples
         raise InvalidInput(finding("plan/unreadable-samples", text, where=here)) from None
 
 
-def _unfit(document: SceneSamples) -> str:
-    """What keeps samples from being judged at all; empty when nothing does."""
+def _defect(document: SceneSamples) -> str:
+    """Why the samples cannot be judged; empty when they can."""
     if not document.samples:
         return "it holds no sample"
     indices = [sample.index for sample in document.samples]
@@ -120,16 +121,16 @@ def _unfit(document: SceneSamples) -> str:
 def _arrays(plan: Plan, document: SceneSamples) -> Samples:
     n, names, drawn_plan = len(document.samples), plan.tables.names, plan.document
     column = {name: index for index, name in enumerate(names)} | {BACKGROUND: BACKGROUND_COLUMN}
-    material = {sample.id: index for index, sample in enumerate(drawn_plan.materials)} | {None: AUTHORED}
-    light = {sample.id: index for index, sample in enumerate(drawn_plan.lighting)}
-    most = max(len(sample.pools) for sample in drawn_plan.combinations)
+    material = {paired.id: index for index, paired in enumerate(drawn_plan.materials)} | {None: AUTHORED}
+    light = {lighting.id: index for index, lighting in enumerate(drawn_plan.lighting)}
+    most_pools = max(len(combination.pools) for combination in drawn_plan.combinations)
     shape = (n, len(names))
     samples = Samples(
         seed=document.seed,
         start=document.samples[0].index if n else 0,
         names=names,
         combination=np.array([sample.combination for sample in document.samples], dtype=np.int64),
-        case=np.full((n, most), -1),
+        case=np.full((n, most_pools), -1),
         present=np.zeros(shape, dtype=bool),
         asset_index=np.full(shape, -1),
         stance=np.full(shape, -1),
@@ -138,7 +139,9 @@ def _arrays(plan: Plan, document: SceneSamples) -> Samples:
         quat_wxyz=np.full((*shape, 4), np.nan),
         yaw_rad=np.full(shape, np.nan),
         material=np.full(shape, AUTHORED),
-        background_material=np.array([material[sample.background_material] for sample in document.samples], dtype=np.int64),
+        background_material=np.array(
+            [material[sample.background_material] for sample in document.samples], dtype=np.int64
+        ),
         background=np.full(n, -1),
         lighting=np.full(n, -1),
         channels=np.full((n, 4), np.nan),
@@ -162,7 +165,7 @@ def _arrays(plan: Plan, document: SceneSamples) -> Samples:
 
 
 def _body(plan: Plan, combination: PlanCombination, name: str, asset: str) -> int:
-    """The body of that asset which the thing may be."""
+    """Index of the body with this asset among the bodies of the thing."""
     thing = next((thing for thing in combination.things if thing.id == name), None)
     matching = [body for body in (thing.bodies if thing else ()) if plan.document.bodies[body].asset_id == asset]
     if not matching:

@@ -44,7 +44,7 @@ class Outlines:
 
 @dataclass(frozen=True)
 class Level:
-    """Things with the same number of movable owners: their columns, and those of their owners (None: the background)."""
+    """Things with the same number of movable owners: their columns, and their owners' (None: the background)."""
 
     columns: IntArray | None  # (k,), None for all
     owners: IntArray | None  # (k,)
@@ -71,8 +71,8 @@ class CombinationTables:
 
     `bounds_m` (8, rows): cell and origin box as x low, x high, y low, y high each; `yaw_span_rad` (2, rows): start and
     total length of the yaw intervals; `yaw_gap_at_rad`, `yaw_gap_rad` (k, rows): where along that length a gap between
-    two intervals lies, and its width. `height_m` (rows,) is that of the support point in U of the owner, `place_m` (2, T)
-    the origin of the place there.
+    two intervals lies, and its width. `height_m` (rows,) is the height of the support point in U of the owner,
+    `place_m` (2, T) the origin of the place there.
     """
 
     things: IntArray  # (T,) columns in the samples
@@ -80,7 +80,7 @@ class CombinationTables:
     pool_of: IntArray  # (T,)
     first_row: IntArray  # (T,)
     bounds_m: FloatArray
-    turn: FloatArray
+    yaw_span_rad: FloatArray
     yaw_gap_at_rad: FloatArray
     yaw_gap_rad: FloatArray
     has_origin_boxes: bool  # whether any origin box bounds more than its cell does
@@ -133,7 +133,9 @@ def tables_of(plan: RuntimePlan) -> PlanTables:
     """The arrays of a consistent plan."""
     names = tuple(dict.fromkeys(thing.id for combination in plan.combinations for thing in combination.things))
     body_stances = _body_stances(plan)
-    combinations = tuple(_combination_tables(plan, combination, names, body_stances) for combination in plan.combinations)
+    combinations = tuple(
+        _combination_tables(plan, combination, names, body_stances) for combination in plan.combinations
+    )
     channels = [
         [
             bounds or (np.nan, np.nan)
@@ -199,7 +201,9 @@ def _cumulative_shares(weights: Sequence[float]) -> FloatArray:
     return cumulative_shares
 
 
-def _combination_tables(plan: RuntimePlan, combination: PlanCombination, names: tuple[str, ...], body_stances: BodyStances) -> CombinationTables:
+def _combination_tables(
+    plan: RuntimePlan, combination: PlanCombination, names: tuple[str, ...], body_stances: BodyStances
+) -> CombinationTables:
     column = {name: index for index, name in enumerate(names)}
     local = {thing.id: index for index, thing in enumerate(combination.things)}
     pool_and_place = {name: (p, k) for p, pool in enumerate(combination.pools) for k, name in enumerate(pool.things)}
@@ -211,7 +215,9 @@ def _combination_tables(plan: RuntimePlan, combination: PlanCombination, names: 
         thing_cases += [(case, k, index) for case in combination.pools[p].cases]
     stance = np.array([case.stances[k] for case, k, _ in thing_cases], dtype=np.int64)
     most_bodies = max((len(thing.bodies) for thing in combination.things), default=1)
-    bodies = np.array([(thing.bodies * most_bodies)[:most_bodies] for thing in combination.things], dtype=np.int64).reshape(-1, most_bodies)
+    bodies = np.array(
+        [(thing.bodies * most_bodies)[:most_bodies] for thing in combination.things], dtype=np.int64
+    ).reshape(-1, most_bodies)
     yaw_gap_at_rad, yaw_gap_rad, yaw_span_rad = _yaw_intervals([case.yaws_urad[k] for case, k, _ in thing_cases])
     open_box = (-np.inf, np.inf, -np.inf, np.inf)
     bounds = [(*case.cells_um[k], *(case.origins_um[k] or open_box)) for case, k, _ in thing_cases]
@@ -248,7 +254,8 @@ def _combination_tables(plan: RuntimePlan, combination: PlanCombination, names: 
         support=np.array([column.get(thing.parent, BACKGROUND_COLUMN) for thing in combination.things], dtype=np.int64),
         background_body=-1 if combination.background is None else combination.background,
         all_things=tuple(thing.id for thing in combination.things) == names,
-        one_thing_per_pool=tuple(pool.things for pool in combination.pools) == tuple((thing.id,) for thing in combination.things),
+        one_thing_per_pool=tuple(pool.things for pool in combination.pools)
+        == tuple((thing.id,) for thing in combination.things),
         groups=_groups(plan, combination, local),
         lighting=np.array([_index(plan.lighting, name) for name in combination.lighting], dtype=np.int64),
     )
@@ -263,8 +270,8 @@ def _half_turn(cosine: float, sine: float) -> tuple[float, float]:
     return abs(sine) / (2.0 * half), half if sine >= 0.0 else -half
 
 
-def _count(combination: PlanCombination, where: dict[str, tuple[int, int]], name: str) -> int:
-    return len(combination.pools[where[name][0]].cases)
+def _count(combination: PlanCombination, pool_and_place: dict[str, tuple[int, int]], name: str) -> int:
+    return len(combination.pools[pool_and_place[name][0]].cases)
 
 
 def _pool(weights: Sequence[float]) -> Pool:
@@ -275,16 +282,16 @@ def _pool(weights: Sequence[float]) -> Pool:
 def _yaw_intervals(intervals: Sequence[Sequence[tuple[int, int]]]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """`yaw_gap_at_rad`, `yaw_gap_rad` (k, rows) and `yaw_span_rad` (2, rows) of yaw intervals in microradians."""
     most_intervals = max((len(yaws) for yaws in intervals), default=1)
-    past = np.full((most_intervals - 1, len(intervals)), np.inf)
-    jump = np.zeros((most_intervals - 1, len(intervals)))
-    turn = np.zeros((2, len(intervals)))
+    gap_at_rad = np.full((most_intervals - 1, len(intervals)), np.inf)
+    gap_rad = np.zeros((most_intervals - 1, len(intervals)))
+    span_rad = np.zeros((2, len(intervals)))
     for row, yaws in enumerate(intervals):
         added = 0
         for k, ((low, high), (following, _)) in enumerate(pairwise(yaws)):
             added += high - low
-            past[k, row], jump[k, row] = MICRO * added, MICRO * (following - high)
-        turn[:, row] = MICRO * yaws[0][0], MICRO * (added + yaws[-1][1] - yaws[-1][0])
-    return past, jump, turn
+            gap_at_rad[k, row], gap_rad[k, row] = MICRO * added, MICRO * (following - high)
+        span_rad[:, row] = MICRO * yaws[0][0], MICRO * (added + yaws[-1][1] - yaws[-1][0])
+    return gap_at_rad, gap_rad, span_rad
 
 
 def _outlines(choices: Sequence[Sequence[int]], body_stances: BodyStances) -> tuple[Outlines, ...]:

@@ -1,7 +1,7 @@
 """Samples of a plan as PyTorch tensors on one device (64-bit floats), without a copy from the host.
 
-PyTorch is optional (`pip install torch`). Random words, and so all discrete choices, equal numpy's; poses (m, rad) agree
-to 1e-6 or better, since a device may round a product and a sum once instead of twice.
+PyTorch is optional (`pip install torch`). Random words, and so all discrete choices, equal numpy's; poses (m, rad)
+agree to 1e-6 or better, since a device may round a product and a sum once instead of twice.
 """
 
 # Torch is optional: where it is missing its types are unknown.

@@ -1,4 +1,4 @@
-"""Judge samples by their poses alone: another path than the one that drew them, and another geometry code."""
+"""Judge samples by their poses alone, with geometry code that the sampler does not share (`scene_check`)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Row = dict[str, Any]  # index, kind, things, value, bound, unit, label
 
 
 class Judge:
-    """Verdicts on samples of one plan; what combinations have in common is worked out once."""
+    """Verdicts on samples of one plan; the rules of each combination are derived once."""
 
     def __init__(self, plan: Plan) -> None:
         self._plan = plan.document
@@ -29,26 +29,26 @@ class Judge:
 
     def violations(self, samples: Samples, indices: tuple[int, ...] | None = None) -> Iterator[Row]:
         """Every violation of every sample, in order; `indices` of samples that do not follow one another."""
-        found: list[tuple[int, Row]] = []
+        numbered_rows: list[tuple[int, Row]] = []
         for index in np.unique(samples.combination).tolist():
             rows = np.flatnonzero(samples.combination == index)
-            found += self._of_combination(index, samples, rows)
-        for k, row in sorted(found, key=lambda item: item[0]):
+            numbered_rows += self._of_combination(index, samples, rows)
+        for k, row in sorted(numbered_rows, key=lambda item: item[0]):
             yield {"index": indices[k] if indices else samples.start + k, **row}
 
     def _of_combination(self, index: int, samples: Samples, rows: np.ndarray) -> Iterator[tuple[int, Row]]:
-        one, rules = self._plan.combinations[index], self._rules(index)
-        columns = [self._names.index(thing.id) for thing in one.things]
-        whole = np.ones(len(rows), dtype=bool)
-        for k, text, names in _incomplete(one, self._names, samples, rows, columns):
-            whole[np.searchsorted(rows, k)] = False
+        combination, rules = self._plan.combinations[index], self._rules(index)
+        columns = [self._names.index(thing.id) for thing in combination.things]
+        is_complete = np.ones(len(rows), dtype=bool)
+        for k, text, names in _incomplete(combination, self._names, samples, rows, columns):
+            is_complete[np.searchsorted(rows, k)] = False
             yield k, {"kind": text, "things": names, "value": 0.0, "bound": 0.0, "unit": "", "label": ""}
-        kept = rows[whole]
-        stands = stands_of(self._plan, one, rules, samples, kept, columns)
-        for number, violations in check_batch(rules, stands):
+        complete_rows = rows[is_complete]
+        poses = batch_poses(self._plan, combination, rules, samples, complete_rows, columns)
+        for number, violations in check_batch(rules, poses):
             for violation in violations:
                 yield (
-                    int(kept[number]),
+                    int(complete_rows[number]),
                     {
                         "kind": violation.kind,
                         "things": list(violation.names),
@@ -61,28 +61,33 @@ class Judge:
 
 
 def _incomplete(
-    one: PlanCombination, names: tuple[str, ...], samples: Samples, rows: np.ndarray, columns: list[int]
+    combination: PlanCombination, names: tuple[str, ...], samples: Samples, rows: np.ndarray, columns: list[int]
 ) -> Iterator[tuple[int, str, list[str]]]:
     """Samples without a thing of their combination, with another one, or with another owner than the plan's."""
-    wanted = np.isin(np.arange(len(names)), columns)
+    expected = np.isin(np.arange(len(names)), columns)
     present = samples.present[rows]
-    for k, column in np.argwhere(present != wanted).tolist():
+    for k, column in np.argwhere(present != expected).tolist():
         yield int(rows[k]), "extra" if present[k, column] else "missing", [names[column]]
-    for thing, column in zip(one.things, columns, strict=True):
+    for thing, column in zip(combination.things, columns, strict=True):
         owner = names.index(thing.parent) if thing.parent in names else -1
         wrong = present[:, column] & (samples.support[rows, column] != owner)
         for k in np.flatnonzero(wrong).tolist():
             yield int(rows[k]), "support", [thing.id]
 
 
-def stands_of(
-    plan: RuntimePlan, one: PlanCombination, rules: SceneRules, samples: Samples, rows: np.ndarray, columns: list[int]
+def batch_poses(
+    plan: RuntimePlan,
+    combination: PlanCombination,
+    rules: SceneRules,
+    samples: Samples,
+    rows: np.ndarray,
+    columns: list[int],
 ) -> BatchPoses:
-    """Forms and yaws by orientation: the stance of the asset that the quaternion is, up to a turn about z."""
+    """Poses for `scene_check`: the stance nearest to each quaternion, up to a rotation about z, and the yaw (rad)."""
     shape = (len(rows), len(columns))
-    form, known = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=bool)
+    body_stance, known = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=bool)
     yaw = np.zeros(shape)
-    for i, (thing, column) in enumerate(zip(one.things, columns, strict=True)):
+    for i, (thing, column) in enumerate(zip(combination.things, columns, strict=True)):
         body = np.repeat(thing.bodies, [len(plan.bodies[b].stances) for b in thing.bodies])
         stances = np.concatenate([np.arange(len(plan.bodies[b].stances)) for b in thing.bodies])
         quats = np.array([plan.bodies[b].stances[s].quat_wxyz for b, s in zip(body, stances, strict=True)])
@@ -93,10 +98,10 @@ def stands_of(
         cost = np.where(samples.asset_index[rows, column, None] == body, cost, np.inf)
         pick = cost.argmin(axis=1)
         row = np.arange(len(rows))
-        form[:, i], known[:, i] = pick, cost[row, pick] < 2.0
+        body_stance[:, i], known[:, i] = pick, cost[row, pick] < 2.0
         yaw[:, i] = 2.0 * np.arctan2(z[row, pick], w[row, pick])
     origins = samples.position_m[rows][:, columns]
-    return BatchPoses(origins, yaw, form, known & np.isfinite(origins).all(axis=-1))
+    return BatchPoses(origins, yaw, body_stance, known & np.isfinite(origins).all(axis=-1))
 
 
 def _times_conjugate(quats: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -1,4 +1,7 @@
-"""The simulator port and its implementations. `bullet` is the only importer of pybullet."""
+"""Rigid-body simulation: the simulator port, its PyBullet implementation, multibody dynamics in numpy, and effects.
+
+Read `sim.port` first. Only `sim.bullet` imports pybullet.
+"""
 
 from typing import TYPE_CHECKING
 

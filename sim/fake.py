@@ -1,4 +1,4 @@
-"""An analytic simulator for tests of callers: free fall, then at once rest on the nearest stable face."""
+"""Analytic simulator for tests of callers: free fall (m, s), then at once rest on the nearest stable face."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from geom.mesh.rays import Rays
 from geom.pose import quat_of, shortest_rotation
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape, RigidBody
-from sim.port import DropResult, DropSettings, GraspOutcome, GraspTask, ProbesAtEnd, World
+from sim.port import DropResult, DropSettings, GraspOutcome, GraspTask, ProbeResult, World
 
 _NUDGE_RAD = 1e-4
 
 
 class FakeSimulator:
-    """Deterministic and exact where it claims to be: the fall is a parabola, the rest touches the ground.
+    """Deterministic: the fall is an exact parabola, and the body at rest touches the ground exactly.
 
-    No bounce, no sliding, no tumbling: when the lowest point touches, the body stands on the face of its convex hull
+    No bounce, no sliding, no tumbling: when the lowest point touches, the body rests on the face of its convex hull
     that carries the mass centre and is nearest to facing down; a body without such a face stays as it touched.
     """
 
@@ -69,13 +69,13 @@ class FakeSimulator:
 
     def drop_probes(
         self, fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float
-    ) -> ProbesAtEnd:
+    ) -> ProbeResult:
         """See `sim.port.Simulator`: each probe comes to rest with its lowest point straight below its centre."""
         centres = np.array([probe.X_AS[:3, 3] for probe in probes]).reshape(-1, 3)
         below = np.array([support([probe], -np.eye(3)[2:])[0] for probe in probes]) + centres[:, 2]
         surfaces = [surface(shape) for shape in fixed]
         firsts = np.cumsum([0, *(len(points) for points, _ in surfaces)])[:-1]
-        triangles = np.concatenate([own + first for (_, own), first in zip(surfaces, firsts, strict=True)])
+        triangles = np.concatenate([faces + first for (_, faces), first in zip(surfaces, firsts, strict=True)])
         fall = (
             Rays(np.concatenate([points for points, _ in surfaces]), triangles).hit_distances(centres, -np.eye(3)[2])
             - below
@@ -83,7 +83,7 @@ class FakeSimulator:
         free_m = 0.5 * -World().gravity_mps2[2] * duration_s**2
         caught = fall < free_m
         rest = centres - np.where(caught, fall, free_m)[:, None] * np.eye(3)[2]
-        return ProbesAtEnd(rest, rest[:, 2] - below, np.where(caught, 0.0, 2.0 * free_m / duration_s))
+        return ProbeResult(rest, rest[:, 2] - below, np.where(caught, 0.0, 2.0 * free_m / duration_s))
 
 
 def _resting_direction(body: RigidBody, down_A: FloatArray) -> FloatArray:

@@ -1,6 +1,6 @@
-"""Engines by name: `"module:attribute"` becomes the class or factory that it names.
+"""Load engines by name: `"module:attribute"` gives the class or factory of that name.
 
-Packages below `cli` import no engine. Whoever calls them names one, and the name crosses process borders as text.
+Packages below `cli` import no engine. Their callers name one, and the name crosses process borders as text.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 def load_engine(name: str) -> Callable[..., Any]:
     """The factory that `name` (such as `"sim.bullet.simulator:BulletSimulator"`) refers to; imports its module.
 
-    Raises ValueError when the name is not of that form, ImportError or AttributeError when nothing bears it.
+    Raises ValueError when the name is not of that form, ImportError or AttributeError when nothing has that name.
     """
     module, colon, attribute = name.partition(":")
     if not (module and colon and attribute):

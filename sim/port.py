@@ -1,5 +1,6 @@
-"""What the rest of Mana asks of a rigid-body simulator. Implementations: `sim.bullet.simulator`, and `sim.fake` for
-tests.
+"""Protocols and data of a rigid-body simulator: drops, loose probes, grasps, resets; SI units, world frame z up.
+
+Implementations: `sim.bullet.simulator`, and `sim.fake` for tests. Also Froude scaling and tabletop worlds by size.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ class Stillness:
 
 @dataclass(frozen=True)
 class DropSettings:
-    """How long to simulate, and when to stop early: as soon as the body is still, if `still` says what that is."""
+    """How long to simulate, and when to stop early: once the body is at rest by the criterion `still`, if there is one."""
 
     duration_s: float
     world: World = field(default_factory=World)
@@ -104,8 +105,8 @@ class DropResult:
 
 
 @dataclass(frozen=True)
-class ProbesAtEnd:
-    """Where loose probes are in the end: centres (n, 3), heights (n,) of their lowest points, speeds (n,)."""
+class ProbeResult:
+    """Final state of loose probes: centres (n, 3), heights (n,) of their lowest points, speeds (n,)."""
 
     centres_m: FloatArray
     lowest_m: FloatArray
@@ -113,8 +114,8 @@ class ProbesAtEnd:
 
 
 @dataclass(frozen=True)
-class Standing:
-    """A body of a scene at X_WA (4, 4); what does not move needs shapes and contact alone."""
+class PlacedBody:
+    """A body of a scene at pose X_WA (4, 4); a body that does not move needs shapes and contact alone."""
 
     body: RigidBody
     X_WA: FloatArray
@@ -124,8 +125,8 @@ class Standing:
 @dataclass(frozen=True)
 class GraspTask:
     """A gripper whose pads are to close on a body: its pose X_AG (4, 4) in the frame of the body
-    (`geom.grasp.gripper`), how
-    far the pads are apart before, what each presses with, and the friction between pads and body.
+    (`geom.grasp.gripper`), the opening between the pads before, the force of each pad, and the friction between pads
+    and body.
     """
 
     X_AG: FloatArray
@@ -137,7 +138,7 @@ class GraspTask:
 
 @dataclass(frozen=True)
 class GraspOutcome:
-    """What became of it: `held` through lift, rest and shaking and `released` when the pads opened.
+    """Result of a grasp: `held` through lift, rest and shaking, and `released` when the pads opened.
 
     `slip_m` is how far the mass centre moved in the gripper from when the pads had closed; infinite when it fell.
     """
@@ -152,7 +153,7 @@ class Simulator(Protocol):
 
     @property
     def name(self) -> str:
-        """Engine and version, as it stands in records."""
+        """Engine and version, as written to records."""
         ...
 
     def drop(self, body: RigidBody, X_WA: FloatArray, settings: DropSettings) -> DropResult:
@@ -167,15 +168,15 @@ class Simulator(Protocol):
 
     def drop_probes(
         self, fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float
-    ) -> ProbesAtEnd:
+    ) -> ProbeResult:
         """Boxes and spheres released at rest where they are posed, over the `fixed` shapes, without any ground.
 
-        They do not feel one another. Fixed and probes share one frame, z up; friction is 0.5, nothing bounces.
+        Probes do not collide with one another. All share one frame, z up; friction is 0.5, nothing bounces.
         """
         ...
 
     def grasp_and_lift(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
-        """Close on `body` that stands in pose `X_WA` on the ground, lift it by 0.3 m, hold it for a second, shake it
+        """Close on `body`, at rest on the ground in pose `X_WA`, lift it by 0.3 m, hold it for a second, shake it
         for 1.5 s (2 Hz, a circle of 1 cm), and let go: `grasp_and_lift` of NVIDIA's SimReady runtime benchmark.
         """
         ...
@@ -188,12 +189,12 @@ class ResetWorld(Protocol):
         """Build a body, out of reach of all others; returns its number."""
         ...
 
-    def stand(self, number: int, X_WA: FloatArray | None) -> None:
+    def set_pose(self, number: int, X_WA: FloatArray | None) -> None:
         """Put a body at rest at X_WA (4, 4); None takes it out of the scene."""
         ...
 
-    def wear(self, number: int, mass: MassProperties, contact: Contact) -> None:
-        """Give a body other mass properties about the same mass centre, and another contact."""
+    def set_material(self, number: int, mass: MassProperties, contact: Contact) -> None:
+        """Set the mass properties of a body, about the same mass centre, and its contact values."""
         ...
 
 
@@ -212,7 +213,7 @@ def natural_time_s(diagonal_m: float) -> float:
 
 
 def model_scale(diagonal_m: float) -> float:
-    """How many times its size a body is simulated at: 1 from 2 cm to 5 m, else what makes a model of 0.3 m or of 5 m.
+    """How many times its size a body is simulated at: 1 from 2 cm to 5 m, else the factor that gives a model of 0.3 m or of 5 m.
 
     Engines are made for things of hand to door size. By Froude similarity (equal g, equal densities), exact for rigid
     bodies, the model moves alike: lengths x s, times and speeds x sqrt(s), turning rates / sqrt(s), masses x s^3,

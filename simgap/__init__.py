@@ -1,4 +1,7 @@
-"""What a simulation gets wrong against measured data, and why."""
+"""Sim gap: names the effects that a declared model lacks, from recordings, with strengths, intervals and gains.
+
+Read `find_gap.py` first (the pipeline), then `problem.py` (what a kind of measurement provides).
+"""
 
 from typing import TYPE_CHECKING
 

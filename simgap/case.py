@@ -14,19 +14,19 @@ import numpy as np
 
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
 from schemas.gap import ConventionCheck
-from sim.dynamics.body_rollout import BodyReplay
-from sim.dynamics.linkage_rollout import LinkageReplay
+from sim.dynamics.body_rollout import BodyRollout
+from sim.dynamics.linkage_rollout import LinkageRollout
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout
 from sim.dynamics.tree import Tree
 from sim.named_engine import load_engine
 from simgap.kinds.event_problem import EventProblem
 from simgap.kinds.free_body.declared_model import build_body
 from simgap.kinds.free_body.problem import FreeBodyProblem
-from simgap.kinds.free_body.rigid import RigidMover
+from simgap.kinds.free_body.rigid import RigidBodySimulator
 from simgap.kinds.impact.problem import ImpactProblem
 from simgap.kinds.linkage.convention_checks import linkage_engine_checks
 from simgap.kinds.linkage.declared_model import build_linkage
-from simgap.kinds.linkage.tossed_body import LinkageMover
+from simgap.kinds.linkage.tossed_body import LinkageSimulator
 from simgap.kinds.mechanism.apply_model import apply_terms
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.kinds.push.problem import PushProblem
@@ -36,7 +36,7 @@ from simgap.report.side_by_side import joint_windows
 from simgap.sanity import convention_checks
 from simgap.sanity.convention_checks import JointReplay
 
-_FINER = 4.0  # the step size trap divides steps by this
+_FINER = 4.0  # the check of the step size divides steps by this
 
 
 class ReplayEngine(Protocol):
@@ -52,11 +52,11 @@ class ReplayEngine(Protocol):
         """Rolls out windows of a mechanism, as `sim.dynamics.mechanism.rollout` does."""
         ...
 
-    def body_replay(self, step_s: float) -> BodyReplay:
+    def body_replay(self, step_s: float) -> BodyRollout:
         """A replay of one free rigid body with steps of at most `step_s`."""
         ...
 
-    def linkage_replay(self, step_s: float) -> LinkageReplay:
+    def linkage_replay(self, step_s: float) -> LinkageRollout:
         """A replay of a free linkage with steps of at most `step_s`."""
         ...
 
@@ -68,7 +68,7 @@ def replay_engine(name: str) -> ReplayEngine:
 
 @dataclass(frozen=True)
 class Case:
-    """A measurement ready for the search; `joints` are those of a mechanism, `engine` is the name of the engine."""
+    """A measurement ready for the search, with the joints of a mechanism and the name of the engine."""
 
     measurement: Measurement
     problem: MechanismProblem | FreeBodyProblem | ImpactProblem | PushProblem
@@ -94,21 +94,21 @@ def case_of(measurement: Measurement, engine: str) -> Case:
             return Case(measurement, impact, impact.trials, (), engine)
         if measurement.spec.kind == "push":
             return Case(measurement, PushProblem(measurement), trials, (), engine)
-        return Case(measurement, FreeBodyProblem(measurement, mover_of(measurement, engine)), trials, (), engine)
+        return Case(measurement, FreeBodyProblem(measurement, simulator_of(measurement, engine)), trials, (), engine)
     except ValueError as refused:
         raise InvalidInput(finding("gap/subject-unsupported-yet", str(refused))) from None
 
 
-def mover_of(measurement: Measurement, engine: str, finer: float = 1.0) -> RigidMover | LinkageMover:
-    """The declared body with an engine in steps so many times finer. Raises ValueError for a subject it cannot hold."""
+def simulator_of(measurement: Measurement, engine: str, finer: float = 1.0) -> RigidBodySimulator | LinkageSimulator:
+    """The declared body with an engine in steps so many times finer. Raises ValueError for an unsupported subject."""
     replays = replay_engine(engine)
     step_s, spec, root = replays.largest_step_s / finer, measurement.spec, measurement.root
     if measurement.joints:
-        return LinkageMover(build_linkage(spec, root), replays.linkage_replay(step_s))
-    return RigidMover(build_body(spec, root), replays.body_replay(step_s))
+        return LinkageSimulator(build_linkage(spec, root), replays.linkage_replay(step_s))
+    return RigidBodySimulator(build_body(spec, root), replays.body_replay(step_s))
 
 
-def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[ConventionCheck, ...]:
+def convention_checks_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[ConventionCheck, ...]:
     """All conventions that were checked, by reading and by experiment."""
     found = list(convention_checks.reader_checks(case.measurement, findings))
     problem = case.problem
@@ -117,13 +117,13 @@ def traps_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[ConventionChec
     if isinstance(problem, MechanismProblem):
         engine = replay_engine(case.engine)
         found += convention_checks.joint_engine_checks(engine.mechanism_rollout, without_armature(problem.declared))
-        found.append(_joint_step_trap(case, problem))
+        found.append(_joint_step_check(case, problem))
         return tuple(found)
     rate = convention_checks.rate_frame_check(case.measurement)
     found += [rate] if rate else []
     # At small steps, so that a wrong convention is not confused with the error of a step.
-    finer = mover_of(case.measurement, case.engine, _FINER)
-    if isinstance(finer, LinkageMover):
+    finer = simulator_of(case.measurement, case.engine, _FINER)
+    if isinstance(finer, LinkageSimulator):
         found += linkage_engine_checks(finer)
     else:
         found += convention_checks.body_engine_checks(finer.engine, finer.declared)
@@ -140,7 +140,7 @@ def without_armature(model: MechanismModel) -> MechanismModel:
     return replace(model, tree=tree)
 
 
-def _joint_step_trap(case: Case, problem: MechanismProblem) -> ConventionCheck:
+def _joint_step_check(case: Case, problem: MechanismProblem) -> ConventionCheck:
     """Our own roll-outs at steps four times smaller, against the readings' noise, over one second."""
     applied = apply_terms(problem.declared, ())
     trial = next(t for t in case.measurement.trials if t.id in case.trials.train)

@@ -1,4 +1,7 @@
-"""From a measurement to a report: show the gap, name its causes, extend the model, measure the gain."""
+"""From a problem and its split into trials to a report: baseline error, selected effects, verdict, held-out gains.
+
+Start here to read the sim gap: `find_effects` calls every step of the pipeline once.
+"""
 
 from __future__ import annotations
 
@@ -24,12 +27,12 @@ from simgap.baselines.all_effects import all_effects_losses
 from simgap.baselines.residual_regression import corrected
 from simgap.inference.agreement import agrees
 from simgap.inference.candidate_fit import Map
-from simgap.inference.fit import spread
+from simgap.inference.fit import robust_scale
 from simgap.inference.forward_selection import MOST_EFFECTS, Selection, select
 from simgap.inference.losses import Comparison, compare, trial_losses
 from simgap.inference.verdict import judge
 from simgap.inference.verdict_text import NAMED
-from simgap.problem import LongHorizonProblem, Model, Problem, Timed, View, around
+from simgap.problem import InputTimingProblem, LongHorizonProblem, Model, Problem, View, with_initial_states_at
 from simgap.recording.train_test_split import Trials
 from simgap.sanity.input_pairing import other_inputs_check, pairing_check
 
@@ -37,7 +40,7 @@ _NOISE_LOSS = 1.3  # mean loss, in typical errors, of noise that grows along a r
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """The report, the extension, and the selection behind them (for pictures)."""
 
     report: GapReport
@@ -55,7 +58,7 @@ def find_effects(
     localisation: tuple[Localisation, ...] = (),
     each: Map | None = None,
     quick: bool = False,
-) -> Found:
+) -> SearchResult:
     """What `mana gap find` reports; `measurement` is its content hash. Deterministic: wall time is 0 here.
 
     `quick` leaves out the baseline with all effects at once.
@@ -63,13 +66,13 @@ def find_effects(
     others = other_inputs_check(problem, search_view(problem))
     mixed_up = others is not None and others.status == "suspect"
     selection = select(problem, trials, search_view(problem), each, 0 if mixed_up else MOST_EFFECTS)
-    last = around(problem, selection.final.model)
+    last = with_initial_states_at(problem, selection.final.model)
     box = _black_box(last, selection, trials)
     leftover = compare(selection.final_losses, box)
     pairing = pairing_check(last, selection.final.model, trials.train, search_view(problem))
     doubts = [trap for trap in (others, pairing) if trap is not None]
-    timing = last.timing() if isinstance(last, Timed) else None
-    traps = (*traps, *doubts, *([timing] if timing else []))
+    timing_check = last.timing_check() if isinstance(last, InputTimingProblem) else None
+    traps = (*traps, *doubts, *([timing_check] if timing_check else []))
     strange = any(trap.status == "suspect" for trap in doubts)
     short = _gain(last, selection, trials, "short_horizon", horizon_s)
     gains = (short, _gain(last, selection, trials, "full_rollout", 0.0))
@@ -96,18 +99,18 @@ def find_effects(
             *(() if quick else (_all_effects(problem, selection, trials),)),
             Rival(name="black_box", heldout=float(box.mean())),
         ),
-        ladder=_ladder(last, selection, trials),
+        ladder=_ablation(last, selection, trials),
     )
-    return Found(report, extension, selection)
+    return SearchResult(report, extension, selection)
 
 
 def search_view(problem: Problem) -> View:
-    """The roll-outs on which effects are chosen."""
+    """The view whose roll-outs decide which effects are accepted."""
     return problem.search_view if isinstance(problem, LongHorizonProblem) else "short_horizon"
 
 
 def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
-    seen = around(problem, selection.null.model)
+    seen = with_initial_states_at(problem, selection.null.model)
     losses = all_effects_losses(seen, selection.null.model, trials, search_view(problem), selection.scale)
     return Rival(name="all_effects", heldout=float(losses.mean()))
 
@@ -122,14 +125,14 @@ def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatA
 
 
 def _in_tails(problem: Problem, selection: Selection, trials: Trials) -> float:
-    """Share of the final model's held-out loss that lies in tails longer than noise has; 0 where bodies touch.
+    """Share of the final model's held-out loss that lies in tails longer than those of noise; 0 with contacts.
 
-    Contacts make roll-outs part ways for no cause: there a model that is right has long tails, too.
+    Contacts make even correct roll-outs diverge: there, long tails are no evidence.
     """
     if not isinstance(problem, LongHorizonProblem):
         return 0.0
     model, view = selection.final.model, search_view(problem)
-    level = spread(problem, model, trials.train, view)
+    level = robust_scale(problem, model, trials.train, view)
     loss = float(trial_losses(problem.residuals(model, trials.test, view), level).mean())
     return max(0.0, 1.0 - _NOISE_LOSS / max(loss, 1e-12))
 
@@ -178,7 +181,7 @@ def _gain(
     )
 
 
-def _ladder(problem: Problem, selection: Selection, trials: Trials) -> tuple[Rival, ...]:
+def _ablation(problem: Problem, selection: Selection, trials: Trials) -> tuple[Rival, ...]:
     """Held-out rms error in noise levels: declared, null refit, each accepted effect added, noise."""
     floor = problem.noise_floor(trials.test, "short_horizon")
 
@@ -192,7 +195,7 @@ def _ladder(problem: Problem, selection: Selection, trials: Trials) -> tuple[Riv
     steps = [step("declared", ()), step("null_refit", selection.null.model)]
     for k in range(1, len(accepted) + 1):
         kept = tuple(t for t in final if t.candidate.key not in accepted[k:])
-        found = selection.accepted[k - 1].trial.candidate
+        found = selection.accepted[k - 1].candidate_fit.candidate
         steps.append(step(f"{found.effect.name} at {found.where}", kept))
     return (*steps, Rival(name="noise_floor", heldout=1.0))
 
@@ -200,9 +203,9 @@ def _ladder(problem: Problem, selection: Selection, trials: Trials) -> tuple[Riv
 def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
     """All candidates of the first round, and those of later rounds that were accepted there; best first."""
     rows = []
-    for number, this in enumerate(selection.rounds):
+    for number, this in enumerate(selection.screenings):
         accepted = {a.key for a in selection.accepted[number : number + 1]}
-        for trial, p in zip(this.tried, this.p_adjusted, strict=True):
+        for trial, p in zip(this.fits, this.p_adjusted, strict=True):
             if number > 0 and trial.candidate.key not in accepted:
                 continue
             units = {q.name: q.unit for q in trial.candidate.effect.parameters}

@@ -1,4 +1,7 @@
-"""What the statistics of `simgap` ask of one kind of measurement; nothing in them knows joints, bodies or engines."""
+"""The interface between statistics and kinds of measurement: candidates, residuals, direct estimates, noise.
+
+`simgap.inference` works on a `Problem` alone; each folder of `simgap.kinds` implements one. All quantities are SI.
+"""
 
 from __future__ import annotations
 
@@ -18,14 +21,14 @@ class Candidate:
     """An effect at a place in one measurement; all keys are parameter names.
 
     null      values without effect: the effect's own, or what the subject declares (a declared friction, a mass).
-    start     where to begin the search.
-    bounds    plausible values here, within the effect's own.
-    nuisance  part of the null model: a declared number within its tolerance, never named.
-    shapes    parameters that mean nothing while the effect is absent: where on the range it acts, not how strongly.
-    probes   further values to try first, where no descent finds the way: thresholds, felt only where they are.
-    reached   how far motion went beyond a threshold at most, by parameter: its law there is a guess.
-    told      half width to which a route without simulator surely knows what it set bounds of: a fit's at their ends.
-    step      share of a range over which slopes are read: more where roll-outs answer in small jumps, as contacts do.
+    start     initial values of a fit.
+    bounds    plausible values in this measurement, within the effect's own.
+    nuisance  the candidate is a declared number within its tolerance: part of the null model, never named.
+    shapes    parameters without meaning while the effect is absent: where on a range it acts, not how strongly.
+    extra_starts        further initial values, for thresholds: a gradient vanishes away from them.
+    max_excursion       largest motion beyond a threshold, by parameter; the force law out there is a guess.
+    direct_half_width   half width of the direct estimate that set the bounds; used when a fit ends on a bound.
+    step      share of a range over which slopes are differenced: larger where contacts make roll-outs jump.
     """
 
     effect: Effect
@@ -36,18 +39,18 @@ class Candidate:
     nuisance: bool = False
     shapes: tuple[str, ...] = ()
     extra_starts: tuple[dict[str, float], ...] = ()
-    reached: dict[str, float] = field(default_factory=dict)
-    told: dict[str, float] = field(default_factory=dict)
+    max_excursion: dict[str, float] = field(default_factory=dict)
+    direct_half_width: dict[str, float] = field(default_factory=dict)
     step: float = 2e-3
 
     @property
     def key(self) -> str:
-        """Name and place as one word; a nuisance never shares that of a named effect."""
+        """Name and place as one word; the keys of nuisances and of named effects differ."""
         return f"{'nuisance:' if self.nuisance else ''}{self.effect.name}@{self.where}"
 
     @property
     def strengths(self) -> tuple[str, ...]:
-        """Parameters that are no shapes: at their null values nothing is there."""
+        """Parameters other than shapes: at their null values the effect is absent."""
         return tuple(n for n in self.null if n not in self.shapes)
 
 
@@ -64,11 +67,11 @@ Model = tuple[Term, ...]  # The declared model is the empty tuple.
 
 @dataclass(frozen=True)
 class DirectEstimate:
-    """A simulator-free estimate of a candidate's parameters, from trials taken as independent clusters.
+    """An estimate of a candidate's parameters without a simulator, from trials taken as independent clusters.
 
-    values, standard_errors   per parameter; `p_value` of "no effect" over trials; `trials` that could be used.
-    held_out   loss of each trial under what the others teach, where the route has one; comparable between candidates.
-    apart      what each says by itself where several readings of the motion tell the same number.
+    values, standard_errors   by parameter; `p_value` of "no effect" over `trials` usable trials.
+    held_out            (t,) cross-validated loss per trial, comparable between candidates; None where there is none.
+    separate_readings   one estimate per reading, where several readings of the motion give the same number.
     """
 
     values: dict[str, float]
@@ -76,15 +79,15 @@ class DirectEstimate:
     p_value: float
     trials: int
     held_out: FloatArray | None = None
-    apart: tuple[DirectEstimate, ...] = ()
+    separate_readings: tuple[DirectEstimate, ...] = ()
 
 
 @runtime_checkable
 class LongHorizonProblem(Protocol):
-    """A problem whose roll-outs stay near the truth for long: its effects are chosen on long horizons.
+    """A problem without contacts: its effects are chosen on long horizons, with initial states left free.
 
-    Contacts make long roll-outs part ways for no cause; where there are none, what a cause does grows with time, and a
-    start may be left free.
+    Contacts make long roll-outs diverge even under a correct model. Without them, the trace of a missing effect grows
+    with time.
     """
 
     @property
@@ -92,16 +95,16 @@ class LongHorizonProblem(Protocol):
         """The view in which effects are chosen; `short_horizon` for all other problems."""
         ...
 
-    def around(self, model: Model) -> Problem:
-        """The same problem, with what starts do to its roll-outs taken at `model`.
+    def with_initial_states_at(self, model: Model) -> Problem:
+        """The same problem with free initial states linearised at `model`.
 
-        Asked of a problem that is around a model already, all else stays as it was found there.
+        A problem that was linearised at another model keeps all else, such as its input timing.
         """
         ...
 
 
 class Problem(Protocol):
-    """A measurement of one kind with its simulator. Every method is a pure function of its arguments."""
+    """A measurement of one kind with its simulator. The value of a method depends on its arguments alone."""
 
     @property
     def trial_ids(self) -> tuple[str, ...]:
@@ -109,11 +112,11 @@ class Problem(Protocol):
         ...
 
     def candidates(self) -> tuple[Candidate, ...]:
-        """Every effect that this kind of measurement could reveal, at every place, in library order."""
+        """Every effect that this measurement could reveal, at every place, in library order."""
         ...
 
     def nuisances(self) -> tuple[Candidate, ...]:
-        """What the null model may refit: declared numbers within their tolerance, never a named effect."""
+        """Declared numbers that the null model refits within their tolerance; never a named effect."""
         ...
 
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
@@ -133,23 +136,23 @@ class Problem(Protocol):
         ...
 
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
-        """The candidate's parameters without a simulator, given the terms already accepted; None where no route is."""
+        """The candidate's parameters without a simulator, beside the accepted terms `model`; None without a method."""
         ...
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
-        """(c,) rms residual (SI) that noise in the initial state and the readings alone would leave."""
+        """(c,) rms residual (SI) that noise of initial states and readings alone leaves."""
         ...
 
 
 @runtime_checkable
-class Timed(Protocol):
-    """A problem that finds out when its inputs act."""
+class InputTimingProblem(Protocol):
+    """A problem that infers from motion when its inputs act."""
 
-    def timing(self) -> ConventionCheck | None:
-        """What it found; None where stamps are even, or nothing else would do."""
+    def timing_check(self) -> ConventionCheck | None:
+        """The inferred timing as a check; None where stamps are even or leave no alternative open."""
         ...
 
 
-def around(problem: Problem, model: Model) -> Problem:
-    """The problem as seen from `model`: where starts are free, what they do is taken there."""
-    return problem.around(model) if isinstance(problem, LongHorizonProblem) else problem
+def with_initial_states_at(problem: Problem, model: Model) -> Problem:
+    """The problem with its free initial states, if it has any, linearised at `model`."""
+    return problem.with_initial_states_at(model) if isinstance(problem, LongHorizonProblem) else problem

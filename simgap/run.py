@@ -17,9 +17,9 @@ from jobs.cache import content_key, write_atomically
 from jobs.versions import code_hash, library_versions
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity
 from schemas.gap import GapReport
-from simgap.case import Case, case_of, traps_of
+from simgap.case import Case, case_of, convention_checks_of
 from simgap.extension.extension import terms_of
-from simgap.find_gap import Found, find_effects
+from simgap.find_gap import SearchResult, find_effects
 from simgap.inference.candidate_fit import CandidateFit, Map
 from simgap.kinds.event_problem import EventProblem
 from simgap.kinds.mechanism.problem import MechanismProblem
@@ -39,7 +39,7 @@ _MOST_REPLAYED = 12  # held-out trials among which the most telling one is looke
 
 
 class Tick(Protocol):
-    """Hears what is being done, and how much of how much is done where that is known."""
+    """A callback for progress: the current step, and the finished and total items where these are known."""
 
     def __call__(self, words: str, done: int = 0, total: int | None = None) -> None:
         """Called whenever something begins or ends."""
@@ -100,7 +100,7 @@ def search(
         return GapReport.model_validate_json((out / REPORT).read_bytes())
     case = case_of(measurement, engine)
     tick("checking the simulator's conventions")
-    traps = store.part("traps", lambda: traps_of(case, findings))
+    traps = store.part("traps", lambda: convention_checks_of(case, findings))
     tick("localising the error")
     ids = (*case.trials.train, *case.trials.test)
     where = store.part("localise", lambda: localise_error(case.problem, (), ids, case.joints))
@@ -141,7 +141,7 @@ def _target(measurement: Measurement) -> dict[str, str]:
     return {key: path for key, path in given.items() if path is not None}
 
 
-def _pictures(case: Case, found: Found) -> dict[str, bytes]:
+def _pictures(case: Case, found: SearchResult) -> dict[str, bytes]:
     """PNG files by name."""
     problem, final = case.problem, found.selection.final.model
     if isinstance(problem, EventProblem):
@@ -162,7 +162,7 @@ def _pictures(case: Case, found: Found) -> dict[str, bytes]:
         "ladder.png": ladder(found.report.ladder),
     }
     if found.selection.accepted and isinstance(problem, MechanismProblem):
-        best = found.selection.accepted[0].trial.candidate
+        best = found.selection.accepted[0].candidate_fit.candidate
         ids = (*case.trials.train, *case.trials.test)
         picture = unexplained(problem, case.measurement, final, best.effect.name, best.where, ids)
         drawn |= {"unexplained.png": picture} if picture else {}
@@ -170,9 +170,9 @@ def _pictures(case: Case, found: Found) -> dict[str, bytes]:
 
 
 def _each(jobs: int, tick: Tick, store: ResultStore) -> Map:
-    """Candidates one after another, or in forked processes that inherit the problem; order and results are the same.
+    """Fits candidates one after another, or in forked processes that inherit the problem, with equal order and results.
 
-    Each is stored as soon as it is done. Calls are report_candidate apart by their number: equal keys make equal calls.
+    Each result is stored as soon as it is done, under the number of the call: equal keys make equal calls.
     """
     calls = count()
 

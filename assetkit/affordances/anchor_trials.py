@@ -20,7 +20,7 @@ from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, measured
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
-from sim.port import ProbesAtEnd, Simulator, natural_time_s
+from sim.port import ProbeResult, Simulator, natural_time_s
 
 # Edge of a box as a share of the diagonal of the object, of the disc that fits the surface, and of its clearance; it is
 # half as high and released half an edge above.
@@ -58,7 +58,7 @@ def verify_anchors(
     first = 0
     for anchor, of_anchor in zip(proposed, probes, strict=True):
         part = slice(first, first + len(of_anchor))
-        end = ProbesAtEnd(ended.centres_m[part], ended.lowest_m[part], ended.speeds_mps[part])
+        end = ProbeResult(ended.centres_m[part], ended.lowest_m[part], ended.speeds_mps[part])
         stays = _stays(anchor, end, size)
         first += len(of_anchor)
         share, count = float(stays.mean()), f"{int(stays.sum())} of {len(stays)} probes"
@@ -99,7 +99,7 @@ def _balls(volume: ContainmentVolume) -> list[CollisionShape]:
     ]
 
 
-def _stays(anchor: Anchor, end: ProbesAtEnd, size: float) -> FloatArray:
+def _stays(anchor: Anchor, end: ProbeResult, size: float) -> FloatArray:
     """(k,) whether each probe ended on or in the anchor, and slow."""
     off = OFF_SHARE * size
     x, y, z = anchor.position_m

@@ -13,13 +13,13 @@ from sim.dynamics.hooks import (
     Hook,
     JointFriction,
     JointTorque,
-    Numbers,
+    ModelChange,
     SensorMap,
 )
 from sim.effects.library import EFFECTS
 
 _ACTS: tuple[tuple[type[Hook], str], ...] = (
-    (Numbers, "changes a number of the model before the first step"),
+    (ModelChange, "changes a number of the model before the first step"),
     (CommandMap, "changes commands and efforts on their way to the drive"),
     (EffortMap, "changes the drive's effort in each step"),
     (JointTorque, "adds a force or torque to the joint in each step"),

@@ -9,7 +9,7 @@ import numpy as np
 
 from runtime_plan import Plan, Samples
 from runtime_plan.bodies import PhysicalBody, physical_body
-from runtime_plan.materials import is_paired, wearing
+from runtime_plan.materials import is_paired, with_material
 from runtime_plan.samples_file import sampled_lighting
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.scene.compiled import CompiledScene, Point3, Quat_wxyz
@@ -56,7 +56,7 @@ class Layers:
         if material < 0:
             return SampleEdit(name, at, quat, package)
         own, worn = self._physical(body), self._plan.document.materials[material]
-        dressed = wearing(own.body, own.density_kgm3, worn)
+        dressed = with_material(own.body, own.density_kgm3, worn)
         density_factor = dressed.mass.mass_kg / own.body.mass.mass_kg if at is not None else 1.0
         return SampleEdit(name, at, quat, package, worn, dressed.contact if is_paired(worn) else None, density_factor)
 

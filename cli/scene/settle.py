@@ -13,7 +13,7 @@ from jobs.cache import write_atomically
 from jobs.cell import Limits
 from jobs.warm import run_module
 from schemas.scene.compiled import Settling
-from sim.port import Standing
+from sim.port import PlacedBody
 from usdio.reread.scene import reread_scene
 
 DURATION_S = 1.0  # A thing that loses its support falls 5 mm in 32 ms; what tips over takes longer to start.
@@ -39,7 +39,7 @@ def settled(scene_usda: Path, duration_s: float = DURATION_S) -> tuple[Settling,
     from sim.bullet.scene import settle_scene  # PyBullet prints when it is imported.
 
     bodies = reread_scene(scene_usda)
-    ends = settle_scene([Standing(b.body, b.X_WA, b.moves) for b in bodies], duration_s)
+    ends = settle_scene([PlacedBody(b.body, b.X_WA, b.moves) for b in bodies], duration_s)
     rows = []
     for body, X_WA in zip(bodies, ends, strict=True):
         if body.moves:

@@ -13,10 +13,10 @@ from replay.verification.inserted_bodies import InsertedBody
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape, MassProperties, RigidBody
 from schemas.replay import Moved
-from sim.port import Standing
+from sim.port import PlacedBody
 from usdio.write.primitive import CONTACT
 
-Settle = Callable[[Sequence[Standing], float], FloatArray]  # `sim.bullet.scene.settle_scene`, chosen by cli
+Settle = Callable[[Sequence[PlacedBody], float], FloatArray]  # `sim.bullet.scene.settle_scene`, chosen by cli
 DURATION_S = 1.0
 MOST_MOVED_M, MOST_TURNED_DEG = 0.002, 2.0
 _NO_MASS = MassProperties(1.0, np.zeros(3), np.eye(3))  # What does not move needs none.
@@ -26,8 +26,8 @@ def moved_when_let_go(episode: Episode, inserted: Sequence[InsertedBody], settle
     """One row for each inserted object: let go among the fixtures and the recorded objects at their first pose."""
     stood = [(fixture.shapes, fixture.X_WB) for fixture in episode.fixtures]
     stood += [(body.shapes, body.X_WB[0]) for body in episode.objects]
-    things = [Standing(_fixed(shapes), X_WB, moves=False) for shapes, X_WB in stood if shapes]
-    things += [Standing(one.body, one.X_WA, moves=True) for one in inserted]
+    things = [PlacedBody(_fixed(shapes), X_WB, moves=False) for shapes, X_WB in stood if shapes]
+    things += [PlacedBody(one.body, one.X_WA, moves=True) for one in inserted]
     ends = settle(things, DURATION_S)[len(things) - len(inserted) :]
     return tuple(_moved(one, X_WA) for one, X_WA in zip(inserted, ends, strict=True))
 

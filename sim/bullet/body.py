@@ -1,7 +1,7 @@
-"""PyBullet behind `sim.dynamics.body_rollout.BodyReplay`; the engine's traps are listed in `sim.bullet.simulator`.
+"""Roll-outs of a free body in PyBullet (`BodyRollout`); `sim.bullet.simulator` lists the engine's traps.
 
-The support is a plane turned to lie under the given normal. Between windows the body is parked far away for one step,
-which empties the contact caches, so that no window knows the one before.
+The support is a plane along the given normal. Between windows the body is parked far away for one step, which empties
+the contact caches, so that no window depends on the one before.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from sim.bullet.shapes import PARKED_M
 from sim.bullet.windows import (
     HOLD_S,
     WindowsClient,
-    contact_numbers,
+    contact_parameters,
     empty_world,
-    last_sound,
-    motion_of,
-    starts_of,
+    hold_last_valid,
+    measured_motion,
+    start_states,
     steps_for,
 )
-from sim.bullet.world import loose_body
+from sim.bullet.world import dynamic_body
 from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyWindows
 from sim.dynamics.hooks import BodyState, BodyWrench, Params
 
 
-class BulletBodyReplay(WindowsClient):
+class BulletBodyRollout(WindowsClient):
     """One private DIRECT client; close it, or use it as a context manager."""
 
     _loaded: tuple[BodyModel, float] | None = None
@@ -41,13 +41,13 @@ class BulletBodyReplay(WindowsClient):
         wrenches: Sequence[tuple[BodyWrench, Params]] = (),
         finer: float = 1.0,
     ) -> BodyMotion:
-        """See `sim.dynamics.body_rollout.BodyReplay`."""
+        """See `sim.dynamics.body_rollout.BodyRollout`."""
         if self._loaded is None or model is not self._loaded[0] or finer != self._loaded[1]:
             self._largest_step_s = self._usual_step_s / finer
             self._load(model)
             self._loaded = model, finer
         worlds, stamps = windows.t_s.shape
-        starts = starts_of(windows, self._X_BI)
+        starts = start_states(windows, self._X_BI)
         spans = windows.t_s[:, 1:2] - windows.t_s[:, :1]
         # The engine moves a body by its speed at the end of a step; from half a step earlier its fall is exact.
         half_step = 0.5 * model.gravity_W * (spans / steps_for(spans, self._largest_step_s))
@@ -61,19 +61,19 @@ class BulletBodyReplay(WindowsClient):
                 self._advance(model, span, float(windows.t_s[w, k - 1]), wrenches)
                 out[w, k] = self._row()
         out[:, :, 7:10] += half_step[:, None]
-        return motion_of(last_sound(out), self._X_BI)
+        return measured_motion(hold_last_valid(out), self._X_BI)
 
     def _load(self, model: BodyModel) -> None:
-        """An empty world with the body and the support, with the model's numbers."""
+        """Build an empty world with the body and the support, with the model's parameters."""
         client = self._client
         empty_world(model, self._largest_step_s, client)
         mass = MassProperties(model.mass_kg, model.com_B, model.inertia_B)
-        loose = loose_body(model.shapes, mass, 1.0, client)
-        self._handle, self._X_BI = loose.handle, loose.X_AI
-        pybullet.changeDynamics(self._handle, -1, **contact_numbers(model), physicsClientId=client)
+        dynamic = dynamic_body(model.shapes, mass, 1.0, client)
+        self._handle, self._X_BI = dynamic.handle, dynamic.X_AI
+        pybullet.changeDynamics(self._handle, -1, **contact_parameters(model), physicsClientId=client)
 
     def _start(self, row: FloatArray) -> None:
-        """Park for one step, then place the body and give it its speed."""
+        """Park for one step, then place the body and set its velocity."""
         at, quat_xyzw, v_W, w_W = row[:3].tolist(), row[3:7].tolist(), row[7:10].tolist(), row[10:].tolist()
         self._place([0.0, 0.0, PARKED_M], quat_xyzw, [0.0] * 3, [0.0] * 3)
         pybullet.setTimeStep(self._largest_step_s, physicsClientId=self._client)
@@ -104,7 +104,7 @@ class BulletBodyReplay(WindowsClient):
             pybullet.setGravity(*model.gravity_W.tolist(), physicsClientId=self._client)
 
     def _pull(self, model: BodyModel, t_s: float, wrenches: Sequence[tuple[BodyWrench, Params]]) -> list[float] | None:
-        """Lets the sum of the forces pull like gravity, as they act on the mass centre; the torques' sum, if any."""
+        """Apply the summed forces as gravity, since they act on the mass centre; returns the summed torques, if any."""
         at, (x, y, z, w) = pybullet.getBasePositionAndOrientation(self._handle, physicsClientId=self._client)
         v_W, w_W = pybullet.getBaseVelocity(self._handle, physicsClientId=self._client)
         state = BodyState(*(np.array([row]) for row in ((t_s,), at, (w, x, y, z), v_W, w_W)))

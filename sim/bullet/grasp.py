@@ -1,7 +1,7 @@
-"""A parallel-jaw gripper in PyBullet: close on a body, lift, hold, shake, release.
+"""Simulate a grasp with a parallel-jaw gripper in PyBullet: close on a body, lift, hold, shake, release.
 
-The hand hangs on three prismatic joints along the world axes, so that its motion is prescribed and its contacts are
-not; two fingers slide in it, coupled by a gear, for without it both drift to one side with the body between them.
+The hand is mounted on three prismatic joints along the world axes, so that its motion is prescribed and its contacts
+are not; two fingers slide in it, coupled by a gear, for without it both drift to one side with the body between them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from geom.convex.support_function import diagonal
 from geom.grasp.gripper import boxes
 from schemas.model import FloatArray
 from schemas.physics import RigidBody
-from sim.bullet.world import loose_body, private_client, scaled
+from sim.bullet.world import dynamic_body, private_client, scaled
 from sim.port import GRAVITY_MPS2, GraspOutcome, GraspTask, model_scale
 
 STEP_S = 1.0 / 240.0
@@ -25,7 +25,7 @@ REST_S, CLOSED_S, LIFTED_S, HELD_S, SHAKEN_S, RELEASED_S = 0.05, 0.35, 1.15, 2.1
 LIFT_M, DROP_M = 0.3, 0.1
 SHAKE_HZ, SHAKE_M = 2.0, 0.01
 CLOSING_MPS = 0.05
-STRONG = 100.0  # times the weight of hand and body: what moves the hand
+HAND_FORCE_FACTOR = 100.0  # times the weight of hand and body: force limit of the joints that move the hand
 LINK_KG = 0.5
 _X, _Y, _Z, _HAND, _LEFT, _RIGHT = range(6)
 
@@ -42,7 +42,7 @@ class _Trial:
     def __init__(self, client: int, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> None:
         self._client, self._task, self._steps = client, task, 0
         self._scale = model_scale(diagonal(body.shapes))
-        self._pace = math.sqrt(self._scale)
+        self._time_scale = math.sqrt(self._scale)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=STEP_S,
             numSolverIterations=60,
@@ -53,7 +53,7 @@ class _Trial:
         pybullet.setGravity(0.0, 0.0, -GRAVITY_MPS2, physicsClientId=client)
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
         pybullet.createMultiBody(0, plane, useMaximalCoordinates=1, physicsClientId=client)
-        self._body = self._stand(body, X_WA)
+        self._body = self._place_body(body, X_WA)
         X_WG = X_WA @ task.X_AG
         self._hand = self._build_gripper(X_WG)
         self._weight_n = (body.mass.mass_kg * self._scale**3 + 6.0 * LINK_KG) * GRAVITY_MPS2
@@ -61,17 +61,17 @@ class _Trial:
 
     def run(self) -> GraspOutcome:
         """The whole motion; it ends early when the body has fallen."""
-        self._until(REST_S, 0.0)
-        self._until(CLOSED_S, 1.0)
+        self._step_until(REST_S, 0.0)
+        self._step_until(CLOSED_S, 1.0)
         closed = self._in_gripper()
         height_m = self._height()
         for end_s in (LIFTED_S, HELD_S, SHAKEN_S):
-            self._until(end_s, 1.0)
+            self._step_until(end_s, 1.0)
             if not self._is_up(height_m):
                 return GraspOutcome(held=False, released=False, slip_m=math.inf)
         slip_m = float(np.linalg.norm(self._in_gripper() - closed)) / self._scale
         before_m = self._height()
-        self._until(RELEASED_S, -1.0)
+        self._step_until(RELEASED_S, -1.0)
         return GraspOutcome(held=True, released=before_m - self._height() > DROP_M * self._scale, slip_m=slip_m)
 
     def _is_up(self, from_m: float) -> bool:
@@ -82,7 +82,7 @@ class _Trial:
             for link in (_LEFT, _RIGHT)
         )
 
-    def _until(self, end_s: float, closing: float) -> None:
+    def _step_until(self, end_s: float, closing: float) -> None:
         """Step to a moment; the fingers close (1), stay (0) or open (-1)."""
         client, joint = self._client, pybullet.setJointMotorControl2
         force = self._task.force_n * self._scale**3
@@ -91,20 +91,20 @@ class _Trial:
                 self._hand,
                 finger,
                 pybullet.VELOCITY_CONTROL,
-                targetVelocity=closing * CLOSING_MPS * self._pace,
-                force=force + STRONG * self._weight_n * (closing <= 0.0),
+                targetVelocity=closing * CLOSING_MPS * self._time_scale,
+                force=force + HAND_FORCE_FACTOR * self._weight_n * (closing <= 0.0),
                 physicsClientId=client,
             )
-        while self._steps * STEP_S < end_s * self._pace - 1e-9:
+        while self._steps * STEP_S < end_s * self._time_scale - 1e-9:
             self._steps += 1
-            place, moving = _hand_at(self._steps * STEP_S / self._pace)
+            place, moving = _hand_at(self._steps * STEP_S / self._time_scale)
             pybullet.setJointMotorControlArray(
                 self._hand,
                 [_X, _Y, _Z],
                 pybullet.POSITION_CONTROL,
                 targetPositions=(place * self._scale).tolist(),
-                targetVelocities=(moving * self._pace).tolist(),
-                forces=[STRONG * self._weight_n] * 3,
+                targetVelocities=(moving * self._time_scale).tolist(),
+                forces=[HAND_FORCE_FACTOR * self._weight_n] * 3,
                 positionGains=[0.3] * 3,
                 velocityGains=[1.0] * 3,
                 physicsClientId=client,
@@ -112,7 +112,7 @@ class _Trial:
             pybullet.stepSimulation(physicsClientId=client)
 
     def _height(self) -> float:
-        """Of the mass centre, model metres; NaN compares as fallen."""
+        """Height of the mass centre, model metres; NaN compares as fallen."""
         return pybullet.getBasePositionAndOrientation(self._body, physicsClientId=self._client)[0][2]
 
     def _in_gripper(self) -> FloatArray:
@@ -121,14 +121,16 @@ class _Trial:
         hand = pybullet.getLinkState(self._hand, _HAND, physicsClientId=self._client)[0]
         return (np.array(where) - np.array(hand)) @ self._R_WG
 
-    def _stand(self, body: RigidBody, X_WA: FloatArray) -> int:
+    def _place_body(self, body: RigidBody, X_WA: FloatArray) -> int:
         client, scale = self._client, self._scale
-        loose = loose_body(body.shapes, body.mass, scale, client)
-        pybullet.changeDynamics(loose.handle, -1, lateralFriction=self._task.friction, physicsClientId=client)
-        X_WI = scaled(X_WA, scale) @ loose.X_AI
+        dynamic = dynamic_body(body.shapes, body.mass, scale, client)
+        pybullet.changeDynamics(dynamic.handle, -1, lateralFriction=self._task.friction, physicsClientId=client)
+        X_WI = scaled(X_WA, scale) @ dynamic.X_AI
         quat_xyzw = pose.to_xyzw(pose.quat_of(X_WI[:3, :3])).tolist()
-        pybullet.resetBasePositionAndOrientation(loose.handle, X_WI[:3, 3].tolist(), quat_xyzw, physicsClientId=client)
-        return loose.handle
+        pybullet.resetBasePositionAndOrientation(
+            dynamic.handle, X_WI[:3, 3].tolist(), quat_xyzw, physicsClientId=client
+        )
+        return dynamic.handle
 
     def _build_gripper(self, X_WG: FloatArray) -> int:
         """Base at the grip centre; links: three slides along the world axes, hand, left and right finger."""

@@ -1,5 +1,4 @@
-"""PyBullet behind `sim.dynamics.linkage_rollout.LinkageReplay`; the engine's traps are listed in
-`sim.bullet.simulator`.
+"""Roll-outs of a free body with joints in PyBullet (`LinkageRollout`); `sim.bullet.simulator` lists the engine's traps.
 
 Windows, steps, support and contacts are those of `sim.bullet.body`; here the body is one of the engine's multi-bodies
 (reduced coordinates), whose joints are free unless laws act on them.
@@ -23,11 +22,11 @@ from sim.bullet.shapes import PARKED_M, clear_margins, compound
 from sim.bullet.windows import (
     HOLD_S,
     WindowsClient,
-    contact_numbers,
+    contact_parameters,
     empty_world,
-    last_sound,
-    motion_of,
-    starts_of,
+    hold_last_valid,
+    measured_motion,
+    start_states,
     steps_for,
 )
 from sim.dynamics.body_rollout import BodyMotion
@@ -39,7 +38,7 @@ _LARGEST_RATE = 1e4
 _STATE = 13  # columns of the base before those of the joints
 
 
-class BulletLinkageReplay(WindowsClient):
+class BulletLinkageRollout(WindowsClient):
     """One private DIRECT client; close it, or use it as a context manager."""
 
     _loaded: tuple[LinkageModel, float] | None = None
@@ -52,14 +51,14 @@ class BulletLinkageReplay(WindowsClient):
         laws: Sequence[Law] = (),
         finer: float = 1.0,
     ) -> LinkageMotion:
-        """See `sim.dynamics.linkage_rollout.LinkageReplay`."""
+        """See `sim.dynamics.linkage_rollout.LinkageRollout`."""
         if self._loaded is None or model is not self._loaded[0] or finer != self._loaded[1]:
             self._largest_step_s = self._usual_step_s / finer
             self._load(model)
             self._loaded = model, finer
         t_s, joints = windows.base.t_s, len(model.joints.tree)
         worlds, stamps = t_s.shape
-        starts = starts_of(windows.base, self._X_BI)
+        starts = start_states(windows.base, self._X_BI)
         # The engine moves bodies by their speed at the end of a step; from half a step earlier a fall is exact.
         spans = t_s[:, 1:2] - t_s[:, :1]
         half_step = 0.5 * model.base.gravity_W * (spans / steps_for(spans, self._largest_step_s))
@@ -73,12 +72,12 @@ class BulletLinkageReplay(WindowsClient):
                 self._advance(model, float(t_s[w, k - 1]), float(t_s[w, k]), wrenches, laws, memory)
                 out[w, k] = self._row(joints)
         out[:, :, 7:10] += half_step[:, None]
-        out = last_sound(out)
-        base: BodyMotion = motion_of(out[:, :, :_STATE], self._X_BI)
+        out = hold_last_valid(out)
+        base: BodyMotion = measured_motion(out[:, :, :_STATE], self._X_BI)
         return LinkageMotion(base, out[:, :, _STATE : _STATE + joints], out[:, :, _STATE + joints :])
 
     def _load(self, model: LinkageModel) -> None:
-        """An empty world with the linkage and the support, with the model's numbers."""
+        """Build an empty world with the linkage and the support, with the model's parameters."""
         client, tree = self._client, model.joints.tree
         empty_world(model.base, self._largest_step_s, client)
         frames = [_inertial_frame(model.base.com_B, model.base.inertia_B)]
@@ -121,7 +120,7 @@ class BulletLinkageReplay(WindowsClient):
                 n - 1,
                 localInertiaDiagonal=moments.tolist(),
                 jointDamping=float(model.joints.damping[n - 1]) if n else 0.0,
-                **contact_numbers(model.base),
+                **contact_parameters(model.base),
                 physicsClientId=client,
             )
         for j, link in enumerate(tree):
@@ -169,7 +168,7 @@ class BulletLinkageReplay(WindowsClient):
             return
         client, steps = self._client, int(steps_for(to_s - from_s, self._largest_step_s))
         h = (to_s - from_s) / steps
-        # Before the motors: the engine turns their limits of effort into impulses when it is told them.
+        # Before the motors: the engine turns their limits of effort into impulses when they are set.
         pybullet.setTimeStep(h, physicsClientId=client)
         held = max(1, int(HOLD_S / h))
         torque: list[float] | None = None
@@ -186,7 +185,7 @@ class BulletLinkageReplay(WindowsClient):
             pybullet.setGravity(*model.base.gravity_W.tolist(), physicsClientId=client)
 
     def _hold(self, effort: FloatArray, friction: FloatArray) -> None:
-        """Joint efforts, and the dry friction that a motor at standstill stands for."""
+        """Apply joint efforts, and dry friction as a velocity motor with target 0 and limited force."""
         for j in range(len(effort)):
             # The default gain of 0.1 would stop a tenth of the rate per step: stiction would creep.
             dry = {"targetVelocity": 0.0, "velocityGain": 1.0, "force": float(friction[j])}
@@ -194,8 +193,8 @@ class BulletLinkageReplay(WindowsClient):
                 self._handle, j, pybullet.VELOCITY_CONTROL, **dry, physicsClientId=self._client
             )
             if effort[j] != 0.0:
-                given = {"force": float(effort[j]), "physicsClientId": self._client}
-                pybullet.setJointMotorControl2(self._handle, j, pybullet.TORQUE_CONTROL, **given)
+                torque = {"force": float(effort[j]), "physicsClientId": self._client}
+                pybullet.setJointMotorControl2(self._handle, j, pybullet.TORQUE_CONTROL, **torque)
 
     def _efforts(
         self, model: LinkageModel, t_s: float, dt_s: float, laws: Sequence[Law], memory: Sequence[dict[str, FloatArray]]
@@ -204,20 +203,22 @@ class BulletLinkageReplay(WindowsClient):
         row = self._row(len(model.joints.tree))
         q, qd = np.split(row[None, _STATE:], 2, axis=1)
         effort, largest = np.zeros_like(q), np.array(model.joints.friction, dtype=float)[None]
-        for law, kept in zip(laws, memory, strict=True):
-            one = np.s_[:, law.joint : law.joint + 1]
+        for law, law_memory in zip(laws, memory, strict=True):
+            column = np.s_[:, law.joint : law.joint + 1]
             nothing = np.zeros((1, 1))
-            now = JointState(np.array([[t_s]]), q[one], qd[one], nothing, nothing, dt_s, friction=largest[one].copy())
+            now = JointState(
+                np.array([[t_s]]), q[column], qd[column], nothing, nothing, dt_s, friction=largest[column].copy()
+            )
             if isinstance(law.hook, JointTorque):
-                effort[one] += law.hook.torque(now, law.params, kept)
+                effort[column] += law.hook.torque(now, law.params, law_memory)
             elif isinstance(law.hook, JointFriction):
-                largest[one] += law.hook.limit(now, law.params, np.where(qd[one] < 0.0, -1.0, 1.0))
+                largest[column] += law.hook.limit(now, law.params, np.where(qd[column] < 0.0, -1.0, 1.0))
         return effort[0], np.maximum(largest[0], 0.0)
 
     def _pull(
         self, model: LinkageModel, t_s: float, wrenches: Sequence[tuple[BodyWrench, Params]]
     ) -> list[float] | None:
-        """Lets the forces pull all links like gravity; the torques' sum, for the base, if any."""
+        """Apply the forces on all links as gravity; returns the sum of the torques, for the base, if any."""
         row = self._row(0)
         quat_wxyz = np.roll(row[3:7], 1)
         state = BodyState(*(v[None] for v in (np.array([t_s]), row[:3], quat_wxyz, row[7:10], row[10:13])))

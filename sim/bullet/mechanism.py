@@ -1,7 +1,6 @@
-"""PyBullet as a second opinion on `sim.dynamics.mechanism.rollout`: the same mechanism as a multibody, the same
-effects.
+"""Mechanism roll-outs in PyBullet, to check those of `sim.dynamics.mechanism`: same multibody, same effects.
 
-Joint motors are off unless they stand for dry friction (a motor that asks for rest within a limit of effort is exactly
+Joint motors are off unless they model dry friction (a velocity motor with target 0 and limited effort is exactly
 that), damping is zero, effects act as efforts in each step. Slow: one world at a time.
 """
 
@@ -20,7 +19,7 @@ from geom.mass.principal_axes import principal_axes
 from schemas.model import FloatArray
 from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque
 from sim.dynamics.joint_dynamics import joint_dynamics
-from sim.dynamics.mechanism import Law, MechanismModel, Windows, asked_effort
+from sim.dynamics.mechanism import Law, MechanismModel, Windows, commanded_effort
 from sim.dynamics.tree import Link, Tree
 
 LARGEST_STEP_S = 1e-3
@@ -32,7 +31,7 @@ def rollout(
 ) -> tuple[FloatArray, FloatArray]:
     """Joint positions and rates (w, k, j) at the stamps of `windows`, as `sim.dynamics.mechanism.rollout`.
 
-    Raises ValueError for an armature inside a chain, which a rigid link cannot stand for.
+    Raises ValueError for an armature inside a chain, which no rigid link can represent.
     """
     client = pybullet.connect(pybullet.DIRECT)
     try:
@@ -40,7 +39,7 @@ def rollout(
         worlds, stamps = windows.t_s.shape
         out = np.empty((2, worlds, stamps, len(model.tree)))
         for w in range(worlds):
-            out[:, w] = _one(model, _only(windows, w), laws, body, client, largest_step_s)
+            out[:, w] = _one_world(model, _only(windows, w), laws, body, client, largest_step_s)
         return out[0], out[1]
     finally:
         pybullet.disconnect(physicsClientId=client)
@@ -48,18 +47,18 @@ def rollout(
 
 def _only(windows: Windows, w: int) -> Windows:
     """One world of all windows."""
-    one = np.s_[w : w + 1]
+    column = np.s_[w : w + 1]
     return Windows(
-        windows.t_s[one],
-        windows.q0[one],
-        windows.qd0[one],
-        None if windows.command is None else windows.command[one],
-        None if windows.effort is None else windows.effort[one],
-        {name: values[one] for name, values in windows.aux.items()},
+        windows.t_s[column],
+        windows.q0[column],
+        windows.qd0[column],
+        None if windows.command is None else windows.command[column],
+        None if windows.effort is None else windows.effort[column],
+        {name: values[column] for name, values in windows.aux.items()},
     )
 
 
-def _one(
+def _one_world(
     model: MechanismModel, windows: Windows, laws: Sequence[Law], body: int, client: int, largest_step_s: float
 ) -> FloatArray:
     """(2, k, j) positions and rates of one world."""
@@ -74,12 +73,12 @@ def _one(
         aux = {name: values[:, k, None] for name, values in windows.aux.items()}
         for s in range(steps if span > 0.0 else 0):
             h = span / steps
-            # Before the motors: the engine turns their limits of effort into impulses when it is told them.
+            # Before the motors: the engine turns their limits of effort into impulses when they are set.
             pybullet.setTimeStep(h, physicsClientId=client)
             q, qd = _state(body, joints, client)[:, None]
             t = windows.t_s[:, k, None] + s * h
-            asked = asked_effort(model.drive, windows, k, q, qd)
-            effort, largest = _efforts(model, laws, memory, JointState(t, q, qd, asked, asked, h, aux))
+            commanded = commanded_effort(model.drive, windows, k, q, qd)
+            effort, largest = _efforts(model, laws, memory, JointState(t, q, qd, commanded, commanded, h, aux))
             _drive(body, effort[0], largest[0], client)
             pybullet.stepSimulation(physicsClientId=client)
         out.append(_state(body, joints, client))
@@ -94,26 +93,28 @@ def _efforts(
     effort, largest = state.effort.copy(), np.broadcast_to(model.friction, state.q.shape).copy()
 
     def at(j: int) -> JointState:
-        one = np.s_[:, j : j + 1]
-        return JointState(state.t_s, state.q[one], state.qd[one], effort[one], load[one], state.dt_s, state.aux)
+        column = np.s_[:, j : j + 1]
+        return JointState(
+            state.t_s, state.q[column], state.qd[column], effort[column], load[column], state.dt_s, state.aux
+        )
 
-    for law, kept in zip(laws, memory, strict=True):
+    for law, law_memory in zip(laws, memory, strict=True):
         if isinstance(law.hook, EffortMap):
-            effort[:, law.joint, None] = law.hook.map(at(law.joint), law.params, kept)
+            effort[:, law.joint, None] = law.hook.map(at(law.joint), law.params, law_memory)
     passive = -model.damping * state.qd
-    for law, kept in zip(laws, memory, strict=True):
+    for law, law_memory in zip(laws, memory, strict=True):
         if isinstance(law.hook, JointTorque):
-            passive[:, law.joint, None] += law.hook.torque(at(law.joint), law.params, kept)
+            passive[:, law.joint, None] += law.hook.torque(at(law.joint), law.params, law_memory)
         elif isinstance(law.hook, JointFriction):
             direction = np.where(state.qd[:, law.joint, None] < 0.0, -1.0, 1.0)
             now = replace(at(law.joint), friction=largest[:, law.joint, None].copy())
             largest[:, law.joint, None] += law.hook.limit(now, law.params, direction)
-    # Gravity acts on the rigid links alone; the model may weigh otherwise.
+    # Gravity acts on the rigid links alone; the model may have gravity factors.
     zero = np.zeros_like(state.q)
-    weight, meant = (
+    weight, modelled_weight = (
         joint_dynamics(tree, model.gravity_W).at(state.q).bias(zero) for tree in (rigid(model.tree), model.tree)
     )
-    return effort + passive + weight - meant, np.maximum(largest, 0.0)
+    return effort + passive + weight - modelled_weight, np.maximum(largest, 0.0)
 
 
 def _drive(body: int, effort: FloatArray, largest: FloatArray, client: int) -> None:
@@ -121,8 +122,8 @@ def _drive(body: int, effort: FloatArray, largest: FloatArray, client: int) -> N
         # The default gain of 0.1 would stop a tenth of the rate per step: stiction would creep.
         friction = {"targetVelocity": 0.0, "velocityGain": 1.0, "force": float(largest[j]), "physicsClientId": client}
         pybullet.setJointMotorControl2(body, j, pybullet.VELOCITY_CONTROL, **friction)
-        given = {"force": float(effort[j]), "physicsClientId": client}
-        pybullet.setJointMotorControl2(body, j, pybullet.TORQUE_CONTROL, **given)
+        torque = {"force": float(effort[j]), "physicsClientId": client}
+        pybullet.setJointMotorControl2(body, j, pybullet.TORQUE_CONTROL, **torque)
 
 
 def _state(body: int, joints: Sequence[int], client: int) -> FloatArray:
@@ -152,9 +153,9 @@ def _load(model: MechanismModel, client: int) -> int:
 
 
 def rigid(tree: Tree) -> Tree:
-    """The tree without armatures and doubtful weights: an armature becomes inertia of its link.
+    """The tree without armatures and gravity factors: an armature becomes inertia of its link.
 
-    Raises ValueError for an armature inside a chain, which other joints would feel.
+    Raises ValueError for an armature inside a chain, which would act on other joints.
     """
     return tuple(_rigid(tree, i) for i in range(len(tree)))
 

@@ -1,4 +1,4 @@
-"""Loose probes over a fixed body in PyBullet: does what is set down there stay there?"""
+"""Drop loose probes over a fixed body in PyBullet, to find where things that are set down come to rest."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 from sim.bullet.shapes import clear_margins, compound
 from sim.bullet.world import private_client
-from sim.port import GRAVITY_MPS2, ProbesAtEnd
+from sim.port import GRAVITY_MPS2, ProbeResult
 
 # Everything is simulated as a model of this diagonal (Froude similarity, see `sim.port.model_scale`), so that an
 # outcome does not depend on size.
@@ -26,18 +26,18 @@ ROLLING, DAMPING = 0.02, 0.2  # lever arm as a share of the probe's size; share 
 _FIXED_GROUP, _PROBE_GROUP = 1, 2
 
 
-def drop_probes(fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float) -> ProbesAtEnd:
+def drop_probes(fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float) -> ProbeResult:
     """See `sim.port.Simulator`. All probes fall in one world, filtered so that they only touch the fixed body."""
     if not probes:
-        return ProbesAtEnd(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
+        return ProbeResult(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
     scale = MODEL_M / diagonal(fixed)
     with private_client() as client:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=STEP_S, enableFileCaching=0, deterministicOverlappingPairs=1, physicsClientId=client
         )
         pybullet.setGravity(0.0, 0.0, -GRAVITY_MPS2, physicsClientId=client)
-        _fix(fixed, scale, client)
-        handles = [_loose(probe, scale, client) for probe in probes]
+        _build_fixed(fixed, scale, client)
+        handles = [_build_probe(probe, scale, client) for probe in probes]
         for _ in range(math.ceil(duration_s * math.sqrt(scale) / STEP_S)):
             pybullet.stepSimulation(physicsClientId=client)
         places = [pybullet.getBasePositionAndOrientation(handle, physicsClientId=client) for handle in handles]
@@ -45,10 +45,10 @@ def drop_probes(fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape
     centres = np.array([place for place, _ in places]) / scale
     R_WP = Rotation.from_quat([quat_xyzw for _, quat_xyzw in places]).as_matrix()
     below = np.array([_below(probe, R) for probe, R in zip(probes, R_WP, strict=True)])
-    return ProbesAtEnd(centres, centres[:, 2] - below, np.linalg.norm(moving, axis=1) / math.sqrt(scale))
+    return ProbeResult(centres, centres[:, 2] - below, np.linalg.norm(moving, axis=1) / math.sqrt(scale))
 
 
-def _fix(shapes: Sequence[CollisionShape], scale: float, client: int) -> None:
+def _build_fixed(shapes: Sequence[CollisionShape], scale: float, client: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         collision = compound(shapes, scale, Path(folder), client)
         clear_margins(collision, len(shapes), client)
@@ -57,7 +57,7 @@ def _fix(shapes: Sequence[CollisionShape], scale: float, client: int) -> None:
     pybullet.setCollisionFilterGroupMask(body, -1, _FIXED_GROUP, _PROBE_GROUP, physicsClientId=client)
 
 
-def _loose(probe: CollisionShape, scale: float, client: int) -> int:
+def _build_probe(probe: CollisionShape, scale: float, client: int) -> int:
     """The engine's handle of a probe of 1 kg."""
     size = [float(s) * scale for s in probe.size_m]
     form = {"halfExtents": [s / 2.0 for s in size]} if probe.kind == "box" else {"radius": size[0]}

@@ -1,4 +1,4 @@
-"""A world in PyBullet whose bodies stay while their poses and materials change: for episode resets."""
+"""A PyBullet world for episode resets: bodies stay while their poses (W, m) and materials change."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from geom.convex.support_function import diagonal
 from geom.mass.principal_axes import principal_axes
 from schemas.model import FloatArray
 from schemas.physics import Contact, MassProperties, RigidBody
-from sim.bullet.scene import STEP_S, TURNING_RESISTANCE
+from sim.bullet.scene import SPINNING_RESISTANCE, STEP_S
 from sim.bullet.shapes import PARKED_M
-from sim.bullet.world import Loose, fixed_body, loose_body
+from sim.bullet.world import DynamicBody, dynamic_body, static_body
 from sim.port import GRAVITY_MPS2, ROLLING_RESISTANCE
 
 
 class BulletResets:
     """`sim.port.ResetWorld` in the PyBullet client `client`, at true size; the client is the caller's.
 
-    The engine multiplies friction and restitution of both sides, so each has the root of its own.
+    The engine multiplies friction and restitution of both sides, so each body has the root of its coefficient.
     """
 
     def __init__(self, client: int) -> None:
         self.client = client
-        self._bodies: list[tuple[int, Loose | None, float]] = []
+        self._bodies: list[tuple[int, DynamicBody | None, float]] = []
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=STEP_S, numSolverIterations=100, enableFileCaching=0, deterministicOverlappingPairs=1,
             physicsClientId=client,
@@ -39,35 +39,35 @@ class BulletResets:
 
     def add(self, body: RigidBody, moves: bool) -> int:
         """Build a body, parked; returns its number."""
-        loose = loose_body(body.shapes, body.mass, 1.0, self.client) if moves else None
-        handle = loose.handle if loose else fixed_body(body.shapes, 1.0, self.client)
-        self._bodies.append((handle, loose, diagonal(body.shapes)))
-        self.wear(len(self._bodies) - 1, body.mass, body.contact)
-        self.stand(len(self._bodies) - 1, None)
+        dynamic = dynamic_body(body.shapes, body.mass, 1.0, self.client) if moves else None
+        handle = dynamic.handle if dynamic else static_body(body.shapes, 1.0, self.client)
+        self._bodies.append((handle, dynamic, diagonal(body.shapes)))
+        self.set_material(len(self._bodies) - 1, body.mass, body.contact)
+        self.set_pose(len(self._bodies) - 1, None)
         return len(self._bodies) - 1
 
-    def stand(self, number: int, X_WA: FloatArray | None) -> None:
-        """Put a body at rest at X_WA (4, 4), or far beside the scene, where it may fall for good and meets nothing."""
-        handle, loose, size = self._bodies[number]
+    def set_pose(self, number: int, X_WA: FloatArray | None) -> None:
+        """Put a body at rest at X_WA (4, 4); None parks it far beside the scene, where it falls and touches nothing."""
+        handle, dynamic, size = self._bodies[number]
         beside = np.array([PARKED_M + number * 10.0 * max(size, 1.0), 0.0, PARKED_M])
         at = pose.pose(None, beside) if X_WA is None else X_WA
-        X_WI = at @ loose.X_AI if loose else at
+        X_WI = at @ dynamic.X_AI if dynamic else at
         quat_xyzw = Rotation.from_matrix(X_WI[:3, :3]).as_quat().tolist()
         pybullet.resetBasePositionAndOrientation(handle, X_WI[:3, 3].tolist(), quat_xyzw, physicsClientId=self.client)
         pybullet.resetBaseVelocity(handle, [0.0] * 3, [0.0] * 3, physicsClientId=self.client)
 
-    def wear(self, number: int, mass: MassProperties, contact: Contact) -> None:
-        """Give a body other mass properties about the same mass centre, and another contact, in one call."""
-        handle, loose, size = self._bodies[number]
+    def set_material(self, number: int, mass: MassProperties, contact: Contact) -> None:
+        """Set the mass properties of a body, about the same mass centre, and its contact values, in one call."""
+        handle, dynamic, size = self._bodies[number]
         physics = {}
-        if loose:
+        if dynamic:
             physics = {"mass": mass.mass_kg, "localInertiaDiagonal": principal_axes(mass.inertia_kgm2)[0].tolist()}
         pybullet.changeDynamics(
             handle,
             -1,
             lateralFriction=math.sqrt(contact.dynamic_friction),
-            rollingFriction=ROLLING_RESISTANCE * size if loose else 1.0,
-            spinningFriction=TURNING_RESISTANCE * size if loose else 1.0,
+            rollingFriction=ROLLING_RESISTANCE * size if dynamic else 1.0,
+            spinningFriction=SPINNING_RESISTANCE * size if dynamic else 1.0,
             restitution=math.sqrt(contact.restitution),
             physicsClientId=self.client,
             **physics,
@@ -76,7 +76,7 @@ class BulletResets:
     def dynamics(self, number: int) -> tuple[float, FloatArray, float]:
         """Mass (kg), principal moments (3,) and friction of a body, as the engine has them.
 
-        Of such bodies the engine keeps the restitution to itself: it answers 0 whatever was set.
+        The engine does not return the restitution of such bodies: it reads 0 whatever was set.
         """
         info = pybullet.getDynamicsInfo(self._bodies[number][0], -1, physicsClientId=self.client)
         return float(info[0]), np.array(info[2]), float(info[1])
@@ -84,13 +84,13 @@ class BulletResets:
     def poses(self) -> FloatArray:
         """X_WA (n, 4, 4) of all bodies."""
         poses_WA = []
-        for handle, loose, _ in self._bodies:
+        for handle, dynamic, _ in self._bodies:
             position, quat_xyzw = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self.client)
             X_WI = pose.pose(Rotation.from_quat(quat_xyzw).as_matrix(), np.array(position))
-            poses_WA.append(X_WI @ pose.inverse(loose.X_AI) if loose else X_WI)
+            poses_WA.append(X_WI @ pose.inverse(dynamic.X_AI) if dynamic else X_WI)
         return np.stack(poses_WA)
 
     def run(self, duration_s: float) -> None:
-        """Let the world go for a while."""
+        """Step the world for `duration_s`."""
         for _ in range(math.ceil(duration_s / STEP_S)):
             pybullet.stepSimulation(physicsClientId=self.client)

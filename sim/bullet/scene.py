@@ -1,4 +1,4 @@
-"""A whole scene let go at once in PyBullet: does everything stay where it was put?"""
+"""Settle a whole scene in PyBullet: poses X_WA of all bodies some time after they were released at rest together."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from scipy.spatial.transform import Rotation
 from geom import pose
 from geom.convex.support_function import diagonal
 from schemas.model import FloatArray
-from sim.bullet.world import Loose, fixed_body, loose_body, private_client, scaled
-from sim.port import GRAVITY_MPS2, ROLLING_RESISTANCE, Standing
+from sim.bullet.world import DynamicBody, dynamic_body, private_client, scaled, static_body
+from sim.port import GRAVITY_MPS2, ROLLING_RESISTANCE, PlacedBody
 
 # The smallest thing is simulated as a model of this diagonal (Froude similarity, see `sim.port.model_scale`), because
 # the engine's tolerances are absolute.
 MODEL_M, LARGEST_SCALE, STEP_S = 0.15, 10.0, 1.0 / 480.0
 # Lever arm, as a share of the size, of the moment that opposes turning on the spot: two thirds of the radius of a patch
 # (Coulomb), here of 1.5 % of the size. Without it the few points to which the engine reduces a flat foot let it creep.
-TURNING_RESISTANCE = 0.01
+SPINNING_RESISTANCE = 0.01
 
 
-def settle_scene(things: Sequence[Standing], duration_s: float) -> FloatArray:
-    """X_WA (n, 4, 4) of all things after `duration_s`, released at rest where they are posed.
+def settle_scene(things: Sequence[PlacedBody], duration_s: float) -> FloatArray:
+    """X_WA (n, 4, 4) of all bodies after `duration_s`, released at rest at their poses.
 
     The engine multiplies the friction of both sides, so each has the root of its dynamic coefficient: a pair has the
     geometric mean. Nothing bounces. Equal calls give equal results. Raises RuntimeError when PyBullet has no client.
     """
-    loose = [diagonal(thing.body.shapes) for thing in things if thing.moves]
-    scale = min(max(MODEL_M / min(loose, default=MODEL_M), 1.0), LARGEST_SCALE)
+    dynamic = [diagonal(thing.body.shapes) for thing in things if thing.moves]
+    scale = min(max(MODEL_M / min(dynamic, default=MODEL_M), 1.0), LARGEST_SCALE)
     with private_client() as client:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=STEP_S,
@@ -46,11 +46,11 @@ def settle_scene(things: Sequence[Standing], duration_s: float) -> FloatArray:
         return np.stack([_where(thing, body, scale, client) for thing, body in zip(things, built, strict=True)])
 
 
-def _build(thing: Standing, scale: float, client: int) -> Loose | None:
-    """The engine's body of one thing, `scale` times its true size; None for what does not move."""
-    loose = loose_body(thing.body.shapes, thing.body.mass, scale, client) if thing.moves else None
-    handle = loose.handle if loose else fixed_body(thing.body.shapes, scale, client)
-    X_WI = scaled(thing.X_WA, scale) @ (loose.X_AI if loose else np.eye(4))
+def _build(thing: PlacedBody, scale: float, client: int) -> DynamicBody | None:
+    """The engine's body of one thing, `scale` times its true size; None for a body that does not move."""
+    dynamic = dynamic_body(thing.body.shapes, thing.body.mass, scale, client) if thing.moves else None
+    handle = dynamic.handle if dynamic else static_body(thing.body.shapes, scale, client)
+    X_WI = scaled(thing.X_WA, scale) @ (dynamic.X_AI if dynamic else np.eye(4))
     quat_xyzw = Rotation.from_matrix(X_WI[:3, :3]).as_quat().tolist()
     pybullet.resetBasePositionAndOrientation(handle, X_WI[:3, 3].tolist(), quat_xyzw, physicsClientId=client)
     size = scale * diagonal(thing.body.shapes)
@@ -58,18 +58,18 @@ def _build(thing: Standing, scale: float, client: int) -> Loose | None:
         handle,
         -1,
         lateralFriction=math.sqrt(thing.body.contact.dynamic_friction),
-        rollingFriction=ROLLING_RESISTANCE * size if loose else 1.0,
-        spinningFriction=TURNING_RESISTANCE * size if loose else 1.0,
+        rollingFriction=ROLLING_RESISTANCE * size if dynamic else 1.0,
+        spinningFriction=SPINNING_RESISTANCE * size if dynamic else 1.0,
         restitution=0.0,
         physicsClientId=client,
     )
-    return loose
+    return dynamic
 
 
-def _where(thing: Standing, loose: Loose | None, scale: float, client: int) -> FloatArray:
+def _where(thing: PlacedBody, dynamic: DynamicBody | None, scale: float, client: int) -> FloatArray:
     """X_WA (4, 4) at true size."""
-    if loose is None:
+    if dynamic is None:
         return np.array(thing.X_WA)
-    position, quat_xyzw = pybullet.getBasePositionAndOrientation(loose.handle, physicsClientId=client)
+    position, quat_xyzw = pybullet.getBasePositionAndOrientation(dynamic.handle, physicsClientId=client)
     X_WI = pose.pose(Rotation.from_quat(quat_xyzw).as_matrix(), position)
-    return scaled(X_WI @ pose.inverse(loose.X_AI), 1.0 / scale)
+    return scaled(X_WI @ pose.inverse(dynamic.X_AI), 1.0 / scale)

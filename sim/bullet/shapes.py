@@ -1,4 +1,4 @@
-"""Collision shapes in PyBullet: one compound of primitives and convex hulls, without margins."""
+"""Collision shapes in PyBullet: one compound of primitives and convex hulls (m, body frame), without margins."""
 
 from __future__ import annotations
 

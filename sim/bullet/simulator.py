@@ -1,13 +1,13 @@
-"""PyBullet behind `sim.port.Simulator`: one private DIRECT client per object, nothing shared between objects.
+"""The PyBullet implementation of `sim.port.Simulator`: drops, probes, grasps; one private DIRECT client per object.
 
-Traps of PyBullet 3.2.7 that this file answers, each covered by a test:
+Traps of PyBullet 3.2.7 that this file works around, each covered by a test:
 - a free `btMultiBody`, the default, integrates the gyroscopic moment explicitly: a spinning box gains a fifth of its
   energy in 10 s and a stick of 1:100 flies off; so bodies are `btRigidBody` (`useMaximalCoordinates`), whose implicit
   integration loses energy instead;
 - hulls carry a margin of 1 mm outside, and for rigid bodies `collisionMargin=0` changes nothing: it is set through a
   passing multibody that has the same shape;
 - `changeDynamics` with a new inertia but no mass sets the mass to 0, and `getDynamicsInfo` returns rubbish for rigid
-  bodies: mass and inertia are proven by a push;
+  bodies: mass and inertia are verified by a push;
 - `createCollisionShapeArray` drops all shapes after the 16th silently: all hulls share one OBJ, one `o` group each;
 - friction and restitution of a pair are multiplied: the ground has 1, the body the value of the pair;
 - damping is 0.04 unless set, and bodies fall asleep;
@@ -34,13 +34,13 @@ from schemas.physics import CollisionShape, RigidBody
 from sim.bullet.grasp import grasp_and_lift
 from sim.bullet.probes import drop_probes
 from sim.bullet.shapes import PARKED_M
-from sim.bullet.world import loose_body, scaled
+from sim.bullet.world import dynamic_body, scaled
 from sim.port import (
     DropResult,
     DropSettings,
     GraspOutcome,
     GraspTask,
-    ProbesAtEnd,
+    ProbeResult,
     Stillness,
     World,
     model_scale,
@@ -53,7 +53,7 @@ _SINGLE = 1e-6  # relative: the OBJ reader is single precision
 
 @dataclass(frozen=True)
 class _Loaded:
-    """A body standing in the engine's world, at `scale` times its true size."""
+    """A body in the engine's world, at `scale` times its true size."""
 
     body: RigidBody
     world: World
@@ -89,7 +89,7 @@ class BulletSimulator:
         return f"pybullet {version('pybullet')}"
 
     def close(self) -> None:
-        """Free the engine's world; the object is of no use afterwards."""
+        """Free the engine's world; the object cannot be used afterwards."""
         if self._client >= 0:
             pybullet.disconnect(physicsClientId=self._client)
             self._client, self._loaded = -1, None
@@ -101,7 +101,7 @@ class BulletSimulator:
         self.close()
 
     def drop(self, body: RigidBody, X_WA: FloatArray, settings: DropSettings) -> DropResult:
-        """See `sim.port.Simulator`. Raises RuntimeError when the engine did not build what was asked for."""
+        """See `sim.port.Simulator`. Raises RuntimeError when the engine did not build the given body."""
         loaded = self._loaded
         if loaded is None or loaded.body is not body or loaded.world != settings.world:
             loaded = self._load(body, settings.world)
@@ -121,7 +121,7 @@ class BulletSimulator:
 
     def drop_probes(
         self, fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float
-    ) -> ProbesAtEnd:
+    ) -> ProbeResult:
         """See `sim.port.Simulator`."""
         return drop_probes(fixed, probes, duration_s)
 
@@ -130,7 +130,7 @@ class BulletSimulator:
         return grasp_and_lift(body, X_WA, task)
 
     def _load(self, body: RigidBody, world: World) -> _Loaded:
-        """Build ground and body in an empty world, and prove that the engine holds what was asked for."""
+        """Build ground and body in an empty world, and verify the engine's copy of the body."""
         client = self._client
         self._loaded = None
         size = diagonal(body.shapes)
@@ -148,10 +148,10 @@ class BulletSimulator:
         ground = pybullet.createMultiBody(0, plane, useMaximalCoordinates=1, physicsClientId=client)
         pybullet.changeDynamics(ground, -1, lateralFriction=1.0, restitution=1.0, physicsClientId=client)
 
-        loose = loose_body(body.shapes, body.mass, scale, client)
-        handle = loose.handle
-        loaded = _Loaded(body, world, handle, ground, scale, size * scale, loose.X_AI)
-        self._prove(loaded, loose.mass_kg, loose.moments_kgm2)
+        dynamic = dynamic_body(body.shapes, body.mass, scale, client)
+        handle = dynamic.handle
+        loaded = _Loaded(body, world, handle, ground, scale, size * scale, dynamic.X_AI)
+        self._verify_body(loaded, dynamic.mass_kg, dynamic.moments_kgm2)
         contact = body.contact
         pybullet.changeDynamics(
             handle,
@@ -167,17 +167,17 @@ class BulletSimulator:
         self._loaded = loaded
         return loaded
 
-    def _prove(self, loaded: _Loaded, mass_kg: float, moments: FloatArray) -> None:
-        """Raise RuntimeError unless mass frame, reach of the shapes, mass and moments are as asked for.
+    def _verify_body(self, loaded: _Loaded, mass_kg: float, moments: FloatArray) -> None:
+        """Raise RuntimeError unless mass frame, extent of the shapes, mass and moments are those of the body.
 
         One push far above the ground: a force of m N and moments of I Nm about the principal axes, times 1e-3 lest the
         gyroscopic moment shows, change each speed by 1e-3 units per second.
         """
         client, handle, name = self._client, loaded.handle, loaded.body.name
         position, quat_xyzw = pybullet.getBasePositionAndOrientation(handle, physicsClientId=client)
-        moved = np.abs(position - loaded.X_AI[:3, 3] - [0.0, 0.0, PARKED_M]).max()
+        offset = np.abs(position - loaded.X_AI[:3, 3] - [0.0, 0.0, PARKED_M]).max()
         turned = pose.angle_between(pose.quat_of(loaded.X_AI[:3, :3]), pose.to_wxyz(np.asarray(quat_xyzw)))
-        if moved > 1e-9 or turned > 1e-6:
+        if offset > 1e-9 or turned > 1e-6:
             raise RuntimeError(f"{name}: the engine's mass frame is {position}, {quat_xyzw}, not {loaded.X_AI}")
         low, high = (np.asarray(c) for c in pybullet.getAABB(handle, -1, physicsClientId=client))
         exact = bounds(loaded.body.shapes) * loaded.scale + [0.0, 0.0, PARKED_M]
@@ -194,9 +194,9 @@ class BulletSimulator:
         pybullet.stepSimulation(physicsClientId=client)
         linear, angular = pybullet.getBaseVelocity(handle, physicsClientId=client)
         step_s = loaded.world.timestep_s
-        gained = np.array([linear[0] - loaded.world.gravity_mps2[0] * step_s, *angular]) / (1e-3 * step_s)
-        if not np.allclose(gained, 1.0, rtol=1e-3):
-            raise RuntimeError(f"{name}: a push gives {gained} of the speeds that mass and inertia call for")
+        speed_ratios = np.array([linear[0] - loaded.world.gravity_mps2[0] * step_s, *angular]) / (1e-3 * step_s)
+        if not np.allclose(speed_ratios, 1.0, rtol=1e-3):
+            raise RuntimeError(f"{name}: a push gives {speed_ratios} of the speeds that mass and inertia call for")
 
     def _simulate(self, loaded: _Loaded, X_WA: FloatArray, settings: DropSettings) -> tuple[list[Any], bool]:
         """Rows (position, quaternion xyzw, linear, angular) of the inertial frame in the model's units, and whether
@@ -235,8 +235,8 @@ class BulletSimulator:
         pybullet.resetBaseVelocity(handle, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], physicsClientId=self._client)
 
     def _state(self, handle: int) -> tuple[Any, ...]:
-        where = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self._client)
-        return (*where, *pybullet.getBaseVelocity(handle, physicsClientId=self._client))
+        placement = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self._client)
+        return (*placement, *pybullet.getBaseVelocity(handle, physicsClientId=self._client))
 
 
 def _largest_gyration_m2(loaded: _Loaded) -> float:

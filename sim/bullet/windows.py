@@ -1,4 +1,4 @@
-"""What roll-outs of free bodies in PyBullet share: the world with its support, contact numbers, states as rows.
+"""Shared parts of free-body roll-outs in PyBullet: the world with its support, contact parameters, states as rows.
 
 A row is the mass centre (3), the quaternion xyzw of the inertial frame, its velocity (3), its turning rate (3); world
 axes. `X_BI` is the pose of the inertial frame in the measured frame.
@@ -36,7 +36,7 @@ class WindowsClient:
         self._X_BI = np.eye(4)
 
     def close(self) -> None:
-        """Free the engine's world; the object is of no use afterwards."""
+        """Free the engine's world; the object cannot be used afterwards."""
         if self._client >= 0:
             pybullet.disconnect(physicsClientId=self._client)
             self._client = -1
@@ -69,8 +69,8 @@ def empty_world(model: BodyModel, step_s: float, client: int) -> None:
         pybullet.changeDynamics(ground, -1, lateralFriction=1.0, restitution=1.0, physicsClientId=client)
 
 
-def contact_numbers(model: BodyModel) -> dict[str, float | list[float]]:
-    """Arguments of `changeDynamics`; the support has 1 and 1, so that products are the pair's numbers."""
+def contact_parameters(model: BodyModel) -> dict[str, float | list[float]]:
+    """Arguments of `changeDynamics`; the support has 1 and 1, so that products are the values of the pair."""
     soft = {}
     if model.stiffness_Npm is not None and model.damping_Nspm is not None:
         soft = {"contactStiffness": model.stiffness_Npm, "contactDamping": model.damping_Nspm}
@@ -89,7 +89,7 @@ def steps_for(span_s: FloatArray | float, largest_step_s: float) -> FloatArray:
     return np.maximum(1.0, np.ceil(np.asarray(span_s) / largest_step_s - 1e-6))
 
 
-def starts_of(windows: BodyWindows, X_BI: FloatArray) -> FloatArray:
+def start_states(windows: BodyWindows, X_BI: FloatArray) -> FloatArray:
     """(w, 13) rows at the starts of windows."""
     R_WB = Rotation.from_quat(np.roll(windows.quat_wxyz, -1, axis=1))
     lever, w_W = R_WB.apply(X_BI[:3, 3]), R_WB.apply(windows.w_B)
@@ -97,7 +97,7 @@ def starts_of(windows: BodyWindows, X_BI: FloatArray) -> FloatArray:
     return np.concatenate([windows.p + lever, quat_xyzw, windows.v_W + np.cross(w_W, lever), w_W], axis=1)
 
 
-def motion_of(rows: FloatArray, X_BI: FloatArray) -> BodyMotion:
+def measured_motion(rows: FloatArray, X_BI: FloatArray) -> BodyMotion:
     """Rows (w, k, 13) as motion of the measured frame."""
     shape = rows.shape[:2]
     flat = rows.reshape(-1, 13)
@@ -113,8 +113,8 @@ def motion_of(rows: FloatArray, X_BI: FloatArray) -> BodyMotion:
     )
 
 
-def last_sound(rows: FloatArray) -> FloatArray:
-    """Rows (w, k, n); those that are not finite or far away become the last one before them that is neither."""
+def hold_last_valid(rows: FloatArray) -> FloatArray:
+    """Rows (w, k, n); rows that are not finite or far away are replaced by the last valid row before them."""
     sound = np.isfinite(rows).all(axis=2) & (np.abs(rows[..., :3]).max(axis=2) < _LARGEST_M)
     latest = np.maximum.accumulate(np.where(sound, np.arange(rows.shape[1]), 0), axis=1)
     return np.take_along_axis(rows, latest[..., None], axis=1)

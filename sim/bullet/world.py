@@ -1,4 +1,4 @@
-"""What every world of PyBullet here is made of: a private client, bodies that move and bodies that do not."""
+"""Building blocks of PyBullet worlds: a private client, dynamic bodies and static bodies, scaled lengths."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from sim.bullet.shapes import PARKED_M, clear_margins, compound
 
 @contextmanager
 def private_client() -> Iterator[int]:
-    """A DIRECT client of its own, gone at the end. Raises RuntimeError when PyBullet has none left."""
+    """A private DIRECT client, disconnected at the end. Raises RuntimeError when PyBullet has none left."""
     client = pybullet.connect(pybullet.DIRECT)
     if client < 0:
         raise RuntimeError("PyBullet has no free client; at most 1024 exist per process")
@@ -31,8 +31,8 @@ def private_client() -> Iterator[int]:
 
 
 @dataclass(frozen=True)
-class Loose:
-    """A body in the engine's world, `scale` times its true size, with what it was told of mass and moments.
+class DynamicBody:
+    """A body in the engine's world, `scale` times its true size, with the mass and moments that were set.
 
     X_AI  inertial frame (mass centre, principal axes) in the asset frame, scaled.
     """
@@ -43,7 +43,7 @@ class Loose:
     moments_kgm2: FloatArray
 
 
-def loose_body(shapes: Sequence[CollisionShape], mass: MassProperties, scale: float, client: int) -> Loose:
+def dynamic_body(shapes: Sequence[CollisionShape], mass: MassProperties, scale: float, client: int) -> DynamicBody:
     """The body, parked, undamped and never asleep; density stays, so mass grows with scale^3, moments with scale^5."""
     moments, quat_wxyz = principal_axes(mass.inertia_kgm2)
     X_AI = pose.pose_from_quat(quat_wxyz, scale * np.asarray(mass.centre_of_mass_m))
@@ -70,10 +70,10 @@ def loose_body(shapes: Sequence[CollisionShape], mass: MassProperties, scale: fl
         activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
         physicsClientId=client,
     )
-    return Loose(handle, X_AI, mass_kg, moments)
+    return DynamicBody(handle, X_AI, mass_kg, moments)
 
 
-def fixed_body(shapes: Sequence[CollisionShape], scale: float, client: int) -> int:
+def static_body(shapes: Sequence[CollisionShape], scale: float, client: int) -> int:
     """The engine's handle of a body that never moves, `scale` times its true size."""
     with tempfile.TemporaryDirectory() as folder:
         collision = compound(shapes, scale, Path(folder), client)

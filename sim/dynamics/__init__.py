@@ -1,3 +1,4 @@
-"""Rigid-body dynamics in numpy: kinematic trees, joints, mechanisms, free bodies and linkages, with hooks for
-effects.
+"""Multibody dynamics in numpy: kinematic trees, joints with friction, mechanism roll-outs, and hooks for effects.
+
+`body_rollout` and `linkage_rollout` are protocols for engines; `tree` holds the equations of motion.
 """

@@ -1,4 +1,4 @@
-"""Roll-outs of a free body from measured states: what is asked of an engine. Implementation: `sim.bullet.body`."""
+"""Protocol and data of free-body roll-outs from measured states (SI units). Implementation: `sim.bullet.body`."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from sim.dynamics.hooks import BodyWrench, Params
 
 @dataclass(frozen=True)
 class BodyModel:
-    """Numbers of a rigid body over a half space; B is the measured body frame, SI units.
+    """Parameters of a rigid body over a half space; B is the measured body frame, SI units.
 
     shapes               convex shapes, posed in B.
     com_B, inertia_B     mass centre (3,) in B; inertia (3, 3) about it, axes of B.
     friction, restitution   of the pair body-support.
     rolling_friction_m, spinning_friction_m   lever arms of the moments that oppose rolling and spinning.
     friction_ratio_B     (3,) friction along each axis of B over `friction`.
-    stiffness_Npm, damping_Nspm   of the contact; None: as hard as the engine can.
+    stiffness_Npm, damping_Nspm   of the contact; None: as stiff as the engine allows.
     plane_normal_W (3,), plane_height_m   the support: the plane `normal . x = height`.
     """
 
@@ -64,7 +64,7 @@ class BodyMotion:
     w_B: FloatArray
 
 
-class BodyReplay(Protocol):
+class BodyRollout(Protocol):
     """Simulates windows one by one; equal calls give equal results, whatever was simulated before."""
 
     def rollout(
@@ -74,9 +74,9 @@ class BodyReplay(Protocol):
         wrenches: Sequence[tuple[BodyWrench, Params]] = (),
         finer: float = 1.0,
     ) -> BodyMotion:
-        """The motion from each start, in steps so many times `finer`. A window that diverges keeps its last state."""
+        """The motion from each start, with steps divided by `finer`. A window that diverges keeps its last state."""
         ...
 
     def close(self) -> None:
-        """Free the engine's world; the object is of no use afterwards."""
+        """Free the engine's world; the object cannot be used afterwards."""
         ...

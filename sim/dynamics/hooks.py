@@ -1,10 +1,10 @@
-"""What an effect is: a formula with a source, parameters with units and bounds, and a hook that simulates it.
+"""Effects as data: a formula with its source, parameters with units and bounds, and a hook that simulates it.
 
-A hook is one of the classes below; which one says where in a simulation step the effect acts:
+The class of a hook gives the place in a simulation step where the effect acts:
 
     command -> CommandMap -> controller -> EffortMap -> joint torque
         + JointTorque (smooth) + JointFriction (opposes motion) + BodyWrench -> dynamics -> SensorMap -> readings
-    Numbers change the model before the first step.
+    ModelChange changes parameters of the model before the first step.
 
 Arrays are vectorised over windows (w) and joints (j), so that one call steps every window of every trial; an engine
 that steps one world calls with w = 1.
@@ -46,8 +46,8 @@ class Confusable:
 class JointState:
     """Joints in mid step, all (w, j).
 
-    load      magnitude of the force that the bearing transmits, for friction laws `by_load`; others find no number.
-    friction  the dry friction of laws before this one, where a friction law is asked.
+    load      magnitude of the force that the bearing transmits, for friction laws `by_load`; NaN for others.
+    friction  the dry friction of the laws before this one, for friction laws alone.
     """
 
     t_s: FloatArray  # (w, 1)
@@ -73,29 +73,29 @@ class BodyState:
 
 @dataclass(frozen=True)
 class Series:
-    """A whole trial as recorded or simulated: t_s (n,) and named columns (n, k); what maps of logs work on."""
+    """A whole trial as recorded or simulated: t_s (n,) and named columns (n, k); the input of maps of logs."""
 
     t_s: FloatArray
     columns: Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True)
-class Numbers:
-    """Changes the numbers of a model (`sim.models`) before simulation."""
+class ModelChange:
+    """Changes parameters of a model before simulation."""
 
     change: Callable[[Any, Params, Place], Any]
 
 
 @dataclass(frozen=True)
 class CommandMap:
-    """What really reaches the controller or the motor, from what was sent: works on the whole trial."""
+    """Command that reaches the controller or motor, from the command that was sent; maps a whole trial."""
 
     map: Callable[[Series, Params, Place], Series]
 
 
 @dataclass(frozen=True)
 class EffortMap:
-    """Effort the motor gives (w, j) for the effort asked for; `memory` starts empty and is kept between steps."""
+    """Effort of the motor (w, j) for the commanded effort; `memory` starts empty and is kept between steps."""
 
     map: Callable[[JointState, Params, dict[str, FloatArray]], FloatArray]
 
@@ -111,7 +111,7 @@ class JointTorque:
 class JointFriction:
     """Largest friction (w, j), at least 0, for motion along `direction` (w, j; -1 or 1); it never drives the joint.
 
-    `by_load` laws ask for the load of the bearing.
+    `by_load` laws need the load of the bearing.
     """
 
     limit: Callable[[JointState, Params, FloatArray], FloatArray]
@@ -127,16 +127,16 @@ class BodyWrench:
 
 @dataclass(frozen=True)
 class SensorMap:
-    """What the sensor reports for the true motion (`report`), and the best guess at the truth (`recover`).
+    """Reading of the sensor for a true motion (`report`), and the estimate of the true motion from it (`recover`).
 
-    Both work on the whole trial: a roll-out starts from what `recover` says and is compared after `report`.
+    Both work on the whole trial: a roll-out starts from the output of `recover` and is compared after `report`.
     """
 
     report: Callable[[Series, Params, Place], Series]
     recover: Callable[[Series, Params, Place], Series]
 
 
-Hook = Numbers | CommandMap | EffortMap | JointTorque | JointFriction | BodyWrench | SensorMap
+Hook = ModelChange | CommandMap | EffortMap | JointTorque | JointFriction | BodyWrench | SensorMap
 
 
 @dataclass(frozen=True)

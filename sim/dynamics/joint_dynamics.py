@@ -1,4 +1,4 @@
-"""One velocity update of joints with dry friction: any tree; in closed form joints side by side and planar chains."""
+"""Velocity update (rad/s, m/s) of joints with dry friction: any tree; closed forms for separate joints, planar chains."""
 
 from __future__ import annotations
 
@@ -16,26 +16,28 @@ _SWEEPS = 12
 ComplexArray = NDArray[np.complex128]
 
 
-class Posture(Protocol):
+class Configuration(Protocol):
     """A tree under gravity at positions of its joints; all arrays (w, j)."""
 
     def bias(self, qd: FloatArray) -> FloatArray:
-        """Effort that gravity and rotation ask for."""
+        """Bias effort: gravity and velocity products."""
         ...
 
     def load(self, qd: FloatArray) -> FloatArray:
-        """Magnitude of the force that each bearing transmits, accelerations of the joints aside."""
+        """Magnitude of the force that each bearing transmits, without that of joint accelerations."""
         ...
 
-    def needed(self, qd: FloatArray, qdd: FloatArray) -> FloatArray:
-        """Effort that the motion takes, friction aside."""
+    def required_effort(self, qd: FloatArray, qdd: FloatArray) -> FloatArray:
+        """Effort that causes the motion, without friction (inverse dynamics)."""
         ...
 
     def free_rates(self, qd: FloatArray, effort: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
         """Rates after a step of length h (w, 1) under a net effort, with implicit viscous damping (j,)."""
         ...
 
-    def held(self, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
+    def with_dry_friction(
+        self, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray
+    ) -> FloatArray:
         """Rates `free` after the impulses of friction, each at most `largest`, that come nearest to stopping."""
         ...
 
@@ -43,13 +45,13 @@ class Posture(Protocol):
 class JointDynamics(Protocol):
     """A tree under gravity."""
 
-    def at(self, q: FloatArray) -> Posture:
-        """The tree at joint positions (w, j): what depends on them alone is worked out once."""
+    def at(self, q: FloatArray) -> Configuration:
+        """The tree at joint positions (w, j): terms that depend on them alone are computed once."""
         ...
 
 
 def joint_dynamics(tree: Tree, gravity_W: FloatArray) -> JointDynamics:
-    """The fastest exact form: joints that hang on the base alone do not feel one another."""
+    """The fastest exact form: joints mounted on the base alone are not coupled."""
     if all(link.parent < 0 for link in tree):
         return SeparateJoints.of(tree, gravity_W)
     if _planar(tree):
@@ -58,7 +60,7 @@ def joint_dynamics(tree: Tree, gravity_W: FloatArray) -> JointDynamics:
 
 
 def _planar(tree: Tree) -> bool:
-    """Whether the links hang on one another and all turn about y."""
+    """Whether the links form one chain and all turn about y."""
     y = np.array([0.0, 1.0, 0.0])
     return all(
         link.parent == i - 1
@@ -82,8 +84,8 @@ class SeparateJoints:
     spin: FloatArray
 
     @cached_property
-    def turned(self) -> bool:
-        """Whether gravity asks for another effort elsewhere."""
+    def gravity_varies(self) -> bool:
+        """Whether the effort of gravity depends on the position."""
         return bool(self.along.any() or self.across.any())
 
     @staticmethod
@@ -112,61 +114,63 @@ class SeparateJoints:
             spin=np.where(slides, 0.0, mass * np.sqrt(lever2)),
         )
 
-    def at(self, q: FloatArray) -> SeparatePosture:
+    def at(self, q: FloatArray) -> SeparateConfiguration:
         """See `JointDynamics`."""
-        return SeparatePosture(self, q)
+        return SeparateConfiguration(self, q)
 
 
 @dataclass(frozen=True)
-class SeparatePosture:
-    """See `Posture`."""
+class SeparateConfiguration:
+    """See `Configuration`."""
 
     joints: SeparateJoints
     q: FloatArray
 
     def bias(self, qd: FloatArray) -> FloatArray:
-        """See `Posture`."""
-        if not self.joints.turned:
+        """See `Configuration`."""
+        if not self.joints.gravity_varies:
             return self.joints.level
         return self.joints.level + self.joints.along * np.cos(self.q) + self.joints.across * np.sin(self.q)
 
     def load(self, qd: FloatArray) -> FloatArray:
-        """See `Posture`."""
+        """See `Configuration`."""
         joints, rate2 = self.joints, qd**2
         inward = joints.pull[0] + joints.pull[1] * np.cos(self.q) + joints.pull[2] * np.sin(self.q)
         load2 = joints.weight2 - 2.0 * rate2 * inward + (joints.spin * rate2) ** 2
         return np.sqrt(np.maximum(load2, 0.0))
 
-    def needed(self, qd: FloatArray, qdd: FloatArray) -> FloatArray:
-        """See `Posture`."""
+    def required_effort(self, qd: FloatArray, qdd: FloatArray) -> FloatArray:
+        """See `Configuration`."""
         return self.joints.inertia * qdd + self.bias(qd)
 
     def free_rates(self, qd: FloatArray, effort: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
-        """See `Posture`."""
+        """See `Configuration`."""
         inertia = self.joints.inertia
         return (inertia * qd + h * effort) / (inertia + h * damping)
 
-    def held(self, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
-        """See `Posture`."""
+    def with_dry_friction(
+        self, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray
+    ) -> FloatArray:
+        """See `Configuration`."""
         change = largest / (self.joints.inertia + h * damping)
         return free - np.minimum(np.maximum(free, -change), change)
 
 
 @dataclass(frozen=True)
 class CoupledJoints:
-    """Any tree."""
+    """Joints of any tree, coupled by its mass matrix."""
 
     tree: Tree
     gravity_W: FloatArray
 
-    def at(self, q: FloatArray) -> CoupledPosture:
+    def at(self, q: FloatArray) -> CoupledConfiguration:
         """See `JointDynamics`."""
-        return CoupledPosture(self.tree, self.gravity_W, q)
+        return CoupledConfiguration(self.tree, self.gravity_W, q)
 
 
 @dataclass(frozen=True)
-class CoupledPosture:
-    """See `Posture`."""
+class CoupledConfiguration:
+    """See `Configuration`."""
 
     tree: Tree
     gravity_W: FloatArray
@@ -178,29 +182,31 @@ class CoupledPosture:
         return mass_matrix(self.tree, self.q)
 
     def bias(self, qd: FloatArray) -> FloatArray:
-        """See `Posture`."""
+        """See `Configuration`."""
         return inverse_dynamics(self.tree, self.q, qd, np.zeros_like(qd), self.gravity_W)[0]
 
     def load(self, qd: FloatArray) -> FloatArray:
-        """See `Posture`."""
+        """See `Configuration`."""
         return inverse_dynamics(self.tree, self.q, qd, np.zeros_like(qd), self.gravity_W)[1]
 
-    def needed(self, qd: FloatArray, qdd: FloatArray) -> FloatArray:
-        """See `Posture`."""
+    def required_effort(self, qd: FloatArray, qdd: FloatArray) -> FloatArray:
+        """See `Configuration`."""
         return inverse_dynamics(self.tree, self.q, qd, qdd, self.gravity_W)[0]
 
     def free_rates(self, qd: FloatArray, effort: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
-        """See `Posture`."""
+        """See `Configuration`."""
         return _coupled_rates(self.mass, qd, effort, damping, h)
 
-    def held(self, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
-        """See `Posture`."""
-        return _coupled_held(self.mass, free, largest, damping, h)
+    def with_dry_friction(
+        self, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray
+    ) -> FloatArray:
+        """See `Configuration`."""
+        return _coupled_with_friction(self.mass, free, largest, damping, h)
 
 
 @dataclass(frozen=True)
 class PlanarChain:
-    """Links that hang on one another and all turn about y, as complex numbers z + i x of that plane.
+    """One chain of links that all turn about y, as complex numbers z + i x of that plane.
 
     With absolute angles t the mass centre of link l is sum_k a_lk exp(i t_k), where a_lk is the offset to the next
     joint (k < l), or of the mass centre (k = l). Masses times these give all that follows.
@@ -212,12 +218,12 @@ class PlanarChain:
     armature: FloatArray
     weight: ComplexArray  # (j,) sum over links of m a_i times the gravity factor
     outboard: ComplexArray  # (j, j) sum over links from i on of m a_j
-    carried: FloatArray  # (j,) mass from i on times the gravity factor
+    outboard_mass: FloatArray  # (j,) mass from i on times the gravity factor
     gravity: complex
-    aside: float  # gravity along y
+    gravity_y: float  # gravity along y
 
     @cached_property
-    def own(self) -> tuple[FloatArray, FloatArray]:
+    def diagonals(self) -> tuple[FloatArray, FloatArray]:
         """(j, j) diagonal matrices of `turning` and `armature`."""
         return np.diag(self.turning), np.diag(self.armature)
 
@@ -239,20 +245,20 @@ class PlanarChain:
             armature=np.array([link.armature for link in tree]),
             weight=(mass * factor) @ a,
             outboard=np.stack([mass[i:] @ a[i:] for i in range(n)]),
-            carried=np.array([(mass * factor)[i:].sum() for i in range(n)]),
+            outboard_mass=np.array([(mass * factor)[i:].sum() for i in range(n)]),
             gravity=complex(gravity_W[2], gravity_W[0]),
-            aside=float(gravity_W[1]),
+            gravity_y=float(gravity_W[1]),
         )
 
-    def at(self, q: FloatArray) -> PlanarPosture:
+    def at(self, q: FloatArray) -> PlanarConfiguration:
         """See `JointDynamics`."""
         at = np.exp(1j * np.add.accumulate(q + self.zero, axis=1))
-        return PlanarPosture(self, at, self.coupled * at.conj()[:, :, None] * at[:, None, :])
+        return PlanarConfiguration(self, at, self.coupled * at.conj()[:, :, None] * at[:, None, :])
 
 
 @dataclass(frozen=True)
-class PlanarPosture:
-    """See `Posture`: `at` (w, j) unit numbers of the absolute angles, `between` (w, j, j) how the links are coupled."""
+class PlanarConfiguration:
+    """See `Configuration`: `at` (w, j) unit numbers of the absolute angles, `between` (w, j, j) the coupling of the links."""
 
     chain: PlanarChain
     at: ComplexArray
@@ -261,32 +267,34 @@ class PlanarPosture:
     @cached_property
     def mass(self) -> FloatArray:
         """(w, j, j) mass matrix."""
-        turning, armature = self.chain.own
+        turning, armature = self.chain.diagonals
         return _onto_joints(_onto_joints(self.between.real + turning).swapaxes(1, 2)) + armature
 
     def bias(self, qd: FloatArray) -> FloatArray:
-        """See `Posture`."""
+        """See `Configuration`."""
         rate2 = np.add.accumulate(qd, axis=1) ** 2
         pull = (self.chain.weight * self.at).conj() * self.chain.gravity
         return -_onto_joints(np.einsum("wij,wj->wi", self.between.imag, rate2) + pull.imag)
 
     def load(self, qd: FloatArray) -> FloatArray:
-        """See `Posture`."""
+        """See `Configuration`."""
         chain, rate2 = self.chain, np.add.accumulate(qd, axis=1) ** 2
-        inward = -(self.at * rate2) @ chain.outboard.T - chain.carried * chain.gravity
-        return np.sqrt(inward.real**2 + inward.imag**2 + (chain.carried * chain.aside) ** 2)
+        inward = -(self.at * rate2) @ chain.outboard.T - chain.outboard_mass * chain.gravity
+        return np.sqrt(inward.real**2 + inward.imag**2 + (chain.outboard_mass * chain.gravity_y) ** 2)
 
-    def needed(self, qd: FloatArray, qdd: FloatArray) -> FloatArray:
-        """See `Posture`."""
+    def required_effort(self, qd: FloatArray, qdd: FloatArray) -> FloatArray:
+        """See `Configuration`."""
         return np.einsum("wij,wj->wi", self.mass, qdd) + self.bias(qd)
 
     def free_rates(self, qd: FloatArray, effort: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
-        """See `Posture`."""
+        """See `Configuration`."""
         return _coupled_rates(self.mass, qd, effort, damping, h)
 
-    def held(self, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
-        """See `Posture`."""
-        return _coupled_held(self.mass, free, largest, damping, h)
+    def with_dry_friction(
+        self, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray
+    ) -> FloatArray:
+        """See `Configuration`."""
+        return _coupled_with_friction(self.mass, free, largest, damping, h)
 
 
 def _onto_joints(absolute: FloatArray) -> FloatArray:
@@ -296,7 +304,7 @@ def _onto_joints(absolute: FloatArray) -> FloatArray:
 
 def _coupled_rates(M: FloatArray, qd: FloatArray, effort: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
     momentum = np.einsum("wij,wj->wi", M, qd) + h * effort
-    return _solved(_damped(M, damping, h), momentum.T).T
+    return _solve_positive_definite(_damped(M, damping, h), momentum.T).T
 
 
 def _damped(M: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
@@ -304,28 +312,28 @@ def _damped(M: FloatArray, damping: FloatArray, h: FloatArray) -> FloatArray:
     return M + h[:, :, None] * np.diag(damping) if damping.any() else M
 
 
-def _coupled_held(
+def _coupled_with_friction(
     M: FloatArray, free: FloatArray, largest: FloatArray, damping: FloatArray, h: FloatArray
 ) -> FloatArray:
     """Projected Gauss-Seidel over the joints, as engines do for contacts."""
     # Joint by joint from here on, worlds side by side: (j, j, w) and (j, w).
     A, units = _damped(M, damping, h), np.eye(M.shape[1])[:, :, None]
-    inverse = np.stack([_solved(A, unit) for unit in units], axis=1)
-    most, rates = largest.T.copy(), free.T.copy()
+    inverse = np.stack([_solve_positive_definite(A, unit) for unit in units], axis=1)
+    limits, rates = largest.T.copy(), free.T.copy()
     impulse = np.zeros_like(rates)
     for _ in range(_SWEEPS):
         before = impulse.copy()
         for j in range(len(rates)):
-            wanted = impulse[j] - rates[j] / inverse[j, j]
-            given = np.minimum(np.maximum(wanted, -most[j]), most[j])
-            rates += inverse[:, j] * (given - impulse[j])
-            impulse[j] = given
+            target = impulse[j] - rates[j] / inverse[j, j]
+            applied = np.minimum(np.maximum(target, -limits[j]), limits[j])
+            rates += inverse[:, j] * (applied - impulse[j])
+            impulse[j] = applied
         if np.array_equal(before, impulse):  # All slide, or rest: no sweep changes anything any more.
             break
     return rates.T
 
 
-def _solved(A: FloatArray, b: FloatArray) -> FloatArray:
+def _solve_positive_definite(A: FloatArray, b: FloatArray) -> FloatArray:
     """x (j, w) with A x = b, for symmetric positive definite A (w, j, j) and b (j, w), which needs no pivots.
 
     Elimination joint by joint over all worlds at once: for a few joints a fraction of the cost of a call per world.

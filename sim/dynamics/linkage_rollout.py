@@ -1,4 +1,7 @@
-"""Roll-outs of a free body with joints from measured states: what is asked of an engine. See `sim.bullet.linkage`."""
+"""Protocol and data of roll-outs of a free body with joints from measured states (SI units).
+
+Implementation: `sim.bullet.linkage`.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ from sim.dynamics.tree import placements
 
 @dataclass(frozen=True)
 class LinkageModel:
-    """A measured base body and what hangs on it by joints.
+    """A measured base body and the links attached to it by joints.
 
     base     the measured body with the support, gravity and contact numbers that hold for all links.
     joints   tree (parent -1: the base), dry friction and damping; its gravity and drive are not used.
@@ -33,7 +36,7 @@ class LinkageModel:
 
     @property
     def mass_kg(self) -> float:
-        """Of base and links."""
+        """Total mass of base and links."""
         return self.base.mass_kg + sum(link.mass_kg for link in self.joints.tree)
 
 
@@ -55,7 +58,7 @@ class LinkageMotion:
     qd: FloatArray
 
 
-class LinkageReplay(Protocol):
+class LinkageRollout(Protocol):
     """Simulates windows one by one; equal calls give equal results, whatever was simulated before."""
 
     def rollout(
@@ -70,12 +73,12 @@ class LinkageReplay(Protocol):
         ...
 
     def close(self) -> None:
-        """Free the engine's world; the object is of no use afterwards."""
+        """Free the engine's world; the object cannot be used afterwards."""
         ...
 
 
 def link_body(model: LinkageModel, name: str) -> BodyModel:
-    """The link of that name as a body of its own, with the contact numbers of the base. Raises ValueError."""
+    """The link of that name as a free body, with the contact numbers of the base. Raises ValueError."""
     at = model.names.index(name)
     if at == 0:
         return model.base

@@ -26,7 +26,7 @@ _LARGEST_RATE = 1e4  # rad/s or m/s: beyond, a roll-out has diverged and is held
 
 @dataclass(frozen=True)
 class Drive:
-    """What turns commands or logged efforts into joint effort; all (j,)."""
+    """The drive, which converts commands or logged efforts to joint effort; all (j,)."""
 
     type: Literal["none", "effort", "position_pd"] = "none"
     kp: FloatArray = field(default_factory=lambda: np.zeros(1))
@@ -37,7 +37,7 @@ class Drive:
 
 @dataclass(frozen=True)
 class MechanismModel:
-    """Numbers of a mechanism: the tree, gravity in the world, dry friction and damping per joint (j,), drive."""
+    """Parameters of a mechanism: the tree, gravity in the world, dry friction and damping per joint (j,), drive."""
 
     tree: Tree
     gravity_W: FloatArray
@@ -58,7 +58,7 @@ class Law:
 
 @dataclass(frozen=True)
 class Windows:
-    """Where roll-outs start and what drives them: t_s (w, k), q0, qd0 (w, j), inputs (w, k, j) held from row to row."""
+    """Initial states and inputs of roll-outs: t_s (w, k), q0, qd0 (w, j), inputs (w, k, j) held from row to row."""
 
     t_s: FloatArray
     q0: FloatArray
@@ -68,19 +68,19 @@ class Windows:
     aux: Mapping[str, FloatArray] = field(default_factory=dict)  # (w, k) each
 
 
-def from_each(windows: Windows, q0: FloatArray, qd0: FloatArray) -> Windows:
-    """The same windows once from each of several starts (m, w, j): m * w windows, of which one step costs far less."""
+def windows_from_starts(windows: Windows, q0: FloatArray, qd0: FloatArray) -> Windows:
+    """The windows repeated for each of m initial states (m, w, j): m * w windows, cheaper to step in one call."""
 
-    def again(values: FloatArray) -> FloatArray:
+    def tiled(values: FloatArray) -> FloatArray:
         return np.tile(values, (len(q0), *[1] * (values.ndim - 1)))
 
     return Windows(
-        t_s=again(windows.t_s),
+        t_s=tiled(windows.t_s),
         q0=q0.reshape(-1, q0.shape[2]),
         qd0=qd0.reshape(-1, qd0.shape[2]),
-        command=None if windows.command is None else again(windows.command),
-        effort=None if windows.effort is None else again(windows.effort),
-        aux={name: again(values) for name, values in windows.aux.items()},
+        command=None if windows.command is None else tiled(windows.command),
+        effort=None if windows.effort is None else tiled(windows.effort),
+        aux={name: tiled(values) for name, values in windows.aux.items()},
     )
 
 
@@ -99,7 +99,7 @@ def rollout(
     forces = _Forces.of(model, laws, worlds)
     spans = np.diff(windows.t_s, axis=1)
     typical = _medians(spans)
-    gained, before = np.zeros_like(qd), np.zeros((worlds, 1))
+    last_change, before = np.zeros_like(qd), np.zeros((worlds, 1))
     for k in range(stamps - 1):
         steps = max(1, int(np.ceil(typical[k] / largest_step_s - _JITTER))) * finer
         h = spans[:, k, None] / steps
@@ -107,52 +107,52 @@ def rollout(
         aux = {name: values[:, k, None] for name, values in windows.aux.items()}
         half = 0.5 * h
         if k and len(model.tree) > 1:
-            gained = gained * np.divide(h, before, out=np.zeros_like(h), where=before > 0.0)
+            last_change = last_change * np.divide(h, before, out=np.zeros_like(h), where=before > 0.0)
         before = h
         for s in range(steps):
             q = q + half * qd
-            asked = asked_effort(model.drive, windows, k, q, qd)
+            commanded = commanded_effort(model.drive, windows, k, q, qd)
             t = windows.t_s[:, k, None] + (s + 0.5) * h if laws else half
             if model.drive.type == "position_pd":
                 # The rate at the middle of the step, not at its start: half a step's delay would look like inertia.
-                ahead = forces.with_own_memory().kick(q, qd, gained, asked, t, h, dt_s, aux)
-                asked = asked_effort(model.drive, windows, k, q, 0.5 * (qd + ahead))
-            after = forces.kick(q, qd, gained, asked, t, h, dt_s, aux)
-            qd, gained = after, after - qd
+                ahead = forces.with_own_memory().kick(q, qd, last_change, commanded, t, h, dt_s, aux)
+                commanded = commanded_effort(model.drive, windows, k, q, 0.5 * (qd + ahead))
+            after = forces.kick(q, qd, last_change, commanded, t, h, dt_s, aux)
+            qd, last_change = after, after - qd
             q = q + half * qd
         Q[:, k + 1], QD[:, k + 1] = q, qd
     return Q, QD
 
 
 def _medians(spans: FloatArray) -> FloatArray:
-    """(k,) over windows; those that are no number are left out, which takes far longer."""
+    """(k,) over windows; NaN values are left out, which takes far longer."""
     plain = np.median(spans, axis=0)
     return np.nanmedian(spans, axis=0) if np.isnan(plain).any() else plain
 
 
-def asked_effort(drive: Drive, windows: Windows, k: int, q: FloatArray, qd: FloatArray) -> FloatArray:
-    """Effort that the log or the controller asks for (w, j)."""
+def commanded_effort(drive: Drive, windows: Windows, k: int, q: FloatArray, qd: FloatArray) -> FloatArray:
+    """Effort commanded by the log or the controller (w, j), within the limit of the drive."""
     if drive.type == "effort" and windows.effort is not None:
-        asked = windows.effort[:, k] * drive.effort_per_unit
+        commanded = windows.effort[:, k] * drive.effort_per_unit
     elif drive.type == "position_pd" and windows.command is not None:
-        asked = (drive.kp * (windows.command[:, k] - q) - drive.kd * qd) * drive.effort_per_unit
+        commanded = (drive.kp * (windows.command[:, k] - q) - drive.kd * qd) * drive.effort_per_unit
     else:
         return np.zeros_like(q)
     limit = drive.effort_limit
-    return asked if limit is None else np.minimum(np.maximum(asked, -limit), limit)
+    return commanded if limit is None else np.minimum(np.maximum(commanded, -limit), limit)
 
 
 @dataclass(frozen=True)
 class _Forces:
-    """What acts on a mechanism in every step: its own forces, and laws by kind, in order, each with its memory."""
+    """Forces on a mechanism in a step: its rigid-body forces, and laws by kind, in order, each with its memory."""
 
     model: MechanismModel
     dynamics: JointDynamics
     drives: tuple[tuple[Law, EffortMap, dict[str, FloatArray]], ...]
     torques: tuple[tuple[Law, JointTorque, dict[str, FloatArray]], ...]
     frictions: tuple[tuple[Law, JointFriction], ...]
-    rubs: bool
-    unknown: FloatArray  # (w, j) in place of loads that nobody asks for
+    has_friction: bool
+    no_load: FloatArray  # (w, j) NaN, in place of loads that no law needs
 
     @staticmethod
     def of(model: MechanismModel, laws: Sequence[Law], worlds: int) -> _Forces:
@@ -168,7 +168,7 @@ class _Forces:
         )
 
     def with_own_memory(self) -> _Forces:
-        """The same forces; what they remember from here on they keep to themselves."""
+        """A copy with separate memories, for a trial step."""
         if not self.drives and not self.torques:
             return self
         drives = tuple((law, hook, dict(memory)) for law, hook, memory in self.drives)
@@ -179,41 +179,44 @@ class _Forces:
         self,
         q: FloatArray,
         qd: FloatArray,
-        gained: FloatArray,
-        asked: FloatArray,
+        last_change: FloatArray,
+        commanded: FloatArray,
         t_s: FloatArray,
         h: FloatArray,
         dt_s: float,
         aux: Mapping[str, FloatArray],
     ) -> FloatArray:
-        """Joint rates after one step of length `h` (w, 1), typically `dt_s`; the step before `gained` so much."""
-        model, posture = self.model, self.dynamics.at(q)
-        effort = asked.copy() if self.drives else asked
+        """Joint rates after one step of length `h` (w, 1), typically `dt_s`.
+
+        `last_change` is the change of the rates in the step before.
+        """
+        model, configuration = self.model, self.dynamics.at(q)
+        effort = commanded.copy() if self.drives else commanded
 
         def state(j: int, load: FloatArray, friction: FloatArray | None = None) -> JointState:
-            one = np.s_[:, j : j + 1]
-            rubbing = None if friction is None else friction[one]
-            return JointState(t_s, q[one], qd[one], effort[one], load[one], dt_s, aux, rubbing)
+            column = np.s_[:, j : j + 1]
+            joint_friction = None if friction is None else friction[column]
+            return JointState(t_s, q[column], qd[column], effort[column], load[column], dt_s, aux, joint_friction)
 
-        unknown = self.unknown
+        no_load = self.no_load
         for law, hook, memory in self.drives:
-            effort[:, law.joint, None] = hook.map(state(law.joint, unknown), law.params, memory)
-        # How links whirl one another is the one smooth force that depends on rates so much that half a step matters.
-        net = effort - posture.bias(qd + 0.5 * gained if len(model.tree) > 1 else qd)
+            effort[:, law.joint, None] = hook.map(state(law.joint, no_load), law.params, memory)
+        # The velocity-product force between links depends on rates so strongly that half a step matters.
+        net = effort - configuration.bias(qd + 0.5 * last_change if len(model.tree) > 1 else qd)
         for law, hook, memory in self.torques:
-            net[:, law.joint, None] += hook.torque(state(law.joint, unknown), law.params, memory)
-        free = posture.free_rates(qd, net, model.damping, h)
-        if self.rubs:
+            net[:, law.joint, None] += hook.torque(state(law.joint, no_load), law.params, memory)
+        free = configuration.free_rates(qd, net, model.damping, h)
+        if self.has_friction:
             largest: FloatArray = model.friction
             if self.frictions:
-                # Bearings' loads cost as much as all else: only laws that ask for them get them.
-                load = posture.load(qd) if any(hook.by_load for _, hook in self.frictions) else unknown
+                # Bearing loads cost as much as all else: they are computed only for laws that need them.
+                load = configuration.load(qd) if any(hook.by_load for _, hook in self.frictions) else no_load
                 direction = np.where(free < -1e-9, -1.0, 1.0)
                 largest = model.friction + np.zeros(q.shape)
                 for law, hook in self.frictions:
-                    one = np.s_[:, law.joint : law.joint + 1]
+                    column = np.s_[:, law.joint : law.joint + 1]
                     now = state(law.joint, load, largest.copy())
-                    largest[one] += hook.limit(now, law.params, direction[one])
-            free = posture.held(free, h * np.maximum(largest, 0.0), model.damping, h)
-        # Not a number is beyond, too.
+                    largest[column] += hook.limit(now, law.params, direction[column])
+            free = configuration.with_dry_friction(free, h * np.maximum(largest, 0.0), model.damping, h)
+        # NaN counts as beyond the bound, too.
         return np.fmin(np.fmax(free, -_LARGEST_RATE), _LARGEST_RATE)

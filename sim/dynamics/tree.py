@@ -17,12 +17,12 @@ from schemas.model import FloatArray
 class Link:
     """A joint and the body it carries.
 
-    parent        index of the link it hangs on, -1 for the base.
+    parent        index of the parent link, -1 for the base.
     prismatic     slides along `axis_J` instead of turning about it.
     axis_J        (3,) unit vector in the joint frame, which is also the body's frame.
     X_PJ          (4, 4) joint frame in the parent's frame at q = 0.
     mass_kg, com_J (3,), inertia_J (3, 3) about the mass centre, axes of J.
-    armature      inertia of the drive behind the joint (kg m2, or kg), which no other joint feels.
+    armature      inertia of the drive behind the joint (kg m2, or kg), which acts on this joint alone.
     gravity_factor  weight of the link over mass times gravity; 1 unless its load is in doubt.
     """
 
@@ -61,7 +61,7 @@ def inverse_dynamics(
         )
         r = p[i]
         a_joint = ap + _cross(dwp, r) + _cross(wp, _cross(wp, r))
-        w0, dw0, a0 = _turn(R[i], wp), _turn(R[i], dwp), _turn(R[i], a_joint)
+        w0, dw0, a0 = _in_joint_frame(R[i], wp), _in_joint_frame(R[i], dwp), _in_joint_frame(R[i], a_joint)
         rate, change = qd[:, i, None] * link.axis_J, qdd[:, i, None] * link.axis_J
         if link.prismatic:
             w[i], a_w[i] = w0, dw0
@@ -130,11 +130,11 @@ def _in_link(tree: Tree, R: list[FloatArray], i: int, v_W: FloatArray) -> FloatA
         i = tree[i].parent
     v = np.broadcast_to(v_W, (len(R[0]), 3))
     for k in reversed(chain):
-        v = _turn(R[k], v)
+        v = _in_joint_frame(R[k], v)
     return v
 
 
-def _turn(R_PJ: FloatArray, v_P: FloatArray) -> FloatArray:
+def _in_joint_frame(R_PJ: FloatArray, v_P: FloatArray) -> FloatArray:
     """Vectors (w, 3) of the parent's frame in the joint's frame."""
     return np.einsum("wba,wb->wa", R_PJ, v_P)
 

@@ -1,4 +1,4 @@
-"""Every effect, in one explicit list; the order is that of the contract's table."""
+"""The list of all effects, in the order of the table in docs/reference/effects.md, and look-up by name."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ EFFECTS: tuple[Effect, ...] = (
 
 def effect(name: str) -> Effect:
     """The effect of that name. Raises KeyError with the known names: unknown effects are refused, not skipped."""
-    for each in EFFECTS:
-        if each.name == name:
-            return each
+    for listed in EFFECTS:
+        if listed.name == name:
+            return listed
     raise KeyError(f"unknown effect '{name}'; known are {', '.join(e.name for e in EFFECTS)}")

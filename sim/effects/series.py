@@ -1,4 +1,4 @@
-"""Helpers for effects that work on whole recorded columns."""
+"""Helpers for effects that map recorded columns: changed columns, held inputs, interpolated motion at times (s)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def with_columns(series: Series, names: Iterable[str], change: Callable[[FloatAr
 
 
 def held_at(t_s: FloatArray, values: FloatArray, when_s: FloatArray) -> FloatArray:
-    """Columns (n, k) as a held input gives them at other times: the last row not after each; row 0 before the first.
+    """Columns (n, k) of a held input at other times: the last row not after each; row 0 before the first.
 
     Between two rows the share of time that each holds counts, so that a shift by part of a sample is smooth.
     """

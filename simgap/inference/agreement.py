@@ -1,4 +1,4 @@
-"""Whether the direct estimate says the same as the fit: the second of the two routes to a name."""
+"""Agreement of the direct estimate with the fit on roll-outs: the second of the two conditions for a name."""
 
 from __future__ import annotations
 
@@ -15,19 +15,21 @@ from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
 
 AGREE_ERRORS = 3.0
 AGREE_SHARE = 0.5  # of the larger of the two: within a factor of two, either way
-_LOOKS = 2.0  # at losses and at strengths, as on roll-outs
-_HELD = 1e-6  # a range so narrow holds a value, relative
+_TESTS = 2.0  # of losses and of strengths, as on roll-outs: a Bonferroni factor
+_FIXED_RANGE = 1e-6  # relative half width of the bounds that fix a value
 
 
 def agrees(candidate_fit: CandidateFit) -> bool | None:
-    """Whether the direct estimate says the same as the fit; None where there is no direct route."""
+    """Whether the direct estimate agrees with the fit; None without a direct estimate."""
     if candidate_fit.direct is None:
         return None
-    return agree(candidate_fit.fit.model[-1], candidate_fit.fit.half_widths[candidate_fit.candidate.key], candidate_fit.direct)
+    return agree(
+        candidate_fit.fit.model[-1], candidate_fit.fit.half_widths[candidate_fit.candidate.key], candidate_fit.direct
+    )
 
 
 def agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool:
-    """Whether both point one way and lie within a factor of two of one another, or within their errors."""
+    """Whether both have one sign and lie within a factor of two of one another, or within their errors."""
     strength = _strength(term, widths)
     null, fitted = term.candidate.null[strength], term.values[strength]
     step = fitted - null
@@ -47,10 +49,10 @@ def direct_agreement(
     trials: Sequence[str],
     alone: bool,
 ) -> tuple[DirectEstimate | None, bool]:
-    """What the direct route says of an accepted effect beside the others, and whether that agrees with the fit.
+    """The direct estimate of an accepted effect beside the other effects, and whether it agrees with the fit.
 
-    What is said is said of the final model: values move when causes are found that were not yet known. And a strength
-    means something beside a shape only: torque at rest beside the speed at which it is gone.
+    Both belong to the final model: values move as further effects are accepted. Strengths are compared at one shape,
+    because a strength depends on it: torque at rest beside the speed at which it has decayed.
     """
     direct = candidate_fit.direct
     if direct is None or (alone and agree(term, widths, direct)):
@@ -58,14 +60,14 @@ def direct_agreement(
     direct = problem.direct(candidate_fit.candidate, others, trials)
     if direct is None or agree(term, widths, direct) or not term.candidate.shapes:
         return direct, direct is not None and agree(term, widths, direct)
-    pinned = problem.direct(of_one_shape(term), others, trials)
+    pinned = problem.direct(with_fixed_shape(term), others, trials)
     if pinned is None or not agree(term, widths, pinned):
         return direct, False
-    return _shapes_of(direct, pinned, term.candidate), True
+    return _strengths_at_fixed_shape(direct, pinned, term.candidate), True
 
 
-def beyond(term: Term, direct: DirectEstimate, method_bias: MethodBias) -> bool:
-    """Whether the direct route sees more of some strength than it makes up where there is none."""
+def exceeds_method_bias(term: Term, direct: DirectEstimate, method_bias: MethodBias) -> bool:
+    """Whether the direct estimate of some strength exceeds the bias of the direct method."""
     null = term.candidate.null
     return not method_bias.direct or any(
         abs(direct.values[n] - null[n]) > least for n, least in method_bias.direct.items()
@@ -73,19 +75,20 @@ def beyond(term: Term, direct: DirectEstimate, method_bias: MethodBias) -> bool:
 
 
 def _is_significant(direct: DirectEstimate, candidate: Candidate, strength: str) -> bool:
-    """Whether a direct estimate differs from none beyond chance: by trials held out, or by its error over trials.
+    """Whether a direct estimate differs from none beyond chance: by held-out losses, or by its error over trials.
 
-    The second sees far smaller effects, as on roll-outs; it says nothing of a threshold, which is sharp anywhere.
+    The second test detects far smaller effects, as on roll-outs. Thresholds have the first test only: their standard
+    error is small wherever they lie.
     """
     error = direct.standard_errors[strength]
     if direct.p_value < DIRECT_ALPHA or candidate.extra_starts or direct.trials < 2 or error <= 0.0:
         return direct.p_value < DIRECT_ALPHA
     t = abs(direct.values[strength] - candidate.null[strength]) / error
-    return bool(_LOOKS * 2.0 * stats.t.sf(t, direct.trials - 1) < DIRECT_ALPHA)
+    return bool(_TESTS * 2.0 * stats.t.sf(t, direct.trials - 1) < DIRECT_ALPHA)
 
 
-def _shapes_of(free: DirectEstimate, pinned: DirectEstimate, candidate: Candidate) -> DirectEstimate:
-    """What is said of strengths at one shape, and of shapes where nothing is held."""
+def _strengths_at_fixed_shape(free: DirectEstimate, pinned: DirectEstimate, candidate: Candidate) -> DirectEstimate:
+    """Strengths from the estimate at a fixed shape, shapes from the free one."""
     return replace(
         pinned,
         values={n: (free if n in candidate.shapes else pinned).values[n] for n in pinned.values},
@@ -93,15 +96,15 @@ def _shapes_of(free: DirectEstimate, pinned: DirectEstimate, candidate: Candidat
     )
 
 
-def of_one_shape(term: Term) -> Candidate:
-    """The candidate with its shape held as it was fitted: strengths of two routes then compare."""
-    held = {n: (v - _HELD * (abs(v) + _HELD), v + _HELD * (abs(v) + _HELD)) for n, v in term.values.items()}
+def with_fixed_shape(term: Term) -> Candidate:
+    """The candidate with its shape fixed as fitted, so that strengths of fit and direct estimate compare."""
+    held = {n: (v - _FIXED_RANGE * (abs(v) + _FIXED_RANGE), v + _FIXED_RANGE * (abs(v) + _FIXED_RANGE)) for n, v in term.values.items()}
     bounds = {n: held[n] if n in term.candidate.shapes else b for n, b in term.candidate.bounds.items()}
     return replace(term.candidate, start=term.values, bounds=bounds)
 
 
 def _strength(term: Term, widths: dict[str, float]) -> str:
-    """The parameter that says most clearly that the effect is there: a stop may be touched on one side only."""
+    """The strength with the largest ratio to its half width: a stop may be touched on one side only."""
 
     def clarity(n: str) -> float:
         width = widths.get(n, 0.0)

@@ -1,4 +1,4 @@
-"""One candidate tried on top of a model: its fit, and how it does on training trials held out in turn."""
+"""Fits of single candidates on top of a base model, with cross-validated gains and p-values, ranked by gain."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from simgap.inference.fit import Fit, is_twin
-from simgap.inference.losses import Comparison, adjusted, compare, met, met_p
+from simgap.inference.losses import Comparison, affected_trials, compare, holm_adjusted, paired_p_where_affected
 from simgap.problem import Candidate, DirectEstimate
 
 ALPHA = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
@@ -20,13 +20,13 @@ _CONFIRMED_LEAST_GAIN = (
 
 
 def least_gain(candidate: Candidate) -> float:
-    """Share of the loss, or of the noise, below which the candidate has no name."""
+    """Minimum gain of a candidate with a name, as a share of the loss or of the noise."""
     return _CONFIRMED_LEAST_GAIN if candidate.direct_half_width else _LEAST_GAIN
 
 
 @dataclass(frozen=True)
 class CandidateFit:
-    """One candidate tried on top of a base model: its fit, and how it does on training trials held out in turn."""
+    """One candidate fitted on top of a base model, compared with the base by cross-validation over training trials."""
 
     candidate: Candidate
     fit: Fit
@@ -40,24 +40,24 @@ Map = Callable[[Callable[[Candidate], CandidateFit], Iterable[Candidate]], Itera
 
 @dataclass(frozen=True)
 class Screening:
-    """All candidates tried on one base, best first; `p_adjusted` beside them."""
+    """Fits of all candidates on one base, best first, with their adjusted p-values."""
 
-    tried: tuple[CandidateFit, ...]
+    fits: tuple[CandidateFit, ...]
     p_adjusted: tuple[float, ...]
 
     def p_of(self, key: str) -> float:
-        """Chance of that candidate's evidence, adjusted for all of the round; 1 of one that was not tried."""
-        return next((p for t, p in zip(self.tried, self.p_adjusted, strict=True) if t.candidate.key == key), 1.0)
+        """Adjusted p-value of a candidate; 1 for one that was not fitted."""
+        return next((p for t, p in zip(self.fits, self.p_adjusted, strict=True) if t.candidate.key == key), 1.0)
 
 
-def screening_of(tried: Sequence[CandidateFit]) -> Screening:
-    """The trials of all candidates on one base, best first, with Holm's correction for their number.
+def ranked_screening(tried: Sequence[CandidateFit]) -> Screening:
+    """Fits of all candidates on one base, best first, with Holm's correction for their number.
 
-    Three or four trials that meet a threshold cannot speak below a hundredth, however clearly each of them does. Where
-    the direct route singles one out it was chosen by other means than it is judged by, and is asked once.
+    Three or four trials that reach a threshold cannot give a p-value below 0.01. A threshold that the direct estimate
+    singles out was chosen by other data than those of its test, so it is not corrected.
     """
     ordered = sorted(tried, key=lambda t: (-t.comparison.gain, t.candidate.key))
-    p = [float(v) for v in adjusted([t.comparison.p_value for t in ordered])]
+    p = [float(v) for v in holm_adjusted([t.comparison.p_value for t in ordered])]
     for k, t in enumerate(ordered):
         if t.candidate.extra_starts and _singled_out(t, ordered):
             p[k] = t.comparison.p_value
@@ -65,39 +65,41 @@ def screening_of(tried: Sequence[CandidateFit]) -> Screening:
 
 
 def _singled_out(candidate_fit: CandidateFit, tried: Sequence[CandidateFit]) -> bool:
-    """Whether the direct route leaves far less with it than with any other, of the trials that it changes.
+    """Whether the direct loss of the trials that a candidate affects is far below that of any other candidate.
 
-    Most others change next to nothing: their median is what is left without it.
+    Most candidates change next to nothing: the median of their losses is the loss without any of them.
     """
     other_losses = [
-        t.direct.held_out for t in tried if t is not candidate_fit and t.direct is not None and t.direct.held_out is not None
+        t.direct.held_out
+        for t in tried
+        if t is not candidate_fit and t.direct is not None and t.direct.held_out is not None
     ]
     if candidate_fit.direct is None or candidate_fit.direct.held_out is None or not other_losses:
         return False
     own_losses = candidate_fit.direct.held_out
-    changed = met(np.median(other_losses, axis=0), own_losses)
+    changed = affected_trials(np.median(other_losses, axis=0), own_losses)
     return bool(own_losses[changed].sum() < _SINGLED_OUT * min(losses[changed].sum() for losses in other_losses))
 
 
 def direct_held_out_loss(candidate_fit: CandidateFit) -> float:
-    """What the direct estimate leaves of the loss, by trials held out in turn; infinite where there is none."""
+    """Cross-validated loss of the direct estimate, summed over trials; infinite where there is none."""
     direct = candidate_fit.direct
     return np.inf if direct is None or direct.held_out is None else float(direct.held_out.sum())
 
 
-def tried_on(base: Fit, extended: Fit, direct: DirectEstimate | None) -> CandidateFit:
+def candidate_fit_on(base: Fit, extended: Fit, direct: DirectEstimate | None) -> CandidateFit:
     """The last term of `extended` as a candidate on top of `base`; both fitted to errors of the same trials."""
     comparison = compare(base.held_out, extended.held_out)
     if extended.free[-1].extra_starts:
-        comparison = replace(comparison, p_value=met_p(base.held_out, extended.held_out))
-    comparison = replace(comparison, p_value=chance(comparison, extended))
+        comparison = replace(comparison, p_value=paired_p_where_affected(base.held_out, extended.held_out))
+    comparison = replace(comparison, p_value=combined_p_value(comparison, extended))
     return CandidateFit(extended.free[-1], extended, comparison, direct, _delta_bic(base, extended))
 
 
-def chance(comparison: Comparison, extended: Fit) -> float:
-    """Chance of such evidence without the effect, by held-out losses or by the strength itself: two looks, so twice.
+def combined_p_value(comparison: Comparison, extended: Fit) -> float:
+    """p-value of "no effect" from held-out losses and from the strength: the smaller of the two, times two.
 
-    The strength of a threshold says nothing: there it is one look.
+    Thresholds have the test of losses only.
     """
     if extended.free[-1].extra_starts:
         return comparison.p_value
@@ -111,14 +113,14 @@ def _delta_bic(base: Fit, fitted: Fit) -> float:
     return float(n * np.log(max(base.losses.mean(), 1e-12) / max(fitted.losses.mean(), 1e-12)) - extra * np.log(n))
 
 
-def warm(fitted: Fit) -> list[Candidate]:
+def warm_start(fitted: Fit) -> list[Candidate]:
     """Terms as candidates that start at their present values."""
     return [replace(t.candidate, start=t.values) for t in fitted.model]
 
 
-def warm_without(fitted: Fit, removed: Sequence[Candidate], nuisances: Sequence[Candidate]) -> list[Candidate]:
+def warm_start_without(fitted: Fit, removed: Sequence[Candidate], nuisances: Sequence[Candidate]) -> list[Candidate]:
     """`warm` without some effects; a declared number that one of them had taken over is free in its tolerance again."""
     keys = {c.key for c in removed}
-    remaining = [c for c in warm(fitted) if c.key not in keys]
+    remaining = [c for c in warm_start(fitted) if c.key not in keys]
     present = {c.key for c in remaining}
     return [*(n for n in nuisances if n.key not in present and any(is_twin(n, c) for c in removed)), *remaining]

@@ -29,7 +29,7 @@ class Equations:
     Z: FloatArray
 
 
-def solved(trials: Sequence[Equations], names: Sequence[str], null: Mapping[str, float]) -> DirectEstimate | None:
+def regress(trials: Sequence[Equations], names: Sequence[str], null: Mapping[str, float]) -> DirectEstimate | None:
     """The parameters with jackknife errors over trials, and the chance of `null`; None where the rows do not tell.
 
     Equations far off what the others say are left out of the fit.
@@ -57,12 +57,12 @@ def solved(trials: Sequence[Equations], names: Sequence[str], null: Mapping[str,
     return DirectEstimate(
         dict(zip(names, theta.tolist(), strict=True)),
         dict(zip(names, errors.tolist(), strict=True)),
-        _chance(clean, np.array([null[name] for name in names])),
+        _p_value(clean, np.array([null[name] for name in names])),
         n,
     )
 
 
-def _chance(trials: Sequence[Equations], null: FloatArray) -> float:
+def _p_value(trials: Sequence[Equations], null: FloatArray) -> float:
     """p-value of the null: its equations' errors are unrelated to the instruments, trial by trial (Hotelling's test).
 
     Asked this way the answer does not depend on whether theta or 1 / theta is estimated (Anderson and Rubin, Ann. Math.

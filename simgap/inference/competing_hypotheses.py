@@ -14,10 +14,10 @@ from simgap.inference.candidate_fit import (
     CandidateFit,
     Map,
     Screening,
-    chance,
+    candidate_fit_on,
+    combined_p_value,
     least_gain,
-    tried_on,
-    warm_without,
+    warm_start_without,
 )
 from simgap.inference.fit import Errors, Fit, extend, fit, is_twin
 from simgap.inference.losses import compare, paired_p
@@ -25,7 +25,7 @@ from simgap.inference.search_state import SearchState
 from simgap.problem import Candidate, Term
 
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
-AS_GOOD = 0.05  # level at which the best beats another
+RIVAL_ALPHA = 0.05  # level at which the best beats another
 AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
 # The same of a known double: declared numbers that stay free beside one of the two, and not beside the other, do more.
 _CONFUSABLE_AHEAD = 0.15
@@ -40,39 +40,41 @@ _RICHER = 1  # parameters more that a rival of another kind may have: a spring h
 _BEATEN_TOGETHER, _TOGETHER = 0.01, 0.8
 
 
-def beside_others(
-    here: SearchState, accepted: CandidateFit, others: Sequence[CandidateFit], each: Map
+def refit_beside_others(
+    state: SearchState, accepted: CandidateFit, others: Sequence[CandidateFit], each: Map
 ) -> tuple[Fit, CandidateFit, list[CandidateFit]]:
     """The model without one accepted effect, the best in its place, and it and `others` tried there, best first.
 
     Another takes the place of what was found only if it is better beyond chance, or simpler and no worse.
     """
-    without = fit(here.errors, warm_without(here.base, [accepted.candidate], here.problem.nuisances()))
-    now = {t.candidate.key: t.values for t in here.base.model}
+    without = fit(state.errors, warm_start_without(state.base, [accepted.candidate], state.problem.nuisances()))
+    now = {t.candidate.key: t.values for t in state.base.model}
     before = {t.candidate.key: t.fit.model[-1].values for t in (accepted, *others)}
 
     def instead(candidate: Candidate) -> CandidateFit:
         values = before[candidate.key]
         starts = [now.get(candidate.key, values), values]
-        direct = here.problem.direct(candidate, without.model, here.trials.train)
-        return tried_on(without, extend(here.errors, without, candidate, starts), direct)
+        direct = state.problem.direct(candidate, without.model, state.trials.train)
+        return candidate_fit_on(without, extend(state.errors, without, candidate, starts), direct)
 
     tried = list(each(instead, [t.candidate for t in (accepted, *others)]))
     same = next(t for t in tried if t.candidate.key == accepted.candidate.key)
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
-    best = tried[0] if beaten(same, tried[0]) else same
-    simpler = (t for t in tried if len(t.candidate.null) < len(best.candidate.null) and not beaten(t, best))
+    best = tried[0] if is_beaten(same, tried[0]) else same
+    simpler = (t for t in tried if len(t.candidate.null) < len(best.candidate.null) and not is_beaten(t, best))
     return without, next(simpler, best), tried
 
 
-def alternatives(accepted: CandidateFit, this: Screening, rivals: Collection[str], base: Fit) -> list[CandidateFit]:
+def alternatives(
+    accepted: CandidateFit, screening: Screening, rivals: Collection[str], base: Fit
+) -> list[CandidateFit]:
     """What may stand in the place of an accepted effect: its rivals, then its doubles and all that left little more.
 
     Two causes together may be mimicked by a double of one of them, which leaves far less than that one alone.
     """
     taken = {c.key for c in base.free}
     most = _LITTLE_MORE * float(accepted.fit.held_out.sum())
-    free = [t for t in this.tried if t.candidate.key not in taken]
+    free = [t for t in screening.fits if t.candidate.key not in taken]
     known = [t for t in free if t.candidate.key in rivals]
     judged = [t for t in free if t.comparison.gain > 0.0 and t.candidate.key not in rivals]
     doubles = [t for t in judged if are_confusable(t.candidate, accepted.candidate)]
@@ -88,16 +90,16 @@ def are_confusable(one: Candidate, other: Candidate) -> bool:
     return other.effect.name in named or one.effect.name in {c.effect for c in other.effect.confusables}
 
 
-def replacement(this: Screening, base: Fit, accepted: Sequence[CandidateFit]) -> tuple[int, CandidateFit] | None:
+def replacement(screening: Screening, base: Fit, accepted: Sequence[CandidateFit]) -> tuple[int, CandidateFit] | None:
     """The best of a round where an accepted effect all but vanishes beside it, and the place of that effect."""
-    if not this.tried:
+    if not screening.fits:
         return None
-    best = this.tried[0]
-    if this.p_adjusted[0] >= ALPHA or best.comparison.gain <= least_gain(best.candidate):
+    best = screening.fits[0]
+    if screening.p_adjusted[0] >= ALPHA or best.comparison.gain <= least_gain(best.candidate):
         return None
     for place, found in enumerate(accepted):
         term = next(t for t in base.model if t.candidate.key == found.candidate.key)
-        if best.fit.stands_out({}) and vanishes(term, best.fit):
+        if best.fit.strength_exceeds({}) and vanishes(term, best.fit):
             return place, best
     return None
 
@@ -119,14 +121,14 @@ def vanishes(term: Term, extended: Fit) -> bool:
 
 
 def possible_replacements(
-    this: Screening, base: Fit, accepted: CandidateFit, known: Sequence[CandidateFit]
+    screening: Screening, base: Fit, accepted: CandidateFit, known: Sequence[CandidateFit]
 ) -> list[CandidateFit]:
     """Significant candidates beside which what was found before all but vanishes: they may be what it is."""
     term = next(t for t in base.model if t.candidate.key == accepted.candidate.key)
     taken = {t.candidate.key for t in known}
     return [
         trial
-        for trial, p in zip(this.tried, this.p_adjusted, strict=True)
+        for trial, p in zip(screening.fits, screening.p_adjusted, strict=True)
         if p < ALPHA and trial.candidate.key not in taken and vanishes(term, trial.fit)
     ]
 
@@ -145,7 +147,7 @@ def as_good_with_confusable(
     Two causes may stand for two others where neither does alone: friction by load and a weight for dry friction and a
     spring. Without the double the spring would look refuted.
     """
-    remaining = warm_without(base, [accepted.candidate, best.candidate], nuisances)
+    remaining = warm_start_without(base, [accepted.candidate, best.candidate], nuisances)
     out: list[CandidateFit] = []
     for double in doubles:
         others_remaining = [c for c in remaining if not is_twin(c, double.candidate)]
@@ -160,7 +162,7 @@ def as_good_with_confusable(
                 continue  # Fewer parameters are preferred where they leave less besides.
             ahead = compare(both.held_out, base.held_out)
             if not (ahead.p_value < _BEATEN_TOGETHER and clearly_less(both, base, best)):
-                out.append(tried_on(near, both, other.direct))
+                out.append(candidate_fit_on(near, both, other.direct))
     return out
 
 
@@ -169,15 +171,15 @@ def simpler_and_as_good(simpler: CandidateFit, best: CandidateFit) -> bool:
     fewer = len(simpler.candidate.null) < len(best.candidate.null)
     near = simpler.comparison.gain > _NEARLY * best.comparison.gain
     significant = simpler.comparison.p_value < ALPHA
-    return fewer and near and significant and paired_p(simpler.fit.held_out, best.fit.held_out) > AS_GOOD
+    return fewer and near and significant and paired_p(simpler.fit.held_out, best.fit.held_out) > RIVAL_ALPHA
 
 
-def beaten(rival: CandidateFit, best: CandidateFit) -> bool:
+def is_beaten(rival: CandidateFit, best: CandidateFit) -> bool:
     """Whether the best leaves less than the rival, beyond chance and by more than smoothing may do."""
     ahead = compare(rival.fit.held_out, best.fit.held_out)
     if are_confusable(rival.candidate, best.candidate) and ahead.gain < _CONFUSABLE_AHEAD:
         return False
-    return ahead.p_value < AS_GOOD and clearly_less(rival.fit, best.fit, best)
+    return ahead.p_value < RIVAL_ALPHA and clearly_less(rival.fit, best.fit, best)
 
 
 def clearly_less(rival: Fit, better: Fit, best: CandidateFit) -> bool:
@@ -197,7 +199,7 @@ def inseparable(errors: Errors, best: CandidateFit, tried: Sequence[CandidateFit
     for rival in tried:
         if rival is best or rival.comparison.gain < RIVAL_SHARE * best.comparison.gain:
             continue
-        if beaten(rival, best):
+        if is_beaten(rival, best):
             continue
         # A richer law that does no better has had its chance, as has a much richer one of another kind; known doubles
         # stay in doubt.
@@ -210,7 +212,7 @@ def inseparable(errors: Errors, best: CandidateFit, tried: Sequence[CandidateFit
         both = extend(errors, rival.fit, best.candidate, [best.fit.model[-1].values, best.candidate.start])
         over_rival = compare(rival.fit.held_out, both.held_out)
         little = are_confusable(rival.candidate, best.candidate) and over_rival.gain < _CONFUSABLE_AHEAD
-        if not little and chance(over_rival, both) < ALPHA and clearly_less(rival.fit, both, best):
+        if not little and combined_p_value(over_rival, both) < ALPHA and clearly_less(rival.fit, both, best):
             continue
         inseparable_rivals.append(rival)
     return tuple(inseparable_rivals)

@@ -11,11 +11,18 @@ import numpy as np
 from scipy import stats
 
 from schemas.model import FloatArray
-from simgap.inference.robust_least_squares import KNEE, Prior, Solution, descend, half_widths, left_out
+from simgap.inference.robust_least_squares import (
+    CAUCHY_SCALE,
+    Prior,
+    Solution,
+    half_widths,
+    leave_one_out_losses,
+    minimise,
+)
 from simgap.problem import Candidate, Model, Problem, Term, View
 
 Errors = Callable[[Model], Sequence[FloatArray]]  # one array per trial, in noise levels
-BEYOND = 1.0 + 1e-9  # an end of a range lies as far from none as it is known: rounding must not decide
+ROUNDING_MARGIN = 1.0 + 1e-9  # an end of a range lies as far from none as it is known: rounding must not decide
 _FEW = 9  # values of a strength tried before the local search
 _MANY = 24  # values of one shape parameter; of two: _GRID
 _GRID = (48, 6)
@@ -23,7 +30,7 @@ _PHASE = "phase_rad"
 _WAVES = 120  # waves over a position: neighbours differ by about a radian at its ends
 _PROBE = 0.05  # share of a strength's range at which its signature is read off
 _CLIP = 1e4
-_LEAST_CLUSTERS = 12
+_FEWEST_UNITS = 12
 
 
 @dataclass(frozen=True)
@@ -46,17 +53,18 @@ class Fit:
     @cached_property
     def held_out(self) -> FloatArray:
         """(t,) loss of each training trial under what the others teach."""
-        return left_out(self.solution)
+        return leave_one_out_losses(self.solution)
 
     @cached_property
     def half_widths(self) -> dict[str, dict[str, float]]:
         """Half 95 % intervals by key and parameter, SI; at the end of a range as sure as what set it, if that is."""
         return {
-            c.key: {n: self._trials_say[c.key][n] or c.direct_half_width.get(n, 0.0) for n in c.null} for c in self.free
+            c.key: {n: self._trial_half_widths[c.key][n] or c.direct_half_width.get(n, 0.0) for n in c.null}
+            for c in self.free
         }
 
     @cached_property
-    def _trials_say(self) -> dict[str, dict[str, float]]:
+    def _trial_half_widths(self) -> dict[str, dict[str, float]]:
         """Half widths from the trials alone: none of a value at the end of its range."""
         widths = half_widths(self.solution) if self.free else np.zeros(0)
         out: dict[str, dict[str, float]] = {c.key: {} for c in self.free}
@@ -64,11 +72,11 @@ class Fit:
             out[c.key][name] = float(width * (c.bounds[name][1] - c.bounds[name][0]))
         return out
 
-    def stands_out(self, least: Mapping[str, float]) -> bool:
+    def strength_exceeds(self, least: Mapping[str, float]) -> bool:
         """Whether some strength of the last term differs from none by more than its interval and than `least`."""
         term, widths = self.model[-1], self.half_widths[self.free[-1].key]
         return any(
-            abs(term.values[n] - term.candidate.null[n]) > BEYOND * max(widths[n], least.get(n, 0.0))
+            abs(term.values[n] - term.candidate.null[n]) > ROUNDING_MARGIN * max(widths[n], least.get(n, 0.0))
             and widths[n] > 0.0
             for n in term.candidate.strengths
         )
@@ -81,7 +89,7 @@ class Fit:
         noise times effect stands beside the effect's square.
         """
         candidate = self.free[-1]
-        term, widths, n = self.model[-1], self._trials_say[candidate.key], len(self.losses)
+        term, widths, n = self.model[-1], self._trial_half_widths[candidate.key], len(self.losses)
         names = [name for name in candidate.strengths if widths[name] > 0.0]
         if (
             not names or n < 2 or candidate.extra_starts
@@ -112,7 +120,7 @@ def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: F
 
 def resampling_units(by_trial: Sequence[FloatArray]) -> list[FloatArray]:
     """Rows (k, c) of trials as flat arrays, one per trial; few trials are cut into stretches, which stand for them."""
-    parts = -(-_LEAST_CLUSTERS // len(by_trial))
+    parts = -(-_FEWEST_UNITS // len(by_trial))
     if parts <= 1:
         return [r.ravel() for r in by_trial]
     out = []
@@ -129,7 +137,7 @@ def _ends(rows: int, parts: int) -> tuple[int, ...]:
     return tuple(accumulate(each + (k < left) for k in range(parts)))
 
 
-def spread(problem: Problem, fitted: Model, trials: Sequence[str], view: View) -> FloatArray:
+def robust_scale(problem: Problem, fitted: Model, trials: Sequence[str], view: View) -> FloatArray:
     """(c,) size of what a model leaves, outliers aside, at least the noise floor: what counts as one level."""
     rows = np.concatenate(problem.residuals(fitted, trials, view))
     return np.maximum(1.4826 * np.nanmedian(np.abs(rows), axis=0), problem.noise_floor(trials, view) + 1e-15)
@@ -140,7 +148,7 @@ def fit(errors: Errors, free: Sequence[Candidate], most: int = 8) -> Fit:
     free = tuple(free)
     start = _shares(free, {c.key: c.start for c in free})
     return Fit(
-        free, descend(lambda x: errors(_model(free, x)), start, most=most, steps=_steps(free), prior=_prior(free))
+        free, minimise(lambda x: errors(_model(free, x)), start, most=most, steps=_steps(free), prior=_prior(free))
     )
 
 
@@ -159,7 +167,7 @@ def extend(
     tries = [np.concatenate([others, _shares((candidate,), {candidate.key: s})]) for s in starts]
     residuals = [errors(_model(free, x)) for x in tries]
     best = min(range(len(tries)), key=lambda k: _cost(residuals[k]))
-    solution = descend(
+    solution = minimise(
         lambda x: errors(_model(free, x)),
         tries[best],
         known=base.solution.jac[:, rows],
@@ -172,7 +180,7 @@ def extend(
     return Fit(free, solution)
 
 
-def promising(errors: Errors, base: Fit, candidate: Candidate) -> list[dict[str, float]]:
+def promising_starts(errors: Errors, base: Fit, candidate: Candidate) -> list[dict[str, float]]:
     """Starts for `extend`: the candidate's own, and the best of a coarse scan of its range.
 
     A strength whose signature has shape parameters enters linearly: its best value at each shape is a projection. A
@@ -206,7 +214,7 @@ def _best_shapes(
     null = float(np.clip(candidate.null[strength], low, high))
     probe = _PROBE * ((high - null) if high - null >= null - low else (low - null))
     r0 = np.concatenate(base.solution.residuals)
-    weight = 1.0 / np.sqrt(1.0 + (r0 / KNEE) ** 2)
+    weight = 1.0 / np.sqrt(1.0 + (r0 / CAUCHY_SCALE) ** 2)
     rows = [k for k, (c, _) in enumerate(_parameters(base.free)) if not is_twin(c, candidate)]
     Q, _ = np.linalg.qr(base.solution.jac[:, rows] * weight[:, None])
 
@@ -277,4 +285,4 @@ def _shares(free: Sequence[Candidate], values: Mapping[str, Mapping[str, float]]
 
 
 def _cost(residuals: Sequence[FloatArray]) -> float:
-    return float(sum(np.log1p((r / KNEE) ** 2).sum() for r in residuals))
+    return float(sum(np.log1p((r / CAUCHY_SCALE) ** 2).sum() for r in residuals))

@@ -14,26 +14,26 @@ from itertools import combinations
 import numpy as np
 
 from schemas.model import FloatArray
-from simgap.inference.candidate_fit import ALPHA, CandidateFit, Map, Screening, least_gain, warm_without
+from simgap.inference.candidate_fit import ALPHA, CandidateFit, Map, Screening, least_gain, warm_start_without
 from simgap.inference.competing_hypotheses import (
-    AS_GOOD,
+    RIVAL_ALPHA,
     alternatives,
     as_good_with_confusable,
-    beaten,
-    beside_others,
     inseparable,
+    is_beaten,
     possible_replacements,
+    refit_beside_others,
     replacement,
     replaces_an_effect,
     simpler_and_as_good,
 )
 from simgap.inference.direct_comparison import distinguishes
-from simgap.inference.fit import Errors, Fit, extend, fit, rollout_errors, spread
-from simgap.inference.losses import CLEAR, LITTLE, change, paired_p, trial_losses
+from simgap.inference.fit import Errors, Fit, extend, fit, robust_scale, rollout_errors
+from simgap.inference.losses import CLEAR, LITTLE, log_loss_change, paired_p, trial_losses
 from simgap.inference.parametric_bootstrap import MethodBias, estimate_method_bias
-from simgap.inference.screening import try_all
+from simgap.inference.screening import screen
 from simgap.inference.search_state import SearchState, refit_at
-from simgap.problem import Problem, View, around
+from simgap.problem import Problem, View, with_initial_states_at
 from simgap.recording.train_test_split import Trials
 
 MOST_EFFECTS = 4
@@ -45,14 +45,14 @@ _TINY = 1e-12
 class Accepted:
     """An effect that was taken.
 
-    p_adjusted   of it among all candidates of its `round`.
+    p_adjusted   of it among all candidates of its `screening`.
     rivals       inseparable from it.
     made_up      what the method finds of it where it is not.
     removed      loss that comes back without it, as a share of what is left in the end.
     """
 
-    trial: CandidateFit
-    round: Screening
+    candidate_fit: CandidateFit
+    screening: Screening
     p_adjusted: float
     rivals: tuple[CandidateFit, ...]
     method_bias: MethodBias
@@ -61,7 +61,7 @@ class Accepted:
     @property
     def key(self) -> str:
         """Of its candidate."""
-        return self.trial.candidate.key
+        return self.candidate_fit.candidate.key
 
 
 @dataclass(frozen=True)
@@ -80,9 +80,9 @@ class Selection:
     scale: FloatArray
 
     @property
-    def rounds(self) -> tuple[Screening, ...]:
+    def screenings(self) -> tuple[Screening, ...]:
         """One per accepted effect, and the last if none was taken there."""
-        return (*(a.round for a in self.accepted), *([self.undecided] if self.undecided else []))
+        return (*(a.screening for a in self.accepted), *([self.undecided] if self.undecided else []))
 
 
 def select(
@@ -93,9 +93,11 @@ def select(
     At most so many effects are taken: 0 for the null alone.
     """
     each = each or (lambda work, items: map(work, items))
-    level = spread(problem, (), trials.train, view)
-    here = refit_at(problem, trials, view, fit(rollout_errors(problem, trials.train, view, level), problem.nuisances()))
-    null = here.base
+    level = robust_scale(problem, (), trials.train, view)
+    state = refit_at(
+        problem, trials, view, fit(rollout_errors(problem, trials.train, view, level), problem.nuisances())
+    )
+    null = state.base
     accepted: list[Accepted] = []
     undecided: Screening | None = None
     swaps = 0
@@ -103,72 +105,73 @@ def select(
         for _ in accepted:  # What takes a place changes what the others stand beside.
             before = [a.key for a in accepted]
             for place in range(len(accepted)):
-                here, accepted[place] = _tested_again(here, accepted[place], each)
+                state, accepted[place] = _tested_again(state, accepted[place], each)
             if before == [a.key for a in accepted]:
                 break
         if len(accepted) == most:
             break
-        taken = {c.key for c in here.base.free}
-        this = try_all(here, [c for c in problem.candidates() if c.key not in taken], each)
-        swapped = _swapped(here, this, accepted, each) if swaps < most else None
+        taken = {c.key for c in state.base.free}
+        screening = screen(state, [c for c in problem.candidates() if c.key not in taken], each)
+        swapped = _swapped(state, screening, accepted, each) if swaps < most else None
         if swapped is not None:
             place, accepted[place] = swapped
-            here, swaps = refit_at(problem, trials, view, accepted[place].trial.fit), swaps + 1
+            state, swaps = refit_at(problem, trials, view, accepted[place].candidate_fit.fit), swaps + 1
             continue
         accepted = [
-            replace(a, rivals=(*a.rivals, *possible_replacements(this, here.base, a.trial, a.rivals))) for a in accepted
+            replace(a, rivals=(*a.rivals, *possible_replacements(screening, state.base, a.candidate_fit, a.rivals)))
+            for a in accepted
         ]
-        found = _next(here, this)
+        found = _next_accepted(state, screening)
         if found is None:
-            undecided = this
+            undecided = screening
             break
         accepted.append(found)
-        here = refit_at(problem, trials, view, found.trial.fit)
-    accepted = [replace(a, removed=_removed(here, a)) for a in _with_rivals_beside_confusable(here, accepted)]
-    last = around(problem, here.base.model)
-    scale = spread(last, null.model, trials.train, view)
-    null_losses, losses = (trial_losses(last.residuals(f.model, trials.test, view), scale) for f in (null, here.base))
-    return Selection(null, null_losses, tuple(accepted), undecided, here.base, losses, scale)
+        state = refit_at(problem, trials, view, found.candidate_fit.fit)
+    accepted = [replace(a, removed=_removed(state, a)) for a in _with_rivals_beside_confusable(state, accepted)]
+    last = with_initial_states_at(problem, state.base.model)
+    scale = robust_scale(last, null.model, trials.train, view)
+    null_losses, losses = (trial_losses(last.residuals(f.model, trials.test, view), scale) for f in (null, state.base))
+    return Selection(null, null_losses, tuple(accepted), undecided, state.base, losses, scale)
 
 
-def _tested_again(here: SearchState, accepted: Accepted, each: Map) -> tuple[SearchState, Accepted]:
+def _tested_again(state: SearchState, accepted: Accepted, each: Map) -> tuple[SearchState, Accepted]:
     """What was chosen before the others were known, asked again beside them; the base follows a better one.
 
     What was accepted since is no rival any more; rivals that there is no time to ask stay.
     """
-    taken = {c.key for c in here.base.free}
+    taken = {c.key for c in state.base.free}
     accepted = replace(accepted, rivals=tuple(r for r in accepted.rivals if r.candidate.key not in taken))
     before = {r.candidate.key for r in accepted.rivals}
-    others = alternatives(accepted.trial, accepted.round, before, here.base)
+    others = alternatives(accepted.candidate_fit, accepted.screening, before, state.base)
     if not others:
-        return here, accepted
-    without, best, tried = beside_others(here, accepted.trial, others, each)
+        return state, accepted
+    without, best, tried = refit_beside_others(state, accepted.candidate_fit, others, each)
     method_bias = accepted.method_bias
     if best.candidate.key != accepted.key:
-        method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, without.model, best.fit.model)
+        method_bias = estimate_method_bias(state.problem, state.trials.train, state.view, without.model, best.fit.model)
         if not _exceeds(best, method_bias):
             best = next(t for t in tried if t.candidate.key == accepted.key)
     asked = {t.candidate.key for t in tried}
     unasked = (r for r in accepted.rivals if r.candidate.key not in asked)
-    still = (t for t in tried if t.candidate.key in before and t is not best and not beaten(t, best))
-    fresh = (t for t in inseparable(here.errors, best, tried) if t.candidate.key not in before)
+    still = (t for t in tried if t.candidate.key in before and t is not best and not is_beaten(t, best))
+    fresh = (t for t in inseparable(state.errors, best, tried) if t.candidate.key not in before)
     accepted = replace(accepted, rivals=(*unasked, *still, *fresh))
     if best.candidate.key == accepted.key:
-        return here, accepted
-    return replace(here, base=best.fit), _in_place(accepted, best, method_bias)
+        return state, accepted
+    return replace(state, base=best.fit), _in_place(accepted, best, method_bias)
 
 
 def _swapped(
-    here: SearchState, this: Screening, accepted: Sequence[Accepted], each: Map
+    state: SearchState, screening: Screening, accepted: Sequence[Accepted], each: Map
 ) -> tuple[int, Accepted] | None:
     """What does the work of an accepted effect, and more, in its place: asked before anything is added."""
-    instead = replacement(this, here.base, [a.trial for a in accepted])
+    instead = replacement(screening, state.base, [a.candidate_fit for a in accepted])
     if instead is None:
         return None
     place, trial = instead
     replaced = accepted[place]
-    without, best, _ = beside_others(here, replaced.trial, [trial], each)
-    method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, without.model, best.fit.model)
+    without, best, _ = refit_beside_others(state, replaced.candidate_fit, [trial], each)
+    method_bias = estimate_method_bias(state.problem, state.trials.train, state.view, without.model, best.fit.model)
     if best.candidate.key != trial.candidate.key or not _exceeds(best, method_bias):
         return None
     return place, _in_place(replaced, best, method_bias)
@@ -180,54 +183,64 @@ def _in_place(replaced: Accepted, best: CandidateFit, method_bias: MethodBias) -
     What would not have passed in that round by itself is no surer for it.
     """
     key = best.candidate.key
-    tried = tuple(best if t.candidate.key == key else t for t in replaced.round.tried)
+    tried = tuple(best if t.candidate.key == key else t for t in replaced.screening.fits)
     rivals = tuple(r for r in replaced.rivals if r.candidate.key != key)
-    return Accepted(best, replace(replaced.round, tried=tried), replaced.round.p_of(key), rivals, method_bias)
+    return Accepted(best, replace(replaced.screening, fits=tried), replaced.screening.p_of(key), rivals, method_bias)
 
 
-def _next(here: SearchState, this: Screening) -> Accepted | None:
+def _next_accepted(state: SearchState, screening: Screening) -> Accepted | None:
     """The first of a round that test trials confirm and that exceeds what the method makes up."""
-    losses_before = here.test_losses(here.base)
-    for trial in _looking_ahead(here.errors, _significant_candidates(this, here.base)):
-        if not _confirmed(here.base, trial, losses_before, here.test_losses_at_own_fit(trial.fit)):
+    losses_before = state.test_losses(state.base)
+    for trial in _best_pair_first(state.errors, _significant_candidates(screening, state.base)):
+        if not _confirmed(state.base, trial, losses_before, state.test_losses_at_own_fit(trial.fit)):
             continue
-        method_bias = estimate_method_bias(here.problem, here.trials.train, here.view, here.base.model, trial.fit.model)
+        method_bias = estimate_method_bias(
+            state.problem, state.trials.train, state.view, state.base.model, trial.fit.model
+        )
         if _exceeds(trial, method_bias):
-            errors = here.errors_at(trial.fit.model) if trial.candidate.extra_starts else here.errors
-            p = this.p_of(trial.candidate.key)
-            return Accepted(trial, this, p, inseparable(errors, trial, this.tried), method_bias)
+            errors = state.errors_at(trial.fit.model) if trial.candidate.extra_starts else state.errors
+            p = screening.p_of(trial.candidate.key)
+            return Accepted(trial, screening, p, inseparable(errors, trial, screening.fits), method_bias)
     return None
 
 
-def _removed(here: SearchState, accepted: Accepted) -> float:
+def _removed(state: SearchState, accepted: Accepted) -> float:
     """Held-out loss that comes back in a refit without it, as a share of what is left with it."""
-    without = fit(here.errors, warm_without(here.base, [accepted.trial.candidate], here.problem.nuisances()))
-    return float(without.held_out.sum() / max(here.base.held_out.sum(), _TINY) - 1.0)
+    without = fit(
+        state.errors, warm_start_without(state.base, [accepted.candidate_fit.candidate], state.problem.nuisances())
+    )
+    return float(without.held_out.sum() / max(state.base.held_out.sum(), _TINY) - 1.0)
 
 
-def _with_rivals_beside_confusable(here: SearchState, accepted: Sequence[Accepted]) -> list[Accepted]:
+def _with_rivals_beside_confusable(state: SearchState, accepted: Sequence[Accepted]) -> list[Accepted]:
     """`accepted` with those among their rivals that become such beside a double of another accepted effect."""
     out = list(accepted)
-    nuisances = here.problem.nuisances()
+    nuisances = state.problem.nuisances()
     for doubted in accepted:
-        others = tuple(t for t in here.base.model if t.candidate.key != doubted.key)
+        others = tuple(t for t in state.base.model if t.candidate.key != doubted.key)
         confusables = [
-            r for r in doubted.rivals if not distinguishes(here.problem, doubted.trial, r, others, here.trials.train)
+            r
+            for r in doubted.rivals
+            if not distinguishes(state.problem, doubted.candidate_fit, r, others, state.trials.train)
         ]
         if not confusables:
             continue
         for k, best in enumerate(accepted):
             known = {doubted.key, *(t.candidate.key for t in (*out[k].rivals, *confusables))}
-            fresh = [t for t in alternatives(best.trial, best.round, (), here.base) if t.candidate.key not in known]
+            fresh = [
+                t
+                for t in alternatives(best.candidate_fit, best.screening, (), state.base)
+                if t.candidate.key not in known
+            ]
             if best is not doubted and fresh:
                 more = as_good_with_confusable(
-                    here.errors, here.base, nuisances, doubted.trial, confusables, best.trial, fresh
+                    state.errors, state.base, nuisances, doubted.candidate_fit, confusables, best.candidate_fit, fresh
                 )
                 out[k] = replace(out[k], rivals=(*out[k].rivals, *more))
     return out
 
 
-def _significant_candidates(this: Screening, base: Fit) -> list[CandidateFit]:
+def _significant_candidates(screening: Screening, base: Fit) -> list[CandidateFit]:
     """Significant candidates by gain whose values differ from none.
 
     Before each of them comes any that has fewer parameters and is not beaten by it.
@@ -235,19 +248,21 @@ def _significant_candidates(this: Screening, base: Fit) -> list[CandidateFit]:
     The simpler one need not pass the correction itself: what it competes with has passed.
     """
     ordered: list[CandidateFit] = []
-    for trial, p in zip(this.tried, this.p_adjusted, strict=True):
+    for trial, p in zip(screening.fits, screening.p_adjusted, strict=True):
         removed = trial.comparison.gain * min(1.0, float(base.held_out.mean()))  # of what is left, or of the noise
         little = removed <= least_gain(trial.candidate)
-        if p >= ALPHA or little or not trial.fit.stands_out({}) or replaces_an_effect(trial.fit, base):
+        if p >= ALPHA or little or not trial.fit.strength_exceeds({}) or replaces_an_effect(trial.fit, base):
             continue
         simpler = [
-            t for t in this.tried if len(t.candidate.null) < len(trial.candidate.null) and simpler_and_as_good(t, trial)
+            t
+            for t in screening.fits
+            if len(t.candidate.null) < len(trial.candidate.null) and simpler_and_as_good(t, trial)
         ]
         ordered += [t for t in (*simpler, trial) if t not in ordered]
     return ordered
 
 
-def _looking_ahead(errors: Errors, worthy: list[CandidateFit]) -> list[CandidateFit]:
+def _best_pair_first(errors: Errors, worthy: list[CandidateFit]) -> list[CandidateFit]:
     """The same candidates, but one law that does the work of two comes after the better of the two.
 
     Two causes together are often mimicked best by a third that is neither; with a second term the mimic falls behind.
@@ -261,14 +276,14 @@ def _looking_ahead(errors: Errors, worthy: list[CandidateFit]) -> list[Candidate
     ]
     best_of_all = min(pairs, key=lambda p: p[2].held_out.sum())
     with_first = min((p for p in pairs if worthy[0] in p[:2]), key=lambda p: p[2].held_out.sum(), default=None)
-    if with_first is None or paired_p(with_first[2].held_out, best_of_all[2].held_out) > AS_GOOD:
+    if with_first is None or paired_p(with_first[2].held_out, best_of_all[2].held_out) > RIVAL_ALPHA:
         return worthy
     ahead = max(best_of_all[:2], key=lambda t: t.comparison.gain)
     return [ahead, *(t for t in worthy if t is not ahead)]
 
 
 def _exceeds(candidate_fit: CandidateFit, method_bias: MethodBias) -> bool:
-    return candidate_fit.fit.stands_out(method_bias.fitted) and candidate_fit.comparison.gain > method_bias.gain
+    return candidate_fit.fit.strength_exceeds(method_bias.fitted) and candidate_fit.comparison.gain > method_bias.gain
 
 
 def _confirmed(base: Fit, candidate_fit: CandidateFit, before: FloatArray, after: FloatArray) -> bool:
@@ -276,8 +291,8 @@ def _confirmed(base: Fit, candidate_fit: CandidateFit, before: FloatArray, after
 
     If all of them stay away from a threshold they have nothing to say.
     """
-    largest = min(float(change(base.held_out, candidate_fit.fit.held_out).max()), CLEAR)
-    if candidate_fit.candidate.extra_starts and float(change(before, after).max()) < LITTLE * largest:
+    largest = min(float(log_loss_change(base.held_out, candidate_fit.fit.held_out).max()), CLEAR)
+    if candidate_fit.candidate.extra_starts and float(log_loss_change(before, after).max()) < LITTLE * largest:
         return bool(after.sum() < (1.0 + LITTLE) * before.sum())
     typical = np.exp(np.mean(np.log((after + _TINY) / (before + _TINY))))
     return bool(min(typical, after.sum() / before.sum()) < 1.0 - 0.5 * least_gain(candidate_fit.candidate))

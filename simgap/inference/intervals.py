@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from schemas.gap import Estimate
 from simgap.inference.candidate_fit import CandidateFit
-from simgap.inference.fit import BEYOND
+from simgap.inference.fit import ROUNDING_MARGIN
 from simgap.problem import DirectEstimate, Term
 
 Sides = dict[str, tuple[float, float]]  # how far an interval reaches below and above a value, by parameter
@@ -59,7 +59,7 @@ def differs_from_none(term: Term, sides: Sides) -> bool:
     for n in term.candidate.strengths:
         value, none, (below, above) = term.values[n], term.candidate.null[n], sides.get(n, (0.0, 0.0))
         least = max(below if value > none else above, 1e-9 * abs(none), 1e-12)
-        if abs(value - none) > BEYOND * least:
+        if abs(value - none) > ROUNDING_MARGIN * least:
             return True
     return False
 

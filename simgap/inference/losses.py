@@ -69,28 +69,28 @@ def paired_p(before: FloatArray, after: FloatArray) -> float:
     return float(np.asarray(stats.ttest_1samp(ratios, 0.0, alternative="greater")[1]))
 
 
-def change(before: FloatArray, after: FloatArray) -> FloatArray:
+def log_loss_change(before: FloatArray, after: FloatArray) -> FloatArray:
     """(n,) how much the losses of trials differ, as logarithms, for better or worse."""
     return np.abs(np.log((before + _TINY) / (after + _TINY)))
 
 
-def met(before: FloatArray, after: FloatArray) -> NDArray[np.bool_]:
+def affected_trials(before: FloatArray, after: FloatArray) -> NDArray[np.bool_]:
     """(n,) trials whose losses differ by no small part of the largest difference: those that meet a threshold."""
-    size = change(before, after)
+    size = log_loss_change(before, after)
     return size > LITTLE * min(float(size.max()), CLEAR)
 
 
-def met_p(before: FloatArray, after: FloatArray) -> float:
+def paired_p_where_affected(before: FloatArray, after: FloatArray) -> float:
     """`paired_p` over the trials that `after` changes, for better or worse; 1 where those are fewer than three.
 
     A threshold says nothing of trials that stay away from it: by their number alone they would hide what it does to
     the others. Which trials are left out is no matter of which model does better in them.
     """
-    changed = met(before, after)
+    changed = affected_trials(before, after)
     return paired_p(before[changed], after[changed]) if changed.sum() >= _FEWEST else 1.0
 
 
-def adjusted(p_values: Sequence[float]) -> FloatArray:
+def holm_adjusted(p_values: Sequence[float]) -> FloatArray:
     """Holm's step-down adjustment: the chance of one false name among all hypotheses stays below the level."""
     p = np.asarray(p_values, dtype=float)
     order = np.argsort(p)

@@ -14,7 +14,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from scipy import stats
 
-from simgap.inference.fit import extend, fit, is_twin, rollout_errors, spread
+from simgap.inference.fit import extend, fit, is_twin, robust_scale, rollout_errors
 from simgap.inference.losses import compare
 from simgap.problem import Model, Problem, View
 
@@ -60,11 +60,15 @@ def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, ba
     gains: list[dict[str, float]] = []
     for seed in range(_REPEATS):
         again = problem.bootstrap_sample(base, seed)
-        errors = rollout_errors(again, trials, view, spread(again, given, trials, view))
+        errors = rollout_errors(again, trials, view, robust_scale(again, given, trials, view))
         null = fit(errors, known, _STEPS)
         direct_estimate = again.direct(term.candidate, null.model, trials)
         # Nothing is hidden here: a descent from the found values alone may be stuck where the loss is higher.
-        starts = [{**term.values, **none}, term.values, *([direct_estimate.values] if direct_estimate is not None else [])]
+        starts = [
+            {**term.values, **none},
+            term.values,
+            *([direct_estimate.values] if direct_estimate is not None else []),
+        ]
         extended = extend(errors, null, term.candidate, starts, _STEPS)
         fitted.append(extended.model[-1].values)
         gains.append({"gain": max(compare(null.held_out, extended.held_out).gain, 0.0)})

@@ -14,7 +14,7 @@ from scipy import stats
 
 from schemas.model import FloatArray
 
-KNEE = 5.0  # noise levels at which a residual stops counting by its square
+CAUCHY_SCALE = 5.0  # noise levels at which a residual stops counting by its square
 _STEP = 2e-3
 _ENOUGH = 1e-4  # relative decrease of the cost below which the search ends
 _RIDGE = 1e-9
@@ -42,10 +42,10 @@ class Prior:
 
     def cost(self, x: FloatArray) -> float:
         """In the unit of the residuals' cost."""
-        return float((self.precision * (x - self.centre) ** 2).sum() / KNEE**2)
+        return float((self.precision * (x - self.centre) ** 2).sum() / CAUCHY_SCALE**2)
 
 
-def nothing_known(count: int) -> Prior:
+def flat_prior(count: int) -> Prior:
     """A prior that says nothing of so many parameters."""
     return Prior(np.zeros(count), np.zeros(count))
 
@@ -69,10 +69,10 @@ class Solution:
 def mean_loss(residual: FloatArray) -> float:
     """Mean Cauchy loss of residuals in noise levels; those that are not finite are left out."""
     r = residual[np.isfinite(residual)]
-    return float(KNEE**2 * np.log1p((r / KNEE) ** 2).mean()) if r.size else 0.0
+    return float(CAUCHY_SCALE**2 * np.log1p((r / CAUCHY_SCALE) ** 2).mean()) if r.size else 0.0
 
 
-def descend(
+def minimise(
     residuals: Residuals,
     x: FloatArray,
     known: FloatArray | None = None,
@@ -89,7 +89,7 @@ def descend(
     steps   (p,) changes over which slopes are read.
     """
     steps = np.broadcast_to(steps, np.shape(x))
-    prior = prior or nothing_known(len(steps))
+    prior = prior or flat_prior(len(steps))
     fixed = 0 if known is None else known.shape[1]
     x = np.clip(np.asarray(x, dtype=float), 0.0, 1.0)
     here = tuple(residuals(x) if at is None else at)
@@ -99,11 +99,11 @@ def descend(
     calls += more
     for _ in range(most):
         H, g = _sum([_normal(jac, r), prior.normal(x)])
-        step = _boxed(H, g, x)
+        step = _bounded_step(H, g, x)
         cost, moved = _cost(r) + prior.cost(x), None
         for share, damping in _TRIES:
             if damping:
-                step = _boxed(H + damping * np.diag(H).max(initial=0.0) * np.eye(len(x)), g, x)
+                step = _bounded_step(H + damping * np.diag(H).max(initial=0.0) * np.eye(len(x)), g, x)
             tried = np.clip(x + share * step, 0.0, 1.0)
             there = tuple(residuals(tried))
             calls += 1
@@ -122,7 +122,7 @@ def descend(
     return Solution(x, here, jac, calls, prior)
 
 
-def left_out(solution: Solution) -> FloatArray:
+def leave_one_out_losses(solution: Solution) -> FloatArray:
     """(t,) loss of each trial under the parameters that the others alone would give, to first order.
 
     One Gauss-Newton step from the common solution with that trial's rows removed (Pregibon, Ann. Stat. 9, 1981): a
@@ -130,11 +130,11 @@ def left_out(solution: Solution) -> FloatArray:
     """
     if not solution.x.size:
         return solution.losses
-    pieces = _pieces(solution)
+    pieces = _normal_equations(solution)
     H, g = _sum([*pieces, solution.prior.normal(solution.x)])
     out, row = [], 0
     for r, (h, v) in zip(solution.residuals, pieces, strict=True):
-        step = _boxed(H - h, g - v, solution.x)
+        step = _bounded_step(H - h, g - v, solution.x)
         out.append(mean_loss(r + solution.jac[row : row + len(r)] @ step))
         row += len(r)
     return np.array(out)
@@ -147,21 +147,21 @@ def half_widths(solution: Solution) -> FloatArray:
     Parameters at a wall count as given there: the wall is what is known of them, and their own width is 0. What was
     known beforehand may be wrong by its deviation, which moves what cannot be told from it.
     """
-    pieces = _pieces(solution)
+    pieces = _normal_equations(solution)
     n = len(pieces)
     if n < 2:
         return np.full(len(solution.x), np.inf)
     prior, at_rest = solution.prior.normal(solution.x)
     H, g = _sum([*pieces, (prior, at_rest)])
     free = (solution.x > _WALL) & (solution.x < 1.0 - _WALL)
-    steps = np.stack([_solved(H - h, g - v, free) for h, v in pieces])
+    steps = np.stack([_newton_step(H - h, g - v, free) for h, v in pieces])
     spread = np.sqrt((n - 1) / n * ((steps - steps.mean(axis=0)) ** 2).sum(axis=0))
-    moved = [_solved(H, column, free) for column in np.sqrt(prior) if column.any()]
+    moved = [_newton_step(H, column, free) for column in np.sqrt(prior) if column.any()]
     known = np.sqrt(np.sum(np.square(moved), axis=0)) if moved else 0.0
     return np.hypot(spread * float(stats.t.ppf(0.975, n - 1)), known * _NORMAL)
 
 
-def _pieces(solution: Solution) -> list[tuple[FloatArray, FloatArray]]:
+def _normal_equations(solution: Solution) -> list[tuple[FloatArray, FloatArray]]:
     """Normal matrix and gradient of each trial."""
     ends = np.cumsum([len(r) for r in solution.residuals])[:-1]
     return [_normal(j, r) for j, r in zip(np.split(solution.jac, ends), solution.residuals, strict=True)]
@@ -172,17 +172,17 @@ def _sum(parts: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatA
 
 
 def _normal(jac: FloatArray, r: FloatArray) -> tuple[FloatArray, FloatArray]:
-    weighted = jac / (1.0 + (r / KNEE) ** 2)[:, None]
+    weighted = jac / (1.0 + (r / CAUCHY_SCALE) ** 2)[:, None]
     return weighted.T @ jac, weighted.T @ r
 
 
-def _boxed(H: FloatArray, g: FloatArray, x: FloatArray) -> FloatArray:
+def _bounded_step(H: FloatArray, g: FloatArray, x: FloatArray) -> FloatArray:
     """Newton step that stays in the unit box: parameters that would leave it are held at the wall, one by one."""
     free = np.ones(len(x), dtype=bool)
     step = np.zeros(len(x))
     for _ in range(len(x)):
         held = np.where(free, 0.0, step)
-        step = np.where(free, _solved(H, g + H @ held, free), held)
+        step = np.where(free, _newton_step(H, g + H @ held, free), held)
         beyond = free & ((x + step < 0.0) | (x + step > 1.0))
         if not beyond.any():
             return step
@@ -192,7 +192,7 @@ def _boxed(H: FloatArray, g: FloatArray, x: FloatArray) -> FloatArray:
     return step
 
 
-def _solved(H: FloatArray, g: FloatArray, free: FloatArray) -> FloatArray:
+def _newton_step(H: FloatArray, g: FloatArray, free: FloatArray) -> FloatArray:
     """-H^-1 g over the free parameters, each scaled to its own curvature; blind directions stay put."""
     root = np.sqrt(np.maximum(np.diag(H), 0.0))
     seen = free & (root > 1e-12 * max(float(root.max()), 1e-300))
@@ -218,4 +218,4 @@ def _jacobian(
 
 
 def _cost(r: FloatArray) -> float:
-    return float(np.log1p((r / KNEE) ** 2).sum())
+    return float(np.log1p((r / CAUCHY_SCALE) ** 2).sum())

@@ -9,61 +9,61 @@ from simgap.inference.candidate_fit import (
     CandidateFit,
     Map,
     Screening,
+    candidate_fit_on,
     direct_held_out_loss,
-    screening_of,
-    tried_on,
-    warm,
+    ranked_screening,
+    warm_start,
 )
 from simgap.inference.competing_hypotheses import RIVAL_SHARE
-from simgap.inference.fit import Errors, Fit, extend, fit, promising, rollout_errors, spread
+from simgap.inference.fit import Errors, Fit, extend, fit, promising_starts, robust_scale, rollout_errors
 from simgap.inference.losses import Comparison
 from simgap.inference.search_state import SearchState
 from simgap.problem import Candidate, LongHorizonProblem
 
 _FINALISTS = 6
 _DIRECT_FINALISTS = 3  # finalists by direct estimates
-_SHOWS = 0.3  # chance below which a quick look is followed by a long one
+_PROMISING_P = 0.3  # chance below which a quick look is followed by a long one
 _SCREEN_STEPS = 2
-_SETTLING = 2  # times that a threshold's fit is taken up again with starts seen from it
+_REFITS = 2  # times that a threshold's fit is taken up again with starts seen from it
 _NOT_JUDGED = Comparison(0.0, (0.0, 0.0), 1.0)
 
 
-def try_all(here: SearchState, free: Iterable[Candidate], each: Map) -> Screening:
+def screen(state: SearchState, free: Iterable[Candidate], each: Map) -> Screening:
     """All of `free` on top of the base, best first; `each` maps trials, over processes or not.
 
     Where effects are judged on long horizons, short ones are enough to see which are worth those.
     """
-    farther = here.view != "short_horizon"
-    errors, base = _nearby(here) if farther else (here.errors, here.base)
-    return _to_the_end(here, list(each(_screening(here, errors, base), free)), farther, each)
+    farther = state.view != "short_horizon"
+    errors, base = _base_on_short_horizons(state) if farther else (state.errors, state.base)
+    return _fit_finalists(state, list(each(_quick_fit(state, errors, base), free)), farther, each)
 
 
-def _nearby(here: SearchState) -> tuple[Errors, Fit]:
+def _base_on_short_horizons(state: SearchState) -> tuple[Errors, Fit]:
     """The base on short horizons."""
-    problem, train = here.problem, here.trials.train
-    level = spread(problem, here.base.model, train, "short_horizon")
+    problem, train = state.problem, state.trials.train
+    level = robust_scale(problem, state.base.model, train, "short_horizon")
     errors = rollout_errors(problem, train, "short_horizon", level)
-    return errors, fit(errors, warm(here.base))
+    return errors, fit(errors, warm_start(state.base))
 
 
-def _screening(here: SearchState, errors: Errors, base: Fit) -> Callable[[Candidate], CandidateFit]:
+def _quick_fit(state: SearchState, errors: Errors, base: Fit) -> Callable[[Candidate], CandidateFit]:
     """A quick trial of one candidate: from where the direct estimate points, a step or two."""
 
     def tried(candidate: Candidate) -> CandidateFit:
-        direct = here.problem.direct(candidate, base.model, here.trials.train)
-        if direct is None and isinstance(here.problem, LongHorizonProblem):
+        direct = state.problem.direct(candidate, base.model, state.trials.train)
+        if direct is None and isinstance(state.problem, LongHorizonProblem):
             starts = [dict(candidate.start)]  # Its direct route scans the whole range and found no trace.
         elif direct is None:
-            starts = promising(errors, base, candidate)
+            starts = promising_starts(errors, base, candidate)
         else:
             none = {n: candidate.null[n] for n in candidate.strengths}
             starts = [direct.values, {**direct.values, **none}]
-        return tried_on(base, extend(errors, base, candidate, starts, _SCREEN_STEPS), direct)
+        return candidate_fit_on(base, extend(errors, base, candidate, starts, _SCREEN_STEPS), direct)
 
     return tried
 
 
-def _to_the_end(here: SearchState, screened: list[CandidateFit], farther: bool, each: Map) -> Screening:
+def _fit_finalists(state: SearchState, screened: list[CandidateFit], farther: bool, each: Map) -> Screening:
     """The most promising ones, by their quick trial or by their direct estimate, fitted to the end; best first.
 
     Where both say that chance does as well, no more is asked. What was screened on shorter horizons than it is judged
@@ -71,53 +71,59 @@ def _to_the_end(here: SearchState, screened: list[CandidateFit], farther: bool, 
     """
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
     told = sorted(order, key=direct_held_out_loss)
-    finalists = {t.candidate.key: t for t in (*order[:_FINALISTS], *told[:_DIRECT_FINALISTS]) if _shows(t)}
+    finalists = {t.candidate.key: t for t in (*order[:_FINALISTS], *told[:_DIRECT_FINALISTS]) if _is_promising(t)}
 
     def tried(candidate: Candidate) -> CandidateFit:
         quick = finalists[candidate.key]
-        return tried_on(here.base, extend(here.errors, here.base, candidate, _begun(quick)), quick.direct)
+        return candidate_fit_on(
+            state.base, extend(state.errors, state.base, candidate, _final_starts(quick)), quick.direct
+        )
 
     fits = list(each(tried, [t.candidate for t in order if t.candidate.key in finalists]))
     others = [t for t in order if t.candidate.key not in finalists]
     unjudged = [replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if farther else t for t in others]
-    return screening_of([*(_finalists_refitted(here, fits) if farther else fits), *unjudged])
+    return ranked_screening([*(_finalists_refitted(state, fits) if farther else fits), *unjudged])
 
 
-def _shows(candidate_fit: CandidateFit) -> bool:
+def _is_promising(candidate_fit: CandidateFit) -> bool:
     direct = 1.0 if candidate_fit.direct is None else candidate_fit.direct.p_value
-    return min(direct, candidate_fit.comparison.p_value) < _SHOWS
+    return min(direct, candidate_fit.comparison.p_value) < _PROMISING_P
 
 
-def _begun(candidate_fit: CandidateFit) -> list[dict[str, float]]:
+def _final_starts(candidate_fit: CandidateFit) -> list[dict[str, float]]:
     """Where a fit to the end begins: the quick fit and the direct estimate, of a threshold also halfway to none.
 
     No descent leads far along a threshold, and a law that is nearly right asks for less on longer roll-outs.
     """
     quick, none = candidate_fit.fit.model[-1].values, candidate_fit.candidate.null
-    starts = [quick] if candidate_fit.direct is None or candidate_fit.direct.values == quick else [quick, candidate_fit.direct.values]
+    starts = (
+        [quick]
+        if candidate_fit.direct is None or candidate_fit.direct.values == quick
+        else [quick, candidate_fit.direct.values]
+    )
     if candidate_fit.candidate.extra_starts:
         starts.append({**quick, **{n: 0.5 * (none[n] + quick[n]) for n in candidate_fit.candidate.strengths}})
     return starts
 
 
-def _finalists_refitted(here: SearchState, finalists: list[CandidateFit]) -> list[CandidateFit]:
+def _finalists_refitted(state: SearchState, finalists: list[CandidateFit]) -> list[CandidateFit]:
     """Finalists, thresholds among them seen from their own models, and so are all that come near one of those.
 
     After a blow nothing of what a start does is as it was without one: starts that were taken where nothing was met
     would blame the threshold for what noise does. Where others compete, they are owed the same.
     """
-    near = [_settled(here, t) if t.candidate.extra_starts else t for t in finalists]
+    near = [_refitted_from_own_starts(state, t) if t.candidate.extra_starts else t for t in finalists]
     best = max((t.comparison.gain for t in near if t.candidate.extra_starts), default=1.0)
     rivals = [not t.candidate.extra_starts and t.comparison.gain > RIVAL_SHARE * best for t in near]
-    return [_settled(here, t) if rival else t for t, rival in zip(near, rivals, strict=True)]
+    return [_refitted_from_own_starts(state, t) if rival else t for t, rival in zip(near, rivals, strict=True)]
 
 
-def _settled(here: SearchState, candidate_fit: CandidateFit) -> CandidateFit:
+def _refitted_from_own_starts(state: SearchState, candidate_fit: CandidateFit) -> CandidateFit:
     """A candidate's fit taken up again, with starts as they are where its own model leads."""
     fitted = candidate_fit.fit
-    for _ in range(_SETTLING):
-        again = fit(here.errors_at(fitted.model), warm(fitted))
+    for _ in range(_REFITS):
+        again = fit(state.errors_at(fitted.model), warm_start(fitted))
         if again.losses.sum() >= fitted.losses.sum():
             break
         fitted = again
-    return candidate_fit if fitted is candidate_fit.fit else tried_on(here.base, fitted, candidate_fit.direct)
+    return candidate_fit if fitted is candidate_fit.fit else candidate_fit_on(state.base, fitted, candidate_fit.direct)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from schemas.model import FloatArray
-from simgap.inference.candidate_fit import warm
-from simgap.inference.fit import Errors, Fit, fit, rollout_errors, spread
+from simgap.inference.candidate_fit import warm_start
+from simgap.inference.fit import Errors, Fit, fit, robust_scale, rollout_errors
 from simgap.inference.losses import trial_losses
-from simgap.problem import Model, Problem, View, around
+from simgap.problem import Model, Problem, View, with_initial_states_at
 from simgap.recording.train_test_split import Trials
 
 
@@ -31,7 +31,7 @@ class SearchState:
 
     def errors_at(self, model: Model) -> Errors:
         """Errors of roll-outs whose starts are taken at another model."""
-        return rollout_errors(around(self.problem, model), self.trials.train, self.view, self.level)
+        return rollout_errors(with_initial_states_at(self.problem, model), self.trials.train, self.view, self.level)
 
     def test_losses(self, fitted: Fit) -> FloatArray:
         """(n,) losses of the test trials."""
@@ -39,7 +39,7 @@ class SearchState:
 
     def test_losses_at_own_fit(self, fitted: Fit) -> FloatArray:
         """(n,) losses of the test trials, seen from the fit's own model."""
-        seen = around(self.problem, fitted.model)
+        seen = with_initial_states_at(self.problem, fitted.model)
         return trial_losses(seen.residuals(fitted.model, self.trials.test, self.view), self.level)
 
 
@@ -48,7 +48,7 @@ def refit_at(problem: Problem, trials: Trials, view: View, base: Fit) -> SearchS
 
     What was an outlier to a poor model is evidence to a better one: the level follows the base.
     """
-    here = around(problem, base.model)
-    level = spread(here, base.model, trials.train, view)
-    errors = rollout_errors(here, trials.train, view, level)
-    return SearchState(here, trials, view, level, errors, fit(errors, warm(base)))
+    state = with_initial_states_at(problem, base.model)
+    level = robust_scale(state, base.model, trials.train, view)
+    errors = rollout_errors(state, trials.train, view, level)
+    return SearchState(state, trials, view, level, errors, fit(errors, warm_start(base)))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from schemas.gap import AmbiguousGroup, Gain, NamedEffect, Verdict
-from simgap.inference.agreement import beyond, direct_agreement
+from simgap.inference.agreement import direct_agreement, exceeds_method_bias
 from simgap.inference.candidate_fit import ALPHA, CandidateFit
 from simgap.inference.competing_hypotheses import are_confusable
 from simgap.inference.direct_comparison import distinguishes, is_better
@@ -51,14 +51,14 @@ def judge(
     groups: list[AmbiguousGroup] = []
     in_doubt: list[Candidate] = []
     for accepted, alike in zip(selection.accepted, doubted, strict=True):
-        term, widths = _of(selection, accepted)
+        term, widths = _term_and_half_widths(selection, accepted)
         if not differs_from_none(term, symmetric(widths)):
             continue
-        found = accepted.trial
+        found = accepted.candidate_fit
         others = _without(selection.final.model, found)
-        same = [*alike, *_preferred(problem, found, alike, others, accepted.round.tried, trials)]
+        same = [*alike, *_preferred_by_direct(problem, found, alike, others, accepted.screening.fits, trials)]
         said, agreed = direct_agreement(problem, found, term, widths, others, trials, alone=len(doubted) == 1)
-        direct = agreed and said is not None and beyond(term, said, accepted.method_bias)
+        direct = agreed and said is not None and exceeds_method_bias(term, said, accepted.method_bias)
         wide = wider(
             wider(symmetric(widths), symmetric(threshold_excess(term))),
             distance_to_alternatives(term, widths, said, doubted),
@@ -69,7 +69,7 @@ def judge(
         # repeats from trial to trial like a cause, wherever trials move alike.
         p = accepted.p_adjusted
         drowned = strange or single or p >= ALPHA or accepted.removed < nameless or not differs_from_none(term, wide)
-        drowned = drowned or any(_left_by(found.candidate, other) for other in in_doubt)
+        drowned = drowned or any(_may_be_remainder_of(found.candidate, other) for other in in_doubt)
         effect = NamedEffect(
             name=found.candidate.effect.name,
             where=found.candidate.where,
@@ -93,14 +93,14 @@ def judge(
 
 def _doubted(problem: Problem, selection: Selection, accepted: Accepted, trials: Sequence[str]) -> list[CandidateFit]:
     """The rivals that the direct route does not tell from an accepted effect; none where later ones do its work."""
-    term, widths = _of(selection, accepted)
+    term, widths = _term_and_half_widths(selection, accepted)
     if not differs_from_none(term, symmetric(widths)):
         return []
-    others = _without(selection.final.model, accepted.trial)
-    return [r for r in accepted.rivals if not distinguishes(problem, accepted.trial, r, others, trials)]
+    others = _without(selection.final.model, accepted.candidate_fit)
+    return [r for r in accepted.rivals if not distinguishes(problem, accepted.candidate_fit, r, others, trials)]
 
 
-def _preferred(
+def _preferred_by_direct(
     problem: Problem,
     accepted: CandidateFit,
     known: Sequence[CandidateFit],
@@ -131,7 +131,7 @@ def _preferred(
     return out
 
 
-def _of(selection: Selection, accepted: Accepted) -> tuple[Term, dict[str, float]]:
+def _term_and_half_widths(selection: Selection, accepted: Accepted) -> tuple[Term, dict[str, float]]:
     """An accepted effect in the final model, and half the width of its intervals, numerics included."""
     term = next(t for t in selection.final.model if t.candidate.key == accepted.key)
     least = accepted.method_bias.fitted
@@ -142,7 +142,7 @@ def _without(model: Model, accepted: CandidateFit) -> Model:
     return tuple(t for t in model if t.candidate.key != accepted.candidate.key)
 
 
-def _left_by(candidate: Candidate, earlier: Candidate) -> bool:
+def _may_be_remainder_of(candidate: Candidate, earlier: Candidate) -> bool:
     """Whether an effect may be no more than what a law in doubt leaves: one that does nearly the same, at one place."""
     return are_confusable(candidate, earlier) and candidate.where == earlier.where
 

@@ -85,7 +85,10 @@ def experiment(accepted: CandidateFit, rivals: Sequence[CandidateFit], single: b
     names = {r.candidate.effect.name for r in rivals}
     experiments = [c.experiment for c in accepted.candidate.effect.confusables if c.effect in names]
     experiments += [
-        c.experiment for r in rivals for c in r.candidate.effect.confusables if c.effect == accepted.candidate.effect.name
+        c.experiment
+        for r in rivals
+        for c in r.candidate.effect.confusables
+        if c.effect == accepted.candidate.effect.name
     ]
     if single:
         experiments = ["judge by two trials or more", *experiments]

@@ -74,7 +74,9 @@ def _first_divergence(problem: Problem, model: Model, trials: Sequence[str]) -> 
             last = inside[-1] + 1 if len(inside) else 0
             if last < len(error):
                 divergence_s.append(float(features[last, -1]))
-    return [float(np.median(divergence_s)) if len(divergence_s) * 2 > len(residuals) else None for divergence_s in times]
+    return [
+        float(np.median(divergence_s)) if len(divergence_s) * 2 > len(residuals) else None for divergence_s in times
+    ]
 
 
 def _event_slices(problem: EventProblem, features: FloatArray) -> Slices:

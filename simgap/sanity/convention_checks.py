@@ -15,7 +15,7 @@ from schemas.diagnostics import Diagnostic
 from schemas.gap import ConventionCheck
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
-from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyReplay, BodyWindows
+from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyRollout, BodyWindows
 from sim.dynamics.hooks import BodyState, BodyWrench, Params
 from sim.dynamics.mechanism import Drive, Law, MechanismModel, Windows
 from sim.dynamics.tree import mass_matrix
@@ -121,7 +121,7 @@ def step_size_check(problem: Problem, finer: Problem, trials: Sequence[str]) -> 
     return ConventionCheck(name="step_size", status="ok" if change < CONVERGED else "suspect", evidence=evidence)
 
 
-def body_engine_checks(engine: BodyReplay, model: BodyModel) -> tuple[ConventionCheck, ...]:
+def body_engine_checks(engine: BodyRollout, model: BodyModel) -> tuple[ConventionCheck, ...]:
     """Whether an engine holds the numbers of a free body: mass, inertia, gravity, no damping, friction."""
     traps = [_mass(engine, model), _inertia(engine, model), _damping(engine, model), _gravity(engine, model)]
     if model.has_support:
@@ -164,7 +164,7 @@ def _flying(model: BodyModel) -> BodyModel:
 
 
 def _flight(
-    engine: BodyReplay,
+    engine: BodyRollout,
     model: BodyModel,
     span_s: float,
     v_W: FloatArray,
@@ -182,13 +182,13 @@ def _flight(
     return engine.rollout(model, start, [(BodyWrench(wrench), {})] if push else [])
 
 
-def _mass(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
+def _mass(engine: BodyRollout, model: BodyModel) -> ConventionCheck:
     force = np.array([model.mass_kg, 0.0, 0.0])
     motion = _flight(engine, _flying(model), 0.1, np.zeros(3), np.zeros(3), (force, np.zeros(3)))
     return held("mass_held", abs(motion.v_W[0, -1, 0] / 0.1 - 1.0), "error of the acceleration under a known force")
 
 
-def _inertia(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
+def _inertia(engine: BodyRollout, model: BodyModel) -> ConventionCheck:
     """The inertia from the spin that a torque about each axis gives, small enough that axes hardly turn."""
     spins = []
     for axis in np.eye(3):
@@ -200,20 +200,20 @@ def _inertia(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
     return held("inertia_held", error, "error of the inertia seen in the engine against the declared one")
 
 
-def _damping(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
+def _damping(engine: BodyRollout, model: BodyModel) -> ConventionCheck:
     spin = np.linalg.eigh(model.inertia_B)[1][:, 2] * 5.0
     motion = _flight(engine, replace(_flying(model), com_B=np.zeros(3)), 1.0, np.array([1.0, 0.0, 0.0]), spin)
     lost = max(1.0 - np.linalg.norm(motion.v_W[0, -1]), 1.0 - np.linalg.norm(motion.w_B[0, -1]) / 5.0)
     return held("damping_off", abs(float(lost)), "speed lost in 1 s of free flight without drag", 1e-3)
 
 
-def _gravity(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
+def _gravity(engine: BodyRollout, model: BodyModel) -> ConventionCheck:
     motion = _flight(engine, replace(model, has_support=False), 0.2, np.zeros(3), np.zeros(3))
     error = np.linalg.norm(motion.v_W[0, -1] / 0.2 - model.gravity_W) / max(np.linalg.norm(model.gravity_W), 1e-9)
     return held("gravity_held", float(error), "error of the acceleration in free fall")
 
 
-def _friction(engine: BodyReplay, model: BodyModel) -> ConventionCheck:
+def _friction(engine: BodyRollout, model: BodyModel) -> ConventionCheck:
     """The pair's friction from a flat plate that slides."""
     mu, g = (model.friction or 0.3), 9.81
     size = (0.2, 0.2, 0.02)

@@ -20,7 +20,7 @@ from simgap.problem import Model, Problem, View
 ALPHA = 0.05
 # The first look comes before anything is known of the model: only what no model could turn round stops a search.
 FIRST_ALPHA = 1e-3
-PLACES = (1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6)  # files are shifted by few places, if by a rule
+OFFSETS = (1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6)  # files are shifted by few places, if by a rule
 
 
 @runtime_checkable
@@ -39,7 +39,7 @@ def other_inputs_check(problem: Problem, view: View) -> ConventionCheck | None:
     other, so that a choice among many is no advantage (Student's test over trials).
     """
     trials = problem.trial_ids
-    places = [by for by in PLACES if 2 * abs(by) < len(trials) or 2 * by == len(trials)]
+    places = [by for by in OFFSETS if 2 * abs(by) < len(trials) or 2 * by == len(trials)]
     others = [problem.with_permuted_inputs(by) for by in places] if isinstance(problem, PermutableInputs) else []
     if len(trials) < 3 or not any(others):
         return None

@@ -1,17 +1,22 @@
-"""The pages of docs/contributing are true: their worked examples run, and their lists of files are whole.
+"""The pages of docs/contributing are true: paths exist, worked examples run, lists of files are whole.
 
-Each page with an example is applied to a copy of the repository; its own tests and commands run there. So a page that
-the code has left behind fails here, with the block that no longer fits.
+A page with an example is applied to a copy of the repository, where its own tests and commands run. So a page that the
+code has left behind fails here, with the block that no longer fits. The list of a relation's files is compared with
+the code: every file that holds the word as a string, a field of a data class or a key of YAML.
 """
 
 from __future__ import annotations
 
+import ast
+import re
 import sys
 from pathlib import Path
 
 import pytest
 
+from schemas.codes import CODES
 from tests.support.worked_pages import (
+    FENCE,
     ROOT,
     NotApplicable,
     apply,
@@ -24,12 +29,108 @@ from tests.support.worked_pages import (
     run,
 )
 
-PAGES = ROOT / "docs" / "contributing"
+FOLDER = ROOT / "docs" / "contributing"
 WORKED = ("file-format", "gate-rule", "effect", "episode-format")
+PAGES = (*WORKED, "relation")
+
+WORD = "near"  # the relation that relation.md walks through
+KINDS = frozenset({"before", "near", "far_from", "aligned", "facing", "between"})
+SCENE_CODE = ("schemas/scene", "scene_check", "scenec", "runtime_plan")
+SCENE_TESTS = ("tests/scenec", "tests/scene_check", "tests/support/scene", "tests/data/scenes")
+
+PATH = re.compile(r"`((?:[\w-]+/)+[\w.-]*)`")
+MODULE = re.compile(r"`([a-z]\w*(?:\.\w+)+)`")
+SAMPLE = """## Files to touch, in order
+
+1. new `new.py` in `folder/`: a file.
+2. `old.py`: a change.
+3. `page.md`, here: made by `make docs`.
+
+## Example
+
+```python
+# folder/new.py
+NEW = 1
+```
+
+```diff
+--- a/old.py
++++ b/old.py
+@@
+ first
+-second
++third
+```
+
+```sh
+make docs
+.venv/bin/python -m pytest tests -k "a or b"
+```
+"""
 
 
 def page(name: str) -> str:
-    return (PAGES / f"{name}.md").read_text()
+    return (FOLDER / f"{name}.md").read_text()
+
+
+def holds_word(source: str, words: frozenset[str]) -> bool:
+    """Whether Python holds one of the words as a whole string or as a field of a class."""
+    tree = ast.parse(source)
+    strings = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+    classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    fields = {
+        s.target.id for c in classes for s in c.body if isinstance(s, ast.AnnAssign) and isinstance(s.target, ast.Name)
+    }
+    return not words.isdisjoint(strings | fields)
+
+
+def files_with(words: frozenset[str], *folders: str) -> set[str]:
+    """Files below the folders whose code, or keys of YAML, hold one of the words."""
+    python = (path for folder in folders for path in (ROOT / folder).rglob("*.py"))
+    found = {path for path in python if holds_word(path.read_text(), words)}
+    key = re.compile(rf"^ *(?:- *)?\{{? *(?:{'|'.join(words)}):", re.MULTILINE)
+    yaml = (path for folder in folders for path in (ROOT / folder).rglob("*.yaml"))
+    found |= {path for path in yaml if key.search(path.read_text())}
+    return {path.relative_to(ROOT).as_posix() for path in found}
+
+
+def lost_names(text: str) -> list[str]:
+    """Paths and modules in backticks below our folders that neither exist nor are new on the page itself."""
+    new = [Path(path) for path in (*new_files(text), *(file.path for file in listed(text) if file.made))]
+    known = {path.as_posix() for each in new for path in (each, *each.parents)}
+    tops = {path.name for path in ROOT.iterdir() if path.is_dir()}
+    paths = [name for name in PATH.findall(FENCE.sub("", text)) if name.partition("/")[0] in tops and name not in CODES]
+    modules = [name for name in MODULE.findall(text) if (ROOT / name.partition(".")[0] / "__init__.py").is_file()]
+    lost = [name for name in paths if name.rstrip("/") not in known and not (ROOT / name).exists()]
+    return lost + [name for name in modules if not is_module_or_member(name)]
+
+
+def is_module_or_member(name: str) -> bool:
+    """Whether `a.b.c` is a module, or a name that the module `a.b` binds."""
+    at = ROOT.joinpath(*name.split("."))
+    if at.with_suffix(".py").is_file() or (at / "__init__.py").is_file():
+        return True
+    source = at.parent.with_suffix(".py") if at.parent.with_suffix(".py").is_file() else at.parent / "__init__.py"
+    return source.is_file() and re.search(rf"\b{at.name}\b", source.read_text()) is not None
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_every_path_and_module_on_the_page_exists(name: str) -> None:
+    assert lost_names(page(name)) == []
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_the_page_says_how_to_test_and_what_is_reviewed(name: str) -> None:
+    assert [h for h in ("## Files to touch", "## Test", "## What reviewers look for") if h not in page(name)] == []
+
+
+@pytest.mark.parametrize("name", WORKED)
+def test_the_list_of_files_is_what_the_blocks_change(name: str) -> None:
+    text = page(name)
+    rows = listed(text)
+    assert [file.path for file in rows if file.new] == sorted(new_files(text), key=[f.path for f in rows].index)
+    changed = {change.path for change in changes(text)}
+    assert {file.path for file in rows if not (file.new or file.prose or file.made)} == changed
 
 
 @pytest.mark.parametrize("name", WORKED)
@@ -39,10 +140,58 @@ def test_the_worked_example_runs(name: str, tmp_path: Path) -> None:
     apply(text, copy)
     before = contents(copy)
     style = [[sys.executable, "-m", "ruff", *way, *new_files(text)] for way in (["check"], ["format", "--check"])]
-    assert commands(text)
     for command in [*style, *commands(text)]:
         ended = run(command, copy)
         assert ended.returncode == 0, f"{' '.join(command[1:])}\n{ended.stdout[-4000:]}{ended.stderr[-4000:]}"
     after = contents(copy)
     made = {path for path in before.keys() | after.keys() if before.get(path) != after.get(path)}
     assert made == {file.path for file in listed(text) if file.made}
+
+
+def test_the_list_of_a_relation_is_every_file_that_holds_its_word() -> None:
+    files = [file.path for file in listed(page("relation"))]
+    code = files_with(frozenset({WORD}), *SCENE_CODE, *SCENE_TESTS)
+    assert sorted(files) == sorted(code | {"docs/reference/scene-language.md"})
+
+
+def test_the_list_of_files_that_know_other_relations_is_whole() -> None:
+    section = page("relation").partition("## Files that know other words")[2].partition("\n## ")[0]
+    others = files_with(KINDS, *SCENE_CODE) - files_with(frozenset({WORD}), *SCENE_CODE)
+    assert sorted(re.findall(r"^- `([\w/.]+)`", section, re.MULTILINE)) == sorted(others)
+
+
+def test_blocks_of_a_page_are_read_and_applied(tmp_path: Path) -> None:
+    (tmp_path / "old.py").write_text("first\nsecond\n")
+    apply(SAMPLE, tmp_path)
+    assert {p.name: p.read_text() for p in tmp_path.rglob("*.py")} == {
+        "new.py": "NEW = 1\n",
+        "old.py": "first\nthird\n",
+    }
+    assert [(f.path, f.new, f.made) for f in listed(SAMPLE)] == [
+        ("folder/new.py", True, False),
+        ("old.py", False, False),
+        ("page.md", False, True),
+    ]
+    docs, tests = commands(SAMPLE)
+    assert (docs[1:], tests[1:]) == (["-m", "cli.docs"], ["-m", "pytest", "tests", "-k", "a or b"])
+
+
+@pytest.mark.parametrize("before", ["first\nthird\n", "first\nsecond\nfirst\nsecond\n"])
+def test_a_hunk_that_fits_nowhere_or_twice_is_refused(tmp_path: Path, before: str) -> None:
+    (tmp_path / "old.py").write_text(before)
+    with pytest.raises(NotApplicable):
+        apply(SAMPLE, tmp_path)
+
+
+def test_names_that_do_not_exist_are_found() -> None:
+    lost = ["gate/no_such.py", "tests/no_such/", "gate.no_such", "gate.static_gate.NO_SUCH"]
+    good = ["gate/rules/", "gate/static_gate.py", "gate.static_gate.RULES", "replay/unknown-format", "np.array"]
+    assert lost_names("".join(f"`{name}` " for name in [*good, *lost])) == lost
+    assert lost_names("```python\n# gate/no_such.py\nX = 1\n```\n`gate/no_such.py`") == []
+
+
+def test_words_are_found_as_code_only() -> None:
+    near = frozenset({"near"})
+    assert holds_word('kind == "near"', near)
+    assert holds_word("class R:\n    near: int = 0", near)
+    assert not holds_word('near = 1  # "near"\ntext = "near by"', near)

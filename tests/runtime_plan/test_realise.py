@@ -8,7 +8,7 @@ import pytest
 from geom.pose import pose, pose_from_quat
 from runtime_plan import prepare, sample
 from runtime_plan.bodies import physical_body
-from runtime_plan.materials import is_paired, wearing
+from runtime_plan.materials import is_paired, with_material
 from runtime_plan.realise import Realiser
 from schemas.diagnostics import InvalidInput
 from schemas.scene.program import PairedMaterial
@@ -103,10 +103,10 @@ def test_a_paired_material_brings_its_restitution():
             world = BulletResets(client)
             for name, side_m, centre_m in (("slab", 1.0, -0.1), ("cube", 0.1, 0.3)):
                 own = physical_body(box_body(name, side_m, 0.1, mass_kg=0.4), None)
-                worn = wearing(own.body, None, rubber)
+                worn = with_material(own.body, None, rubber)
                 number = world.add(own.body, moves=name == "cube")
-                world.wear(number, worn.mass, worn.contact)
-                world.stand(number, pose(None, np.array([0.0, 0.0, centre_m])))
+                world.set_material(number, worn.mass, worn.contact)
+                world.set_pose(number, pose(None, np.array([0.0, 0.0, centre_m])))
             heights = []
             for _ in range(120):
                 world.run(1.0 / 240.0)
@@ -122,15 +122,15 @@ def test_a_recipe_of_appearance_leaves_physics_untouched():
     own = physical_body(box_body("box", 0.1, 0.1, mass_kg=0.4), None)
     red = PairedMaterial(id="red", objects=("box",), base_color=(1.0, 0.0, 0.0), roughness=0.2, metallic=0.0)
     assert not is_paired(red)
-    assert wearing(own.body, own.density_kgm3, red) is own.body
-    assert wearing(own.body, own.density_kgm3, None) is own.body
+    assert with_material(own.body, own.density_kgm3, red) is own.body
+    assert with_material(own.body, own.density_kgm3, None) is own.body
 
 
 def test_dynamic_friction_never_exceeds_static():
     own = physical_body(box_body("box", 0.1, 0.1, mass_kg=0.4), None)
-    grippy = wearing(own.body, None, PairedMaterial(id="g", objects=("box",), dynamic_friction=0.9))
+    grippy = with_material(own.body, None, PairedMaterial(id="g", objects=("box",), dynamic_friction=0.9))
     assert grippy.contact.static_friction == grippy.contact.dynamic_friction == 0.9
-    slick = wearing(own.body, None, PairedMaterial(id="s", objects=("box",), static_friction=0.2))
+    slick = with_material(own.body, None, PairedMaterial(id="s", objects=("box",), static_friction=0.2))
     assert slick.contact.dynamic_friction == slick.contact.static_friction == 0.2
     assert slick.mass.mass_kg == own.body.mass.mass_kg
 

@@ -52,9 +52,7 @@ def listed(text: str) -> list[Listed]:
     """The files that the page tells to touch, in its order."""
     rows = LISTED.findall(text.partition("## Files to touch")[2].partition("\n## ")[0])
     return [
-        Listed(
-            f"{at.rstrip('/')}/{name}" if name else at, bool(name), "prose" in about, "made by `make docs`" in about
-        )
+        Listed(f"{at.rstrip('/')}/{name}" if name else at, bool(name), "prose" in about, "made by `make docs`" in about)
         for name, at, about in rows
     ]
 

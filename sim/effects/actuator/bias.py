@@ -1,4 +1,4 @@
-"""A drive that pushes when told not to."""
+"""Actuator bias: the drive adds a constant effort (N m, N), also at zero command."""
 
 from __future__ import annotations
 

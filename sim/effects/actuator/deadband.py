@@ -1,4 +1,4 @@
-"""A drive that ignores small efforts."""
+"""Actuator dead band: the drive ignores small efforts and shortens larger ones by the band (N m, N)."""
 
 from __future__ import annotations
 

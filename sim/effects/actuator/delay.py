@@ -1,4 +1,4 @@
-"""A command or effort that arrives late."""
+"""Actuator delay: a command or effort takes effect some time (s) after it was sent."""
 
 from __future__ import annotations
 

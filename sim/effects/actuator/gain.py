@@ -1,4 +1,4 @@
-"""A drive that gives more or less than asked for."""
+"""Actuator gain: the drive's effort is a multiple of the commanded effort."""
 
 from __future__ import annotations
 

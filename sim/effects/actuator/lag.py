@@ -1,4 +1,4 @@
-"""A drive that follows slowly."""
+"""Actuator lag: the drive follows commands as a first-order low-pass with a time constant (s)."""
 
 from __future__ import annotations
 

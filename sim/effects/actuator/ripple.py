@@ -1,4 +1,4 @@
-"""Effort that varies with the position of the rotor."""
+"""Torque ripple: the drive's effort varies with the position of the rotor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A drive that cannot give more than a limit."""
+"""Actuator saturation: the magnitude of the drive's effort is at most a limit (N m, N)."""
 
 from __future__ import annotations
 

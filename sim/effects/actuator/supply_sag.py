@@ -1,4 +1,4 @@
-"""A drive that weakens with its supply."""
+"""Supply sag: the drive's effort falls with its logged supply voltage (V)."""
 
 from __future__ import annotations
 

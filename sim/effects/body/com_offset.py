@@ -1,4 +1,4 @@
-"""A mass centre that is not where the model says."""
+"""Mass centre offset: the mass centre lies elsewhere (m, body frame) than in the model."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -30,7 +30,7 @@ EFFECT = Effect(
         Confusable("body.inertia", "toss it spinning about several axes"),
         Confusable("contact.anisotropic_friction", "look at the free flight: only the mass centre shows there"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physics:centerOfMass",
     urdf="inertial/origin",
 )

@@ -1,4 +1,4 @@
-"""Moments of inertia that differ from the declared ones."""
+"""Inertia factor: moments of inertia differ from the declared ones by a factor."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -24,7 +24,7 @@ EFFECT = Effect(
         Confusable("contact.restitution", "drop flat and on a corner"),
         Confusable("contact.friction", "toss it spinning: free rotation shows ratios of the moments"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physics:diagonalInertia",
     urdf="inertial/inertia",
 )

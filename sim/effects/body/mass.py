@@ -1,4 +1,4 @@
-"""A mass that differs from the declared one."""
+"""Mass (kg) that differs from the declared one; inertia changes in proportion."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -26,7 +26,7 @@ EFFECT = Effect(
         Confusable("world.quadratic_drag", "weigh the body"),
         Confusable("world.constant_force", "weigh the body"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physics:mass",
     urdf="inertial/mass",
 )

@@ -1,4 +1,4 @@
-"""A body that is larger or smaller than the model."""
+"""Size factor: the body's collision shapes are larger or smaller than those of the model."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 from geom.convex.scaling import scaled
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -27,5 +27,5 @@ EFFECT = Effect(
         Confusable("sensor.scale", "measure a fall: scale changes g, size does not"),
         Confusable("contact.compliance", "rest without motion"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
 )

@@ -1,4 +1,4 @@
-"""Friction that depends on the direction in the body."""
+"""Anisotropic friction: sliding friction depends on the direction in the body."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -27,5 +27,5 @@ EFFECT = Effect(
         Confusable("world.gravity_tilt", "turn the body by a quarter: tilt stays, anisotropy turns along"),
         Confusable("contact.friction", "slide along several directions of the body"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
 )

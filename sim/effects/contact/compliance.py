@@ -1,4 +1,4 @@
-"""A contact that gives way."""
+"""Contact compliance: the contact yields as a spring (N/m) and a damper (N s/m)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -27,7 +27,7 @@ EFFECT = Effect(
         Confusable("contact.restitution", "drop from several heights"),
         Confusable("body.size", "rest without motion: size shifts the height, compliance little"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physxMaterial:compliantContactStiffness",
     urdf="contact/stiffness",
 )

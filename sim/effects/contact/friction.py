@@ -1,4 +1,4 @@
-"""Sliding friction of the pair."""
+"""Sliding friction of the pair body and support (Coulomb coefficient)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -25,7 +25,7 @@ EFFECT = Effect(
         Confusable("world.gravity_tilt", "slide in opposite directions"),
         Confusable("contact.anisotropic_friction", "slide along several directions of the body"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physics:dynamicFriction, physics:staticFriction",
     urdf="contact/lateral_friction",
 )

@@ -1,4 +1,4 @@
-"""Bounce of the pair."""
+"""Restitution of the pair body and support: ratio of normal speeds after and before an impact."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -24,7 +24,7 @@ EFFECT = Effect(
         Confusable("contact.compliance", "drop from several heights: compliance also changes how long contact lasts"),
         Confusable("body.inertia", "drop flat and on a corner: inertia matters off-centre only"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physics:restitution",
     urdf="contact/restitution",
 )

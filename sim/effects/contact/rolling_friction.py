@@ -1,4 +1,4 @@
-"""A moment that opposes rolling."""
+"""Rolling friction: a moment that opposes rolling, with a lever arm (m) on the normal force."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -24,6 +24,6 @@ EFFECT = Effect(
         Confusable("world.linear_drag", "roll at several speeds: drag grows with speed"),
         Confusable("contact.spinning_friction", "roll without spin"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     urdf="contact/rolling_friction",
 )

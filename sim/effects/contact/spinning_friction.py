@@ -1,4 +1,4 @@
-"""A moment that opposes turning about the contact normal."""
+"""Spinning friction: a moment that opposes turning about the contact normal, with a lever arm (m)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -24,6 +24,6 @@ EFFECT = Effect(
         Confusable("contact.friction", "spin in place: point contacts have no lever"),
         Confusable("contact.rolling_friction", "spin without rolling"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     urdf="contact/spinning_friction",
 )

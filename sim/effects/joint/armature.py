@@ -1,13 +1,13 @@
-"""Inertia of rotor and gears, felt at the joint."""
+"""Armature: inertia (kg m2, kg) of rotor and gears that acts at the joint."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 from sim.dynamics.mechanism import MechanismModel
-from sim.effects.numbers import with_link
+from sim.effects.joint_values import with_link
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
@@ -26,6 +26,6 @@ EFFECT = Effect(
         Confusable("joint.gravity_load", "move with the axis turned upright, so that gravity has no lever"),
         Confusable("actuator.gain", "hang a known load on the joint"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physxJoint:armature",
 )

@@ -1,4 +1,4 @@
-"""A joint whose axis is not mounted as the model says: gravity pulls it to another place."""
+"""Axis tilt: the joint's axis is mounted at an angle (rad) to that of the model, which changes the pull of gravity."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 from sim.dynamics.mechanism import MechanismModel
 
 
@@ -33,5 +33,5 @@ EFFECT = Effect(
         Confusable("sensor.bias", "compare the reading at rest with a level"),
         Confusable("joint.gravity_load", "weigh the load; tilt lowers the pull, and moves the place of rest"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
 )

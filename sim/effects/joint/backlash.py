@@ -1,4 +1,4 @@
-"""Play between drive and joint."""
+"""Backlash: play (rad, m) between drive and joint, which the drive crosses after a reversal."""
 
 from __future__ import annotations
 
@@ -21,25 +21,27 @@ def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> Fl
     inertia = max(params["gap_inertia_kgm2rad"] / params["gap_rad"], _FAST)
     if not memory:
         play = half * np.sign(state.effort)  # drive minus joint
-        memory.update(play=play, rate=state.qd, led=state.qd, owed=np.zeros_like(state.effort))
-    play, rate, owed = memory["play"], memory["rate"], memory["owed"]
+        memory.update(play=play, rate=state.qd, led=state.qd, deferred=np.zeros_like(state.effort))
+    play, rate, deferred = memory["play"], memory["rate"], memory["deferred"]
     # To keep up with the joint; one that was just struck was no faster before.
     needed = inertia * (state.qd - memory["led"]) / dt_s
     needed = np.where(np.isnan(needed), 0.0, needed)
-    leans = (np.abs(play) >= half) & (play * (state.effort - needed) >= 0.0)
-    free = np.where(leans, state.qd, rate + state.effort * dt_s / inertia)
-    way = (0.5 * (rate + free) - state.qd) * dt_s
-    lands = (np.abs(play + way) >= half) & ~leans & (way != 0.0)
-    share = (np.copysign(half, way) - play) / np.where(lands, way, 1.0)
+    in_contact = (np.abs(play) >= half) & (play * (state.effort - needed) >= 0.0)
+    free = np.where(in_contact, state.qd, rate + state.effort * dt_s / inertia)
+    relative_travel = (0.5 * (rate + free) - state.qd) * dt_s
+    closes_gap = (np.abs(play + relative_travel) >= half) & ~in_contact & (relative_travel != 0.0)
+    share = (np.copysign(half, relative_travel) - play) / np.where(closes_gap, relative_travel, 1.0)
     share = np.minimum(np.maximum(share, 0.0), 1.0)  # of the step, before it
-    passed = np.where(lands, inertia * (free - state.qd) / dt_s, 0.0)
-    leant = state.effort * (1.0 - share)
-    later = np.where(lands, (passed - leant) * share + 0.5 * leant * (1.0 + share) - 0.5 * passed, 0.0)
-    memory["play"] = np.where(leans, play, np.minimum(np.maximum(play + way, -half), half))
-    memory["rate"] = np.where(lands, state.qd, free)
-    memory["led"] = np.where(leans & (owed == 0.0), state.qd, np.nan)
-    memory["owed"] = later
-    return owed + np.where(leans, state.effort, passed - later)
+    passed = np.where(closes_gap, inertia * (free - state.qd) / dt_s, 0.0)
+    contact_effort = state.effort * (1.0 - share)
+    later = np.where(
+        closes_gap, (passed - contact_effort) * share + 0.5 * contact_effort * (1.0 + share) - 0.5 * passed, 0.0
+    )
+    memory["play"] = np.where(in_contact, play, np.minimum(np.maximum(play + relative_travel, -half), half))
+    memory["rate"] = np.where(closes_gap, state.qd, free)
+    memory["led"] = np.where(in_contact & (deferred == 0.0), state.qd, np.nan)
+    memory["deferred"] = later
+    return deferred + np.where(in_contact, state.effort, passed - later)
 
 
 EFFECT = Effect(

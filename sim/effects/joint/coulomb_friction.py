@@ -1,13 +1,13 @@
-"""Dry friction of a joint that does not depend on speed."""
+"""Dry (Coulomb) friction of a joint (N m, N), independent of speed."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 from sim.dynamics.mechanism import MechanismModel
-from sim.effects.numbers import with_joint_value
+from sim.effects.joint_values import with_joint_value
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
@@ -26,7 +26,7 @@ EFFECT = Effect(
         Confusable("joint.load_dependent_friction", "move with two different loads on the joint"),
         Confusable("actuator.deadband", "let the joint swing with the drive off"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physxJoint:jointFriction",
     urdf="dynamics/@friction",
 )

@@ -1,4 +1,4 @@
-"""Torque that repeats along the travel: detents, cogging of magnets, gear teeth."""
+"""Detent torque that repeats along the travel: detents, cogging of magnets, gear teeth."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Dry friction that differs between the two directions."""
+"""Friction asymmetry: dry friction (N m, N) that differs between the two directions."""
 
 from __future__ import annotations
 

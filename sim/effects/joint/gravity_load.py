@@ -1,13 +1,13 @@
-"""A moment of gravity that differs from the declared one."""
+"""Gravity load: the moment of gravity on a link differs from the declared one by a factor."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 from sim.dynamics.mechanism import MechanismModel
-from sim.effects.numbers import with_link
+from sim.effects.joint_values import with_link
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
@@ -26,5 +26,5 @@ EFFECT = Effect(
         Confusable("joint.spring", "move through a quarter turn or more"),
         Confusable("world.gravity_magnitude", "weigh the load"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
 )

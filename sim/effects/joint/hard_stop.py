@@ -1,4 +1,4 @@
-"""A mechanical end of travel that the model does not know."""
+"""Hard stop: a mechanical end of travel (rad, m) that the model lacks, as a stiff spring with losses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Dry friction in proportion to the force that the bearing carries."""
+"""Load-dependent friction: dry friction in proportion to the force that the bearing transmits."""
 
 from __future__ import annotations
 

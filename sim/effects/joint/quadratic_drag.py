@@ -1,4 +1,4 @@
-"""Resistance of the air to a turning link."""
+"""Quadratic drag: resistance of the air to a turning link, in proportion to the square of its rate."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A spring that returns the joint."""
+"""Joint spring: a torque in proportion to the distance (rad, m) from a rest position."""
 
 from __future__ import annotations
 

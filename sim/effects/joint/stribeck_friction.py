@@ -1,4 +1,4 @@
-"""Dry friction that is greater at rest than in motion."""
+"""Stribeck friction: dry friction that is greater at rest than in motion."""
 
 from __future__ import annotations
 

@@ -1,13 +1,13 @@
-"""Joint friction in proportion to speed."""
+"""Viscous friction: joint friction in proportion to speed."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 from sim.dynamics.mechanism import MechanismModel
-from sim.effects.numbers import with_joint_value
+from sim.effects.joint_values import with_joint_value
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
@@ -26,7 +26,7 @@ EFFECT = Effect(
         Confusable("joint.quadratic_drag", "move at speeds that differ by a factor of three or more"),
         Confusable("actuator.gain", "let the joint swing with the drive off"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physxLimit:damping / drive:angular:physics:damping",
     urdf="dynamics/@damping",
 )

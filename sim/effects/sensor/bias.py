@@ -1,4 +1,4 @@
-"""A joint reading with a constant error."""
+"""Sensor bias: a joint reading with a constant error (rad, m)."""
 
 from __future__ import annotations
 

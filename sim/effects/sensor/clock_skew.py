@@ -1,4 +1,4 @@
-"""A clock that runs fast or slow."""
+"""Clock skew: the clock of the log runs fast or slow by a factor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A sensor mounted at an angle to the body."""
+"""Frame rotation: the sensor is mounted at an angle (rad) to the body."""
 
 from __future__ import annotations
 

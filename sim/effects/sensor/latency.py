@@ -1,4 +1,4 @@
-"""Readings that are old when they are stamped."""
+"""Sensor latency: readings are older than their stamps by a constant time (s)."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def _report(series: Series, params: Params, where: Place) -> Series:
 def _recover(series: Series, params: Params, where: Place) -> Series:
     later = series.t_s + params["latency_s"]
     if {"q", "qd", "qdd"} <= series.columns.keys():
-        return _carried_on(series, later)
+        return _extrapolated(series, later)
     return with_columns(series, _READ, lambda read: read_at(series.t_s, read, later))
 
 
-def _carried_on(series: Series, later: FloatArray) -> Series:
+def _extrapolated(series: Series, later: FloatArray) -> Series:
     """Joints at other times from the nearest row and its rates.
 
     A mean of two rows would have less noise than either, and a latency of half a row would look like a better model.
@@ -35,10 +35,10 @@ def _carried_on(series: Series, later: FloatArray) -> Series:
     ahead = np.clip(later - series.t_s[rows], -np.inf, np.median(np.diff(series.t_s)))[:, None]
     q, qd, qdd = (series.columns[n][rows] for n in ("q", "qd", "qdd"))
     jerk = np.gradient(series.columns["qdd"], series.t_s, axis=0)[rows]
-    moved = {"q": q + ahead * qd + 0.5 * ahead**2 * qdd, "qd": qd + ahead * qdd, "qdd": qdd + ahead * jerk}
+    extrapolated = {"q": q + ahead * qd + 0.5 * ahead**2 * qdd, "qd": qd + ahead * qdd, "qdd": qdd + ahead * jerk}
     if "reading" in series.columns:
-        moved["reading"] = series.columns["reading"][rows] + moved["q"] - q
-    return replace(series, columns={**series.columns, **moved})
+        extrapolated["reading"] = series.columns["reading"][rows] + extrapolated["q"] - q
+    return replace(series, columns={**series.columns, **extrapolated})
 
 
 EFFECT = Effect(

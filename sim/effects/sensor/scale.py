@@ -1,4 +1,4 @@
-"""Readings in a wrong measure."""
+"""Sensor scale: positions and their rates are reported in a wrong measure, off by a factor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rates that belong to an earlier moment than the positions beside them."""
+"""Velocity age: reported rates belong to an earlier moment (s) than the positions beside them."""
 
 from __future__ import annotations
 

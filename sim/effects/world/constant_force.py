@@ -1,4 +1,4 @@
-"""A steady push: wind, a magnet, a cable."""
+"""Constant force (N, world axes) at the mass centre: wind, a magnet, a cable."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Another pull of gravity."""
+"""Gravity magnitude (m/s2) that differs from that of the model."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -28,6 +28,6 @@ EFFECT = Effect(
         Confusable("sensor.clock_skew", "time the log with a second clock"),
         Confusable("world.linear_drag", "fall longer: drag grows with speed"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physics:gravityMagnitude",
 )

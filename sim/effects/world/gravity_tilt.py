@@ -1,4 +1,4 @@
-"""A support or camera frame that is not level."""
+"""Gravity tilt: the support or the camera frame is not level (rad)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, Numbers, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -30,6 +30,6 @@ EFFECT = Effect(
         Confusable("contact.anisotropic_friction", "turn the body by a quarter"),
         Confusable("world.constant_force", "change the mass"),
     ),
-    hook=Numbers(_change),
+    hook=ModelChange(_change),
     usd="physics:gravityDirection",
 )

@@ -1,4 +1,4 @@
-"""Resistance in proportion to speed."""
+"""Linear drag: resistance to a free body in proportion to its speed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Resistance of the air at speed."""
+"""Quadratic drag: resistance of the air to a free body, in proportion to the square of its speed."""
 
 from __future__ import annotations
 

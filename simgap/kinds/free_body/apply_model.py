@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import BodyWrench, Numbers, Params, SensorMap, Series
+from sim.dynamics.hooks import BodyWrench, ModelChange, Params, SensorMap, Series
 from simgap.problem import Model
 
 
@@ -36,7 +36,7 @@ def apply_terms(declared: BodyModel, model: Model) -> AppliedBody:
     body, wrenches, sensors = declared, [], []
     for term in model:
         hook, where = term.candidate.effect.hook, term.candidate.where
-        if isinstance(hook, Numbers):
+        if isinstance(hook, ModelChange):
             body = hook.change(body, term.values, where)
         elif isinstance(hook, BodyWrench):
             wrenches.append((hook, term.values))

@@ -12,18 +12,18 @@ from schemas.measurement import SensorNoise
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
-from simgap.kinds.free_body.tossed_body import Mover
+from simgap.kinds.free_body.tossed_body import BodySimulator
 from simgap.recording.recording import Trial
 
 
-def moved(mover: Mover, applied: AppliedBody, series: Series, finer: float) -> Series:
+def simulated_motion(mover: BodySimulator, applied: AppliedBody, series: Series, finer: float) -> Series:
     """The motion that the model makes from the first row of true motion `series`, at its stamps."""
-    motion = mover.roll(applied, series.t_s[None], {name: series.columns[name][:1] for name in mover.state}, finer)
+    motion = mover.rollout(applied, series.t_s[None], {name: series.columns[name][:1] for name in mover.state}, finer)
     return Series(series.t_s, {name: values[0] for name, values in motion.items()})
 
 
 def bootstrap_sample(
-    mover: Mover,
+    mover: BodySimulator,
     applied: AppliedBody,
     trials: Sequence[Trial],
     read: Sequence[Series],
@@ -39,7 +39,7 @@ def bootstrap_sample(
 
     out = []
     for trial, series in zip(trials, read, strict=True):
-        seen = applied.reported(moved(mover, applied, applied.recovered(series), finer))
+        seen = applied.reported(simulated_motion(mover, applied, applied.recovered(series), finer))
         shake = Rotation.from_rotvec(rng.normal(0.0, noise.rotation_rad or 0.0, (len(seen.t_s), 3)))
         turned = Rotation.from_quat(np.roll(seen.columns["quat_wxyz"], -1, axis=1)) * shake
         others = {"v_W": noise.v_mps, "w_B": noise.w_radps, "q": noise.q, "qd": noise.qd}

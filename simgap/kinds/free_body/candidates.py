@@ -11,7 +11,7 @@ from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import Effect, Series
 from sim.effects.library import EFFECTS, effect
-from simgap.kinds.free_body.direct_estimates import are_one
+from simgap.kinds.free_body.direct_estimates import agree_on_one_value
 from simgap.problem import Candidate, DirectEstimate
 
 # Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
@@ -21,11 +21,14 @@ FRICTION_TOLERANCE = 0.15
 # Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
 STEP, _NUISANCE_STEP = 0.02, 0.2
 _COARSEST = 0.2
-_TOLD, _BEYOND = 0.01, 0.25  # level at which falls and rest have the last word; share beyond what they say elsewhere
+_DIRECT_ALPHA, _BEYOND = (
+    0.01,
+    0.25,
+)  # level at which falls and rest have the last word; share beyond what they say elsewhere
 _SEEN, _SMALL = 0.05, 0.02  # level of "something is there"; share of the bounds that is little
 _NEED_SUPPORT = ("contact", "body.size")
 _NEED_JOINTS = ("joint", "sensor.bias")
-PLAIN = (
+DIRECTLY_MEASURED = (
     "body.size",
     "world.gravity_magnitude",
     "sensor.scale",
@@ -35,7 +38,9 @@ PLAIN = (
 
 
 def candidates_of(
-    model: BodyModel, series: Sequence[Series], told: Callable[[Candidate], DirectEstimate | None] | None = None
+    model: BodyModel,
+    series: Sequence[Series],
+    estimate_directly: Callable[[Candidate], DirectEstimate | None] | None = None,
 ) -> tuple[Candidate, ...]:
     """Every effect of the library that poses of a free body can reveal, in library order.
 
@@ -51,11 +56,11 @@ def candidates_of(
         bounds = {p.name: table.get((each.name, p.name), (p.low, p.high)) for p in each.parameters}
         start = {n: float(np.clip(v, *bounds[n])) for n, v in null.items()}
         wide = Candidate(each, _where(each), null, start, bounds, step=STEP)
-        direct = told(wide) if told else None
+        direct = estimate_directly(wide) if estimate_directly else None
         if direct is None:
             out.append(wide)
         elif not absent(wide, direct):
-            out.append(narrowed(wide, direct) if each.name in PLAIN else wide)
+            out.append(with_direct_bounds(wide, direct) if each.name in DIRECTLY_MEASURED else wide)
     return tuple(out)
 
 
@@ -64,9 +69,9 @@ def absent(wide: Candidate, direct: DirectEstimate) -> bool:
 
     Of several readings that contradict one another one is enough: what shrinks at rest and not in falls is no scale.
     """
-    if direct.apart:
-        unseen = [absent(wide, one) for one in direct.apart]
-        return all(unseen) or (any(unseen) and not are_one(direct.apart))
+    if direct.separate_readings:
+        unseen = [absent(wide, one) for one in direct.separate_readings]
+        return all(unseen) or (any(unseen) and not agree_on_one_value(direct.separate_readings))
     if direct.p_value < _SEEN:
         return False
     return all(
@@ -99,14 +104,14 @@ def nuisances_of(model: BodyModel) -> tuple[Candidate, ...]:
     return tuple(out)
 
 
-def narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
+def with_direct_bounds(wide: Candidate, direct: DirectEstimate) -> Candidate:
     """The candidate with bounds from no effect to the direct estimate, and beyond both no further than that errs.
 
     Fits to contacts stray: one that ends at such a bound is as sure as the estimate that set it, if that is sure at
     all; where it is not, bounds lie a little further.
     """
-    bounds, told, step = {}, {}, wide.step
-    sure = direct.p_value < _TOLD
+    bounds, half_widths, step = {}, {}, wide.step
+    sure = direct.p_value < _DIRECT_ALPHA
     for name, (low, high) in wide.bounds.items():
         null, value = wide.null[name], direct.values[name]
         beyond = 4.0 * direct.standard_errors[name] + 0.002 * (high - low)
@@ -116,9 +121,9 @@ def narrowed(wide: Candidate, direct: DirectEstimate) -> Candidate:
         if bounds[name][0] >= bounds[name][1]:
             return wide
         if sure:
-            told[name] = beyond
+            half_widths[name] = beyond
         step = min(_COARSEST, wide.step * (high - low) / (bounds[name][1] - bounds[name][0]))
-    return replace(wide, bounds=bounds, told=told, step=step)
+    return replace(wide, bounds=bounds, direct_half_width=half_widths, step=step)
 
 
 def _observable(each: Effect, model: BodyModel) -> bool:

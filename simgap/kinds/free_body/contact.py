@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from geom.convex.support_function import support
-from simgap.kinds.free_body.evidence import Evidence, of_rows, of_values
+from simgap.kinds.free_body.evidence import NormalEquations, of_rows, of_values
 from simgap.kinds.free_body.toss import Impact, Toss, resting_facet
 
 _CONSISTENT = 0.25  # share of an impulse's moment that may not turn the body the way it should
@@ -16,14 +16,14 @@ _KEEPS = 0.25  # share of the slip that is left after an impact in which frictio
 _HARD = 0.3  # share of sqrt(g * length) at which an impact is worth reading
 
 
-def friction(toss: Toss) -> Evidence | None:
+def friction(toss: Toss) -> NormalEquations | None:
     """mu: tangential over normal force while sliding, and over impacts through which the corner kept slipping."""
     slides = [s.ratio for s in toss.slides]
     ratios = [r for i in _corners(toss) if (r := _slip_ratio(toss, i)) is not None]
     return of_values(np.array(slides if len(slides) >= 4 else [*slides, *ratios]))
 
 
-def anisotropy(toss: Toss) -> Evidence | None:
+def anisotropy(toss: Toss) -> NormalEquations | None:
     """ratio of friction along the body's x axis, with the friction along the others left open.
 
     For each slide the force against the slip is mu (1 + (ratio - 1) x^2), x the slip's share along that axis.
@@ -36,7 +36,7 @@ def anisotropy(toss: Toss) -> Evidence | None:
     return of_rows(np.stack([x2, np.ones(len(x2))], axis=1), seen - 1.0, np.array([1.0, 1.0]))
 
 
-def restitution(toss: Toss) -> Evidence | None:
+def restitution(toss: Toss) -> NormalEquations | None:
     """The corner's speed away from the support over its speed towards it."""
     bounces = []
     for i in _corners(toss):
@@ -47,7 +47,7 @@ def restitution(toss: Toss) -> Evidence | None:
     return of_values(np.clip(np.array(bounces), -0.5, 1.5))
 
 
-def inertia(toss: Toss) -> Evidence | None:
+def inertia(toss: Toss) -> NormalEquations | None:
     """factor: an impulse's moment about the mass centre over the change of angular momentum that it made.
 
     Where along an edge an impulse acts is not known: there the moment about the edge counts alone.
@@ -65,10 +65,10 @@ def inertia(toss: Toss) -> Evidence | None:
         if i.clear and impulse[2] > _hard(toss) and off < _CONSISTENT:
             size = float(turned @ turned)
             H, g = H + size, g + size * (share - 1.0)
-    return Evidence(np.array([[H]]), np.array([g]), np.ones(1)) if H > 0.0 else None
+    return NormalEquations(np.array([[H]]), np.array([g]), np.ones(1)) if H > 0.0 else None
 
 
-def size(toss: Toss) -> Evidence | None:
+def size(toss: Toss) -> NormalEquations | None:
     """factor: height of the origin at rest over the distance of the facet it rests on."""
     facet = resting_facet(toss)
     if facet is None or toss.rest is None:

@@ -16,11 +16,11 @@ from scipy import stats
 
 from schemas.model import FloatArray
 from simgap.kinds.free_body import contact, flight, readings
-from simgap.kinds.free_body.evidence import Evidence
+from simgap.kinds.free_body.evidence import NormalEquations
 from simgap.kinds.free_body.toss import Toss
 from simgap.problem import Candidate, DirectEstimate
 
-Estimator = Callable[[Toss], "Evidence | None"]
+Estimator = Callable[[Toss], "NormalEquations | None"]
 Routes = Mapping[str, tuple[Estimator, ...]]
 _LEAST = 3
 _HEAVIEST = 3.0  # times the median toss
@@ -80,10 +80,10 @@ def estimate(
         middle = (values / errors**2 + other / error**2) / total
         errors = np.sqrt(1.0 / total + np.maximum(0.25 * (values - other) ** 2 - 0.25 * (errors**2 + error**2), 0.0))
         values, trials = middle, min(trials, n)
-    return replace(_estimate(names, values, errors, trials, p), apart=tuple(apart))
+    return replace(_estimate(names, values, errors, trials, p), separate_readings=tuple(apart))
 
 
-def are_one(readings: Sequence[DirectEstimate]) -> bool:
+def agree_on_one_value(readings: Sequence[DirectEstimate]) -> bool:
     """Whether readings of one number agree within their errors; each knows what is declared to `_KNOWN` only."""
     return all(
         abs(one.values[n] - other.values[n])

@@ -10,7 +10,7 @@ from schemas.model import FloatArray
 
 
 @dataclass(frozen=True)
-class Evidence:
+class NormalEquations:
     """Normal equations H (k, k), g (k,) of least squares about numbers relative to `origin` (k,)."""
 
     H: FloatArray
@@ -18,14 +18,14 @@ class Evidence:
     origin: FloatArray
 
 
-def of_values(values: FloatArray, origin: float = 0.0) -> Evidence | None:
+def of_values(values: FloatArray, origin: float = 0.0) -> NormalEquations | None:
     """One number seen as `values` (n,): their median, as sure as the first few of them make it."""
     if not len(values):
         return None
     weight = min(float(len(values)), 4.0)
-    return Evidence(np.array([[weight]]), np.array([weight * (np.median(values) - origin)]), np.array([origin]))
+    return NormalEquations(np.array([[weight]]), np.array([weight * (np.median(values) - origin)]), np.array([origin]))
 
 
-def of_rows(design: FloatArray, seen: FloatArray, origin: FloatArray) -> Evidence:
+def of_rows(design: FloatArray, seen: FloatArray, origin: FloatArray) -> NormalEquations:
     """`design` (n, k) times the numbers, less their origin, equals `seen` (n,)."""
-    return Evidence(design.T @ design, design.T @ seen, origin)
+    return NormalEquations(design.T @ design, design.T @ seen, origin)

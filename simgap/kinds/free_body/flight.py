@@ -13,24 +13,24 @@ from scipy.integrate import cumulative_trapezoid
 
 from schemas.model import FloatArray
 from sim.dynamics.hooks import BodyState
-from simgap.kinds.free_body.evidence import Evidence, of_values
+from simgap.kinds.free_body.evidence import NormalEquations, of_values
 from simgap.kinds.free_body.toss import FLIGHT_ROWS, Toss
 
 Columns = Callable[[Toss, FloatArray], FloatArray]  # velocity (n, 3) -> accelerations (n, 3, k)
 
 
-def gravity(toss: Toss) -> Evidence | None:
+def gravity(toss: Toss) -> NormalEquations | None:
     """gravity_mps2."""
     size = float(np.linalg.norm(toss.gravity))
     return _fitted(toss, lambda toss, v: _steady(v, toss.gravity[:, None] / size), np.array([size]))
 
 
-def length_scale(toss: Toss) -> Evidence | None:
+def length_scale(toss: Toss) -> NormalEquations | None:
     """factor, as fall over expected fall."""
     return _fitted(toss, lambda toss, v: _steady(v, toss.gravity[:, None]), np.ones(1))
 
 
-def clock(toss: Toss) -> Evidence | None:
+def clock(toss: Toss) -> NormalEquations | None:
     """factor: accelerations go with its inverse square."""
     fall = length_scale(toss)
     if fall is None:
@@ -38,24 +38,24 @@ def clock(toss: Toss) -> Evidence | None:
     return of_values(np.maximum(1.0 + fall.g / fall.H[:, 0], 0.05) ** -0.5, 1.0)
 
 
-def tilt(toss: Toss) -> Evidence | None:
+def tilt(toss: Toss) -> NormalEquations | None:
     """about_x_rad, about_y_rad in world axes."""
     turned = np.cross(np.eye(3)[:2], toss.body.gravity_W)
-    return _fitted(toss, lambda toss, v: _steady(v, toss.level.apply(turned).T), np.zeros(2))
+    return _fitted(toss, lambda toss, v: _steady(v, toss.support_rotation.apply(turned).T), np.zeros(2))
 
 
-def force(toss: Toss) -> Evidence | None:
+def force(toss: Toss) -> NormalEquations | None:
     """x_N, y_N, z_N in world axes."""
-    pushed = toss.level.as_matrix() / toss.body.mass_kg
+    pushed = toss.support_rotation.as_matrix() / toss.body.mass_kg
     return _fitted(toss, lambda toss, v: _steady(v, pushed), np.zeros(3))
 
 
-def linear_drag(toss: Toss) -> Evidence | None:
+def linear_drag(toss: Toss) -> NormalEquations | None:
     """drag_Nspm, with the pull of gravity left open: only what changes with speed is drag."""
     return _fitted(toss, lambda toss, v: _beside_gravity(toss, v, -v / toss.body.mass_kg), np.zeros(2))
 
 
-def quadratic_drag(toss: Toss) -> Evidence | None:
+def quadratic_drag(toss: Toss) -> NormalEquations | None:
     """drag_Ns2pm2, with the pull of gravity left open."""
 
     def columns(toss: Toss, v: FloatArray) -> FloatArray:
@@ -65,7 +65,7 @@ def quadratic_drag(toss: Toss) -> Evidence | None:
     return _fitted(toss, columns, np.zeros(2))
 
 
-def com_offset(toss: Toss) -> Evidence | None:
+def com_offset(toss: Toss) -> NormalEquations | None:
     """x_m, y_m, z_m: whatever the pull, the mass centre does not wobble."""
     H, g = np.zeros((3, 3)), np.zeros(3)
     for part in _long(toss):
@@ -73,10 +73,10 @@ def com_offset(toss: Toss) -> Evidence | None:
         wobble = np.stack([_without(basis, -toss.matrices[part][:, :, k]).ravel() for k in range(3)], axis=1)
         H += wobble.T @ wobble
         g += wobble.T @ _without(basis, toss.com[part]).ravel()
-    return Evidence(H, g, toss.body.com_B) if H.any() else None
+    return NormalEquations(H, g, toss.body.com_B) if H.any() else None
 
 
-def _fitted(toss: Toss, columns: Columns, origin: FloatArray) -> Evidence | None:
+def _fitted(toss: Toss, columns: Columns, origin: FloatArray) -> NormalEquations | None:
     k = len(origin)
     H, g = np.zeros((k, k)), np.zeros(k)
     for part in _long(toss):
@@ -89,7 +89,7 @@ def _fitted(toss: Toss, columns: Columns, origin: FloatArray) -> Evidence | None
         seen = _without(basis, toss.com[part] - _twice(t, _expected(toss, part, v))).ravel()
         H += moved.T @ moved
         g += moved.T @ seen
-    return Evidence(H, g, origin) if H.any() else None
+    return NormalEquations(H, g, origin) if H.any() else None
 
 
 def _expected(toss: Toss, part: slice, v: FloatArray) -> FloatArray:
@@ -97,10 +97,10 @@ def _expected(toss: Toss, part: slice, v: FloatArray) -> FloatArray:
     total = np.repeat(toss.gravity[None], len(v), axis=0)
     if toss.applied.wrenches:
         p, quat = toss.series.columns["p"][part], toss.series.columns["quat_wxyz"][part]
-        spin = toss.level.inv().apply(toss.R[part].apply(toss.series.columns["w_B"][part]))
-        state = BodyState(toss.t_s[part][:, None], p, quat, toss.level.inv().apply(v), spin)
+        spin = toss.support_rotation.inv().apply(toss.R[part].apply(toss.series.columns["w_B"][part]))
+        state = BodyState(toss.t_s[part][:, None], p, quat, toss.support_rotation.inv().apply(v), spin)
         for hook, values in toss.applied.wrenches:
-            total = total + toss.level.apply(np.array(hook.wrench(state, values)[0])) / toss.body.mass_kg
+            total = total + toss.support_rotation.apply(np.array(hook.wrench(state, values)[0])) / toss.body.mass_kg
     return total
 
 

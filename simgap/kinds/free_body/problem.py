@@ -12,11 +12,11 @@ from scipy.spatial.transform import Rotation
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
-from simgap.kinds.free_body.bootstrap import bootstrap_sample, moved
-from simgap.kinds.free_body.candidates import PLAIN
-from simgap.kinds.free_body.direct_estimates import are_one, biases_of, estimate
+from simgap.kinds.free_body.bootstrap import bootstrap_sample, simulated_motion
+from simgap.kinds.free_body.candidates import DIRECTLY_MEASURED
+from simgap.kinds.free_body.direct_estimates import agree_on_one_value, biases_of, estimate
 from simgap.kinds.free_body.toss import Toss
-from simgap.kinds.free_body.tossed_body import Columns, Mover
+from simgap.kinds.free_body.tossed_body import BodySimulator, Columns
 from simgap.problem import Candidate, DirectEstimate, Model, Term, View
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Trial
@@ -26,14 +26,14 @@ HORIZON_S = 0.081
 _COMPARED = 4  # rows per short window that are compared
 _IN_FLIGHT, _AT_REST, _IN_CONTACT = 3, 1, 6  # most windows per trial; where nothing is met, few tell all
 _FEW, _FINER = 12, 4.0  # trials that tell the error of a step; how much finer steps must be
-_TOLD, _ALIKE = 0.01, 0.5  # a number is as falls and rest tell it if they are so sure, and so near to the fit
+_DIRECT_ALPHA, _ALIKE = 0.01, 0.5  # a number is as falls and rest tell it if they are so sure, and so near to the fit
 _CLEAR, _MOVED = 0.1, 0.01  # shares of the body's size: this far from the support all along, moved less than this
 
 
 class FreeBodyProblem:
     """Engine roll-outs against poses; direct estimates from flight, impacts, sliding and rest."""
 
-    def __init__(self, measurement: Measurement, mover: Mover, horizon_s: float = HORIZON_S) -> None:
+    def __init__(self, measurement: Measurement, mover: BodySimulator, horizon_s: float = HORIZON_S) -> None:
         self.measurement = measurement
         self.mover = mover
         self.horizon_s = horizon_s
@@ -42,7 +42,7 @@ class FreeBodyProblem:
         self._rows = max(4, round(horizon_s / step) + 1)
         self._step_s = step
         self._read: tuple[object, list[Toss]] = (None, [])
-        self._told: dict[object, Model] = {}
+        self._direct_models: dict[object, Model] = {}
         self._biases: dict[str, tuple[FloatArray, ...]] = {}
         self._numeric: dict[tuple[tuple[str, ...], View], FloatArray] = {}
 
@@ -104,7 +104,7 @@ class FreeBodyProblem:
         rows, compared = [r[:, [0, *compared]] for r in rows], np.arange(1, len(compared) + 1)
         t_s = np.concatenate([s.t_s[r] for s, r in zip(series, rows, strict=True)])
         start = {name: picked(name, True) for name in self.mover.state}
-        motion = self.mover.roll(applied, t_s, start, finer)
+        motion = self.mover.rollout(applied, t_s, start, finer)
         simulated = _reported(applied, t_s, {name: motion[name] for name in self.mover.read})
         measured = _reported(applied, t_s, {name: picked(name, False) for name in self.mover.read})
         errors = self.mover.errors(*({n: v[:, compared] for n, v in c.items()} for c in (simulated, measured)))
@@ -128,35 +128,35 @@ class FreeBodyProblem:
 
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         """See `simgap.problem.Problem`."""
-        return self._read_off(candidate, self._as_told(model, tuple(trials)), tuple(trials))
+        return self._estimate_directly(candidate, self._with_direct_values(model, tuple(trials)), tuple(trials))
 
-    def _read_off(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate | None:
+    def _estimate_directly(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate | None:
         """What trials say of a number where the model is true of them."""
         if candidate.key not in self._biases:
             self._biases[candidate.key] = biases_of(candidate, self._simulated, self.mover.routes(candidate))
         read = self._tosses(model, trials)
         return estimate(candidate, read, self._biases[candidate.key], self.mover.routes(candidate))
 
-    def _as_told(self, model: Model, trials: tuple[str, ...]) -> Model:
+    def _with_direct_values(self, model: Model, trials: tuple[str, ...]) -> Model:
         """The model with what falls and rest tell precisely as they tell it: fits to contacts stray from that.
 
         Beside a scale that is off by a hundredth, a body would look too small by as much. One after another, each
         beside all others, those before it as told: two of them must not undo the same error.
         """
         asked = _asked(model, trials)
-        if asked not in self._told:
+        if asked not in self._direct_models:
             told = model
             for k, term in enumerate(model):
-                told = (*told[:k], self._told_term(term, (*told[:k], *told[k + 1 :]), trials), *told[k + 1 :])
-            self._told[asked] = told
-        return self._told[asked]
+                told = (*told[:k], self._with_direct_value(term, (*told[:k], *told[k + 1 :]), trials), *told[k + 1 :])
+            self._direct_models[asked] = told
+        return self._direct_models[asked]
 
-    def _told_term(self, term: Term, others: Model, trials: tuple[str, ...]) -> Term:
+    def _with_direct_value(self, term: Term, others: Model, trials: tuple[str, ...]) -> Term:
         candidate = term.candidate
-        if candidate.nuisance or candidate.effect.name not in PLAIN:
+        if candidate.nuisance or candidate.effect.name not in DIRECTLY_MEASURED:
             return term
-        direct = self._read_off(candidate, others, trials)
-        if direct is None or direct.p_value > _TOLD or not are_one(direct.apart):
+        direct = self._estimate_directly(candidate, others, trials)
+        if direct is None or direct.p_value > _DIRECT_ALPHA or not agree_on_one_value(direct.separate_readings):
             return term
         far = (abs(direct.values[n] - v) > _ALIKE * abs(v - candidate.null[n]) for n, v in term.values.items())
         return term if any(far) else replace(term, values=direct.values)
@@ -179,7 +179,7 @@ class FreeBodyProblem:
         few = split_trials(self.measurement.spec, self.trial_ids).train[:_FEW]
         declared = self.mover.apply(())
         return [
-            [self.mover.toss(declared, moved(self.mover, declared, self._series[t], finer)) for t in few]
+            [self.mover.toss(declared, simulated_motion(self.mover, declared, self._series[t], finer)) for t in few]
             for finer in (1.0, _FINER)
         ]
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from simgap.kinds.free_body.evidence import Evidence, of_rows, of_values
+from simgap.kinds.free_body.evidence import NormalEquations, of_rows, of_values
 from simgap.kinds.free_body.toss import FLIGHT_ROWS, Toss, resting_facet
 
 
-def velocity_age(toss: Toss) -> Evidence | None:
+def velocity_age(toss: Toss) -> NormalEquations | None:
     """age_s: how far reported velocities lag behind the slope of the positions, in flight."""
     ages = []
     for part in toss.flights:
@@ -17,12 +17,12 @@ def velocity_age(toss: Toss) -> Evidence | None:
         t = toss.t_s[part] - toss.t_s[part].mean()
         c = np.polynomial.polynomial.polyfit(t, toss.origin[part], 2)
         slope, acceleration = c[1] + 2.0 * t[:, None] * c[2], 2.0 * c[2]
-        behind = slope - toss.level.apply(toss.series.columns["v_W"][part])
+        behind = slope - toss.support_rotation.apply(toss.series.columns["v_W"][part])
         ages.append(float(np.median(behind[1:-1] @ acceleration) / (acceleration @ acceleration)))
     return of_values(np.array(ages))
 
 
-def frame_rotation(toss: Toss) -> Evidence | None:
+def frame_rotation(toss: Toss) -> NormalEquations | None:
     """x_rad, y_rad, z_rad: at rest the facet below lies flat; turning about the vertical does not show."""
     facet = resting_facet(toss)
     if facet is None or toss.rest is None:

@@ -1,4 +1,4 @@
-"""One rigid body as something that is tossed (`simgap.kinds.free_body.tossed_body.Mover`)."""
+"""One rigid body as something that is tossed (`simgap.kinds.free_body.tossed_body.BodySimulator`)."""
 
 from __future__ import annotations
 
@@ -10,67 +10,67 @@ from scipy.spatial.transform import Rotation
 from geom.convex.support_function import heights
 from schemas.measurement import SensorNoise
 from schemas.model import FloatArray
-from sim.dynamics.body_rollout import BodyModel, BodyReplay, BodyWindows
+from sim.dynamics.body_rollout import BodyModel, BodyRollout, BodyWindows
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody, apply_terms
 from simgap.kinds.free_body.candidates import candidates_of, nuisances_of
 from simgap.kinds.free_body.direct_estimates import ESTIMATORS, Routes
 from simgap.kinds.free_body.toss import Toss, corners
-from simgap.kinds.free_body.tossed_body import Columns, Told
+from simgap.kinds.free_body.tossed_body import Columns, DirectEstimator
 from simgap.problem import Candidate, Model
 
 _LARGEST_M = 1e3
 
 
-class RigidMover:
-    """See `simgap.kinds.free_body.tossed_body.Mover`."""
+class RigidBodySimulator:
+    """See `simgap.kinds.free_body.tossed_body.BodySimulator`."""
 
     state = ("p", "quat_wxyz", "v_W", "w_B")
     read = ("p", "quat_wxyz")
     channels = ("position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z")
 
-    def __init__(self, declared: BodyModel, engine: BodyReplay) -> None:
+    def __init__(self, declared: BodyModel, engine: BodyRollout) -> None:
         self.declared, self.engine = declared, engine
         self.has_support = declared.has_support
         self.size_m = float(np.ptp(corners(declared.shapes), axis=0).max())
 
     def routes(self, candidate: Candidate) -> Routes:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         return ESTIMATORS
 
     def apply(self, model: Model) -> AppliedBody:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         return apply_terms(self.declared, model)
 
-    def roll(self, applied: AppliedBody, t_s: FloatArray, start: Columns, finer: float) -> Columns:
-        """See `Mover`."""
+    def rollout(self, applied: AppliedBody, t_s: FloatArray, start: Columns, finer: float) -> Columns:
+        """See `BodySimulator`."""
         motion = self.engine.rollout(applied.body, BodyWindows(t_s=t_s, **start), applied.wrenches, finer)
         return {name: getattr(motion, name) for name in self.state}
 
     def errors(self, simulated: Columns, measured: Columns) -> FloatArray:
-        """See `Mover`; m and rad."""
+        """See `BodySimulator`; m and rad."""
         return pose_errors(simulated, measured)
 
     def gaps(self, series: Series) -> FloatArray:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         body = self.declared
         origins, R = level_poses(body, series)
         return heights(body.shapes, origins, R)
 
     def toss(self, applied: AppliedBody, series: Series) -> Toss:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         return Toss(applied, series)
 
-    def candidates(self, series: Sequence[Series], told: Told) -> tuple[Candidate, ...]:
-        """See `Mover`."""
-        return candidates_of(self.declared, series, told)
+    def candidates(self, series: Sequence[Series], estimate_directly: DirectEstimator) -> tuple[Candidate, ...]:
+        """See `BodySimulator`."""
+        return candidates_of(self.declared, series, estimate_directly)
 
     def nuisances(self) -> tuple[Candidate, ...]:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         return nuisances_of(self.declared)
 
     def reading_noise(self, noise: SensorNoise, step_s: float, horizon_s: float) -> FloatArray:
-        """See `Mover`: readings twice, and the start's velocity carried along."""
+        """See `BodySimulator`: readings twice, and the start's velocity carried along."""
         return pose_noise(noise, step_s, horizon_s)
 
 

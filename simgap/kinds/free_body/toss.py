@@ -72,24 +72,24 @@ class Toss:
     def __init__(self, applied: AppliedBody, series: Series) -> None:
         body = applied.body
         self.applied, self.body, self.series, self.t_s = applied, body, series, series.t_s
-        self.level = Rotation.align_vectors([[0.0, 0.0, 1.0]], [body.plane_normal_W])[0]
-        R = self.level * Rotation.from_quat(np.roll(series.columns["quat_wxyz"], -1, axis=1))
+        self.support_rotation = Rotation.align_vectors([[0.0, 0.0, 1.0]], [body.plane_normal_W])[0]
+        R = self.support_rotation * Rotation.from_quat(np.roll(series.columns["quat_wxyz"], -1, axis=1))
         self.R, self.matrices = R, R.as_matrix()
-        self.origin = self.level.apply(series.columns["p"]) - np.array([0.0, 0.0, body.plane_height_m])
+        self.origin = self.support_rotation.apply(series.columns["p"]) - np.array([0.0, 0.0, body.plane_height_m])
         self.com = self.origin + R.apply(body.com_B)
-        self.gravity = self.level.apply(body.gravity_W)
+        self.gravity = self.support_rotation.apply(body.gravity_W)
         self.corners = corners(body.shapes) - body.com_B
         self.size = float(np.ptp(self.corners, axis=0).max())
 
     @cached_property
-    def places(self) -> FloatArray:
+    def corner_positions(self) -> FloatArray:
         """(n, m, 3) of every corner."""
         return self.com[:, None] + np.einsum("nij,mj->nmi", self.matrices, self.corners)
 
     @property
     def heights(self) -> FloatArray:
         """(n, m) of every corner over the support."""
-        return self.places[:, :, 2]
+        return self.corner_positions[:, :, 2]
 
     @cached_property
     def gap(self) -> FloatArray:
@@ -135,7 +135,9 @@ class Toss:
     @cached_property
     def rest(self) -> slice | None:
         """The last rows, when nothing moves in them and the body is at the support."""
-        moving = np.flatnonzero(np.linalg.norm(self.places - self.places[-1], axis=2).max(axis=1) > 0.005 * self.size)
+        moving = np.flatnonzero(
+            np.linalg.norm(self.corner_positions - self.corner_positions[-1], axis=2).max(axis=1) > 0.005 * self.size
+        )
         first = int(moving[-1]) + 1 if len(moving) else 0
         long = self.t_s[-1] - self.t_s[min(first, len(self.t_s) - 1)] > _STILL
         return slice(first, len(self.t_s)) if long and self.body.has_support else None

@@ -18,10 +18,10 @@ from simgap.kinds.free_body.toss import Toss
 from simgap.problem import Candidate, DirectEstimate, Model
 
 Columns = Mapping[str, FloatArray]
-Told = Callable[[Candidate], DirectEstimate | None]
+DirectEstimator = Callable[[Candidate], DirectEstimate | None]
 
 
-class Mover(Protocol):
+class BodySimulator(Protocol):
     """A declared model with its engine; pure functions of their arguments."""
 
     @property
@@ -57,7 +57,7 @@ class Mover(Protocol):
         """The declared model with terms."""
         ...
 
-    def roll(self, applied: AppliedBody, t_s: FloatArray, start: Columns, finer: float) -> Columns:
+    def rollout(self, applied: AppliedBody, t_s: FloatArray, start: Columns, finer: float) -> Columns:
         """`state` at the stamps t_s (w, k) as (w, k, n), from `start` (w, n), in steps so many times finer."""
         ...
 
@@ -73,7 +73,7 @@ class Mover(Protocol):
         """A trial with its contact geometry, for direct estimates."""
         ...
 
-    def candidates(self, series: Sequence[Series], told: Told) -> tuple[Candidate, ...]:
+    def candidates(self, series: Sequence[Series], estimate_directly: DirectEstimator) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`; bounds follow from `series`."""
         ...
 

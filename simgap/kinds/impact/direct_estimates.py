@@ -13,7 +13,7 @@ import numpy as np
 
 from schemas.model import FloatArray
 from sim.dynamics.body_rollout import BodyModel
-from simgap.inference.cluster_regression import Equations, solved
+from simgap.inference.cluster_regression import Equations, regress
 from simgap.kinds.impact.model import Impulses, impulses
 from simgap.problem import Candidate, DirectEstimate
 from simgap.recording.recording import Impacts
@@ -31,7 +31,7 @@ def estimate(candidate: Candidate, body: BodyModel, trials: Sequence[Impacts]) -
     row = _ROWS.get(name)
     if row is None:
         return None
-    return solved([row(body, t) for t in trials], tuple(candidate.null), candidate.null)
+    return regress([row(body, t) for t in trials], tuple(candidate.null), candidate.null)
 
 
 def _ones(y: FloatArray, x: FloatArray) -> Equations:
@@ -80,7 +80,7 @@ def _mass_centre(candidate: Candidate, body: BodyModel, trials: Sequence[Impacts
             rest = _imbalance(body, events)
             X = np.stack([(_imbalance(_moved(body, n), events) - rest) / _PROBE_M for n in plane], axis=1)
             rows.append(Equations(-rest + X @ np.array(list(at.values())), X, X))
-        found = solved(rows, plane, candidate.null)
+        found = regress(rows, plane, candidate.null)
         if found is None:
             return None
         body = replace(body, com_B=np.array([*found.values.values(), candidate.null["z_m"]]))

@@ -12,7 +12,7 @@ import numpy as np
 
 from schemas.gap import ConventionCheck
 from sim.dynamics.body_rollout import BodyModel
-from simgap.inference.cluster_regression import Equations, solved
+from simgap.inference.cluster_regression import Equations, regress
 from simgap.kinds.impact.model import impulses
 from simgap.recording.recording import Impacts
 
@@ -26,7 +26,7 @@ def oriented(body: BodyModel, events: Impacts) -> tuple[Impacts, ConventionCheck
     X = np.stack([seen.normal_arm * seen.normal, seen.along_arm * seen.along], axis=1)
     blocks = np.array_split(np.arange(len(events)), min(_BLOCKS, max(len(events) // 3, 1)))
     names = ("normal", "tangent")
-    found = solved([Equations(seen.spin[k], X[k], X[k]) for k in blocks], names, dict.fromkeys(names, 1.0))
+    found = regress([Equations(seen.spin[k], X[k], X[k]) for k in blocks], names, dict.fromkeys(names, 1.0))
     if found is None:
         return events, ConventionCheck(
             name="jacobian_signs", status="ok", evidence="too few events turn the body; the signs stand as given"

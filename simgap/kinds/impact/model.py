@@ -9,7 +9,7 @@ import numpy as np
 from schemas.measurement import MeasurementSpec
 from schemas.model import FloatArray
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Numbers
+from sim.dynamics.hooks import ModelChange
 from simgap.kinds.impact.law import mobility, velocity_after
 from simgap.problem import Model
 from simgap.recording.recording import Impacts
@@ -34,7 +34,7 @@ def changed(body: BodyModel, model: Model) -> BodyModel:
     """`body` with the terms of `model` in their order. Raises ValueError for effects that do not act in an impact."""
     for term in model:
         hook = term.candidate.effect.hook
-        if not isinstance(hook, Numbers):
+        if not isinstance(hook, ModelChange):
             raise ValueError(f"{term.candidate.effect.name} does not act on impacts")
         body = hook.change(body, term.values, term.candidate.where)
     return body

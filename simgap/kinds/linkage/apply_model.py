@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from schemas.gap import Place
-from sim.dynamics.hooks import BodyWrench, Numbers, Params, SensorMap, Series
+from sim.dynamics.hooks import BodyWrench, ModelChange, Params, SensorMap, Series
 from sim.dynamics.linkage_rollout import LinkageModel, link_body, with_link_body
 from sim.dynamics.mechanism import Law
-from sim.effects.numbers import joint_index
+from sim.effects.joint_values import joint_index
 from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.problem import Model, Term
 
@@ -29,7 +29,7 @@ def apply_terms(declared: LinkageModel, model: Model) -> AppliedLinkage:
     linkage, wrenches, laws, sensors = declared, [], [], []
     for term in model:
         hook, where = term.candidate.effect.hook, term.candidate.where
-        if isinstance(hook, Numbers):
+        if isinstance(hook, ModelChange):
             linkage = _changed(linkage, hook, term)
         elif isinstance(hook, BodyWrench):
             wrenches.append((hook, term.values))
@@ -41,7 +41,7 @@ def apply_terms(declared: LinkageModel, model: Model) -> AppliedLinkage:
     return AppliedLinkage(whole, tuple(wrenches), tuple(sensors), linkage, tuple(laws))
 
 
-def _changed(linkage: LinkageModel, hook: Numbers, term: Term) -> LinkageModel:
+def _changed(linkage: LinkageModel, hook: ModelChange, term: Term) -> LinkageModel:
     where = term.candidate.where
     if term.candidate.effect.family == "joint":
         return replace(linkage, joints=hook.change(linkage.joints, term.values, where))

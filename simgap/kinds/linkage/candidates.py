@@ -12,8 +12,15 @@ from sim.dynamics.hooks import Effect, Series
 from sim.dynamics.linkage_rollout import LinkageModel, link_body
 from sim.dynamics.tree import mass_matrix
 from sim.effects.library import EFFECTS
-from simgap.kinds.free_body.candidates import PLAIN, STEP, absent, bounds_of, declared_of, narrowed
-from simgap.kinds.free_body.tossed_body import Told
+from simgap.kinds.free_body.candidates import (
+    DIRECTLY_MEASURED,
+    STEP,
+    absent,
+    bounds_of,
+    declared_of,
+    with_direct_bounds,
+)
+from simgap.kinds.free_body.tossed_body import DirectEstimator
 from simgap.kinds.linkage.apply_model import WHOLE
 from simgap.problem import Candidate
 
@@ -23,7 +30,9 @@ _STIFFEST_RADPS = 60.0
 _NOT_HERE = ("contact.anisotropic_friction", "sensor.frame_rotation")
 
 
-def candidates_of(model: LinkageModel, series: Sequence[Series], told: Told) -> tuple[Candidate, ...]:
+def candidates_of(
+    model: LinkageModel, series: Sequence[Series], estimate_directly: DirectEstimator
+) -> tuple[Candidate, ...]:
     """Every effect of the library that poses and joints of a linkage can reveal, in library order.
 
     `told` as for single bodies: what the motion surely shows to be absent is not tried.
@@ -34,11 +43,11 @@ def candidates_of(model: LinkageModel, series: Sequence[Series], told: Told) -> 
             continue
         for where in _places(each, model):
             wide = _candidate(each, where, model, series)
-            direct = told(wide)
+            direct = estimate_directly(wide)
             if direct is None:
                 out.append(wide)
             elif not absent(wide, direct):
-                out.append(narrowed(wide, direct) if each.name in PLAIN else wide)
+                out.append(with_direct_bounds(wide, direct) if each.name in DIRECTLY_MEASURED else wide)
     return tuple(out)
 
 

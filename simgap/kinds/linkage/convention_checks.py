@@ -15,13 +15,13 @@ from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.linkage.apply_model import AppliedLinkage
 from simgap.kinds.linkage.toss import LinkageToss
-from simgap.kinds.linkage.tossed_body import LinkageMover
+from simgap.kinds.linkage.tossed_body import LinkageSimulator
 from simgap.sanity.convention_checks import held
 
 _STAMPS, _SPAN_S = 201, 0.2
 
 
-def linkage_engine_checks(mover: LinkageMover) -> tuple[ConventionCheck, ...]:
+def linkage_engine_checks(mover: LinkageSimulator) -> tuple[ConventionCheck, ...]:
     """A flight without gravity or joint friction, every joint turning: what should stay and how much it changes."""
     declared, joints = mover.declared, len(mover.declared.joints.tree)
     free = replace(declared.joints, friction=np.zeros(joints), damping=np.zeros(joints), limits=None)
@@ -37,7 +37,7 @@ def linkage_engine_checks(mover: LinkageMover) -> tuple[ConventionCheck, ...]:
         "q": np.zeros((1, joints)),
         "qd": np.full((1, joints), 3.0),
     }
-    motion = mover.roll(applied, t_s[None], start, 1.0)
+    motion = mover.rollout(applied, t_s[None], start, 1.0)
     toss = LinkageToss(applied, Series(t_s, {name: values[0] for name, values in motion.items()}))
     drift, spin, energy = _kept(toss)
     return (

@@ -13,7 +13,7 @@ import numpy as np
 from schemas.model import FloatArray
 from simgap.kinds.free_body import contact, flight
 from simgap.kinds.free_body.direct_estimates import Estimator, Routes
-from simgap.kinds.free_body.evidence import Evidence, of_rows, of_values
+from simgap.kinds.free_body.evidence import NormalEquations, of_rows, of_values
 from simgap.kinds.free_body.toss import Toss
 from simgap.kinds.linkage.toss import LinkageToss
 from simgap.problem import Candidate
@@ -45,7 +45,7 @@ def routes_to(candidate: Candidate) -> Routes:
     return {name: plain[name]} if name in plain else {}
 
 
-def velocity_age(toss: Toss) -> Evidence | None:
+def velocity_age(toss: Toss) -> NormalEquations | None:
     """age_s: how far the reported rates of the mass centre of the whole lag behind its path, in flight."""
     linkage, ages = _linkage(toss), []
     for part in _flights(linkage):
@@ -60,7 +60,7 @@ def velocity_age(toss: Toss) -> Evidence | None:
 def reported_velocity(toss: LinkageToss, rows: slice) -> FloatArray:
     """(n, 3) of the mass centre of the whole, from the reported rates."""
     columns, model = toss.series.columns, toss.linkage
-    v = toss.level.apply(columns["v_W"][rows])
+    v = toss.support_rotation.apply(columns["v_W"][rows])
     spin = np.einsum("nab,nb->na", toss.matrices[rows], columns["w_B"][rows])
     total, mass = np.zeros_like(v), 0.0
     for k, (body, centre) in enumerate(zip(toss.bodies, toss.centres, strict=True)):
@@ -77,7 +77,7 @@ def reported_velocity(toss: LinkageToss, rows: slice) -> FloatArray:
     return total / mass
 
 
-def mass(toss: LinkageToss, k: int) -> Evidence | None:
+def mass(toss: LinkageToss, k: int) -> NormalEquations | None:
     """mass_kg of link k beside the others: with the right one the mass centre of the whole does not wobble."""
     own = toss.bodies[k].mass_kg
     total = sum(b.mass_kg for b in toss.bodies)
@@ -86,10 +86,10 @@ def mass(toss: LinkageToss, k: int) -> Evidence | None:
         basis = _quadratic(toss.t_s[part])
         wobble, whole = (_without(basis, v[part]).ravel() for v in (toss.centres[k], total * toss.com))
         H, g = H + float(wobble @ wobble), g - float(wobble @ whole)
-    return Evidence(np.array([[H]]), np.array([g]), np.array([own])) if H > 0.0 else None
+    return NormalEquations(np.array([[H]]), np.array([g]), np.array([own])) if H > 0.0 else None
 
 
-def com_offset(toss: LinkageToss, k: int) -> Evidence | None:
+def com_offset(toss: LinkageToss, k: int) -> NormalEquations | None:
     """x_m, y_m, z_m of link k."""
     share = toss.bodies[k].mass_kg / sum(b.mass_kg for b in toss.bodies)
     H, g = np.zeros((3, 3)), np.zeros(3)
@@ -99,10 +99,10 @@ def com_offset(toss: LinkageToss, k: int) -> Evidence | None:
         wobble = np.stack([_without(basis, axes[:, :, a]).ravel() for a in range(3)], axis=1)
         H += wobble.T @ wobble
         g += wobble.T @ _without(basis, toss.com[part]).ravel()
-    return Evidence(H, g, toss.bodies[k].com_B) if H.any() else None
+    return NormalEquations(H, g, toss.bodies[k].com_B) if H.any() else None
 
 
-def inertia(toss: LinkageToss, k: int) -> Evidence | None:
+def inertia(toss: LinkageToss, k: int) -> NormalEquations | None:
     """factor of link k: with the right one the angular momentum of the whole stays.
 
     Rates at a row are read from the rows beside it; the instrument is their mean at the rows beside, which those rows
@@ -113,7 +113,7 @@ def inertia(toss: LinkageToss, k: int) -> Evidence | None:
         own, whole = (v - v.mean(axis=0) for v in _momenta(toss, part, k))
         beside = 0.5 * (own[2:] + own[:-2])
         H, g = H + float((beside * own[1:-1]).sum()), g - float((beside * whole[1:-1]).sum())
-    return Evidence(np.array([[H]]), np.array([g]), np.ones(1)) if H > 0.0 else None
+    return NormalEquations(np.array([[H]]), np.array([g]), np.ones(1)) if H > 0.0 else None
 
 
 def _momenta(toss: LinkageToss, part: slice, k: int) -> tuple[FloatArray, FloatArray]:
@@ -129,7 +129,7 @@ def _momenta(toss: LinkageToss, part: slice, k: int) -> tuple[FloatArray, FloatA
     return own, total
 
 
-def _joint(toss: Toss, joint: str | None, law: Callable[[FloatArray], FloatArray]) -> Evidence | None:
+def _joint(toss: Toss, joint: str | None, law: Callable[[FloatArray], FloatArray]) -> NormalEquations | None:
     """How strongly a law (rate -> torque for strength 1) acts at a joint, beside what the model has there."""
     linkage = _linkage(toss)
     model = linkage.linkage.joints

@@ -1,4 +1,4 @@
-"""A body with joints as something that is tossed (`simgap.kinds.free_body.tossed_body.Mover`)."""
+"""A body with joints as something that is tossed (`simgap.kinds.free_body.tossed_body.BodySimulator`)."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from schemas.measurement import SensorNoise
 from schemas.model import FloatArray
 from sim.dynamics.body_rollout import BodyWindows
 from sim.dynamics.hooks import Series
-from sim.dynamics.linkage_rollout import LinkageModel, LinkageReplay, LinkageWindows, link_body, link_poses
+from sim.dynamics.linkage_rollout import LinkageModel, LinkageRollout, LinkageWindows, link_body, link_poses
 from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.kinds.free_body.candidates import nuisances_of
 from simgap.kinds.free_body.direct_estimates import Routes
-from simgap.kinds.free_body.rigid import RigidMover, level_poses, pose_errors, pose_noise
+from simgap.kinds.free_body.rigid import RigidBodySimulator, level_poses, pose_errors, pose_noise
 from simgap.kinds.free_body.toss import Toss, corners
-from simgap.kinds.free_body.tossed_body import Columns, Told
+from simgap.kinds.free_body.tossed_body import Columns, DirectEstimator
 from simgap.kinds.linkage.apply_model import AppliedLinkage, apply_terms
 from simgap.kinds.linkage.candidates import candidates_of
 from simgap.kinds.linkage.direct_estimates import routes_to
@@ -27,45 +27,45 @@ from simgap.problem import Candidate, Model
 _NOISE_RAD, _LARGEST = 1e-3, 1e3
 
 
-class LinkageMover:
-    """See `simgap.kinds.free_body.tossed_body.Mover`."""
+class LinkageSimulator:
+    """See `simgap.kinds.free_body.tossed_body.BodySimulator`."""
 
-    state = (*RigidMover.state, "q", "qd")
-    read = (*RigidMover.read, "q")
+    state = (*RigidBodySimulator.state, "q", "qd")
+    read = (*RigidBodySimulator.read, "q")
 
-    def __init__(self, declared: LinkageModel, engine: LinkageReplay) -> None:
+    def __init__(self, declared: LinkageModel, engine: LinkageRollout) -> None:
         self.declared, self.engine = declared, engine
         self.has_support = declared.base.has_support
-        self.channels = (*RigidMover.channels, *(f"q_{link.name}" for link in declared.joints.tree))
+        self.channels = (*RigidBodySimulator.channels, *(f"q_{link.name}" for link in declared.joints.tree))
         self.size_m = max(
             float(np.ptp(corners(s), axis=0).max()) for s in (declared.base.shapes, *declared.shapes) if s
         )
 
     def routes(self, candidate: Candidate) -> Routes:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         return routes_to(candidate)
 
     def apply(self, model: Model) -> AppliedLinkage:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         return apply_terms(self.declared, model)
 
-    def roll(self, applied: AppliedBody, t_s: FloatArray, start: Columns, finer: float) -> Columns:
-        """See `Mover`."""
+    def rollout(self, applied: AppliedBody, t_s: FloatArray, start: Columns, finer: float) -> Columns:
+        """See `BodySimulator`."""
         assert isinstance(applied, AppliedLinkage)
-        base = BodyWindows(t_s=t_s, **{name: start[name] for name in RigidMover.state})
+        base = BodyWindows(t_s=t_s, **{name: start[name] for name in RigidBodySimulator.state})
         windows = LinkageWindows(base, start["q"], start["qd"])
         motion = self.engine.rollout(applied.linkage, windows, applied.wrenches, applied.laws, finer)
-        return {n: getattr(motion.base, n) for n in RigidMover.state} | {"q": motion.q, "qd": motion.qd}
+        return {n: getattr(motion.base, n) for n in RigidBodySimulator.state} | {"q": motion.q, "qd": motion.qd}
 
     def errors(self, simulated: Columns, measured: Columns) -> FloatArray:
-        """See `Mover`; joints by the shorter way round."""
+        """See `BodySimulator`; joints by the shorter way round."""
         turning = np.array([not link.prismatic for link in self.declared.joints.tree])
         apart = np.clip((simulated["q"] - measured["q"]).reshape(-1, len(turning)), -_LARGEST, _LARGEST)
         apart[:, turning] = (apart[:, turning] + np.pi) % (2.0 * np.pi) - np.pi
         return np.concatenate([pose_errors(simulated, measured), apart], axis=1)
 
     def gaps(self, series: Series) -> FloatArray:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         origins, R = level_poses(self.declared.base, series)
         lowest = []
         for name, (R_BL, p_BL) in zip(self.declared.names, link_poses(self.declared, series.columns["q"]), strict=True):
@@ -75,20 +75,20 @@ class LinkageMover:
         return np.min(lowest, axis=0)
 
     def toss(self, applied: AppliedBody, series: Series) -> Toss:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         assert isinstance(applied, AppliedLinkage)
         return LinkageToss(applied, series)
 
-    def candidates(self, series: Sequence[Series], told: Told) -> tuple[Candidate, ...]:
-        """See `Mover`."""
-        return candidates_of(self.declared, series, told)
+    def candidates(self, series: Sequence[Series], estimate_directly: DirectEstimator) -> tuple[Candidate, ...]:
+        """See `BodySimulator`."""
+        return candidates_of(self.declared, series, estimate_directly)
 
     def nuisances(self) -> tuple[Candidate, ...]:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         return nuisances_of(self.declared.base)
 
     def reading_noise(self, noise: SensorNoise, step_s: float, horizon_s: float) -> FloatArray:
-        """See `Mover`."""
+        """See `BodySimulator`."""
         q = noise.q or _NOISE_RAD
         qd = noise.qd or q / step_s
         joint = 2.0 * q**2 + (qd * horizon_s) ** 2 / 3.0

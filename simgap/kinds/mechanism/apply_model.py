@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from schemas.gap import Place
-from sim.dynamics.hooks import CommandMap, Numbers, Params, SensorMap, Series
+from sim.dynamics.hooks import CommandMap, ModelChange, Params, SensorMap, Series
 from sim.dynamics.mechanism import Law, MechanismModel
-from sim.effects.numbers import joint_index
+from sim.effects.joint_values import joint_index
 from simgap.problem import Model
 
 SensorTerm = tuple[SensorMap, Params, Place]
@@ -51,7 +51,7 @@ def apply_terms(declared: MechanismModel, model: Model) -> Applied:
     mechanism, laws, inputs, sensors = declared, [], [], []
     for term in model:
         hook, where = term.candidate.effect.hook, term.candidate.where
-        if isinstance(hook, Numbers):
+        if isinstance(hook, ModelChange):
             mechanism = hook.change(mechanism, term.values, where)
         elif isinstance(hook, CommandMap):
             inputs.append((hook, term.values, where))

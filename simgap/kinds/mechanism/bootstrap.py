@@ -11,7 +11,7 @@ from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import MechanismModel, rollout
 from simgap.kinds.mechanism.apply_model import apply_terms
-from simgap.kinds.mechanism.input_timing import Beat, on_beat
+from simgap.kinds.mechanism.input_timing import InputTiming, with_timing
 from simgap.kinds.mechanism.logs import Log
 from simgap.kinds.mechanism.windows import cut, windows_of
 from simgap.problem import Model
@@ -23,7 +23,7 @@ def bootstrap_sample(
     trials: Sequence[Trial],
     logs: Sequence[Log],
     model: Model,
-    beat: Beat,
+    timing: InputTiming,
     step_s: float,
     seed: int,
 ) -> tuple[Trial, ...]:
@@ -32,7 +32,7 @@ def bootstrap_sample(
     `beat` is that of `logs`. Steps are at most `step_s` long; noise is white, of the size that each log shows.
     """
     applied = apply_terms(declared, model)
-    true = [applied.recovered(_as_read(on_beat(t, beat), g)) for t, g in zip(trials, logs, strict=True)]
+    true = [applied.recovered(_as_read(with_timing(t, timing), g)) for t, g in zip(trials, logs, strict=True)]
     windows = windows_of([(s, cut(len(s.t_s), None)) for s in true], applied)
     q, _ = rollout(applied.mechanism, windows, applied.laws, largest_step_s=step_s)
     rng = np.random.default_rng(seed)

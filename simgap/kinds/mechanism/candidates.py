@@ -87,7 +87,9 @@ def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Cand
             stops = {"lower_rad": ranges.low, "upper_rad": ranges.high}
             reached = {n: v for n, v in stops.items() if n in null}
             out.append(
-                Candidate(each, where, null, start, bounds, shapes=shapes, extra_starts=extra_starts, reached=reached)
+                Candidate(
+                    each, where, null, start, bounds, shapes=shapes, extra_starts=extra_starts, max_excursion=reached
+                )
             )
     return tuple(out)
 

@@ -19,8 +19,8 @@ from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque
 from sim.dynamics.joint_dynamics import joint_dynamics
 from sim.dynamics.mechanism import Drive, Law, MechanismModel
 from sim.effects.series import with_columns
-from simgap.inference.fit import Errors, Fit, extend, fit, promising, resampling_units
-from simgap.inference.losses import met_p, paired_p
+from simgap.inference.fit import Errors, Fit, extend, fit, promising_starts, resampling_units
+from simgap.inference.losses import paired_p, paired_p_where_affected
 from simgap.kinds.mechanism.apply_model import Applied, apply_terms
 from simgap.kinds.mechanism.logs import Log
 from simgap.problem import Candidate, DirectEstimate, Model
@@ -65,7 +65,7 @@ def estimate(errors: Errors, base: Fit, candidate: Candidate) -> DirectEstimate 
     """The candidate's parameters, the terms of `base` refitted along; None where it leaves no trace or one trial."""
     if len(base.losses) < 2:
         return None
-    found = extend(errors, base, candidate, promising(errors, base, candidate))
+    found = extend(errors, base, candidate, promising_starts(errors, base, candidate))
     own = found.solution.jac[:, -len(candidate.null) :]
     if not (np.abs(own) > 1e-9).any():
         return None
@@ -73,7 +73,7 @@ def estimate(errors: Errors, base: Fit, candidate: Candidate) -> DirectEstimate 
     return DirectEstimate(
         dict(found.model[-1].values),
         {name: width / 1.96 for name, width in widths.items()},
-        (met_p if candidate.extra_starts else paired_p)(base.held_out, found.held_out),
+        (paired_p_where_affected if candidate.extra_starts else paired_p)(base.held_out, found.held_out),
         len(base.losses),
         found.held_out,
     )
@@ -191,7 +191,7 @@ def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
     mechanism = applied.mechanism
     q, qd = stack.columns["q"], stack.columns["qd"]
     posture = joint_dynamics(mechanism.tree, mechanism.gravity_W).at(q)
-    needed = posture.needed(qd, stack.columns["qdd"])
+    required_effort = posture.required_effort(qd, stack.columns["qdd"])
     by_load = any(isinstance(law.hook, JointFriction) and law.hook.by_load for law in applied.laws)
     load = posture.load(qd) if by_load else np.full_like(q, np.nan)
     given = _given(mechanism.drive, stack.columns, q, qd)
@@ -212,7 +212,7 @@ def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
             for d, limit in largest.items():
                 now = replace(state, friction=limit[one])
                 limit[one] += law.hook.limit(now, law.params, np.full_like(q[one], d))
-    rest = needed - given - passive
+    rest = required_effort - given - passive
     rest = rest + _friction(rest, qd, largest, stack.qd_noise)
     still = np.zeros_like(q)
     return posture.free_rates(still, rest, still[0], np.ones((len(q), 1)))

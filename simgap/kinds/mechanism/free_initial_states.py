@@ -15,7 +15,7 @@ import numpy as np
 
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
-from sim.dynamics.mechanism import Windows, from_each, rollout
+from sim.dynamics.mechanism import Windows, rollout, windows_from_starts
 from simgap.kinds.mechanism.apply_model import Applied
 from simgap.kinds.mechanism.smooth import Smooth
 from simgap.kinds.mechanism.windows import Cut, windows_of
@@ -28,7 +28,7 @@ _TO_NO_STEP = (1.0 / 3.0, -2.0, 8.0 / 3.0)
 
 
 @dataclass(frozen=True)
-class FreeStarts:
+class FreeInitialStates:
     """Windows (w) whose starts follow their errors (w, c, j), which are flattened to c * j.
 
     moved     (w, c * j, s) change of the errors by one deviation of each of the s numbers of a start
@@ -37,55 +37,55 @@ class FreeStarts:
     q0, qd0   (w, j) by how much roll-outs begin elsewhere than the readings say
     """
 
-    moved: FloatArray
-    followed: FloatArray
-    by_steps: FloatArray
+    start_sensitivity: FloatArray
+    start_gain: FloatArray
+    step_error: FloatArray
     q0: FloatArray
     qd0: FloatArray
 
     def without(self, errors: FloatArray) -> FloatArray:
         """(w, c, j) what is left of errors (w, c, j), with finer steps, once each start is where that is least."""
-        flat = (errors + self.by_steps).reshape(len(errors), -1, 1)
-        return (flat - self.moved @ (self.followed @ flat)).reshape(errors.shape)
+        flat = (errors + self.step_error).reshape(len(errors), -1, 1)
+        return (flat - self.start_sensitivity @ (self.start_gain @ flat)).reshape(errors.shape)
 
 
-def free_starts(changes: FloatArray, noise: FloatArray, by_steps: FloatArray) -> FreeStarts:
+def linearised_initial_states(changes: FloatArray, noise: FloatArray, step_error: FloatArray) -> FreeInitialStates:
     """From `changes` (w, c, j, s) of what is compared by one deviation of each number of a start, and noise (w, j)."""
     windows, compared, joints, numbers = changes.shape
-    moved = changes.reshape(windows, compared * joints, numbers)
-    weighted = np.swapaxes(moved, 1, 2) / np.tile(noise**2, compared)[:, None]
-    followed = np.linalg.solve(weighted @ moved + _HELD * np.eye(numbers), weighted)
-    return FreeStarts(moved, followed, by_steps, *np.zeros((2, windows, joints)))
+    start_sensitivity = changes.reshape(windows, compared * joints, numbers)
+    weighted = np.swapaxes(start_sensitivity, 1, 2) / np.tile(noise**2, compared)[:, None]
+    start_gain = np.linalg.solve(weighted @ start_sensitivity + _HELD * np.eye(numbers), weighted)
+    return FreeInitialStates(start_sensitivity, start_gain, step_error, *np.zeros((2, windows, joints)))
 
 
-def starts_of(
+def initial_states_of(
     declared: Applied,
     model: Applied,
     logs: Sequence[Series],
     cuts: Sequence[Cut],
     smooth: Sequence[Smooth],
     step_s: float,
-) -> list[FreeStarts]:
+) -> list[FreeInitialStates]:
     """Per trial, what `model` makes of wrong starts of its windows.
 
     A window that it explains, or the declared model does, begins where its readings then say that it began: a blow that
     is met from a wrong start would not be put right to first order. Elsewhere a start would only make up for what a
     model lacks.
     """
-    first, last = (_Starts.of(applied, logs, cuts, smooth, step_s) for applied in (declared, model))
-    begun = np.zeros((*first.noise_q.shape, 2))
-    begun = _begun(first, begun, np.zeros_like(first.read))
-    begun = _begun(last, begun, last.by_steps(begun))
-    _, free = last.around(begun)
-    q0, qd0 = begun[..., 0] * last.noise_q, begun[..., 1] * last.noise_qd
-    whole = replace(free, by_steps=last.by_steps(begun), q0=q0, qd0=qd0)
+    first, last = (_InitialStates.of(applied, logs, cuts, smooth, step_s) for applied in (declared, model))
+    start_offsets = np.zeros((*first.noise_q.shape, 2))
+    start_offsets = _estimated_offsets(first, start_offsets, np.zeros_like(first.read))
+    start_offsets = _estimated_offsets(last, start_offsets, last.step_error(start_offsets))
+    _, free = last.linearised_at(start_offsets)
+    q0, qd0 = start_offsets[..., 0] * last.noise_q, start_offsets[..., 1] * last.noise_qd
+    whole = replace(free, step_error=last.step_error(start_offsets), q0=q0, qd0=qd0)
     ends = np.cumsum([len(c.rows) for c in cuts])[:-1]
-    parts = [np.split(getattr(whole, f.name), ends) for f in fields(FreeStarts)]
-    return [FreeStarts(*part) for part in zip(*parts, strict=True)]
+    parts = [np.split(getattr(whole, f.name), ends) for f in fields(FreeInitialStates)]
+    return [FreeInitialStates(*part) for part in zip(*parts, strict=True)]
 
 
 @dataclass(frozen=True)
-class _Starts:
+class _InitialStates:
     """Windows (w) of all trials under one model, with noise of starts (w, j) and of what is compared (w, j)."""
 
     applied: Applied
@@ -100,7 +100,7 @@ class _Starts:
     @staticmethod
     def of(
         applied: Applied, logs: Sequence[Series], cuts: Sequence[Cut], smooth: Sequence[Smooth], step_s: float
-    ) -> _Starts:
+    ) -> _InitialStates:
         pieces = [(applied.recovered(log), piece) for log, piece in zip(logs, cuts, strict=True)]
         read = [piece.of(series.columns[piece.column][piece.rows]) for series, piece in pieces]
         rows = [len(piece.rows) for piece in cuts]
@@ -108,42 +108,44 @@ class _Starts:
         def by_window(each: Sequence[FloatArray]) -> FloatArray:
             return np.repeat(each, rows, axis=0)
 
-        return _Starts(
+        return _InitialStates(
             applied,
             windows_of(pieces, applied),
             cuts,
             np.concatenate(read),
-            noise_q=by_window([s.kept * s.q_noise for s in smooth]),
+            noise_q=by_window([s.noise_gain * s.q_noise for s in smooth]),
             noise_qd=by_window([s.qd_noise for s in smooth]),
             noise=by_window([mean_noise(s, piece) for s, piece in zip(smooth, cuts, strict=True)]),
             step_s=step_s,
         )
 
-    def rolled(self, begun: FloatArray, finer: int = 1) -> tuple[FloatArray, FloatArray]:
+    def rolled(self, start_offsets: FloatArray, finer: int = 1) -> tuple[FloatArray, FloatArray]:
         """Positions and rates (m, w, k, j) of roll-outs that begin so many deviations (m, w, j, 2) off the readings."""
-        q0 = self.windows.q0 + begun[..., 0] * self.noise_q
-        qd0 = self.windows.qd0 + begun[..., 1] * self.noise_qd
-        start, model = from_each(self.windows, q0, qd0), self.applied
+        q0 = self.windows.q0 + start_offsets[..., 0] * self.noise_q
+        qd0 = self.windows.qd0 + start_offsets[..., 1] * self.noise_qd
+        start, model = windows_from_starts(self.windows, q0, qd0), self.applied
         q, qd = rollout(model.mechanism, start, model.laws, largest_step_s=self.step_s, finer=finer)
         shape = (*q0.shape[:2], *q.shape[1:])
         return q.reshape(shape), qd.reshape(shape)
 
-    def compared(self, begun: FloatArray, finer: int = 1) -> FloatArray:
+    def compared(self, start_offsets: FloatArray, finer: int = 1) -> FloatArray:
         """(m, w, c, j) what is compared of those positions."""
-        q, _ = self.rolled(begun, finer)
+        q, _ = self.rolled(start_offsets, finer)
         ends = np.cumsum([len(c.rows) for c in self.cuts])[:-1]
         return np.stack([_seen(np.split(one, ends), self.cuts) for one in q])
 
-    def by_steps(self, begun: FloatArray) -> FloatArray:
+    def step_error(self, start_offsets: FloatArray) -> FloatArray:
         """(w, c, j) what steps without length would change."""
-        plain = self.compared(begun[None])[0]
+        plain = self.compared(start_offsets[None])[0]
         shares = zip(_TO_NO_STEP[1:], (2, 4), strict=True)
-        return np.sum([share * (self.compared(begun[None], finer)[0] - plain) for share, finer in shares], axis=0)
+        return np.sum(
+            [share * (self.compared(start_offsets[None], finer)[0] - plain) for share, finer in shares], axis=0
+        )
 
-    def handed_on(self, begun: FloatArray) -> tuple[FloatArray, np.ndarray]:
+    def continued(self, start_offsets: FloatArray) -> tuple[FloatArray, np.ndarray]:
         """(w, j, 2) deviations at which the window before would have each begin, and (w,) whether one reaches it."""
-        (q,), (qd,) = self.rolled(begun[None])
-        out, reached = begun.copy(), np.zeros(len(begun), dtype=bool)
+        (q,), (qd,) = self.rolled(start_offsets[None])
+        out, reached = start_offsets.copy(), np.zeros(len(start_offsets), dtype=bool)
         first = 0
         for piece in self.cuts:
             later = np.diff(piece.rows[:, 0])
@@ -155,12 +157,12 @@ class _Starts:
             first += len(piece.rows)
         return out, reached
 
-    def around(self, begun: FloatArray) -> tuple[FloatArray, FreeStarts]:
+    def linearised_at(self, start_offsets: FloatArray) -> tuple[FloatArray, FreeInitialStates]:
         """What is compared, and how it follows starts about there: each joint's place and rate, one after another."""
-        ones = np.eye(begun[0].size).reshape(-1, 1, *begun.shape[1:])
-        plain, *moved = self.compared(np.concatenate([begun[None], begun + ones]))
-        changes = np.stack(moved, axis=-1) - plain[..., None]
-        return plain, free_starts(changes, self.noise, np.zeros_like(plain))
+        ones = np.eye(start_offsets[0].size).reshape(-1, 1, *start_offsets.shape[1:])
+        plain, *start_sensitivity = self.compared(np.concatenate([start_offsets[None], start_offsets + ones]))
+        changes = np.stack(start_sensitivity, axis=-1) - plain[..., None]
+        return plain, linearised_initial_states(changes, self.noise, np.zeros_like(plain))
 
 
 def _seen(parts: Sequence[FloatArray], cuts: Sequence[Cut]) -> FloatArray:
@@ -168,26 +170,26 @@ def _seen(parts: Sequence[FloatArray], cuts: Sequence[Cut]) -> FloatArray:
     return np.concatenate([piece.of(part) for part, piece in zip(parts, cuts, strict=True)])
 
 
-def _begun(starts: _Starts, begun: FloatArray, by_steps: FloatArray) -> FloatArray:
+def _estimated_offsets(starts: _InitialStates, start_offsets: FloatArray, step_error: FloatArray) -> FloatArray:
     """(w, j, 2) deviations at which windows leave little more than noise; those that never do stay as they are.
 
     Sought from the readings by steps of Gauss and Newton, else from where an explained window before it leads.
     """
-    tried, explained = begun, np.zeros(len(begun), dtype=bool)
+    tried, explained = start_offsets, np.zeros(len(start_offsets), dtype=bool)
     for _ in range(_SEARCHED):
-        plain, free = starts.around(tried)
-        errors = plain + by_steps - starts.read
+        plain, free = starts.linearised_at(tried)
+        errors = plain + step_error - starts.read
         left = np.sqrt(np.mean((free.without(errors) / starts.noise[:, None]) ** 2, axis=(1, 2)))
-        step = (free.followed @ errors.reshape(len(errors), -1, 1)).reshape(tried.shape)
+        step = (free.start_gain @ errors.reshape(len(errors), -1, 1)).reshape(tried.shape)
         better = left < _EXPLAINED
-        begun = np.where(better[:, None, None], tried - step, begun)
+        start_offsets = np.where(better[:, None, None], tried - step, start_offsets)
         explained |= better
         if explained.all():
             break
-        onwards, reached = starts.handed_on(begun)
+        onwards, reached = starts.continued(start_offsets)
         led = ~explained & reached & np.roll(explained, 1)
         tried = np.where(led[:, None, None], onwards, tried - step)
-    return begun
+    return start_offsets
 
 
 def mean_noise(smooth: Smooth, piece: Cut) -> FloatArray:

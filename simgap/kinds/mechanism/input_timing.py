@@ -14,26 +14,26 @@ import numpy as np
 from schemas.model import FloatArray
 from simgap.recording.recording import Trial
 
-Beat = Literal["stamps", "even_inputs", "even"]
-BEATS: tuple[Beat, ...] = ("stamps", "even_inputs", "even")
+InputTiming = Literal["stamps", "even_inputs", "even"]
+TIMINGS: tuple[InputTiming, ...] = ("stamps", "even_inputs", "even")
 _UNEVEN = 0.3  # of a row: stamps further from an even beat do not follow one
 _LEAST = 1e-4  # of a row: stamps that even need no other beat
 _LONGEST = 5  # rows of a gap over which inputs are drawn on
 
 
-def beats_of(trial: Trial) -> tuple[Beat, ...]:
+def possible_timings(trial: Trial) -> tuple[InputTiming, ...]:
     """All beats that a trial's stamps leave open: only its own where they are even, or follow none."""
     even = even_stamps(trial.t_s)
     if even is None or not (np.diff(trial.t_s) > 0.0).all():
-        return BEATS[:1]
+        return TIMINGS[:1]
     off = float(np.abs(trial.t_s - even).max() / np.median(np.diff(trial.t_s)))
     if not _LEAST < off < _UNEVEN:
-        return BEATS[:1]
+        return TIMINGS[:1]
     driven = trial.has("effort") or trial.has("command")
-    return BEATS if driven else ("stamps", "even")
+    return TIMINGS if driven else ("stamps", "even")
 
 
-def off_beat_s(trial: Trial) -> float | None:
+def stamp_jitter_s(trial: Trial) -> float | None:
     """Root mean square by which stamps stray from the nearest even beat; None for fewer than three."""
     even = even_stamps(trial.t_s)
     return None if even is None else float(np.sqrt(np.mean((trial.t_s - even) ** 2)))
@@ -47,15 +47,15 @@ def even_stamps(t_s: FloatArray) -> FloatArray | None:
     return np.polyval(np.polyfit(numbers, t_s, 1), numbers)
 
 
-def on_beat(trial: Trial, beat: Beat) -> Trial:
+def with_timing(trial: Trial, timing: InputTiming) -> Trial:
     """The trial with the stamps at which it was read, and inputs as means of what acted from each up to the next.
 
     Inputs are held from beat to beat. Those of lost rows went from one value to the next at an unknown time: a straight
     line is right on average, for ramps as for steps. The first stamp of an even beat need not be 0.
     """
-    even = even_stamps(trial.t_s) if beat != "stamps" else None
+    even = even_stamps(trial.t_s) if timing != "stamps" else None
     sent_at = trial.t_s if even is None else even
-    read_at = sent_at if beat == "even" else trial.t_s
+    read_at = sent_at if timing == "even" else trial.t_s
     given = {n: np.nan_to_num(getattr(trial, n)) for n in ("effort", "command") if trial.has(n)}
     return replace(trial, t_s=read_at, **{n: _acted(v, sent_at, read_at) for n, v in given.items()})
 

@@ -13,7 +13,7 @@ from simgap.recording.recording import Trial
 _ALIKE = 0.3  # share of the inputs' size; trials that differ by less are driven alike
 
 
-def next_inputs(trials: Sequence[Trial], by: int = 1) -> tuple[Trial, ...] | None:
+def permuted_inputs(trials: Sequence[Trial], by: int = 1) -> tuple[Trial, ...] | None:
     """Each trial with commands and efforts of the one `by` places on, at equal times since the start.
 
     None where nothing drives, or where all trials are driven alike: then nothing could be told.

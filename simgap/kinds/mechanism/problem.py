@@ -20,9 +20,9 @@ from simgap.kinds.mechanism.bootstrap import bootstrap_sample
 from simgap.kinds.mechanism.candidates import candidates_of, nuisances_of
 from simgap.kinds.mechanism.declared_model import build_mechanism
 from simgap.kinds.mechanism.equation_error import SPANS, balance, estimate, in_noise_levels, refitted
-from simgap.kinds.mechanism.free_initial_states import FreeStarts, mean_noise, starts_of
-from simgap.kinds.mechanism.input_timing import BEATS, Beat, beats_of, off_beat_s, on_beat
-from simgap.kinds.mechanism.inputs import next_inputs
+from simgap.kinds.mechanism.free_initial_states import FreeInitialStates, initial_states_of, mean_noise
+from simgap.kinds.mechanism.input_timing import TIMINGS, InputTiming, possible_timings, stamp_jitter_s, with_timing
+from simgap.kinds.mechanism.inputs import permuted_inputs
 from simgap.kinds.mechanism.logs import log_of
 from simgap.kinds.mechanism.smooth import Smooth
 from simgap.kinds.mechanism.windows import Cut, cut, windows_of
@@ -40,7 +40,7 @@ _FINER = 0.25  # steps of repeats, of those of roll-outs
 _MOST_WINDOWS = 240  # over all trials; each has at least `_LEAST_WINDOWS`
 _LEAST_WINDOWS = 6
 
-_TIMING: dict[Beat, str] = {
+_TIMING: dict[InputTiming, str] = {
     "stamps": "inputs act when the stamps say, or these motions cannot tell",
     "even_inputs": "inputs act at that beat, readings were taken when the stamps say",
     "even": "inputs act and readings were taken at that beat",
@@ -55,14 +55,14 @@ class MechanismProblem:
         measurement: Measurement,
         horizon_s: float = HORIZON_S,
         known: Mapping[str, Smooth] | None = None,
-        beat: Beat = "stamps",
+        timing: InputTiming = "stamps",
     ) -> None:
         """`known` smoothed motions by trial id are taken as they are; `beat` says when inputs act and rows are read."""
         self.measurement = measurement
         self.declared: MechanismModel = build_mechanism(measurement.spec, measurement.root)
         self.horizon_s = horizon_s
-        self.beat: Beat = beat
-        self._logs = {t.id: log_of(on_beat(t, beat), (known or {}).get(t.id)) for t in measurement.trials}
+        self.timing: InputTiming = timing
+        self._logs = {t.id: log_of(with_timing(t, timing), (known or {}).get(t.id)) for t in measurement.trials}
         self._row_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in measurement.trials])))
         step = float(np.median(np.concatenate([np.diff(g.series.t_s) for g in self._logs.values()])))
         self._rows = max(4, round(horizon_s / step) + 1)
@@ -71,12 +71,12 @@ class MechanismProblem:
         self._floors: dict[tuple[View, tuple[str, ...]], FloatArray] = {}
         self._kept: dict[tuple[View, tuple[str, ...]], tuple[tuple[object, ...], Windows]] = {}
         self._balances: dict[tuple[object, ...], tuple[Errors, Fit]] = {}
-        self._beats: dict[Beat, MechanismProblem] = {}
-        left_open = [beats_of(t) for t in measurement.trials] if beat == "stamps" else [()]
-        self._open: list[Beat] = [b for b in BEATS[1:] if all(b in some for some in left_open)]
+        self._by_timing_cache: dict[InputTiming, MechanismProblem] = {}
+        left_open = [possible_timings(t) for t in measurement.trials] if timing == "stamps" else [()]
+        self._open: list[InputTiming] = [b for b in TIMINGS[1:] if all(b in some for some in left_open)]
         self._settled = False
         self._around: Model = ()
-        self._starts: Mapping[str, FreeStarts] = {}
+        self._starts: Mapping[str, FreeInitialStates] = {}
 
     @property
     def trial_ids(self) -> tuple[str, ...]:
@@ -150,27 +150,27 @@ class MechanismProblem:
         """See `simgap.inference.parametric_bootstrap.Bootstrappable`."""
         trials = self.measurement.trials
         logs = [self._logs[t.id] for t in trials]
-        again = bootstrap_sample(self.declared, trials, logs, model, self.beat, _FINER * self._step_s, seed)
-        return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s).around(model)
+        again = bootstrap_sample(self.declared, trials, logs, model, self.timing, _FINER * self._step_s, seed)
+        return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s).with_initial_states_at(model)
 
     def with_permuted_inputs(self, by: int = 1) -> MechanismProblem | None:
         """See `simgap.sanity.input_pairing.Driven`."""
-        trials = next_inputs(self.measurement.trials, by)
+        trials = permuted_inputs(self.measurement.trials, by)
         if trials is None:
             return None
         # Motions stay, and with them what their starts do.
         smoothed = {name: log.smooth for name, log in self._logs.items()}
-        other = MechanismProblem(replace(self.measurement, trials=trials), self.horizon_s, smoothed, self.beat)
+        other = MechanismProblem(replace(self.measurement, trials=trials), self.horizon_s, smoothed, self.timing)
         other._starts = self._starts_of(self.trial_ids)
         return other
 
-    def around(self, model: Model) -> MechanismProblem:
+    def with_initial_states_at(self, model: Model) -> MechanismProblem:
         """See `simgap.problem.LongHorizonProblem`. The beat is the one by which the model leaves least, beyond chance."""
         own = self._seen_from(model)
         level = own.noise_floor(self.trial_ids, self.search_view)
         best, losses = own, own._losses(model, level)
-        for beat in () if self._settled else self._open:
-            other = self._by_beat(beat)._seen_from(model)
+        for timing in () if self._settled else self._open:
+            other = self._by_timing(timing)._seen_from(model)
             if own._cuts_alike(other):
                 other._starts = own._starts  # to the order of a row's jitter the same
             theirs = other._losses(model, level)
@@ -179,24 +179,24 @@ class MechanismProblem:
         best._settled = True
         return best
 
-    def timing(self) -> ConventionCheck | None:
-        """See `simgap.problem.Timed`."""
-        blurred = [off_beat_s(t) for t in self.measurement.trials]
+    def timing_check(self) -> ConventionCheck | None:
+        """See `simgap.problem.InputTimingProblem`."""
+        blurred = [stamp_jitter_s(t) for t in self.measurement.trials]
         jitter_ms = 1e3 * float(np.sqrt(np.mean(np.square([b for b in blurred if b is not None] or [0.0]))))
-        if self.beat == "stamps" and not self._open:
+        if self.timing == "stamps" and not self._open:
             return None
         return ConventionCheck(
             name="input_timing",
-            status="ok" if self.beat == "stamps" else "fixed",
-            evidence=f"stamps stray from an even beat by {jitter_ms:.2g} ms (rms); {_TIMING[self.beat]}",
+            status="ok" if self.timing == "stamps" else "fixed",
+            evidence=f"stamps stray from an even beat by {jitter_ms:.2g} ms (rms); {_TIMING[self.timing]}",
         )
 
-    def _by_beat(self, beat: Beat) -> MechanismProblem:
+    def _by_timing(self, timing: InputTiming) -> MechanismProblem:
         """The same measurement by another beat, made once."""
-        if beat not in self._beats:
-            same = {name: log.smooth for name, log in self._logs.items()} if beat != "even" else None
-            self._beats[beat] = MechanismProblem(self.measurement, self.horizon_s, same, beat)
-        return self._beats[beat]
+        if timing not in self._by_timing_cache:
+            same = {name: log.smooth for name, log in self._logs.items()} if timing != "even" else None
+            self._by_timing_cache[timing] = MechanismProblem(self.measurement, self.horizon_s, same, timing)
+        return self._by_timing_cache[timing]
 
     def _seen_from(self, model: Model) -> MechanismProblem:
         other = copy(self)
@@ -224,7 +224,7 @@ class MechanismProblem:
                 noise = [mean_noise(self._logs[t].smooth, self._cut(t, view)) for t in trials]
                 self._floors[key] = np.sqrt(np.mean(np.square(noise), axis=0))
                 return self._floors[key]
-            read = np.mean([(s.kept * s.q_noise) ** 2 for s in smooth], axis=0)
+            read = np.mean([(s.noise_gain * s.q_noise) ** 2 for s in smooth], axis=0)
             ahead = np.mean([(s.qd_noise * self.horizon_s) ** 2 / 3.0 for s in smooth], axis=0)
             self._floors[key] = np.sqrt(read + np.minimum(read + ahead, self._carried(trials, view)))
         return self._floors[key]
@@ -237,7 +237,7 @@ class MechanismProblem:
         smooth = [(self._logs[t].smooth, len(piece.rows)) for t, (_, piece) in zip(trials, pieces, strict=True)]
         noise_q, noise_qd = (
             np.concatenate([np.tile(of(s), (count, 1)) for s, count in smooth])
-            for of in (lambda s: s.kept * s.q_noise, lambda s: s.qd_noise)
+            for of in (lambda s: s.noise_gain * s.q_noise, lambda s: s.qd_noise)
         )
 
         def judged(start: Windows) -> FloatArray:
@@ -249,14 +249,16 @@ class MechanismProblem:
         moved = (replace(windows, q0=windows.q0 + noise_q), replace(windows, qd0=windows.qd0 + noise_qd))
         return np.sum([np.nanmean((judged(start) - plain) ** 2, axis=0) for start in moved], axis=0)
 
-    def _starts_of(self, trials: Sequence[str]) -> Mapping[str, FreeStarts]:
+    def _starts_of(self, trials: Sequence[str]) -> Mapping[str, FreeInitialStates]:
         """What starts do to long horizons of these trials, by the model that the problem is `around`."""
         new = [t for t in trials if t not in self._starts]
         if new:
             declared, model = (apply_terms(self.declared, m) for m in ((), self._around))
             logs = [self._logs[t] for t in new]
             cuts = [self._cut(t, self.search_view) for t in new]
-            found = starts_of(declared, model, [g.series for g in logs], cuts, [g.smooth for g in logs], self._step_s)
+            found = initial_states_of(
+                declared, model, [g.series for g in logs], cuts, [g.smooth for g in logs], self._step_s
+            )
             self._starts = {**self._starts, **dict(zip(new, found, strict=True))}
         return self._starts
 

@@ -26,7 +26,7 @@ class Smooth:
     q_noise: FloatArray
     qd_noise: FloatArray
     rows: int
-    kept: float
+    noise_gain: float
 
 
 def smooth(t_s: FloatArray, q: FloatArray) -> Smooth:

@@ -14,11 +14,11 @@ import numpy as np
 from scipy import stats
 
 from schemas.model import FloatArray
-from simgap.inference.cluster_regression import Equations, solved
+from simgap.inference.cluster_regression import Equations, regress
 from simgap.kinds.push.footprint import nearest
 from simgap.kinds.push.model import SUPPORT, PushModel
 from simgap.kinds.push.records import Records
-from simgap.kinds.push.sliding import turns
+from simgap.kinds.push.sliding import plane_rotations
 from simgap.problem import Candidate, DirectEstimate
 
 _LEAST_MOVE = 0.02  # of the body's lever: less is noise of the poses
@@ -46,13 +46,15 @@ class Moves:
 def moves(model: PushModel, records: Records) -> Moves:
     """Pushes whose force was measured and that moved the body."""
     half = 0.5 * records.turned
-    to_body = turns(records.before[:, 2] + half).transpose(0, 2, 1)
+    to_body = plane_rotations(records.before[:, 2] + half).transpose(0, 2, 1)
     shift = np.einsum("nij,nj->ni", to_body, records.after[:, :2] - records.before[:, :2])
     # The chord of the arc that a body turning evenly takes is shorter than the arc.
     arc = half / np.where(np.abs(half) > 1e-9, np.sin(half), 1.0)
     shift = shift * np.where(np.abs(half) > 1e-9, arc, 1.0)[:, None]
     ends = [
-        nearest(model.outline, np.einsum("nji,nj->ni", turns(pose[:, 2]), records.tips[:, k] - pose[:, :2]))[1]
+        nearest(model.outline, np.einsum("nji,nj->ni", plane_rotations(pose[:, 2]), records.tips[:, k] - pose[:, :2]))[
+            1
+        ]
         for pose, k in ((records.before, 0), (records.after, -1))
     ]
     # The whole push, so that force and move stand for the same time.
@@ -78,13 +80,13 @@ def _level(model: PushModel, seen: Moves) -> FloatArray:
 
 def _friction(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) -> DirectEstimate | None:
     rows = [_mean(_level(model, m) / model.weight_N) for m in seen]
-    return solved(rows, ("mu",), candidate.null)
+    return regress(rows, ("mu",), candidate.null)
 
 
 def _mass(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) -> DirectEstimate | None:
     per_kg = model.largest_N / model.body.mass_kg
     rows = [_mean(_level(model, m) / per_kg) for m in seen]
-    return solved(rows, ("mass_kg",), candidate.null)
+    return regress(rows, ("mass_kg",), candidate.null)
 
 
 def _mass_centre(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) -> DirectEstimate | None:
@@ -95,7 +97,7 @@ def _mass_centre(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) 
         way = m.force * ease
         X = m.turn[:, None] * way
         rows.append(Equations(-(way[:, 0] * m.move[:, 1] - way[:, 1] * m.move[:, 0]), X, X))
-    found = solved(rows, ("x_m", "y_m"), candidate.null)
+    found = regress(rows, ("x_m", "y_m"), candidate.null)
     if found is None:
         return None
     return replace(
@@ -113,7 +115,7 @@ def _anisotropy(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) -
         # What an isotropic body would do: it moves with the regressor, without the noise of the poses.
         Z = (m.force[:, 0] * m.force[:, 1])[:, None]
         rows.append(Equations(v[:, 0] * m.force[:, 1], (v[:, 1] * m.force[:, 0])[:, None], Z))
-    return _through(solved(rows, ("ratio",), candidate.null), candidate, lambda k: k**-0.5)
+    return _transformed(regress(rows, ("ratio",), candidate.null), candidate, lambda k: k**-0.5)
 
 
 def _spinning(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) -> DirectEstimate | None:
@@ -128,7 +130,7 @@ def _spinning(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) -> 
         arm = moment / (np.linalg.norm(way, axis=1) * model.lever_m + 1e-15)
         rows.append(Equations(turn / size, (slide / size)[:, None], arm[:, None]))
     none = {"lever_m": (candidate.null["lever_m"] / mu) ** -2}
-    return _through(solved(rows, ("lever_m",), none), candidate, lambda k: mu * k**-0.5)
+    return _transformed(regress(rows, ("lever_m",), none), candidate, lambda k: mu * k**-0.5)
 
 
 def _mean(values: FloatArray) -> Equations:
@@ -136,7 +138,7 @@ def _mean(values: FloatArray) -> Equations:
     return Equations(values, ones, ones)
 
 
-def _through(
+def _transformed(
     found: DirectEstimate | None, candidate: Candidate, map: Callable[[float], float]
 ) -> DirectEstimate | None:
     """An estimate of k as one of the parameter map(k), tested on its logarithm; None where k is not positive."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from schemas.model import FloatArray
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Numbers
+from sim.dynamics.hooks import ModelChange
 from simgap.problem import Model
 
 PUSHER = "body-pusher"
@@ -83,7 +83,7 @@ def changed(declared: PushModel, model: Model) -> PushModel:
         hook, where = term.candidate.effect.hook, term.candidate.where
         if where.pair == PUSHER:
             declared = replace(declared, pusher_friction=term.values["mu"])
-        elif isinstance(hook, Numbers):
+        elif isinstance(hook, ModelChange):
             declared = replace(declared, body=hook.change(declared.body, term.values, where))
         else:
             raise ValueError(f"{term.candidate.effect.name} does not act on pushes")

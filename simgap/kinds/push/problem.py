@@ -18,7 +18,7 @@ from simgap.kinds.push.direct_estimates import estimate
 from simgap.kinds.push.footprint import even_points, outlines, vertices_of
 from simgap.kinds.push.model import PUSHER, SUPPORT, PushModel, changed
 from simgap.kinds.push.records import STEADY, STEPS, Records, end_distance, record, upright
-from simgap.kinds.push.sliding import pushed, turns
+from simgap.kinds.push.sliding import plane_rotations, simulate_pushes
 from simgap.problem import Candidate, DirectEstimate, Model, View
 from simgap.recording.read import Measurement
 
@@ -94,20 +94,22 @@ class PushProblem:
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
         """See `simgap.problem.Problem`; m, rad and N, one row per push."""
         records = self._joined(trials)
-        poses, forces = pushed(changed(self.declared, model), records.before, records.tips)
+        poses, forces = simulate_pushes(changed(self.declared, model), records.before, records.tips)
         steady = forces[:, round(STEADY * STEPS) :].mean(axis=1)
         turned = poses[:, -1, 2] - records.before[:, 2]
-        said = self._said(records, poses[:, -1, :2], turned, steady)
-        return list((said - self._said(records, records.after[:, :2], records.turned, records.force))[:, None, :])
+        said = self._in_channels(records, poses[:, -1, :2], turned, steady)
+        return list(
+            (said - self._in_channels(records, records.after[:, :2], records.turned, records.force))[:, None, :]
+        )
 
     def readings(self, trials: Sequence[str]) -> list[FloatArray]:
         """Per trial (1, c) what was measured: move, turn, steady force."""
         records = self._joined(trials)
-        return list(self._said(records, records.after[:, :2], records.turned, records.force)[:, None, :])
+        return list(self._in_channels(records, records.after[:, :2], records.turned, records.force)[:, None, :])
 
-    def _said(self, records: Records, p: FloatArray, turned: FloatArray, force: FloatArray) -> FloatArray:
+    def _in_channels(self, records: Records, p: FloatArray, turned: FloatArray, force: FloatArray) -> FloatArray:
         """(n, c) channels, in axes of the body before the push."""
-        turn = turns(records.before[:, 2])
+        turn = plane_rotations(records.before[:, 2])
         columns = [np.einsum("nji,nj->ni", turn, p - records.before[:, :2]), turned[:, None]]
         columns += [np.einsum("nji,nj->ni", turn, force)] if self._has_force else []
         return np.concatenate(columns, axis=1)
@@ -115,7 +117,7 @@ class PushProblem:
     def features(self, trials: Sequence[str], view: View) -> list[FloatArray]:
         """Tip at the start and its move in body axes, and no time."""
         records = self._joined(trials)
-        turn = turns(records.before[:, 2])
+        turn = plane_rotations(records.before[:, 2])
         start = np.einsum("nji,nj->ni", turn, records.tips[:, 0] - records.before[:, :2])
         move = np.einsum("nji,nj->ni", turn, records.tips[:, -1] - records.tips[:, 0])
         return list(np.concatenate([start, move, np.zeros((len(start), 1))], axis=1)[:, None, :])

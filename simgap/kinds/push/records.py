@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from schemas.model import FloatArray
 from simgap.kinds.push.footprint import nearest
-from simgap.kinds.push.sliding import turns
+from simgap.kinds.push.sliding import plane_rotations
 from simgap.recording.recording import Push
 
 STEPS = 24  # of a tip's path: many more would follow the jitter of its readings
@@ -66,7 +66,7 @@ def upright(quat_wxyz: FloatArray) -> float:
 def end_distance(outline: FloatArray, records: Records) -> FloatArray:
     """(n,) signed distance of the tip from the body's outline when the push was over."""
     away = records.tips[:, -1] - records.after[:, :2]
-    return nearest(outline, np.einsum("nji,nj->ni", turns(records.after[:, 2]), away))[0]
+    return nearest(outline, np.einsum("nji,nj->ni", plane_rotations(records.after[:, 2]), away))[0]
 
 
 def _path(push: Push) -> FloatArray:

@@ -14,7 +14,7 @@ from simgap.kinds.push.footprint import nearest
 from simgap.kinds.push.model import PushModel
 
 
-def pushed(model: PushModel, start: FloatArray, tips: FloatArray) -> tuple[FloatArray, FloatArray]:
+def simulate_pushes(model: PushModel, start: FloatArray, tips: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Poses (n, s, 3) as x, y, yaw and forces (n, s, 2) on the body along tip paths (n, s, 2), all in world axes.
 
     start (n, 3) is the pose at the first row. Between rows the tip moves straight; a tip that has gone in moves the
@@ -32,7 +32,7 @@ def pushed(model: PushModel, start: FloatArray, tips: FloatArray) -> tuple[Float
 
 def _step(model: PushModel, pose: FloatArray, before: FloatArray, after: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Change of pose (n, 3) and force (n, 2) of one short move of the tip, world axes."""
-    turn = turns(pose[:, 2])
+    turn = plane_rotations(pose[:, 2])
     tip = np.einsum("nji,nj->ni", turn, after - pose[:, :2])
     moved = np.einsum("nji,nj->ni", turn, after - before)
     distance, place, outward = nearest(model.outline, tip)
@@ -73,7 +73,7 @@ def contact_map(place: FloatArray, com: FloatArray) -> FloatArray:
     return G
 
 
-def turns(yaw_rad: FloatArray) -> FloatArray:
+def plane_rotations(yaw_rad: FloatArray) -> FloatArray:
     """(n, 2, 2) rotations of the plane."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)

@@ -64,7 +64,8 @@ def unwrap_angles(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
             hits.append(Hit(trial, count, f"{count} jumps by a turn"))
         continuous.append(trial)
     return Checked(
-        tuple(continuous), over_trials("gap/angle-wrapped", "wrapped angles made continuous", hits, len(trials), unit="jumps")
+        tuple(continuous),
+        over_trials("gap/angle-wrapped", "wrapped angles made continuous", hits, len(trials), unit="jumps"),
     )
 
 

@@ -96,7 +96,9 @@ def _decide(
         diagnostic = finding(readings[k].code, text, where=where, value=declared_mismatch, bound=AGREES)
         return Checked(mapped(trials, readings[k].change), (diagnostic,))
     text = f"recorded {what} does not follow from the motion in any frame or order (mismatch {declared_mismatch:.2f})"
-    return Checked(trials, (finding("gap/velocity-inconsistent", text, where=where, value=declared_mismatch, bound=AGREES),))
+    return Checked(
+        trials, (finding("gap/velocity-inconsistent", text, where=where, value=declared_mismatch, bound=AGREES),)
+    )
 
 
 def _quats(trial: Trial) -> FloatArray:

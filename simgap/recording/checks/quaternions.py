@@ -42,7 +42,9 @@ def normalise_quaternions(setting: Setting, trials: tuple[Trial, ...]) -> Checke
     findings += over_trials(code, "rows without a unit quaternion dropped", dropped, total, bound=NEAR)
     severity = Severity.WARNING if unit_trials else Severity.ERROR
     text = "no unit quaternions; these trials are left out"
-    return Checked(tuple(unit_trials), findings + over_trials(code, text, refused, total, bound=NEAR, severity=severity))
+    return Checked(
+        tuple(unit_trials), findings + over_trials(code, text, refused, total, bound=NEAR, severity=severity)
+    )
 
 
 def unify_signs(setting: Setting, trials: tuple[Trial, ...]) -> Checked:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from schemas.physics import CollisionShape
-from sim.bullet.body import BulletBodyReplay
+from sim.bullet.body import BulletBodyRollout
 from sim.dynamics.body_rollout import BodyModel, BodyWindows
 
 BOX = BodyModel(
@@ -37,7 +37,7 @@ def _picked(windows: BodyWindows, at) -> BodyWindows:
 
 def test_windows_do_not_know_each_other():
     windows = _windows(8)
-    with BulletBodyReplay() as engine:
+    with BulletBodyRollout() as engine:
         together = engine.rollout(BOX, windows)
         engine.rollout(replace(BOX, friction=0.1), windows)
         again = engine.rollout(BOX, windows)
@@ -47,7 +47,7 @@ def test_windows_do_not_know_each_other():
 
 
 def test_changed_numbers_reach_the_engine():
-    with BulletBodyReplay() as engine:
+    with BulletBodyRollout() as engine:
         rough = engine.rollout(BOX, _windows(4))
         smooth = engine.rollout(replace(BOX, friction=0.0), _windows(4))
     assert np.abs(rough.p - smooth.p).max() > 1e-3
@@ -55,7 +55,7 @@ def test_changed_numbers_reach_the_engine():
 
 def test_finer_steps_give_the_same_motion_until_contact_scatters_it():
     windows = _windows(12, 12)
-    with BulletBodyReplay() as plain, BulletBodyReplay(1.0 / 3840.0) as fine:
+    with BulletBodyRollout() as plain, BulletBodyRollout(1.0 / 3840.0) as fine:
         apart = np.linalg.norm(plain.rollout(BOX, windows).p - fine.rollout(BOX, windows).p, axis=2).max(axis=1)
     assert np.median(apart) < 1e-3
 
@@ -70,7 +70,7 @@ def test_a_start_inside_the_support_is_not_thrown_out_harder_by_finer_steps():
     )
     tops = []
     for step_s in (1.0 / 240.0, 1.0 / 480.0, 1.0 / 3840.0):
-        with BulletBodyReplay(step_s) as engine:
+        with BulletBodyRollout(step_s) as engine:
             tops.append(float(engine.rollout(replace(BOX, com_B=np.zeros(3)), windows).p[0, :, 2].max()))
     assert max(tops) < 0.0315
     assert tops[2] == pytest.approx(tops[0], abs=1e-3)
@@ -80,7 +80,7 @@ def test_a_start_inside_the_support_is_not_thrown_out_harder_by_finer_steps():
 def test_a_fall_is_exact_at_any_step(step_s):
     """Positions and speeds of a parabola; what is left is single precision."""
     windows = _windows(3, 12)
-    with BulletBodyReplay(step_s) as engine:
+    with BulletBodyRollout(step_s) as engine:
         motion = engine.rollout(replace(BOX, has_support=False, com_B=np.zeros(3)), windows)
     t = windows.t_s[..., None]
     parabola = windows.p[:, None] + t * windows.v_W[:, None] + 0.5 * t**2 * np.array([0.0, 0.0, -9.81])

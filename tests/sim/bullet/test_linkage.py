@@ -13,8 +13,8 @@ from geom.mass.inertia import combine, moved
 from geom.pose import angle_between
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape, MassProperties
-from sim.bullet.body import BulletBodyReplay
-from sim.bullet.linkage import BulletLinkageReplay
+from sim.bullet.body import BulletBodyRollout
+from sim.bullet.linkage import BulletLinkageRollout
 from sim.dynamics.body_rollout import BodyModel, BodyWindows
 from sim.dynamics.linkage_rollout import LinkageModel, LinkageMotion, LinkageWindows, link_poses
 from sim.dynamics.mechanism import MechanismModel
@@ -108,7 +108,7 @@ def momenta(model: LinkageModel, motion: LinkageMotion, t_s: FloatArray) -> tupl
 @pytest.mark.parametrize("damping", [0.0, 0.002])
 def test_what_joints_do_inside_moves_neither_mass_centre_nor_angular_momentum(damping: float) -> None:
     model, t_s = linkage(damping=damping), np.linspace(0.0, 0.25, 251)
-    with BulletLinkageReplay(FINE_S) as engine:
+    with BulletLinkageRollout(FINE_S) as engine:
         motion = engine.rollout(model, start(t_s))
     centre, total = momenta(model, motion, t_s)
     fall = np.diff(centre, 2, axis=0) / (t_s[1] - t_s[0]) ** 2
@@ -119,7 +119,7 @@ def test_what_joints_do_inside_moves_neither_mass_centre_nor_angular_momentum(da
 def test_held_joints_make_one_rigid_body() -> None:
     model = linkage(friction=1e3)
     windows = replace(start(), qd0=np.zeros((1, 2)))
-    with BulletLinkageReplay(FINE_S) as engine:
+    with BulletLinkageRollout(FINE_S) as engine:
         motion = engine.rollout(model, windows)
     parts = [MassProperties(model.base.mass_kg, model.base.com_B, model.base.inertia_B)]
     for link, (R, p) in zip(model.joints.tree, link_poses(model, Q0)[1:], strict=True):
@@ -129,7 +129,7 @@ def test_held_joints_make_one_rigid_body() -> None:
     whole = combine(parts)
     numbers = {"mass_kg": whole.mass_kg, "com_B": whole.centre_of_mass_m, "inertia_B": whole.inertia_kgm2}
     body = replace(model.base, **numbers)
-    with BulletBodyReplay(FINE_S) as rigid:
+    with BulletBodyRollout(FINE_S) as rigid:
         expected = rigid.rollout(body, windows.base)
     np.testing.assert_allclose(motion.q[0], np.repeat(Q0, len(T_S), axis=0), atol=1e-4)
     np.testing.assert_allclose(motion.base.p, expected.p, atol=1e-4)
@@ -159,7 +159,7 @@ def mjcf(model: LinkageModel) -> str:
 @pytest.mark.parametrize("damping", [0.0, 0.003])
 def test_flies_as_mujoco_says(damping: float) -> None:
     model, windows = linkage(damping=damping), start()
-    with BulletLinkageReplay(FINE_S / 4.0) as engine:
+    with BulletLinkageRollout(FINE_S / 4.0) as engine:
         motion = engine.rollout(model, windows)
     m = mujoco.MjModel.from_xml_string(mjcf(model))
     d = mujoco.MjData(m)
@@ -176,7 +176,7 @@ def test_windows_do_not_know_each_other() -> None:
     model = linkage(support=True)
     base = start().base
     low = replace(base, p=np.array([[0.0, 0.0, 0.05]]))
-    with BulletLinkageReplay() as engine:
+    with BulletLinkageRollout() as engine:
         alone = engine.rollout(model, LinkageWindows(low, Q0, QD0))
         pair = BodyWindows(*(np.concatenate([getattr(base, n), getattr(low, n)]) for n in vars(base)))
         both = engine.rollout(model, LinkageWindows(pair, np.repeat(Q0, 2, axis=0), np.repeat(QD0, 2, axis=0)))

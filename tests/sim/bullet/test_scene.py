@@ -9,22 +9,22 @@ from geom.mass.inertia import moved, of_box
 from geom.pose import pose
 from schemas.physics import CollisionShape, Contact, RigidBody
 from sim.bullet.scene import settle_scene
-from sim.port import GRAVITY_MPS2, Standing
+from sim.port import GRAVITY_MPS2, PlacedBody
 
 CONTACT = Contact(static_friction=0.6, dynamic_friction=0.5, restitution=0.0)
 
 
-def box(x: float, y: float, z: float, at: tuple[float, float, float], moves: bool = True) -> Standing:
+def box(x: float, y: float, z: float, at: tuple[float, float, float], moves: bool = True) -> PlacedBody:
     """A box whose frame is at the bottom centre."""
     up = pose(None, (0.0, 0.0, z / 2.0))
     body = RigidBody("box", (CollisionShape("box", (x, y, z), up),), moved(of_box((x, y, z), 500.0), up), CONTACT)
-    return Standing(body, pose(None, at), moves)
+    return PlacedBody(body, pose(None, at), moves)
 
 
 TABLE = box(1.0, 0.6, 0.04, (0.0, 0.0, 0.0), moves=False)
 
 
-def shifts_m(things: list[Standing], duration_s: float = 1.0) -> np.ndarray:
+def shifts_m(things: list[PlacedBody], duration_s: float = 1.0) -> np.ndarray:
     return settle_scene(things, duration_s)[:, :3, 3] - np.array([thing.X_WA[:3, 3] for thing in things])
 
 

@@ -24,7 +24,7 @@ def test_closed_form_is_the_recursion(seed):
     gravity_W = 9.81 * rng.normal(size=3)
     q, qd, qdd = rng.normal(size=(3, 5, 3))
     posture = SeparateJoints.of(tree, gravity_W).at(q)
-    effort, load = posture.needed(qd, qdd), posture.load(qd)
+    effort, load = posture.required_effort(qd, qdd), posture.load(qd)
     np.testing.assert_allclose(effort, inverse_dynamics(tree, q, qd, qdd, gravity_W)[0], rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(load, inverse_dynamics(tree, q, qd, 0.0 * q, gravity_W)[1], rtol=1e-7, atol=1e-7)
 
@@ -40,7 +40,7 @@ def test_a_planar_chain_is_the_recursion(seed):
     chain = joint_dynamics(tree, gravity_W)
     assert isinstance(chain, PlanarChain)
     planar, general = chain.at(q), CoupledJoints(tree, gravity_W).at(q)
-    np.testing.assert_allclose(planar.needed(qd, qdd), general.needed(qd, qdd), rtol=1e-8, atol=1e-9)
+    np.testing.assert_allclose(planar.required_effort(qd, qdd), general.required_effort(qd, qdd), rtol=1e-8, atol=1e-9)
     np.testing.assert_allclose(planar.load(qd), general.load(qd), rtol=1e-8, atol=1e-9)
     rates = planar.free_rates(qd, qdd, damping, h)
     momentum = np.einsum("wij,wj->wi", general.mass, qd) + h * qdd
@@ -48,7 +48,7 @@ def test_a_planar_chain_is_the_recursion(seed):
     np.testing.assert_allclose(rates, expected, rtol=1e-8, atol=1e-9)
     largest = np.abs(rng.normal(size=(5, 3)))
     np.testing.assert_allclose(
-        planar.held(rates, largest, damping, h), general.held(rates, largest, damping, h), rtol=1e-7, atol=1e-9
+        planar.with_dry_friction(rates, largest, damping, h), general.with_dry_friction(rates, largest, damping, h), rtol=1e-7, atol=1e-9
     )
 
 

@@ -11,12 +11,12 @@ from schemas.gap import Gain, Place
 from schemas.model import FloatArray
 from sim.effects.library import effect
 from simgap.inference.agreement import agree
-from simgap.inference.candidate_fit import ALPHA, Screening, CandidateFit, screening_of, tried_on
-from simgap.inference.competing_hypotheses import as_good_with_confusable, beaten, alternatives, replacement
+from simgap.inference.candidate_fit import ALPHA, Screening, CandidateFit, ranked_screening, candidate_fit_on
+from simgap.inference.competing_hypotheses import as_good_with_confusable, is_beaten, alternatives, replacement
 from simgap.inference.fit import Errors, Fit, extend, fit
 from simgap.inference.forward_selection import Accepted, Selection, _confirmed  # pyright: ignore[reportPrivateUsage]
 from simgap.inference.intervals import symmetric, differs_from_none, distance_to_alternatives, wider
-from simgap.inference.losses import Comparison, met_p, paired_p
+from simgap.inference.losses import Comparison, paired_p_where_affected, paired_p
 from simgap.inference.parametric_bootstrap import MethodBias
 from simgap.inference.verdict import judge
 from simgap.problem import Candidate, DirectEstimate, Model, Term
@@ -60,7 +60,7 @@ def _errors(columns: dict[str, FloatArray], truth: dict[str, float]) -> Errors:
 
 
 def _tried(errors: Errors, base: Fit, candidate: Candidate) -> CandidateFit:
-    return tried_on(base, extend(errors, base, candidate, [candidate.start]), None)
+    return candidate_fit_on(base, extend(errors, base, candidate, [candidate.start]), None)
 
 
 def _accepted_then_tried(truth: dict[str, float]) -> tuple[CandidateFit, CandidateFit]:
@@ -73,14 +73,14 @@ def _accepted_then_tried(truth: dict[str, float]) -> tuple[CandidateFit, Candida
 def test_a_fit_at_the_end_of_a_range_is_as_sure_as_the_route_that_set_it():
     errors = _errors(_columns(0.0), {COULOMB.key: 3.0})
     wall = replace(COULOMB, bounds={"torque_Nm": (-1.0, 2.0)})
-    alone, told = (fit(errors, [c]) for c in (wall, replace(wall, told={"torque_Nm": 0.4})))
+    alone, told = (fit(errors, [c]) for c in (wall, replace(wall, direct_half_width={"torque_Nm": 0.4})))
     assert alone.model[-1].values["torque_Nm"] == told.model[-1].values["torque_Nm"] == pytest.approx(2.0)
     assert alone.half_widths[wall.key]["torque_Nm"] == 0.0
-    assert not alone.stands_out({})
+    assert not alone.strength_exceeds({})
     assert told.half_widths[wall.key]["torque_Nm"] == pytest.approx(0.4)
-    assert told.stands_out({})
+    assert told.strength_exceeds({})
     assert told.p_value == 1.0  # Trials have not been asked: an end of a range is no agreement.
-    free = fit(errors, [replace(COULOMB, told={"torque_Nm": 0.4})])
+    free = fit(errors, [replace(COULOMB, direct_half_width={"torque_Nm": 0.4})])
     assert free.half_widths == fit(errors, [COULOMB]).half_widths
 
 
@@ -93,16 +93,16 @@ def test_a_fit_at_the_far_end_of_a_told_range_does_not_stand_out_by_rounding(kno
         null={"torque_Nm": none},
         start={"torque_Nm": none},
         bounds={"torque_Nm": (none - known, 2.0)},
-        told={"torque_Nm": known},
+        direct_half_width={"torque_Nm": known},
     )
     found = fit(errors, [candidate])
     assert found.model[-1].values["torque_Nm"] == pytest.approx(none - known)
-    assert not found.stands_out({})
+    assert not found.strength_exceeds({})
     assert not differs_from_none(found.model[-1], symmetric(found.half_widths[candidate.key]))
 
 
 def test_an_interval_of_a_fit_at_an_end_that_was_told_covers_what_tells_it():
-    told = Term(replace(COULOMB, told={"torque_Nm": 0.4}), {"torque_Nm": 2.0})
+    told = Term(replace(COULOMB, direct_half_width={"torque_Nm": 0.4}), {"torque_Nm": 2.0})
     assert distance_to_alternatives(told, {"torque_Nm": 0.4}, _told(1.6, 0.1), [])["torque_Nm"] == pytest.approx(
         (0.4 + 0.196, 0.0)
     )
@@ -132,12 +132,12 @@ def test_only_doubles_and_what_left_little_more_is_asked_again():
     this = Screening((mimic, other), (1e-4, 1e-4))
     assert alternatives(mimic, this, (), mimic.fit) == [other]
     unjudged = replace(other, comparison=replace(other.comparison, gain=0.0))
-    assert alternatives(mimic, replace(this, tried=(mimic, unjudged)), (), mimic.fit) == []
-    assert alternatives(mimic, replace(this, tried=(mimic, unjudged)), (VISCOUS.key,), mimic.fit) == [unjudged]
+    assert alternatives(mimic, replace(this, fits=(mimic, unjudged)), (), mimic.fit) == []
+    assert alternatives(mimic, replace(this, fits=(mimic, unjudged)), (VISCOUS.key,), mimic.fit) == [unjudged]
     # A double is asked even if it leaves far more than twice as much: beside another cause it may not.
     assert alternatives(other, this, (), other.fit) == [mimic]
     stranger = replace(mimic, candidate=replace(COULOMB, effect=effect("sensor.bias")))
-    assert alternatives(other, replace(this, tried=(stranger, other)), (), other.fit) == []
+    assert alternatives(other, replace(this, fits=(stranger, other)), (), other.fit) == []
 
 
 def test_trials_that_stay_away_from_a_threshold_do_not_hide_what_it_does_to_the_others():
@@ -145,24 +145,24 @@ def test_trials_that_stay_away_from_a_threshold_do_not_hide_what_it_does_to_the_
     before = np.exp(rng.normal(0.0, 0.1, 16))
     after = before * np.exp(rng.normal(0.0, 0.01, 16))
     before[[2, 5, 9, 11]] *= [90.0, 20.0, 150.0, 40.0]
-    assert met_p(before, after) < 0.1 * paired_p(before, after)
+    assert paired_p_where_affected(before, after) < 0.1 * paired_p(before, after)
     # Two trials are too few for any test, and a change for the worse is no evidence.
     few = after.copy()
     few[[2, 5]] = before[[2, 5]]
-    assert met_p(before, few) == 1.0
-    assert met_p(after, before) > 0.99
+    assert paired_p_where_affected(before, few) == 1.0
+    assert paired_p_where_affected(after, before) > 0.99
 
 
 def test_what_changes_nothing_but_noise_is_named_by_chance_only():
     rng = np.random.default_rng(2)
     losses = np.exp(rng.normal(0.0, 0.3, (2, 2000, 16)))
-    wrong = np.mean([met_p(a, b) < 0.05 for a, b in zip(*losses, strict=True)])
+    wrong = np.mean([paired_p_where_affected(a, b) < 0.05 for a, b in zip(*losses, strict=True)])
     assert wrong < 0.07
 
 
 def test_one_violent_trial_does_not_hide_all_others():
     before = np.array([1e4, 2.0, 2.1, 2.0, 1.9, 2.0, 2.2, 1.8])
-    assert met_p(before, np.ones(8)) < 0.1
+    assert paired_p_where_affected(before, np.ones(8)) < 0.1
 
 
 def test_two_causes_that_stand_for_two_others_are_doubles_together():
@@ -180,7 +180,7 @@ def test_two_causes_that_stand_for_two_others_are_doubles_together():
     null = fit(errors, ())
     load, dry = (_tried(errors, null, cause[k]) for k in ("load", "dry"))
     weight, spring = (_tried(errors, load.fit, cause[k]) for k in ("weight", "spring"))
-    assert beaten(spring, weight)
+    assert is_beaten(spring, weight)
     assert as_good_with_confusable(errors, weight.fit, (), load, [], weight, [spring]) == []
     (found,) = as_good_with_confusable(errors, weight.fit, (), load, [dry], weight, [spring])
     assert found.candidate.key == cause["spring"].key
@@ -198,18 +198,18 @@ def _four_trials_meet(told: float) -> Screening:
     columns[COULOMB.key] = columns[COULOMB.key] * size[:, None]
     errors = _errors(columns, {COULOMB.key: 2.0})
     null = fit(errors, ())
-    met = replace(COULOMB, extra_starts=({"torque_Nm": 1.0},))
-    met_trial = tried_on(null, extend(errors, null, met, [met.start]), said(told))
-    other = tried_on(null, extend(errors, null, VISCOUS, [VISCOUS.start]), said(10.0))
+    affected_trials = replace(COULOMB, extra_starts=({"torque_Nm": 1.0},))
+    met_trial = candidate_fit_on(null, extend(errors, null, affected_trials, [affected_trials.start]), said(told))
+    other = candidate_fit_on(null, extend(errors, null, VISCOUS, [VISCOUS.start]), said(10.0))
     crowd = [replace(other, candidate=replace(VISCOUS, where=Place(joint=f"axis{k}"))) for k in range(20)]
-    return screening_of([*crowd, met_trial])
+    return ranked_screening([*crowd, met_trial])
 
 
 @pytest.mark.parametrize(("told", "passes"), [(3.0, True), (6.0, False)])
 def test_a_threshold_that_the_direct_route_singles_out_is_asked_once(told: float, passes: bool):
     found = _four_trials_meet(told)
-    assert found.tried[0].candidate.key == COULOMB.key
-    assert found.tried[0].comparison.p_value < ALPHA
+    assert found.fits[0].candidate.key == COULOMB.key
+    assert found.fits[0].comparison.p_value < ALPHA
     assert (found.p_adjusted[0] < ALPHA) == passes
     assert all(p == 1.0 for p in found.p_adjusted[1:])
 

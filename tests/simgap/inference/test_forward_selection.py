@@ -11,7 +11,7 @@ from schemas.gap import Gain, Place
 from schemas.measurement import MeasurementSpec
 from schemas.model import FloatArray
 from sim.effects.library import effect
-from simgap.inference.candidate_fit import CandidateFit, screening_of, tried_on, warm_without
+from simgap.inference.candidate_fit import CandidateFit, ranked_screening, candidate_fit_on, warm_start_without
 from simgap.inference.fit import Errors, resampling_units, extend, fit
 from simgap.inference.forward_selection import Accepted, _tested_again  # pyright: ignore[reportPrivateUsage]
 from simgap.inference.losses import compare
@@ -57,9 +57,9 @@ def _search(count: int, alike: float) -> tuple[SearchState, Accepted, list[Candi
     columns = _Columns(count, alike)
     errors: Errors = columns.errors
     null = fit(errors, ())
-    tried = [tried_on(null, extend(errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(count)]
-    this = screening_of(tried)
-    first, *others = this.tried
+    tried = [candidate_fit_on(null, extend(errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(count)]
+    this = ranked_screening(tried)
+    first, *others = this.fits
     found = Accepted(first, this, this.p_adjusted[0], tuple(others), MethodBias())
     trials = Trials(tuple(f"t{k}" for k in range(TRIALS)), ())
     here = SearchState(columns, trials, "short_horizon", np.ones(1), errors, first.fit)  # pyright: ignore[reportArgumentType]
@@ -75,7 +75,7 @@ def test_rivals_that_there_is_no_time_to_ask_stay():
 
 def test_a_rival_that_was_accepted_since_is_none_any_more():
     here, found, (rival, *others) = _search(3, alike=0.999)
-    both = extend(here.errors, found.trial.fit, rival.candidate, [rival.candidate.start])
+    both = extend(here.errors, found.candidate_fit.fit, rival.candidate, [rival.candidate.start])
     _, again = _tested_again(replace(here, base=both), found, map)
     assert {r.candidate.key for r in again.rivals} <= {t.candidate.key for t in others}
 
@@ -86,7 +86,7 @@ def test_a_declared_number_comes_back_with_its_tolerance_when_an_effect_leaves()
     base = fit(columns.errors, [twin, other])
     named = extend(columns.errors, base, _cause(0), [{"torque_Nm": 1.0}])
     assert [c.key for c in named.free] == [other.key, _cause(0).key]
-    kept = warm_without(named, [_cause(0)], [twin])
+    kept = warm_start_without(named, [_cause(0)], [twin])
     assert [c.key for c in kept] == [twin.key, other.key]
     assert kept[0].bounds == twin.bounds
 
@@ -99,18 +99,18 @@ def test_a_trial_of_one_row_is_one_cluster():
 def test_a_direct_estimate_without_another_singles_nothing_out():
     columns = _Columns(2, alike=0.0)
     null = fit(columns.errors, ())
-    met, other = (tried_on(null, extend(columns.errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(2))
+    affected_trials, other = (candidate_fit_on(null, extend(columns.errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(2))
     said = DirectEstimate({}, {}, 0.01, TRIALS, np.full(TRIALS, 0.1))
-    met = replace(
-        met,
-        candidate=replace(met.candidate, extra_starts=({"torque_Nm": 1.0},)),
+    affected_trials = replace(
+        affected_trials,
+        candidate=replace(affected_trials.candidate, extra_starts=({"torque_Nm": 1.0},)),
         direct=said,
-        comparison=replace(met.comparison, p_value=0.03),
+        comparison=replace(affected_trials.comparison, p_value=0.03),
     )
-    chance = replace(other, comparison=replace(other.comparison, p_value=0.5))
-    crowd = [replace(chance, candidate=replace(other.candidate, where=Place(joint=f"x{k}"))) for k in range(20)]
-    this = screening_of([met, *crowd])
-    assert this.p_adjusted[this.tried.index(met)] > 0.05
+    combined_p_value = replace(other, comparison=replace(other.comparison, p_value=0.5))
+    crowd = [replace(combined_p_value, candidate=replace(other.candidate, where=Place(joint=f"x{k}"))) for k in range(20)]
+    this = ranked_screening([affected_trials, *crowd])
+    assert this.p_adjusted[this.fits.index(affected_trials)] > 0.05
 
 
 @pytest.mark.parametrize(("count", "test"), [(2, 1), (3, 1), (4, 2), (5, 2), (10, 3), (60, 18)])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from simgap.inference.fit import extend, fit, promising
-from simgap.inference.robust_least_squares import Prior, descend, half_widths, left_out, mean_loss
+from simgap.inference.fit import extend, fit, promising_starts
+from simgap.inference.robust_least_squares import Prior, minimise, half_widths, leave_one_out_losses, mean_loss
 from tests.suites.gap.mechanism_cases import mechanism_case
 
 TRIALS, ROWS = 8, 30
@@ -23,7 +23,7 @@ def _linear(seed: int, noise: float = 0.3, truth: tuple[float, ...] = (0.4, 0.6)
 
 def test_small_residuals_give_the_least_squares_solution():
     A, y = _linear(0)
-    solved = descend(lambda x: [a @ x - b for a, b in zip(A, y, strict=True)], np.array([0.1, 0.9]))
+    solved = minimise(lambda x: [a @ x - b for a, b in zip(A, y, strict=True)], np.array([0.1, 0.9]))
     exact = np.linalg.lstsq(np.concatenate(A), np.concatenate(y), rcond=None)[0]
     assert solved.x == pytest.approx(exact, abs=2e-3)
 
@@ -34,15 +34,15 @@ def test_a_known_jacobian_costs_no_calls():
     def residuals(x):
         return [a @ x - b for a, b in zip(A, y, strict=True)]
 
-    plain = descend(residuals, np.array([0.1, 0.9]))
-    helped = descend(residuals, np.array([0.1, 0.9]), known=np.concatenate(A)[:, :1])
+    plain = minimise(residuals, np.array([0.1, 0.9]))
+    helped = minimise(residuals, np.array([0.1, 0.9]), known=np.concatenate(A)[:, :1])
     assert helped.evaluations < plain.evaluations
     assert helped.x == pytest.approx(plain.x, abs=2e-3)
 
 
 def test_the_box_holds_and_the_other_parameter_makes_up():
     A, y = _linear(2, truth=(1.7, 0.5))
-    solved = descend(lambda x: [a @ x - b for a, b in zip(A, y, strict=True)], np.array([0.5, 0.5]))
+    solved = minimise(lambda x: [a @ x - b for a, b in zip(A, y, strict=True)], np.array([0.5, 0.5]))
     assert solved.x[0] == pytest.approx(1.0)
     weighted = np.concatenate(A)
     rest = np.concatenate(y) - weighted[:, 0]
@@ -51,10 +51,10 @@ def test_the_box_holds_and_the_other_parameter_makes_up():
 
 def test_left_out_losses_are_those_of_refits_without_the_trial():
     A, y = _linear(3)
-    predicted = left_out(descend(lambda x: [a @ x - b for a, b in zip(A, y, strict=True)], np.array([0.5, 0.5])))
+    predicted = leave_one_out_losses(minimise(lambda x: [a @ x - b for a, b in zip(A, y, strict=True)], np.array([0.5, 0.5])))
     for k in range(TRIALS):
         others = [i for i in range(TRIALS) if i != k]
-        refit = descend(lambda x, o=others: [A[i] @ x - y[i] for i in o], np.array([0.5, 0.5]))
+        refit = minimise(lambda x, o=others: [A[i] @ x - y[i] for i in o], np.array([0.5, 0.5]))
         assert predicted[k] == pytest.approx(mean_loss(A[k] @ refit.x - y[k]), rel=5e-3)
 
 
@@ -65,8 +65,8 @@ def test_a_parameter_without_effect_never_helps_a_trial_that_was_left_out():
         rng = np.random.default_rng(seed)
         A = [rng.normal(size=(ROWS, 1)) for _ in range(TRIALS)]
         y = [rng.normal(size=ROWS) for _ in range(TRIALS)]
-        found = descend(lambda x, A=A, y=y: [a @ (x - 0.5) - b for a, b in zip(A, y, strict=True)], np.array([0.5]))
-        better.append(sum(mean_loss(b) for b in y) - left_out(found).sum())
+        found = minimise(lambda x, A=A, y=y: [a @ (x - 0.5) - b for a, b in zip(A, y, strict=True)], np.array([0.5]))
+        better.append(sum(mean_loss(b) for b in y) - leave_one_out_losses(found).sum())
     assert np.mean(better) < 0.0
 
 
@@ -74,14 +74,14 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say():
     held = 0
     for seed in range(200):
         A, y = _linear(seed)
-        found = descend(lambda x, A=A, y=y: [a @ x - b for a, b in zip(A, y, strict=True)], np.array([0.4, 0.6]))
+        found = minimise(lambda x, A=A, y=y: [a @ x - b for a, b in zip(A, y, strict=True)], np.array([0.4, 0.6]))
         held += abs(found.x[0] - 0.4) <= half_widths(found)[0]
     assert 0.91 <= held / 200 <= 0.995
 
 
 def test_blind_parameters_stay_where_they_were():
     A, y = _linear(4)
-    found = descend(lambda x: [a @ x[:2] - b for a, b in zip(A, y, strict=True)], np.array([0.5, 0.5, 0.3]))
+    found = minimise(lambda x: [a @ x[:2] - b for a, b in zip(A, y, strict=True)], np.array([0.5, 0.5, 0.3]))
     assert found.x[2] == 0.3
 
 
@@ -91,7 +91,7 @@ def test_of_two_numbers_that_nothing_tells_apart_the_known_one_stays_and_the_oth
     A = [rng.normal(size=(ROWS, 1)) for _ in range(TRIALS)]
     y = [1.1 * a[:, 0] + 0.01 * rng.normal(size=ROWS) for a in A]
     prior = Prior(np.array([0.5, 0.0]), np.array([100.0, 0.0]))
-    found = descend(
+    found = minimise(
         lambda x: [a[:, 0] * x.sum() - b for a, b in zip(A, y, strict=True)], np.array([0.9, 0.2]), prior=prior
     )
     assert found.x == pytest.approx([0.5, 0.6], abs=0.01)
@@ -105,7 +105,7 @@ def test_students_test_over_trials_keeps_its_level_although_rows_of_a_trial_err_
     for _ in range(200):
         A = [rng.normal(size=(ROWS, 3)) + rng.normal(size=(1, 3)) for _ in range(trials)]
         y = [a @ np.full(3, 0.5) + 0.2 * rng.normal(size=ROWS) + 0.2 * rng.normal() for a in A]
-        found = descend(lambda x, A=A, y=y: [a @ x - b for a, b in zip(A, y, strict=True)], np.full(3, 0.5))
+        found = minimise(lambda x, A=A, y=y: [a @ x - b for a, b in zip(A, y, strict=True)], np.full(3, 0.5))
         false += abs(found.x[0] - 0.5) > half_widths(found)[0]
     assert stats.binom.sf(false - 1, 200, 0.05) > 1e-3
 
@@ -124,7 +124,7 @@ def test_a_wave_is_found_at_any_pitch_and_phase():
         return [5.0 * (made - hidden) / strength]
 
     base = fit(errors, ())
-    best = promising(errors, base, detent)[2]
+    best = promising_starts(errors, base, detent)[2]
     assert best["count_per_rad"] == pytest.approx(211.0 * reach, rel=0.02)
     found = extend(errors, base, detent, [best], 20).model[-1].values
     assert found["torque_Nm"] == pytest.approx(strength, rel=1e-3)

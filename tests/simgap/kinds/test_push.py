@@ -16,7 +16,7 @@ from schemas.measurement import MeasurementSpec
 from simgap.find_gap import find_effects
 from simgap.kinds.push.footprint import nearest
 from simgap.kinds.push.problem import PushProblem
-from simgap.kinds.push.sliding import pushed
+from simgap.kinds.push.sliding import simulate_pushes
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Push
 from simgap.recording.train_test_split import split_trials
@@ -137,7 +137,7 @@ def test_a_push_through_the_mass_centre_moves_straight_and_takes_the_whole_frict
     model = problem_of(pushes(Truth(), 0, 4), tmp_path).declared
     model = replace(model, standoff_m=0.0)
     tips = np.stack([np.linspace(-0.06, -0.04, 41), np.zeros(41)], axis=1)[None]
-    poses, forces = pushed(model, np.zeros((1, 3)), tips)
+    poses, forces = simulate_pushes(model, np.zeros((1, 3)), tips)
     np.testing.assert_allclose(poses[0, -1], [0.02, 0.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(forces[0, -1], [MU * MASS_KG * G, 0.0], rtol=1e-9)
 
@@ -145,10 +145,10 @@ def test_a_push_through_the_mass_centre_moves_straight_and_takes_the_whole_frict
 def test_the_world_may_be_turned(tmp_path):
     problem = problem_of(pushes(Truth(), 0, 6), tmp_path)
     whole = problem._joined(problem.trial_ids)
-    plain, force = pushed(problem.declared, whole.before, whole.tips)
+    plain, force = simulate_pushes(problem.declared, whole.before, whole.tips)
     R = np.array([[0.0, -1.0], [1.0, 0.0]])
     start = np.column_stack([whole.before[:, :2] @ R.T, whole.before[:, 2] + np.pi / 2.0])
-    turned, turned_force = pushed(problem.declared, start, whole.tips @ R.T)
+    turned, turned_force = simulate_pushes(problem.declared, start, whole.tips @ R.T)
     np.testing.assert_allclose(turned[..., :2], plain[..., :2] @ R.T, atol=1e-12)
     np.testing.assert_allclose(turned_force, force @ R.T, atol=1e-9)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from schemas.physics import CollisionShape
-from sim.bullet.body import BulletBodyReplay
+from sim.bullet.body import BulletBodyRollout
 from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyWindows
 from simgap.sanity.convention_checks import body_engine_checks
 
@@ -35,7 +35,7 @@ NAMES = {
 class Altered:
     """PyBullet with one convention wrong."""
 
-    def __init__(self, engine: BulletBodyReplay, **changed: Callable[[Any], Any]) -> None:
+    def __init__(self, engine: BulletBodyRollout, **changed: Callable[[Any], Any]) -> None:
         self.engine, self.changed = engine, changed
 
     def rollout(self, model: BodyModel, windows: BodyWindows, wrenches=(), finer: float = 1.0) -> BodyMotion:
@@ -44,7 +44,7 @@ class Altered:
 
 
 def test_the_engine_holds_what_it_was_given():
-    with BulletBodyReplay(FINE_S) as engine:
+    with BulletBodyRollout(FINE_S) as engine:
         found = {t.name: (t.status, t.evidence) for t in body_engine_checks(engine, BOX)}
     assert set(found) == NAMES
     assert {n for n, (status, _) in found.items() if status != "ok"} == set(), found
@@ -59,6 +59,6 @@ def test_the_engine_holds_what_it_was_given():
     ],
 )
 def test_a_wrong_convention_is_seen(field: str, change, trap: str):
-    with BulletBodyReplay(FINE_S) as engine:
+    with BulletBodyRollout(FINE_S) as engine:
         found = {t.name: t.status for t in body_engine_checks(Altered(engine, **{field: change}), BOX)}
     assert found[trap] == "suspect"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from simgap.find_gap import find_effects
-from simgap.kinds.mechanism.inputs import next_inputs
+from simgap.kinds.mechanism.inputs import permuted_inputs
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.recording.train_test_split import split_trials
 from simgap.sanity.input_pairing import other_inputs_check, pairing_check
@@ -67,8 +67,8 @@ def test_trials_that_are_driven_alike_tell_nothing() -> None:
     trials = problem_of(DRIVEN[0]).measurement.trials
     name = "command" if trials[0].has("command") else "effort"
     wave = [replace(t, **{name: np.sin(6.0 * t.t_s)[:, None]}) for t in trials]
-    assert next_inputs(wave) is None
+    assert permuted_inputs(wave) is None
     other = [replace(t, **{name: np.sin((6.0 + k) * t.t_s)[:, None]}) for k, t in enumerate(trials)]
-    moved = next_inputs(other)
+    moved = permuted_inputs(other)
     assert moved is not None
     np.testing.assert_allclose(getattr(moved[0], name)[:, 0], np.sin(7.0 * trials[0].t_s), atol=0.1)

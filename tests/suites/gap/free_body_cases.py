@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from schemas.measurement import MeasurementSpec, SensorNoise
-from sim.bullet.body import BulletBodyReplay
+from sim.bullet.body import BulletBodyRollout
 from simgap.kinds.free_body.declared_model import build_body
 from simgap.kinds.free_body.problem import FreeBodyProblem
-from simgap.kinds.free_body.rigid import RigidMover
+from simgap.kinds.free_body.rigid import RigidBodySimulator
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Trial
 from tests.suites.gap.case import Case, Family
@@ -74,7 +74,7 @@ def _recorded(box: Box, spec: MeasurementSpec, made: Toss, rng: np.random.Genera
     """Tosses as MuJoCo makes them, as a problem; starts and noise follow from the state of `rng`."""
     recordings = [toss(box, made.hidden, rng, made.noise, made.step_s) for _ in range(TRIALS)]
     measurement = _measured(spec, recordings)
-    return lambda: FreeBodyProblem(measurement, RigidMover(build_body(spec, Path(".")), BulletBodyReplay()))
+    return lambda: FreeBodyProblem(measurement, RigidBodySimulator(build_body(spec, Path(".")), BulletBodyRollout()))
 
 
 def _controls(box: Box, rng: np.random.Generator) -> dict[str, Toss]:

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from simgap.inference.fit import Fit, fit, rollout_errors, spread
+from simgap.inference.fit import Fit, fit, rollout_errors, robust_scale
 from simgap.inference.losses import paired_p, trial_losses
-from simgap.problem import Problem, around
+from simgap.problem import Problem, with_initial_states_at
 
 GAINS = {"small": 0.02, "middle": 0.10, "large": 0.40}  # shares of the null refit's rms error
 _TRIES = 7
@@ -23,8 +23,8 @@ def size_of(gain: float) -> str:
 def null_error(problem: Problem, scale: np.ndarray | None = None) -> tuple[float, np.ndarray]:
     """Root of the null refit's mean loss over all trials, in levels `scale` (c,; default: what it leaves itself)."""
     ids, view = problem.trial_ids, "short_horizon"
-    null_fit = fit(rollout_errors(problem, ids, view, spread(problem, (), ids, view)), problem.nuisances())
-    level = spread(problem, null_fit.model, ids, view) if scale is None else scale
+    null_fit = fit(rollout_errors(problem, ids, view, robust_scale(problem, (), ids, view)), problem.nuisances())
+    level = robust_scale(problem, null_fit.model, ids, view) if scale is None else scale
     return float(np.sqrt(trial_losses(problem.residuals(null_fit.model, ids, view), level).mean())), level
 
 
@@ -66,9 +66,9 @@ def chance(hidden: Problem, plain: Problem, trials: Sequence[str]) -> float:
     view = "long_horizon"
 
     def refitted(problem: Problem, scale: np.ndarray | None) -> tuple[Fit, np.ndarray]:
-        first = fit(rollout_errors(problem, trials, view, spread(problem, (), trials, view)), problem.nuisances())
-        here = around(problem, first.model)
-        level = spread(here, first.model, trials, view) if scale is None else scale
+        first = fit(rollout_errors(problem, trials, view, robust_scale(problem, (), trials, view)), problem.nuisances())
+        here = with_initial_states_at(problem, first.model)
+        level = robust_scale(here, first.model, trials, view) if scale is None else scale
         return fit(rollout_errors(here, trials, view, level), problem.nuisances()), level
 
     without, level = refitted(plain, None)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.bullet.body import BulletBodyReplay
+from sim.bullet.body import BulletBodyRollout
 from simgap.kinds.free_body.problem import FreeBodyProblem
-from simgap.kinds.free_body.rigid import RigidMover
+from simgap.kinds.free_body.rigid import RigidBodySimulator
 from simgap.problem import Term
 from tests.suites.gap.free_body_cases import free_body_case
 from tests.suites.gap.run import run_case
@@ -46,10 +46,10 @@ def test_a_box_that_is_declared_a_hair_off_is_no_smaller_beside_a_scale(declared
     """Errors of readings shrink with every toss, that of a file does not: falls and rest still agree."""
     exact = free_body_case(28).problem()
     assert isinstance(exact, FreeBodyProblem)
-    assert isinstance(exact.mover, RigidMover)
+    assert isinstance(exact.mover, RigidBodySimulator)
     body = exact.mover.declared
     shapes = tuple(replace(s, size_m=tuple(declared * v for v in s.size_m)) for s in body.shapes)
-    problem = FreeBodyProblem(exact.measurement, RigidMover(replace(body, shapes=shapes), BulletBodyReplay()))
+    problem = FreeBodyProblem(exact.measurement, RigidBodySimulator(replace(body, shapes=shapes), BulletBodyRollout()))
     scale, size = (next(c for c in problem.candidates() if c.effect.name == n) for n in ("sensor.scale", "body.size"))
     beside = problem.direct(size, (Term(scale, {"factor": 0.94}),), problem.trial_ids)  # hidden: 0.95
     assert beside is not None
@@ -63,7 +63,7 @@ def test_a_scale_on_which_falls_and_rest_differ_is_left_as_it_was_fitted():
     scale, size = (next(c for c in problem.candidates() if c.effect.name == n) for n in ("sensor.scale", "body.size"))
     shrunk = Term(size, {"factor": 0.95})  # Not told yet where the scale is asked: then rest says another scale.
     alone, both = ((Term(scale, {"factor": 0.95}),), (Term(scale, {"factor": 0.95}), shrunk))
-    told = [problem._as_told(model, problem.trial_ids) for model in (alone, both)]  # pyright: ignore[reportPrivateUsage]
+    told = [problem._with_direct_values(model, problem.trial_ids) for model in (alone, both)]  # pyright: ignore[reportPrivateUsage]
     assert told[0][0].values["factor"] == pytest.approx(0.95, abs=0.002)
     assert told[0][0].values["factor"] != 0.95
     assert told[1][0].values["factor"] == 0.95

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from schemas.gap import EFFECT_NAMES
-from simgap.inference.agreement import agree, of_one_shape
+from simgap.inference.agreement import agree, with_fixed_shape
 from simgap.inference.forward_selection import select
 from simgap.kinds.mechanism.equation_error import smooth_means
 from simgap.kinds.mechanism.problem import MechanismProblem
@@ -121,7 +121,7 @@ def test_the_same_measurement_gives_the_same_selection():
         case = mechanism_case(0)
         problem = case.problem()
         selection = select(problem, split_trials(case.spec, problem.trial_ids), "short_horizon")
-        gains.append([(t.candidate.key, t.comparison.gain) for t in selection.rounds[0].tried])
+        gains.append([(t.candidate.key, t.comparison.gain) for t in selection.screenings[0].fits])
     assert gains[0] == gains[1]
 
 
@@ -149,7 +149,7 @@ def test_strengths_of_two_routes_are_compared_at_one_shape():
     problem = mechanism_case(1048).problem()
     rubbing = next(c for c in problem.candidates() if c.effect.name == "joint.stribeck_friction")
     rolled_out = Term(rubbing, {"torque_Nm": 27.3, "velocity_radps": 0.272})
-    freely, pinned = (problem.direct(c, (), problem.trial_ids) for c in (rubbing, of_one_shape(rolled_out)))
+    freely, pinned = (problem.direct(c, (), problem.trial_ids) for c in (rubbing, with_fixed_shape(rolled_out)))
     assert freely is not None
     assert pinned is not None
     assert freely.values["torque_Nm"] > 3.0 * rolled_out.values["torque_Nm"]

@@ -14,9 +14,9 @@ from schemas.physics import CollisionShape
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
-from simgap.kinds.free_body.candidates import absent, candidates_of, narrowed
+from simgap.kinds.free_body.candidates import absent, candidates_of, with_direct_bounds
 from simgap.kinds.free_body.direct_estimates import estimate, pooled
-from simgap.kinds.free_body.evidence import Evidence
+from simgap.kinds.free_body.evidence import NormalEquations
 from simgap.kinds.free_body.toss import Toss
 from simgap.problem import DirectEstimate
 
@@ -186,7 +186,7 @@ def test_a_reading_that_sees_nothing_is_enough_only_where_it_contradicts_the_oth
     """A real scale of 0.99 may be lost in the noise of falls, and still be there at rest."""
     wide = next(c for c in candidates_of(CUBE, [_toss(*_sliding(0.5)).series]) if c.effect.name == "sensor.scale")
     rest = _reading(0.99, 0.0005)
-    assert absent(wide, replace(rest, apart=(falls, rest))) == missing
+    assert absent(wide, replace(rest, separate_readings=(falls, rest))) == missing
 
 
 @pytest.mark.parametrize(("p_value", "highest"), [(1e-6, 0.0038), (0.03, 0.0046)])
@@ -194,7 +194,7 @@ def test_fits_go_no_further_than_what_motion_tells_errs(p_value: float, highest:
     flight = _toss(*_flight(np.array([0.0, 0.0, -G]))[:3])
     wide = next(c for c in candidates_of(CUBE, [flight.series]) if c.effect.name == "sensor.velocity_age")
     low, high = wide.bounds["age_s"]
-    held = narrowed(wide, DirectEstimate({"age_s": 0.0034}, {"age_s": 1e-4}, p_value, 12))
+    held = with_direct_bounds(wide, DirectEstimate({"age_s": 0.0034}, {"age_s": 1e-4}, p_value, 12))
     span = 0.002 * (high - low)
     assert held.bounds["age_s"] == pytest.approx((max(low, -highest + 0.0034 - span), highest + span), abs=6e-5)
     assert held.direct_half_width == ({"age_s": pytest.approx(0.0004 + span, abs=6e-5)} if p_value < 0.01 else {})
@@ -220,7 +220,7 @@ def test_pooled_errors_are_those_of_repeated_experiments(freedom: int) -> None:
     for _ in range(400):
         sizes, values = rng.uniform(0.5, 2.0, 24), rng.standard_t(freedom, 24)
         sets = iter(
-            Evidence(np.array([[s]]), np.array([s * v]), np.zeros(1)) for s, v in zip(sizes, values, strict=True)
+            NormalEquations(np.array([[s]]), np.array([s * v]), np.zeros(1)) for s, v in zip(sizes, values, strict=True)
         )
         found = pooled(lambda _, sets=sets: next(sets), [None] * 24)  # pyright: ignore[reportArgumentType]
         assert found is not None

@@ -12,17 +12,17 @@ from scipy.spatial.transform import Rotation
 from schemas.gap import Place
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
-from sim.bullet.linkage import BulletLinkageReplay
+from sim.bullet.linkage import BulletLinkageRollout
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import Series
 from sim.dynamics.linkage_rollout import LinkageModel
 from sim.dynamics.mechanism import MechanismModel
 from sim.dynamics.tree import Link
 from sim.effects.library import effect
-from simgap.kinds.free_body.bootstrap import moved
+from simgap.kinds.free_body.bootstrap import simulated_motion
 from simgap.kinds.free_body.direct_estimates import biases_of, estimate
 from simgap.kinds.linkage.direct_estimates import routes_to
-from simgap.kinds.linkage.tossed_body import LinkageMover
+from simgap.kinds.linkage.tossed_body import LinkageSimulator
 from simgap.problem import Candidate, DirectEstimate
 
 RATE_HZ, ROWS, TOSSES = 150.0, 40, 24
@@ -82,10 +82,10 @@ def told(
 ) -> DirectEstimate:
     """The estimate, its error with what the estimator makes of a motion in which nothing is hidden."""
     candidate = Candidate(effect(name), where, null, null, dict.fromkeys(null, (-10.0, 10.0)))
-    with BulletLinkageReplay() as engine:
-        mover = LinkageMover(believed or hinge(), engine)
+    with BulletLinkageRollout() as engine:
+        mover = LinkageSimulator(believed or hinge(), engine)
         applied, routes = mover.apply(()), routes_to(candidate)
-        plain = [[mover.toss(applied, moved(mover, applied, s, finer)) for s in series] for finer in (1.0, 4.0)]
+        plain = [[mover.toss(applied, simulated_motion(mover, applied, s, finer)) for s in series] for finer in (1.0, 4.0)]
     biases = biases_of(candidate, plain, routes)
     found = estimate(candidate, [mover.toss(applied, s) for s in series], biases, routes)
     assert found is not None

@@ -12,13 +12,13 @@ from schemas.measurement import MeasurementSpec
 from sim.dynamics.hooks import JointTorque
 from sim.dynamics.mechanism import Law, rollout
 from sim.effects.library import effect
-from simgap.inference.direct_comparison import leads
-from simgap.inference.intervals import pressed
+from simgap.inference.direct_comparison import is_better
+from simgap.inference.intervals import threshold_excess
 from simgap.kinds.mechanism.apply_model import apply_terms
-from simgap.kinds.mechanism.free_initial_states import free_starts
+from simgap.kinds.mechanism.free_initial_states import linearised_initial_states
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.kinds.mechanism.windows import cut, windows_of
-from simgap.problem import DirectEstimate, Problem, Term, around
+from simgap.problem import DirectEstimate, Problem, Term, with_initial_states_at
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Trial
 
@@ -99,7 +99,7 @@ def test_what_starts_do_is_taken_at_the_model_that_is_asked_for():
     true = (Term(candidate, {"damping_Nms_per_rad": 0.02}),)
     far, near = (
         max(np.abs(r).max() for r in p.residuals(true, p.trial_ids, "long_horizon"))
-        for p in (problem, around(problem, true))
+        for p in (problem, with_initial_states_at(problem, true))
     )
     assert near < 0.08 * far  # the step of the truth is not without error either
 
@@ -116,7 +116,7 @@ def test_a_blow_from_an_uncertain_start_is_put_right_by_beginning_elsewhere():
         found = seen.residuals(true, problem.trial_ids, "long_horizon")
         return np.array([np.sqrt(((r / level) ** 2).mean()) for r in found])
 
-    blind, seeing = rms(around(problem, ())), rms(around(problem, true))
+    blind, seeing = rms(with_initial_states_at(problem, ())), rms(with_initial_states_at(problem, true))
     assert (blind > 5.0).sum() >= 3
     assert np.median(seeing) < 1.3
     assert (seeing < 2.0).all()
@@ -126,7 +126,7 @@ def test_where_a_stop_begins_is_known_to_half_the_depth_at_best():
     problem = _swing(0.0, NOISE, stop=STOP)
     candidate = next(c for c in problem.candidates() if c.effect.name == "joint.hard_stop")
     deepest = min(float(np.nanmin(t.q)) for t in problem.measurement.trials)
-    half = pressed(Term(candidate, {**STOP, "upper_rad": candidate.null["upper_rad"]}))
+    half = threshold_excess(Term(candidate, {**STOP, "upper_rad": candidate.null["upper_rad"]}))
     assert set(half) == {"lower_rad"}
     assert half["lower_rad"] == pytest.approx(0.5 * (STOP["lower_rad"] - deepest), abs=5e-3)
 
@@ -134,7 +134,7 @@ def test_where_a_stop_begins_is_known_to_half_the_depth_at_best():
 def test_no_error_of_a_start_is_left_and_any_other_is():
     rng = np.random.default_rng(0)
     changes = rng.normal(0.0, 1.0, (3, 8, 2, 4))
-    starts = free_starts(changes, np.full((3, 2), 1e-6), np.zeros((3, 8, 2)))
+    starts = linearised_initial_states(changes, np.full((3, 2), 1e-6), np.zeros((3, 8, 2)))
     wrong = changes @ np.array([0.3, -2.0, 1.0, 0.5])
     assert np.abs(starts.without(wrong)).max() < 1e-9
     other = rng.normal(0.0, 1.0, (3, 8, 2))
@@ -157,6 +157,6 @@ def test_a_route_leads_by_what_it_leaves_or_does_not():
     """A truth value of its own kind would be neither: what the direct route preferred went unheard by that once."""
     estimate = DirectEstimate({}, {}, 0.0, 4, np.array([1.0, 2.0, 3.0, 2.5]))
     better = replace(estimate, held_out=np.array([0.5, 1.1, 1.4, 1.2]))
-    assert leads(better, estimate) is True
-    assert leads(estimate, better) is False
-    assert leads(better, replace(estimate, held_out=None)) is None
+    assert is_better(better, estimate) is True
+    assert is_better(estimate, better) is False
+    assert is_better(better, replace(estimate, held_out=None)) is None

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from schemas.measurement import MeasurementSpec
 from sim.dynamics.mechanism import rollout
 from simgap.kinds.mechanism.apply_model import apply_terms
-from simgap.kinds.mechanism.input_timing import beats_of, even_stamps, on_beat
+from simgap.kinds.mechanism.input_timing import possible_timings, even_stamps, with_timing
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.kinds.mechanism.windows import cut, windows_of
-from simgap.problem import around
+from simgap.problem import with_initial_states_at
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Trial
 
@@ -33,8 +33,8 @@ def _trial(name: str, t_s: np.ndarray, command: np.ndarray, q: np.ndarray | None
 
 def test_rows_without_gaps_keep_their_inputs():
     trial = _trial("t", np.arange(20) * ROW_S, np.random.default_rng(0).normal(size=(20, 1)))
-    np.testing.assert_array_equal(on_beat(trial, "stamps").command, trial.command)
-    assert beats_of(trial) == ("stamps",)
+    np.testing.assert_array_equal(with_timing(trial, "stamps").command, trial.command)
+    assert possible_timings(trial) == ("stamps",)
 
 
 @settings(max_examples=50, deadline=None)
@@ -45,27 +45,27 @@ def test_the_impulse_of_lost_rows_is_that_of_a_ramp(lost: int, place: int, slope
     ramp = slope * t_s[:, None]
     kept = np.ones(20, dtype=bool)
     kept[place : place + lost] = False
-    seen = on_beat(_trial("t", t_s[kept], ramp[kept]), "stamps").command
+    seen = with_timing(_trial("t", t_s[kept], ramp[kept]), "stamps").command
     assert seen[place - 1, 0] == pytest.approx(ramp[place - 1 : place + lost, 0].mean(), abs=1e-9)
     np.testing.assert_allclose(np.delete(seen, place - 1, axis=0), np.delete(ramp[kept], place - 1, axis=0), atol=1e-9)
 
 
 def test_a_step_in_a_gap_is_split_between_the_two_times_it_may_have_come():
     command = np.array([0.0, 0.0, 1.0, 1.0])[:, None]
-    seen = on_beat(_trial("t", np.array([0.0, 1.0, 3.0, 4.0]), command), "stamps").command
+    seen = with_timing(_trial("t", np.array([0.0, 1.0, 3.0, 4.0]), command), "stamps").command
     np.testing.assert_allclose(seen[:, 0], [0.0, 0.25, 1.0, 1.0])
 
 
 def test_a_long_pause_is_no_row_that_was_lost():
     command = np.array([0.0, 1.0, 2.0, 3.0])[:, None]
-    seen = on_beat(_trial("t", np.array([0.0, 1.0, 2.0, 50.0]), command), "stamps").command
+    seen = with_timing(_trial("t", np.array([0.0, 1.0, 2.0, 50.0]), command), "stamps").command
     np.testing.assert_allclose(seen, command)
 
 
 def test_an_even_beat_is_found_beneath_jitter_and_gaps():
     rng = np.random.default_rng(3)
-    beat = 2.0 + np.arange(400) * ROW_S
-    stamps = (beat + rng.normal(0.0, 0.03 * ROW_S, 400))[rng.random(400) > 0.02]
+    timing = 2.0 + np.arange(400) * ROW_S
+    stamps = (timing + rng.normal(0.0, 0.03 * ROW_S, 400))[rng.random(400) > 0.02]
     even = even_stamps(stamps)
     assert even is not None
     np.testing.assert_allclose(np.diff(even) / ROW_S, np.round(np.diff(even) / ROW_S), atol=1e-3)
@@ -74,7 +74,7 @@ def test_an_even_beat_is_found_beneath_jitter_and_gaps():
 
 def test_stamps_that_follow_no_beat_are_left_alone():
     t_s = np.cumsum(np.random.default_rng(1).uniform(0.2, 1.8, 300)) * ROW_S
-    assert beats_of(_trial("t", t_s, np.zeros((300, 1)))) == ("stamps",)
+    assert possible_timings(_trial("t", t_s, np.zeros((300, 1)))) == ("stamps",)
 
 
 def _servo(late_loop: bool, late_reading: bool) -> MechanismProblem:
@@ -94,13 +94,13 @@ def _servo(late_loop: bool, late_reading: bool) -> MechanismProblem:
     clock = np.arange(ROWS * fine) * ROW_S / fine
     trials, moved = [], []
     for k in range(8):
-        beat = np.arange(ROWS) * ROW_S
-        stamps = np.clip(beat + rng.normal(0.0, 0.05, ROWS) * ROW_S, 0.0, None)
-        command = sum(a * np.sin(w * beat + p) for a, w, p in rng.uniform((0.1, 4.0, 0.0), (0.4, 15.0, 6.0), (4, 3)))
-        sent_at = stamps if late_loop else beat
+        timing = np.arange(ROWS) * ROW_S
+        stamps = np.clip(timing + rng.normal(0.0, 0.05, ROWS) * ROW_S, 0.0, None)
+        command = sum(a * np.sin(w * timing + p) for a, w, p in rng.uniform((0.1, 4.0, 0.0), (0.4, 15.0, 6.0), (4, 3)))
+        sent_at = stamps if late_loop else timing
         held = command[np.clip(np.searchsorted(sent_at, clock, side="right") - 1, 0, ROWS - 1)]
         trials.append((f"t{k}", stamps, command[:, None]))
-        moved.append((sent_at, stamps if late_reading else beat, held))
+        moved.append((sent_at, stamps if late_reading else timing, held))
     plain = [_trial(f"t{k}", clock, held[:, None]) for k, (_, _, held) in enumerate(moved)]
     still = MechanismProblem(Measurement(spec, tuple(plain), Path("."), "servo", ("axis",)))
     applied = apply_terms(still.declared, ())
@@ -116,17 +116,17 @@ def _servo(late_loop: bool, late_reading: bool) -> MechanismProblem:
 
 
 @pytest.mark.parametrize(
-    ("late_loop", "late_reading", "beat"),
+    ("late_loop", "late_reading", "timing"),
     [(True, True, "stamps"), (False, True, "even_inputs"), (False, False, "even")],
 )
-def test_the_motion_tells_when_inputs_act_and_readings_were_taken(late_loop: bool, late_reading: bool, beat: str):
-    found = around(_servo(late_loop, late_reading), ())
+def test_the_motion_tells_when_inputs_act_and_readings_were_taken(late_loop: bool, late_reading: bool, timing: str):
+    found = with_initial_states_at(_servo(late_loop, late_reading), ())
     assert isinstance(found, MechanismProblem)
-    assert found.beat == beat
-    timing = found.timing()
-    assert timing is not None
-    assert timing.status == ("ok" if beat == "stamps" else "fixed")
-    assert "0.25 ms" in timing.evidence
+    assert found.timing == timing
+    timing_check = found.timing_check()
+    assert timing_check is not None
+    assert timing_check.status == ("ok" if timing == "stamps" else "fixed")
+    assert "0.25 ms" in timing_check.evidence
 
 
 def test_inputs_that_no_motion_hears_of_leave_the_stamps():
@@ -134,22 +134,22 @@ def test_inputs_that_no_motion_hears_of_leave_the_stamps():
     problem = _servo(True, True)
     rng = np.random.default_rng(2)
     trials = tuple(replace(t, q=rng.normal(size=t.q.shape)) for t in problem.measurement.trials)
-    found = around(MechanismProblem(replace(problem.measurement, trials=trials)), ())
+    found = with_initial_states_at(MechanismProblem(replace(problem.measurement, trials=trials)), ())
     assert isinstance(found, MechanismProblem)
-    assert found.beat == "stamps"
+    assert found.timing == "stamps"
 
 
 def test_one_late_stamp_is_no_lost_row():
     t_s = np.array([0.0, 0.01, 0.026, 0.03, 0.04, 0.05])
     command = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])[:, None]
-    np.testing.assert_array_equal(on_beat(_trial("t", t_s, command), "stamps").command, command)
+    np.testing.assert_array_equal(with_timing(_trial("t", t_s, command), "stamps").command, command)
 
 
 @pytest.mark.parametrize("t_s", [[0.0], [0.0, 0.1], [0.0, 0.0, 0.0, 0.01], [0.0, 0.02, 0.01, 0.03]])
 def test_stamps_without_a_beat_are_left_alone(t_s: list[float]):
     trial = _trial("t", np.array(t_s), np.arange(len(t_s), dtype=float)[:, None])
-    assert beats_of(trial) == ("stamps",)
-    np.testing.assert_array_equal(on_beat(trial, "stamps").command, trial.command)
+    assert possible_timings(trial) == ("stamps",)
+    np.testing.assert_array_equal(with_timing(trial, "stamps").command, trial.command)
 
 
 def test_beats_that_cut_windows_differently_are_compared_too():
@@ -158,11 +158,11 @@ def test_beats_that_cut_windows_differently_are_compared_too():
     spec = _servo(True, True).measurement.spec
     trials = []
     for k in range(2):
-        beat = np.arange(1000) * 2e-3
-        stamps = np.clip(beat + rng.normal(0.0, 0.05, 1000) * 2e-3, 0.0, None)
-        command = 0.3 * np.sin(9.0 * beat + k)[:, None]
+        timing = np.arange(1000) * 2e-3
+        stamps = np.clip(timing + rng.normal(0.0, 0.05, 1000) * 2e-3, 0.0, None)
+        command = 0.3 * np.sin(9.0 * timing + k)[:, None]
         trials.append(_trial(f"t{k}", np.maximum.accumulate(stamps), command, command + rng.normal(0, 1e-4, (1000, 1))))
     for some in (trials, [replace(t, t_s=t.t_s * 1.0007) for t in trials]):
         problem = MechanismProblem(Measurement(spec, tuple(some), Path("."), "servo", ("axis",)))
-        found = around(problem, ())
+        found = with_initial_states_at(problem, ())
         assert len(found.residuals((), found.trial_ids, "long_horizon")) == 2

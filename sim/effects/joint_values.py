@@ -1,4 +1,4 @@
-"""Helpers for effects that change one number of a mechanism."""
+"""Helpers for effects that change one value of one joint or link of a mechanism model."""
 
 from __future__ import annotations
 
