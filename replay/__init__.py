@@ -1,11 +1,15 @@
-"""Replay augmentation: recorded episodes with new static context outside the proven swept volume of all that moves."""
+"""Replay augmentation: recorded episodes with new static objects outside the proven swept volume of all moving bodies.
+
+Start with `augmentation` (order of the steps); `run` is the call for many recordings, `verification` the
+independent check.
+"""
 
 from typing import TYPE_CHECKING
 
 from schemas.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from replay.recording.read import read_episodes
+    from replay.recording.formats.read import read_episodes
     from replay.run import Augmented, augment
     from replay.verification.check_output import check_output
 
@@ -16,6 +20,6 @@ __getattr__, __dir__ = lazy_exports(
         "Augmented": "replay.run",
         "augment": "replay.run",
         "check_output": "replay.verification.check_output",
-        "read_episodes": "replay.recording.read",
+        "read_episodes": "replay.recording.formats.read",
     },
 )

@@ -1,4 +1,4 @@
-"""Entry point of an augmentation cell: the recordings of one source become variants with new objects.
+"""Entry point of an augmentation cell: variants with new objects of all recordings of one source.
 
 The request is JSON: source, folders, options, and the name of the function that offers candidates. Finished episodes
 with the same options and inputs are kept.
@@ -15,14 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from jobs.cache import content_key, file_sha256, write_atomically
-from replay.augmentation import Prepared, no_room, prepare, variants
+from replay.augmentation import PreparedEpisode, insertion_shortfall, prepare, variants
 from replay.cell_answer import answer
 from replay.envelope.envelope import Settings
 from replay.insertion.candidates import from_plan
 from replay.recording.formats.digests import stream_digests
+from replay.recording.formats.read import read_episodes
 from replay.recording.formats.write import write_variant
-from replay.recording.read import read_episodes
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from runtime_plan import load
 from schemas.diagnostics import InvalidInput, finding
 from schemas.replay import VARIANT_FILE, Variant
@@ -32,21 +32,21 @@ from usdio.write.scene import PACKAGES, copy_package
 DONE = "augmented.json"
 
 
-def augment(given: dict[str, Any]) -> dict[str, Any]:
+def augment(request: dict[str, Any]) -> dict[str, Any]:
     """`rows`, one for each episode of the source. What was finished before with the same options is left as it is."""
-    paths = {key: Path(given[key]) if given[key] else None for key in ("meshes", "scene", "plan", "assets")}
-    out = Path(given["out"])
-    draw, left_out = _candidates(given["candidates"], paths["plan"], paths["assets"])
+    paths = {key: Path(request[key]) if request[key] else None for key in ("meshes", "scene", "plan", "assets")}
+    out = Path(request["out"])
+    draw, left_out = _candidates(request["candidates"], paths["plan"], paths["assets"])
     digests, rows = _digests(paths["plan"], paths["assets"], paths["scene"]), []
-    for episode in read_episodes(Path(given["source"]), paths["meshes"], paths["scene"]):
-        folder = out / (given["prefix"] + episode.name)
-        key = content_key(given["options"], digests, sorted(stream_digests(episode.source, episode.part).items()))
-        row = _finished(folder, given["source"], key)
+    for episode in read_episodes(Path(request["source"]), paths["meshes"], paths["scene"]):
+        folder = out / (request["prefix"] + episode.name)
+        key = content_key(request["options"], digests, sorted(stream_digests(episode.source, episode.part).items()))
+        row = _finished_row(folder, request["source"], key)
         if row is None:
             started = time.process_time()
-            prepared = prepare(episode, Settings(clearance_m=given["options"]["clearance_m"]), given["supports"])
+            prepared = prepare(episode, Settings(clearance_m=request["options"]["clearance_m"]), request["supports"])
             cpu_s = time.process_time() - started
-            row = _written(prepared, draw, given, folder)
+            row = _write_variants(prepared, draw, request, folder)
             row |= {"packages_left_out": left_out, "key": key, "envelope_cpu_s": round(cpu_s, 3)}
             write_atomically(folder / DONE, json.dumps(row, indent=1).encode())
         rows.append(row)
@@ -54,7 +54,7 @@ def augment(given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _candidates(name: str | None, plan: Path | None, assets: Path | None) -> tuple[Any, list[str]]:
-    """What is drawn for each variant, and packages left out: of the named function, else of the plan."""
+    """The function that draws candidates, and packages left out: from the named function, else from the plan."""
     if name is not None:
         return load_engine(name)(plan, assets)
     if plan is None:
@@ -63,13 +63,13 @@ def _candidates(name: str | None, plan: Path | None, assets: Path | None) -> tup
 
 
 def _digests(plan: Path | None, assets: Path | None, scene: Path | None) -> list[str]:
-    """What a job is made of beside the recording: a changed plan, package or scene is another job."""
+    """Digests of the inputs beside the recording: a changed plan, package or scene makes another job."""
     records = [] if assets is None else sorted(assets.glob("*/record.json"))
     return [file_sha256(file) for file in (plan, scene, *records) if file is not None]
 
 
-def _finished(folder: Path, source: str, key: str) -> dict[str, Any] | None:
-    """The row of a finished job, None where it is to be done; only what Mana made of this source is ever replaced.
+def _finished_row(folder: Path, source: str, key: str) -> dict[str, Any] | None:
+    """The row of a finished job, None where it is to be done; only variants of this source are ever replaced.
 
     Raises InvalidInput (`replay/out-taken`).
     """
@@ -77,21 +77,27 @@ def _finished(folder: Path, source: str, key: str) -> dict[str, Any] | None:
     if not note.is_file():
         strange = [p.name for p in folder.iterdir() if not (p / VARIANT_FILE).is_file()] if folder.is_dir() else []
         if strange:
-            raise stop("replay/out-taken", f"'{folder.name}' below --out holds '{sorted(strange)[0]}'", folder.name)
+            raise invalid_recording(
+                "replay/out-taken", f"'{folder.name}' below --out holds '{sorted(strange)[0]}'", folder.name
+            )
         return None
     try:
         row = json.loads(note.read_bytes())
-        of, made_as = row["source"], row["key"]
+        row_source, made_as = row["source"], row["key"]
     except (ValueError, KeyError, TypeError):
-        raise stop("replay/out-taken", f"'{folder.name}/{DONE}' below --out is not ours", folder.name) from None
-    if of != source:
-        raise stop("replay/out-taken", f"'{folder.name}' below --out has variants of {of}", folder.name)
+        raise invalid_recording(
+            "replay/out-taken", f"'{folder.name}/{DONE}' below --out is not ours", folder.name
+        ) from None
+    if row_source != source:
+        raise invalid_recording(
+            "replay/out-taken", f"'{folder.name}' below --out has variants of {row_source}", folder.name
+        )
     return row if made_as == key else None
 
 
-def _written(prepared: Prepared, draw: Any, given: dict[str, Any], folder: Path) -> dict[str, Any]:
-    options, episode = given["options"], prepared.episode
-    assets = Path(given["assets"]) if given["assets"] else None
+def _write_variants(prepared: PreparedEpisode, draw: Any, request: dict[str, Any], folder: Path) -> dict[str, Any]:
+    options, episode = request["options"], prepared.episode
+    assets = Path(request["assets"]) if request["assets"] else None
     for old in folder.glob("variant_*"):
         shutil.rmtree(old)
     written: list[Variant] = []
@@ -99,31 +105,39 @@ def _written(prepared: Prepared, draw: Any, given: dict[str, Any], folder: Path)
         prepared, draw, range(options["variants"]), options["objects"], options["seed"], assets, options["most_hidden"]
     ):
         stated = variant.model_copy(
-            update={"source": str(episode.source), "provenance": _provenance(given), "meshes": given["meshes"] or ""}
+            update={
+                "source": str(episode.source),
+                "provenance": _provenance(request),
+                "meshes": request["meshes"] or "",
+            }
         )
         written.append(write_variant(episode, stated, folder / f"variant_{variant.number:04d}"))
     for package in sorted({one.package for variant in written for one in variant.inserted if one.package}):
-        copy_package(Path(given["assets"]) / package, Path(given["out"]) / PACKAGES / package)
-    return {"episode": episode.name, "source": given["source"], **_figures(prepared, written)}
+        copy_package(Path(request["assets"]) / package, Path(request["out"]) / PACKAGES / package)
+    return {"episode": episode.name, "source": request["source"], **_figures(prepared, written)}
 
 
-def _figures(prepared: Prepared, written: list[Variant]) -> dict[str, Any]:
+def _figures(prepared: PreparedEpisode, written: list[Variant]) -> dict[str, Any]:
     counts = sorted(len(variant.inserted) for variant in written)
-    short = [d.model_dump(mode="json") for variant in written if (d := no_room(prepared, variant)) is not None]
+    short = [
+        d.model_dump(mode="json") for variant in written if (d := insertion_shortfall(prepared, variant)) is not None
+    ]
     return {
         "variants": len(written),
         "objects_requested": written[0].objects_requested if written else 0,
         "objects_inserted": {"min": counts[0], "median": counts[len(counts) // 2]} if counts else {},
         "most_hidden": max((max(v.camera_hidden.values(), default=0.0) for v in written), default=0.0),
         "capsules": len(prepared.envelope.body),
-        "supports": {site.room.support.name: round(site.room.support.area.area, 4) for site in prepared.sites},
+        "supports": {
+            site.free_space.support.name: round(site.free_space.support.area.area, 4) for site in prepared.sites
+        },
         "diagnostics": short[:3],
         "short_variants": len(short),
     }
 
 
-def _provenance(given: dict[str, Any]) -> dict[str, str]:
-    return {key: Path(given[key]).name for key in ("plan", "assets") if given[key]}
+def _provenance(request: dict[str, Any]) -> dict[str, str]:
+    return {key: Path(request[key]).name for key in ("plan", "assets") if request[key]}
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What a cell answers in JSON: the asking side and the answering side of commands that work recording by recording."""
+"""Run a module in a cell with a JSON request and a JSON result: the calling and the called side."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ONE_THREAD = {"OMP_NUM_THREADS": "1", "JE_ARROW_MALLOC_CONF": "background_thread
 
 
 def ask(module: str, given: dict[str, Any], limits: Limits, name: str) -> dict[str, Any]:
-    """What `python -m MODULE GIVEN NOTE` leaves in NOTE; `refused` with a diagnostic where it refuses or is stopped."""
+    """The result that `python -m MODULE GIVEN NOTE` writes to NOTE; `refused` with a diagnostic if it stops."""
     with tempfile.TemporaryDirectory(prefix="mana") as folder:
         note = Path(folder) / "answer.json"
         result = run_module(module, [json.dumps(given), str(note)], limits)
@@ -28,7 +28,7 @@ def ask(module: str, given: dict[str, Any], limits: Limits, name: str) -> dict[s
 
 
 def answer(work: Callable[[dict[str, Any]], dict[str, Any]], given: str, note: str) -> None:
-    """Do the work, and leave its answer or the reason for refusing in `note`."""
+    """Do the work, and write its result, or the reason for refusing, to `note`."""
     try:
         found = work(json.loads(given))
     except InvalidInput as refused:

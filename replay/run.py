@@ -81,7 +81,7 @@ def augment(
 
 def recordings_below(path: Path) -> Iterator[Path]:
     """The path itself where it is a recording, else the recordings in the folder, in the order of their names."""
-    from replay.recording.read import is_recording
+    from replay.recording.formats.read import is_recording
 
     if path.is_file() or is_recording(path):
         yield path

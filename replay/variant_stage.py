@@ -1,4 +1,4 @@
-"""A variant as a USD stage: the recording at its own stamps, and the inserted objects over it."""
+"""Write a variant as a USD stage: the recording at its own stamps, with the inserted objects."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from replay.recording.episode import Episode
 from replay.recording.kinematics import link_poses
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from replay.verification.check_output import read_variant, read_variant_episode
 from replay.verification.inserted_bodies import as_packaged
 from runtime_plan.materials import is_paired, with_material
@@ -31,7 +31,7 @@ def compose(folder: Path, packages: Path | None, meshes: Path | None = None) -> 
 
 
 def write_stage(folder: Path, variant: Variant, episode: Episode, packages: Path | None) -> Path:
-    """The same, of a variant and its recording that have been read."""
+    """As `compose`, for a variant and a recording that have been read."""
     library = packages if packages is not None else folder / PACKAGES
     lighting = SampledLighting.model_validate(variant.lights) if variant.lights else None
     for one in variant.inserted:
@@ -52,13 +52,17 @@ def _check_package(one: Inserted, library: Path) -> None:
     if one.package is None:
         return
     if not (library / one.package).resolve().is_relative_to(library.resolve()):
-        raise stop("replay/path-escape", f"package '{one.package}' is not below the folder of packages", VARIANT_FILE)
+        raise invalid_recording(
+            "replay/path-escape", f"package '{one.package}' is not below the folder of packages", VARIANT_FILE
+        )
     if not any((library / one.package / USD_FOLDER).glob("*.usda")):
-        raise stop("replay/missing-file", f"package '{one.package}' is not in the folder of packages", VARIANT_FILE)
+        raise invalid_recording(
+            "replay/missing-file", f"package '{one.package}' is not in the folder of packages", VARIANT_FILE
+        )
 
 
 def timed_bodies(episode: Episode) -> Iterator[TimedBody]:
-    """Links of all robots, objects, fixtures."""
+    """Poses of the links of all robots, of objects and of fixtures."""
     for robot in episode.robots:
         X_WL = link_poses(robot, robot.q, robot.X_WR)
         for number, link in enumerate(robot.links):
@@ -93,7 +97,7 @@ def _put_in(one: Inserted, variant: Variant, library: Path) -> InsertedObject:
 
 
 def _edit(one: Inserted, material: PairedMaterial, library: Path) -> SampleEdit:
-    """What a material makes of an object that never moves: looks and contact, no mass."""
+    """The edit for a material of an object that never moves: appearance and contact, no mass."""
     own = as_packaged(one, library)
     contact = with_material(own.body, own.density_kgm3, material).contact if is_paired(material) else None
     return SampleEdit(one.name, material=material, contact=contact)

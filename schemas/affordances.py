@@ -1,4 +1,5 @@
-"""Affordances: what can be done with which part of an object, and how. Relations (part, task, interaction).
+"""Affordances of an object: possible interactions with its parts, and how they are done, as relations
+(part, task, interaction).
 
 Lengths in metres, frame of the asset. A gripper frame G has its origin between the pads, +z along the approach, and x
 along the closing axis, so that the fingers close from -x and +x.

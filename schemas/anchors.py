@@ -1,4 +1,4 @@
-"""Anchors: what scenes attach things to. Surfaces to stand on and volumes to put into, in the frame of their asset.
+"""Anchors, to which scenes attach objects: support surfaces and containment volumes, in the frame of their asset (m).
 
 An anchor frame A has its origin at the centre of the bounding box of the anchor's polygon and the axes of the asset
 frame, so that z is up and `quat_wxyz` the identity (design: scene program). Lengths in metres.
@@ -27,7 +27,7 @@ class AnchorPolygon(_Model):
 
 
 class SupportSurface(_Model):
-    """A near-horizontal face that things can stand on.
+    """A near-horizontal face that can support objects.
 
     `clearance_m` is the least free height above it, None where the sky is free. `load_directions` are unit vectors out
     of the surface along which a thing can come or go: up, and sideways over the edges of the narrowest box around it.

@@ -42,7 +42,7 @@ def load(type_: type[T], path: Path) -> T:
 
 @cache
 def adapter(type_: type[T]) -> TypeAdapter[T]:
-    """What turns values of a type into plain ones and back; made once, which takes longer than to use it."""
+    """The converter between values of a type and plain ones; made once, since making it takes longer than using it."""
     return TypeAdapter(type_)
 
 

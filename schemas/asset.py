@@ -130,7 +130,7 @@ class GeometrySection(_Section):
 
 
 class AppearanceSection(_Section):
-    """Render materials as authored, and what the source held that UsdPreviewSurface cannot say.
+    """Render materials as authored, and features of the source that UsdPreviewSurface cannot express.
 
     `colours` are basic colour terms with their share of the visible surface, by the base colours that materials,
     textures and vertices state; empty when nothing states one.
@@ -163,11 +163,11 @@ class UprightHypothesis(_Section):
 
 
 class EndpointAnswer(_Section):
-    """What a multimodal model said of the pictures, before names and shape were weighed against it.
+    """Answer of a multimodal model on the pictures, before names and shape were weighed against it.
 
-    `categories` and `roles` are of the controlled vocabulary, with the model's own confidence; `refused` is what it
-    said beside it. `description` is its free text, cleaned and cut: words of a stranger, never a value. `settings` are
-    those that the endpoint took.
+    `categories` and `roles` are of the controlled vocabulary, with the model's own confidence; `refused` are its
+    words outside it. `description` is its free text, cleaned and cut: words of a stranger, never a value. `settings`
+    are those that the endpoint took.
     """
 
     method: str
@@ -179,7 +179,7 @@ class EndpointAnswer(_Section):
 
 
 class SemanticsSection(_Section):
-    """Meaning; what nobody knows is `default` with confidence 0.
+    """Meaning of an object; unknown values are `default` with confidence 0.
 
     `category` and `family` are of the controlled vocabulary, unless the user stated another category;
     `interaction_group` is how things of the category move when they are articulated. `hypotheses` are all categories
@@ -251,7 +251,7 @@ class PhysicsSection(_Section):
     joints: tuple[Evidence[dict[str, Any]], ...] = ()
 
     @property
-    def stands_in(self) -> bool:
+    def collider_misses_bounds(self) -> bool:
         """Whether the chosen collider misses a bound, so that a person should look before anyone uses it."""
         return not any(c.accepted for c in self.candidates if c.method == self.collision_method)
 

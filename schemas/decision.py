@@ -1,4 +1,4 @@
-"""What a person decided about one source asset; `decisions.jsonl` of an output folder holds one per line."""
+"""Decisions of people about one source asset; `decisions.jsonl` of an output folder holds one per line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Decision(BaseModel):
     """One decision, kept for good: a later one about the same thing overrules it, nothing is ever deleted.
 
     It is about content, not about a place: it holds wherever a file with `source_sha256` is ingested beside the same
-    `references` (file, seen from the source's folder -> sha256). `source` says where it lay, for people. `object` is
+    `references` (file, seen from the source's folder -> sha256). `source` is its path then, for people. `object` is
     the number of the object in a file of several, 0 for all of them. `set` maps fields to what is stated of them, an
     empty text withdraws a statement; `parts` maps part ids to labels. `accept`: the asset is good as it is, in spite of
     the findings `known` to the person; False withdraws that, None says nothing about it.

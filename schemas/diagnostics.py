@@ -68,7 +68,7 @@ class Diagnostic(BaseModel):
 
 
 class InvalidInput(Exception):
-    """The user's file cannot be used; `diagnostic` says why."""
+    """The user's file cannot be used; `diagnostic` gives the reason."""
 
     def __init__(self, diagnostic: Diagnostic) -> None:
         super().__init__(diagnostic.headline)

@@ -1,4 +1,4 @@
-"""`episode.json`: what the numbers of a recording belong to (docs/reference/episode-folder.md).
+"""`episode.json`: robots, bodies and cameras of the columns of a recording (docs/reference/episode-folder.md).
 
 Metres, radians unless a name says degrees, quaternions wxyz, z up. W world; R base of a robot, B body, C camera, which
 looks along -z with +y up. Paths are relative to the folder of the file.
@@ -73,9 +73,9 @@ Shape = Annotated[BoxShape | SphereShape | RoundShape | MeshShape, Field(discrim
 
 
 class RobotEntry(Posed):
-    """A robot, or a fixture with joints. Its base stands at its pose unless the table has `base.<name>.px ...`.
+    """A robot, or a fixture with joints. Its base is fixed at its pose unless the table has `base.<name>.px ...`.
 
-    `model` is a URDF or MuJoCo file. `positions` are joints that were not recorded and stood still. `joints` is the
+    `model` is a URDF or MuJoCo file. `positions` are joints that were not recorded and did not move. `joints` is the
     order of the coordinates where the recording has them as one vector (ManiSkill).
     """
 
@@ -111,7 +111,7 @@ class CameraEntry(Posed):
 
 
 class EpisodeDescription(_Model):
-    """The file. `columns` says where a stream lies in a table of other names: `{"q.joint1": "observation.state[0]"}`.
+    """The file. `columns` maps streams to columns of a table with other names: `{"q.joint1": "observation.state[0]"}`.
 
     `control_hz` gives the stamps of recordings that have none (ManiSkill).
     """

@@ -1,4 +1,4 @@
-"""Where a derived value comes from, by which method, and how sure we are."""
+"""A derived value with its evidence: origin, method, confidence (0 to 1) and bounds."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ Source = Literal["declared", "measured", "inferred", "default"]
 class Evidence(BaseModel, Generic[T]):
     """A value with its origin.
 
-    `declared`: a file or the user said so. `measured`: computed from the geometry or a simulation.
-    `inferred`: concluded from indirect signs. `default`: nobody knows; `confidence` is then 0.
+    `declared`: stated by a file or the user. `measured`: computed from the geometry or a simulation.
+    `inferred`: concluded from indirect signs. `default`: unknown; `confidence` is then 0.
     `bounds` is `[low, high]` with the same shape and unit as `value`; randomisation downstream reads it.
     """
 

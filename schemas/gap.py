@@ -1,4 +1,4 @@
-"""What simgap hands on: the report and the model extension (design: sim gap contract; extend, never rename)."""
+"""Outputs of simgap: the report and the model extension, SI units (design: sim gap contract; extend, never rename)."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ Interval = tuple[float, float]
 
 
 class _Machine(BaseModel):
-    # One trial says nothing of an interval's end: infinity is written as a word and read back.
+    # With one trial an interval's end is unknown: infinity is written as a word and read back.
     model_config = ConfigDict(frozen=True, extra="ignore", ser_json_inf_nan="strings")
 
 
@@ -121,7 +121,7 @@ class Localisation(_Machine):
 
 
 class Hypothesis(_Machine):
-    """One candidate effect and what speaks for it."""
+    """One candidate effect and the evidence for it."""
 
     name: str
     where: Place = Place()
@@ -144,7 +144,7 @@ class NamedEffect(_Machine):
 
 
 class AmbiguousGroup(_Machine):
-    """Effects that these data cannot tell apart, and what would."""
+    """Effects that these data cannot distinguish, and the experiment that would."""
 
     effects: tuple[str, ...]
     experiment: str
@@ -174,7 +174,7 @@ class Gain(_Machine):
 
 
 class Baseline(_Machine):
-    """The current model as it stands."""
+    """Errors of the current model without any change."""
 
     metrics: dict[str, Estimate]
 

@@ -1,4 +1,4 @@
-"""What a measurement says about one rigid body, in the numbers that an asset package holds."""
+"""Measured physics of one rigid body and of joints (SI units), as values that an asset package holds."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class MeasuredPhysics:
 
 @dataclass(frozen=True)
 class MeasuredJoint:
-    """What a measurement says about one joint (N m, N m s/rad, rad; N, N s/m, m when it slides); None where silent."""
+    """Measured values of one joint (N m, N m s/rad, rad; N, N s/m, m when it slides); None where not measured."""
 
     friction: float | None = None
     damping: float | None = None

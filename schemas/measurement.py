@@ -1,4 +1,4 @@
-"""`measurement.yaml`: what was measured, and the model as its owner believes it now (design: sim gap contract).
+"""`measurement.yaml`: the recorded columns and the current model of robot or body (design: sim gap contract).
 
 SI units; quaternions wxyz; `inertia_kgm2` about the mass centre in body axes. Hand-written: unknown keys are errors,
 and angles may be in degrees under a key that ends in `_deg` (`zero_deg` for `zero_rad`, `limits_deg` for `limits`).
@@ -20,7 +20,7 @@ NonNegative = Annotated[float, Field(ge=0.0)]
 
 
 class Strict(BaseModel):
-    """A hand-written node: a key that we do not know is a typing error, not a wish."""
+    """A hand-written node: an unknown key is an error."""
 
     model_config = ConfigDict(
         frozen=True,
@@ -53,7 +53,7 @@ _ANGLES = ("zero_rad", "rotation_rad", "limits")
 
 
 def _allow_degrees(schema: dict[str, Any]) -> None:
-    """The keys in degrees stand in the JSON Schema too."""
+    """Adds the keys in degrees to the JSON Schema."""
     properties: dict[str, Any] = schema.get("properties", {})
     for name in [n for n in properties if n in _ANGLES]:
         twin = {k: v for k, v in properties[name].items() if k not in ("default", "title")}
@@ -102,7 +102,7 @@ class Joint(Strict):
 
 
 class Controller(Strict):
-    """The robot's controller as its owner knows it (kind `tracking`)."""
+    """The robot's controller as its owner describes it (kind `tracking`)."""
 
     type: Literal["stable_pd"]
     kp: float | tuple[float, ...]
@@ -174,7 +174,7 @@ class SensorNoise(Strict):
     qd: Positive | None = None
 
 
-class Split(Strict):
+class TrialSplit(Strict):
     """Trial ids; never a part of a trial."""
 
     train: tuple[str, ...]
@@ -197,4 +197,4 @@ class MeasurementSpec(Strict):
     subject: Subject
     world: WorldModel = WorldModel()
     actuation: Actuation = Actuation()
-    split: Split | None = None
+    split: TrialSplit | None = None

@@ -122,9 +122,9 @@ class Model:
     """A source asset in memory.
 
     `meters_per_unit` and `up_axis` are Evidence: `declared` when the format or file states them, `default` when
-    it does not. `hints` are texts that may tell units or axes (comments, generator names), verbatim.
-    `metadata` holds what the file says about itself (author, licence, copyright, generator), `masses` and `contacts`
-    what it says about the physics of its meshes.
+    it does not. `hints` are texts that may reveal units or axes (comments, generator names), verbatim.
+    `metadata` holds statements of the file about itself (author, licence, copyright, generator), `masses` and
+    `contacts` its statements on the physics of its meshes.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)

@@ -1,4 +1,4 @@
-"""What a stage returns and what finally becomes of an item."""
+"""Results of stages and final outcomes of items, with repairs and the cost of network requests."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class EndpointUse(BaseModel):
 
 
 @dataclass(frozen=True)
-class Outside:
+class ExternalAnswer:
     """What a stage learned from the world outside: a digest of it, on which all later results depend, and its price."""
 
     digest: str
@@ -74,15 +74,15 @@ class Outside:
 class Outcome(Generic[T]):
     """A stage's result: a value, or None when an error-severity diagnostic ended the item.
 
-    `review` means that a person must decide; its diagnostics say what. With `outside` the result does not follow from
-    files and options alone, so it is not stored.
+    `review` means that a person must decide; its diagnostics state the question. With `outside` the result does not
+    follow from files and options alone, so it is not stored.
     """
 
     value: T | None
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
     review: bool = False
-    outside: Outside | None = None
+    outside: ExternalAnswer | None = None
 
     @property
     def failed(self) -> bool:

@@ -1,4 +1,4 @@
-"""What the USD writer needs to author one package."""
+"""Content of one asset package for the USD writer: model, shapes, mass and texts (m, kg, asset frame)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parts: regions of an object's visible surface that people have a word for, in the frame of their asset (metres)."""
+"""Parts: labelled regions of an object's visible surface, in the frame of their asset (metres)."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ class PartFaces(_Model):
 
 def part_faces(mesh: str, indices: Sequence[int] | IntArray) -> PartFaces:
     """The triangles `indices` (k,) of `mesh`, in any order."""
-    own = np.unique(np.asarray(indices, dtype=np.int64))
-    runs = np.split(own, np.flatnonzero(np.diff(own) > 1) + 1) if len(own) else []
+    numbers = np.unique(np.asarray(indices, dtype=np.int64))
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
     texts = (f"{run[0]}" if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs)
     return PartFaces(mesh=mesh, ranges=" ".join(texts))
 
 
 class Part(_Model):
-    """One part. The evidence around it says how sure it is that the region is a part at all.
+    """One part. Its evidence gives the confidence that the region is a part at all.
 
     `part_id` numbers the parts of an asset, the one with most surface first, whatever they are called. `label` is a
     part name of the asset's category, or `unlabelled` with confidence 0; equal parts share it (four times `leg`).

@@ -1,4 +1,4 @@
-"""What the simulator needs of an asset: convex collision shapes, mass properties, contact material."""
+"""Physics of an asset for simulators: convex collision shapes, mass properties, contact material (SI, asset frame)."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class Solid:
 
     kind  `closed`: watertight, outward, overlaps united, inner cavities kept as inward shells.
           `shell`: an open sheet with a significant opening; `wall_thickness_m` is the assumed thickness.
-          `hull`: neither; the convex hull stands in, with low confidence.
+          `hull`: neither; the convex hull replaces it, with low confidence.
     walls `closed` only: what walls of `wall_thickness_m` hold (at 1 kg/m3) that were grown from sheets beside the
           closed bodies, without what these hold already. None without any.
     core  what shells inside hold (at 1 kg/m3) that are wound like the surface around them: taken as filled, but they

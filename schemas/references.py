@@ -28,7 +28,7 @@ def resolve_reference(uri: str, *, base: Path, root: Path, where: Location | Non
 
 
 def tile_references(uri: str) -> tuple[str, ...]:
-    """The references that a name with `<UDIM>` stands for, tiles 1001 to 1100; other names stand for themselves.
+    """The references that a name with `<UDIM>` expands to, tiles 1001 to 1100; another name is its own only reference.
 
     Source: the UDIM convention of Mari, as UsdUVTexture and MaterialX take it over.
     """

@@ -1,4 +1,4 @@
-"""What replay augmentation writes beside a recording: one file `variant.json` for every variant.
+"""The file `variant.json` that replay augmentation writes beside a recording, one for every variant.
 
 Frames: W world of the recording, z up; A asset frame of an inserted object. Metres, quaternions wxyz.
 """
@@ -23,8 +23,8 @@ class _Model(BaseModel):
 class Inserted(_Model):
     """One object that was put in and never moves: a released package, or a `primitive` as written before `scale`.
 
-    `package` is its folder below the folder of packages, `package_hash` the SHA-256 of its record. `stance` names the
-    way it stands, `support` the shape of a fixture that it stands on. `material` is the one that the plan drew, by
+    `package` is its folder below the folder of packages, `package_hash` the SHA-256 of its record. `stance` names its
+    resting orientation, `support` the shape of a fixture under it. `material` is the one that the plan drew, by
     name; empty where the asset keeps its own.
     """
 
@@ -49,8 +49,8 @@ class Variant(_Model):
     file, `scene` and `meshes` what was named to read it with, `source_sha256` the digests of its streams by name.
     `materials` are those that inserted objects name, as their plan states them; `lights` the lighting as drawn.
     `camera_hidden` is the share of task-object pixels that the inserted objects newly hide, by camera; empty where
-    nobody asked or none is seen. `taken_out` counts objects that had a place but hid more than was allowed.
-    `feasible_area_m2` is what is free of motion and standing things up to 10 cm, by support.
+    it was not computed or none is seen. `taken_out` counts objects that had a place but hid more than was allowed.
+    `feasible_area_m2` is the area free of motion and obstacles up to 10 cm, by support.
     """
 
     schema_version: str = SCHEMA_VERSION

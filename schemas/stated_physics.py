@@ -1,4 +1,4 @@
-"""What a source file itself states about mass and contact, before anyone has judged whether to believe it."""
+"""Mass and contact values as a source file states them, before they are checked for plausibility."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ Combine = Literal["average", "multiply", "minimum", "maximum"]
 
 @dataclass(frozen=True)
 class StatedMass:
-    """Mass, or density, of some of a model's meshes. What the file does not state is None.
+    """Mass, or density, of some of a model's meshes. None where the file has no statement.
 
     Lengths are in the unit L of `Model.meters_per_unit` and everything is posed in the frame of the model, like
     `Mesh.points`; masses are in kilograms.
 
-    covers        `Mesh.source_path` of the meshes it speaks of; `triangles` counts their triangles in the whole file,
-                  so that a part of them can be told from all of them.
+    covers        `Mesh.source_path` of the meshes it is about; `triangles` counts their triangles in the whole file,
+                  so that a part of them can be distinguished from all of them.
     method        the format's own words for the statement, e.g. "UsdPhysics mass".
     mass_kg       total mass.
     density       kg / L^3; only where the file states no mass.

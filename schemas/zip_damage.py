@@ -1,4 +1,4 @@
-"""What Python raises for a damaged zip archive, whichever part of it is damaged."""
+"""The exceptions that Python raises for a damaged zip archive, whichever part of it is damaged."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class Stillness:
 
 @dataclass(frozen=True)
 class DropSettings:
-    """How long to simulate, and when to stop early: once the body is at rest by the criterion `still`, if there is one."""
+    """How long to simulate, and when to stop early: once the body is at rest by the criterion `still`, if any."""
 
     duration_s: float
     world: World = field(default_factory=World)
@@ -213,7 +213,7 @@ def natural_time_s(diagonal_m: float) -> float:
 
 
 def model_scale(diagonal_m: float) -> float:
-    """How many times its size a body is simulated at: 1 from 2 cm to 5 m, else the factor that gives a model of 0.3 m or of 5 m.
+    """How many times its size a body is simulated at: 1 from 2 cm to 5 m, else for a model of 0.3 m or of 5 m.
 
     Engines are made for things of hand to door size. By Froude similarity (equal g, equal densities), exact for rigid
     bodies, the model moves alike: lengths x s, times and speeds x sqrt(s), turning rates / sqrt(s), masses x s^3,

@@ -110,28 +110,28 @@ def simulator_of(measurement: Measurement, engine: str, finer: float = 1.0) -> R
 
 def convention_checks_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[ConventionCheck, ...]:
     """All conventions that were checked, by reading and by experiment."""
-    found = list(convention_checks.reader_checks(case.measurement, findings))
+    checks = list(convention_checks.reader_checks(case.measurement, findings))
     problem = case.problem
     if isinstance(problem, EventProblem):
-        return (*found, *problem.traps)  # No engine: the law is in closed form.
+        return (*checks, *problem.traps)  # No engine: the law is in closed form.
     if isinstance(problem, MechanismProblem):
         engine = replay_engine(case.engine)
-        found += convention_checks.joint_engine_checks(engine.mechanism_rollout, without_armature(problem.declared))
-        found.append(_joint_step_check(case, problem))
-        return tuple(found)
+        checks += convention_checks.joint_engine_checks(engine.mechanism_rollout, without_armature(problem.declared))
+        checks.append(_joint_step_check(case, problem))
+        return tuple(checks)
     rate = convention_checks.rate_frame_check(case.measurement)
-    found += [rate] if rate else []
+    checks += [rate] if rate else []
     # At small steps, so that a wrong convention is not confused with the error of a step.
     finer = simulator_of(case.measurement, case.engine, _FINER)
     if isinstance(finer, LinkageSimulator):
-        found += linkage_engine_checks(finer)
+        checks += linkage_engine_checks(finer)
     else:
-        found += convention_checks.body_engine_checks(finer.engine, finer.declared)
-    found.append(
+        checks += convention_checks.body_engine_checks(finer.engine, finer.declared)
+    checks.append(
         convention_checks.step_size_check(problem, FreeBodyProblem(case.measurement, finer), case.trials.train)
     )
     finer.engine.close()
-    return tuple(found)
+    return tuple(checks)
 
 
 def without_armature(model: MechanismModel) -> MechanismModel:

@@ -104,7 +104,7 @@ def search(
     tick("localising the error")
     ids = (*case.trials.train, *case.trials.test)
     where = store.part("localise", lambda: localise_error(case.problem, (), ids, case.joints))
-    found = find_effects(
+    result = find_effects(
         case.problem,
         case.trials,
         measurement=measurement.content_hash,
@@ -115,9 +115,9 @@ def search(
         quick=quick,
     )
     tick("drawing")
-    pictures = _pictures(case, found)
-    extension = found.extension.model_copy(update={"target": _target(measurement)})
-    report = found.report.model_copy(update={"wall_s": round(time.monotonic() - since, 1)})
+    pictures = _pictures(case, result)
+    extension = result.extension.model_copy(update={"target": _target(measurement)})
+    report = result.report.model_copy(update={"wall_s": round(time.monotonic() - since, 1)})
     files = {f"{PICTURES}/{name}": data for name, data in pictures.items()}
     for stale in (p for p in (out / PICTURES).glob("*.png") if p.name not in pictures):
         stale.unlink()
@@ -141,15 +141,15 @@ def _target(measurement: Measurement) -> dict[str, str]:
     return {key: path for key, path in given.items() if path is not None}
 
 
-def _pictures(case: Case, found: SearchResult) -> dict[str, bytes]:
+def _pictures(case: Case, result: SearchResult) -> dict[str, bytes]:
     """PNG files by name."""
-    problem, final = case.problem, found.selection.final.model
+    problem, final = case.problem, result.selection.final.model
     if isinstance(problem, EventProblem):
-        drawn = outcomes(problem, case.trials.test, terms_of(found.extension))
-        return {"overlay.png": drawn, "ladder.png": ladder(found.report.ladder)}
+        drawn = outcomes(problem, case.trials.test, terms_of(result.extension))
+        return {"overlay.png": drawn, "ladder.png": ladder(result.report.ladder)}
     judged = [t for t in case.measurement.trials if t.id in set(case.trials.test)][:_MOST_REPLAYED]
     declared = [replay(problem, t, ()) for t in judged]
-    added = terms_of(found.extension)
+    added = terms_of(result.extension)
     extended = [replay(problem, t, added) for t in judged] if added else None
     floor = problem.noise_floor(case.trials.test, "full_rollout")
     at, channel = most_telling(declared, extended or declared, floor)
@@ -159,10 +159,10 @@ def _pictures(case: Case, found: SearchResult) -> dict[str, bytes]:
     unit = "m" if sliding else "rad"
     drawn = {
         "overlay.png": overlay(declared[at], extended[at] if extended else None, channel, unit),
-        "ladder.png": ladder(found.report.ladder),
+        "ladder.png": ladder(result.report.ladder),
     }
-    if found.selection.accepted and isinstance(problem, MechanismProblem):
-        best = found.selection.accepted[0].candidate_fit.candidate
+    if result.selection.accepted and isinstance(problem, MechanismProblem):
+        best = result.selection.accepted[0].candidate_fit.candidate
         ids = (*case.trials.train, *case.trials.test)
         picture = unexplained(problem, case.measurement, final, best.effect.name, best.where, ids)
         drawn |= {"unexplained.png": picture} if picture else {}

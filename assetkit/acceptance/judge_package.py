@@ -46,12 +46,14 @@ class PackageVerdict:
     review: bool
 
 
-def judge_package(main_file: Path, simulator: Simulator, extent_m: Vec3, stands_in: bool = False) -> PackageVerdict:
+def judge_package(
+    main_file: Path, simulator: Simulator, extent_m: Vec3, collider_misses_bounds: bool = False
+) -> PackageVerdict:
     """Verdict of external validators, gate and simulator on the package with this main file, as it is on disk.
 
     `stands_in`: the collider is a stand-in that misses its bounds, so that a person reviews the package anyway.
     """
-    return judge_bytes(main_file, simulate_package(main_file, simulator, extent_m), stands_in)
+    return judge_bytes(main_file, simulate_package(main_file, simulator, extent_m), collider_misses_bounds)
 
 
 def simulate_package(main_file: Path, simulator: Simulator, extent_m: Vec3) -> AcceptanceResult:
@@ -59,12 +61,12 @@ def simulate_package(main_file: Path, simulator: Simulator, extent_m: Vec3) -> A
     return accept(main_file, simulator, body=reread_body(main_file), visual=reread_visual(main_file), extent_m=extent_m)
 
 
-def judge_bytes(main_file: Path, simulated: AcceptanceResult, stands_in: bool) -> PackageVerdict:
+def judge_bytes(main_file: Path, simulated: AcceptanceResult, collider_misses_bounds: bool) -> PackageVerdict:
     """Verdict of external validators and gate on the files of a package, combined with the simulated acceptance."""
     verdicts = external_verdicts(main_file)
     judged_by_gate = gate(main_file)
     review = any(d.code in UNDECIDED and d.severity is Severity.ERROR for d in judged_by_gate)
-    known = UNDECIDED | (OF_STAND_INS if stands_in else frozenset())
+    known = UNDECIDED | (OF_STAND_INS if collider_misses_bounds else frozenset())
     gate_findings = tuple(_for_a_person(d, known) for d in judged_by_gate)
     errors = [d for d in gate_findings if d.severity is Severity.ERROR]
     validators = tuple(_check(v.validator, len(v.findings)) for v in verdicts)

@@ -85,7 +85,9 @@ def extend_package(package: Path, measured: MeasuredPhysics, out: Path, simulato
             reread_shape_contacts(main_file),
         )
         (folder / EXTENSION).write_bytes(measured.extension_json)
-        verdict = judge_package(main_file, simulator, record.geometry.extent_m.value, record.physics.stands_in)
+        verdict = judge_package(
+            main_file, simulator, record.geometry.extent_m.value, record.physics.collider_misses_bounds
+        )
         extended = _record(record, section, verdict, measured, folder)
         (folder / RECORD).write_text(extended.model_dump_json(indent=1) + "\n")
         occupied = None if extended.outcome is ItemOutcome.REJECTED else publish(folder, out / record.asset_id)

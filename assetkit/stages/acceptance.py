@@ -31,7 +31,7 @@ class AcceptPackage(Stage):
         """
         main_file = release.author(draft, tools.work_dir)
         extent_m = need(draft.canonicalize, "canonicalize").section.extent_m.value
-        stands_in = need(draft.physics, "physics").section.stands_in
+        collider_misses_bounds = need(draft.physics, "physics").section.collider_misses_bounds
         names = rename_findings(source_names(draft.model))
         simulated = simulate_package(main_file, tools.simulator, extent_m)
         body = reread_body(main_file)
@@ -45,7 +45,7 @@ class AcceptPackage(Stage):
         if grasp_lines(offered.affordances):
             main_file = release.author(replace(draft, acceptance=acceptance), tools.work_dir)
         written = package_files(main_file)
-        judged = judge_bytes(main_file, simulated, stands_in)
+        judged = judge_bytes(main_file, simulated, collider_misses_bounds)
         require_files(written)
         diagnostics = (*names, *judged.diagnostics, *anchors.diagnostics, *offered.diagnostics)
         return Outcome(replace(acceptance, section=judged.section), diagnostics, review=judged.review)

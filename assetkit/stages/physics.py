@@ -30,4 +30,4 @@ class AuthorPhysics(Stage):
             cavities=draft.interaction.cavities if draft.interaction else None,
         )
         physics = Physics(built.shapes, built.mass, built.contact, built.section, built.surfaces, built.shape_surfaces)
-        return Outcome(physics, built.diagnostics, built.repairs, review=built.section.stands_in)
+        return Outcome(physics, built.diagnostics, built.repairs, review=built.section.collider_misses_bounds)

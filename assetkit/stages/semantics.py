@@ -23,7 +23,7 @@ from assetkit.stage import Draft, Semantics, Stage, Tools
 from jobs.cache import content_key
 from render.camera import STANDARD_VIEWS
 from schemas.diagnostics import finding
-from schemas.outcome import Outcome, Outside
+from schemas.outcome import ExternalAnswer, Outcome
 
 
 class DescribeObject(Stage):
@@ -82,8 +82,8 @@ def _views(draft: Draft, tools: Tools) -> dict[str, bytes]:
     return {view.name: pictures[view.name] for view in STANDARD_VIEWS}
 
 
-def _outside(annotation: Annotation) -> Outside | None:
+def _outside(annotation: Annotation) -> ExternalAnswer | None:
     if annotation.endpoint_result is None:
         return None
     answer = annotation.endpoint_result.answer
-    return Outside(content_key(answer.model_dump() if answer else None), annotation.endpoint_result.use)
+    return ExternalAnswer(content_key(answer.model_dump() if answer else None), annotation.endpoint_result.use)

@@ -24,7 +24,7 @@ from benchmarks.replay.recordings import BoolArray, Reached, tightness
 from geom.pose import apply
 from replay.envelope.envelope import Envelope, Settings, swept_envelope
 from replay.recording.episode import Episode
-from replay.recording.read import is_recording, read_episode
+from replay.recording.formats.read import is_recording, read_episode
 from replay.verification.dense import dense_motion
 from schemas.model import FloatArray, IntArray
 

@@ -30,10 +30,10 @@ from cli.replay.candidates import candidates
 from geom.convex.circumscribed_hull import circumscribed_hull
 from geom.minkowski import eroded
 from geom.pose import pose
-from replay.augmentation import Prepared, prepare, variants
+from replay.augmentation import PreparedEpisode, prepare, variants
 from replay.envelope.envelope import Envelope, Settings
 from replay.recording.episode import Episode
-from replay.recording.read import is_recording, read_episode
+from replay.recording.formats.read import is_recording, read_episode
 from replay.verification.dense import dense_motion
 from replay.views.visible_area import in_picture
 from schemas.model import FloatArray
@@ -117,16 +117,16 @@ def _swept(points: FloatArray, X_WB: FloatArray, shapes: tuple[CollisionShape, .
     return hit
 
 
-def spots(prepared: Prepared) -> dict[str, float]:
+def spots(prepared: PreparedEpisode) -> dict[str, float]:
     """A box at spots on the supports: admitted by us or not, by PyBullet or not, and both costs."""
     rng, rows = np.random.default_rng(1), []
     half = np.array(BOX_M) / 2.0
     outline = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half[:2]
     cost, checked = 0.0, 0
     for site in prepared.sites:
-        support = site.room.support
+        support = site.free_space.support
         started = time.process_time()
-        region = eroded(site.room.free(BOX_M[2]), outline)
+        region = eroded(site.free_space.free(BOX_M[2]), outline)
         shapely.prepare(region)
         places = rng.uniform(support.area.bounds[:2], support.area.bounds[2:], (200_000, 2))
         ours = shapely.contains_xy(region, places)
@@ -135,7 +135,7 @@ def spots(prepared: Prepared) -> dict[str, float]:
         some = np.flatnonzero(inner)[:SPOTS]
         walls = [
             w.outline
-            for w in site.room.standing
+            for w in site.free_space.obstacles
             if w.high_m > support.height_m + 1e-3 and w.low_m < support.height_m + BOX_M[2]
         ]
         beside = shapely.union_all(walls)
@@ -194,7 +194,7 @@ def _pose(handle: int, X: FloatArray, client: int) -> None:
     pybullet.resetBasePositionAndOrientation(handle, X[:3, 3].tolist(), quat, physicsClientId=client)
 
 
-def put_in(prepared: Prepared, assets: Path, count: int) -> dict[str, float]:
+def put_in(prepared: PreparedEpisode, assets: Path, count: int) -> dict[str, float]:
     """Variants with three packages each: how many objects, in the picture of a camera, at what cost."""
     draw, _ = candidates(None, assets)
     started = time.process_time()

@@ -23,7 +23,7 @@ from simgap.problem import Model, View
 from simgap.recording.read import Measurement
 from simgap.report.pictures.events import outcomes
 from simgap.report.pictures.overlay import overlay
-from simgap.report.side_by_side import Replay, joint_windows, most_telling, replay
+from simgap.report.side_by_side import SideBySide, joint_windows, most_telling, replay
 
 _VIEWS: tuple[View, ...] = ("short_horizon", "full_rollout")
 _ENGINE_S = 3.0  # of each trial that is replayed in the engine too
@@ -120,7 +120,7 @@ def _engine_notes(case: Case, models: dict[str, Model]) -> list[str]:
     return notes
 
 
-def _csv(runs: list[tuple[str, Replay]]) -> bytes:
+def _csv(runs: list[tuple[str, SideBySide]]) -> bytes:
     """Stamps, readings and each simulation."""
     first = runs[0][1]
     names = ["t", *(f"{c}_measured" for c in first.columns)]

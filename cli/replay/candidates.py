@@ -6,14 +6,14 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from replay.insertion.candidates import Choices, from_bodies, from_plan
+from replay.insertion.candidates import VariantChoices, from_bodies, from_plan
 from runtime_plan import load
 from scenec.bind.asset_library import AssetLibrary
 from scenec.plan.document import PlanBodies
 from schemas.diagnostics import InvalidInput, finding
 from schemas.scene.program import FixedAsset
 
-Draw = Callable[[int, int], Choices]
+Draw = Callable[[int, int], VariantChoices]
 
 
 def candidates(plan: Path | None, assets: Path | None) -> tuple[Draw, list[str]]:

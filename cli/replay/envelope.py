@@ -52,7 +52,7 @@ def envelope_command(
     from replay.envelope.distance_grid import signed_distance
     from replay.envelope.envelope import Settings
     from replay.envelope.probes import Tolerances
-    from replay.recording.read import read_episode
+    from replay.recording.formats.read import read_episode
 
     refinement = Tolerances() if probes else None
     settings = Settings(protrusion, clearance_m=clearance, simplification_m=simplification, probes=refinement)
@@ -60,7 +60,10 @@ def envelope_command(
     envelope = prepared.envelope
     rows = [_row(envelope, number) for number in range(len(envelope.bodies))]
     areas = {
-        site.room.support.name: {"area_m2": site.room.support.area.area, "taken_by": site.room.blocked_by(0.1)}
+        site.free_space.support.name: {
+            "area_m2": site.free_space.support.area.area,
+            "taken_by": site.free_space.blocked_by(0.1),
+        }
         for site in prepared.sites
     }
     report: dict[str, Any] = {

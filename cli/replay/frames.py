@@ -18,7 +18,7 @@ from jobs.cell import Limits
 from jobs.warm import run_module
 from render.frames_request import DrawnBody, DrawnModel, FramesRequest
 from replay.recording.episode import Camera, Episode
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from replay.variant_stage import timed_bodies, write_stage
 from replay.verification.check_output import read_variant, read_variant_episode
 from schemas import array_files
@@ -71,7 +71,9 @@ def draw_variant(
 def _folder(out: Path, camera: Camera) -> Path:
     """Where its pictures go. Raises InvalidInput where the name that the recording gives it leads out of `out`."""
     if not (out / camera.name).resolve().is_relative_to(out.resolve()):
-        raise stop("replay/path-escape", f"pictures of a camera called '{camera.name}' would not lie below --out")
+        raise invalid_recording(
+            "replay/path-escape", f"pictures of a camera called '{camera.name}' would not lie below --out"
+        )
     return out / camera.name
 
 

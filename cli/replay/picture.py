@@ -14,23 +14,23 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
 from render.figure import figure, png
-from replay.augmentation import REFERENCE_TOP_M, Prepared
+from replay.augmentation import REFERENCE_TOP_M, PreparedEpisode
 from replay.envelope.envelope import Envelope
 
 _BODY = ("#4c78a8", "#f58518", "#54a24b", "#e45756", "#72b7b2", "#b279a2", "#ff9da6", "#9d755d", "#eeca3b", "#8c8c8c")
 _SWEPT, _FREE, _PUT = "#f3c4bd", "#d5ead8", "#3d5a80"
 
 
-def picture(prepared: Prepared, put: Sequence[tuple[str, BaseGeometry]] = ()) -> bytes:
+def picture(prepared: PreparedEpisode, put: Sequence[tuple[str, BaseGeometry]] = ()) -> bytes:
     """PNG. Left from above: free (green) and taken (red) parts of supports up to 0.1 m, and objects put in, by name and
     outline in W. Right from the side: the middle lines of the envelope's capsules, a colour for each body.
     """
     sheet = figure(11.0, 4.6)
     above, side = sheet.subplots(1, 2, gridspec_kw={"width_ratios": [1.0, 1.1]})
     for site in prepared.sites:
-        support = site.room.support
+        support = site.free_space.support
         _fill(above, support.area, _SWEPT, "#b0563f")
-        _fill(above, site.room.free(REFERENCE_TOP_M), _FREE, "none")
+        _fill(above, site.free_space.free(REFERENCE_TOP_M), _FREE, "none")
         x, y = support.area.centroid.coords[0]
         above.text(x, support.area.bounds[3], support.name, ha="center", va="bottom", fontsize=8, color="#555555")
     for name, outline in put:

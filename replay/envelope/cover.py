@@ -54,7 +54,7 @@ class _Solid:
 def cover(shapes: Sequence[CollisionShape], protrusion_m: float) -> Cover:
     """Balls around convex shapes. No shapes, no balls.
 
-    None sticks out by more than `protrusion_m`, or 3 % of the size of its shape where that is more.
+    None protrudes by more than `protrusion_m`, or 3 % of the size of its shape where that is more.
     """
     parts = [_ball(s) if s.kind == "sphere" else _polytope(circumscribed_hull(s), protrusion_m) for s in shapes]
     if not parts:
@@ -72,18 +72,18 @@ def _ball(shape: CollisionShape) -> Cover:
 
 
 def _polytope(corners: FloatArray, protrusion_m: float) -> Cover:
-    corners, thicker_m = _thick(corners)
+    corners, thicker_m = _thickened(corners)
     hull = ConvexHull(corners)
     solid = _Solid(hull.equations[:, :3], -hull.equations[:, 3])
     size = float(np.linalg.norm(np.ptp(corners, axis=0)))
     protrusion_m = max(protrusion_m, _FINEST * size)
     pieces, centres = _pieces(corners[hull.vertices], solid, protrusion_m)
-    chosen, radii = _fewest(pieces, centres, solid.depth(centres) + protrusion_m)
+    chosen, radii = _set_cover(pieces, centres, solid.depth(centres) + protrusion_m)
     residual_m = _ROUNDING * size
     return Cover(centres[chosen], radii, residual_m, float((radii - solid.depth(centres[chosen])).max()) + thicker_m)
 
 
-def _thick(corners: FloatArray) -> tuple[FloatArray, float]:
+def _thickened(corners: FloatArray) -> tuple[FloatArray, float]:
     """The corners of a solid, and 0; of a flat one those of a solid around it, and by how much this sticks out."""
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
     if spread[2] > _FLAT * spread[0]:
@@ -104,7 +104,7 @@ def _pieces(points: FloatArray, solid: _Solid, protrusion_m: float) -> tuple[lis
             pieces.append(piece)
             centres.append(centre)
         else:
-            todo += _halves(piece, int(np.argmax(spans)))
+            todo += _cut_in_two(piece, int(np.argmax(spans)))
     return pieces, np.array(centres)
 
 
@@ -117,20 +117,20 @@ def _best_ball(piece: FloatArray, solid: _Solid) -> tuple[FloatArray, float]:
     step = 0.5 * float(np.linalg.norm(np.ptp(piece, axis=0)))
     best, least = centre, np.inf
     for _ in range(_STEPS):
-        away = centre - piece
-        reach = np.sqrt(np.einsum("ij,ij->i", away, away))
+        distances = centre - piece
+        reach = np.sqrt(np.einsum("ij,ij->i", distances, distances))
         depth = solid.offsets - solid.normals @ centre
         far, near = int(np.argmax(reach)), int(np.argmin(depth))
         excess = float(reach[far] - depth[near])
         if excess < least:
             best, least = centre, excess
-        slope = away[far] / max(reach[far], 1e-300) + solid.normals[near]
+        slope = distances[far] / max(reach[far], 1e-300) + solid.normals[near]
         centre = centre - step * slope / max(float(np.linalg.norm(slope)), 1e-12)
         step *= 0.88
     return best, least
 
 
-def _halves(piece: FloatArray, axis: int) -> list[FloatArray]:
+def _cut_in_two(piece: FloatArray, axis: int) -> list[FloatArray]:
     """The hull of `piece` cut across `axis` in the middle, as corners.
 
     Where lines from every corner below to every corner above meet the cut lie all corners of the cut face.
@@ -152,15 +152,15 @@ def _outline(points: FloatArray) -> IntArray:
     return ConvexHull(points).vertices
 
 
-def _fewest(pieces: list[FloatArray], centres: FloatArray, radii: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Which balls to keep so that each piece lies in one, and the radii (k,) that this takes.
+def _set_cover(pieces: list[FloatArray], centres: FloatArray, radii: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Greedy set cover: which balls to keep so that each piece lies in one, and the radii (k,) that this takes.
 
     A ball may grow to `radii`; the one made for a piece holds it in any case.
     """
     first = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
     corners = np.concatenate(pieces)
-    away = np.sqrt(np.maximum(_squared(centres, corners), 0.0))
-    reach = np.maximum.reduceat(away, first, axis=1)
+    distances = np.sqrt(np.maximum(_squared(centres, corners), 0.0))
+    reach = np.maximum.reduceat(distances, first, axis=1)
     holds = reach <= np.maximum(radii, np.diagonal(reach))[:, None]
     owner = np.full(len(pieces), -1)
     while (owner < 0).any():

@@ -1,4 +1,4 @@
-"""The envelope as a field on a grid: how far each point is from it. For pictures and meshes, never for admission."""
+"""The envelope as a distance field on a grid (m, negative inside), for pictures and meshes, not for admission."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MOST_CELLS = 4_000_000
 def signed_distance(envelope: Envelope, step_m: float) -> tuple[FloatArray, FloatArray, float]:
     """Field (x, y, z) of distances in metres, negative inside; the position (3,) of its first point; its step.
 
-    The step is coarser than asked where the grid would be too large. Each capsule is stamped into its own box.
+    The step is coarser than `step_m` where the grid would be too large. Each capsule is stamped into its own box.
     """
     radius = envelope.radius_m
     low = np.minimum(envelope.start_W, envelope.end_W) - radius[:, None] - step_m

@@ -1,8 +1,8 @@
-"""The swept envelope: capsules that hold everything that moves, at every time between the first stamp and the last.
+"""The swept envelope: capsules (W, m) that hold everything that moves, at every time between first and last stamp.
 
-A capsule is a ball of a body's cover swept along a segment. Its radius is a ledger: the ball, what its cover leaves out
-(gap), how far the motion between recorded states may be from the path (interval), how far the path is from the segment
-(simplification), and the clearance asked for. What never moves is no part of it: see `replay.obstacles`.
+A capsule is a ball of a body's cover swept along a segment. Its radius is a sum: the ball, what its cover leaves out
+(gap), the bound on the distance of the motion from the path (interval), that of the path from the segment
+(simplification), and the clearance. Bodies that never move are obstacles: see `replay.insertion.free_space`.
 """
 
 from __future__ import annotations
@@ -14,23 +14,23 @@ import numpy as np
 
 from replay.envelope.bounds import Paths, paths, turns
 from replay.envelope.cover import Cover, cover
-from replay.envelope.probes import Tolerances, probed
+from replay.envelope.probes import Tolerances, refine_by_probes
 from replay.envelope.simplify import simplify
-from replay.envelope.trajectory import Course, as_robot, recorded, refined
+from replay.envelope.trajectory import Trajectory, as_robot, recorded_trajectory, refined_trajectories
 from replay.recording.episode import Episode, Robot, link_names
 from replay.recording.kinematics import moving_links
 from schemas.model import FloatArray, IntArray
 
-_SCOUTS = 8  # balls of a link by which the division of intervals is chosen
+_SAMPLE_BALLS = 8  # balls of a link by which the division of intervals is chosen
 _MOST_PARTS = 1000  # of an interval; a leap that would need more makes wide capsules, not many
-_EITHER_WAY_RAD = 1e-4  # this near to half a turn nobody knows which way round it went
+_EITHER_WAY_RAD = 1e-4  # this near to half a turn the direction of the rotation is unknown
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What tightness costs: protrusion of balls, largest distance from chords, simplification, clearance; metres.
+    """Tolerances of the envelope: protrusion of balls, largest distance from chords, simplification, clearance; metres.
 
-    With `probes` intervals are probed as in the paper, and the tolerance of proxies stands for the bound: no proof.
+    With `probes` intervals are probed as in the paper, and the tolerance of proxies replaces the bound: no proof.
     """
 
     protrusion_m: float = 0.006
@@ -74,7 +74,9 @@ def swept_envelope(episode: Episode, settings: Settings) -> Envelope:
     parts: list[tuple[str, Cover, tuple[FloatArray, ...]]] = []
     for robot in episode.robots:
         names = dict(zip((link.name for link in robot.links), link_names(episode, robot), strict=True))
-        parts += [(names[link], one, found) for link, one, found in _swept(robot, episode.t_s, settings)]
+        parts += [
+            (names[link], ball_cover, capsules) for link, ball_cover, capsules in _swept(robot, episode.t_s, settings)
+        ]
     for body in episode.objects:
         parts += _swept(as_robot(body), episode.t_s, settings)
     columns = [np.concatenate([p[2][k] for p in parts]) if parts else _NOTHING[k] for k in range(len(_NOTHING))]
@@ -91,44 +93,55 @@ def _swept(robot: Robot, t_s: FloatArray, settings: Settings) -> Iterator[tuple[
     covers = [
         cover(link.shapes if number in moving else (), settings.protrusion_m) for number, link in enumerate(robot.links)
     ]
-    scouts = [one.centres_B[:: max(1, len(one.radii_m) // _SCOUTS)] for one in covers]
+    sample_centres = [
+        ball_cover.centres_B[:: max(1, len(ball_cover.radii_m) // _SAMPLE_BALLS)] for ball_cover in covers
+    ]
     if settings.probes:
-        courses = [probed(robot, t_s, [one.centres_B for one in covers], settings.probes)]
+        trajectories = [refine_by_probes(robot, t_s, [ball_cover.centres_B for ball_cover in covers], settings.probes)]
     else:
-        courses = _divided(robot, t_s, paths(robot, recorded(robot, t_s), scouts), settings.interval_m)
-    found = [paths(robot, course, [one.centres_B for one in covers]) for course in courses]
-    for number, (link, one) in enumerate(zip(robot.links, covers, strict=True)):
-        if len(one.radii_m):
+        trajectories = _divided(
+            robot, t_s, paths(robot, recorded_trajectory(robot, t_s), sample_centres), settings.interval_m
+        )
+    point_paths = [
+        paths(robot, trajectory, [ball_cover.centres_B for ball_cover in covers]) for trajectory in trajectories
+    ]
+    for number, (link, ball_cover) in enumerate(zip(robot.links, covers, strict=True)):
+        if len(ball_cover.radii_m):
             pieces = [
-                _capsules(course, along[number], one, settings) for course, along in zip(courses, found, strict=True)
+                _capsules(trajectory, along[number], ball_cover, settings)
+                for trajectory, along in zip(trajectories, point_paths, strict=True)
             ]
-            yield link.name, one, tuple(np.concatenate(column) for column in zip(*pieces, strict=True))
+            yield link.name, ball_cover, tuple(np.concatenate(column) for column in zip(*pieces, strict=True))
 
 
-def _divided(robot: Robot, t_s: FloatArray, along: Sequence[Paths], interval_m: float) -> list[Course]:
-    """Courses whose intervals are divided where scouts may leave the chord by more than `interval_m`.
+def _divided(robot: Robot, t_s: FloatArray, along: Sequence[Paths], interval_m: float) -> list[Trajectory]:
+    """Trajectories whose intervals are divided where sample points may leave the chord by more than `interval_m`.
 
-    Half a turn of a base stays undivided: its bound holds whichever way round, that of its parts does not.
+    Half a turn of a base stays undivided: its bound holds for both directions of rotation, that of its parts does not.
     """
     none = np.zeros((1, max(len(t_s) - 1, 0)))
-    curve = np.max(np.concatenate([none, *(path.curve_m for path in along)]), axis=0)
-    stray = np.max(np.concatenate([none, *(path.stray_m for path in along)]), axis=0)
-    either = turns(robot.X_WR) > np.pi - _EITHER_WAY_RAD
-    parts = np.where(either, 1.0, np.ceil(np.sqrt(curve / interval_m))).clip(1.0, _MOST_PARTS)
-    strays = (stray > interval_m) & ~either
-    apart = np.where(strays, 1.0 + np.ceil(np.sqrt((curve + 4.0 * stray) / interval_m)), 0.0).clip(0.0, _MOST_PARTS)
-    return refined(robot, t_s, parts.astype(int), apart.astype(int))
+    curve = np.max(np.concatenate([none, *(path.chord_error_m for path in along)]), axis=0)
+    deviation = np.max(np.concatenate([none, *(path.joint_deviation_m for path in along)]), axis=0)
+    is_half_turn = turns(robot.X_WR) > np.pi - _EITHER_WAY_RAD
+    parts = np.where(is_half_turn, 1.0, np.ceil(np.sqrt(curve / interval_m))).clip(1.0, _MOST_PARTS)
+    deviates = (deviation > interval_m) & ~is_half_turn
+    hermite_parts = np.where(deviates, 1.0 + np.ceil(np.sqrt((curve + 4.0 * deviation) / interval_m)), 0.0).clip(
+        0.0, _MOST_PARTS
+    )
+    return refined_trajectories(robot, t_s, parts.astype(int), hermite_parts.astype(int))
 
 
-def _capsules(course: Course, path: Paths, balls: Cover, settings: Settings) -> tuple[FloatArray, ...]:
+def _capsules(trajectory: Trajectory, path: Paths, balls: Cover, settings: Settings) -> tuple[FloatArray, ...]:
     spans = simplify(path.points_W, settings.simplification_m)
-    beyond_m = path.beyond_m if settings.probes is None else np.full_like(path.beyond_m, settings.probes.proxy_m)
-    interval = _largest(beyond_m, spans.line, spans.first, spans.last)
+    error_bound_m = (
+        path.error_bound_m if settings.probes is None else np.full_like(path.error_bound_m, settings.probes.proxy_m)
+    )
+    interval = _largest(error_bound_m, spans.line, spans.first, spans.last)
     return (
         path.points_W[spans.line, spans.first],
         path.points_W[spans.line, spans.last],
-        course.t_s[spans.first],
-        course.t_s[spans.last],
+        trajectory.t_s[spans.first],
+        trajectory.t_s[spans.last],
         balls.radii_m[spans.line],
         np.full(len(spans.line), balls.residual_m),
         interval,

@@ -10,8 +10,8 @@ from schemas.model import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
-class Spans:
-    """Segments that stand for stretches of polylines; all arrays (s,).
+class PolylineSpans:
+    """Segments that replace stretches of polylines; all arrays (s,).
 
     line, first, last  polyline, its first and its last knot.
     deviation_m        largest distance of a knot between them from the segment. Since distance to a segment is convex,
@@ -24,7 +24,7 @@ class Spans:
     deviation_m: FloatArray
 
 
-def simplify(points: FloatArray, tolerance_m: float) -> Spans:
+def simplify(points: FloatArray, tolerance_m: float) -> PolylineSpans:
     """Spans of polylines `points` (lines, knots, 3), none of which deviates by more than `tolerance_m`.
 
     All stretches of one depth of the recursion are split together. A polyline of one knot becomes a span of no length.
@@ -42,7 +42,7 @@ def simplify(points: FloatArray, tolerance_m: float) -> Spans:
         line, first, last = np.tile(line, 2), np.concatenate([first, worst]), np.concatenate([worst, last])
     line, first, last = (np.concatenate([part[k] for part in done]) for k in range(3))
     order = np.lexsort((first, line))
-    return Spans(line[order], first[order], last[order], np.concatenate([part[3] for part in done])[order])
+    return PolylineSpans(line[order], first[order], last[order], np.concatenate([part[3] for part in done])[order])
 
 
 def _farthest(points: FloatArray, line: IntArray, first: IntArray, last: IntArray) -> tuple[FloatArray, IntArray]:

@@ -1,12 +1,12 @@
-"""The curves along which a robot may have moved between its recorded states, as chains of states.
+"""Trajectories of a robot between its recorded states (rad, m), with bounds on the deviation of joints.
 
-Between two rows nobody knows the motion. Two interpolations are covered: linear in joint space, and the cubic Hermite
-that also has the recorded rates. A `Course` is a chain of states joined linearly in joint space, with a bound on how
-far each joint may stray from that; where the Hermite curve strays too far it gets a course of its own.
+The motion between two rows is unknown. Two interpolations are covered: linear in joint space, and the cubic Hermite
+that also has the recorded rates. A `Trajectory` is a chain of states joined linearly in joint space, with a bound on
+the deviation of each joint; where the Hermite curve deviates too far it gets a trajectory of its own.
 
 Bounds. Hermite less linear is s (1-s)^2 a - s^2 (1-s) b with a = h v0 - dq and b = h v1 - dq: at most 4/27 (|a| + |b|).
-A cubic strays from its chord over a part ds by at most ds^2 / 8 times its largest second derivative, which is linear in
-s and so largest at an end.
+A cubic deviates from its chord over a part ds by at most ds^2 / 8 times its largest second derivative, which is linear
+in s and so largest at an end.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from schemas.model import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
-class Course:
-    """States joined linearly: stamps t_s (m,), q (m, j), X_WR (m, 4, 4); joints may be `stray` (m-1, j) beside that."""
+class Trajectory:
+    """States joined linearly: stamps t_s (m,), q (m, j), X_WR (m, 4, 4); bound `deviation` (m-1, j) of joints."""
 
     t_s: FloatArray
     q: FloatArray
     X_WR: FloatArray
-    stray: FloatArray
+    deviation: FloatArray
 
 
 def as_robot(body: FreeBody) -> Robot:
@@ -36,33 +36,37 @@ def as_robot(body: FreeBody) -> Robot:
     return Robot(body.name, (link,), (), body.X_WB, np.zeros((len(body.X_WB), 0)))
 
 
-def recorded(robot: Robot, t_s: FloatArray) -> Course:
-    """The recorded states, with the Hermite curve within `stray`."""
-    return Course(t_s, robot.q, robot.X_WR, _hermite_stray(robot, t_s))
+def recorded_trajectory(robot: Robot, t_s: FloatArray) -> Trajectory:
+    """The recorded states, with the Hermite curve within `deviation`."""
+    return Trajectory(t_s, robot.q, robot.X_WR, _hermite_deviation(robot, t_s))
 
 
-def refined(robot: Robot, t_s: FloatArray, parts: IntArray, apart: IntArray) -> list[Course]:
-    """The linear course with interval k in `parts[k]` parts, and one for each run of intervals whose Hermite curve is
-    taken apart, in `apart[k]` parts (0: it stays within the stray of the linear course)."""
-    stray = np.where((apart > 0)[:, None], 0.0, _hermite_stray(robot, t_s))
-    at = _places(0, parts)
-    courses = [Course(_stamps(t_s, at), _linear(robot.q, at), bases(robot.X_WR, at), stray[at[:-1].astype(int)])]
-    for run in np.split(np.arange(len(apart)), np.flatnonzero(np.diff(apart > 0)) + 1):
-        if len(run) and apart[run[0]] > 0:
-            at = _places(int(run[0]), apart[run])
+def refined_trajectories(robot: Robot, t_s: FloatArray, parts: IntArray, hermite_parts: IntArray) -> list[Trajectory]:
+    """The linear trajectory with interval k in `parts[k]` parts, and one for each run of intervals whose Hermite curve
+    is divided, in `hermite_parts[k]` parts (0: it stays within the deviation of the linear trajectory)."""
+    deviation = np.where((hermite_parts > 0)[:, None], 0.0, _hermite_deviation(robot, t_s))
+    at = _fractional_rows(0, parts)
+    trajectories = [
+        Trajectory(_stamps(t_s, at), _linear(robot.q, at), base_poses(robot.X_WR, at), deviation[at[:-1].astype(int)])
+    ]
+    for run in np.split(np.arange(len(hermite_parts)), np.flatnonzero(np.diff(hermite_parts > 0)) + 1):
+        if len(run) and hermite_parts[run[0]] > 0:
+            at = _fractional_rows(int(run[0]), hermite_parts[run])
             curve = _Hermite(robot, t_s)
-            courses.append(Course(_stamps(t_s, at), curve.q(at), bases(robot.X_WR, at), curve.stray(at)))
-    return courses
+            trajectories.append(
+                Trajectory(_stamps(t_s, at), curve.q(at), base_poses(robot.X_WR, at), curve.deviation(at))
+            )
+    return trajectories
 
 
-def at_places(robot: Robot, t_s: FloatArray, at: FloatArray) -> Course:
-    """The linear course through places along the rows (row + share), without any stray."""
-    stray = np.zeros((max(len(at) - 1, 0), robot.q.shape[1]))
-    return Course(_stamps(t_s, at), _linear(robot.q, at), bases(robot.X_WR, at), stray)
+def at_fractional_rows(robot: Robot, t_s: FloatArray, at: FloatArray) -> Trajectory:
+    """The linear trajectory through fractional rows (row + share), without any deviation."""
+    deviation = np.zeros((max(len(at) - 1, 0), robot.q.shape[1]))
+    return Trajectory(_stamps(t_s, at), _linear(robot.q, at), base_poses(robot.X_WR, at), deviation)
 
 
-def bases(X_WR: FloatArray, at: FloatArray) -> FloatArray:
-    """Base poses (m, 4, 4) at places `at` between the rows: positions linear, turning at a constant rate."""
+def base_poses(X_WR: FloatArray, at: FloatArray) -> FloatArray:
+    """Base poses (m, 4, 4) at fractional rows `at`: positions linear, turning at a constant rate."""
     poses = np.tile(np.eye(4), (len(at), 1, 1))
     poses[:, :3, 3] = _linear(X_WR[:, :3, 3], at)
     still = len(X_WR) < 2 or np.array_equal(X_WR[1:, :3, :3], X_WR[:-1, :3, :3])
@@ -71,8 +75,8 @@ def bases(X_WR: FloatArray, at: FloatArray) -> FloatArray:
     return poses
 
 
-def _places(first: int, parts: IntArray) -> FloatArray:
-    """Places k + share along the rows, from row `first` on, with interval k divided into equal parts."""
+def _fractional_rows(first: int, parts: IntArray) -> FloatArray:
+    """Fractional rows k + share, from row `first` on, with interval k divided into equal parts."""
     interval = np.repeat(np.arange(len(parts)), parts)
     number = np.arange(len(interval)) - np.repeat(np.cumsum(parts) - parts, parts)
     return first + np.append(interval + number / parts[interval], float(len(parts)))
@@ -93,13 +97,13 @@ def _split(at: FloatArray, rows: int) -> tuple[IntArray, FloatArray]:
     return row, at - row
 
 
-def _hermite_stray(robot: Robot, t_s: FloatArray) -> FloatArray:
-    a, b = _excess(robot, t_s)
+def _hermite_deviation(robot: Robot, t_s: FloatArray) -> FloatArray:
+    a, b = _rate_mismatch(robot, t_s)
     return 4.0 / 27.0 * (np.abs(a) + np.abs(b))
 
 
-def _excess(robot: Robot, t_s: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """a = h v0 - dq and b = h v1 - dq (n-1, j); zeros where rates say nothing: not recorded, or no time passed."""
+def _rate_mismatch(robot: Robot, t_s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """a = h v0 - dq and b = h v1 - dq (n-1, j); zeros where rates are not recorded or no time passed."""
     dq, h = np.diff(robot.q, axis=0), np.diff(t_s)[:, None]
     if robot.qd is None:
         return np.zeros_like(dq), np.zeros_like(dq)
@@ -110,21 +114,21 @@ class _Hermite:
     """The cubic through recorded positions and rates."""
 
     def __init__(self, robot: Robot, t_s: FloatArray) -> None:
-        self._q, (self._a, self._b) = robot.q, _excess(robot, t_s)
+        self._q, (self._a, self._b) = robot.q, _rate_mismatch(robot, t_s)
 
     def q(self, at: FloatArray) -> FloatArray:
-        """(m, j) positions at places along the rows."""
+        """(m, j) positions at fractional rows."""
         row, share = _split(at, len(self._q))
         s = share[:, None]
         return _linear(self._q, at) + s * (1.0 - s) ** 2 * self._a[row] - s**2 * (1.0 - s) * self._b[row]
 
-    def stray(self, at: FloatArray) -> FloatArray:
+    def deviation(self, at: FloatArray) -> FloatArray:
         """(m-1, j) largest distance from the chord between neighbours of `at`, none of which spans a row."""
         row, start = _split(at[:-1], len(self._q))
         part = np.diff(at)
-        ends = [np.abs(self._bend(row, s)) for s in (start, start + part)]
+        ends = [np.abs(self._second_derivative(row, s)) for s in (start, start + part)]
         return part[:, None] ** 2 / 8.0 * np.maximum(*ends)
 
-    def _bend(self, row: IntArray, share: FloatArray) -> FloatArray:
+    def _second_derivative(self, row: IntArray, share: FloatArray) -> FloatArray:
         s = share[:, None]
         return (6.0 * s - 4.0) * self._a[row] - (2.0 - 6.0 * s) * self._b[row]

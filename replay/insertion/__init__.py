@@ -1,1 +1,1 @@
-"""Insertion of new objects: free space outside the envelope, supports, candidates, placement."""
+"""Insertion of new objects: supports, free space outside the envelope, candidates, placement (start with `insert`)."""

@@ -1,4 +1,4 @@
-"""What may be put in, in an order that follows from the seed and the number of the variant alone."""
+"""Candidates for insertion: bodies in stances, in an order that depends on seed and number of the variant alone."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ MOST = 1024  # candidates of a library that one variant may use up
 
 
 @dataclass(frozen=True)
-class Candidate:
+class InsertionCandidate:
     """A body in one of its stances; `material` is the one drawn with it, empty where it keeps its own.
 
-    `place` is the place of the plan that it stood on, empty where it comes from no plan.
+    `place` is its place in the plan, empty where it comes from no plan.
     """
 
     body: PlanBody
@@ -30,18 +30,18 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Choices:
+class VariantChoices:
     """Candidates of one variant in the order in which they are tried, its lighting with the channels drawn, and the
     materials that candidates name.
     """
 
-    candidates: Sequence[Candidate]
+    candidates: Sequence[InsertionCandidate]
     lights: dict[str, float | str] = field(default_factory=dict)
     materials: Mapping[str, PairedMaterial] = field(default_factory=dict)
 
 
-def from_plan(plan: Plan, seed: int, number: int) -> Choices:
-    """The things of samples of a plan: assets, stances, materials and lighting that go together, places left out.
+def from_plan(plan: Plan, seed: int, number: int) -> VariantChoices:
+    """The objects of samples of a plan: assets, stances, materials and lighting that go together, places left out.
 
     Samples `number * DRAWS` and those after it, so that no two variants share one.
     """
@@ -53,22 +53,22 @@ def from_plan(plan: Plan, seed: int, number: int) -> Choices:
         places = {thing.id: combination.places[thing.place][1].name for thing in combination.things}
         for column in np.flatnonzero(drawn.present[k]).tolist():
             body = bodies[int(drawn.asset_index[k, column])]
-            worn = int(drawn.material[k, column])
+            material_index = int(drawn.material[k, column])
             stance = body.stances[int(drawn.stance[k, column])]
-            material = "" if worn < 0 else materials[worn].id
-            candidates.append(Candidate(body, stance, material, places[drawn.names[column]]))
+            material = "" if material_index < 0 else materials[material_index].id
+            candidates.append(InsertionCandidate(body, stance, material, places[drawn.names[column]]))
     light = sampled_lighting(plan, drawn, 0)
     lights = {} if light is None else light.model_dump(exclude_none=True)
-    return Choices(candidates, lights, {material.id: material for material in materials})
+    return VariantChoices(candidates, lights, {material.id: material for material in materials})
 
 
-def from_bodies(bodies: Sequence[PlanBody], seed: int, number: int) -> Choices:
+def from_bodies(bodies: Sequence[PlanBody], seed: int, number: int) -> VariantChoices:
     """Bodies drawn evenly, each time in any of its stances."""
     rng = np.random.default_rng([seed, number, 0])
     drawn = [bodies[k] for k in rng.integers(len(bodies), size=MOST).tolist()]
     shares = rng.random(MOST).tolist()
-    return Choices(
-        [Candidate(b, b.stances[int(share * len(b.stances))]) for b, share in zip(drawn, shares, strict=True)]
+    return VariantChoices(
+        [InsertionCandidate(b, b.stances[int(share * len(b.stances))]) for b, share in zip(drawn, shares, strict=True)]
     )
 
 

@@ -1,4 +1,4 @@
-"""Free room over a support: its area less what the envelope and standing things take at the heights of an object."""
+"""Free space over a support: its area less that of the envelope and of static obstacles at the heights of an object."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from schemas.model import FloatArray
 
 SLICE_M = 0.02  # the envelope is cut into slices this thick, each projected once
 _MERGED = 1.0 + 1e-5  # GEOS merges corners of an outline that are nearer than a millionth of its distance
-_QUARTER = 6  # corners of a quarter circle at the ends of capsules
-_AROUND = _MERGED / np.cos(np.pi / (4 * _QUARTER))  # so that the polygon lies around the circle
-_FINE = 16  # the same at the corners of outlines, where GEOS may turn by a step and a half at once
-_AROUND_CORNER = _MERGED / np.cos(1.5 * np.pi / (4 * _FINE))
-_ON_M = 1e-3  # what reaches this little over a support does not stand on it
+_QUARTER_SEGMENTS = 6  # corners of a quarter circle at the ends of capsules
+_CIRCUMSCRIBED = _MERGED / np.cos(np.pi / (4 * _QUARTER_SEGMENTS))  # so that the polygon lies around the circle
+_CORNER_SEGMENTS = 16  # the same at the corners of outlines, where GEOS may turn by a step and a half at once
+_CIRCUMSCRIBED_CORNER = _MERGED / np.cos(1.5 * np.pi / (4 * _CORNER_SEGMENTS))
+_RESTING_M = 1e-3  # a piece that rises this little over a support is no obstacle on it
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Obstacle:
 
 def obstacles(episode: Episode) -> tuple[Obstacle, ...]:
     """Fixtures, and links and objects that never move."""
-    obstacles_found = [
+    still_bodies = [
         _obstacle(name, apply(fixture.X_WB, circumscribed_hull(shape)))
         for fixture in episode.fixtures
         for name, shape in zip(fixture.shape_names, fixture.shapes, strict=True)
@@ -48,12 +48,12 @@ def obstacles(episode: Episode) -> tuple[Obstacle, ...]:
     for robot in [*episode.robots, *map(as_robot, episode.objects)]:
         poses, moving = link_poses(robot, robot.q[:1], robot.X_WR[:1])[0], moving_links(robot)
         still = [number for number in range(len(robot.links)) if number not in moving]
-        obstacles_found += [
+        still_bodies += [
             _obstacle(robot.links[number].name, apply(poses[number], circumscribed_hull(shape)))
             for number in still
             for shape in robot.links[number].shapes
         ]
-    return tuple(obstacles_found)
+    return tuple(still_bodies)
 
 
 def _obstacle(name: str, corners_W: FloatArray) -> Obstacle:
@@ -62,12 +62,12 @@ def _obstacle(name: str, corners_W: FloatArray) -> Obstacle:
 
 
 @dataclass
-class Room:
-    """Free room over one support. Slices of the envelope are projected when they are first asked for."""
+class FreeSpace:
+    """Free space over one support. Slices of the envelope are projected at first use."""
 
     support: Support
     envelope: Envelope
-    standing: Sequence[Obstacle]
+    obstacles: Sequence[Obstacle]
     _slices: dict[int, BaseGeometry] = field(default_factory=dict)
     _free: dict[int, BaseGeometry] = field(default_factory=dict)
 
@@ -79,9 +79,9 @@ class Room:
             high = low + count * SLICE_M
             near = [self._slice(number) for number in range(count)]
             near += [
-                grown(thing.outline, self.envelope.clearance_m)
-                for thing in self.standing
-                if thing.high_m > low + _ON_M and thing.low_m < high + self.envelope.clearance_m
+                buffered(thing.outline, self.envelope.clearance_m)
+                for thing in self.obstacles
+                if thing.high_m > low + _RESTING_M and thing.low_m < high + self.envelope.clearance_m
             ]
             self._free[count] = self.support.area.difference(shapely.union_all(near))
         return self._free[count]
@@ -91,8 +91,8 @@ class Room:
         low = self.support.height_m
         shares = {}
         for number, name in enumerate(self.envelope.bodies):
-            shadow = _shadow(self.envelope, self.envelope.body == number, low, low + top_m)
-            share = shadow.intersection(self.support.area).area / self.support.area.area
+            projection = _projection(self.envelope, self.envelope.body == number, low, low + top_m)
+            share = projection.intersection(self.support.area).area / self.support.area.area
             if share > 0.0:
                 shares[name] = float(share)
         return dict(sorted(shares.items(), key=lambda item: -item[1]))
@@ -101,24 +101,24 @@ class Room:
         if number not in self._slices:
             low = self.support.height_m + number * SLICE_M
             everything = np.ones(len(self.envelope.body), dtype=bool)
-            shadow = _shadow(self.envelope, everything, low, low + SLICE_M)
-            self._slices[number] = shapely.intersection(shadow, self.support.area.envelope)
+            projection = _projection(self.envelope, everything, low, low + SLICE_M)
+            self._slices[number] = shapely.intersection(projection, self.support.area.envelope)
         return self._slices[number]
 
 
-def grown(outline: BaseGeometry, by_m: float) -> BaseGeometry:
+def buffered(outline: BaseGeometry, by_m: float) -> BaseGeometry:
     """`outline` and all within `by_m` of it, and a little more."""
-    return outline.buffer(by_m * _AROUND_CORNER, quad_segs=_FINE)
+    return outline.buffer(by_m * _CIRCUMSCRIBED_CORNER, quad_segs=_CORNER_SEGMENTS)
 
 
-def _shadow(envelope: Envelope, wanted: FloatArray, low_m: float, high_m: float) -> BaseGeometry:
-    """What capsules take of the heights from `low_m` to `high_m`, seen from above; never less than they do.
+def _projection(envelope: Envelope, is_included: FloatArray, low_m: float, high_m: float) -> BaseGeometry:
+    """Projection to x and y of the capsules between the heights `low_m` and `high_m`, or more; never less.
 
     The part of a segment within its radius of the slab, as wide as the ball is where the segment comes nearest to it.
     """
     radius = envelope.radius_m
     start, end = envelope.start_W, envelope.end_W
-    reaches = wanted & (np.minimum(start[:, 2], end[:, 2]) - radius < high_m)
+    reaches = is_included & (np.minimum(start[:, 2], end[:, 2]) - radius < high_m)
     reaches &= np.maximum(start[:, 2], end[:, 2]) + radius > low_m
     start, end, radius = start[reaches], end[reaches], radius[reaches]
     if not len(radius):
@@ -131,5 +131,5 @@ def _shadow(envelope: Envelope, wanted: FloatArray, low_m: float, high_m: float)
     last = np.where(steep, np.clip(bounds[1], 0.0, 1.0), 1.0)[:, None]
     part = np.stack([start + first * (end - start), start + last * (end - start)], axis=1)
     apart = np.maximum(np.maximum(low_m - part[:, :, 2].max(axis=1), part[:, :, 2].min(axis=1) - high_m), 0.0)
-    width = np.sqrt(np.maximum(radius**2 - apart**2, 0.0)) * _AROUND
-    return shapely.union_all(shapely.buffer(shapely.linestrings(part[:, :, :2]), width, quad_segs=_QUARTER))
+    width = np.sqrt(np.maximum(radius**2 - apart**2, 0.0)) * _CIRCUMSCRIBED
+    return shapely.union_all(shapely.buffer(shapely.linestrings(part[:, :, :2]), width, quad_segs=_QUARTER_SEGMENTS))

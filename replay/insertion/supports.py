@@ -1,4 +1,4 @@
-"""Level faces of fixtures on which things may be put."""
+"""Supports: level top faces of fixtures (W, m) on which objects may be placed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from schemas.physics import CollisionShape
 LEVEL_M = 1e-4  # corners of a top face lie this close to its highest
 LEAST_AREA_M2 = 1e-3
 _TOUCH_M = 1e-6  # faces of one height this close are one
-_REST_M = 0.01  # an object this close over a face stands on it
+_REST_M = 0.01  # an object this close over a face rests on it
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ def supports(episode: Episode) -> tuple[Support, ...]:
 
 
 def used_supports(episode: Episode, known: tuple[Support, ...]) -> tuple[Support, ...]:
-    """Those on which a recorded object stood at the first or the last stamp."""
-    return tuple(support for support in known if any(_stood_on(support, spot) for spot in _rests(episode)))
+    """Supports on which a recorded object rested at the first or the last stamp."""
+    return tuple(support for support in known if any(_rested_on(support, spot) for spot in _resting_points(episode)))
 
 
 def _of_fixture(fixture: Fixture) -> list[Support]:
@@ -73,7 +73,7 @@ def _top(shape: CollisionShape, X_WB: FloatArray) -> tuple[float, Polygon]:
     return height, face
 
 
-def _rests(episode: Episode) -> list[FloatArray]:
+def _resting_points(episode: Episode) -> list[FloatArray]:
     """Lowest point (3,) below the origin of each object at both ends of the recording."""
     spots = []
     for body in [body for body in episode.objects if body.shapes]:
@@ -83,5 +83,5 @@ def _rests(episode: Episode) -> list[FloatArray]:
     return spots
 
 
-def _stood_on(support: Support, spot: FloatArray) -> bool:
+def _rested_on(support: Support, spot: FloatArray) -> bool:
     return abs(spot[2] - support.height_m) < _REST_M and bool(support.area.covers(Point(spot[:2])))

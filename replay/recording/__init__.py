@@ -1,1 +1,4 @@
-"""Recorded episodes: reading of formats, kinematics, shapes of links, camera views."""
+"""Recorded episodes: `episode` is the data that every reader returns, `formats.read` the entry that reads them.
+
+Kinematics, shapes and checks of numbers are shared by all formats.
+"""

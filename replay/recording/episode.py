@@ -1,4 +1,4 @@
-"""A recorded episode as replay sees it: what moved, what stood, who looked on.
+"""A recorded episode: robots, free bodies, fixtures and cameras with their recorded motion (rad, m, s).
 
 Frames: W world, z up. R base of a robot. L link, whose frame is also that of its joint. B free body. C camera, which
 looks along -z with +y up. Every array over samples has the rows of `Episode.t_s`. Nothing here is ever written back:
@@ -22,7 +22,7 @@ JointKind = Literal["fixed", "revolute", "prismatic"]
 class Link:
     """A body of a robot or of an articulated fixture, and the joint that carries it.
 
-    parent      index of the link it hangs on, -1 for the base; parents come before their children.
+    parent      index of the parent link, -1 for the base; parents come before their children.
     axis_L      (3,) unit vector; the joint turns about it, or slides along it, through the origin of L.
     X_PL        (4, 4) frame L in the parent's frame where the joint's position is zero.
     coordinate  column of `Robot.q` that drives it, -1 for a fixed joint; its position is gain * q + offset.

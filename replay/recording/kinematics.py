@@ -1,4 +1,4 @@
-"""Forward kinematics of an episode's robots."""
+"""Forward kinematics of an episode's robots: link poses X_WL from joint positions (rad, m) and base poses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Convex collision shapes of a recording's bodies: hulls are exact, so that a shape contains what it stands for."""
+"""Convex collision shapes of a recording's bodies: hulls are exact, so that a shape contains its source."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import trimesh
 
 from geom.convex.hull import convex_hull
 from geom.pose import apply, pose
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
@@ -22,7 +22,7 @@ def hull(points: FloatArray, name: str, file: str) -> CollisionShape:
     try:
         return CollisionShape("hull", (), np.eye(4), *convex_hull(np.asarray(points, dtype=np.float64)))
     except ValueError as error:
-        raise stop("replay/bad-mesh", f"mesh of '{name}': {error}", file) from None
+        raise invalid_recording("replay/bad-mesh", f"mesh of '{name}': {error}", file) from None
 
 
 def ellipsoid(half_m: tuple[float, ...], X_BG: FloatArray) -> CollisionShape:
@@ -46,20 +46,20 @@ def mesh_points(path: Path, scale: tuple[float, ...], file: str) -> FloatArray:
         mesh = trimesh.load(path, force="mesh", process=False, skip_materials=True)
         points = np.asarray(mesh.vertices, dtype=np.float64) * scale  # pyright: ignore[reportAttributeAccessIssue]
     except Exception as error:  # Readers of foreign formats raise what they like.
-        raise stop("replay/bad-mesh", f"'{path.name}' cannot be read: {error}", file) from None
+        raise invalid_recording("replay/bad-mesh", f"'{path.name}' cannot be read: {error}", file) from None
     if not len(points) or not np.isfinite(points).all():
-        raise stop("replay/bad-mesh", f"'{path.name}' has no finite vertices", file)
+        raise invalid_recording("replay/bad-mesh", f"'{path.name}' has no finite vertices", file)
     return points
 
 
-def found_mesh(name: str, folder: Path, meshes: Path | None, file: str) -> Path:
+def locate_mesh(name: str, folder: Path, meshes: Path | None, file: str) -> Path:
     """The file that a model names: inside `folder`, else the one in `meshes` that shares the longest end of its path.
 
     Raises InvalidInput.
     """
     words = [word for word in name.replace("\\", "/").removeprefix("package://").split("/") if word not in ("", ".")]
     if not words or Path(words[-1]).suffix.lower() not in MESH_FILES:
-        raise stop("replay/missing-mesh", f"'{name}' is no mesh file that Mana reads", file)
+        raise invalid_recording("replay/missing-mesh", f"'{name}' is no mesh file that Mana reads", file)
     inside = (folder / "/".join(words)).resolve()
     if ".." not in words and inside.is_relative_to(folder.resolve()) and inside.is_file():
         return inside
@@ -68,7 +68,9 @@ def found_mesh(name: str, folder: Path, meshes: Path | None, file: str) -> Path:
         code = (
             "replay/path-escape" if relative and not inside.is_relative_to(folder.resolve()) else "replay/missing-mesh"
         )
-        raise stop(code, f"mesh '{name}' is not in the folder of the recording; name its folder with --meshes", file)
+        raise invalid_recording(
+            code, f"mesh '{name}' is not in the folder of the recording; name its folder with --meshes", file
+        )
     words = [word for word in words if word != ".."]
     for start in range(len(words)):
         end = "/".join(words[start:])
@@ -76,5 +78,7 @@ def found_mesh(name: str, folder: Path, meshes: Path | None, file: str) -> Path:
         if len(hits) == 1:
             return hits[0]
         if hits:
-            raise stop("replay/missing-mesh", f"'{name}': {len(hits)} files in the folder of meshes fit", file)
-    raise stop("replay/missing-mesh", f"'{name}' is not in the folder of meshes", file)
+            raise invalid_recording(
+                "replay/missing-mesh", f"'{name}': {len(hits)} files in the folder of meshes fit", file
+            )
+    raise invalid_recording("replay/missing-mesh", f"'{name}' is not in the folder of meshes", file)

@@ -1,4 +1,4 @@
-"""Every variant below a folder, checked: clearances, settling, streams."""
+"""Check every variant below a folder: clearances (m), settling, and equal bits of all recorded streams."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from pydantic import ValidationError
 
 from replay.recording.episode import Episode
 from replay.recording.formats.digests import stream_digests
-from replay.recording.link_check import check_links
-from replay.recording.read import read_episodes
-from replay.recording.recorded_numbers import stop
+from replay.recording.formats.read import read_episodes
+from replay.recording.recorded_numbers import invalid_recording
 from replay.verification.inserted_bodies import InsertedBody, inserted_body
-from replay.verification.settling import Settle, moved_when_let_go
+from replay.verification.link_check import check_links
+from replay.verification.settling import Settle, settling_motion
 from replay.verification.verify import near_pairs
 from schemas.replay import VARIANT_FILE, Inserted, Moved, Variant, VariantCheck
 
@@ -32,11 +32,11 @@ def check_output(
     """One row for each `variant.json` below a folder, in the order of their paths.
 
     `packages` holds the packages that the variants name, `clearance_m` overrides what each variant states; without
-    `settle` nothing is let go. Raises InvalidInput.
+    `settle` settling is not checked. Raises InvalidInput.
     """
     folders = sorted(p.parent for p in out.rglob(VARIANT_FILE))
     if not folders:
-        raise stop("replay/missing-file", f"no {VARIANT_FILE} below '{out.name}'", out.name)
+        raise invalid_recording("replay/missing-file", f"no {VARIANT_FILE} below '{out.name}'", out.name)
     checks: dict[Path, VariantCheck] = {}
     groups: dict[tuple[object, ...], list[tuple[Path, Variant]]] = {}
     for folder in folders:
@@ -47,28 +47,34 @@ def check_output(
     for group in groups.values():
         episode = read_variant_episode(*group[0], meshes)
         for first in range(0, len(group), AT_ONCE):
-            some = group[first : first + AT_ONCE]
-            checks |= _checked(out, episode, some, packages, settle, clearance_m)
+            batch = group[first : first + AT_ONCE]
+            checks |= _check_group(out, episode, batch, packages, settle, clearance_m)
     return [checks[folder] for folder in folders]
 
 
 def read_variant(folder: Path) -> Variant:
     """The `variant.json` of a folder. Raises InvalidInput."""
     if not (folder / VARIANT_FILE).is_file():
-        raise stop("replay/missing-file", f"no {VARIANT_FILE} in '{folder.name}'", folder.name)
+        raise invalid_recording("replay/missing-file", f"no {VARIANT_FILE} in '{folder.name}'", folder.name)
     try:
         return Variant.model_validate_json((folder / VARIANT_FILE).read_bytes())
     except ValidationError as error:
-        raise stop("replay/invalid-value", f"{folder.name}/{VARIANT_FILE}: {error}", VARIANT_FILE) from None
+        raise invalid_recording(
+            "replay/invalid-value", f"{folder.name}/{VARIANT_FILE}: {error}", VARIANT_FILE
+        ) from None
 
 
 def recording(folder: Path, variant: Variant) -> Path:
     """The copy of the recording below the variant's folder. Raises InvalidInput."""
     path = (folder / variant.recording).resolve()
     if not variant.recording or not path.is_relative_to(folder.resolve()):
-        raise stop("replay/path-escape", f"recording '{variant.recording}' is not beside the variant", VARIANT_FILE)
+        raise invalid_recording(
+            "replay/path-escape", f"recording '{variant.recording}' is not beside the variant", VARIANT_FILE
+        )
     if not path.exists():
-        raise stop("replay/missing-file", f"recording '{variant.recording}' of the variant is absent", VARIANT_FILE)
+        raise invalid_recording(
+            "replay/missing-file", f"recording '{variant.recording}' of the variant is absent", VARIANT_FILE
+        )
     return path
 
 
@@ -82,11 +88,13 @@ def read_variant_episode(folder: Path, variant: Variant, meshes: Path | None = N
     episodes = read_episodes(recording(folder, variant), meshes or next(iter(named), None), scene)
     matching = next((e for e in episodes if e.part == variant.part), None)
     if matching is None:
-        raise stop("replay/missing-file", f"the copy of the recording has no '{variant.part}'", VARIANT_FILE)
+        raise invalid_recording(
+            "replay/missing-file", f"the copy of the recording has no '{variant.part}'", VARIANT_FILE
+        )
     return matching
 
 
-def _checked(
+def _check_group(
     out: Path,
     episode: Episode,
     group: Sequence[tuple[Path, Variant]],
@@ -95,22 +103,22 @@ def _checked(
     clearance_m: float | None,
 ) -> dict[Path, VariantCheck]:
     bodies = [[_body(one, packages) for one in variant.inserted] for _, variant in group]
-    asked_m = group[0][1].clearance_m if clearance_m is None else clearance_m
-    pairs = near_pairs(episode, bodies, asked_m)
+    required_m = group[0][1].clearance_m if clearance_m is None else clearance_m
+    pairs = near_pairs(episode, bodies, required_m)
     links = check_links(episode)
     rows = {}
     for (folder, variant), inserted, near in zip(group, bodies, pairs, strict=True):
-        under = tuple(pair for pair in near if pair.distance_m < asked_m)
+        under = tuple(pair for pair in near if pair.distance_m < required_m)
         rows[folder] = VariantCheck(
             variant=folder.relative_to(out).as_posix(),
             objects_requested=variant.objects_requested,
             objects_inserted=len(variant.inserted),
             contacts=sum(pair.distance_m <= 0.0 for pair in near),
-            clearance_m=asked_m,
+            clearance_m=required_m,
             clearance_violations=len(under),
             nearest=near[0] if near else None,
             near=under,
-            moved=_moved(episode, inserted, settle),
+            moved=_settling_motion(episode, inserted, settle),
             states_identical=_identical(folder, variant),
             feasible_area_m2=sum(variant.feasible_area_m2.values()) if variant.feasible_area_m2 else None,
             newly_hidden_fraction=max(variant.camera_hidden.values(), default=None),
@@ -126,11 +134,11 @@ def _body(inserted: Inserted, packages: Path | None) -> InsertedBody:
         return inserted_body(inserted, packages)
     except (FileNotFoundError, ValueError) as error:
         message = f"package '{inserted.package}' of '{inserted.name}' is not in the folder of packages: {error}"
-        raise stop("replay/missing-file", message, VARIANT_FILE) from None
+        raise invalid_recording("replay/missing-file", message, VARIANT_FILE) from None
 
 
-def _moved(episode: Episode, inserted: list[InsertedBody], settle: Settle | None) -> tuple[Moved, ...]:
-    return moved_when_let_go(episode, inserted, settle) if settle and inserted else ()
+def _settling_motion(episode: Episode, inserted: list[InsertedBody], settle: Settle | None) -> tuple[Moved, ...]:
+    return settling_motion(episode, inserted, settle) if settle and inserted else ()
 
 
 def _identical(folder: Path, variant: Variant) -> bool:

@@ -1,4 +1,7 @@
-"""All that moves, many times within each interval of a recording: linear, and cubic Hermite where rates are known."""
+"""Dense motion of a recording: poses of all moving bodies between its samples, linear and by cubic Hermite curves.
+
+Hermite curves need recorded rates; both are used where rates are known.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +62,7 @@ def _stretch(episode: Episode, rows: slice, sub_times: int, hermite: bool) -> St
 
 
 def positions(robot: Robot, rows: slice, t_s: FloatArray, share: FloatArray, hermite: bool) -> FloatArray:
-    """Joint positions (k, j) between samples; Hermite cubics where asked for and rates are recorded."""
+    """Joint positions (k, j) between samples; Hermite cubics if `hermite` and rates are recorded."""
     q = robot.q[rows]
     if not hermite or robot.qd is None:
         return between(q, share)

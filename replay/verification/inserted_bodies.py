@@ -1,4 +1,4 @@
-"""The objects that a variant puts in, as the simulator takes them: read back from their packages."""
+"""Rigid bodies and poses X_WA of the objects of a variant, reread from their packages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class InsertedBody:
 
 
 def inserted_body(inserted: Inserted, packages: Path | None) -> InsertedBody:
-    """Raises FileNotFoundError where its package is not below `packages`."""
+    """The body at its pose. Raises FileNotFoundError where its package is not below `packages`."""
     X_WA = pose_from_quat(np.array(inserted.quat_wxyz), inserted.position_m)
     return InsertedBody(inserted, as_packaged(inserted, packages).body, X_WA)
 

@@ -1,7 +1,7 @@
-"""Least distance between a body along its path and shapes that stand, by branch and bound over time.
+"""Least distance (m) between a body along its path and a static shape, by branch and bound over time.
 
-A block of times is left out where its middle is proved to be farther away than asked by more than any point of the body
-moves within the block; else it is split. What remains are single times, at which the distance is computed.
+A block of times is left out where its middle is proved to be farther away than the bound by more than any point of the
+body moves within the block; else it is split. What remains are single times, at which the distance is computed.
 """
 
 from __future__ import annotations
@@ -10,51 +10,51 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from replay.verification.separation import Solid, box_W, centre_and_radius, separation_m
+from replay.verification.separation import DistanceShape, box_W, centre_and_radius, separation_m
 from schemas.model import FloatArray
 
 BRANCHES = 8
 
 
 @dataclass(frozen=True)
-class Standing:
+class StaticShape:
     """A shape of an inserted object at its pose, and its box in W."""
 
-    solid: Solid
+    distance_shape: DistanceShape
     X_WA: FloatArray
     low_W: FloatArray
     high_W: FloatArray
 
 
 @dataclass(frozen=True)
-class Path:
+class MovingShape:
     """A shape along poses X_WB (k, 4, 4), with a ball around it.
 
     centres_W (k, 3), radius of that ball. spread_m: for each level l the blocks of 8^l times, how far any point of the
     body is at most from where it is in the middle of the block.
     """
 
-    solid: Solid
+    distance_shape: DistanceShape
     X_WB: FloatArray
     centres_W: FloatArray
     radius_m: float
-    spread_m: tuple[FloatArray, ...]
+    motion_bound_m: tuple[FloatArray, ...]
 
 
-def standing(solid: Solid, X_WA: FloatArray) -> Standing:
-    """The shape where it stands."""
-    return Standing(solid, X_WA, *box_W(solid, X_WA))
+def static_shape(distance_shape: DistanceShape, X_WA: FloatArray) -> StaticShape:
+    """The shape at its pose, with its box in W."""
+    return StaticShape(distance_shape, X_WA, *box_W(distance_shape, X_WA))
 
 
-def path(solid: Solid, X_WB: FloatArray) -> Path:
+def moving_shape(distance_shape: DistanceShape, X_WB: FloatArray) -> MovingShape:
     """The shape along its poses; blocks up to the whole path."""
-    centre, radius = centre_and_radius(solid)
+    centre, radius = centre_and_radius(distance_shape)
     centres = X_WB[:, :3, :3] @ centre + X_WB[:, :3, 3]
     spread, size = [np.zeros(len(X_WB))], 1
     while size < len(X_WB):
         size *= BRANCHES
         spread.append(_spread(X_WB, centres, radius, size))
-    return Path(solid, X_WB, centres, radius, tuple(spread))
+    return MovingShape(distance_shape, X_WB, centres, radius, tuple(spread))
 
 
 def _spread(X_WB: FloatArray, centres: FloatArray, radius: float, size: int) -> FloatArray:
@@ -72,18 +72,18 @@ def _middle(block: FloatArray, size: int, n: int) -> FloatArray:
     return first + (np.minimum(first + size, n) - first) // 2
 
 
-def least_distance(moving: Path, still: Standing, at_most_m: float) -> tuple[float, int]:
+def least_distance(moving: MovingShape, static: StaticShape, at_most_m: float) -> tuple[float, int]:
     """The least distance and the row of the path where it is; `at_most_m` and -1 where it is no smaller than that."""
     best, row = at_most_m, -1
-    n, top = len(moving.X_WB), len(moving.spread_m) - 1
+    n, top = len(moving.X_WB), len(moving.motion_bound_m) - 1
     todo = [(top, 0)]
     while todo and best > 0.0:
         level, block = todo.pop()
         middle = int(_middle(np.array(block), BRANCHES**level, n))
-        slack = float(moving.spread_m[level][block])
-        if _ball_gap(moving, middle, still) - slack >= best:
+        slack = float(moving.motion_bound_m[level][block])
+        if _box_distance_bound(moving, middle, static) - slack >= best:
             continue
-        distance = separation_m(moving.solid, moving.X_WB[middle], still.solid, still.X_WA)
+        distance = separation_m(moving.distance_shape, moving.X_WB[middle], static.distance_shape, static.X_WA)
         if distance < best:
             best, row = distance, middle
         if level > 0 and distance - slack < best:
@@ -92,8 +92,8 @@ def least_distance(moving: Path, still: Standing, at_most_m: float) -> tuple[flo
     return best, row
 
 
-def _ball_gap(moving: Path, row: int, still: Standing) -> float:
-    """At most the distance of the body from the box of what stands."""
+def _box_distance_bound(moving: MovingShape, row: int, static: StaticShape) -> float:
+    """Lower bound on the distance of the moving body from the box of the static shape."""
     centre = moving.centres_W[row]
-    outside = np.maximum(np.maximum(still.low_W - centre, centre - still.high_W), 0.0)
+    outside = np.maximum(np.maximum(static.low_W - centre, centre - static.high_W), 0.0)
     return float(np.sqrt(outside @ outside)) - moving.radius_m

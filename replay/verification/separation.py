@@ -1,7 +1,7 @@
-"""How far two convex shapes are apart, each answer proved by a plane between them.
+"""Distance (m) between two convex shapes, each answer proved by a separating plane.
 
-FCL's GJK gives nearest points; now and then they are wrong by millimetres. So the distance handed out is the width of
-the empty slab across their direction: a lower bound whatever the solver did, equal to the distance where it was right.
+FCL's GJK gives nearest points; now and then they are wrong by millimetres. So the returned distance is the width of the
+empty slab across their direction: a lower bound whatever the solver does, equal to the distance where it was right.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from geom.pose import pose
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
-TRUSTED_GAP_M = 1e-6  # Where the slab is narrower than this against FCL's answer, FCL is asked again.
+TRUSTED_GAP_M = 1e-6  # Where the slab is narrower than this against FCL's answer, the query is repeated with a nudge.
 NUDGES_M = (1e-6, 1e-5, 1e-4, 1e-3)
 
 
 @dataclass(frozen=True)
-class Solid:
+class DistanceShape:
     """A shape as FCL holds it. It lies in its body B at X_BS (4, 4); `points` (n, 3) in S of a hull or a box."""
 
     shape: CollisionShape
@@ -34,22 +34,22 @@ class Solid:
         return bool(np.array_equal(self.X_BS, np.eye(4)))
 
 
-def solid(shape: CollisionShape) -> Solid:
+def distance_shape(shape: CollisionShape) -> DistanceShape:
     """The shape for distance queries."""
     size = shape.size_m
     if shape.points is not None and shape.triangles is not None:
         faces = np.concatenate([np.full((len(shape.triangles), 1), 3), shape.triangles], axis=1)
         points = np.ascontiguousarray(shape.points, dtype=np.float64)
         geometry = fcl.Convex(points, len(shape.triangles), faces.astype(np.int32).ravel())
-        return Solid(shape, geometry, np.eye(4), points)
+        return DistanceShape(shape, geometry, np.eye(4), points)
     if shape.kind == "box":
         signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        return Solid(shape, fcl.Box(*size), shape.X_AS, 0.5 * signs * size)
+        return DistanceShape(shape, fcl.Box(*size), shape.X_AS, 0.5 * signs * size)
     makers = {"sphere": fcl.Sphere, "capsule": fcl.Capsule, "cylinder": fcl.Cylinder}
-    return Solid(shape, makers[shape.kind](*size), shape.X_AS, None)
+    return DistanceShape(shape, makers[shape.kind](*size), shape.X_AS, None)
 
 
-def reach(body: Solid, X_WB: FloatArray, direction_W: FloatArray) -> float:
+def support_coordinate(body: DistanceShape, X_WB: FloatArray, direction_W: FloatArray) -> float:
     """The largest coordinate of the shape along a unit vector (3,)."""
     X_WS = X_WB @ body.X_BS
     u = X_WS[:3, :3].T @ direction_W
@@ -62,7 +62,7 @@ def reach(body: Solid, X_WB: FloatArray, direction_W: FloatArray) -> float:
     return at + across + 0.5 * size[1] * abs(float(u[2]))
 
 
-def centre_and_radius(body: Solid) -> tuple[FloatArray, float]:
+def centre_and_radius(body: DistanceShape) -> tuple[FloatArray, float]:
     """A ball in B that holds the shape: middle of its box and half the largest extent from there."""
     if body.points is not None:
         points = body.points @ body.X_BS[:3, :3].T + body.X_BS[:3, 3]
@@ -75,14 +75,14 @@ def centre_and_radius(body: Solid) -> tuple[FloatArray, float]:
     return body.X_BS[:3, 3], half + size[0] if body.shape.kind == "capsule" else float(np.hypot(half, size[0]))
 
 
-def box_W(body: Solid, X_WB: FloatArray) -> tuple[FloatArray, FloatArray]:
+def box_W(body: DistanceShape, X_WB: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Lowest and highest corner (3,) of the shape's box along the axes of W."""
-    high = np.array([reach(body, X_WB, axis) for axis in np.eye(3)])
-    low = np.array([-reach(body, X_WB, -axis) for axis in np.eye(3)])
+    high = np.array([support_coordinate(body, X_WB, axis) for axis in np.eye(3)])
+    low = np.array([-support_coordinate(body, X_WB, -axis) for axis in np.eye(3)])
     return low, high
 
 
-def separation_m(a: Solid, X_WA: FloatArray, b: Solid, X_WB: FloatArray) -> float:
+def separation_m(a: DistanceShape, X_WA: FloatArray, b: DistanceShape, X_WB: FloatArray) -> float:
     """The distance between two shapes, never more than the true one; 0 where they touch or overlap."""
     best = 0.0
     for nudge in (0.0, *NUDGES_M):
@@ -91,14 +91,14 @@ def separation_m(a: Solid, X_WA: FloatArray, b: Solid, X_WB: FloatArray) -> floa
             if nudge == 0.0:
                 return 0.0
             continue
-        slab = -reach(b, X_WB, -direction) - reach(a, X_WA, direction)
+        slab = -support_coordinate(b, X_WB, -direction) - support_coordinate(a, X_WA, direction)
         best = max(best, slab)
         if nudge == 0.0 and distance - best <= TRUSTED_GAP_M:
             break
     return best
 
 
-def _nearest(a: Solid, X_WA: FloatArray, b: Solid, X_WB: FloatArray) -> tuple[float, FloatArray | None]:
+def _nearest(a: DistanceShape, X_WA: FloatArray, b: DistanceShape, X_WB: FloatArray) -> tuple[float, FloatArray | None]:
     """FCL's distance and the unit vector from its nearest point of a to that of b; None where they meet."""
     result = fcl.DistanceResult()
     request = fcl.DistanceRequest(enable_nearest_points=True)

@@ -1,4 +1,4 @@
-"""Variants judged by their poses alone: is every inserted object clear of all that moved, stood or was put in?
+"""Judge variants by their poses alone: distances of each inserted object from all that moves or is fixed.
 
 Shares nothing with the code that chose the poses: no envelope, no capsules, no feasible regions. The recording is
 replayed densely (`replay.verification.dense`), and exact distances between convex shapes decide
@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from replay.recording.episode import Episode
 from replay.verification.dense import SUB_TIMES, dense_motion
 from replay.verification.inserted_bodies import InsertedBody
-from replay.verification.nearest import Standing, least_distance, path, standing
-from replay.verification.separation import separation_m, solid
+from replay.verification.nearest import StaticShape, least_distance, moving_shape, static_shape
+from replay.verification.separation import distance_shape, separation_m
 from schemas.replay import Near
 
 UNDERNEATH_M = 1e-3  # A shape whose top is no higher than this over the lowest point of an object lies under it.
@@ -22,10 +22,10 @@ UNDERNEATH_M = 1e-3  # A shape whose top is no higher than this over the lowest 
 
 @dataclass(frozen=True)
 class _Placed:
-    """An inserted object with its shapes where they stand."""
+    """An inserted object with its shapes at their poses."""
 
     name: str
-    shapes: tuple[Standing, ...]
+    shapes: tuple[StaticShape, ...]
     lowest_m: float
 
 
@@ -42,18 +42,18 @@ def near_pairs(
     for stretch in dense_motion(episode, sub_times):
         for body in stretch.bodies:
             for shape in body.shapes:
-                moving = path(solid(shape), body.X_WB)
+                moving = moving_shape(distance_shape(shape), body.X_WB)
                 for objects, near in zip(placed, pairs_by_variant, strict=True):
-                    for thing in objects:
-                        for still in thing.shapes:
+                    for item in objects:
+                        for static in item.shapes:
                             best = min((pair.distance_m for pair in near.values()), default=float("inf"))
-                            known = near.get((thing.name, body.name))
+                            known = near.get((item.name, body.name))
                             at_most = max(best, clearance_m)
                             if known and known.distance_m < clearance_m:
                                 at_most = known.distance_m
-                            distance, row = least_distance(moving, still, at_most)
+                            distance, row = least_distance(moving, static, at_most)
                             if row >= 0:
-                                pair = (thing.name, body.name)
+                                pair = (item.name, body.name)
                                 t_s = float(stretch.t_s[row])
                                 near[pair] = Near(inserted=pair[0], other=pair[1], distance_m=distance, t_s=t_s)
     rows = [sorted(near.values(), key=lambda pair: pair.distance_m) for near in pairs_by_variant]
@@ -61,28 +61,30 @@ def near_pairs(
 
 
 def _placed(inserted: InsertedBody) -> _Placed:
-    shapes = tuple(standing(solid(shape), inserted.X_WA) for shape in inserted.body.shapes)
+    shapes = tuple(static_shape(distance_shape(shape), inserted.X_WA) for shape in inserted.body.shapes)
     lowest = min(float(shape.low_W[2]) for shape in shapes)
     return _Placed(inserted.stated.name, shapes, lowest)
 
 
 def _still_pairs(episode: Episode, objects: Sequence[_Placed]) -> dict[tuple[str, str], Near]:
-    """Least distances between inserted objects, and from each to what stands, save for what lies under it.
+    """Least distances between inserted objects, and from each to fixtures, except those under it.
 
-    Names do not tell what lies under it: several fixtures may have a shape of one name.
+    Which fixtures lie under it is decided by height, since several may have a shape of one name.
     """
     fixed = [
-        (name, standing(solid(shape), fixture.X_WB))
+        (name, static_shape(distance_shape(shape), fixture.X_WB))
         for fixture in episode.fixtures
         for name, shape in zip(fixture.shape_names, fixture.shapes, strict=True)
     ]
     pairs = {}
-    for number, thing in enumerate(objects):
+    for number, item in enumerate(objects):
         others = [(o.name, s) for o in objects[number + 1 :] for s in o.shapes]
-        others += [(name, s) for name, s in fixed if s.high_W[2] > thing.lowest_m + UNDERNEATH_M]
+        others += [(name, s) for name, s in fixed if s.high_W[2] > item.lowest_m + UNDERNEATH_M]
         for name, other in others:
-            distance = min(separation_m(s.solid, s.X_WA, other.solid, other.X_WA) for s in thing.shapes)
-            known = pairs.get((thing.name, name))
+            distance = min(
+                separation_m(s.distance_shape, s.X_WA, other.distance_shape, other.X_WA) for s in item.shapes
+            )
+            known = pairs.get((item.name, name))
             if known is None or distance < known.distance_m:
-                pairs[thing.name, name] = Near(inserted=thing.name, other=name, distance_m=distance)
+                pairs[item.name, name] = Near(inserted=item.name, other=name, distance_m=distance)
     return pairs

@@ -1,7 +1,7 @@
-"""How much of the task objects inserted bodies newly hide from the recorded cameras: rays against convex shapes.
+"""Share of the task objects' pixels that inserted bodies newly hide from the recorded cameras, by ray casting.
 
-Exact for the planes of hulls and boxes; round shapes are polyhedra inscribed in them. What recorded bodies hide
-anyway does not count: only pixels that show a task object without the inserted bodies are looked at again.
+Exact for the planes of hulls and boxes; round shapes are polyhedra inscribed in them. Pixels that recorded bodies hide
+anyway do not count: only pixels that show a task object without the inserted bodies are tested.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from replay.recording.kinematics import link_poses
 from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
-ROWS = 12  # rows of a recording that are looked at, evenly spread
-LONGEST_PX = 128  # larger pictures are looked at in this size
+ROWS = 12  # rows of a recording that are tested, evenly spread
+LONGEST_PX = 128  # larger pictures are tested at this size
 
 
 @dataclass(frozen=True)
-class Convex:
+class ConvexPolyhedron:
     """A convex polyhedron in W: inside where normals (f, 3) @ p <= offsets (f,); its corners (n, 3)."""
 
     normals: FloatArray
@@ -33,7 +33,7 @@ class Convex:
 
 
 @dataclass(frozen=True)
-class Seen:
+class TaskPixels:
     """Pixels of one camera at one row that show a task object: rays eye + depth * directions (r, 3), depths (r,) m."""
 
     camera: str
@@ -44,20 +44,22 @@ class Seen:
 
 def task_pixels(
     episode: Episode, cameras: Sequence[Camera] | None = None, rows: Sequence[int] | None = None
-) -> tuple[Seen, ...]:
-    """What cameras (by default all) see of the recorded objects at rows (by default `ROWS` of them)."""
+) -> tuple[TaskPixels, ...]:
+    """Pixels of the recorded objects in cameras (by default all) at rows (by default `ROWS` of them)."""
     chosen = np.unique(np.linspace(0, len(episode.t_s) - 1, ROWS).astype(int)) if rows is None else np.asarray(rows)
-    objects = [convexes(body.shapes) for body in episode.objects]
-    standing = [placed(convex, fixture.X_WB) for fixture in episode.fixtures for convex in convexes(fixture.shapes)]
-    links = [(robot, [convexes(link.shapes) for link in robot.links]) for robot in episode.robots]
+    objects = [convex_polyhedra(body.shapes) for body in episode.objects]
+    standing = [
+        in_world(convex, fixture.X_WB) for fixture in episode.fixtures for convex in convex_polyhedra(fixture.shapes)
+    ]
+    links = [(robot, [convex_polyhedra(link.shapes) for link in robot.links]) for robot in episode.robots]
     pixels = []
     for row in chosen.tolist():
         others = list(standing)
         for robot, shapes in links:
             X_WL = link_poses(robot, robot.q[row : row + 1], robot.X_WR[row : row + 1])[0]
-            others += [placed(convex, X) for X, some in zip(X_WL, shapes, strict=True) for convex in some]
+            others += [in_world(convex, X) for X, some in zip(X_WL, shapes, strict=True) for convex in some]
         bodies = [
-            [placed(convex, body.X_WB[row]) for convex in some]
+            [in_world(convex, body.X_WB[row]) for convex in some]
             for body, some in zip(episode.objects, objects, strict=True)
         ]
         for camera in episode.cameras if cameras is None else cameras:
@@ -65,7 +67,7 @@ def task_pixels(
     return tuple(pixels)
 
 
-def newly_hidden(seen: Iterable[Seen], inserted: Sequence[Convex]) -> dict[str, float]:
+def newly_hidden(seen: Iterable[TaskPixels], inserted: Sequence[ConvexPolyhedron]) -> dict[str, float]:
     """Share of the pixels of task objects, over all rows, that the inserted bodies hide; 0 where there are none."""
     before: dict[str, int] = {}
     hidden: dict[str, int] = {}
@@ -76,18 +78,18 @@ def newly_hidden(seen: Iterable[Seen], inserted: Sequence[Convex]) -> dict[str, 
     return {name: hidden[name] / before[name] for name in before}
 
 
-def convexes(shapes: Iterable[CollisionShape]) -> list[Convex]:
-    """Shapes in the frame of their body."""
+def convex_polyhedra(shapes: Iterable[CollisionShape]) -> list[ConvexPolyhedron]:
+    """Shapes as polyhedra in the frame of their body."""
     return [_convex(shape) for shape in shapes]
 
 
-def placed(convex: Convex, X_WB: FloatArray) -> Convex:
-    """The same in W."""
+def in_world(convex: ConvexPolyhedron, X_WB: FloatArray) -> ConvexPolyhedron:
+    """The polyhedron at pose X_WB, in W."""
     normals = convex.normals @ X_WB[:3, :3].T
-    return Convex(normals, convex.offsets + normals @ X_WB[:3, 3], apply(X_WB, convex.corners))
+    return ConvexPolyhedron(normals, convex.offsets + normals @ X_WB[:3, 3], apply(X_WB, convex.corners))
 
 
-def _convex(shape: CollisionShape) -> Convex:
+def _convex(shape: CollisionShape) -> ConvexPolyhedron:
     corners, triangles = surface(shape)
     first, second, third = (corners[triangles[:, k]] for k in range(3))
     normals = np.cross(second - first, third - first)
@@ -95,13 +97,13 @@ def _convex(shape: CollisionShape) -> Convex:
     normals = normals[length > 0.0] / length[length > 0.0, None]
     offsets = np.einsum("ij,ij->i", normals, first[length > 0.0])
     planes = np.unique(np.round(np.column_stack([normals, offsets]), 9), axis=0)  # one for the triangles of a face
-    return Convex(planes[:, :3], planes[:, 3], corners)
+    return ConvexPolyhedron(planes[:, :3], planes[:, 3], corners)
 
 
 def _seen(
-    camera: Camera, X_WC: FloatArray, bodies: Sequence[Sequence[Convex]], others: Sequence[Convex]
-) -> Iterator[Seen]:
-    """One `Seen` with the pixels of all objects, if there are any."""
+    camera: Camera, X_WC: FloatArray, bodies: Sequence[Sequence[ConvexPolyhedron]], others: Sequence[ConvexPolyhedron]
+) -> Iterator[TaskPixels]:
+    """One `TaskPixels` with the pixels of all objects, if there are any."""
     shrink = min(1.0, LONGEST_PX / max(camera.width_px, camera.height_px))
     width, height = (max(1, round(size * shrink)) for size in (camera.width_px, camera.height_px))
     slope = np.tan(camera.fovy_rad / 2.0) * 2.0 / height  # metres at 1 m for each pixel
@@ -124,7 +126,7 @@ def _seen(
             pixels[pixel] = min(float(depths[k]), pixels.get(pixel, np.inf))
     if pixels:
         columns, rows = np.array(list(pixels)).T
-        yield Seen(
+        yield TaskPixels(
             camera.name, eye, _directions(X_WC, columns, rows, slope, width, height), np.array(list(pixels.values()))
         )
 
@@ -151,7 +153,7 @@ def _box(
     return (x0, y0, x1, y1) if x0 < x1 and y0 < y1 else None
 
 
-def _before(body: Convex, X_WC: FloatArray, depth_m: float) -> bool:
+def _before(body: ConvexPolyhedron, X_WC: FloatArray, depth_m: float) -> bool:
     """Whether some of it is nearer along the optical axis."""
     return bool(((X_WC[:3, 3] - body.corners) @ X_WC[:3, 2]).min() < depth_m)
 
@@ -160,7 +162,7 @@ def _overlap(one: tuple[int, int, int, int] | None, other: tuple[int, int, int, 
     return one is not None and one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
 
 
-def _depths(bodies: Sequence[Convex], eye: FloatArray, directions: FloatArray) -> FloatArray:
+def _depths(bodies: Sequence[ConvexPolyhedron], eye: FloatArray, directions: FloatArray) -> FloatArray:
     """(r,) depth along the optical axis at which each ray enters the first of the bodies, infinite where it misses."""
     nearest = np.full(len(directions), np.inf)
     lengths = np.linalg.norm(directions, axis=1)
@@ -180,7 +182,7 @@ def _depths(bodies: Sequence[Convex], eye: FloatArray, directions: FloatArray) -
     return nearest
 
 
-def _towards(body: Convex, eye: FloatArray, directions: FloatArray, lengths: FloatArray) -> IntArray:
+def _towards(body: ConvexPolyhedron, eye: FloatArray, directions: FloatArray, lengths: FloatArray) -> IntArray:
     """Numbers of the rays that meet the ball around a body's corners."""
     middle = body.corners.mean(axis=0)
     radius = np.linalg.norm(body.corners - middle, axis=1).max()

@@ -1,4 +1,4 @@
-"""What recorded cameras see of a level plane."""
+"""The part of a level plane (m, W) that recorded cameras have in their pictures."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ROWS = 12  # of a moving camera, evenly spread
 _NEAR_M = 0.01
 
 
-def seen_area(cameras: tuple[Camera, ...], height_m: float, within: BaseGeometry) -> BaseGeometry:
+def area_in_view(cameras: tuple[Camera, ...], height_m: float, within: BaseGeometry) -> BaseGeometry:
     """The part of the plane at `height_m` over `within` that some camera has in its picture at some of its stamps."""
     parts = [_seen(camera, X, height_m, within) for camera in cameras for X in _poses(camera)]
     return shapely.union_all([part for part in parts if not part.is_empty])

@@ -1,4 +1,4 @@
-"""What the tables of diagnostic codes hold."""
+"""One row of the tables of diagnostic codes: severity, title, reason and help."""
 
 from __future__ import annotations
 

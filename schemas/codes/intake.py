@@ -1,4 +1,4 @@
-"""Diagnostic codes of what is read: files, content, units and axes; part of the table in `schemas.codes`."""
+"""Diagnostic codes of reading: files, content, units and axes; part of the table in `schemas.codes`."""
 
 from __future__ import annotations
 

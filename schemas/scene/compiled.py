@@ -1,4 +1,4 @@
-"""What the scene compiler hands out: a verdict, and with it a whole scene or none."""
+"""Results of the scene compiler: a verdict, with a whole scene (W, metres, z up) or none."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class PlacedObject(_Model):
     """One object at rest. `position_m` and `quat_wxyz` are those of its asset frame in the world.
 
     `prisms` are its collision geometry in the world, by which anyone can check the scene without packages. `parent` is
-    the object it stands on or in (`background` for what does not move), `anchor` the name of that place. `package` is
+    the object under or around it (`background` for fixed objects), `anchor` the name of that place. `package` is
     its folder below `packages/` beside the scene file; what has none is the `primitive` as written, before `scale`.
     `mass_kg` is the mass at that scale, None where nobody said any.
     """
@@ -134,5 +134,5 @@ class CompileReport(_Model):
 
 
 def location_of(member: ConflictMember) -> Location:
-    """Where a member stands in the text."""
+    """Position of a member in the text."""
     return Location(file=member.file, line=member.line, column=member.column)

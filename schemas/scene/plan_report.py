@@ -1,4 +1,4 @@
-"""What `mana plan verify --json` prints (design 11)."""
+"""The verdict on samples that `mana plan verify --json` prints (design 11)."""
 
 from __future__ import annotations
 

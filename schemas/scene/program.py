@@ -1,4 +1,4 @@
-"""The semantic scene program as people write it: the YAML language of `scenec` (design: scene program).
+"""The scene program: the YAML language of `scenec` as data (design: scene program).
 
 Lengths in metres, angles in radians; `*_deg` keys take degrees. x, y, z of ranges and poses are those of the anchor's
 frame: origin at the bounding-box centre of its polygon, axes of the asset that owns it. Unknown keys are errors.
@@ -62,7 +62,7 @@ class FixedAsset(_Written):
 
 
 class AssetCandidates(_Written):
-    """A named set of packages that may stand for one another."""
+    """A named set of packages that may replace one another."""
 
     id: str
     assets: tuple[str, ...] = Field(min_length=1)
@@ -92,7 +92,7 @@ class SceneObject(_Written):
 
 
 class Background(_Written):
-    """What everything stands on; it does not move. Its frame is the world's unless `position`, `yaw` say otherwise."""
+    """The fixed environment under all objects. Its frame is the world's unless `position`, `yaw` say otherwise."""
 
     asset: Asset | str
     scale: Length = 1.0
@@ -145,7 +145,7 @@ Orientation: TypeAlias = Literal["upright", "stable"] | tuple[Quat_wxyz, ...]
 
 
 class SurfacePlacement(_Written):
-    """Standing on a surface, the footprint wholly on its polygon."""
+    """Placement on a surface, the footprint wholly on its polygon."""
 
     type: Literal["surface"]
     surface: str
@@ -250,7 +250,7 @@ class Layout(_Written):
 class Relation(_Written):
     """One relation between placed nodes; exactly one of the first keys is given.
 
-    The default viewer stands at -y of the support's frame and looks toward +y: `left_of: [a, b]` puts the whole
+    The default viewer is at -y of the support's frame and looks toward +y: `left_of: [a, b]` puts the whole
     footprint of a at smaller x than that of b, by `gap`; `behind` at larger y. `frame` names the anchor or object whose
     axes count, `viewpoint` turns the viewer. `near` and `far_from` bound the distance of footprints, `aligned` the
     offset of origins across `axis`, `facing` turns the front (+x) of a toward b, `between: [a, b, c]` puts a's origin
@@ -276,7 +276,7 @@ class Relation(_Written):
 
 
 class KeepOut(_Written):
-    """A stretch of a surface where nothing may stand, up to `height` above it."""
+    """A region of a surface that must stay empty, up to `height` above it."""
 
     id: str
     surface: str

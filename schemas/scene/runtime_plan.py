@@ -1,4 +1,4 @@
-"""RuntimeSamplingPlan: everything that a reset needs, as the compiler leaves it (design 8).
+"""RuntimeSamplingPlan: the compiler's output from which scenes are drawn at each reset (design 8).
 
 Frames: W world, z up. U of an owner: its asset frame turned by yaw alone. A of a place: the axes of U, its origin at
 the place. S of a stance: the asset frame turned by `quat_wxyz`, before yaw. Metres, radians; pools hold micrometres
@@ -7,8 +7,8 @@ the place. S of a stance: the asset frame turned by `quat_wxyz`, before yaw. Met
 A **cell** is a rectangle in A that holds the whole footprint of its object. The cells of a case are apart by the
 clearance, keep off obstacles and fulfil every relation for *any* poses inside them: a sample is valid by construction.
 A pose is drawn so: a yaw uniformly from the intervals of the cell; then x and y uniformly where the footprint at that
-yaw stays in the cell and the asset origin in its box: x in [x_low + r(-x), x_high - r(+x)], with r(d) the largest reach
-of the stance's outlines in direction d at that yaw; the same in y.
+yaw stays in the cell and the asset origin in its box: x in [x_low + r(-x), x_high - r(+x)], with r(d) the largest
+extent of the stance's outlines in direction d at that yaw; the same in y.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class _Model(BaseModel):
 
 
 class PlanStance(_Model):
-    """One way to stand. `prisms` are the convex collision pieces in S, heights over the support."""
+    """One resting orientation. `prisms` are the convex collision pieces in S, heights over the support."""
 
     name: str
     quat_wxyz: Quat_wxyz
@@ -122,7 +122,7 @@ class PlanRelation(_Model):
 
 
 class PlanKeepOut(_Model):
-    """Nothing stands over `polygon` (in A of a place) up to `height_m` above it."""
+    """No object is over `polygon` (in A of a place) up to `height_m` above it."""
 
     place: int
     polygon: PlanPolygon
@@ -139,9 +139,9 @@ class PlanReach(_Model):
 
 
 class PlanCase(_Model):
-    """One joint choice for the things of a pool, in their order. `origins_um` bound the asset origin besides the cell
+    """One joint choice for the objects of a pool, in their order. `origins_um` bound the asset origin besides the cell
     (None: the cell alone); equal ends pin it, as equal ends of a yaw do. `base_um` is the height of the support point
-    over A (0 unless it stands on contents or was written). `weight` is the share of draws, relative."""
+    over A (0 unless it is stacked on contents or was written). `weight` is the share of draws, relative."""
 
     family: Family
     weight: float = 1.0

@@ -14,7 +14,7 @@ class _Model(BaseModel):
 
 
 class SampledObject(_Model):
-    """One thing: which asset it is, its pose in W, whose it stands on, and the paired material (None: as authored)."""
+    """One object: its asset, its pose in W, its support, and the paired material (None: as authored)."""
 
     asset: str
     position_m: Point3

@@ -1,4 +1,4 @@
-"""Velocity update (rad/s, m/s) of joints with dry friction: any tree; closed forms for separate joints, planar chains."""
+"""Velocity update (rad/s, m/s) of joints with dry friction: any tree; closed forms for two simple kinds."""
 
 from __future__ import annotations
 
@@ -258,7 +258,7 @@ class PlanarChain:
 
 @dataclass(frozen=True)
 class PlanarConfiguration:
-    """See `Configuration`: `at` (w, j) unit numbers of the absolute angles, `between` (w, j, j) the coupling of the links."""
+    """See `Configuration`: `at` (w, j) unit numbers of the absolute angles, `between` (w, j, j) their coupling."""
 
     chain: PlanarChain
     at: ComplexArray

@@ -98,7 +98,11 @@ def _strengths_at_fixed_shape(free: DirectEstimate, pinned: DirectEstimate, cand
 
 def with_fixed_shape(term: Term) -> Candidate:
     """The candidate with its shape fixed as fitted, so that strengths of fit and direct estimate compare."""
-    held = {n: (v - _FIXED_RANGE * (abs(v) + _FIXED_RANGE), v + _FIXED_RANGE * (abs(v) + _FIXED_RANGE)) for n, v in term.values.items()}
+
+    def margin(value: float) -> float:
+        return _FIXED_RANGE * (abs(value) + _FIXED_RANGE)
+
+    held = {n: (v - margin(v), v + margin(v)) for n, v in term.values.items()}
     bounds = {n: held[n] if n in term.candidate.shapes else b for n, b in term.candidate.bounds.items()}
     return replace(term.candidate, start=term.values, bounds=bounds)
 

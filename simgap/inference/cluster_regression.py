@@ -30,7 +30,8 @@ class Equations:
 
 
 def regress(trials: Sequence[Equations], names: Sequence[str], null: Mapping[str, float]) -> DirectEstimate | None:
-    """The parameters with jackknife errors over trials, and the chance of `null`; None where the rows do not tell.
+    """The parameters with jackknife errors over trials, and the chance of `null`; None where the rows do not
+    determine them.
 
     Equations far off what the others say are left out of the fit.
     """
@@ -65,7 +66,7 @@ def regress(trials: Sequence[Equations], names: Sequence[str], null: Mapping[str
 def _p_value(trials: Sequence[Equations], null: FloatArray) -> float:
     """p-value of the null: its equations' errors are unrelated to the instruments, trial by trial (Hotelling's test).
 
-    Asked this way the answer does not depend on whether theta or 1 / theta is estimated (Anderson and Rubin, Ann. Math.
+    Put this way the answer does not depend on whether theta or 1 / theta is estimated (Anderson and Rubin, Ann. Math.
     Stat. 20, 1949).
     """
     scores = np.array([t.Z.T @ (t.y - t.X @ null) for t in trials])

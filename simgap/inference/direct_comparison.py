@@ -25,7 +25,7 @@ def distinguishes(
 ) -> bool:
     """Whether the direct route keeps the best beside the rival, drops the rival beside the best, and prefers the best.
 
-    The preference is asked of fits that start afresh: a rival's term that got stuck where the simulator left it would
+    The comparison uses fits that start afresh: a rival's term that got stuck where the simulator left it would
     be no match for anything.
     """
     best_term, rival_term = best.fit.model[-1], rival.fit.model[-1]

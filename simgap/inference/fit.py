@@ -85,7 +85,7 @@ class Fit:
     def p_value(self) -> float:
         """Of "the last term's strengths are none": Student's test over clusters, times the values that were tried.
 
-        It asks whether the trials agree on a value, and sees far smaller effects than a comparison of losses, in which
+        It tests whether the trials agree on a value, and sees far smaller effects than a comparison of losses, in which
         noise times effect stands beside the effect's square.
         """
         candidate = self.free[-1]

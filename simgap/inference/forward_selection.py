@@ -1,4 +1,4 @@
-"""Which effects the trials ask for, one after another (forward selection), and which they cannot tell apart.
+"""Forward selection: which effects the trials need, one after another, and which cannot be distinguished.
 
 The null is the declared model with its nuisances refitted, never the default. Every training trial is judged once by
 parameters that the others taught; gains are paired by trial, with Holm's correction over all candidates of a round.
@@ -135,7 +135,7 @@ def select(
 
 
 def _tested_again(state: SearchState, accepted: Accepted, each: Map) -> tuple[SearchState, Accepted]:
-    """What was chosen before the others were known, asked again beside them; the base follows a better one.
+    """What was chosen before the others were known, fitted again beside them; the base follows a better one.
 
     What was accepted since is no rival any more; rivals that there is no time to ask stay.
     """
@@ -164,7 +164,7 @@ def _tested_again(state: SearchState, accepted: Accepted, each: Map) -> tuple[Se
 def _swapped(
     state: SearchState, screening: Screening, accepted: Sequence[Accepted], each: Map
 ) -> tuple[int, Accepted] | None:
-    """What does the work of an accepted effect, and more, in its place: asked before anything is added."""
+    """What does the work of an accepted effect, and more, in its place: tried before anything is added."""
     instead = replacement(screening, state.base, [a.candidate_fit for a in accepted])
     if instead is None:
         return None

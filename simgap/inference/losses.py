@@ -60,7 +60,7 @@ def _gain(before: float, after: float) -> float:
 def paired_p(before: FloatArray, after: FloatArray) -> float:
     """One-sided p-value that `after` is not smaller: Student's test on the log ratios of the trials.
 
-    Logarithms make trials of different violence comparable; rank tests cannot speak below one in 2^n.
+    Logarithms make trials of different violence comparable; rank tests give no p-value below one in 2^n.
     """
     tiny = 1e-12 + 1e-9 * before.mean()
     ratios = np.log((before + tiny) / (after + tiny))

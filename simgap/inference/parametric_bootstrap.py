@@ -2,7 +2,7 @@
 
 A parametric bootstrap (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 6): the accepted model gives
 readings with the same stamps, inputs and noise, in finer steps; whatever both routes then find of the effect comes
-from smoothing, steps and noise. Only effects that are about to be accepted are asked.
+from smoothing, steps and noise. Only effects that are about to be accepted are tested.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ Residuals = Callable[[FloatArray], Sequence[FloatArray]]
 class Prior:
     """What is known of the parameters beforehand: shares `centre` (p,), each with `precision` (p,) = 1 / deviation^2.
 
-    Without it, numbers that these trials cannot tell apart would drift to their walls together.
+    Without it, numbers that these trials cannot distinguish would drift to their walls together.
     """
 
     centre: FloatArray
@@ -145,7 +145,7 @@ def half_widths(solution: Solution) -> FloatArray:
 
     Each trial's score is taken at the solution without it (a jackknife: few clusters do not look surer than they are).
     Parameters at a wall count as given there: the wall is what is known of them, and their own width is 0. What was
-    known beforehand may be wrong by its deviation, which moves what cannot be told from it.
+    known beforehand may be wrong by its deviation, which moves what cannot be distinguished from it.
     """
     pieces = _normal_equations(solution)
     n = len(pieces)

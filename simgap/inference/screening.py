@@ -41,8 +41,8 @@ def screen(state: SearchState, free: Iterable[Candidate], each: Map) -> Screenin
 def _base_on_short_horizons(state: SearchState) -> tuple[Errors, Fit]:
     """The base on short horizons."""
     problem, train = state.problem, state.trials.train
-    level = robust_scale(problem, state.base.model, train, "short_horizon")
-    errors = rollout_errors(problem, train, "short_horizon", level)
+    scale = robust_scale(problem, state.base.model, train, "short_horizon")
+    errors = rollout_errors(problem, train, "short_horizon", scale)
     return errors, fit(errors, warm_start(state.base))
 
 
@@ -66,7 +66,7 @@ def _quick_fit(state: SearchState, errors: Errors, base: Fit) -> Callable[[Candi
 def _fit_finalists(state: SearchState, screened: list[CandidateFit], farther: bool, each: Map) -> Screening:
     """The most promising ones, by their quick trial or by their direct estimate, fitted to the end; best first.
 
-    Where both say that chance does as well, no more is asked. What was screened on shorter horizons than it is judged
+    Where both say that chance does as well, no more is tested. What was screened on shorter horizons than it is judged
     on (`farther`) and is no finalist has not been judged: it counts as no gain.
     """
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
@@ -93,7 +93,7 @@ def _is_promising(candidate_fit: CandidateFit) -> bool:
 def _final_starts(candidate_fit: CandidateFit) -> list[dict[str, float]]:
     """Where a fit to the end begins: the quick fit and the direct estimate, of a threshold also halfway to none.
 
-    No descent leads far along a threshold, and a law that is nearly right asks for less on longer roll-outs.
+    No descent leads far along a threshold, and a law that is nearly right needs a smaller value on longer roll-outs.
     """
     quick, none = candidate_fit.fit.model[-1].values, candidate_fit.candidate.null
     starts = (

@@ -25,22 +25,22 @@ class SearchState:
     problem: Problem
     trials: Trials
     view: View
-    level: FloatArray
+    scale: FloatArray
     errors: Errors
     base: Fit
 
     def errors_at(self, model: Model) -> Errors:
         """Errors of roll-outs whose starts are taken at another model."""
-        return rollout_errors(with_initial_states_at(self.problem, model), self.trials.train, self.view, self.level)
+        return rollout_errors(with_initial_states_at(self.problem, model), self.trials.train, self.view, self.scale)
 
     def test_losses(self, fitted: Fit) -> FloatArray:
         """(n,) losses of the test trials."""
-        return trial_losses(self.problem.residuals(fitted.model, self.trials.test, self.view), self.level)
+        return trial_losses(self.problem.residuals(fitted.model, self.trials.test, self.view), self.scale)
 
     def test_losses_at_own_fit(self, fitted: Fit) -> FloatArray:
         """(n,) losses of the test trials, seen from the fit's own model."""
         seen = with_initial_states_at(self.problem, fitted.model)
-        return trial_losses(seen.residuals(fitted.model, self.trials.test, self.view), self.level)
+        return trial_losses(seen.residuals(fitted.model, self.trials.test, self.view), self.scale)
 
 
 def refit_at(problem: Problem, trials: Trials, view: View, base: Fit) -> SearchState:
@@ -49,6 +49,6 @@ def refit_at(problem: Problem, trials: Trials, view: View, base: Fit) -> SearchS
     What was an outlier to a poor model is evidence to a better one: the level follows the base.
     """
     state = with_initial_states_at(problem, base.model)
-    level = robust_scale(state, base.model, trials.train, view)
-    errors = rollout_errors(state, trials.train, view, level)
-    return SearchState(state, trials, view, level, errors, fit(errors, warm_start(base)))
+    scale = robust_scale(state, base.model, trials.train, view)
+    errors = rollout_errors(state, trials.train, view, scale)
+    return SearchState(state, trials, view, scale, errors, fit(errors, warm_start(base)))

@@ -36,7 +36,7 @@ def judge(
     tails: float = 0.0,
     strange: bool = False,
 ) -> Verdict:
-    """The verdict over all accepted effects, whose `gains` it tells, that of short horizons first.
+    """The verdict over all accepted effects, with its `gains`, that of short horizons first.
 
     `leftover` is what a black box gains on top of them; `tails` is the share of its loss that lies in tails longer than
     noise has: what comes seldom, as play at reversals, no black box finds. Where the data are `strange`, nothing is
@@ -46,7 +46,7 @@ def judge(
     unexplained = leftover.p_value < ALPHA and leftover.gain > LEFTOVER
     single = math.isinf(gains[0].ci95[0])
     nameless = max(leftover.gain if unexplained else 0.0, tails)
-    doubted = [_doubted(problem, selection, found, trials) for found in selection.accepted]
+    doubted = [_doubted(problem, selection, candidate_fit, trials) for candidate_fit in selection.accepted]
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
     in_doubt: list[Candidate] = []
@@ -54,14 +54,16 @@ def judge(
         term, widths = _term_and_half_widths(selection, accepted)
         if not differs_from_none(term, symmetric(widths)):
             continue
-        found = accepted.candidate_fit
-        others = _without(selection.final.model, found)
-        same = [*alike, *_preferred_by_direct(problem, found, alike, others, accepted.screening.fits, trials)]
-        said, agreed = direct_agreement(problem, found, term, widths, others, trials, alone=len(doubted) == 1)
-        direct = agreed and said is not None and exceeds_method_bias(term, said, accepted.method_bias)
+        candidate_fit = accepted.candidate_fit
+        others = _without(selection.final.model, candidate_fit)
+        same = [*alike, *_preferred_by_direct(problem, candidate_fit, alike, others, accepted.screening.fits, trials)]
+        verdict_words, agreed = direct_agreement(
+            problem, candidate_fit, term, widths, others, trials, alone=len(doubted) == 1
+        )
+        direct = agreed and verdict_words is not None and exceeds_method_bias(term, verdict_words, accepted.method_bias)
         wide = wider(
             wider(symmetric(widths), symmetric(threshold_excess(term))),
-            distance_to_alternatives(term, widths, said, doubted),
+            distance_to_alternatives(term, widths, verdict_words, doubted),
         )
         # What may be nothing, by the interval that is reported, has no sure name; nor has what took a place of another
         # and would not have passed among all candidates by itself.
@@ -69,18 +71,18 @@ def judge(
         # repeats from trial to trial like a cause, wherever trials move alike.
         p = accepted.p_adjusted
         drowned = strange or single or p >= ALPHA or accepted.removed < nameless or not differs_from_none(term, wide)
-        drowned = drowned or any(_may_be_remainder_of(found.candidate, other) for other in in_doubt)
+        drowned = drowned or any(_may_be_remainder_of(candidate_fit.candidate, other) for other in in_doubt)
         effect = NamedEffect(
-            name=found.candidate.effect.name,
-            where=found.candidate.where,
-            confidence=_confidence(p, said, direct, bool(same) or drowned),
+            name=candidate_fit.candidate.effect.name,
+            where=candidate_fit.candidate.where,
+            confidence=_confidence(p, verdict_words, direct, bool(same) or drowned),
             routes={"heldout": True, "direct": direct},
             parameters=parameters(term, wide),
         )
         if same or drowned or not direct:
-            in_doubt.append(found.candidate)
+            in_doubt.append(candidate_fit.candidate)
             names = tuple(dict.fromkeys([effect.name, *(r.candidate.effect.name for r in same)]))
-            groups.append(AmbiguousGroup(effects=names, experiment=experiment(found, same, single)))
+            groups.append(AmbiguousGroup(effects=names, experiment=experiment(candidate_fit, same, single)))
         named.append(effect)
     certain = [e for e in named if e.confidence >= NAMED]
     return Verdict(
@@ -92,7 +94,9 @@ def judge(
 
 
 def _doubted(problem: Problem, selection: Selection, accepted: Accepted, trials: Sequence[str]) -> list[CandidateFit]:
-    """The rivals that the direct route does not tell from an accepted effect; none where later ones do its work."""
+    """The rivals that the direct estimate does not distinguish from an accepted effect; none where later ones do its
+    work.
+    """
     term, widths = _term_and_half_widths(selection, accepted)
     if not differs_from_none(term, symmetric(widths)):
         return []

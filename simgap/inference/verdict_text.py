@@ -1,4 +1,4 @@
-"""What a verdict says in words: its status, one sentence a person can act on, and the experiment that would tell."""
+"""The text of a verdict: its status, one sentence a person can act on, and the experiment that would decide."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def gained(gain: Gain) -> str:
 
 
 def share(value: float, ci95: Interval) -> str:
-    """A share with its interval; one trial tells none, and the lower end of what it leaves open is infinite."""
+    """A share with its interval; one trial has none, and the lower end of what it leaves open is infinite."""
     low, high = ci95
     reach = "one trial: no interval" if math.isinf(low) else f"{_percent(low)} to {_percent(high)}"
     return f"{_percent(value)} ({reach})"
@@ -81,7 +81,7 @@ def _figures(effect: NamedEffect) -> str:
 
 
 def experiment(accepted: CandidateFit, rivals: Sequence[CandidateFit], single: bool = False) -> str:
-    """What would tell the effect from its rivals, from their own files; beside a `single` trial more of them."""
+    """What would distinguish the effect from its rivals, from their own files; beside a `single` trial more of them."""
     names = {r.candidate.effect.name for r in rivals}
     experiments = [c.experiment for c in accepted.candidate.effect.confusables if c.effect in names]
     experiments += [

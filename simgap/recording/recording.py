@@ -11,7 +11,7 @@ from schemas.model import FloatArray
 
 @dataclass(frozen=True)
 class Trial:
-    """One time series. Every column is there with n rows; what was not measured is NaN (`has` tells).
+    """One time series. Every column is there with n rows; what was not measured is NaN (see `has`).
 
     t_s          (n,) strictly increasing, 0 at the first row; `t0_s` is the first stamp as recorded.
     p            (n, 3) origin of the body frame in the world, m.

@@ -1,4 +1,4 @@
-"""`report.html`: the answer first, then pictures, then what speaks for it; one file that needs no other."""
+"""`report.html`: the answer first, then pictures, then its evidence; one file that needs no other."""
 
 from __future__ import annotations
 

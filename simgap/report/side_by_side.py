@@ -21,7 +21,7 @@ _POSE = ("px", "py", "pz", "qw", "qx", "qy", "qz")
 
 
 @dataclass(frozen=True)
-class Replay:
+class SideBySide:
     """One trial: stamps (k,), column names, measured and simulated columns (k, m), errors (k, c) per channel.
 
     Joints in rad or m; bodies as position in m and quaternion wxyz, then their joints.
@@ -35,12 +35,12 @@ class Replay:
     errors: FloatArray
 
 
-def replay(problem: Problem, trial: Trial, model: Model) -> Replay:
+def replay(problem: Problem, trial: Trial, model: Model) -> SideBySide:
     """The full roll-out of `model` from the first row of `trial`."""
     errors = problem.residuals(model, [trial.id], "full_rollout")[0]
     if isinstance(problem, MechanismProblem):
         t_s, measured = _joint_rows(trial)
-        return Replay(trial.id, t_s, problem.channels(), measured, measured + errors, errors)
+        return SideBySide(trial.id, t_s, problem.channels(), measured, measured + errors, errors)
     since = problem.features([trial.id], "full_rollout")[0][:, -1]
     rows = np.clip(np.searchsorted(trial.t_s, trial.t_s[0] + since - 1e-9), 0, len(trial) - 1)
     joints = problem.channels()[_TWIST:]
@@ -48,7 +48,7 @@ def replay(problem: Problem, trial: Trial, model: Model) -> Replay:
     turned = Rotation.from_rotvec(errors[:, 3:_TWIST]) * Rotation.from_quat(np.roll(trial.quat_wxyz[rows], -1, axis=1))
     turns = trial.q[rows, : len(joints)] + errors[:, _TWIST:]
     simulated = np.concatenate([trial.p[rows] + errors[:, :3], np.roll(turned.as_quat(), 1, axis=1), turns], axis=1)
-    return Replay(trial.id, trial.t_s[rows], (*_POSE, *joints), measured, simulated, errors)
+    return SideBySide(trial.id, trial.t_s[rows], (*_POSE, *joints), measured, simulated, errors)
 
 
 def joint_windows(trial: Trial, applied: Applied) -> Windows:
@@ -65,14 +65,14 @@ def _joint_rows(trial: Trial) -> tuple[FloatArray, FloatArray]:
     return log.series.t_s[rows], log.series.columns["q"][rows]
 
 
-def most_telling(declared: list[Replay], extended: list[Replay], floor: FloatArray) -> tuple[int, int]:
+def most_telling(declared: list[SideBySide], extended: list[SideBySide], floor: FloatArray) -> tuple[int, int]:
     """Trial and channel where the extension removes most of the error; with none, where the error is greatest.
 
     Errors count by their logarithm over the noise, so that one roll-out that diverged does not hide the others.
     """
     floor = np.maximum(floor, 1e-12)
 
-    def size(r: Replay) -> FloatArray:
+    def size(r: SideBySide) -> FloatArray:
         return np.nanmean(np.log1p((r.errors / floor) ** 2), axis=0)
 
     gains = np.array([size(a) - size(b) for a, b in zip(declared, extended, strict=True)])

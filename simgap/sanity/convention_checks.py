@@ -1,6 +1,6 @@
 """Conventions that look like physics: what the reader found, and experiments that any engine must pass.
 
-Nothing here asks an engine what it was told: bodies are pushed, dropped and slid, and numbers are read off the motion.
+No check reads an engine's settings back: bodies are pushed, dropped and slid, and numbers are read off the motion.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ class PermutableInputs(Protocol):
 
 
 def other_inputs_check(problem: Problem, view: View) -> ConventionCheck | None:
-    """Whether inputs of other trials fit the motions better than their own; None where that cannot be asked.
+    """Whether inputs of other trials fit the motions better than their own; None where that cannot be tested.
 
     The model is the declared one. Which other trial fits is found on one half of the recording and judged on the
     other, so that a choice among many is no advantage (Student's test over trials).
@@ -45,17 +45,17 @@ def other_inputs_check(problem: Problem, view: View) -> ConventionCheck | None:
         return None
     scale = np.maximum(problem.noise_floor(trials, view), 1e-12)
     own = _halves(problem, trials, view, scale)
-    told = np.array([_halves(other, trials, view, scale) for other in others if other is not None])
+    losses_of_others = np.array([_halves(other, trials, view, scale) for other in others if other is not None])
     row = np.arange(len(trials))
-    best = told[:, :, 0].argmin(axis=0), told[:, :, 1].argmin(axis=0)
-    theirs = told[best[0], row, 1] + told[best[1], row, 0]
+    best = losses_of_others[:, :, 0].argmin(axis=0), losses_of_others[:, :, 1].argmin(axis=0)
+    theirs = losses_of_others[best[0], row, 1] + losses_of_others[best[1], row, 0]
     p_value = paired_p(own.sum(axis=1), theirs)
     ratio = float(np.exp(np.mean(np.log(own.sum(axis=1) / theirs))))
     return ConventionCheck(
         name="inputs_of_others",
         status="suspect" if p_value < FIRST_ALPHA else "ok",
         evidence=f"with its own inputs a motion's error is {ratio:.3g} times as large as with the best of "
-        f"{len(told)} others (p = {p_value:.2g} for chance)",
+        f"{len(losses_of_others)} others (p = {p_value:.2g} for chance)",
     )
 
 
@@ -66,7 +66,7 @@ def _halves(problem: Problem, trials: Sequence[str], view: View, scale: FloatArr
 
 
 def pairing_check(problem: Problem, model: Model, trials: Sequence[str], view: View) -> ConventionCheck | None:
-    """Whether `model` does better with each trial's own inputs; None where that cannot be asked."""
+    """Whether `model` does better with each trial's own inputs; None where that cannot be tested."""
     other = problem.with_permuted_inputs() if isinstance(problem, PermutableInputs) else None
     if other is None or len(trials) < 3:
         return None

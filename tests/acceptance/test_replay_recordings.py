@@ -8,9 +8,9 @@ import pytest
 from benchmarks.replay.meshes import farthest_outside, first_rows, recorded_meshes
 from replay.augmentation import prepare, variants
 from replay.envelope.envelope import Settings, swept_envelope
-from replay.insertion.candidates import Candidate, Choices
+from replay.insertion.candidates import InsertionCandidate, VariantChoices
 from replay.recording.episode import Episode
-from replay.recording.read import read_episode
+from replay.recording.formats.read import read_episode
 from replay.verification.inserted_bodies import inserted_body
 from replay.verification.verify import near_pairs
 from tests.support.bullet_recordings import DATA, record
@@ -22,7 +22,7 @@ CLEARANCE_M = 0.01
 def least_distances(episode: Episode, supports: tuple[str, ...], count: int) -> list[tuple[int, float]]:
     """For each variant the number of objects put in, and how near anything ever comes to one of them."""
     crate, plank = box_body("crate", 0.06, 0.05, 0.1), box_body("plank", 0.12, 0.04, 0.03)
-    choices = Choices([Candidate(body, body.stances[0]) for body in (crate, plank)] * 8)
+    choices = VariantChoices([InsertionCandidate(body, body.stances[0]) for body in (crate, plank)] * 8)
     made = list(
         variants(prepare(episode, Settings(clearance_m=CLEARANCE_M), supports), lambda *_: choices, range(count), 3, 0)
     )

@@ -87,11 +87,11 @@ def holds_word(source: str, words: frozenset[str]) -> bool:
 def files_with(words: frozenset[str], *folders: str) -> set[str]:
     """Files below the folders whose code, or keys of YAML, hold one of the words."""
     python = (path for folder in folders for path in (ROOT / folder).rglob("*.py"))
-    found = {path for path in python if holds_word(path.read_text(), words)}
+    files = {path for path in python if holds_word(path.read_text(), words)}
     key = re.compile(rf"^ *(?:- *)?\{{? *(?:{'|'.join(words)}):", re.MULTILINE)
     yaml = (path for folder in folders for path in (ROOT / folder).rglob("*.yaml"))
-    found |= {path for path in yaml if key.search(path.read_text())}
-    return {path.relative_to(ROOT).as_posix() for path in found}
+    files |= {path for path in yaml if key.search(path.read_text())}
+    return {path.relative_to(ROOT).as_posix() for path in files}
 
 
 def lost_names(text: str) -> list[str]:

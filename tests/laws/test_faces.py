@@ -1,6 +1,7 @@
 """The faces of the packages: what each `__init__.py` offers, where the names live, and what an import costs.
 
-A face is `__all__` with one row per name in `lazy_exports` and the same imports under TYPE_CHECKING, which type checkers
+A face is `__all__` with one row per name in `lazy_exports` and the same imports under TYPE_CHECKING, which type
+checkers
 read. Importing a package loads no USD library, no simulator and no renderer.
 """
 

@@ -10,8 +10,8 @@ from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
 from gate.external_validators import usd_validation
 from gate.static_gate import gate
+from replay.recording.formats.read import read_episode
 from replay.recording.formats.write import write_variant
-from replay.recording.read import read_episode
 from replay.variant_stage import compose, timed_bodies
 from schemas.diagnostics import InvalidInput, Severity
 from schemas.replay import Inserted, Variant
@@ -58,10 +58,10 @@ def samples(stage: Usd.Stage) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Time codes (k,) and X_WB (k, 4, 4) of everything recorded, by name."""
     motion = {}
     for prim in stage.Traverse():
-        form = UsdGeom.Xformable(prim)
+        xformable = UsdGeom.Xformable(prim)
         name = prim.GetCustomDataByKey("mana:id")
         if name and not str(prim.GetPath()).startswith("/World/Inserted"):
-            (op,) = form.GetOrderedXformOps()
+            (op,) = xformable.GetOrderedXformOps()
             times = op.GetAttr().GetTimeSamples()
             values = [op.Get(t) for t in times] or [op.Get()]
             motion[name] = (np.array(times), np.array([np.array(v) for v in values]).transpose(0, 2, 1))

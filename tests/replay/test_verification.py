@@ -17,13 +17,13 @@ from geom.convex.hull import convex_hull
 from geom.pose import pose
 from replay.recording.episode import Fixture
 from replay.recording.formats.digests import stream_digests
+from replay.recording.formats.read import read_episode, read_episodes
 from replay.recording.formats.write import write_variant
-from replay.recording.read import read_episode, read_episodes
 from replay.verification.check_output import check_output, read_variant_episode, summary
 from replay.verification.dense import between_poses, dense_motion, hermite_between
 from replay.verification.inserted_bodies import inserted_body
-from replay.verification.nearest import least_distance, path, standing
-from replay.verification.separation import centre_and_radius, reach, separation_m, solid
+from replay.verification.nearest import least_distance, moving_shape, static_shape
+from replay.verification.separation import centre_and_radius, distance_shape, separation_m, support_coordinate
 from replay.verification.verify import near_pairs
 from schemas.diagnostics import InvalidInput
 from schemas.physics import CollisionShape
@@ -67,8 +67,8 @@ def at(x: float, y: float = 0.0, z: float = 0.0) -> np.ndarray:
 def test_distances_are_those_of_closed_forms(a: CollisionShape, b: CollisionShape, X: np.ndarray, expected: float):
     rng = np.random.default_rng(0)
     for X_W in (np.eye(4), random_pose(rng), random_pose(rng)):
-        assert separation_m(solid(a), X_W, solid(b), X_W @ X) == pytest.approx(expected, abs=2e-6)
-        assert separation_m(solid(b), X_W @ X, solid(a), X_W) == pytest.approx(expected, abs=2e-6)
+        assert separation_m(distance_shape(a), X_W, distance_shape(b), X_W @ X) == pytest.approx(expected, abs=2e-6)
+        assert separation_m(distance_shape(b), X_W @ X, distance_shape(a), X_W) == pytest.approx(expected, abs=2e-6)
 
 
 @settings(max_examples=25, deadline=None)
@@ -77,7 +77,7 @@ def test_a_distance_is_never_more_than_that_of_two_points_of_the_shapes(seed: in
     rng = np.random.default_rng(seed)
     a, b = random_hull(rng), random_hull(rng)
     X_WA, X_WB = random_pose(rng), random_pose(rng)
-    distance = separation_m(solid(a), X_WA, solid(b), X_WB)
+    distance = separation_m(distance_shape(a), X_WA, distance_shape(b), X_WB)
     assert a.points is not None
     assert b.points is not None
     mix = rng.dirichlet(np.full(len(a.points), 0.1), 200)
@@ -89,9 +89,9 @@ def test_a_distance_is_never_more_than_that_of_two_points_of_the_shapes(seed: in
 
 @pytest.mark.parametrize("shape", [BOX, BALL, CAPSULE, CYLINDER])
 def test_the_ball_around_a_shape_holds_it(shape: CollisionShape):
-    centre, radius = centre_and_radius(solid(shape))
+    centre, radius = centre_and_radius(distance_shape(shape))
     for direction in Rotation.random(20, random_state=1).as_matrix()[:, 0]:
-        assert reach(solid(shape), np.eye(4), direction) <= direction @ centre + radius + 1e-12
+        assert support_coordinate(distance_shape(shape), np.eye(4), direction) <= direction @ centre + radius + 1e-12
 
 
 @settings(max_examples=8, deadline=None)
@@ -100,13 +100,13 @@ def test_branch_and_bound_finds_the_least_distance_of_all_times(seed: int):
     rng = np.random.default_rng(seed)
     X = np.stack([random_pose(rng) for _ in range(6)])
     X_WB = between_poses(X, np.arange(16) / 16)
-    moving = solid(random_hull(rng))
-    still = standing(solid(random_hull(rng)), random_pose(rng, 0.8))
-    every = [separation_m(moving, X, still.solid, still.X_WA) for X in X_WB]
-    distance, row = least_distance(path(moving, X_WB), still, np.inf)
+    moving = distance_shape(random_hull(rng))
+    still = static_shape(distance_shape(random_hull(rng)), random_pose(rng, 0.8))
+    every = [separation_m(moving, X, still.distance_shape, still.X_WA) for X in X_WB]
+    distance, row = least_distance(moving_shape(moving, X_WB), still, np.inf)
     assert distance == pytest.approx(min(every), abs=1e-9)
     assert every[row] == distance
-    assert least_distance(path(moving, X_WB), still, 0.5 * distance) == (0.5 * distance, -1)
+    assert least_distance(moving_shape(moving, X_WB), still, 0.5 * distance) == (0.5 * distance, -1)
 
 
 def test_cubics_meet_positions_and_rates_and_follow_a_cubic_exactly():

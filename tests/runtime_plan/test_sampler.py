@@ -51,7 +51,7 @@ def test_words_of_a_sample_do_not_overlap_those_of_the_next():
 
 
 def outlines(plan: RuntimePlan, body: int, stance: int, quat_wxyz: np.ndarray) -> np.ndarray:
-    """Outlines (n, v, 2) about the asset origin, by matrices instead of half turns."""
+    """Outlines (n, v, 2) about the asset origin, by matrices instead of half angles."""
     form = plan.bodies[body].stances[stance]
     turn = (
         Rotation.from_quat(quat_wxyz, scalar_first=True) * Rotation.from_quat(form.quat_wxyz, scalar_first=True).inv()

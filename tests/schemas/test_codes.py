@@ -15,7 +15,7 @@ from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.physics import AuthorPhysics
 from assetkit.stages.semantics import DescribeObject
 from cli.docs.diagnostics import file_name, index, page
-from replay.recording.read import read_episodes
+from replay.recording.formats.read import read_episodes
 from runtime_plan import load
 from scenec.bind.asset_library import AssetLibrary
 from scenec.bind.components import lower

@@ -91,9 +91,9 @@ def _drive(bodies: dict[str, int], kind: str, t: float, seconds: float, client: 
     phase = 2.0 * np.pi * t / seconds
     for name, body in bodies.items():
         if name == "drawer":
-            opened = 0.2 * np.sin(phase / 4.0) ** 2
+            open_hdf5 = 0.2 * np.sin(phase / 4.0) ** 2
             pybullet.setJointMotorControl2(
-                body, 0, pybullet.POSITION_CONTROL, opened, force=50.0, physicsClientId=client
+                body, 0, pybullet.POSITION_CONTROL, open_hdf5, force=50.0, physicsClientId=client
             )
             continue
         side = -1.0 if name == "right" else 1.0

@@ -61,7 +61,7 @@ def ball(radius, at=NOWHERE, subdivisions=4) -> Mesh:
     return mesh_from(mesh, "ball")
 
 
-def joined(*meshes: Mesh) -> Mesh:
+def join_meshes(*meshes: Mesh) -> Mesh:
     offsets = np.cumsum([0, *(len(m.points) for m in meshes)])
     return Mesh(
         "joined",

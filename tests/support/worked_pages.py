@@ -70,15 +70,15 @@ def new_files(text: str) -> dict[str, str]:
 
 def changes(text: str) -> list[Change]:
     """Hunks of all diffs, in order."""
-    found: list[Change] = []
+    all_changes: list[Change] = []
     for body in _blocks(text, "diff"):
         for part in re.split(r"^--- a/", body, flags=re.MULTILINE)[1:]:
             head, *hunks = re.split(r"^@@\n", part, flags=re.MULTILINE)
             path = head.split("\n")[0]
             if head != f"{path}\n+++ b/{path}\n":
                 raise NotApplicable(f"the diff of {path} does not begin with its two lines of names")
-            found += [_change(path, hunk) for hunk in hunks]
-    return found
+            all_changes += [_change(path, hunk) for hunk in hunks]
+    return all_changes
 
 
 def commands(text: str) -> list[list[str]]:
@@ -138,8 +138,10 @@ def _change(path: str, hunk: str) -> Change:
 def _left_out(folder: str, names: list[str]) -> list[str]:
     """What a copy does not need: hidden and made folders, pictures, data of the root."""
     at_root = Path(folder) == ROOT
-    kept = [n for n in names if not n.startswith(".") and n not in ("__pycache__", "images")]
-    kept = [n for n in kept if Path(folder, n).is_dir() or any(Path(n).match(kind) for kind in COPIED)]
+    taken = [n for n in names if not n.startswith(".") and n not in ("__pycache__", "images")]
+    taken = [n for n in taken if Path(folder, n).is_dir() or any(Path(n).match(kind) for kind in COPIED)]
     if at_root:
-        kept = [n for n in kept if n in ("docs", "tests", "tools") or (ROOT / n / "__init__.py").is_file() or "." in n]
-    return [n for n in names if n not in kept]
+        taken = [
+            n for n in taken if n in ("docs", "tests", "tools") or (ROOT / n / "__init__.py").is_file() or "." in n
+        ]
+    return [n for n in names if n not in taken]

@@ -1,4 +1,4 @@
-"""Arrays of `.npz` archives, read with care: no pickles, and a bound on what is unpacked."""
+"""Read arrays of `.npz` archives with care: no pickles, and a bound on the unpacked bytes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from schemas.model import FloatArray
 from schemas.zip_damage import ZIP_DAMAGE
 
@@ -16,15 +16,17 @@ MAX_ENTRIES, MAX_BYTES = 20_000, 2**30
 
 
 def read_arrays(path: Path, is_needed: Callable[[str], bool]) -> dict[str, FloatArray]:
-    """The arrays whose key is wanted. Raises FileNotFoundError, and InvalidInput for what is damaged or too large."""
+    """The arrays whose key is needed. Raises FileNotFoundError, and InvalidInput for what is damaged or too large."""
     try:
         with zipfile.ZipFile(path) as packed:
             sizes = [entry.file_size for entry in packed.infolist()]
         if len(sizes) > MAX_ENTRIES or sum(sizes) > MAX_BYTES:
-            raise stop("replay/unreadable", f"{path.name}: {len(sizes)} arrays, {sum(sizes)} bytes", path.name)
+            raise invalid_recording(
+                "replay/unreadable", f"{path.name}: {len(sizes)} arrays, {sum(sizes)} bytes", path.name
+            )
         with np.load(path, allow_pickle=False) as archive:
             return {key: archive[key] for key in archive.files if is_needed(key)}
     except FileNotFoundError:
         raise
     except ZIP_DAMAGE as error:
-        raise stop("replay/unreadable", f"{path.name}: {error}", path.name) from None
+        raise invalid_recording("replay/unreadable", f"{path.name}: {error}", path.name) from None

@@ -1,4 +1,4 @@
-"""HDF5 files read with care: no link out of the file, no data set larger than the memory, nothing without end."""
+"""Read HDF5 files with care: no link out of the file, no data set beyond a bound on memory, no endless reading."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from jobs.cache import file_sha256
 from jobs.cell import Limits
 from jobs.warm import run_module
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from schemas.model import FloatArray
 
 MAX_VALUES = 100_000_000
@@ -21,7 +21,7 @@ PATIENCE_S = 60.0  # and a second for each MB, to read a file once
 _faults: dict[str, str] = {}  # by digest of what was read
 
 
-def opened(path: Path) -> h5py.File:
+def open_hdf5(path: Path) -> h5py.File:
     """The file, to be closed by the caller. Raises InvalidInput.
 
     A cell has read it to its end before: on a damaged file libhdf5 may crash, or never come to an end.
@@ -32,11 +32,11 @@ def opened(path: Path) -> h5py.File:
             return h5py.File(path, "r")
     except OSError as error:
         fault = str(error)
-    raise stop("replay/unreadable", f"{path.name}: {fault}", path.name)
+    raise invalid_recording("replay/unreadable", f"{path.name}: {fault}", path.name)
 
 
 def _fault(path: Path) -> str:
-    """What is wrong with a file, empty for nothing; asked of a cell once for the same content."""
+    """The fault of a file, empty for none; a cell determines it once for the same content."""
     found = path.stat()
     digest = _digest(path, found.st_size, found.st_mtime_ns)
     if digest not in _faults:
@@ -59,15 +59,15 @@ def child(group: Any, name: str, file: str) -> Any:
         if link is None:
             return None
         if isinstance(link, h5py.ExternalLink):
-            raise stop("replay/path-escape", f"'{name}' is a link to another file", file)
+            raise invalid_recording("replay/path-escape", f"'{name}' is a link to another file", file)
         found = group.get(word)
         if found is None:
             return None
         if _file_of(found) != _file_of(group):  # A soft link may lead through one to another file.
-            raise stop("replay/path-escape", f"'{name}' is a link to another file", file)
+            raise invalid_recording("replay/path-escape", f"'{name}' is a link to another file", file)
         group = found
     if isinstance(group, h5py.Dataset) and (group.external or group.is_virtual):
-        raise stop("replay/path-escape", f"'{name}' is stored in another file", file)
+        raise invalid_recording("replay/path-escape", f"'{name}' is stored in another file", file)
     return group
 
 
@@ -79,13 +79,13 @@ def values(group: Any, name: str, file: str) -> FloatArray:
     """A numeric data set as float64. Raises InvalidInput where it is absent, too large or damaged."""
     data = child(group, name, file)
     if not isinstance(data, h5py.Dataset):
-        raise stop("replay/missing-column", f"no data set '{name}' in '{group.name}'", file)
+        raise invalid_recording("replay/missing-column", f"no data set '{name}' in '{group.name}'", file)
     if data.size is None or data.size > MAX_VALUES or data.dtype.kind not in "fiub":
-        raise stop("replay/unreadable", f"'{data.name}': {data.size} values of type {data.dtype}", file)
+        raise invalid_recording("replay/unreadable", f"'{data.name}': {data.size} values of type {data.dtype}", file)
     try:
         return np.asarray(data[()], dtype=np.float64)
     except OSError as error:
-        raise stop("replay/unreadable", f"'{data.name}': {error}", file) from None
+        raise invalid_recording("replay/unreadable", f"'{data.name}': {error}", file) from None
 
 
 def numbered(group: Any, prefix: str) -> list[str]:

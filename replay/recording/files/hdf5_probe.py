@@ -1,7 +1,7 @@
 """`python -m replay.recording.files.hdf5_probe FILE`: read everything in an HDF5 file once; made to be run in a cell.
 
 Damaged files make libhdf5 run without end, crash or take all memory. What this reads to its end can be read again.
-Exit code 1 where libhdf5 refuses, with its word.
+Exit code 1 where libhdf5 refuses, with its message.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ ROWS = 65536  # of a data set at a time
 
 
 def main(path: str) -> str | None:
-    """None, or what libhdf5 said."""
+    """None, or the error text of libhdf5."""
     try:
         with h5py.File(path, "r") as file:
             file.visititems(lambda _, item: _read(item))

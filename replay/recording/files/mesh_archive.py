@@ -6,7 +6,7 @@ from pathlib import Path
 
 from replay.recording.files.archives import read_arrays
 from replay.recording.mjcf.read import MjBody, MjGeom
-from replay.recording.recorded_numbers import checked_numbers, stop
+from replay.recording.recorded_numbers import checked_numbers, invalid_recording
 from schemas.model import FloatArray
 
 MESHES = "meshes_body_frame.npz"
@@ -33,5 +33,5 @@ class MeshArchive:
         name = geom.name or f"geom{geom.number}"
         corners = self.by_key.get(f"{body.name}|{name}")
         if corners is None:
-            raise stop("replay/missing-mesh", f"no mesh of geom '{name}' of body '{body.name}'", MESHES)
+            raise invalid_recording("replay/missing-mesh", f"no mesh of geom '{name}' of body '{body.name}'", MESHES)
         return checked_numbers(corners, f"{body.name}|{name}", MESHES)

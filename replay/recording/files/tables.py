@@ -1,4 +1,4 @@
-"""Columns of Parquet files."""
+"""Read numeric columns of Parquet files as float64 arrays, and poses from columns."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from replay.recording.recorded_numbers import poses, stop
+from replay.recording.recorded_numbers import invalid_recording, poses
 from schemas.model import FloatArray
 
 Columns = dict[str, FloatArray]
@@ -22,9 +22,9 @@ def read_columns(path: Path) -> Columns:
             names = [field.name for field in file.schema_arrow if _is_numeric(field.type)]  # No pictures.
             table = file.read(columns=names)
     except FileNotFoundError:
-        raise stop("replay/missing-file", f"'{path.name}' is absent", path.name) from None
+        raise invalid_recording("replay/missing-file", f"'{path.name}' is absent", path.name) from None
     except (pa.ArrowException, OSError) as error:
-        raise stop("replay/unreadable", f"{path.name}: {error}", path.name) from None
+        raise invalid_recording("replay/unreadable", f"{path.name}: {error}", path.name) from None
     columns = {}
     for name, column in zip(table.column_names, table.columns, strict=True):
         if not _is_list(column.type):
@@ -51,6 +51,6 @@ def column_poses(columns: Columns, name: str, file: str) -> FloatArray:
     wanted = [f"{name}.{c}" for c in ("px", "py", "pz", "qx", "qy", "qz", "qw")]
     missing = [c for c in wanted if c not in columns]
     if missing:
-        raise stop("replay/missing-column", f"no column '{missing[0]}'", file)
+        raise invalid_recording("replay/missing-column", f"no column '{missing[0]}'", file)
     values = np.stack([columns[c] for c in wanted], axis=1)
     return poses(values[:, :3], values[:, 3:], name, file)

@@ -1,1 +1,1 @@
-"""Formats of recordings: one file each to read, one each to write."""
+"""Formats of recordings: `read` finds the reader of a path (one file for each format), `write` copies a recording."""

@@ -1,4 +1,4 @@
-"""SHA-256 digests of the recorded streams of a source: what must be the same in its copy."""
+"""SHA-256 digests of the recorded streams of a source, by which a copy is verified bit for bit."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import h5py
 import numpy as np
 import pyarrow.parquet as pq
 
-from replay.recording.files.hdf5 import child, opened
+from replay.recording.files.hdf5 import child, open_hdf5
 from replay.recording.formats.lerobot import INFO, info_without_videos, is_lerobot
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 
 DEEPEST = 32  # groups within groups: a hard link to a group above has no end
 
@@ -25,7 +25,7 @@ def stream_digests(source: Path, part: str = "") -> dict[str, str]:
     if not h5py.is_hdf5(source):
         return {source.name: _of_bytes(source.read_bytes())}
     digests: dict[str, str] = {}
-    with opened(source) as file:
+    with open_hdf5(source) as file:
         _collect(child(file, part, source.name) if part else file, part, source.name, digests)
     return digests
 
@@ -45,8 +45,8 @@ def recording_files(folder: Path, part: str = "") -> list[Path]:
 
 def recording_bytes(folder: Path, file: Path) -> bytes:
     """A file of `recording_files` as a copy has it: the same, but a LeRobot data set names no videos any more."""
-    films = is_lerobot(folder) and file == folder / INFO
-    return info_without_videos(folder) if films else file.read_bytes()
+    videos = is_lerobot(folder) and file == folder / INFO
+    return info_without_videos(folder) if videos else file.read_bytes()
 
 
 def _belongs(path: Path, relative: Path, part: str) -> bool:
@@ -57,7 +57,7 @@ def _belongs(path: Path, relative: Path, part: str) -> bool:
 
 def _collect(group: Any, at: str, file: str, digests: dict[str, str]) -> None:
     if at.count("/") > DEEPEST:
-        raise stop("replay/unreadable", f"groups within groups without end: '{at[:80]}...'", file)
+        raise invalid_recording("replay/unreadable", f"groups within groups without end: '{at[:80]}...'", file)
     for name in sorted(group):
         item = child(group, name, file)
         if isinstance(item, h5py.Group):

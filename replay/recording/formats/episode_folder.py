@@ -1,7 +1,7 @@
 """Tables of our own columns: a folder with `episode.parquet`, or a Parquet file (docs/reference/episode-folder.md).
 
-What the columns belong to stands in `episode.json` beside the table, or in a description that the user names: so a log
-of a real robot needs nothing else.
+`episode.json` beside the table, or a description that the user names, maps columns to robots and bodies: so a log of a
+real robot needs nothing else.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from replay.recording.description.from_description import DescribedRecording, read_description, rename_columns
 from replay.recording.episode import Episode
 from replay.recording.files.tables import read_columns
-from replay.recording.from_description import Described, read_description, renamed
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from schemas.episode import EPISODE_FILE
 
 TABLE = "episode.parquet"
@@ -34,10 +34,10 @@ def read_episode_folder(path: Path, scene: Path | None = None, meshes: Path | No
     file = scene or _folder(path) / EPISODE_FILE
     if not file.is_file():
         message = f"nothing says which robot moved: put {EPISODE_FILE} beside '{table.name}', or name it with --scene"
-        raise stop("replay/missing-file", message, EPISODE_FILE)
+        raise invalid_recording("replay/missing-file", message, EPISODE_FILE)
     description = read_description(file)
-    columns = renamed(read_columns(table), description.columns, table.name)
-    described = Described(description, file.parent, columns, table.name, meshes)
+    columns = rename_columns(read_columns(table), description.columns, table.name)
+    described = DescribedRecording(description, file.parent, columns, table.name, meshes)
     name = description.name if not scene else ""
     return replace(described.episode(name or path.stem, path), description=file if path.is_file() else scene)
 

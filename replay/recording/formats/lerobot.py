@@ -1,8 +1,8 @@
-"""LeRobot data sets, v2.1 and v3: `meta/info.json` and Parquet tables; a description says what the numbers belong to.
+"""LeRobot data sets, v2.1 and v3: `meta/info.json` and Parquet tables; a description maps numbers to bodies.
 
 v2.1 has one table for each episode (`data_path` of info.json), v3 several episodes in one; rows carry `episode_index`
-and `timestamp`. The description is `episode.json` beside `meta/`, or named by the user; `columns` in it says where the
-joints are, e.g. `{"q.joint1": "observation.state[0]"}`. Layout: huggingface/lerobot, `datasets/utils.py`.
+and `timestamp`. The description is `episode.json` beside `meta/`, or named by the user; `columns` in it maps joints
+to them, e.g. `{"q.joint1": "observation.state[0]"}`. Layout: huggingface/lerobot, `datasets/utils.py`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from replay.recording.description.from_description import DescribedRecording, read_description, rename_columns
 from replay.recording.episode import Episode
 from replay.recording.files.tables import Columns, read_columns
-from replay.recording.from_description import Described, read_description, renamed
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from schemas.episode import EPISODE_FILE
 
 INFO = "meta/info.json"
@@ -36,19 +36,19 @@ def read_lerobot(path: Path, scene: Path | None = None, meshes: Path | None = No
     file = scene or path / EPISODE_FILE
     if not file.is_file():
         message = "nothing says which robot moved: put episode.json beside meta/, or name it with --scene"
-        raise stop("replay/missing-file", message, EPISODE_FILE)
+        raise invalid_recording("replay/missing-file", message, EPISODE_FILE)
     description = read_description(file)
     episodes = []
     for table in tables(path, info):
         columns = read_columns(table)
         for name in ("episode_index", "timestamp"):
             if name not in columns:
-                raise stop("replay/missing-column", f"no column '{name}'", table.name)
+                raise invalid_recording("replay/missing-column", f"no column '{name}'", table.name)
         for index in np.unique(columns["episode_index"]).astype(int).tolist():
             rows = _rows(columns, index)
             rows["t"] = rows.get(SOURCE_TIME, rows["timestamp"])
-            named = renamed(rows, description.columns, table.name)
-            described = Described(description, file.parent, named, table.name, meshes)
+            named = rename_columns(rows, description.columns, table.name)
+            described = DescribedRecording(description, file.parent, named, table.name, meshes)
             episode = described.episode(f"{path.name}_{index:06d}", path, str(index))
             episodes.append(replace(episode, description=file))
     return tuple(sorted(episodes, key=lambda episode: int(episode.part)))
@@ -59,20 +59,20 @@ def read_info(path: Path) -> dict[str, Any]:
     try:
         info = json.loads((path / INFO).read_bytes())
     except ValueError as error:
-        raise stop("replay/unreadable", f"{INFO}: {error}", INFO) from None
+        raise invalid_recording("replay/unreadable", f"{INFO}: {error}", INFO) from None
     if info.get("codebase_version") not in VERSIONS:
         message = f"data set of version '{info.get('codebase_version')}'; read are {', '.join(VERSIONS)}"
-        raise stop("replay/unknown-format", message, INFO)
+        raise invalid_recording("replay/unknown-format", message, INFO)
     return info
 
 
 def info_without_videos(path: Path) -> bytes:
-    """`meta/info.json` as it is when no video comes along: the library looks for the files of what it names."""
+    """`meta/info.json` as it is when no video comes along: the library opens every file that it names."""
     info = read_info(path)
-    films = [name for name, feature in info.get("features", {}).items() if feature.get("dtype") == "video"]
-    if not films:
+    videos = [name for name, feature in info.get("features", {}).items() if feature.get("dtype") == "video"]
+    if not videos:
         return (path / INFO).read_bytes()
-    rest = {name: feature for name, feature in info["features"].items() if name not in films}
+    rest = {name: feature for name, feature in info["features"].items() if name not in videos}
     return (json.dumps(info | {"features": rest}, indent=4) + "\n").encode()
 
 
@@ -80,7 +80,7 @@ def tables(path: Path, info: dict[str, Any]) -> list[Path]:
     """The tables of a data set in the order of their names. Raises InvalidInput where there is none."""
     parquet_files = sorted(p for p in (path / "data").rglob("*.parquet") if p.is_file() and not p.is_symlink())
     if not parquet_files:
-        raise stop("replay/missing-file", f"no table below data/ ({info.get('data_path', '')})", INFO)
+        raise invalid_recording("replay/missing-file", f"no table below data/ ({info.get('data_path', '')})", INFO)
     return parquet_files
 
 

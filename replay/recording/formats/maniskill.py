@@ -15,11 +15,11 @@ from typing import Any
 import h5py
 import numpy as np
 
+from replay.recording.description.from_description import DescribedRecording, pose_columns, read_description
 from replay.recording.episode import Episode
-from replay.recording.files.hdf5 import child, numbered, opened, values
+from replay.recording.files.hdf5 import child, numbered, open_hdf5, values
 from replay.recording.files.tables import Columns
-from replay.recording.from_description import Described, pose_columns, read_description
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from schemas.episode import EPISODE_FILE, EpisodeDescription
 
 ROOT = 13
@@ -29,7 +29,7 @@ def is_maniskill(path: Path) -> bool:
     """Whether a path is an HDF5 file of trajectories with states."""
     if not (path.is_file() and h5py.is_hdf5(path)):
         return False
-    with opened(path) as file:
+    with open_hdf5(path) as file:
         return any(child(file, f"{name}/env_states", path.name) is not None for name in numbered(file, "traj_")[:1])
 
 
@@ -38,23 +38,23 @@ def read_maniskill(path: Path, scene: Path | None = None, meshes: Path | None = 
     beside = scene or path.parent / EPISODE_FILE
     if not beside.is_file():
         message = "nothing says which robot moved: put episode.json beside the file, or name it with --scene"
-        raise stop("replay/missing-file", message, EPISODE_FILE)
+        raise invalid_recording("replay/missing-file", message, EPISODE_FILE)
     description = read_description(beside)
     rate_hz = _control_hz(path, description)
     episodes = []
-    with opened(path) as file:
+    with open_hdf5(path) as file:
         for name in numbered(file, "traj_"):
             columns = _columns(child(file, f"{name}/env_states", path.name), description, path.name)
             n = len(next(iter(columns.values()), []))
             columns["t"] = np.arange(n) / rate_hz
-            described = Described(description, beside.parent, columns, path.name, meshes)
+            described = DescribedRecording(description, beside.parent, columns, path.name, meshes)
             episode = described.episode(f"{path.stem}_{name}", path, name)
             episodes.append(replace(episode, description=beside))
     return tuple(episodes)
 
 
 def json_of_part(path: Path, part: str) -> bytes | None:
-    """The JSON file beside with the one entry of trajectory `part`, as ManiSkill's tools want it, or None.
+    """The JSON file beside with the one entry of trajectory `part`, as ManiSkill's tools expect it, or None.
 
     They walk `episodes` and open `traj_<episode_id>` of each (`mani_skill/trajectory/merge_trajectory.py`).
     """
@@ -74,27 +74,31 @@ def _control_hz(path: Path, description: EpisodeDescription) -> float:
         return float(info["env_kwargs"]["sim_config"]["control_freq"])
     except (OSError, ValueError, KeyError, TypeError):
         message = "the control frequency is not known: give `control_hz` in episode.json"
-        raise stop("replay/missing-column", message, path.name) from None
+        raise invalid_recording("replay/missing-column", message, path.name) from None
 
 
 def _columns(states: Any, description: EpisodeDescription, file: str) -> Columns:
     columns: Columns = {}
     for entry in description.objects:
-        columns |= pose_columns(f"obj.{entry.name}", _wide(values(states, f"actors/{entry.name}", file), 7, file))
+        columns |= pose_columns(
+            f"obj.{entry.name}", _rows_of_width(values(states, f"actors/{entry.name}", file), 7, file)
+        )
     for robot in description.robots:
-        row = _wide(values(states, f"articulations/{robot.name}", file), ROOT, file)
+        row = _rows_of_width(values(states, f"articulations/{robot.name}", file), ROOT, file)
         columns |= pose_columns(f"base.{robot.name}", row)
         dofs = (row.shape[1] - ROOT) // 2
         if len(robot.joints) != dofs or row.shape[1] != ROOT + 2 * dofs:
             message = f"articulation '{robot.name}' has rows of {row.shape[1]} for {len(robot.joints)} `joints`"
-            raise stop("replay/state-size", message, file)
+            raise invalid_recording("replay/state-size", message, file)
         for k, joint in enumerate(robot.joints):
             columns[f"q.{robot.name}.{joint}"] = row[:, ROOT + k]
             columns[f"qd.{robot.name}.{joint}"] = row[:, ROOT + dofs + k]
     return columns
 
 
-def _wide(rows: np.ndarray, least: int, file: str) -> np.ndarray:
+def _rows_of_width(rows: np.ndarray, least: int, file: str) -> np.ndarray:
     if rows.ndim != 2 or rows.shape[1] < least:
-        raise stop("replay/state-size", f"states of shape {rows.shape}, with at least {least} columns expected", file)
+        raise invalid_recording(
+            "replay/state-size", f"states of shape {rows.shape}, with at least {least} columns expected", file
+        )
     return rows

@@ -12,14 +12,14 @@ import h5py
 import numpy as np
 
 from replay.recording.episode import Episode
-from replay.recording.files.hdf5 import child, numbered, opened, text, values
+from replay.recording.files.hdf5 import child, numbered, open_hdf5, text, values
 from replay.recording.files.mesh_archive import MeshArchive
 from replay.recording.mjcf.cameras import model_cameras
 from replay.recording.mjcf.episode_parts import episode_parts, uncovered_links
 from replay.recording.mjcf.meshes import MeshFiles
 from replay.recording.mjcf.read import MjModel, model_of, read_mjcf
 from replay.recording.mjcf.text import mjcf_of_text
-from replay.recording.recorded_numbers import Recorded, checked_numbers, checked_stamps, poses, stop
+from replay.recording.recorded_numbers import RecordedStates, checked_numbers, checked_stamps, invalid_recording, poses
 from schemas.model import FloatArray
 
 PICTURE_PX = (256, 256)
@@ -29,7 +29,7 @@ def is_robomimic(path: Path) -> bool:
     """Whether a path is an HDF5 file of demonstrations with states."""
     if not (path.is_file() and h5py.is_hdf5(path)):
         return False
-    with opened(path) as file:
+    with open_hdf5(path) as file:
         data = child(file, "data", path.name)
         return isinstance(data, h5py.Group) and bool(numbered(data, "demo_"))
 
@@ -37,7 +37,7 @@ def is_robomimic(path: Path) -> bool:
 def read_robomimic(path: Path, meshes: Path | None = None) -> tuple[Episode, ...]:
     """One episode for each demonstration, by number. Raises InvalidInput."""
     episodes, models = [], {}
-    with opened(path) as file:
+    with open_hdf5(path) as file:
         data = child(file, "data", path.name)
         for demo in numbered(data, "demo_"):
             group = child(data, demo, path.name)
@@ -50,7 +50,9 @@ def read_robomimic(path: Path, meshes: Path | None = None) -> tuple[Episode, ...
 
 def _model(text: str, path: Path) -> MjModel:
     if not text:
-        raise stop("replay/missing-file", "no demonstration model: attribute 'model_file' is absent", path.name)
+        raise invalid_recording(
+            "replay/missing-file", "no demonstration model: attribute 'model_file' is absent", path.name
+        )
     if not text.lstrip().startswith("<"):
         return read_mjcf(path.parent / text, path.parent)
     return model_of(mjcf_of_text(text.encode(), path), path.name)
@@ -68,13 +70,13 @@ def _episode(path: Path, demo: str, model: MjModel, states: FloatArray, meshes: 
 
 def raw_states(path: Path) -> list[FloatArray]:
     """The states (n, 1 + nq + nv) of every demonstration of a file. Raises InvalidInput."""
-    with opened(path) as file:
+    with open_hdf5(path) as file:
         data = child(file, "data", path.name)
         names = numbered(data, "demo_") if isinstance(data, h5py.Group) else []
         return [values(child(data, name, path.name), "states", path.name) for name in names]
 
 
-def recorded_states(model: MjModel, states: FloatArray, file: str) -> Recorded:
+def recorded_states(model: MjModel, states: FloatArray, file: str) -> RecordedStates:
     """Rows [time, qpos, qvel] (n, 1 + nq + nv) taken apart joint by joint. Raises InvalidInput."""
     joints = [(body, joint) for body in model.bodies for joint in body.joints]
     free = sum(joint.kind == "free" for _, joint in joints)
@@ -83,7 +85,7 @@ def recorded_states(model: MjModel, states: FloatArray, file: str) -> Recorded:
         message = (
             f"states of shape {states.shape}; the model has {nq} positions and {nv} rates, with time {1 + nq + nv}"
         )
-        raise stop("replay/state-size", message, file)
+        raise invalid_recording("replay/state-size", message, file)
     t_s = checked_stamps(states[:, 0], file)
     states = checked_numbers(states, "states", file)
     q, qd, X_WB = {}, {}, {}
@@ -95,4 +97,4 @@ def recorded_states(model: MjModel, states: FloatArray, file: str) -> Recorded:
         else:
             q[joint.name], qd[joint.name] = states[:, at_q], states[:, at_v]
         at_q, at_v = (at_q + 7, at_v + 6) if joint.kind == "free" else (at_q + 1, at_v + 1)
-    return Recorded(t_s, q, qd, X_WB)
+    return RecordedStates(t_s, q, qd, X_WB)

@@ -18,7 +18,7 @@ from replay.recording.files.tables import column_poses, read_columns
 from replay.recording.formats.robomimic import raw_states, recorded_states
 from replay.recording.mjcf.episode_parts import episode_parts, uncovered_links
 from replay.recording.mjcf.read import MjModel, read_mjcf
-from replay.recording.recorded_numbers import Recorded, checked_numbers, checked_stamps, poses, stop
+from replay.recording.recorded_numbers import RecordedStates, checked_numbers, checked_stamps, invalid_recording, poses
 
 TABLE, SCENE, CAMERAS = "episode.parquet", "scene.json", "camera_moving.parquet"
 
@@ -32,10 +32,10 @@ def read_staged_folder(path: Path) -> Episode:
     """The episode of a folder. Raises InvalidInput."""
     columns = read_columns(path / TABLE)
     if "t" not in columns:
-        raise stop("replay/missing-column", "no column 't'", TABLE)
+        raise invalid_recording("replay/missing-column", "no column 't'", TABLE)
     t_s = checked_stamps(columns["t"], TABLE)
     names = dict.fromkeys(c.split(".")[1] for c in columns if c.startswith("obj."))
-    recorded = Recorded(
+    recorded = RecordedStates(
         t_s,
         {c[2:]: checked_numbers(v, c, TABLE) for c, v in columns.items() if c.startswith("q.")},
         {c[3:]: checked_numbers(v, c, TABLE) for c, v in columns.items() if c.startswith("qd.")},
@@ -43,7 +43,7 @@ def read_staged_folder(path: Path) -> Episode:
     )
     files = sorted((path / "raw").glob("*.xml"))
     if len(files) != 1:
-        raise stop("replay/missing-file", f"{len(files)} model files in raw/, not one", "raw")
+        raise invalid_recording("replay/missing-file", f"{len(files)} model files in raw/, not one", "raw")
     model = read_mjcf(files[0], path)
     recorded = _completed(recorded, model, path)
     robots, objects, fixtures = episode_parts(model, recorded, MeshArchive(path / MESHES).points)
@@ -51,7 +51,7 @@ def read_staged_folder(path: Path) -> Episode:
     return Episode(path.name, path, t_s, robots, objects, fixtures, _cameras(path, len(t_s)), notes=notes)
 
 
-def _completed(recorded: Recorded, model: MjModel, path: Path) -> Recorded:
+def _completed(recorded: RecordedStates, model: MjModel, path: Path) -> RecordedStates:
     """Joints and bodies that the table leaves out (doors, say), from the states in `raw/` with the very same stamps."""
     joints = {joint.name for body in model.bodies for joint in body.joints if joint.kind != "free"}
     bodies = {body.name for body in model.bodies if any(joint.kind == "free" for joint in body.joints)}
@@ -62,7 +62,7 @@ def _completed(recorded: Recorded, model: MjModel, path: Path) -> Recorded:
             if len(states) == len(recorded.t_s) and np.array_equal(states[:, 0], recorded.t_s):
                 raw = recorded_states(model, states, file.name)
                 q, qd = {**raw.q, **recorded.q}, {**raw.qd, **recorded.qd}
-                return Recorded(recorded.t_s, q, qd, {**raw.X_WB, **recorded.X_WB})
+                return RecordedStates(recorded.t_s, q, qd, {**raw.X_WB, **recorded.X_WB})
     return recorded
 
 
@@ -83,7 +83,7 @@ def _cameras(path: Path, n: int) -> tuple[Camera, ...]:
     try:
         given = _Scene.model_validate_json((path / SCENE).read_bytes()).cameras
     except (ValidationError, OSError) as error:
-        raise stop("replay/unreadable", f"{SCENE}: {error}", SCENE) from None
+        raise invalid_recording("replay/unreadable", f"{SCENE}: {error}", SCENE) from None
     moving = read_columns(path / CAMERAS) if (path / CAMERAS).is_file() else {}
     cameras = []
     for name, camera in given.items():
@@ -93,8 +93,10 @@ def _cameras(path: Path, n: int) -> tuple[Camera, ...]:
             row = np.array([camera.pose_xyz_qxyzw])
             X_WC = np.broadcast_to(poses(row[:, :3], row[:, 3:], name, SCENE), (n, 4, 4))
         else:
-            raise stop("replay/missing-column", f"camera '{name}' has no pose", SCENE)
+            raise invalid_recording("replay/missing-column", f"camera '{name}' has no pose", SCENE)
         if len(X_WC) != n:
-            raise stop("replay/state-size", f"{len(X_WC)} poses of camera '{name}' for {n} samples", CAMERAS)
+            raise invalid_recording(
+                "replay/state-size", f"{len(X_WC)} poses of camera '{name}' for {n} samples", CAMERAS
+            )
         cameras.append(Camera(name, X_WC, float(np.radians(camera.fovy_deg))))
     return tuple(cameras)

@@ -1,4 +1,4 @@
-"""Variants on disk: the recording in its own format with its streams bit for bit, and `variant.json` beside.
+"""Writing of variants: a copy of the recording in its own format, streams bit for bit, and `variant.json` beside it.
 
 The layout is the same for every format: `<folder>/recording/...` and `<folder>/variant.json`.
 """
@@ -11,13 +11,13 @@ from pathlib import Path
 import h5py
 
 from jobs.cache import write_atomically
+from replay.recording.description.from_description import read_description
 from replay.recording.episode import Episode
-from replay.recording.files.hdf5 import child, opened, text
+from replay.recording.files.hdf5 import child, open_hdf5, text
 from replay.recording.files.mesh_archive import MESHES
 from replay.recording.formats.digests import recording_bytes, recording_files, stream_digests
 from replay.recording.formats.episode_folder import is_table
 from replay.recording.formats.maniskill import json_of_part
-from replay.recording.from_description import read_description
 from schemas.episode import EPISODE_FILE, MeshShape
 from schemas.replay import VARIANT_FILE, Variant
 
@@ -58,7 +58,7 @@ def write_hdf5_part(source: Path, part: str, target: Path) -> None:
 
     What it names beside comes along (model, description), and the archive of meshes; mesh files of models stay.
     """
-    with opened(source) as old, h5py.File(target, "w") as new:
+    with open_hdf5(source) as old, h5py.File(target, "w") as new:
         _copy_attributes(old, new)
         above, _, name = part.rpartition("/")
         holder = new.require_group(above) if above else new
@@ -76,17 +76,17 @@ def write_hdf5_part(source: Path, part: str, target: Path) -> None:
         named += [EPISODE_FILE, *(robot.model for robot in description.robots)]
         named += [shape.file for body in bodies for shape in body.shapes if isinstance(shape, MeshShape)]
     for name in dict.fromkeys(named):
-        _bring(source.parent, name, target.parent)
+        _copy_inside(source.parent, name, target.parent)
     entry = json_of_part(source, part)
     if entry is not None:
         target.with_suffix(".json").write_bytes(entry)
     for folder in (source.parent, source.parent.parent):
         if (folder / MESHES).is_file():
-            _bring(folder, MESHES, target.parent)
+            _copy_inside(folder, MESHES, target.parent)
             break
 
 
-def _bring(folder: Path, name: str, target: Path) -> None:
+def _copy_inside(folder: Path, name: str, target: Path) -> None:
     """Copy a file of a folder to the same place below another; nothing from outside."""
     file = folder / name
     if file.is_file() and file.resolve().is_relative_to(folder.resolve()) and ".." not in Path(name).parts:

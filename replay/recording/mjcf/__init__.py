@@ -1,1 +1,1 @@
-"""MuJoCo MJCF models of recorded episodes: bodies, meshes, cameras."""
+"""MuJoCo MJCF models of recorded episodes: `read` parses a file, `episode_parts` makes robots, objects and fixtures."""

@@ -1,4 +1,4 @@
-"""The cameras of a MuJoCo model along a recording."""
+"""Camera poses X_WC of a MuJoCo model's fixed cameras along a recording."""
 
 from __future__ import annotations
 

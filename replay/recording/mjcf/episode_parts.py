@@ -1,4 +1,4 @@
-"""A MuJoCo model and recorded numbers as the robots, objects and fixtures of an episode.
+"""Build the robots, objects and fixtures of an episode from a MuJoCo model and recorded states.
 
 A tree under the world with a hinge or slide is a robot (a door or a drawer too), its base fixed or on a free joint; a
 body with a free joint alone is an object; all else is a fixture. MuJoCo collides the convex hull of a mesh: one shape.
@@ -13,7 +13,7 @@ import numpy as np
 from geom.pose import pose
 from replay.recording.episode import Fixture, FreeBody, Link, Robot
 from replay.recording.mjcf.read import MjBody, MjGeom, MjModel
-from replay.recording.recorded_numbers import Recorded, stop
+from replay.recording.recorded_numbers import RecordedStates, invalid_recording
 from replay.recording.shapes import ellipsoid, hull, plane
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 from schemas.model import FloatArray
@@ -23,7 +23,7 @@ MeshPoints = Callable[[MjBody, MjGeom], FloatArray]  # Vertices (n, 3) in the fr
 Parts = tuple[tuple[Robot, ...], tuple[FreeBody, ...], tuple[Fixture, ...]]
 
 
-def episode_parts(model: MjModel, recorded: Recorded, mesh_points: MeshPoints) -> Parts:
+def episode_parts(model: MjModel, recorded: RecordedStates, mesh_points: MeshPoints) -> Parts:
     """Robots, objects and fixtures. Raises InvalidInput where a joint has no recorded state or a geom no shape."""
     robots, objects, fixtures = [], [], []
     for tree in trees(model):
@@ -45,11 +45,11 @@ def trees(model: MjModel) -> list[list[int]]:
     return [[n for n, r in enumerate(root) if r == tree] for tree in dict.fromkeys(root)]
 
 
-def _robot(model: MjModel, tree: list[int], recorded: Recorded, mesh_points: MeshPoints) -> Robot:
+def _robot(model: MjModel, tree: list[int], recorded: RecordedStates, mesh_points: MeshPoints) -> Robot:
     root = model.bodies[tree[0]]
     for number in tree[1:]:
         if any(j.kind == "free" for j in model.bodies[number].joints):
-            raise stop("replay/unsupported-model", f"free joint below '{root.name}'", model.file)
+            raise invalid_recording("replay/unsupported-model", f"free joint below '{root.name}'", model.file)
     links: list[Link] = []
     coordinates: list[str] = []
     last: dict[int, int] = {}  # The link whose frame is that of a body.
@@ -90,20 +90,20 @@ def _with_shapes(link: Link, shapes: tuple[CollisionShape, ...]) -> Link:
     return Link(link.name, link.parent, link.kind, link.axis_L, link.X_PL, link.coordinate, 1.0, link.offset, shapes)
 
 
-def _columns(recorded: Recorded, coordinates: list[str], file: str) -> FloatArray:
+def _columns(recorded: RecordedStates, coordinates: list[str], file: str) -> FloatArray:
     for name in coordinates:
         if name not in recorded.q:
-            raise stop("replay/missing-column", f"joint '{name}' of the model was not recorded", file)
+            raise invalid_recording("replay/missing-column", f"joint '{name}' of the model was not recorded", file)
     return np.stack([recorded.q[name] for name in coordinates], axis=1)
 
 
-def _pose_of(recorded: Recorded, name: str, file: str) -> FloatArray:
+def _pose_of(recorded: RecordedStates, name: str, file: str) -> FloatArray:
     if name not in recorded.X_WB:
-        raise stop("replay/missing-column", f"free body '{name}' of the model was not recorded", file)
+        raise invalid_recording("replay/missing-column", f"free body '{name}' of the model was not recorded", file)
     return recorded.X_WB[name]
 
 
-def _object(model: MjModel, tree: list[int], recorded: Recorded, mesh_points: MeshPoints) -> FreeBody:
+def _object(model: MjModel, tree: list[int], recorded: RecordedStates, mesh_points: MeshPoints) -> FreeBody:
     root = model.bodies[tree[0]]
     X_RB = {tree[0]: np.eye(4)}
     for number in tree[1:]:
@@ -114,7 +114,7 @@ def _object(model: MjModel, tree: list[int], recorded: Recorded, mesh_points: Me
     return FreeBody(
         root.name,
         _pose_of(recorded, root.name, model.file),
-        tuple(moved(shape, X_RB[n]) for n, shape in body_parts),
+        tuple(transformed(shape, X_RB[n]) for n, shape in body_parts),
     )
 
 
@@ -172,7 +172,9 @@ def _shape(model: MjModel, body: MjBody, geom: MjGeom, mesh_points: MeshPoints) 
     needed = {"plane": 2, "sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}.get(geom.kind, 0)
     size = geom.size_m
     if len(size) < needed or (geom.kind != "plane" and min(size[:needed], default=1.0) <= 0.0):
-        raise stop("replay/invalid-value", f"geom '{geom.name}' of body '{body.name}' has size {size}", model.file)
+        raise invalid_recording(
+            "replay/invalid-value", f"geom '{geom.name}' of body '{body.name}' has size {size}", model.file
+        )
     if geom.kind == "mesh":
         return hull(mesh_points(body, geom), geom.name or body.name, model.file)
     if geom.kind == "plane":
@@ -186,7 +188,7 @@ def _shape(model: MjModel, body: MjBody, geom: MjGeom, mesh_points: MeshPoints) 
     return CollisionShape(geom.kind, (size[0], 2.0 * size[1]), geom.X_BG)  # pyright: ignore[reportArgumentType]
 
 
-def moved(shape: CollisionShape, X: FloatArray) -> CollisionShape:
+def transformed(shape: CollisionShape, X: FloatArray) -> CollisionShape:
     """A shape given in one frame, in the frame where that frame is at X (4, 4)."""
     if shape.points is not None:
         points = shape.points @ X[:3, :3].T + X[:3, 3]

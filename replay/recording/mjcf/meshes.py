@@ -1,4 +1,4 @@
-"""Mesh files that a MuJoCo model names."""
+"""Vertices (m, body frame) of the mesh files that a MuJoCo model names."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from pathlib import Path
 
 from geom.pose import apply
 from replay.recording.mjcf.read import MjBody, MjGeom, MjModel
-from replay.recording.recorded_numbers import stop
-from replay.recording.shapes import found_mesh, mesh_points
+from replay.recording.recorded_numbers import invalid_recording
+from replay.recording.shapes import locate_mesh, mesh_points
 from schemas.model import FloatArray
 
 
@@ -23,10 +23,10 @@ class MeshFiles:
         if geom.mesh not in self.read:
             if geom.mesh not in self.model.meshes:
                 message = f"geom '{geom.name}' of body '{body.name}' names the unknown mesh '{geom.mesh}'"
-                raise stop("replay/invalid-value", message, self.model.file)
+                raise invalid_recording("replay/invalid-value", message, self.model.file)
             mesh = self.model.meshes[geom.mesh]
             absolute = mesh.file.startswith("/") or ":" in mesh.file[:2]
             name = f"{mesh.folder}/{mesh.file}" if mesh.folder and not absolute else mesh.file
-            path = found_mesh(name, self.folder, self.meshes, self.model.file)
+            path = locate_mesh(name, self.folder, self.meshes, self.model.file)
             self.read[geom.mesh] = mesh_points(path, mesh.scale, self.model.file)
         return apply(geom.X_BG, self.read[geom.mesh])

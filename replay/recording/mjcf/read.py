@@ -1,7 +1,7 @@
-"""A MuJoCo model file as bodies, joints, geoms and cameras, in the order in which MuJoCo numbers them.
+"""Read a MuJoCo model file as bodies, joints, geoms and cameras (m, rad), in MuJoCo's order of numbers.
 
 Format: mujoco.readthedocs.io/en/stable/XMLreference.html. Read are kinematic trees with defaults, frames and includes
-of the same folder; what would move or stand unseen without a word (composites, ball joints, ...) stops the reading.
+of the same folder; anything that would silently be missing (composites, ball joints, ...) stops the reading.
 Frames: B body, P its parent, G geom, C camera.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from geom.pose import pose
 from replay.recording.mjcf.text import Attributes, Orientations, defaults_of, numbers, parse_mjcf
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from schemas.model import FloatArray
 
 _NOT_READ = ("composite", "flexcomp", "replicate", "attach", "plugin")
@@ -105,7 +105,7 @@ class _Reading:
     def __init__(self, top: Any, file: str) -> None:
         compiler = {k: v for element in top.findall("compiler") for k, v in element.attrib.items()}
         if compiler.get("coordinate", "local") != "local":
-            raise stop("replay/unsupported-model", "coordinate='global' is not read", file)
+            raise invalid_recording("replay/unsupported-model", "coordinate='global' is not read", file)
         self.file, self.top = file, top
         self.degrees = compiler.get("angle", "degree") == "degree"
         self.orientations = Orientations(self.degrees, compiler.get("eulerseq", "xyz"), file)
@@ -125,17 +125,19 @@ class _Reading:
             file = a.get("file", "")
             name = a.get("name") or Path(file.replace("\\", "/")).stem
             if a.get("refpos") or a.get("refquat") or (not file and a.get("vertex")):
-                raise stop("replay/unsupported-model", f"mesh '{name}': only files without refpos are read", self.file)
+                raise invalid_recording(
+                    "replay/unsupported-model", f"mesh '{name}': only files without refpos are read", self.file
+                )
             meshes[name] = MjMesh(file, self.mesh_folder, numbers(a, "scale", 3, (1.0, 1.0, 1.0), self.file))
         return MjModel(self.file, tuple(self.bodies), meshes)
 
     def _children(self, element: Any, number: int, X_BF: FloatArray, inherited: str) -> None:
-        """What stands in a body, or in a frame at X_BF (4, 4) of it."""
+        """Read the children of a body, or of a frame at X_BF (4, 4) in it."""
         body = self.bodies[number]
         for child in element:
             if child.tag in _NOT_READ:
                 message = f"<{child.tag}> is not read; save the model from MuJoCo in full (mj_saveLastXML)"
-                raise stop("replay/unsupported-model", message, self.file, child.sourceline)
+                raise invalid_recording("replay/unsupported-model", message, self.file, child.sourceline)
             if child.tag == "body":
                 self._body(child, number, X_BF, inherited)
             elif child.tag == "frame":
@@ -156,13 +158,13 @@ class _Reading:
         self._children(element, number, np.eye(4), a.get("childclass", inherited))
         if a.get("mocap") == "true" and any(g.collides for g in self.bodies[number].geoms):
             message = f"body '{name}' is moved from outside (mocap); its motion is not in the states"
-            raise stop("replay/unsupported-model", message, self.file, element.sourceline)
+            raise invalid_recording("replay/unsupported-model", message, self.file, element.sourceline)
 
     def _attributes(self, element: Any, inherited: str) -> Attributes:
         """Attributes of an element over those of its class."""
         name = element.get("class", inherited) or "main"
         if name not in self.defaults:
-            raise stop("replay/invalid-value", f"unknown class '{name}'", self.file, element.sourceline)
+            raise invalid_recording("replay/invalid-value", f"unknown class '{name}'", self.file, element.sourceline)
         tag = "joint" if element.tag == "freejoint" else element.tag
         of_class = self.defaults[name].get(tag, {}) if element.tag != "freejoint" else {}
         return {**of_class, **element.attrib}
@@ -172,10 +174,12 @@ class _Reading:
         name = a.get("name") or f"{body.name}_joint{len(body.joints)}"
         if kind not in ("hinge", "slide", "free"):
             message = f"joint '{name}' is of type '{kind}': only hinge, slide and free are read"
-            raise stop("replay/unsupported-model", message, self.file, element.sourceline)
+            raise invalid_recording("replay/unsupported-model", message, self.file, element.sourceline)
         axis = X_BF[:3, :3] @ np.array(numbers(a, "axis", 3, (0.0, 0.0, 1.0), self.file))
         if not np.linalg.norm(axis) > 1e-12:
-            raise stop("replay/invalid-value", f"joint '{name}' has no axis", self.file, element.sourceline)
+            raise invalid_recording(
+                "replay/invalid-value", f"joint '{name}' has no axis", self.file, element.sourceline
+            )
         anchor = X_BF[:3, :3] @ np.array(numbers(a, "pos", 3, (0.0,) * 3, self.file)) + X_BF[:3, 3]
         reference = numbers(a, "ref", 1, (0.0,), self.file)[0]
         reference = float(np.radians(reference)) if kind == "hinge" and self.degrees else reference
@@ -189,7 +193,7 @@ class _Reading:
         if kind not in _GEOMS or (a.get("mesh") and kind != "mesh"):
             if collides:
                 message = f"geom '{name}' of body '{body.name}' is a '{kind}' that is not read"
-                raise stop("replay/unsupported-model", message, self.file, element.sourceline)
+                raise invalid_recording("replay/unsupported-model", message, self.file, element.sourceline)
             kind = "none"
         size = numbers(a, "size", len(a.get("size", "").split()), (), self.file)
         X_FG = self.orientations.pose(a)
@@ -197,7 +201,9 @@ class _Reading:
             ends = np.array(numbers(a, "fromto", 6, None, self.file)).reshape(2, 3)
             X_FG = pose(self.orientations.z_along(ends[1] - ends[0]), ends.mean(axis=0))
             if not size:
-                raise stop("replay/invalid-value", f"geom '{name}' has no size", self.file, element.sourceline)
+                raise invalid_recording(
+                    "replay/invalid-value", f"geom '{name}' has no size", self.file, element.sourceline
+                )
             half = float(np.linalg.norm(ends[1] - ends[0])) / 2.0
             size = (size[0], half) if kind in ("capsule", "cylinder") else (size[0], size[0], half)
         return MjGeom(name, kind, size, X_BF @ X_FG, a.get("mesh", ""), bool(collides))
@@ -205,6 +211,8 @@ class _Reading:
     def _camera(self, a: Attributes, body: MjBody, X_BF: FloatArray) -> None:
         if a.get("mode", "fixed") != "fixed" or a.get("orthographic") == "true":
             return  # A camera that follows something is no recorded camera.
-        fovy = float(np.radians(numbers(a, "fovy", 1, (45.0,), self.file)[0]))  # Degrees whatever the compiler says.
+        fovy = float(
+            np.radians(numbers(a, "fovy", 1, (45.0,), self.file)[0])
+        )  # In degrees for every setting of the compiler.
         name = a.get("name") or f"{body.name}_camera{len(body.cameras)}"
         body.cameras.append(MjCamera(name, X_BF @ self.orientations.pose(a), fovy))

@@ -1,4 +1,4 @@
-"""The text side of a MuJoCo model file: parsing with includes, classes of defaults, and ways to write a rotation."""
+"""XML of a MuJoCo model file: includes, classes of defaults, number attributes and the spellings of a rotation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 from scipy.spatial.transform import Rotation
 
 from geom.pose import matrix_of, pose, shortest_rotation
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from schemas.model import FloatArray
 
 MAX_BYTES, MAX_INCLUDES = 50_000_000, 64
@@ -21,22 +21,24 @@ Attributes = dict[str, str]
 def parse_xml(path: Path, root: Path) -> Any:
     """The root element of a file inside the folder `root`. Raises InvalidInput."""
     if not path.resolve().is_relative_to(root.resolve()):
-        raise stop("replay/path-escape", f"'{path.name}' lies outside the folder of the recording", path.name)
+        raise invalid_recording(
+            "replay/path-escape", f"'{path.name}' lies outside the folder of the recording", path.name
+        )
     try:
         return _element(path.read_bytes(), path.name)
     except OSError as error:
-        raise stop("replay/missing-file", f"'{path.name}': {error.strerror}", path.name) from None
+        raise invalid_recording("replay/missing-file", f"'{path.name}': {error.strerror}", path.name) from None
 
 
 def _element(data: bytes, file: str) -> Any:
     """The root element; entities are not resolved."""
     if len(data) > MAX_BYTES:
-        raise stop("replay/unreadable", f"more than {MAX_BYTES} bytes", file)
+        raise invalid_recording("replay/unreadable", f"more than {MAX_BYTES} bytes", file)
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
     try:
         return etree.fromstring(data, parser)
     except etree.XMLSyntaxError as error:
-        raise stop("replay/unreadable", str(error), file) from None
+        raise invalid_recording("replay/unreadable", str(error), file) from None
 
 
 def parse_mjcf(path: Path, root: Path) -> Any:
@@ -51,7 +53,7 @@ def mjcf_of_text(data: bytes, path: Path) -> Any:
 
 def _with_includes(top: Any, path: Path, root: Path) -> Any:
     if top.tag != "mujoco":
-        raise stop("replay/invalid-value", f"the root element is <{top.tag}>, not <mujoco>", path.name)
+        raise invalid_recording("replay/invalid-value", f"the root element is <{top.tag}>, not <mujoco>", path.name)
     for _ in range(MAX_INCLUDES):
         include = next(top.iter("include"), None)
         if include is None:
@@ -59,7 +61,9 @@ def _with_includes(top: Any, path: Path, root: Path) -> Any:
         parts = list(parse_xml(path.parent / include.get("file", ""), root))
         parent, place = include.getparent(), include.getparent().index(include)
         parent[place : place + 1] = parts
-    raise stop("replay/invalid-value", f"more than {MAX_INCLUDES} includes, or a file includes itself", path.name)
+    raise invalid_recording(
+        "replay/invalid-value", f"more than {MAX_INCLUDES} includes, or a file includes itself", path.name
+    )
 
 
 def defaults_of(top: Any, file: str) -> dict[str, dict[str, Attributes]]:
@@ -67,15 +71,17 @@ def defaults_of(top: Any, file: str) -> dict[str, dict[str, Attributes]]:
     classes: dict[str, dict[str, Attributes]] = {"main": {}}
 
     def read(element: Any, inherited: dict[str, Attributes], name: str) -> None:
-        own = {tag: dict(attributes) for tag, attributes in inherited.items()}
+        by_tag = {tag: dict(attributes) for tag, attributes in inherited.items()}
         for child in element:
             if child.tag != "default":
-                own[child.tag] = {**own.get(child.tag, {}), **child.attrib}
-        classes[name] = own
+                by_tag[child.tag] = {**by_tag.get(child.tag, {}), **child.attrib}
+        classes[name] = by_tag
         for child in element.findall("default"):
             if not child.get("class"):
-                raise stop("replay/invalid-value", "a class of defaults has no name", file, child.sourceline)
-            read(child, own, child.get("class"))
+                raise invalid_recording(
+                    "replay/invalid-value", "a class of defaults has no name", file, child.sourceline
+                )
+            read(child, by_tag, child.get("class"))
 
     for element in top.findall("default"):
         read(element, classes["main"], "main")
@@ -96,7 +102,7 @@ def numbers(
     except ValueError:
         values = ()
     if len(values) != count or not np.isfinite(values).all():
-        raise stop("replay/invalid-value", f"{name}='{text}' should be {count} finite numbers", file)
+        raise invalid_recording("replay/invalid-value", f"{name}='{text}' should be {count} finite numbers", file)
     return values
 
 
@@ -113,7 +119,7 @@ class Orientations:
         return pose(self.rotation(a), np.array(numbers(a, "pos", 3, (0.0, 0.0, 0.0), self.file)))
 
     def rotation(self, a: Attributes) -> FloatArray:
-        """R (3, 3); the identity where nothing is said."""
+        """R (3, 3); the identity where no attribute gives one."""
         unit = np.pi / 180.0 if self.degrees else 1.0
         if "axisangle" in a:
             *axis, angle = numbers(a, "axisangle", 4, None, self.file)
@@ -142,5 +148,5 @@ class Orientations:
     def _unit(self, vector: FloatArray | list[float], name: str) -> FloatArray:
         length = float(np.linalg.norm(vector))
         if not length > 1e-12:
-            raise stop("replay/invalid-value", f"{name} has no direction", self.file)
+            raise invalid_recording("replay/invalid-value", f"{name} has no direction", self.file)
         return np.asarray(vector) / length

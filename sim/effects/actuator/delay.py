@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from schemas.gap import Place
 from sim.dynamics.hooks import CommandMap, Confusable, Effect, Parameter, Params, Series
-from sim.effects.series import held_at, with_columns
+from sim.effects.common.series import held_at, with_columns
 
 
 def _map(series: Series, params: Params, where: Place) -> Series:

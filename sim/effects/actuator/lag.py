@@ -8,7 +8,7 @@ from scipy.linalg import solve_banded
 from schemas.gap import Place
 from schemas.model import FloatArray
 from sim.dynamics.hooks import CommandMap, Confusable, Effect, Parameter, Params, Series
-from sim.effects.series import with_columns
+from sim.effects.common.series import with_columns
 
 
 def _map(series: Series, params: Params, where: Place) -> Series:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from schemas.gap import Place
 from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 from sim.dynamics.mechanism import MechanismModel
-from sim.effects.joint_values import with_link
+from sim.effects.common.joint_values import with_link
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:

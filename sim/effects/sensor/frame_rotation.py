@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from schemas.gap import Place
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
-from sim.effects.series import with_columns
+from sim.effects.common.series import with_columns
 
 
 def _turned(series: Series, R_BS: Rotation) -> Series:

@@ -9,7 +9,7 @@ import numpy as np
 from schemas.gap import Place
 from schemas.model import FloatArray
 from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
-from sim.effects.series import read_at, with_columns
+from sim.effects.common.series import read_at, with_columns
 
 _READ = ("q", "reading", "qd", "qdd", "p", "quat_wxyz", "v_W", "w_B")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from schemas.gap import Place
 from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
-from sim.effects.series import with_columns
+from sim.effects.common.series import with_columns
 
 _READ = ("q", "reading", "qd", "qdd", "p", "v_W")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from schemas.gap import Place
 from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
-from sim.effects.series import read_at, with_columns
+from sim.effects.common.series import read_at, with_columns
 
 _RATES = ("qd", "v_W", "w_B")
 

@@ -44,7 +44,8 @@ def candidates_of(
 ) -> tuple[Candidate, ...]:
     """Every effect of the library that poses of a free body can reveal, in library order.
 
-    `told`: what the motion says of a number without an engine. What it surely shows to be absent is not tried; fits to
+    `told`: direct estimates of a number from the motion, without an engine. What they surely show to be absent is not
+    tried; fits to
     contacts may not stray far from what falls and rest say.
     """
     out = []

@@ -85,8 +85,8 @@ def _slip_ratio(toss: Toss, i: Impact) -> float | None:
     impulse = i.after.v - i.before.v
     before, after = ((m.v + np.cross(m.w, i.lever))[:2] for m in (i.before, i.after))
     speed = float(np.linalg.norm(before))
-    kept = float(before @ after) / max(speed, 1e-300) > _KEEPS * speed and speed > _hard(toss)
-    return float(np.linalg.norm(impulse[:2]) / impulse[2]) if kept and impulse[2] > _hard(toss) else None
+    direction_kept = float(before @ after) / max(speed, 1e-300) > _KEEPS * speed and speed > _hard(toss)
+    return float(np.linalg.norm(impulse[:2]) / impulse[2]) if direction_kept and impulse[2] > _hard(toss) else None
 
 
 def _hard(toss: Toss) -> float:

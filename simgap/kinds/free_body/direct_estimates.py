@@ -55,7 +55,7 @@ def estimate(
     biases: Sequence[FloatArray] | None = None,
     routes_to: Routes = ESTIMATORS,
 ) -> DirectEstimate | None:
-    """The candidate's parameters over all tosses; None where no estimator is or fewer than three tosses tell.
+    """The candidate's parameters over all tosses; None where no estimator is or fewer than three tosses give a value.
 
     `biases` (see `biases_of`) are part of the errors.
     """
@@ -122,11 +122,11 @@ def _p_value(values: FloatArray, errors: FloatArray, null: FloatArray, trials: i
 
 def pooled(estimator: Estimator, tosses: Sequence[Toss]) -> tuple[FloatArray, FloatArray, int] | None:
     """Values, standard errors (jackknife over tosses) and the number of tosses."""
-    told = [e for toss in tosses if (e := estimator(toss)) is not None]
-    if len(told) < _LEAST:
+    equations = [e for toss in tosses if (e := estimator(toss)) is not None]
+    if len(equations) < _LEAST:
         return None
-    H, g = np.stack([e.H for e in told]), np.stack([e.g for e in told])
-    n, everyone = len(told), np.arange(len(told))
+    H, g = np.stack([e.H for e in equations]), np.stack([e.g for e in equations])
+    n, everyone = len(equations), np.arange(len(equations))
     x = _agreed(H, g)
     # Weights are found anew without each toss: with those of all, what disagrees would look better known than it is.
     without = [v for k in everyone if (v := _agreed(H[everyone != k], g[everyone != k])) is not None]
@@ -134,7 +134,7 @@ def pooled(estimator: Estimator, tosses: Sequence[Toss]) -> tuple[FloatArray, Fl
         return None
     left = np.stack(without)
     error = np.sqrt((n - 1) / n * ((left - left.mean(axis=0)) ** 2).sum(axis=0)) + 1e-15
-    return told[0].origin + x, error, n
+    return equations[0].origin + x, error, n
 
 
 def _agreed(H: FloatArray, g: FloatArray) -> FloatArray | None:

@@ -138,10 +138,10 @@ class FreeBodyProblem:
         return estimate(candidate, read, self._biases[candidate.key], self.mover.routes(candidate))
 
     def _with_direct_values(self, model: Model, trials: tuple[str, ...]) -> Model:
-        """The model with what falls and rest tell precisely as they tell it: fits to contacts stray from that.
+        """The model with the values that falls and rest determine precisely: fits to contacts stray from those.
 
         Beside a scale that is off by a hundredth, a body would look too small by as much. One after another, each
-        beside all others, those before it as told: two of them must not undo the same error.
+        beside all others, those before it as estimated: two of them must not undo the same error.
         """
         asked = _asked(model, trials)
         if asked not in self._direct_models:
@@ -245,8 +245,8 @@ def _reported(applied: AppliedBody, t_s: FloatArray, columns: Columns) -> Column
     """Columns (w, k, n) as the sensor reports them; what it does to poses it does row by row."""
     if not applied.sensors:
         return columns
-    said = applied.reported(Series(t_s.ravel(), {n: v.reshape(-1, v.shape[2]) for n, v in columns.items()})).columns
-    return {n: said[n].reshape(v.shape) for n, v in columns.items()}
+    reported = applied.reported(Series(t_s.ravel(), {n: v.reshape(-1, v.shape[2]) for n, v in columns.items()})).columns
+    return {n: reported[n].reshape(v.shape) for n, v in columns.items()}
 
 
 def _series(trial: Trial) -> Series:

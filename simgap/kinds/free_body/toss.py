@@ -120,12 +120,12 @@ class Toss:
         if not self.body.has_support:
             return []
         touching = np.abs(self.gap) < 2.0 * _NEAR * self.size
-        found = []
+        slide_stretches = []
         for part in _stretches(touching, _SLIDE_ROWS):
             for first in range(part.start, part.stop - _SLIDE_ROWS + 1, _SLIDE_ROWS // 2):
                 slide = self._slide(slice(first, first + _SLIDE_ROWS))
-                found += [slide] if slide is not None else []
-        return found
+                slide_stretches += [slide] if slide is not None else []
+        return slide_stretches
 
     @property
     def least_slip(self) -> float:

@@ -71,7 +71,7 @@ _ROWS: dict[str, Row] = {
 
 def _mass_centre(candidate: Candidate, body: BodyModel, trials: Sequence[Impacts]) -> DirectEstimate | None:
     """Newton's steps on the balance of angular momentum, which is nearly linear in the place of the mass centre."""
-    found: DirectEstimate | None = None
+    estimate: DirectEstimate | None = None
     plane = ("x_m", "y_m")
     for _ in range(2):
         at = {n: float(v) for n, v in zip(plane, body.com_B, strict=False)}
@@ -80,16 +80,16 @@ def _mass_centre(candidate: Candidate, body: BodyModel, trials: Sequence[Impacts
             rest = _imbalance(body, events)
             X = np.stack([(_imbalance(_moved(body, n), events) - rest) / _PROBE_M for n in plane], axis=1)
             rows.append(Equations(-rest + X @ np.array(list(at.values())), X, X))
-        found = regress(rows, plane, candidate.null)
-        if found is None:
+        estimate = regress(rows, plane, candidate.null)
+        if estimate is None:
             return None
-        body = replace(body, com_B=np.array([*found.values.values(), candidate.null["z_m"]]))
-    assert found is not None
+        body = replace(body, com_B=np.array([*estimate.values.values(), candidate.null["z_m"]]))
+    assert estimate is not None
     # Planar impacts say nothing about the height.
     return replace(
-        found,
-        values={**found.values, "z_m": candidate.null["z_m"]},
-        standard_errors={**found.standard_errors, "z_m": 1e-15},
+        estimate,
+        values={**estimate.values, "z_m": candidate.null["z_m"]},
+        standard_errors={**estimate.standard_errors, "z_m": 1e-15},
     )
 
 

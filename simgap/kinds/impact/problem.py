@@ -65,7 +65,7 @@ class ImpactProblem:
     def candidates(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`. Mass leaves no trace: only its ratio to the inertia acts in an impact."""
         body = self.declared
-        found = [
+        options = [
             _single("contact.friction", _PAIR, "mu", body.friction, (0.0, 1.5)),
             _single("contact.restitution", _PAIR, "restitution", body.restitution, (0.0, 1.0)),
             _single("body.inertia", Place(body="body"), "factor", 1.0, (0.3, 3.0)),
@@ -76,8 +76,8 @@ class ImpactProblem:
             reach = float(np.sqrt(body.inertia_B[2, 2] / body.mass_kg))
             bounds = {n: (v - reach, v + reach) for n, v in com.items()}
             bounds["z_m"] = (com["z_m"], com["z_m"] + 1e-12)
-            found.append(Candidate(effect("body.com_offset"), Place(body="body"), com, com, bounds))
-        return tuple(found)
+            options.append(Candidate(effect("body.com_offset"), Place(body="body"), com, com, bounds))
+        return tuple(options)
 
     def nuisances(self) -> tuple[Candidate, ...]:
         """Declared friction and bounce within their tolerance."""
@@ -166,10 +166,10 @@ def _noise(measurement: Measurement, events: Impacts) -> FloatArray:
     """
     v, w = measurement.noise.v_mps, measurement.noise.w_radps
     least = 1e-3 * np.sqrt((events.velocity_after**2).mean(axis=0)) + 1e-9
-    told = np.array([v or 0.0, v or 0.0, w or 0.0]) * np.sqrt(2.0)
+    declared = np.array([v or 0.0, v or 0.0, w or 0.0]) * np.sqrt(2.0)
     near = min(_NEIGHBOURS, len(events) - 1)
-    if told.all() or near < 3:
-        return np.maximum(told, least)
+    if declared.all() or near < 3:
+        return np.maximum(declared, least)
     state = _features(events)[:, :-1]
     scaled = (state - state.mean(axis=0)) / (state.std(axis=0) + 1e-12)
     distance, index = (np.asarray(a) for a in KDTree(scaled).query(scaled, k=near + 1))
@@ -179,5 +179,5 @@ def _noise(measurement: Measurement, events: Impacts) -> FloatArray:
     gamma = np.median(apart**2, axis=0) / (2.0 * 0.4549)
     basis = np.stack([np.ones_like(delta), delta], axis=1)
     intercept = np.linalg.lstsq(basis, gamma, rcond=None)[0][0]
-    found = np.sqrt(np.clip(intercept, 0.01 * gamma[0], gamma[0]))
-    return np.maximum(np.where(told > 0.0, told, found), least)
+    estimated = np.sqrt(np.clip(intercept, 0.01 * gamma[0], gamma[0]))
+    return np.maximum(np.where(declared > 0.0, declared, estimated), least)

@@ -8,7 +8,7 @@ from schemas.gap import Place
 from sim.dynamics.hooks import BodyWrench, ModelChange, Params, SensorMap, Series
 from sim.dynamics.linkage_rollout import LinkageModel, link_body, with_link_body
 from sim.dynamics.mechanism import Law
-from sim.effects.joint_values import joint_index
+from sim.effects.common.joint_values import joint_index
 from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.problem import Model, Term
 

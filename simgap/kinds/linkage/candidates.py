@@ -35,7 +35,7 @@ def candidates_of(
 ) -> tuple[Candidate, ...]:
     """Every effect of the library that poses and joints of a linkage can reveal, in library order.
 
-    `told` as for single bodies: what the motion surely shows to be absent is not tried.
+    `told` is as for single bodies: what the motion surely shows to be absent is not tried.
     """
     out = []
     for each in EFFECTS:

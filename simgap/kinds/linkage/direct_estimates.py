@@ -79,14 +79,14 @@ def reported_velocity(toss: LinkageToss, rows: slice) -> FloatArray:
 
 def mass(toss: LinkageToss, k: int) -> NormalEquations | None:
     """mass_kg of link k beside the others: with the right one the mass centre of the whole does not wobble."""
-    own = toss.bodies[k].mass_kg
+    link_mass_kg = toss.bodies[k].mass_kg
     total = sum(b.mass_kg for b in toss.bodies)
     H, g = 0.0, 0.0
     for part in _flights(toss):
         basis = _quadratic(toss.t_s[part])
         wobble, whole = (_without(basis, v[part]).ravel() for v in (toss.centres[k], total * toss.com))
         H, g = H + float(wobble @ wobble), g - float(wobble @ whole)
-    return NormalEquations(np.array([[H]]), np.array([g]), np.array([own])) if H > 0.0 else None
+    return NormalEquations(np.array([[H]]), np.array([g]), np.array([link_mass_kg])) if H > 0.0 else None
 
 
 def com_offset(toss: LinkageToss, k: int) -> NormalEquations | None:
@@ -118,15 +118,15 @@ def inertia(toss: LinkageToss, k: int) -> NormalEquations | None:
 
 def _momenta(toss: LinkageToss, part: slice, k: int) -> tuple[FloatArray, FloatArray]:
     """Spin of link k and angular momentum of the whole (n - 2, 3) each, at the inner rows."""
-    t, total, own = toss.t_s[part], np.zeros((part.stop - part.start - 2, 3)), np.zeros(0)
+    t, total, link_spin = toss.t_s[part], np.zeros((part.stop - part.start - 2, 3)), np.zeros(0)
     spans = (t[2:] - t[:-2])[:, None]
     for i, (body, w) in enumerate(zip(toss.bodies, toss.turning(part), strict=True)):
         R = toss.rotations[i][part][1:-1]
         spin = np.einsum("nab,bc,ndc,nd->na", R, body.inertia_B, R, w)
         r = (toss.centres[i] - toss.com)[part]
         total += spin + body.mass_kg * np.cross(r[1:-1], (r[2:] - r[:-2]) / spans)
-        own = spin if i == k else own
-    return own, total
+        link_spin = spin if i == k else link_spin
+    return link_spin, total
 
 
 def _joint(toss: Toss, joint: str | None, law: Callable[[FloatArray], FloatArray]) -> NormalEquations | None:

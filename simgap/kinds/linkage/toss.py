@@ -47,24 +47,24 @@ class LinkageToss(Toss):
 
     @cached_property
     def flights(self) -> list[slice]:
-        """Stretches in which nothing touches, as far as shapes tell, and the whole falls without a jolt.
+        """Stretches in which nothing touches, as far as shapes show, and the whole falls without a jolt.
 
         Hinges have pins and screws that no declared shape shows: their contacts are seen in the motion alone.
         """
         weight = float(np.linalg.norm(self.gravity))
         jolt = _JOLT * float(np.sqrt(weight * self.size))
-        kept = []
+        stretches = []
         for flight in super().flights:
             cuts = [flight.start, *self._jolts(flight, jolt), flight.stop]
             for part in (slice(a, b) for a, b in pairwise(cuts) if b - a >= FLIGHT_ROWS):
                 t = self.t_s[part] - self.t_s[part].mean()
                 fall = 2.0 * np.polynomial.polynomial.polyfit(t, self.com[part], 2)[2]
-                kept += [part] if np.linalg.norm(fall - self.gravity) < _CARRIED * weight else []
-        return kept
+                stretches += [part] if np.linalg.norm(fall - self.gravity) < _CARRIED * weight else []
+        return stretches
 
     def _jolts(self, flight: slice, jolt: float) -> list[int]:
         """Rows at which the speed of the mass centre, from the rows on either side, changes by more than `jolt`."""
-        side, found = _SIDE, []
+        side, jolt_rows = _SIDE, []
         for row in range(flight.start + side, flight.stop - side):
             slopes = []
             for rows in (slice(row - side, row + 1), slice(row, row + side + 1)):
@@ -72,8 +72,8 @@ class LinkageToss(Toss):
                 fallen = self.com[rows] - 0.5 * t[:, None] ** 2 * self.gravity
                 slopes.append(np.polynomial.polynomial.polyfit(t, fallen, 1)[1])
             if np.linalg.norm(slopes[1] - slopes[0]) > jolt:
-                found.append(row)
-        return found
+                jolt_rows.append(row)
+        return jolt_rows
 
     @cached_property
     def impacts(self) -> list[Impact]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from schemas.gap import Place
 from sim.dynamics.hooks import CommandMap, ModelChange, Params, SensorMap, Series
 from sim.dynamics.mechanism import Law, MechanismModel
-from sim.effects.joint_values import joint_index
+from sim.effects.common.joint_values import joint_index
 from simgap.problem import Model
 
 SensorTerm = tuple[SensorMap, Params, Place]

@@ -35,7 +35,7 @@ _WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
 
 @dataclass(frozen=True)
 class Ranges:
-    """Typical magnitudes at one joint: torque, speed, position (low, high), inertia, bearing load, asked effort."""
+    """Typical magnitudes at one joint: torque, speed, position (low, high), inertia, bearing load, commanded effort."""
 
     torque: float
     speed: float
@@ -141,7 +141,7 @@ def _observable(each: Effect, model: MechanismModel, series: Sequence[Series]) -
 
 
 def _effort(model: MechanismModel, series: Sequence[Series], joint: int) -> float:
-    """Size of the effort asked of a joint."""
+    """Size of the effort commanded at a joint."""
     if model.drive.type == "effort":
         column, factor = "effort", abs(model.drive.effort_per_unit)
     elif model.drive.type == "position_pd":
@@ -206,11 +206,11 @@ def _bounds(name: str, each: Effect, null: dict[str, float], r: Ranges) -> tuple
         "gap_inertia_kgm2rad": (0.0, _LIGHT_DRIVE * _GAP[1] * span * r.inertia),
         "offset_rad": (-0.3 * span, 0.3 * span),
     }
-    own = next(p for p in each.parameters if p.name == name)
-    low, high = table.get(name, (own.low, own.high))
+    parameter = next(p for p in each.parameters if p.name == name)
+    low, high = table.get(name, (parameter.low, parameter.high))
     if name == "nominal_V":
         low, high = _NOMINAL[0] * null[name], _NOMINAL[1] * null[name]  # A supply may sag all the time.
-    return max(low, own.low), max(min(high, own.high), max(low, own.low) + 1e-12)
+    return max(low, parameter.low), max(min(high, parameter.high), max(low, parameter.low) + 1e-12)
 
 
 def _hardest(r: Ranges) -> float:

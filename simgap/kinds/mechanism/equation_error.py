@@ -18,7 +18,7 @@ from schemas.model import FloatArray, IntArray
 from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque, Series
 from sim.dynamics.joint_dynamics import joint_dynamics
 from sim.dynamics.mechanism import Drive, Law, MechanismModel
-from sim.effects.series import with_columns
+from sim.effects.common.series import with_columns
 from simgap.inference.fit import Errors, Fit, extend, fit, promising_starts, resampling_units
 from simgap.inference.losses import paired_p, paired_p_where_affected
 from simgap.kinds.mechanism.apply_model import Applied, apply_terms
@@ -65,17 +65,17 @@ def estimate(errors: Errors, base: Fit, candidate: Candidate) -> DirectEstimate 
     """The candidate's parameters, the terms of `base` refitted along; None where it leaves no trace or one trial."""
     if len(base.losses) < 2:
         return None
-    found = extend(errors, base, candidate, promising_starts(errors, base, candidate))
-    own = found.solution.jac[:, -len(candidate.null) :]
-    if not (np.abs(own) > 1e-9).any():
+    fitted = extend(errors, base, candidate, promising_starts(errors, base, candidate))
+    own_columns = fitted.solution.jac[:, -len(candidate.null) :]
+    if not (np.abs(own_columns) > 1e-9).any():
         return None
-    widths = found.half_widths[candidate.key]
+    widths = fitted.half_widths[candidate.key]
     return DirectEstimate(
-        dict(found.model[-1].values),
+        dict(fitted.model[-1].values),
         {name: width / 1.96 for name, width in widths.items()},
-        (paired_p_where_affected if candidate.extra_starts else paired_p)(base.held_out, found.held_out),
+        (paired_p_where_affected if candidate.extra_starts else paired_p)(base.held_out, fitted.held_out),
         len(base.losses),
-        found.held_out,
+        fitted.held_out,
     )
 
 
@@ -90,7 +90,7 @@ class _Stack:
 
     spans       of the trials, in rows.
     magnified   (n, j) how much larger accelerations (and their noise) are than as read.
-    passed      by drive law, what was asked of it last, with which values, and what passed: slopes of other terms ask
+    passed      by drive law, its last request, with which values, and what passed: slopes of other terms need
                 the same again.
     """
 

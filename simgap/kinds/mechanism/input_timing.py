@@ -1,7 +1,7 @@
 """When inputs act and readings are taken: at their stamps, or at an even beat that the stamps only blur.
 
 A control loop that wakes late reads and sends late. A logger that stamps what it receives is late by itself: neither
-readings nor inputs are. Which of the two made a recording is not written in it, but a model that explains it tells.
+readings nor inputs are. Which of the two made a recording is not written in it, but a model that explains it shows it.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ _ALIKE = 0.3  # share of the inputs' size; trials that differ by less are driven
 def permuted_inputs(trials: Sequence[Trial], by: int = 1) -> tuple[Trial, ...] | None:
     """Each trial with commands and efforts of the one `by` places on, at equal times since the start.
 
-    None where nothing drives, or where all trials are driven alike: then nothing could be told.
+    None where nothing drives, or where all trials are driven alike: then nothing could be distinguished.
     """
     names = [n for n in ("command", "effort") if trials and all(t.has(n) for t in trials)]
     if not names or len(trials) < 2:

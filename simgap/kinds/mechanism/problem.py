@@ -165,7 +165,9 @@ class MechanismProblem:
         return other
 
     def with_initial_states_at(self, model: Model) -> MechanismProblem:
-        """See `simgap.problem.LongHorizonProblem`. The beat is the one by which the model leaves least, beyond chance."""
+        """See `simgap.problem.LongHorizonProblem`. The beat is the one by which the model leaves least, beyond
+        chance.
+        """
         own = self._seen_from(model)
         level = own.noise_floor(self.trial_ids, self.search_view)
         best, losses = own, own._losses(model, level)
@@ -267,10 +269,10 @@ class MechanismProblem:
     ) -> Windows:
         """Kept for models that map readings and inputs in the same way."""
         key = (view, tuple(trials))
-        kept = self._kept.get(key)
-        if kept is None or kept[0] != applied.maps:
-            self._kept[key] = kept = applied.maps, windows_of(pieces, applied)
-        return kept[1]
+        cached = self._kept.get(key)
+        if cached is None or cached[0] != applied.maps:
+            self._kept[key] = cached = applied.maps, windows_of(pieces, applied)
+        return cached[1]
 
     def _cut(self, trial: str, view: View) -> Cut:
         log = self._logs[trial]

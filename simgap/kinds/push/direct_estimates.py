@@ -60,8 +60,8 @@ def moves(model: PushModel, records: Records) -> Moves:
     # The whole push, so that force and move stand for the same time.
     force = np.einsum("nij,nj->ni", to_body, records.force_all)
     moved = np.linalg.norm(shift, axis=1) + model.lever_m * np.abs(records.turned) > _LEAST_MOVE * model.lever_m
-    kept = np.isfinite(force).all(axis=1) & moved
-    return Moves(force[kept], shift[kept], records.turned[kept], (0.5 * (ends[0] + ends[1]))[kept])
+    usable = np.isfinite(force).all(axis=1) & moved
+    return Moves(force[usable], shift[usable], records.turned[usable], (0.5 * (ends[0] + ends[1]))[usable])
 
 
 def estimate(candidate: Candidate, model: PushModel, records: Sequence[Records]) -> DirectEstimate | None:
@@ -97,13 +97,13 @@ def _mass_centre(candidate: Candidate, model: PushModel, seen: Sequence[Moves]) 
         way = m.force * ease
         X = m.turn[:, None] * way
         rows.append(Equations(-(way[:, 0] * m.move[:, 1] - way[:, 1] * m.move[:, 0]), X, X))
-    found = regress(rows, ("x_m", "y_m"), candidate.null)
-    if found is None:
+    estimate = regress(rows, ("x_m", "y_m"), candidate.null)
+    if estimate is None:
         return None
     return replace(
-        found,
-        values={**found.values, "z_m": candidate.null["z_m"]},
-        standard_errors={**found.standard_errors, "z_m": 1e-15},
+        estimate,
+        values={**estimate.values, "z_m": candidate.null["z_m"]},
+        standard_errors={**estimate.standard_errors, "z_m": 1e-15},
     )
 
 
@@ -139,17 +139,17 @@ def _mean(values: FloatArray) -> Equations:
 
 
 def _transformed(
-    found: DirectEstimate | None, candidate: Candidate, map: Callable[[float], float]
+    estimate: DirectEstimate | None, candidate: Candidate, map: Callable[[float], float]
 ) -> DirectEstimate | None:
     """An estimate of k as one of the parameter map(k), tested on its logarithm; None where k is not positive."""
     (name, null), *_ = candidate.null.items()
-    if found is None or found.values[name] <= 0.0:
+    if estimate is None or estimate.values[name] <= 0.0:
         return None
-    k, error = found.values[name], found.standard_errors[name]
+    k, error = estimate.values[name], estimate.standard_errors[name]
     value = map(k)
-    own = abs(map(1.001 * k) - map(0.999 * k)) / (0.002 * k) * error + 1e-15
-    p = float(2.0 * stats.t.sf(abs(np.log(value / null)) * value / own, found.trials - 1))
-    return replace(found, values={name: value}, standard_errors={name: own}, p_value=p)
+    width = abs(map(1.001 * k) - map(0.999 * k)) / (0.002 * k) * error + 1e-15
+    p = float(2.0 * stats.t.sf(abs(np.log(value / null)) * value / width, estimate.trials - 1))
+    return replace(estimate, values={name: value}, standard_errors={name: width}, p_value=p)
 
 
 _ROUTES: dict[str, Callable[[Candidate, PushModel, Sequence[Moves]], DirectEstimate | None]] = {

@@ -22,7 +22,7 @@ class PushModel:
     """`body` with its numbers; outline (k, 2) and evenly loaded points (p, 2) under it in body axes, m.
 
     pusher_friction   of the pair body-pusher.
-    reference_friction   at which spinning friction is told: the pair's moment grows with its force.
+    reference_friction   at which spinning friction is stated: the pair's moment grows with its force.
     standoff_m        distance of the tip's recorded point from the outline in contact: the tip's radius.
     """
 

@@ -59,26 +59,26 @@ class PushProblem:
         return (*pose, "force_x", "force_y") if self._has_force else pose
 
     def candidates(self) -> tuple[Candidate, ...]:
-        """See `simgap.problem.Problem`. Without forces nothing tells how hard the support resists."""
+        """See `simgap.problem.Problem`. Without forces the resistance of the support is unknown."""
         body = self.declared.body
         lever = self.declared.lever_m
         pair, whole = Place(pair=SUPPORT), Place(body="body")
-        found: list[Candidate] = []
+        options: list[Candidate] = []
         if self._has_force:
-            found.append(_single("contact.friction", pair, "mu", body.friction, (0.0, 1.5)))
+            options.append(_single("contact.friction", pair, "mu", body.friction, (0.0, 1.5)))
         # What resists spinning follows from the pressure under the body, which is only assumed to be even.
         spin = self.declared.reference_friction * lever
-        found.append(_single("contact.spinning_friction", pair, "lever_m", spin, (0.2 * spin, 3.0 * spin)))
-        found.append(_single("contact.anisotropic_friction", pair, "ratio", 1.0, (0.25, 4.0)))
+        options.append(_single("contact.spinning_friction", pair, "lever_m", spin, (0.2 * spin, 3.0 * spin)))
+        options.append(_single("contact.anisotropic_friction", pair, "ratio", 1.0, (0.25, 4.0)))
         if self._has_force:
             mass = body.mass_kg
-            found.append(_single("body.mass", whole, "mass_kg", mass, (0.2 * mass, 5.0 * mass)))
+            options.append(_single("body.mass", whole, "mass_kg", mass, (0.2 * mass, 5.0 * mass)))
         com = {f"{axis}_m": float(v) for axis, v in zip("xyz", body.com_B, strict=True)}
         low, high = self.declared.points.min(axis=0), self.declared.points.max(axis=0)
         bounds = {"x_m": (float(low[0]), float(high[0])), "y_m": (float(low[1]), float(high[1]))}
         bounds["z_m"] = (com["z_m"], com["z_m"] + 1e-12)
-        found.append(Candidate(effect("body.com_offset"), whole, com, com, bounds))
-        return tuple(found)
+        options.append(Candidate(effect("body.com_offset"), whole, com, com, bounds))
+        return tuple(options)
 
     def nuisances(self) -> tuple[Candidate, ...]:
         """The assumed pressure within its tolerance, and the pusher's friction, which is declared nowhere.
@@ -97,9 +97,9 @@ class PushProblem:
         poses, forces = simulate_pushes(changed(self.declared, model), records.before, records.tips)
         steady = forces[:, round(STEADY * STEPS) :].mean(axis=1)
         turned = poses[:, -1, 2] - records.before[:, 2]
-        said = self._in_channels(records, poses[:, -1, :2], turned, steady)
+        simulated = self._in_channels(records, poses[:, -1, :2], turned, steady)
         return list(
-            (said - self._in_channels(records, records.after[:, :2], records.turned, records.force))[:, None, :]
+            (simulated - self._in_channels(records, records.after[:, :2], records.turned, records.force))[:, None, :]
         )
 
     def readings(self, trials: Sequence[str]) -> list[FloatArray]:

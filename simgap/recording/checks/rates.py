@@ -51,7 +51,7 @@ def _slopes(trials: Sequence[Trial], change: FloatArray) -> Slopes:
 
 
 def fast_rows(implied: FloatArray, recorded: FloatArray) -> FloatArray:
-    """(n,) the faster half of the rows in which both velocities are known: the ones that can tell anything."""
+    """(n,) the faster half of the rows in which both velocities are known: the informative ones."""
     speed = np.linalg.norm(implied, axis=1)
     known = np.isfinite(speed) & np.isfinite(recorded).all(axis=1)
     if not known.any():

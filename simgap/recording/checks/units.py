@@ -36,7 +36,7 @@ def check_units(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     """Milliseconds, millimetres and degrees become SI where the data prove them; the rest is reported.
 
     Proof is one factor (1000, pi/180 ...) within 10 % between recorded and implied velocities, or between the fall of
-    a tossed body and the declared gravity. `rate_hz` has spoken before.
+    a tossed body and the declared gravity. `rate_hz` is checked before.
     """
     if not trials:
         return Checked(trials)

@@ -134,7 +134,7 @@ def take(table: Table, column: Column, file: str) -> FloatArray:
 
 
 def sources_of(columns: Sequence[Column], aux: Mapping[str, str]) -> frozenset[str]:
-    """Every column of a file that somebody asks for."""
+    """Every column of a file that a channel needs."""
     return frozenset(s for c in columns for s in c.sources) | frozenset(aux.values())
 
 

@@ -45,7 +45,7 @@ def tables_by_trial(
 
 
 def each(trials: Mapping[str, Parts], build: Callable[[str, Parts], T]) -> tuple[tuple[T, ...], tuple[Diagnostic, ...]]:
-    """`build` over all trials; those that raise InvalidInput are left out and told."""
+    """`build` over all trials; those that raise InvalidInput are left out and reported."""
     built: list[T] = []
     refused: list[Diagnostic] = []
     for trial_id, parts in trials.items():

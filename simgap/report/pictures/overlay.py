@@ -6,10 +6,10 @@ import numpy as np
 
 from render.figure import figure, png, style_axes
 from simgap.report.pictures.colours import DECLARED, EXTENDED, MEASURED
-from simgap.report.side_by_side import Replay
+from simgap.report.side_by_side import SideBySide
 
 
-def overlay(declared: Replay, extended: Replay | None, channel: int, unit: str) -> bytes:
+def overlay(declared: SideBySide, extended: SideBySide | None, channel: int, unit: str) -> bytes:
     """PNG of one channel of one trial; `extended` is None where nothing was added to the model."""
     canvas = figure(8.0, 5.0)
     top, bottom = canvas.subplots(2, 1, sharex=True, height_ratios=(2, 1))

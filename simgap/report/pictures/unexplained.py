@@ -32,7 +32,7 @@ _BY_INPUT = ("actuator.gain", "actuator.saturation", "actuator.deadband", "actua
 def unexplained(
     problem: MechanismProblem, measurement: Measurement, model: Model, name: str, where: Place, trials: Sequence[str]
 ) -> bytes | None:
-    """PNG for the effect `name` of `model`; None where the blocks of the recording cannot be told."""
+    """PNG for the effect `name` of `model`; None where the blocks of the recording cannot be distinguished."""
     logs = [log_of(t) for t in measurement.trials if t.id in set(trials)]
     effort = balance(problem.declared, logs)
     joint = next((j for j, link in enumerate(problem.declared.tree) if link.name == where.joint), 0)

@@ -13,10 +13,10 @@ from typer.testing import CliRunner
 from cli.main import app
 from cli.replay.frames import draw_variant
 from geom.pose import quat_of
-from replay.recording.read import read_episode
+from replay.recording.formats.read import read_episode
 from replay.verification.inserted_bodies import inserted_body
 from replay.views import visibility
-from replay.views.visibility import Seen, convexes, newly_hidden, placed, task_pixels
+from replay.views.visibility import TaskPixels, convex_polyhedra, in_world, newly_hidden, task_pixels
 from schemas.diagnostics import InvalidInput
 from schemas.replay import Inserted
 from tests.replay.test_variant_stage import BOX, variant_in
@@ -69,7 +69,7 @@ def test_pictures_agree_with_rays(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
     (without,) = task_pixels(episode, [camera], [ROW])
     body = inserted_body(box, None)
-    screen = [placed(convex, body.X_WA) for convex in convexes(body.body.shapes)]
+    screen = [in_world(convex, body.X_WA) for convex in convex_polyhedra(body.body.shapes)]
     share = newly_hidden([without], screen)[camera.name]
     assert 0.2 < share < 0.8
     assert np.count_nonzero(ids == number) == pytest.approx((1.0 - share) * len(without.depths), rel=0.03)
@@ -78,7 +78,9 @@ def test_pictures_agree_with_rays(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert_depth(without, depth_mm, ids == number, frames["cameras"][camera.name], frame["X_WC"])
 
 
-def assert_depth(seen: Seen, depth_mm: np.ndarray, shown: np.ndarray, lens: dict, X_WC: list[list[float]]) -> None:
+def assert_depth(
+    seen: TaskPixels, depth_mm: np.ndarray, shown: np.ndarray, lens: dict, X_WC: list[list[float]]
+) -> None:
     """Rays of pixels that show the object have the depth of the picture, by what frames.json says of the lens."""
     points_C = (seen.directions @ np.array(X_WC)[:3, :3]) * [1.0, -1.0, -1.0]
     x, y = (points_C[:, :2] * lens["focal_px"] + lens["centre_px"]).T.astype(int)

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from geom.pose import pose
 from replay.envelope.bounds import paths
-from replay.envelope.probes import Tolerances, probed
-from replay.envelope.trajectory import bases, recorded, refined
+from replay.envelope.probes import Tolerances, refine_by_probes
+from replay.envelope.trajectory import base_poses, recorded_trajectory, refined_trajectories
 from replay.recording.episode import Link, Robot
 from replay.recording.kinematics import link_poses
 
@@ -42,13 +42,13 @@ def stamps(rng):
     return np.cumsum(rng.uniform(0.01, 0.08, N))
 
 
-def beyond_chords(robot, course, q_at, at, points):
+def beyond_chords(robot, trajectory, q_at, at, points):
     """By how much points at states q_at (m, SUB, j) leave their chords, over the bound; (links, ...)."""
-    found = paths(robot, course, points)
+    link_paths = paths(robot, trajectory, points)
     worst = -np.inf
-    for number, path in enumerate(found):
-        for k in range(len(course.t_s) - 1):
-            X = link_poses(robot, q_at[k], bases(robot.X_WR, at[k]))[:, number]
+    for number, path in enumerate(link_paths):
+        for k in range(len(trajectory.t_s) - 1):
+            X = link_poses(robot, q_at[k], base_poses(robot.X_WR, at[k]))[:, number]
             moving = np.einsum("sij,pj->psi", X[:, :3, :3], points[number]) + X[:, :3, 3]
             a, b = path.points_W[:, k], path.points_W[:, k + 1]
             along = b - a
@@ -58,7 +58,7 @@ def beyond_chords(robot, course, q_at, at, points):
                 1,
             )
             away = np.linalg.norm(moving - a[:, None] - share[:, :, None] * along[:, None], axis=2).max(axis=1)
-            worst = max(worst, float((away - path.beyond_m[:, k]).max()))
+            worst = max(worst, float((away - path.error_bound_m[:, k]).max()))
     return worst
 
 
@@ -69,12 +69,12 @@ def beyond_chords(robot, course, q_at, at, points):
 def test_joint_linear_motion_stays_within_the_bound(seed, kinds, turning):
     rng = np.random.default_rng(seed)
     robot, t_s = chain(rng, kinds, turning, rates=False), stamps(rng)
-    course = recorded(robot, t_s)
+    trajectory = recorded_trajectory(robot, t_s)
     share = np.linspace(0.0, 1.0, SUB)
     at = np.arange(N - 1)[:, None] + share
     q_at = robot.q[:-1, None] + share[:, None] * np.diff(robot.q, axis=0)[:, None]
     points = [rng.uniform(-0.2, 0.2, (3, 3)) for _ in robot.links]
-    assert beyond_chords(robot, course, q_at, at, points) <= 1e-9
+    assert beyond_chords(robot, trajectory, q_at, at, points) <= 1e-9
 
 
 @settings(max_examples=30)
@@ -84,14 +84,14 @@ def test_the_cubic_through_recorded_rates_stays_within_the_bound(seed, apart):
     rng = np.random.default_rng(seed)
     robot, t_s = chain(rng, ["revolute", "prismatic", "revolute"]), stamps(rng)
     parts = np.full(N - 1, 3)
-    courses = refined(robot, t_s, parts, parts + 1 if apart else 0 * parts)
-    assert len(courses) == 1 + apart
+    trajectories = refined_trajectories(robot, t_s, parts, parts + 1 if apart else 0 * parts)
+    assert len(trajectories) == 1 + apart
     per = 4 if apart else 3
     share = np.linspace(0.0, 1.0, SUB)
     at = (np.arange(per * (N - 1))[:, None] + share) / per
     q_at = cubic(robot, t_s, at)
     points = [rng.uniform(-0.2, 0.2, (3, 3)) for _ in robot.links]
-    assert beyond_chords(robot, courses[-1], q_at, at, points) <= 1e-9
+    assert beyond_chords(robot, trajectories[-1], q_at, at, points) <= 1e-9
 
 
 def cubic(robot, t_s, at):
@@ -109,19 +109,20 @@ def test_dividing_an_interval_by_two_takes_three_quarters_of_the_bound():
     robot, t_s = chain(rng, ["revolute"] * 3, rates=False), stamps(rng)
     points = [rng.uniform(-0.2, 0.2, (4, 3)) for _ in robot.links]
     whole, halved = (
-        paths(robot, refined(robot, t_s, np.full(N - 1, n), np.zeros(N - 1, dtype=int))[0], points) for n in (1, 2)
+        paths(robot, refined_trajectories(robot, t_s, np.full(N - 1, n), np.zeros(N - 1, dtype=int))[0], points)
+        for n in (1, 2)
     )
     for one, two in zip(whole, halved, strict=True):
-        assert (two.curve_m.reshape(4, -1, 2).max(axis=2) <= 0.36 * one.curve_m + 1e-15).all()
+        assert (two.chord_error_m.reshape(4, -1, 2).max(axis=2) <= 0.36 * one.chord_error_m + 1e-15).all()
 
 
 def test_a_turning_bar_leaves_its_chord_by_nearly_as_much_as_the_bound_says():
     """Radius r, angle a: the sagitta r (1 - cos a/2) is r a^2 / 8 for small a."""
     link = Link("bar", -1, "revolute", np.array([0.0, 0.0, 1.0]), np.eye(4), 0)
     robot = Robot("r", (link,), ("j",), np.tile(np.eye(4), (2, 1, 1)), np.array([[0.0], [0.1]]))
-    path = paths(robot, recorded(robot, np.array([0.0, 0.05])), [np.array([[0.7, 0.0, 0.2]])])[0]
-    assert path.beyond_m[0, 0] == pytest.approx(0.7 * 0.1**2 / 8.0, rel=0.05)
-    assert path.beyond_m[0, 0] >= 0.7 * (1.0 - np.cos(0.05))
+    path = paths(robot, recorded_trajectory(robot, np.array([0.0, 0.05])), [np.array([[0.7, 0.0, 0.2]])])[0]
+    assert path.error_bound_m[0, 0] == pytest.approx(0.7 * 0.1**2 / 8.0, rel=0.05)
+    assert path.error_bound_m[0, 0] >= 0.7 * (1.0 - np.cos(0.05))
 
 
 def test_probes_find_small_turns_small_enough_and_halve_larger_ones():
@@ -129,9 +130,9 @@ def test_probes_find_small_turns_small_enough_and_halve_larger_ones():
     link = Link("bar", -1, "revolute", np.array([0.0, 0.0, 1.0]), np.eye(4), 0)
     robot = Robot("r", (link,), ("j",), np.tile(np.eye(4), (3, 1, 1)), np.array([[0.0], [0.2], [0.2]]))
     t_s, points = np.array([0.0, 0.1, 0.2]), [np.array([[0.7, 0.0, 0.2]])]
-    assert probed(robot, t_s, points, Tolerances(0.004, joint=1.0)).t_s.tolist() == [0.0, 0.1, 0.2]
-    assert probed(robot, t_s, points, Tolerances(0.001, joint=1.0)).t_s.tolist() == [0.0, 0.05, 0.1, 0.2]
-    by_joint = probed(robot, t_s, points, Tolerances(0.004, joint=0.06))
+    assert refine_by_probes(robot, t_s, points, Tolerances(0.004, joint=1.0)).t_s.tolist() == [0.0, 0.1, 0.2]
+    assert refine_by_probes(robot, t_s, points, Tolerances(0.001, joint=1.0)).t_s.tolist() == [0.0, 0.05, 0.1, 0.2]
+    by_joint = refine_by_probes(robot, t_s, points, Tolerances(0.004, joint=0.06))
     assert by_joint.t_s.tolist() == pytest.approx([0.0, 0.025, 0.05, 0.075, 0.1, 0.2])
 
 
@@ -139,6 +140,6 @@ def test_repeated_stamps_are_joined_by_a_line_without_rates():
     link = Link("bar", -1, "revolute", np.array([0.0, 0.0, 1.0]), np.eye(4), 0)
     rates = np.full((3, 1), 5.0)
     robot = Robot("r", (link,), ("j",), np.tile(np.eye(4), (3, 1, 1)), np.array([[0.0], [0.1], [0.1]]), rates)
-    course = recorded(robot, np.array([0.0, 0.0, 0.05]))
-    assert course.stray[0, 0] == 0.0
-    assert course.stray[1, 0] > 0.0
+    trajectory = recorded_trajectory(robot, np.array([0.0, 0.0, 0.05]))
+    assert trajectory.deviation[0, 0] == 0.0
+    assert trajectory.deviation[1, 0] > 0.0

@@ -16,15 +16,15 @@ from geom.pose import apply, pose
 from replay.augmentation import prepare, variants
 from replay.envelope.envelope import Settings, swept_envelope
 from replay.envelope.simplify import simplify
-from replay.insertion.candidates import Candidate, Choices
-from replay.insertion.free_space import Room, grown, obstacles
+from replay.insertion.candidates import InsertionCandidate, VariantChoices
+from replay.insertion.free_space import FreeSpace, buffered, obstacles
 from replay.insertion.supports import supports, used_supports
 from replay.recording.episode import Camera, Episode, Fixture, FreeBody, Link, Robot
-from replay.recording.read import read_episode
+from replay.recording.formats.read import read_episode
 from replay.verification.dense import dense_motion
 from replay.verification.inserted_bodies import inserted_body
 from replay.verification.verify import near_pairs
-from replay.views.visible_area import in_picture, seen_area
+from replay.views.visible_area import area_in_view, in_picture
 from schemas.diagnostics import InvalidInput
 from schemas.physics import CollisionShape
 from schemas.scene.runtime_plan import PlanBody
@@ -43,7 +43,7 @@ def prepared(episode):
 
 
 def only(body: PlanBody):
-    return lambda seed, number: Choices([Candidate(body, body.stances[0])] * 12)
+    return lambda seed, number: VariantChoices([InsertionCandidate(body, body.stances[0])] * 12)
 
 
 def test_every_corner_lies_in_the_envelope_at_sixteen_times_between_rows(episode):
@@ -138,9 +138,9 @@ def test_erosion_of_a_room_with_a_corner_and_a_hole():
 
 def test_an_outline_meets_a_convex_obstacle_where_erosion_by_it_leaves_no_room():
     obstacle, outline = Point(0.1, 0.2).buffer(0.3, quad_segs=3), np.array([[0, 0], [0.2, 0], [0.1, 0.3]])
-    room = box(-1, -1, 2, 2)
-    apart = eroded(room, outline).difference(minkowski_difference(obstacle, outline))
-    assert apart.symmetric_difference(eroded(room.difference(obstacle), outline)).area < 1e-9
+    free_space = box(-1, -1, 2, 2)
+    apart = eroded(free_space, outline).difference(minkowski_difference(obstacle, outline))
+    assert apart.symmetric_difference(eroded(free_space.difference(obstacle), outline)).area < 1e-9
 
 
 def test_supports_are_level_faces_and_those_used_come_first(episode):
@@ -166,23 +166,23 @@ def test_a_lying_cylinder_is_no_support(roll_rad):
 
 def test_things_of_a_plan_go_to_the_support_that_stands_for_their_place(episode):
     found = prepare(episode, Settings(), ["desk=top", "floor"])
-    assert [(site.room.support.name, set(site.places)) for site in found.sites] == [
+    assert [(site.free_space.support.name, set(site.places)) for site in found.sites] == [
         ("floor", {"floor"}),
         ("top", {"top", "desk"}),
     ]
     body = box_body("crate", 0.08, 0.05, 0.1)
     for place, wanted in (("desk", {"top"}), ("floor", {"floor"})):
-        choices = Choices([Candidate(body, body.stances[0], place=place)] * 12)
+        choices = VariantChoices([InsertionCandidate(body, body.stances[0], place=place)] * 12)
         made = list(variants(found, lambda seed, number, c=choices: c, range(8), 3, seed=0))
         assert {one.support for v in made for one in v.inserted} == wanted
 
 
 def test_room_is_less_the_taller_the_object_and_says_who_takes_it(prepared):
-    room = prepared.sites[0].room
-    free = [room.free(top_m).area for top_m in (0.02, 0.06, 0.1)]
+    free_space = prepared.sites[0].free_space
+    free = [free_space.free(top_m).area for top_m in (0.02, 0.06, 0.1)]
     assert free == sorted(free, reverse=True)
-    assert 0.0 < free[-1] < free[0] < room.support.area.area
-    assert set(room.blocked_by(0.1)) == {"cube", "lower", "upper"}
+    assert 0.0 < free[-1] < free[0] < free_space.support.area.area
+    assert set(free_space.blocked_by(0.1)) == {"cube", "lower", "upper"}
 
 
 def test_inserted_objects_are_clear_at_all_times_by_the_other_code(prepared, episode):
@@ -210,7 +210,7 @@ def test_what_does_not_fit_is_not_put(prepared):
 
 def test_a_camera_sees_the_part_of_a_plane_in_its_picture():
     above = Camera("above", pose(None, np.array([0.0, 0.0, 1.0]))[None], np.radians(90.0), 200, 100)
-    found = seen_area((above,), 0.0, box(-3, -3, 3, 3))
+    found = area_in_view((above,), 0.0, box(-3, -3, 3, 3))
     assert found.symmetric_difference(box(-2, -1, 2, 1)).area == pytest.approx(0.0, abs=1e-9)
     assert in_picture(above, np.array([[1.9, 0.9, 0.0]]))
     assert not in_picture(above, np.array([[2.1, 0.9, 0.0], [0.0, 0.0, 2.0]]))
@@ -221,13 +221,15 @@ def test_outlines_grow_by_no_less_than_asked_at_any_corner(corners):
     """At 16 and 17 corners one chord stood for the whole arc around a corner: 1 % too near."""
     turn = np.arange(corners) * 2.0 * np.pi / corners
     outline = Polygon(0.05 * np.stack([np.cos(turn), np.sin(turn)], axis=1))
-    around = grown(outline, 0.01)
+    around = buffered(outline, 0.01)
     assert 0.01 <= outline.distance(around.boundary) <= 0.0101
 
 
 def test_still_links_are_obstacles(episode):
     assert "arm" in {one.name for one in obstacles(episode)}
-    assert isinstance(Room(supports(episode)[0], swept_envelope(episode, Settings()), obstacles(episode)), Room)
+    assert isinstance(
+        FreeSpace(supports(episode)[0], swept_envelope(episode, Settings()), obstacles(episode)), FreeSpace
+    )
 
 
 def test_what_hides_too_much_of_the_task_is_drawn_again_or_left_out(episode):

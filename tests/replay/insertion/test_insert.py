@@ -4,9 +4,9 @@ import numpy as np
 from shapely.geometry import Polygon, box
 
 from replay.envelope.envelope import Envelope
-from replay.insertion.candidates import Candidate
-from replay.insertion.free_space import Room
-from replay.insertion.insert import TRIES, Site, insert
+from replay.insertion.candidates import InsertionCandidate
+from replay.insertion.free_space import FreeSpace
+from replay.insertion.insert import TRIES, InsertionSite, insert
 from replay.insertion.supports import Support
 from schemas.scene.runtime_plan import PlanBody, PlanStance, Prism
 
@@ -21,13 +21,13 @@ STANCE = PlanStance(
 BOX = PlanBody(asset_id="box", stances=(STANCE,))
 
 
-def site(name: str, area: Polygon) -> Site:
-    return Site(Room(Support(name, name, 0.5, area), STILL, ()), Polygon(), frozenset({name}))
+def site(name: str, area: Polygon) -> InsertionSite:
+    return InsertionSite(FreeSpace(Support(name, name, 0.5, area), STILL, ()), Polygon(), frozenset({name}))
 
 
 def test_what_has_no_room_at_one_place_of_a_plan_is_still_tried_at_another():
     places = [site("shelf", box(0.0, 0.0, 0.05, 0.05)), site("table", box(1.0, 0.0, 2.0, 1.0))]
-    tried = [Candidate(BOX, STANCE, place="shelf")] * TRIES + [Candidate(BOX, STANCE, place="table")]
+    tried = [InsertionCandidate(BOX, STANCE, place="shelf")] * TRIES + [InsertionCandidate(BOX, STANCE, place="table")]
     (put,) = insert(places, tried, 1, np.random.default_rng(0))
     assert put.stated.support == "table"
     assert box(1.0, 0.0, 2.0, 1.0).contains(put.outline)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from geom.pose import pose
 from replay.recording.episode import Camera, Episode, Fixture, FreeBody
-from replay.views.visibility import convexes, newly_hidden, placed, task_pixels
+from replay.views.visibility import convex_polyhedra, in_world, newly_hidden, task_pixels
 from schemas.physics import CollisionShape
 
 TARGET = CollisionShape("box", (0.2, 0.2, 0.01), np.eye(4))
@@ -34,7 +34,7 @@ def looked_at(X: np.ndarray, fixture: np.ndarray | None = None) -> Episode:
 
 
 def hidden(episode: Episode, X_WB: np.ndarray) -> float:
-    return newly_hidden(task_pixels(episode), [placed(convexes([SCREEN])[0], X_WB)])["front"]
+    return newly_hidden(task_pixels(episode), [in_world(convex_polyhedra([SCREEN])[0], X_WB)])["front"]
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -1,4 +1,4 @@
-"""Letting scenes go: what stands stays, what does not, falls; the answer depends on nothing else."""
+"""Settling of scenes: supported bodies stay, others fall; the result depends on nothing else."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def test_compounds_of_hulls_have_no_margin_either(bullet) -> None:
 @pytest.mark.parametrize("kind", ["box", "hull"])
 @pytest.mark.parametrize("count", [17, 40])
 def test_no_shape_is_dropped_however_many_there_are(bullet, kind: str, count: int) -> None:
-    """Bars in a row, rising: the body must rest on the two ends of what was asked for."""
+    """Bars in a row, rising: the body must rest on the two ends of the built body."""
     make = box if kind == "box" else hull_box
     shapes = tuple(
         replace(s, X_AS=pose(None, (0.02 * i, 0.0, 0.0)) @ s.X_AS)

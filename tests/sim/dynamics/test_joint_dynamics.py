@@ -48,7 +48,10 @@ def test_a_planar_chain_is_the_recursion(seed):
     np.testing.assert_allclose(rates, expected, rtol=1e-8, atol=1e-9)
     largest = np.abs(rng.normal(size=(5, 3)))
     np.testing.assert_allclose(
-        planar.with_dry_friction(rates, largest, damping, h), general.with_dry_friction(rates, largest, damping, h), rtol=1e-7, atol=1e-9
+        planar.with_dry_friction(rates, largest, damping, h),
+        general.with_dry_friction(rates, largest, damping, h),
+        rtol=1e-7,
+        atol=1e-9,
     )
 
 

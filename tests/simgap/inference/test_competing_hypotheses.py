@@ -11,12 +11,12 @@ from schemas.gap import Gain, Place
 from schemas.model import FloatArray
 from sim.effects.library import effect
 from simgap.inference.agreement import agree
-from simgap.inference.candidate_fit import ALPHA, Screening, CandidateFit, ranked_screening, candidate_fit_on
-from simgap.inference.competing_hypotheses import as_good_with_confusable, is_beaten, alternatives, replacement
+from simgap.inference.candidate_fit import ALPHA, CandidateFit, Screening, candidate_fit_on, ranked_screening
+from simgap.inference.competing_hypotheses import alternatives, as_good_with_confusable, is_beaten, replacement
 from simgap.inference.fit import Errors, Fit, extend, fit
 from simgap.inference.forward_selection import Accepted, Selection, _confirmed  # pyright: ignore[reportPrivateUsage]
-from simgap.inference.intervals import symmetric, differs_from_none, distance_to_alternatives, wider
-from simgap.inference.losses import Comparison, paired_p_where_affected, paired_p
+from simgap.inference.intervals import differs_from_none, distance_to_alternatives, symmetric, wider
+from simgap.inference.losses import Comparison, paired_p, paired_p_where_affected
 from simgap.inference.parametric_bootstrap import MethodBias
 from simgap.inference.verdict import judge
 from simgap.problem import Candidate, DirectEstimate, Model, Term
@@ -51,10 +51,10 @@ def _errors(columns: dict[str, FloatArray], truth: dict[str, float]) -> Errors:
     noise = np.random.default_rng(5).normal(0.0, 1.0, (TRIALS, ROWS))
 
     def errors(model: Model) -> list[FloatArray]:
-        made = noise - sum(share * columns[key] for key, share in truth.items())
+        predicted = noise - sum(share * columns[key] for key, share in truth.items())
         for term in model:
-            made = made + next(iter(term.values.values())) * columns[term.candidate.key]
-        return list(made)
+            predicted = predicted + next(iter(term.values.values())) * columns[term.candidate.key]
+        return list(predicted)
 
     return errors
 
@@ -186,7 +186,7 @@ def test_two_causes_that_stand_for_two_others_are_doubles_together():
     assert found.candidate.key == cause["spring"].key
 
 
-def _four_trials_meet(told: float) -> Screening:
+def _four_trials_meet(estimate: float) -> Screening:
     """A threshold that four trials of twelve meet, among others; directly it leaves so much, each of the others 10."""
 
     def said(left: float) -> DirectEstimate:
@@ -199,7 +199,7 @@ def _four_trials_meet(told: float) -> Screening:
     errors = _errors(columns, {COULOMB.key: 2.0})
     null = fit(errors, ())
     affected_trials = replace(COULOMB, extra_starts=({"torque_Nm": 1.0},))
-    met_trial = candidate_fit_on(null, extend(errors, null, affected_trials, [affected_trials.start]), said(told))
+    met_trial = candidate_fit_on(null, extend(errors, null, affected_trials, [affected_trials.start]), said(estimate))
     other = candidate_fit_on(null, extend(errors, null, VISCOUS, [VISCOUS.start]), said(10.0))
     crowd = [replace(other, candidate=replace(VISCOUS, where=Place(joint=f"axis{k}"))) for k in range(20)]
     return ranked_screening([*crowd, met_trial])

@@ -11,8 +11,8 @@ from schemas.gap import Gain, Place
 from schemas.measurement import MeasurementSpec
 from schemas.model import FloatArray
 from sim.effects.library import effect
-from simgap.inference.candidate_fit import CandidateFit, ranked_screening, candidate_fit_on, warm_start_without
-from simgap.inference.fit import Errors, resampling_units, extend, fit
+from simgap.inference.candidate_fit import CandidateFit, candidate_fit_on, ranked_screening, warm_start_without
+from simgap.inference.fit import Errors, extend, fit, resampling_units
 from simgap.inference.forward_selection import Accepted, _tested_again  # pyright: ignore[reportPrivateUsage]
 from simgap.inference.losses import compare
 from simgap.inference.parametric_bootstrap import MethodBias
@@ -41,10 +41,10 @@ class _Columns:
         self.shared = shared
 
     def errors(self, model: Model) -> list[FloatArray]:
-        made = self.noise - 2.0 * self.shared
+        predicted = self.noise - 2.0 * self.shared
         for term in model:
-            made = made + term.values["torque_Nm"] * self.traces.get(term.candidate.key, 0.0)
-        return list(made)
+            predicted = predicted + term.values["torque_Nm"] * self.traces.get(term.candidate.key, 0.0)
+        return list(predicted)
 
     def direct(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate | None:
         return None
@@ -60,10 +60,10 @@ def _search(count: int, alike: float) -> tuple[SearchState, Accepted, list[Candi
     tried = [candidate_fit_on(null, extend(errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(count)]
     this = ranked_screening(tried)
     first, *others = this.fits
-    found = Accepted(first, this, this.p_adjusted[0], tuple(others), MethodBias())
+    accepted = Accepted(first, this, this.p_adjusted[0], tuple(others), MethodBias())
     trials = Trials(tuple(f"t{k}" for k in range(TRIALS)), ())
     here = SearchState(columns, trials, "short_horizon", np.ones(1), errors, first.fit)  # pyright: ignore[reportArgumentType]
-    return here, found, others
+    return here, accepted, others
 
 
 def test_rivals_that_there_is_no_time_to_ask_stay():
@@ -99,7 +99,9 @@ def test_a_trial_of_one_row_is_one_cluster():
 def test_a_direct_estimate_without_another_singles_nothing_out():
     columns = _Columns(2, alike=0.0)
     null = fit(columns.errors, ())
-    affected_trials, other = (candidate_fit_on(null, extend(columns.errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(2))
+    affected_trials, other = (
+        candidate_fit_on(null, extend(columns.errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(2)
+    )
     said = DirectEstimate({}, {}, 0.01, TRIALS, np.full(TRIALS, 0.1))
     affected_trials = replace(
         affected_trials,
@@ -108,7 +110,9 @@ def test_a_direct_estimate_without_another_singles_nothing_out():
         comparison=replace(affected_trials.comparison, p_value=0.03),
     )
     combined_p_value = replace(other, comparison=replace(other.comparison, p_value=0.5))
-    crowd = [replace(combined_p_value, candidate=replace(other.candidate, where=Place(joint=f"x{k}"))) for k in range(20)]
+    crowd = [
+        replace(combined_p_value, candidate=replace(other.candidate, where=Place(joint=f"x{k}"))) for k in range(20)
+    ]
     this = ranked_screening([affected_trials, *crowd])
     assert this.p_adjusted[this.fits.index(affected_trials)] > 0.05
 

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from simgap.inference.fit import extend, fit, promising_starts
-from simgap.inference.robust_least_squares import Prior, minimise, half_widths, leave_one_out_losses, mean_loss
+from simgap.inference.robust_least_squares import Prior, half_widths, leave_one_out_losses, mean_loss, minimise
 from tests.suites.gap.mechanism_cases import mechanism_case
 
 TRIALS, ROWS = 8, 30
@@ -51,7 +51,9 @@ def test_the_box_holds_and_the_other_parameter_makes_up():
 
 def test_left_out_losses_are_those_of_refits_without_the_trial():
     A, y = _linear(3)
-    predicted = leave_one_out_losses(minimise(lambda x: [a @ x - b for a, b in zip(A, y, strict=True)], np.array([0.5, 0.5])))
+    predicted = leave_one_out_losses(
+        minimise(lambda x: [a @ x - b for a, b in zip(A, y, strict=True)], np.array([0.5, 0.5]))
+    )
     for k in range(TRIALS):
         others = [i for i in range(TRIALS) if i != k]
         refit = minimise(lambda x, o=others: [A[i] @ x - y[i] for i in o], np.array([0.5, 0.5]))
@@ -119,9 +121,9 @@ def test_a_wave_is_found_at_any_pitch_and_phase():
 
     def errors(model):
         waves = [t.values for t in model]
-        made = sum(v["torque_Nm"] * np.sin(v["count_per_rad"] * q - v["phase_rad"]) for v in waves)
+        wave = sum(v["torque_Nm"] * np.sin(v["count_per_rad"] * q - v["phase_rad"]) for v in waves)
         hidden = strength * np.sin(211.0 * reach * q - 2.5)
-        return [5.0 * (made - hidden) / strength]
+        return [5.0 * (wave - hidden) / strength]
 
     base = fit(errors, ())
     best = promising_starts(errors, base, detent)[2]

@@ -86,14 +86,14 @@ def pushes(truth: Truth, seed: int, n: int = 30) -> tuple[Push, ...]:
     origin = tip0 + move - np.einsum("nij,nj->ni", R, at)
     force = np.stack(forces, axis=1)
     t = np.linspace(0.0, 2.0, STEPS + 1)
-    made = []
+    all_pushes = []
     for k in range(n):
         poses = [
             (np.array([*(p + NOISE_M * rng.normal(size=2)), 0.01]), quat(a + NOISE_RAD * rng.normal()))
             for p, a in ((origin0[k], yaw0[k]), (origin[k], yaw[k]))
         ]
         path = tip0[k] + np.outer(t / t[-1], move[k])
-        made.append(
+        all_pushes.append(
             Push(
                 id=f"p{k}",
                 before_p=poses[0][0],
@@ -107,21 +107,21 @@ def pushes(truth: Truth, seed: int, n: int = 30) -> tuple[Push, ...]:
                 force=force[k] + NOISE_N * rng.normal(size=(STEPS, 2)),
             )
         )
-    return tuple(made)
+    return tuple(all_pushes)
 
 
 def quat(yaw: float) -> np.ndarray:
     return np.array([np.cos(yaw / 2.0), 0.0, 0.0, np.sin(yaw / 2.0)])
 
 
-def problem_of(made: tuple[Push, ...], tmp_path) -> PushProblem:
+def problem_of(pushes: tuple[Push, ...], tmp_path) -> PushProblem:
     subject = {
         "box": {"size_m": [*SIZE_M, 0.02]},
         "mass_kg": MASS_KG,
         "contact": {"friction": MU, "restitution": 0.0},
     }
     spec = MeasurementSpec.model_validate({"schema_version": 1, "name": "block", "kind": "push", "subject": subject})
-    return PushProblem(Measurement(spec, (), tmp_path, "", pushes=made))
+    return PushProblem(Measurement(spec, (), tmp_path, "", pushes=pushes))
 
 
 def verdict_of(problem: PushProblem):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from simgap.inference.fit import Fit, fit, rollout_errors, robust_scale
+from simgap.inference.fit import Fit, fit, robust_scale, rollout_errors
 from simgap.inference.losses import paired_p, trial_losses
 from simgap.problem import Problem, with_initial_states_at
 

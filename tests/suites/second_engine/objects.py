@@ -13,7 +13,7 @@ from assetkit.batch.item_cells import ENVIRONMENT
 from assetkit.options import Options
 from assetkit.pipeline import process_source
 from assetkit.sources.discover import SourceAsset
-from cli.assets.app import PRELOAD
+from assetkit.batch.item_cells import PRELOAD
 from jobs.warm import warm_cells
 from sim.bullet.simulator import BulletSimulator
 

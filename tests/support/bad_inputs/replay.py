@@ -69,8 +69,8 @@ SAMPLES: dict[str, Writer] = {
     "replay/unsupported-model": model('type="slide"', 'type="ball"'),
 }
 NOT_FROM_A_RECORDING: dict[str, str] = {
-    "replay/state-size": "tests/replay/recording/test_read.py",
-    "replay/uncovered-link": "tests/replay/recording/test_read.py",
+    "replay/state-size": "tests/replay/recording/formats/test_read.py",
+    "replay/uncovered-link": "tests/replay/recording/formats/test_read.py",
     "replay/no-support": "tests/replay/envelope/test_envelope.py",
     "replay/no-candidates": "tests/cli/replay/test_augment.py",
     "replay/no-room": "tests/cli/replay/test_augment.py",

@@ -70,8 +70,8 @@ def _answer(file: Path) -> None:
 
     plan = load(file)
     sampler = TorchSampler(plan)
-    drawn = sampler.sample(COUNT, SEED, start=START)
-    arrays = {f.name: getattr(drawn, f.name) for f in fields(drawn) if f.name not in ("seed", "start", "names")}
+    samples = sampler.sample(COUNT, SEED, start=START)
+    arrays = {f.name: getattr(samples, f.name) for f in fields(samples) if f.name not in ("seed", "start", "names")}
 
     bodies = slots(plan)
     assets = tuple(f"{thing}_as_{asset}" for thing, asset in bodies)

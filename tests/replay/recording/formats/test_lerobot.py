@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from replay.recording.formats.read import read_episodes
 from replay.recording.formats.write import write_variant
-from replay.recording.read import read_episodes
 from replay.verification.check_output import check_output
-from tests.replay.recording.test_from_description import described, empty_variant
+from tests.replay.recording.description.test_from_description import described, empty_variant
 from tests.support.lerobot_library import FPS, VERSIONS, Library
 from tests.support.replay_samples import columns
 

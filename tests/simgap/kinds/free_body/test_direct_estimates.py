@@ -46,9 +46,9 @@ def _told(name: str, tosses: list[Toss]) -> DirectEstimate | None:
 
 
 def _said(name: str, tosses: list[Toss]) -> DirectEstimate:
-    found = _told(name, tosses)
-    assert found is not None
-    return found
+    estimate = _told(name, tosses)
+    assert estimate is not None
+    return estimate
 
 
 def _flight(acceleration, com=(0.0, 0.0, 0.0), drag: float = 0.0):
@@ -216,7 +216,7 @@ def test_what_was_not_seen_is_not_estimated():
 @pytest.mark.parametrize("freedom", [3, 30], ids=["some tosses far off", "nearly normal"])
 def test_pooled_errors_are_those_of_repeated_experiments(freedom: int) -> None:
     """Estimates over their standard errors scatter by one (24 tosses, 400 experiments)."""
-    rng, told = np.random.default_rng(3), []
+    rng, deviations = np.random.default_rng(3), []
     for _ in range(400):
         sizes, values = rng.uniform(0.5, 2.0, 24), rng.standard_t(freedom, 24)
         sets = iter(
@@ -224,6 +224,6 @@ def test_pooled_errors_are_those_of_repeated_experiments(freedom: int) -> None:
         )
         found = pooled(lambda _, sets=sets: next(sets), [None] * 24)  # pyright: ignore[reportArgumentType]
         assert found is not None
-        told.append(float(found[0][0] / found[1][0]))
-    assert np.std(told) == pytest.approx(1.0, abs=0.15)
-    assert abs(np.mean(told)) < 0.15
+        deviations.append(float(found[0][0] / found[1][0]))
+    assert np.std(deviations) == pytest.approx(1.0, abs=0.15)
+    assert abs(np.mean(deviations)) < 0.15

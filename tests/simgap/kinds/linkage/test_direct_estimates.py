@@ -85,11 +85,13 @@ def told(
     with BulletLinkageRollout() as engine:
         mover = LinkageSimulator(believed or hinge(), engine)
         applied, routes = mover.apply(()), routes_to(candidate)
-        plain = [[mover.toss(applied, simulated_motion(mover, applied, s, finer)) for s in series] for finer in (1.0, 4.0)]
+        plain = [
+            [mover.toss(applied, simulated_motion(mover, applied, s, finer)) for s in series] for finer in (1.0, 4.0)
+        ]
     biases = biases_of(candidate, plain, routes)
-    found = estimate(candidate, [mover.toss(applied, s) for s in series], biases, routes)
-    assert found is not None
-    return found
+    result = estimate(candidate, [mover.toss(applied, s) for s in series], biases, routes)
+    assert result is not None
+    return result
 
 
 LINK, JOINT = Place(body="link_2"), Place(joint="elbow")

@@ -113,8 +113,8 @@ def test_a_blow_from_an_uncertain_start_is_put_right_by_beginning_elsewhere():
     level = problem.noise_floor(problem.trial_ids, "long_horizon")
 
     def rms(seen: Problem) -> np.ndarray:
-        found = seen.residuals(true, problem.trial_ids, "long_horizon")
-        return np.array([np.sqrt(((r / level) ** 2).mean()) for r in found])
+        residuals = seen.residuals(true, problem.trial_ids, "long_horizon")
+        return np.array([np.sqrt(((r / level) ** 2).mean()) for r in residuals])
 
     blind, seeing = rms(with_initial_states_at(problem, ())), rms(with_initial_states_at(problem, true))
     assert (blind > 5.0).sum() >= 3

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from schemas.measurement import MeasurementSpec
 from sim.dynamics.mechanism import rollout
 from simgap.kinds.mechanism.apply_model import apply_terms
-from simgap.kinds.mechanism.input_timing import possible_timings, even_stamps, with_timing
+from simgap.kinds.mechanism.input_timing import even_stamps, possible_timings, with_timing
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.kinds.mechanism.windows import cut, windows_of
 from simgap.problem import with_initial_states_at

@@ -1,4 +1,4 @@
-"""A URDF as links of a robot: wiki.ros.org/urdf/XML. Every link is kept; mimic joints follow the joint they name."""
+"""Read a URDF as the links of a robot (m, rad): wiki.ros.org/urdf/XML. Every link is kept; mimic joints too."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 from geom.pose import apply, pose
 from replay.recording.episode import JointKind, Link
 from replay.recording.mjcf.text import numbers, parse_xml
-from replay.recording.recorded_numbers import stop
-from replay.recording.shapes import found_mesh, hull, mesh_points
+from replay.recording.recorded_numbers import invalid_recording
+from replay.recording.shapes import hull, locate_mesh, mesh_points
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
@@ -40,17 +40,17 @@ def read_urdf(
 ) -> RobotModel:
     """The robot of a file; its meshes from its folder, else from `meshes`.
 
-    A mimic joint of which `measured` says that it was recorded itself follows its record: many engines and grippers do
-    not keep the fingers as equal as the file says. Raises InvalidInput.
+    A mimic joint that was recorded itself (`measured`) follows its record: many engines and grippers do not keep the
+    fingers as equal as the file states. Raises InvalidInput.
     """
     robot, file = parse_xml(path, root), path.name
     if robot.tag != "robot":
-        raise stop("replay/invalid-value", f"the root element is <{robot.tag}>, not <robot>", file)
+        raise invalid_recording("replay/invalid-value", f"the root element is <{robot.tag}>, not <robot>", file)
     joints = {j.get("name", ""): j for j in robot.findall("joint")}
     for name, joint in joints.items():
         if joint.get("type") not in _KINDS:
             message = f"joint '{name}' is of type '{joint.get('type')}': not read"
-            raise stop("replay/unsupported-model", message, file, joint.sourceline)
+            raise invalid_recording("replay/unsupported-model", message, file, joint.sourceline)
     movable = [name for name, joint in joints.items() if _KINDS[joint.get("type")] != "fixed"]
     driven = [name for name in movable if joints[name].find("mimic") is None or measured(name)]
     order = _order(robot, joints, file)
@@ -96,7 +96,7 @@ def _order(robot: Any, joints: dict[str, Any], file: str) -> list[tuple[str, str
             break
     if len(roots) != 1 or sorted(link for link, _ in order) != sorted(names):
         message = f"the links are no tree: {len(roots)} roots, {len(joints)} joints, {len(names)} links"
-        raise stop("replay/invalid-value", message, file)
+        raise invalid_recording("replay/invalid-value", message, file)
     return order
 
 
@@ -117,7 +117,7 @@ def _drive(name: str, joints: dict[str, Any], driven: list[str], file: str) -> t
         gain *= numbers(a, "multiplier", 1, (1.0,), file)[0]
         name = a.get("joint", "")
     if name not in driven:
-        raise stop("replay/invalid-value", f"a mimic joint follows '{name}', which drives nothing", file)
+        raise invalid_recording("replay/invalid-value", f"a mimic joint follows '{name}', which drives nothing", file)
     return driven.index(name), gain, offset
 
 
@@ -127,7 +127,9 @@ def _axis(joint: Any, file: str) -> FloatArray:
     element = joint.find("axis")
     axis = np.array(numbers(dict(element.attrib), "xyz", 3, None, file) if element is not None else (1.0, 0.0, 0.0))
     if not np.linalg.norm(axis) > 1e-12:
-        raise stop("replay/invalid-value", f"joint '{joint.get('name')}' has no axis", file, joint.sourceline)
+        raise invalid_recording(
+            "replay/invalid-value", f"joint '{joint.get('name')}' has no axis", file, joint.sourceline
+        )
     return axis / np.linalg.norm(axis)
 
 
@@ -160,8 +162,10 @@ def _shape(element: Any, link: str, folder: Path, meshes: Path | None, file: str
         size = (*_sizes(a, "radius", 1, link, file), *_sizes(a, "length", 1, link, file))
         return CollisionShape(kind.tag, size, X)
     if kind.tag != "mesh":
-        raise stop("replay/unsupported-model", f"<{kind.tag}> of link '{link}' is not read", file, kind.sourceline)
-    path = found_mesh(a.get("filename", ""), folder, meshes, file)
+        raise invalid_recording(
+            "replay/unsupported-model", f"<{kind.tag}> of link '{link}' is not read", file, kind.sourceline
+        )
+    path = locate_mesh(a.get("filename", ""), folder, meshes, file)
     return hull(apply(X, mesh_points(path, numbers(a, "scale", 3, (1.0, 1.0, 1.0), file), file)), link, file)
 
 
@@ -169,5 +173,5 @@ def _sizes(a: dict[str, str], name: str, count: int, link: str, file: str) -> tu
     """Positive numbers. Raises InvalidInput."""
     sizes = numbers(a, name, count, None, file)
     if min(sizes) <= 0.0:
-        raise stop("replay/invalid-value", f"a shape of link '{link}' has {name}='{a[name]}'", file)
+        raise invalid_recording("replay/invalid-value", f"a shape of link '{link}' has {name}='{a[name]}'", file)
     return sizes

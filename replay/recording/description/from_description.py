@@ -1,4 +1,4 @@
-"""Streams by name and a description of what they belong to, as an episode. All table formats end here.
+"""Build an episode from streams by name and a description of their bodies. All table formats end here.
 
 Streams: `q.<joint>` or `q.<robot>.<joint>`, `qd...` likewise; `base.<robot>`, `obj.<object>`, `cam.<camera>` with
 `.px .py .pz .qw .qx .qy .qz` behind.
@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from geom.pose import apply, pose_from_quat
+from replay.recording.description.urdf import read_urdf
 from replay.recording.episode import Camera, Episode, Fixture, FreeBody, Robot
 from replay.recording.files.archives import read_arrays
 from replay.recording.files.tables import Columns, column_poses
@@ -20,9 +21,8 @@ from replay.recording.kinematics import link_poses
 from replay.recording.mjcf.episode_parts import episode_parts, trees
 from replay.recording.mjcf.meshes import MeshFiles
 from replay.recording.mjcf.read import read_mjcf
-from replay.recording.recorded_numbers import Recorded, checked_numbers, checked_stamps, stop
-from replay.recording.shapes import found_mesh, hull, mesh_points
-from replay.recording.urdf import read_urdf
+from replay.recording.recorded_numbers import RecordedStates, checked_numbers, checked_stamps, invalid_recording
+from replay.recording.shapes import hull, locate_mesh, mesh_points
 from schemas.episode import EpisodeDescription, MeshShape, Posed, RobotEntry, RoundShape, Shape, SphereShape
 from schemas.model import FloatArray
 from schemas.physics import CollisionShape
@@ -33,15 +33,15 @@ def read_description(path: Path) -> EpisodeDescription:
     try:
         return EpisodeDescription.model_validate_json(path.read_bytes())
     except FileNotFoundError:
-        raise stop("replay/missing-file", f"'{path.name}' is absent", path.name) from None
+        raise invalid_recording("replay/missing-file", f"'{path.name}' is absent", path.name) from None
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
-        raise stop("replay/invalid-value", f"{where}: {first['msg']}", path.name) from None
+        raise invalid_recording("replay/invalid-value", f"{where}: {first['msg']}", path.name) from None
 
 
-class Described:
-    """A description, the folder its paths count from, and one recording's streams."""
+class DescribedRecording:
+    """A description, the folder of its relative paths, and the streams of one recording."""
 
     def __init__(
         self, description: EpisodeDescription, folder: Path, columns: Columns, file: str, meshes: Path | None = None
@@ -49,11 +49,13 @@ class Described:
         self.description, self.folder, self.file, self.meshes = description, folder, file, meshes
         self.columns = columns
         if "t" not in columns:
-            raise stop("replay/missing-column", "no column 't'", file)
+            raise invalid_recording("replay/missing-column", "no column 't'", file)
         self.t_s = checked_stamps(columns["t"], file)
         for name, values in columns.items():
             if len(values) != len(self.t_s):
-                raise stop("replay/state-size", f"{len(values)} values of '{name}' for {len(self.t_s)} stamps", file)
+                raise invalid_recording(
+                    "replay/state-size", f"{len(values)} values of '{name}' for {len(self.t_s)} stamps", file
+                )
 
     def episode(self, name: str, source: Path, part: str = "") -> Episode:
         """The episode. Raises InvalidInput."""
@@ -104,7 +106,7 @@ class Described:
             return recorded
         if joint not in entry.positions:
             message = f"joint '{joint}' of '{entry.name}' was not recorded and has no fixed position"
-            raise stop("replay/missing-column", message, self.file)
+            raise invalid_recording("replay/missing-column", message, self.file)
         return np.full(len(self.t_s), entry.positions[joint])
 
     def _rate(self, entry: RobotEntry, joint: str) -> FloatArray | None:
@@ -116,11 +118,13 @@ class Described:
         model = read_mjcf(path, self.folder)
         moving = [t for t in trees(model) if any(j.kind != "free" for b in t for j in model.bodies[b].joints)]
         if len(moving) != 1:
-            raise stop("replay/invalid-value", f"{len(moving)} trees with joints in '{path.name}', not one", path.name)
+            raise invalid_recording(
+                "replay/invalid-value", f"{len(moving)} trees with joints in '{path.name}', not one", path.name
+            )
         joints = [j.name for b in moving[0] for j in model.bodies[b].joints if j.kind != "free"]
         rates = {joint: rate for joint in joints if (rate := self._rate(entry, joint)) is not None}
         root = model.bodies[moving[0][0]]
-        recorded = Recorded(self.t_s, {j: self._position(entry, j) for j in joints}, rates, {root.name: X_WR})
+        recorded = RecordedStates(self.t_s, {j: self._position(entry, j) for j in joints}, rates, {root.name: X_WR})
         robots, _, _ = episode_parts(model, recorded, MeshFiles(model, path.parent, self.meshes).points)
         free = any(joint.kind == "free" for joint in root.joints)
         return replace(robots[0], name=entry.name, X_WR=X_WR if free else X_WR @ root.X_PB)
@@ -137,16 +141,18 @@ class Described:
 
     def _points(self, shape: MeshShape) -> FloatArray:
         if not shape.key:
-            return mesh_points(found_mesh(shape.file, self.folder, self.meshes, self.file), shape.scale, self.file)
+            return mesh_points(locate_mesh(shape.file, self.folder, self.meshes, self.file), shape.scale, self.file)
         path = self.folder / shape.file
         if not path.resolve().is_relative_to(self.folder.resolve()):
-            raise stop("replay/path-escape", f"'{shape.file}' lies outside the folder", self.file)
+            raise invalid_recording("replay/path-escape", f"'{shape.file}' lies outside the folder", self.file)
         found = read_arrays(path, lambda key: key == shape.key) if path.is_file() else {}
         if shape.key not in found:
-            raise stop("replay/missing-mesh", f"no '{shape.key}' in '{shape.file}'", self.file)
+            raise invalid_recording("replay/missing-mesh", f"no '{shape.key}' in '{shape.file}'", self.file)
         points = checked_numbers(found[shape.key], shape.key, shape.file)
         if points.ndim != 2 or points.shape[1] != 3:
-            raise stop("replay/bad-mesh", f"'{shape.key}' of '{shape.file}' is {points.shape}, not (n, 3)", self.file)
+            raise invalid_recording(
+                "replay/bad-mesh", f"'{shape.key}' of '{shape.file}' is {points.shape}, not (n, 3)", self.file
+            )
         return points * shape.scale
 
     def _cameras(self, robots: tuple[Robot, ...]) -> tuple[Camera, ...]:
@@ -167,7 +173,7 @@ class Described:
             names = [one.name for one in robot.links]
             if name in ("", robot.name) and link in names:
                 return link_poses(robot, robot.q, robot.X_WR)[:, names.index(link)]
-        raise stop(
+        raise invalid_recording(
             "replay/invalid-value", f"a camera hangs on link '{link}' of '{name}', which is not there", self.file
         )
 
@@ -176,21 +182,23 @@ def _pose(posed: Posed, file: str) -> FloatArray:
     try:
         return pose_from_quat(np.array(posed.quat_wxyz), posed.position_m)
     except ValueError:
-        raise stop("replay/invalid-value", "a quaternion of zeros is no orientation", file) from None
+        raise invalid_recording("replay/invalid-value", "a quaternion of zeros is no orientation", file) from None
 
 
-def renamed(columns: Columns, names: dict[str, str], file: str) -> Columns:
+def rename_columns(columns: Columns, names: dict[str, str], file: str) -> Columns:
     """The columns, and under each new name the column `name` or entry `name[k]` of a vector. Raises InvalidInput."""
     out = dict(columns)
     for new, old in names.items():
         name, _, index = old.partition("[")
         if name not in columns:
-            raise stop("replay/missing-column", f"no column '{name}' for '{new}'", file)
+            raise invalid_recording("replay/missing-column", f"no column '{name}' for '{new}'", file)
         values = columns[name]
         if index:
             number = int(index.rstrip("]")) if index.rstrip("]").isdigit() else -1
             if values.ndim != 2 or not 0 <= number < values.shape[1]:
-                raise stop("replay/missing-column", f"'{old}' for '{new}': the column is {values.shape}", file)
+                raise invalid_recording(
+                    "replay/missing-column", f"'{old}' for '{new}': the column is {values.shape}", file
+                )
             values = values[:, number]
         out[new] = values
     return out

@@ -1,4 +1,4 @@
-"""Recorded link poses against forward kinematics: is the model that was read the one that moved?"""
+"""Compare recorded link poses with forward kinematics: largest distance (m) and angle (deg) by link."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ def check_links(episode: Episode) -> tuple[LinkError, ...]:
             for name in (f"{robot.name}.{link.name}", link.name):
                 if f"{name}.px" in columns:
                     recorded = column_poses(columns, name, file.name)
-                    rows.append(LinkError(link=name, **_apart(recorded, X_WL[:, number])))
+                    rows.append(LinkError(link=name, **_largest_errors(recorded, X_WL[:, number])))
                     break
     return tuple(rows)
 
 
-def _apart(X: FloatArray, Y: FloatArray) -> dict[str, float]:
+def _largest_errors(X: FloatArray, Y: FloatArray) -> dict[str, float]:
     """Largest distance (m) and angle (deg) between poses (n, 4, 4), row by row."""
     chord = np.linalg.norm(X[:, :3, :3] - Y[:, :3, :3], axis=(1, 2)) / np.sqrt(8.0)  # |A - B| = sqrt 8 sin(angle / 2)
     angle = 2.0 * np.arcsin(np.minimum(chord, 1.0))

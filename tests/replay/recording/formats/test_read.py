@@ -11,13 +11,13 @@ import pytest
 
 from replay.recording.files import archives, hdf5
 from replay.recording.formats.digests import stream_digests
+from replay.recording.formats.read import read_episode, read_episodes
 from replay.recording.kinematics import link_poses
-from replay.recording.link_check import check_links
 from replay.recording.mjcf.episode_parts import episode_parts
 from replay.recording.mjcf.read import read_mjcf
-from replay.recording.read import read_episode, read_episodes
-from replay.recording.recorded_numbers import Recorded
+from replay.recording.recorded_numbers import RecordedStates
 from replay.run import recordings_below
+from replay.verification.link_check import check_links
 from schemas.diagnostics import InvalidInput
 from tests.support import replay_samples
 
@@ -62,7 +62,7 @@ def test_kinematics_of_a_model_are_those_of_mujoco(tmp_path: Path, angle: str, o
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = data.body("cart").xmat.reshape(3, 3), data.body("cart").xpos
     q = {f"j{k}": data.joint(f"j{k}").qpos.copy() for k in range(5)}
-    recorded = Recorded(np.zeros(1), q, {}, {"cart": X[None]})
+    recorded = RecordedStates(np.zeros(1), q, {}, {"cart": X[None]})
     robots, objects, _ = episode_parts(read_mjcf(tmp_path / "odd.xml", tmp_path), recorded, lambda *_: np.zeros((0, 3)))
     assert [r.name for r in robots] == ["base", "cart"]
     assert not objects
@@ -93,8 +93,8 @@ def test_a_staged_folder_is_read_as_it_moved(tmp_path: Path):
 def test_cameras_that_moved_need_a_pose_for_every_sample(tmp_path: Path):
     folder = replay_samples.staged(tmp_path)
     short = replay_samples.columns(8)
-    renamed = {k.replace("obj.cube", "front"): v for k, v in short.items() if k.startswith("obj.")}
-    replay_samples.write(folder / "camera_moving.parquet", renamed)
+    rename_columns = {k.replace("obj.cube", "front"): v for k, v in short.items() if k.startswith("obj.")}
+    replay_samples.write(folder / "camera_moving.parquet", rename_columns)
     with pytest.raises(InvalidInput) as refused:
         read_episode(folder)
     assert refused.value.diagnostic.code == "replay/state-size"

@@ -1,4 +1,4 @@
-"""Recordings of every format as episodes."""
+"""Read recordings of every format as episodes; the format is recognised by the layout of file or folder."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from replay.recording.formats.lerobot import is_lerobot, read_lerobot
 from replay.recording.formats.maniskill import is_maniskill, read_maniskill
 from replay.recording.formats.robomimic import is_robomimic, read_robomimic
 from replay.recording.formats.staged_folder import is_staged_folder, read_staged_folder
-from replay.recording.recorded_numbers import stop
+from replay.recording.recorded_numbers import invalid_recording
 from schemas.diagnostics import InvalidInput
 
 
@@ -27,10 +27,10 @@ def read_episodes(path: Path, meshes: Path | None = None, scene: Path | None = N
     """All episodes of a file or folder, in its order.
 
     `meshes` is where mesh files that a model names are looked for, `scene` the `episode.json` of a recording that does
-    not say itself what moved (LeRobot, ManiSkill). Raises InvalidInput.
+    not state itself what moved (LeRobot, ManiSkill). Raises InvalidInput.
     """
     if not path.exists():
-        raise stop("replay/missing-file", f"'{path.name}' is absent", path.name)
+        raise invalid_recording("replay/missing-file", f"'{path.name}' is absent", path.name)
     if is_lerobot(path):
         return read_lerobot(path, scene, meshes)
     if is_table(path) and (scene or is_episode_folder(path) or not is_staged_folder(path)):
@@ -41,7 +41,9 @@ def read_episodes(path: Path, meshes: Path | None = None, scene: Path | None = N
         return read_robomimic(path, meshes)
     if is_maniskill(path):
         return read_maniskill(path, scene, meshes)
-    raise stop("replay/unknown-format", f"'{path.name}' is no recording in a format that Mana reads", path.name)
+    raise invalid_recording(
+        "replay/unknown-format", f"'{path.name}' is no recording in a format that Mana reads", path.name
+    )
 
 
 def read_episode(path: Path, meshes: Path | None = None, scene: Path | None = None) -> Episode:

@@ -9,11 +9,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from replay.recording.formats.read import read_episode, read_episodes
 from replay.recording.formats.write import write_variant
 from replay.recording.kinematics import link_poses
-from replay.recording.link_check import check_links
-from replay.recording.read import read_episode, read_episodes
 from replay.verification.check_output import check_output
+from replay.verification.link_check import check_links
 from schemas.diagnostics import InvalidInput
 from schemas.replay import Variant
 from tests.support import bullet_recordings
