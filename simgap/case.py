@@ -52,11 +52,11 @@ class ReplayEngine(Protocol):
         """Rolls out windows of a mechanism, as `sim.dynamics.mechanism.rollout` does."""
         ...
 
-    def body_replay(self, step_s: float) -> BodyRollout:
+    def body_rollout(self, step_s: float) -> BodyRollout:
         """A replay of one free rigid body with steps of at most `step_s`."""
         ...
 
-    def linkage_replay(self, step_s: float) -> LinkageRollout:
+    def linkage_rollout(self, step_s: float) -> LinkageRollout:
         """A replay of a free linkage with steps of at most `step_s`."""
         ...
 
@@ -104,8 +104,8 @@ def simulator_of(measurement: Measurement, engine: str, finer: float = 1.0) -> R
     replays = replay_engine(engine)
     step_s, spec, root = replays.largest_step_s / finer, measurement.spec, measurement.root
     if measurement.joints:
-        return LinkageSimulator(build_linkage(spec, root), replays.linkage_replay(step_s))
-    return RigidBodySimulator(build_body(spec, root), replays.body_replay(step_s))
+        return LinkageSimulator(build_linkage(spec, root), replays.linkage_rollout(step_s))
+    return RigidBodySimulator(build_body(spec, root), replays.body_rollout(step_s))
 
 
 def convention_checks_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[ConventionCheck, ...]:

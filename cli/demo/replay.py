@@ -21,8 +21,8 @@ from geom.pose import apply
 from jobs.cache import write_atomically
 from replay.augmentation import prepare, variants
 from replay.envelope.envelope import Settings
-from replay.recording.formats.write import write_variant
 from replay.recording.formats.read import read_episode
+from replay.recording.formats.write import write_variant
 from replay.verification.check_output import check_output, summary
 from replay.verification.inserted_bodies import inserted_body
 from schemas.episode import EPISODE_FILE

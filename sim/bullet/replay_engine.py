@@ -14,10 +14,10 @@ class BulletReplayEngine:
     largest_step_s = LARGEST_STEP_S
     mechanism_rollout = staticmethod(mechanism.rollout)
 
-    def body_replay(self, step_s: float) -> BulletBodyRollout:
+    def body_rollout(self, step_s: float) -> BulletBodyRollout:
         """Roll-outs of one free rigid body with steps of at most `step_s`; the caller closes them."""
         return BulletBodyRollout(step_s)
 
-    def linkage_replay(self, step_s: float) -> BulletLinkageRollout:
+    def linkage_rollout(self, step_s: float) -> BulletLinkageRollout:
         """Roll-outs of a free linkage of bodies and joints with steps of at most `step_s`; the caller closes them."""
         return BulletLinkageRollout(step_s)

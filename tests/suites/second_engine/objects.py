@@ -9,11 +9,10 @@ import numpy as np
 import trimesh
 from trimesh import creation
 
-from assetkit.batch.item_cells import ENVIRONMENT
+from assetkit.batch.item_cells import ENVIRONMENT, PRELOAD
 from assetkit.options import Options
 from assetkit.pipeline import process_source
 from assetkit.sources.discover import SourceAsset
-from assetkit.batch.item_cells import PRELOAD
 from jobs.warm import warm_cells
 from sim.bullet.simulator import BulletSimulator
 

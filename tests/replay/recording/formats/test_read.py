@@ -22,7 +22,7 @@ from schemas.diagnostics import InvalidInput
 from tests.support import replay_samples
 
 TIP_SIZE_M = (0.1, 0.04, 0.04)
-STAGED = Path(__file__).parents[4] / "shared" / "data" / "episodes"
+STAGED = Path(__file__).parents[5] / "shared" / "data" / "episodes"
 
 # Every way to write a rotation, classes, frames, chains of joints in one body, anchors and references.
 ODD = """<mujoco>
