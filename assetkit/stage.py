@@ -15,6 +15,7 @@ from geom.features.cavities import Cavity
 from jobs.cache import Cache
 from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
+from schemas.arrays import FloatArray
 from schemas.asset import (
     AcceptanceSection,
     AppearanceSection,
@@ -25,7 +26,7 @@ from schemas.asset import (
 )
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, default
-from schemas.model import Axis, FloatArray, Material, Mesh, Model
+from schemas.model import Axis, Material, Mesh, Model
 from schemas.outcome import Outcome, Repair
 from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, Solid, SurfaceMaterial

@@ -11,7 +11,7 @@ from shapely import affinity
 from shapely.geometry import LineString
 from shapely.geometry.base import BaseGeometry
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 def eroded(region: BaseGeometry, outline: FloatArray) -> BaseGeometry:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from schemas.arrays import FloatArray
 
 
 def turned(points: FloatArray, yaw_rad: float) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 def to_xyzw(quat_wxyz: FloatArray) -> FloatArray:
@@ -95,7 +95,7 @@ def shortest_rotation(u: FloatArray, v: FloatArray) -> FloatArray:
 def rotation_to_z(direction: FloatArray) -> FloatArray:
     """Rotation (3, 3) that takes `direction` to z; coordinate axes go to coordinate axes, z stays as it is."""
     axis = int(np.abs(direction).argmax())
-    x = np.eye(3)[(axis + 1) % 3]
+    x: FloatArray = np.eye(3)[(axis + 1) % 3]
     x = x - (x @ direction) * direction
     x /= np.linalg.norm(x)
     return np.stack([x, np.cross(direction, x), direction])

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 FIELD_OF_VIEW_RAD = float(np.radians(26.0))  # Long lens: little perspective, as in a product photograph.
 FILL = 0.94  # Share of the picture that the box may cover; few objects reach the corners of their box.

@@ -13,7 +13,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 from geom.mesh.primitives import capsule, cube, cylinder, sphere
 from render.camera import AnnotationFrame
 from render.polydata import line_segments, triangle_soup
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 _OPACITY = 0.5

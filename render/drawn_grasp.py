@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pydantic import ConfigDict
 
 from schemas.affordances import Trial
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,8 @@ from render.studio import add_environment_light
 from render.surfaces import ShadedSurface, actor, surfaces
 from render.textures import TextureSet
 from render.window import offscreen_window
-from schemas.model import FloatArray, IntArray, Material
+from schemas.arrays import Float32Array, FloatArray, IntArray
+from schemas.model import Material
 
 RGB, DEPTH, INSTANCES = "rgb", "depth", "instances"
 MM_PER_M = 1000.0
@@ -167,7 +168,7 @@ def _label_stage(request: FramesRequest) -> _PosableScene:
     return stage
 
 
-def _label(number: int, corners: FloatArray) -> vtkActor:
+def _label(number: int, corners: Float32Array) -> vtkActor:
     """Triangles (m, 3, 3) in the flat colour that encodes their instance number."""
     mapper = vtkPolyDataMapper()
     mapper.SetInputDataObject(triangle_soup(corners, np.zeros_like(corners), {}))
@@ -178,7 +179,7 @@ def _label(number: int, corners: FloatArray) -> vtkActor:
     return result
 
 
-def _corners(body: DrawnBody) -> tuple[FloatArray, FloatArray]:
+def _corners(body: DrawnBody) -> tuple[Float32Array, Float32Array]:
     """Corners and normals (m, 3, 3) of the shapes of a body, in its frame."""
     meshes = [surface(shape) for shape in body.shapes]
     corners = np.concatenate([points[triangles] for points, triangles in meshes])

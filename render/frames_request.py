@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from pydantic import ConfigDict
 
-from schemas.model import FloatArray, Model
+from schemas.arrays import FloatArray
+from schemas.model import Model
 from schemas.physics import CollisionShape
 
 Rgb = tuple[float, float, float]

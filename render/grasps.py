@@ -11,7 +11,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 from render.camera import AnnotationFrame
 from render.drawn_grasp import DrawnGrasp
 from render.polydata import line_segments
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 # Green, red and blue of different lightness, for people with weak red-green vision.
 COLOURS = {"held": (0.05, 0.45, 0.12), "not_held": (0.85, 0.1, 0.05), "untried": (0.15, 0.3, 0.75)}

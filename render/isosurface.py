@@ -7,10 +7,10 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import AnyFloatArray, FloatArray, IntArray
 
 
-def zero_surface(field: FloatArray, origin: FloatArray, step: float) -> tuple[FloatArray, IntArray]:
+def zero_surface(field: AnyFloatArray, origin: FloatArray, step: float) -> tuple[FloatArray, IntArray]:
     """Points (n, 3) and triangles (m, 3) where `field` (x, y, z) changes sign; its first value is at `origin`."""
     grid = vtkImageData()
     grid.SetDimensions(*field.shape)

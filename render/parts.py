@@ -14,7 +14,8 @@ from render.request import RenderRequest
 from render.surfaces import actor, surfaces
 from render.textures import TextureSet
 from render.window import take_picture
-from schemas.model import IntArray, Material, Mesh, Model
+from schemas.arrays import IntArray
+from schemas.model import Material, Mesh, Model
 
 _GREY = (0.72, 0.72, 0.72)
 UNLABELLED = "unlabelled"

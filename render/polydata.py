@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkDataArray, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
-from schemas.model import FloatArray
+from schemas.arrays import AnyFloatArray, FloatArray
 
 
-def triangle_soup(points: FloatArray, normals: FloatArray, attributes: dict[str, FloatArray]) -> vtkPolyData:
+def triangle_soup(
+    points: AnyFloatArray, normals: AnyFloatArray, attributes: Mapping[str, AnyFloatArray]
+) -> vtkPolyData:
     """Polydata of m separate triangles: `points` and `normals` (m, 3, 3), `attributes` name -> (m, 3, k); all copied.
 
     Corners are not shared, so that each keeps its own normal, texture coordinates and colour.
@@ -47,5 +51,5 @@ def _cells(count: int, corners: int) -> vtkCellArray:
     return cells
 
 
-def _vtk(values: FloatArray) -> vtkDataArray:
+def _vtk(values: AnyFloatArray) -> vtkDataArray:
     return numpy_to_vtk(np.ascontiguousarray(values, dtype=np.float32), deep=True)

@@ -8,7 +8,8 @@ from pydantic import ConfigDict
 
 from render.camera import STANDARD_VIEWS, CameraView
 from render.drawn_grasp import DrawnGrasp
-from schemas.model import IntArray, Model
+from schemas.arrays import IntArray
+from schemas.model import Model
 from schemas.physics import CollisionShape
 
 

@@ -10,7 +10,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkMapper, vtkPolyDa
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderer, vtkOpenGLTexture
 
 from render.polydata import triangle_soup
-from schemas.model import FloatArray
+from schemas.arrays import AnyFloatArray, Float32Array, FloatArray
 
 BACKGROUND_SRGB = 238  # Grey value of the empty picture.
 _FLOOR_HALF = 1.6  # Half the edge of the floor that carries the shadow, in units of the largest box edge.
@@ -43,7 +43,7 @@ def add_environment_light(renderer: vtkOpenGLRenderer, tint: tuple[float, float,
     renderer.GetEnvMapLookupTable().SetLUTSamples(128)
 
 
-def environment() -> FloatArray:
+def environment() -> Float32Array:
     """(64, 128, 3) float32 linear radiance: a dome, a soft box on the left and one behind on the right.
 
     Rows are elevations from the nadir up, columns azimuths from the viewer's side to the right.
@@ -58,7 +58,7 @@ def environment() -> FloatArray:
     return np.repeat(light[..., None], 3, axis=2).astype(np.float32)
 
 
-def _near(angle_deg: FloatArray, centre_deg: float, half_width_deg: float) -> FloatArray:
+def _near(angle_deg: AnyFloatArray, centre_deg: float, half_width_deg: float) -> AnyFloatArray:
     """1 around `centre_deg`, 0 beyond 1.25 half widths, smooth between."""
     distance = np.abs((angle_deg - centre_deg + 180.0) % 360.0 - 180.0)
     t = np.clip((1.25 - distance / half_width_deg) / 0.5, 0.0, 1.0)

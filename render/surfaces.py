@@ -12,7 +12,8 @@ from render.camera import AnnotationFrame
 from render.polydata import triangle_soup
 from render.shader import TextureSlot, fragment_replacements, sampler_name, texture_uses, vertex_replacements
 from render.textures import TextureSet
-from schemas.model import FloatArray, Material, Mesh, Model, TextureUse
+from schemas.arrays import AnyFloatArray, Float32Array
+from schemas.model import Material, Mesh, Model, TextureUse
 
 _NEUTRAL = Material(name="neutral", base_color=(0.62, 0.62, 0.62), roughness=0.6)
 _COLOR = "manaColor"
@@ -28,9 +29,9 @@ class ShadedSurface:
 
     material: Material
     slots: tuple[TextureSlot, ...]
-    points: FloatArray
-    normals: FloatArray
-    attributes: dict[str, FloatArray]
+    points: Float32Array
+    normals: AnyFloatArray
+    attributes: dict[str, Float32Array]
 
 
 def surfaces(model: Model, frame: AnnotationFrame) -> tuple[ShadedSurface, ...]:
@@ -110,7 +111,7 @@ def _surface(mesh: Mesh, model: Model, frame: AnnotationFrame, textures: frozens
     material = _NEUTRAL if mesh.material is None else model.materials[mesh.material]
     points = frame.from_asset(mesh.points)[mesh.triangles].astype(np.float32)
     keep = np.isfinite(points).all(axis=(1, 2))
-    attributes: dict[str, FloatArray] = {}
+    attributes: dict[str, Float32Array] = {}
     if mesh.colors is not None:
         attributes[_COLOR] = np.nan_to_num(mesh.colors[keep])
     slots = []
@@ -126,7 +127,7 @@ def _surface(mesh: Mesh, model: Model, frame: AnnotationFrame, textures: frozens
     return ShadedSurface(material, tuple(slots), points[keep], _normals(mesh, points)[keep], attributes)
 
 
-def _normals(mesh: Mesh, points: FloatArray) -> FloatArray:
+def _normals(mesh: Mesh, points: Float32Array) -> AnyFloatArray:
     """(m, 3, 3) corner normals on the side from which each triangle is wound counter-clockwise.
 
     Corners without a valid normal (zero or not finite) take that of their face.
@@ -141,7 +142,7 @@ def _normals(mesh: Mesh, points: FloatArray) -> FloatArray:
     return np.where(usable, np.where(side < 0.0, -mesh.normals, mesh.normals), face[:, None])
 
 
-def placed_uvs(uvs: FloatArray, use: TextureUse) -> FloatArray:
+def placed_uvs(uvs: Float32Array, use: TextureUse) -> Float32Array:
     """Texture coordinates after the transform of `use`: scale, then rotate counter-clockwise, then translate."""
     scaled = uvs * np.asarray(use.uv_scale, dtype=np.float32)
     cosine, sine = np.cos(use.uv_rotation_rad), np.sin(use.uv_rotation_rad)

@@ -17,7 +17,8 @@ from render.studio import floor, studio_renderer
 from render.surfaces import ShadedSurface, actor, plain_actor, surfaces
 from render.textures import TextureSet
 from render.window import SUPERSAMPLING, offscreen_window, save_png, take_picture
-from schemas.model import FloatArray, Model
+from schemas.arrays import FloatArray
+from schemas.model import Model
 
 THUMBNAIL_PX = 256
 _FAINT = (0.55, 0.55, 0.55)

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from schemas.arrays import FloatArray, IntArray
 from schemas.scene.program import BACKGROUND
 from schemas.scene.runtime_plan import PlanCase, PlanCombination, PlanStance, RuntimePlan
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 MICRO = 1e-6
 BACKGROUND_COLUMN, ABSENT = -1, -2  # in place of the column of an owner
 AUTHORED = -1  # in place of the index of a material: as the asset is

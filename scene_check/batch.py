@@ -8,14 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import Polygon
 
 from geom.planar import turned
 from scene_check import CheckKeepOut, CheckObject, CheckPlace, CheckPrism, CheckReach, CheckRelation, CheckScene
-from scene_check.model import FloatArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
-IntArray = NDArray[np.int64]
 WORLD = -1  # the background, as number of an owner
 
 
@@ -99,7 +97,7 @@ class BatchPoses:
     origin_m: FloatArray
     yaw_rad: FloatArray
     form: IntArray
-    known: NDArray[np.bool_]
+    known: BoolArray
 
 
 def scene_at(rules: SceneRules, poses: BatchPoses, k: int) -> CheckScene:

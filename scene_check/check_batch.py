@@ -12,14 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import Polygon
 
 from scene_check import Violation, check
 from scene_check.batch import WORLD, BatchPoses, KeepOutRule, RelationRule, SceneRules, ThingRule, scene_at
-from scene_check.model import TOLERANCE_M, TURN, FloatArray
+from scene_check.model import TOLERANCE_M, TURN
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
-Flags = NDArray[np.bool_]
 # Half the tolerance of the exact judge, so that rounding cannot pass a scene that it rejects.
 SLACK_M = 0.5 * TOLERANCE_M
 
@@ -41,7 +40,7 @@ def check_batch(rules: SceneRules, poses: BatchPoses) -> Iterator[tuple[int, tup
             yield k, violations
 
 
-def unproven(rules: SceneRules, poses: BatchPoses) -> Flags:
+def unproven(rules: SceneRules, poses: BatchPoses) -> BoolArray:
     """(n,) True for the scenes that no bound proves valid."""
     n = len(poses.origin_m)
     if not rules.things:
@@ -108,7 +107,7 @@ def _in_place(
     return inside, origin[:, 2] + rule.at.origin_m[2], yaw + rule.at.yaw_rad
 
 
-def _allowed(rules: SceneRules, poses: BatchPoses, i: int, thing: ThingRule) -> Flags:
+def _allowed(rules: SceneRules, poses: BatchPoses, i: int, thing: ThingRule) -> BoolArray:
     """(n,) True where ranges, fixed poses or stances of object i are not proven to hold."""
     stance = np.array([form.stance for form in thing.forms])[poses.form[:, i]]
     if thing.fixed_poses:
@@ -128,9 +127,7 @@ def _turn(angle: FloatArray, low: float, high: float) -> FloatArray:
     return np.maximum(0.0, np.minimum(past - (high - low), TURN - past))
 
 
-def _off_fixed_poses(
-    rules: SceneRules, poses: BatchPoses, i: int, thing: ThingRule, stance: NDArray[np.int64]
-) -> Flags:
+def _off_fixed_poses(rules: SceneRules, poses: BatchPoses, i: int, thing: ThingRule, stance: IntArray) -> BoolArray:
     at, floor, turn = _in_place(rules, poses, thing.place, poses.origin_m[:, i, None, :2])
     z, yaw = poses.origin_m[:, i, 2] - floor, poses.yaw_rad[:, i] - turn
     least = np.full(len(stance), np.inf)
@@ -141,7 +138,7 @@ def _off_fixed_poses(
     return least > SLACK_M
 
 
-def _places(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, i: int) -> Flags:
+def _places(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, i: int) -> BoolArray:
     """(n,) True where object i is not proven to be supported and clear of the geometry of all its owners."""
     number = rules.things[i].place
     has_fixed_pose = bool(rules.things[i].fixed_poses)
@@ -172,7 +169,7 @@ def _places(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, i
         number, direct = rules.things[owner].place, False
 
 
-def _covered(hulls: FloatArray, polygon: Polygon) -> Flags:
+def _covered(hulls: FloatArray, polygon: Polygon) -> BoolArray:
     """(n,) True where convex hulls (n, v, 2) lie on a polygon grown by the slack."""
     if not polygon.interiors and np.isclose(polygon.convex_hull.area, polygon.area, rtol=1e-12):
         outline = _hull(np.asarray(polygon.exterior.coords))
@@ -195,7 +192,7 @@ def _gap_to(hulls: FloatArray, outline: FloatArray) -> FloatArray:
     return _beyond(hulls, outline).min(axis=1).max(axis=1)
 
 
-def _pairs(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds) -> Flags:
+def _pairs(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds) -> BoolArray:
     """(n,) True where a clearance is not proven."""
     n, count = footprints.low_m.shape
     c, s = np.cos(rules.yaw_rad), np.sin(rules.yaw_rad)
@@ -232,7 +229,7 @@ def _owners(rules: SceneRules, i: int) -> set[int]:
     return owners
 
 
-def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: RelationRule) -> Flags:
+def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: RelationRule) -> BoolArray:
     """(n,) True where a relation is proven to hold."""
     n = len(footprints.low_m)
     origins = [poses.origin_m[:, i, :2] for i in rule.things]
@@ -270,7 +267,7 @@ def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, 
     return np.zeros(n, dtype=bool)
 
 
-def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: KeepOutRule) -> Flags:
+def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: KeepOutRule) -> BoolArray:
     """(n,) True where an object may be over a keep-out."""
     owner = rules.places[rule.place].owner
     exempt = {owner} | (set() if owner == WORLD else _owners(rules, owner))

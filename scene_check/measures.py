@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import Polygon
 
-from scene_check.model import TOLERANCE_M, CheckPlace, FloatArray
+from scene_check.model import TOLERANCE_M, CheckPlace
+from schemas.arrays import FloatArray, ObjectArray
 
 
 def to_place(points_W: FloatArray, place: CheckPlace) -> FloatArray:
@@ -58,7 +58,7 @@ def overlap(span_a: tuple[float, float], span_b: tuple[float, float]) -> bool:
     return min(span_a[1], span_b[1]) - max(span_a[0], span_b[0]) > TOLERANCE_M
 
 
-def polygons(outlines: list[FloatArray]) -> NDArray[np.object_]:
+def polygons(outlines: list[FloatArray]) -> ObjectArray:
     """Outlines (n, 2) as shapely polygons, created in one call."""
     rings = [np.vstack([outline, outline[:1]]) for outline in outlines]
     index = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])

@@ -10,10 +10,10 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import Polygon
 
-FloatArray = NDArray[np.float64]
+from schemas.arrays import FloatArray
+
 TOLERANCE_M = 1e-6
 TURN = 2.0 * np.pi
 ViolationKind = Literal[

@@ -7,10 +7,10 @@ from typing import Literal
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from scene_check.measures import overlap, polygons, separation
 from scene_check.model import TOLERANCE_M, CheckObject, CheckScene, Violation, owners_of, same_place
+from schemas.arrays import BoolArray
 
 
 def too_close(scene: CheckScene, by_name: dict[str, CheckObject], changed: frozenset[str]) -> Iterator[Violation]:
@@ -54,7 +54,7 @@ def too_close(scene: CheckScene, by_name: dict[str, CheckObject], changed: froze
             yield Violation("clearance", (names[a], names[b]), value, scene.clearance_m)
 
 
-def _near(scene: CheckScene, moved: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _near(scene: CheckScene, moved: BoolArray) -> BoolArray:
     """(n,) True for objects that changed, or whose bounding box is within the clearance of one that did."""
     box = np.array([item.box_m for item in scene.objects]).reshape(-1, 4)
     margin, changed_boxes = scene.clearance_m + 2.0 * TOLERANCE_M, box[moved]

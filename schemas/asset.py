@@ -8,9 +8,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, default
-from schemas.model import FloatArray
 from schemas.outcome import ItemOutcome, Repair
 from schemas.parts import Part
 from schemas.physics import Contact, Fidelity

@@ -6,16 +6,14 @@ All values are immutable; editing means `dataclasses.replace`. Arrays are not co
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
-import numpy as np
 from pydantic import ConfigDict
 
+from schemas.arrays import Float32Array, FloatArray, IntArray
 from schemas.evidence import Evidence
 from schemas.stated_physics import StatedContact, StatedMass
 
-FloatArray: TypeAlias = np.ndarray
-IntArray: TypeAlias = np.ndarray
 Axis = Literal["x", "y", "z"]
 Channel = Literal["r", "g", "b", "a", "rgb"]
 AlphaMode = Literal["opaque", "mask", "blend"]
@@ -99,9 +97,9 @@ class Mesh:
     name: str
     points: FloatArray
     triangles: IntArray
-    normals: FloatArray | None = None
-    uvs: tuple[FloatArray, ...] = ()
-    colors: FloatArray | None = None
+    normals: Float32Array | None = None
+    uvs: tuple[Float32Array, ...] = ()
+    colors: Float32Array | None = None
     material: int | None = None
     source_path: str = ""
 

@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.arrays import IntArray
 from schemas.evidence import Evidence, default
-from schemas.model import IntArray
 
 UNLABELLED = "unlabelled"
 Point3 = tuple[float, float, float]

@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 ShapeKind = Literal["box", "sphere", "capsule", "cylinder", "hull"]
 

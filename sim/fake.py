@@ -10,7 +10,7 @@ import numpy as np
 from geom.convex.support_function import centre_heights, facet_directions, heights, support, surface
 from geom.mesh.rays import Rays
 from geom.pose import quat_of, shortest_rotation
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, RigidBody
 from sim.port import DropResult, DropSettings, GraspOutcome, GraspTask, ProbeResult, World
 
@@ -29,7 +29,8 @@ class FakeSimulator:
     def drop(self, body: RigidBody, X_WA: FloatArray, settings: DropSettings) -> DropResult:
         """See `sim.port.Simulator`; only the vertical part of gravity acts."""
         world = settings.world
-        times_s = np.arange(math.ceil(settings.duration_s / world.timestep_s - 1e-9) + 1) * world.timestep_s
+        times_s = np.arange(math.ceil(settings.duration_s / world.timestep_s - 1e-9) + 1, dtype=np.float64)
+        times_s *= world.timestep_s
         gravity = -world.gravity_mps2[2]
         R_WA, p_WA = np.asarray(X_WA)[:3, :3], np.asarray(X_WA)[:3, 3]
         clearance = max(0.0, float(heights(body.shapes, p_WA[None], R_WA[None])[0]))

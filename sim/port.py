@@ -13,7 +13,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from geom.grasp.gripper import Gripper
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 
 GRAVITY_MPS2 = 9.81

@@ -113,7 +113,7 @@ def convention_checks_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Co
     checks = list(convention_checks.reader_checks(case.measurement, findings))
     problem = case.problem
     if isinstance(problem, EventProblem):
-        return (*checks, *problem.traps)  # No engine: the law is in closed form.
+        return (*checks, *problem.convention_checks)  # No engine: the law is in closed form.
     if isinstance(problem, MechanismProblem):
         engine = replay_engine(case.engine)
         checks += convention_checks.joint_engine_checks(engine.mechanism_rollout, without_armature(problem.declared))

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.gap import (
     AppliedEffect,
     Baseline,
@@ -22,7 +23,6 @@ from schemas.gap import (
     ModelExtension,
     Rival,
 )
-from schemas.model import FloatArray
 from simgap.baselines.all_effects import all_effects_losses
 from simgap.baselines.residual_regression import corrected
 from simgap.inference.agreement import agrees
@@ -162,7 +162,7 @@ def _gain(
     """Held-out root mean square error, in noise levels, of the null refit and of the extended model."""
     floor = problem.noise_floor(trials.test, view)
     before, after = (
-        np.array([np.nanmean((r / floor) ** 2) for r in problem.residuals(model, trials.test, view)])
+        np.array([float(np.nanmean((r / floor) ** 2)) for r in problem.residuals(model, trials.test, view)])
         for model in (selection.null.model, selection.final.model)
     )
     comparison: Comparison = compare(before, after)

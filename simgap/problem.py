@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Protocol, runtime_checkable
 
+from schemas.arrays import FloatArray
 from schemas.gap import ConventionCheck, Place
-from schemas.model import FloatArray
 from sim.dynamics.hooks import Effect
 
 View = Literal["short_horizon", "long_horizon", "full_rollout"]

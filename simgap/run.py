@@ -27,11 +27,11 @@ from simgap.problem import Candidate
 from simgap.recording.read import Measurement, read
 from simgap.report.html import PAGE, PICTURES, REPORT, render_page
 from simgap.report.localise_error import localise_error
-from simgap.report.pictures.ablation import ladder
+from simgap.report.pictures.ablation import ablation
 from simgap.report.pictures.events import outcomes
 from simgap.report.pictures.overlay import overlay
 from simgap.report.pictures.unexplained import unexplained
-from simgap.report.side_by_side import most_telling, replay
+from simgap.report.side_by_side import largest_improvement, side_by_side
 from simgap.result_store import ResultStore
 
 Work = Callable[[Candidate], CandidateFit]
@@ -146,20 +146,20 @@ def _pictures(case: Case, result: SearchResult) -> dict[str, bytes]:
     problem, final = case.problem, result.selection.final.model
     if isinstance(problem, EventProblem):
         drawn = outcomes(problem, case.trials.test, terms_of(result.extension))
-        return {"overlay.png": drawn, "ladder.png": ladder(result.report.ladder)}
+        return {"overlay.png": drawn, "ladder.png": ablation(result.report.ladder)}
     judged = [t for t in case.measurement.trials if t.id in set(case.trials.test)][:_MOST_REPLAYED]
-    declared = [replay(problem, t, ()) for t in judged]
+    declared = [side_by_side(problem, t, ()) for t in judged]
     added = terms_of(result.extension)
-    extended = [replay(problem, t, added) for t in judged] if added else None
+    extended = [side_by_side(problem, t, added) for t in judged] if added else None
     floor = problem.noise_floor(case.trials.test, "full_rollout")
-    at, channel = most_telling(declared, extended or declared, floor)
+    at, channel = largest_improvement(declared, extended or declared, floor)
     sliding = (
         case.joints and problem.declared.tree[channel].prismatic if isinstance(problem, MechanismProblem) else True
     )
     unit = "m" if sliding else "rad"
     drawn = {
         "overlay.png": overlay(declared[at], extended[at] if extended else None, channel, unit),
-        "ladder.png": ladder(result.report.ladder),
+        "ladder.png": ablation(result.report.ladder),
     }
     if result.selection.accepted and isinstance(problem, MechanismProblem):
         best = result.selection.accepted[0].candidate_fit.candidate

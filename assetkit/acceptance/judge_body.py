@@ -11,10 +11,10 @@ import numpy as np
 from assetkit.acceptance.body_checks import alignment_checks, body_checks, frame_checks
 from assetkit.acceptance.settling import Settling, settle_and_drop
 from assetkit.acceptance.stable_poses import StablePoses, find_stable_poses
+from schemas.arrays import FloatArray, IntArray
 from schemas.asset import AcceptanceSection, Check, StablePose, Vec3
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.evidence import Evidence, measured
-from schemas.model import FloatArray, IntArray
 from schemas.physics import RigidBody
 from sim.port import Simulator
 

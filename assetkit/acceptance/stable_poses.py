@@ -14,8 +14,8 @@ from scipy.sparse.csgraph import connected_components
 from geom.convex.support_function import centre_heights, diagonal, facet_directions, stability_margin, support
 from geom.mass.principal_axes import principal_axes
 from geom.pose import matrix_of, pose, quat_of, shortest_rotation
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.asset import StablePose
-from schemas.model import FloatArray
 from schemas.physics import RigidBody
 from sim.port import DropResult, DropSettings, Simulator, natural_time_s, stillness_for, world_for
 
@@ -145,7 +145,7 @@ def spread_directions(count: int) -> FloatArray:
     return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=1)
 
 
-def pose_families(body: RigidBody, downs: FloatArray) -> FloatArray:
+def pose_families(body: RigidBody, downs: FloatArray) -> IntArray:
     """Labels (k,) of the poses that down directions (k, 3) belong to, see `find_stable_poses`: single linkage."""
     count = len(downs)
     first, second = np.triu_indices(count, 1)
@@ -169,7 +169,7 @@ def _snapped(body: RigidBody, downs: FloatArray) -> FloatArray:
     return np.where((close & lower)[:, None], nearest, downs)
 
 
-def _same_pose(body: RigidBody, first: FloatArray, second: FloatArray) -> FloatArray:
+def _same_pose(body: RigidBody, first: FloatArray, second: FloatArray) -> BoolArray:
     """Whether (k,) the down directions `first` and `second` (k, 3) are one pose.
 
     Tried are the great circle between them and, for bodies that roll like a cone, the turns about each principal axis

@@ -16,9 +16,9 @@ from assetkit.affordances.anchors import shape_of
 from geom.convex.support_function import diagonal
 from geom.pose import pose
 from schemas.anchors import Anchor, ContainmentVolume, SupportSurface
+from schemas.arrays import BoolArray, FloatArray
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, measured
-from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 from sim.port import ProbeResult, Simulator, natural_time_s
 
@@ -99,7 +99,7 @@ def _balls(volume: ContainmentVolume) -> list[CollisionShape]:
     ]
 
 
-def _stays(anchor: Anchor, end: ProbeResult, size: float) -> FloatArray:
+def _stays(anchor: Anchor, end: ProbeResult, size: float) -> BoolArray:
     """(k,) whether each probe ended on or in the anchor, and slow."""
     off = OFF_SHARE * size
     x, y, z = anchor.position_m

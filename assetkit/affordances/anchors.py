@@ -19,7 +19,7 @@ from schemas.anchors import (
     SupportSurface,
     VolumeSlice,
 )
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
 DIGITS = 7  # of lengths in metres: a tenth of a micrometre

@@ -12,9 +12,9 @@ from geom.convex.support_function import diagonal
 from geom.pose import pose_from_quat
 from schemas.affordances import AffordanceEvidence, Grasp
 from schemas.anchors import Point3
+from schemas.arrays import FloatArray
 from schemas.asset import StablePose
 from schemas.evidence import Evidence, inferred, measured
-from schemas.model import FloatArray
 from schemas.physics import RigidBody
 from sim.port import SMALLEST_M, GraspTask, Simulator
 

@@ -15,8 +15,8 @@ from geom.grasp.gripper import Gripper, boxes, lowest
 from geom.mesh.farthest_points import farthest_points
 from geom.pose import matrix_of, quat_of
 from schemas.affordances import Grasp
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.asset import StablePose, vec3
-from schemas.model import FloatArray
 from schemas.physics import Contact, RigidBody
 from sim.port import GRAVITY_MPS2, pair_value
 
@@ -135,7 +135,7 @@ def _spread_grasps(X_AG: FloatArray, size: float) -> list[int]:
     return farthest_points(features, 0, MOST, APART)
 
 
-def _approaches(pairs: AntipodalPairs, gripper: Gripper) -> tuple[FloatArray, FloatArray]:
+def _approaches(pairs: AntipodalPairs, gripper: Gripper) -> tuple[FloatArray, IntArray]:
     """Gripper poses X_AG (g, 4, 4) around the line of each pair, from above first, and the pair (g,) of each."""
     x = pairs.axis
     down = np.where(np.abs(x[:, 2:]) > 0.99, [[-1.0, 0.0, 0.0]], [[0.0, 0.0, -1.0]])
@@ -154,7 +154,7 @@ def _approaches(pairs: AntipodalPairs, gripper: Gripper) -> tuple[FloatArray, Fl
     return X_AG.reshape(-1, 4, 4), np.repeat(np.arange(len(x)), APPROACHES * len(DEPTHS))
 
 
-def _over_ground(X_AB: FloatArray, half: FloatArray, poses: Sequence[StablePose]) -> FloatArray:
+def _over_ground(X_AB: FloatArray, half: FloatArray, poses: Sequence[StablePose]) -> BoolArray:
     """(g, p) whether all boxes stay above the ground in each pose."""
     if not poses:
         return (lowest(X_AB, half, np.array([0.0, 0.0, 1.0])) >= GROUND_M)[:, None]
@@ -171,7 +171,7 @@ def _grasp(
     pairs: AntipodalPairs,
     pair: int,
     worth: float,
-    over: FloatArray,
+    over: BoolArray,
     cone_rad: float,
     force_n: float,
     gripper: Gripper,

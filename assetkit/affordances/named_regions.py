@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from schemas.affordances import WHOLE, Interaction, OrientationRequirement, Region, RegionKind, Task
+from schemas.arrays import FloatArray
 from schemas.asset import vec3
 from schemas.evidence import Evidence, inferred
-from schemas.model import FloatArray
 from schemas.parts import UNLABELLED, Part
 
 DIGITS = 6

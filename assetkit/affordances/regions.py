@@ -16,9 +16,9 @@ from geom.features.spouts import find_spout
 from geom.features.through_holes import ThroughHole, find_through_holes
 from schemas.affordances import OrientationRequirement, Region
 from schemas.anchors import Anchor, ContainmentVolume
+from schemas.arrays import FloatArray
 from schemas.asset import vec3
 from schemas.evidence import Evidence, inferred, measured
-from schemas.model import FloatArray
 from schemas.parts import Part
 from schemas.physics import Solid
 

@@ -10,7 +10,7 @@ from assetkit.annotate.annotator import ObjectShape
 from assetkit.taxonomy.tables import Category, Range
 from geom.convex.hull import convex_hull, volume
 from geom.convex.primitive_fits import fit_box
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
 # A size up to this factor outside the range is usual; beyond `IMPOSSIBLE` the category or the unit is wrong.

@@ -19,8 +19,8 @@ from geom.features.resting_planes import hull_within, resting_planes
 from geom.mesh.decimate import decimate
 from geom.solid.solid_mass import PLATE_WALL_M
 from geom.solid.thicken import thicken
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, finding
-from schemas.model import FloatArray
 from schemas.physics import CollisionShape, Fidelity, Solid
 
 SHEET_FACES = 1500

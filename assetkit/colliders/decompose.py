@@ -29,7 +29,7 @@ from geom.features.cavities import Cavity
 from geom.features.resting_planes import hull_within, resting_planes
 from geom.mesh.manifold_arrays import manifold_arrays
 from jobs.cell import CellResult, Limits, run_cell
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 # Hulls below these shares of the diagonal (and of its cube) are slivers: engines reject or mishandle them.

@@ -12,7 +12,7 @@ from assetkit.storage import require_storage
 from geom.mesh.weld import weld_points
 from geom.solid.self_intersections import Resolved
 from jobs.cell import Limits, run_cell
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 # Bounded in processor time, so that a busy machine gives the same answer as an idle one. 80,000 faces take a second.
 CPU_SECONDS = 30

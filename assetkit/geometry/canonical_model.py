@@ -20,8 +20,9 @@ from assetkit.scale.declared_units import decide_unit
 from assetkit.stage import Canonical, Frame, Intake
 from geom.mesh.edit import only_used_points
 from geom.solid.self_intersections import MISCOUNTED_SHARE, SelfIntersection
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
-from schemas.model import FloatArray, Mesh
+from schemas.model import Mesh
 from schemas.outcome import Outcome, Repair
 
 FAR_DIAGONALS = 100.0  # Beyond this distance from its origin, float32 keeps fewer than five digits of the shape.

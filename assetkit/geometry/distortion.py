@@ -19,8 +19,9 @@ from geom.mesh.hausdorff import ZERO_DISTANCE, one_sided_hausdorff
 from geom.mesh.weld import diagonal
 from geom.repair.shape_change import TOLERANCE_SHARE, changed_faces, shape_change
 from geom.solid.self_intersections import SelfIntersection
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Location, finding
-from schemas.model import FloatArray, Mesh
+from schemas.model import Mesh
 
 # A repair that may have moved the surface by more than this share of the diagonal goes to review.
 DISTORTION_BOUND = 0.01

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 from geom.mesh.edit import merge_surfaces
 from geom.repair.fill_uncertainty import ShapeUncertainty
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import FloatArray, IntArray
+from schemas.model import Mesh
 
 Counts = Mapping[str, float]
 Surface = tuple[FloatArray, IntArray]

@@ -31,7 +31,8 @@ from geom.repair.shells import drop_duplicate_shells
 from geom.repair.t_junctions import stitch_t_junctions
 from geom.repair.vertices import split_bow_ties, touching_points
 from geom.repair.winding import orient, outward_flips
-from schemas.model import FloatArray, Mesh
+from schemas.arrays import BoolArray
+from schemas.model import Mesh
 
 # Fewer surplus faces than this share are what exporters leave behind, unless removing them closes a solid.
 SURPLUS_SHARE = 5e-3
@@ -139,7 +140,7 @@ def _fins(item: EditContext) -> Edit:
     )
 
 
-def _loss(mesh: Mesh, gone: FloatArray, left: Mesh) -> ShapeUncertainty:
+def _loss(mesh: Mesh, gone: BoolArray, left: Mesh) -> ShapeUncertainty:
     """How far removed sheets of more than one triangle and 1 % of the area reached out of what is left."""
     removed = mesh.triangles[gone]
     parts = components_of(mesh.points, removed)
@@ -207,7 +208,7 @@ def _open_faces(mesh: Mesh) -> int:
     return int(parts.faces[~parts.closed].sum())
 
 
-def _backed_elsewhere(item: EditContext) -> FloatArray | None:
+def _backed_elsewhere(item: EditContext) -> BoolArray | None:
     """(m,) True for faces that another mesh shows from behind; None when there is no other mesh.
 
     Such a mesh is the inside of a double-sided drawing, not an inverted solid.

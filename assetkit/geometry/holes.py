@@ -15,7 +15,8 @@ from geom.mesh.weld import diagonal, weld
 from geom.repair.boundary_loops import OpenBody, Opening, classify_open_bodies
 from geom.repair.fill_uncertainty import ShapeUncertainty
 from geom.repair.holes import fill_openings
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import FloatArray, IntArray
+from schemas.model import Mesh
 
 # A loop this thin (area over squared perimeter; a circle has 0.08) and this narrow (mean width over the diagonal) is a
 # T-junction, not a hole.

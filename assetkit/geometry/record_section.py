@@ -10,9 +10,10 @@ from assetkit.geometry.physical_surface import PhysicalSurface
 from assetkit.geometry.repair import RepairResult
 from assetkit.geometry.triangle_budget import BudgetResult
 from geom.pose import quat_of
+from schemas.arrays import FloatArray
 from schemas.asset import AnnotationFrame, GeometrySection, quat4, vec3
 from schemas.evidence import Evidence, inferred, measured
-from schemas.model import FloatArray, Mesh
+from schemas.model import Mesh
 
 _VOLUME_CONFIDENCE = {
     "union_and_hulls": 0.5,

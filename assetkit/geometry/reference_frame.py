@@ -19,10 +19,10 @@ from assetkit.stage import Canonical, Draft, Frame, need
 from assetkit.taxonomy.tables import Category
 from geom.features.upright_directions import upright_features
 from geom.pose import shortest_rotation
+from schemas.arrays import FloatArray
 from schemas.asset import UprightHypothesis, vec3
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, default, inferred
-from schemas.model import FloatArray
 from schemas.outcome import Repair
 
 Z = np.array([0.0, 0.0, 1.0])

@@ -15,8 +15,8 @@ from geom.features.cavities import Cavity
 from geom.mesh.components import components_of
 from geom.mesh.surface_distance import triangle_areas
 from geom.mesh.weld import diagonal, weld_points
+from schemas.arrays import FloatArray
 from schemas.evidence import Evidence
-from schemas.model import FloatArray
 from schemas.physics import Solid
 
 # Mass bounds further apart than this factor are useless to a randomiser.

@@ -15,10 +15,10 @@ from assetkit.mass.substances import STATED_TOLERANCE
 from assetkit.taxonomy.material_classes import UNKNOWN
 from geom.mass.inertia import combine, of_sheet, scaled
 from geom.solid.solid_mass import mass_properties
+from schemas.arrays import FloatArray
 from schemas.asset import MassPart, Matrix3, Vec3, matrix3, vec3
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, Source, declared, inferred
-from schemas.model import FloatArray
 from schemas.outcome import Repair
 from schemas.physics import MassProperties, Solid
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import root_scalar
 from scipy.special import ndtr
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 _ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 

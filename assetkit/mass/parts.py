@@ -17,8 +17,9 @@ from geom.mass.inertia import scaled
 from geom.mass.offset_centre import contracted_inertia
 from geom.solid.solid_mass import mass_properties
 from geom.solid.volume_shares import VolumeShares, divide_volume
+from schemas.arrays import FloatArray, IntArray
 from schemas.evidence import Evidence, declared
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.model import Mesh
 from schemas.physics import MassProperties, Solid
 from schemas.stated_physics import StatedMass
 

@@ -14,8 +14,9 @@ from geom.mass.inertia_bounds import rms_distance_and_bound
 from geom.mass.offset_centre import contracted_inertia, contraction_about, relative_depth
 from geom.mesh.surface_distance import closest_on_surface
 from geom.mesh.weld import diagonal
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Severity, finding
-from schemas.model import FloatArray, Mesh
+from schemas.model import Mesh
 from schemas.outcome import Repair
 from schemas.physics import MassProperties
 from schemas.stated_physics import StatedMass

@@ -9,7 +9,8 @@ import numpy as np
 
 from assetkit.materials.colour_names import lab_of
 from assetkit.materials.surface_samples import Pixels, base_colours, pixels_of, sample_surface, scalars
-from schemas.model import FloatArray, IntArray, Material, Mesh, Model
+from schemas.arrays import FloatArray, IntArray
+from schemas.model import Material, Mesh, Model
 
 TONES = ("dark", "grey", "white", "earthy", "muted", "vivid")
 ROUGHNESSES = ("smooth", "satin", "rough")
@@ -88,7 +89,7 @@ class AppearanceSampler:
         opacity = scalars(mesh, material.opacity, material.opacity_texture, points, self._pixels)
         opaque = np.full(1, material.opacity * (1.0 - material.transmission)) if opacity is None else opacity
         if material.alpha_mode == "blend" or material.transmission > 0.0:
-            shares["see_through"] = np.array([np.mean(opaque < _CLEAR)])
+            shares["see_through"] = np.array([float(np.mean(opaque < _CLEAR))])
         return points.area, shares, painted
 
 

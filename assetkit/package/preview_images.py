@@ -17,7 +17,8 @@ from jobs.warm import run_module
 from render.drawn_grasp import DrawnGrasp
 from render.request import RenderRequest
 from schemas import array_files
-from schemas.model import IntArray, Model
+from schemas.arrays import IntArray
+from schemas.model import Model
 from schemas.parts import Part
 from schemas.physics import CollisionShape
 from usdio.write.meshes import mesh_prim_names

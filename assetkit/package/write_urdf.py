@@ -9,7 +9,8 @@ from xml.etree import ElementTree
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from schemas.model import FloatArray, IntArray, Material, Mesh
+from schemas.arrays import Float32Array, FloatArray, IntArray
+from schemas.model import Material, Mesh
 from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, RigidBody
 from usdio.write.mesh_materials import MeshMaterial, materials_per_mesh
@@ -138,7 +139,7 @@ def _mesh_element(parent: ElementTree.Element, file: str) -> None:
     ElementTree.SubElement(ElementTree.SubElement(parent, "geometry"), "mesh", filename=f"meshes/{file}", scale="1 1 1")
 
 
-def _write_obj(path: Path, points: FloatArray, triangles: IntArray, uvs: FloatArray | None = None) -> None:
+def _write_obj(path: Path, points: FloatArray, triangles: IntArray, uvs: Float32Array | None = None) -> None:
     """A Wavefront OBJ whose numbers read back exactly: the shortest decimal that gives the same double."""
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in np.asarray(points, dtype=np.float64).tolist()]
     corners = (np.asarray(triangles, dtype=np.int64) + 1).tolist()

@@ -13,7 +13,8 @@ from geom.features.protrusions import find_protrusions
 from geom.features.regions import FaceGeometry, SurfaceRegion, boss_regions, face_geometry, plate_regions, side_regions
 from geom.mesh.edges import edges_of, face_components
 from geom.mesh.topology import repeats_point
-from schemas.model import FloatArray, IntArray, Material, Mesh
+from schemas.arrays import BoolArray, FloatArray, IntArray
+from schemas.model import Material, Mesh
 from schemas.parts import ProposalSource
 
 MOST_COMPONENTS = 24
@@ -42,7 +43,7 @@ class Proposal:
     is by shape, or a label of its own with its confidence from a learned segmenter, and `by` which one.
     """
 
-    faces: IntArray
+    faces: BoolArray
     source: ProposalSource
     names: tuple[str, ...] = ()
     path: str = ""
@@ -144,7 +145,7 @@ def _by_component(surface: FaceGeometry) -> list[Proposal]:
     return [Proposal(mask, "component") for mask in masks]
 
 
-def _role_of_piece(surface: FaceGeometry, faces: IntArray) -> str:
+def _role_of_piece(surface: FaceGeometry, faces: BoolArray) -> str:
     """`cover` for a piece of its own at the upper end of a thing, in the middle and narrower than the rest; else ""."""
     if not faces.any():
         return ""

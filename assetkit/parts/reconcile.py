@@ -10,7 +10,7 @@ import numpy as np
 from assetkit.parts.labels import Vote, votes
 from assetkit.parts.proposals import LEAST_SHARE, Proposal
 from geom.features.regions import FaceGeometry
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray
 from schemas.parts import UNLABELLED, ProposalSource
 
 MIN_IOU = 0.75  # intersection over union of the surface from which two regions are one
@@ -42,7 +42,7 @@ class PartCandidate:
     `may_be` holds the possible labels and `doubt` the reason.
     """
 
-    faces: IntArray
+    faces: BoolArray
     area: float
     sources: tuple[ProposalSource, ...]
     names: tuple[str, ...]

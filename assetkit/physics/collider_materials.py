@@ -14,10 +14,11 @@ from assetkit.physics.source_contacts import contact_evidence
 from geom.convex.support_function import surface
 from geom.mesh.edit import merge_surfaces
 from geom.mesh.surface_distance import NearestOnSurface, sample_surface, triangle_areas
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.asset import ColliderMaterial, MassPart
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.model import Mesh
 from schemas.outcome import Repair
 from schemas.physics import CollisionShape, Contact, Solid, SurfaceMaterial
 from schemas.stated_physics import StatedContact
@@ -130,12 +131,12 @@ def material_regions(mass: MassEvidence, mass_inputs: MassEvidenceInputs) -> tup
     return tuple(regions)
 
 
-def _faces_of_material(material_of_face: IntArray, material: int, large: Sequence[int]) -> IntArray:
+def _faces_of_material(material_of_face: IntArray, material: int, large: Sequence[int]) -> BoolArray:
     """(m,) True at the triangles of a material; the largest, which is not among `large`, takes the rest."""
     return material_of_face == material if material in large else ~np.isin(material_of_face, large)
 
 
-def _submesh(mesh: Mesh, faces: IntArray) -> Mesh:
+def _submesh(mesh: Mesh, faces: BoolArray) -> Mesh:
     return Mesh(mesh.name, mesh.points, mesh.triangles[faces], source_path=mesh.source_path)
 
 

@@ -8,8 +8,8 @@ from assetkit.mass.source_inertials import in_asset_frame
 from assetkit.mass.unknown_density import dense_appearance
 from assetkit.materials.part_materials import face_materials
 from assetkit.stage import Canonical, Draft
+from schemas.arrays import IntArray
 from schemas.evidence import Evidence
-from schemas.model import IntArray
 from usdio.write.meshes import mesh_prim_names
 
 

@@ -16,9 +16,10 @@ from geom.features.cavities import Cavity
 from geom.features.mirror_symmetry import mirror_plane_heading
 from geom.features.regions import FaceGeometry
 from geom.mesh.surface_distance import NearestOnSurface, sample_surface
+from schemas.arrays import FloatArray, IntArray
 from schemas.asset import Vec3, vec3
 from schemas.evidence import Evidence, default, inferred, measured
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.model import Mesh
 from schemas.parts import Part
 
 LabelledFaces = tuple[Evidence[str], IntArray]  # label of a part, and the mask of its triangles (m,)

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from assetkit.options import UpAxisName
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence
-from schemas.model import Axis, FloatArray
+from schemas.model import Axis
 from schemas.outcome import Repair
 
 _STATEMENT = re.compile(

@@ -15,7 +15,7 @@ import numpy as np
 from assetkit.mass.normal_mixture import NormalMixture
 from assetkit.scale.unit_posterior import LOG_SPREAD, TYPICAL_SIZE_M
 from assetkit.taxonomy.tables import Category, size_anchors
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 # Things of one form differ in size by about this much (standard deviation of the logarithm); forms this far apart (sum
 # over edges of the squared logarithms) have half the weight for each other.

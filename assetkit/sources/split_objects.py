@@ -10,7 +10,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from geom.mesh.edit import keep_faces, only_used_points
-from schemas.model import FloatArray, IntArray, Mesh, Model
+from schemas.arrays import FloatArray, IntArray
+from schemas.model import Mesh, Model
 
 FAR_APART = 0.25  # Gap between bounding boxes, as a fraction of the smaller object's diagonal.
 FRAGMENT = 0.05  # Below this fraction of the largest piece's diagonal, a piece belongs to its nearest neighbour.

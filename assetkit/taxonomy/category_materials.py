@@ -17,7 +17,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 from assetkit.taxonomy.tables import Words, rows_of
 from assetkit.taxonomy.words import singulars
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 ANY = "any"
 _weighted = BeforeValidator(

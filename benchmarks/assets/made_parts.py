@@ -20,8 +20,9 @@ from assetkit.parts.find import find_parts
 from benchmarks.assets.made_things import Thing, things
 from geom.features.cavities import find_cavities
 from geom.mesh.surface_distance import triangle_areas
+from schemas.arrays import FloatArray
 from schemas.evidence import declared
-from schemas.model import FloatArray, Mesh
+from schemas.model import Mesh
 from schemas.physics import Solid
 
 OVERLAP = 0.5

@@ -14,7 +14,7 @@ import numpy as np
 from manifold3d import CrossSection, Manifold, OpType
 from numpy.random import Generator
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 SIDES = 48
 Named = tuple[str, Manifold]

@@ -34,7 +34,7 @@ from assetkit.stage import Canonical, Draft
 from assetkit.taxonomy.tables import Category
 from benchmarks.assets.truth_files import largest, roots
 from geom.features.upright_directions import upright_features
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
 TABLE = Path(__file__).with_name("orientation_truth.csv")

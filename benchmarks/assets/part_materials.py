@@ -34,8 +34,9 @@ from benchmarks.assets.parts import category_of, stripped_of
 from benchmarks.assets.truth_files import located, object_of
 from geom.features.cavities import find_cavities
 from geom.mesh.surface_distance import triangle_areas
+from schemas.arrays import FloatArray, IntArray
 from schemas.evidence import Evidence, declared
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.model import Mesh
 from usdio.write.meshes import mesh_prim_names
 
 TABLE = Path(__file__).with_name("part_materials_truth.csv")

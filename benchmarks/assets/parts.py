@@ -29,8 +29,8 @@ from assetkit.parts.find import find_parts
 from assetkit.stage import Draft, Intake
 from benchmarks.assets.truth_files import located, object_of
 from geom.features.cavities import find_cavities
+from schemas.arrays import FloatArray
 from schemas.evidence import Evidence, declared, default, inferred
-from schemas.model import FloatArray
 from schemas.parts import Part
 from usdio.write.meshes import mesh_prim_names
 

@@ -22,7 +22,7 @@ from assetkit.package.record import RECORD, read_record
 from assetkit.sources.discover import discover
 from benchmarks.running import Cost, run
 from geom.mesh import primitives
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.report import ReportItem
 
 SEED = 20261121

@@ -23,7 +23,7 @@ import cma
 import numpy as np
 
 from cli.engines import REPLAY_ENGINE
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.case import Case, case_of
 from simgap.find_gap import find_effects

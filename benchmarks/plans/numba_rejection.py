@@ -14,11 +14,10 @@ from math import cos, hypot, pi, sin
 import numpy as np
 from numba import njit
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 from benchmarks.scenes.workload import CLEARANCE_M, TABLE_M
+from schemas.arrays import FloatArray, IntArray
 
-FloatArray = NDArray[np.float64]
 LOT = 64  # attempts between two looks at the clock
 RUNS = 5
 
@@ -45,7 +44,7 @@ def rejection(
 
 @njit
 def _draw(
-    rng: Generator, attempts: int, poses: FloatArray, at: int, half: FloatArray, side: NDArray[np.int64], tries: int
+    rng: Generator, attempts: int, poses: FloatArray, at: int, half: FloatArray, side: IntArray, tries: int
 ) -> int:
     """How many attempts succeed; their poses go to `poses`, number `at` first, round and round."""
     pose = np.zeros((len(half), 7))  # x, y, yaw, its cosine and sine, half the extent along x, radius
@@ -61,7 +60,7 @@ def _draw(
 
 
 @njit
-def _seated(rng: Generator, i: int, pose: FloatArray, half: FloatArray, side: NDArray[np.int64], tries: int) -> bool:
+def _seated(rng: Generator, i: int, pose: FloatArray, half: FloatArray, side: IntArray, tries: int) -> bool:
     radius = hypot(half[i, 0], half[i, 1])
     for _ in range(tries):
         yaw = rng.uniform(-pi, pi)

@@ -1,7 +1,7 @@
 """scene_synthesizer on the boxes of the workload (`pip install scene-synthesizer`).
 
-Its `place_object` draws poses on a labelled support and asks FCL whether meshes meet. Here boxes grown by half the
-clearance a side; that they lie on the table, and `left_of`, is asked by its `valid_placement_fn`.
+Its `place_object` draws poses on a labelled support and tests by FCL if meshes meet. Here boxes grown by half the
+clearance a side; that they lie on the table, and `left_of`, is tested by its `valid_placement_fn`.
 """
 
 from __future__ import annotations
@@ -13,11 +13,10 @@ from math import atan2, cos, sin
 
 import numpy as np
 import scene_synthesizer as synth
-from numpy.typing import NDArray
 
 from benchmarks.scenes.workload import CLEARANCE_M, TABLE_M
+from schemas.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 Pairs = Sequence[tuple[int, int]]
 THICK_M = 0.05
 

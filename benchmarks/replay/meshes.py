@@ -20,13 +20,13 @@ import numpy as np
 import open3d as o3d
 from scipy.spatial import ConvexHull
 
-from benchmarks.replay.recordings import BoolArray, Reached, tightness
+from benchmarks.replay.recordings import Reached, tightness
 from geom.pose import apply
 from replay.envelope.envelope import Envelope, Settings, swept_envelope
 from replay.recording.episode import Episode
 from replay.recording.formats.read import is_recording, read_episode
 from replay.verification.dense import dense_motion
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 MESHES = "meshes_body_frame.npz"
 SUB_TIMES, CLEARANCE_M, AT_ONCE = 16, 0.01, 32
@@ -56,7 +56,7 @@ def first_rows(episode: Episode, count: int) -> Episode:
 def farthest_outside(
     episode: Episode, envelope: Envelope, meshes: Mapping[str, list[Mesh]], vertices: int | None = None
 ) -> tuple[int, float]:
-    """How many places were asked, and the largest distance (m) of one from the capsules of its body (negative: inside).
+    """Number of tested points, and the largest distance (m) of one from the capsules of its body (negative: inside).
 
     Of each mesh's hull all vertices, or about so many of them.
     """

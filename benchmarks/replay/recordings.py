@@ -4,7 +4,7 @@
 
 For each recording: CPU seconds of the envelope; by link its volume over that of the densely swept hull with clearance,
 more than 0.4 m from the base (points drawn evenly in the envelope, four times between rows); spots of a box on the
-supports judged by the envelope and by PyBullet, which replays every row and asks for closest points; objects put into
+supports judged by the envelope and by PyBullet, which replays every row and computes closest points; objects put into
 variants. Everything is drawn from fixed seeds.
 """
 
@@ -21,7 +21,6 @@ import numpy as np
 import pybullet
 import shapely
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 from shapely.geometry import Polygon
@@ -36,14 +35,13 @@ from replay.recording.episode import Episode
 from replay.recording.formats.read import is_recording, read_episode
 from replay.verification.dense import dense_motion
 from replay.views.visible_area import in_picture
-from schemas.model import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 from schemas.physics import CollisionShape
 from sim.bullet.shapes import clear_margins, compound
 from sim.bullet.world import private_client
 
 BOX_M = (0.06, 0.06, 0.1)
 FAR_M, POINTS, SPOTS, TRUE_M = 0.4, 400, 150, 0.02
-BoolArray = NDArray[np.bool_]
 # Which points (k, 3) a body of this name comes near to at poses X_WB (p, 4, 4); None where its form is not known.
 Reached = Callable[[str, FloatArray, FloatArray], BoolArray | None]
 

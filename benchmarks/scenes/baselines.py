@@ -13,11 +13,10 @@ from math import hypot, pi
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 from benchmarks.scenes.workload import CLEARANCE_M, TABLE_M
+from schemas.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 Pairs = Sequence[tuple[int, int]]
 TRIES = 5000
 

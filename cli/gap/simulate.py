@@ -11,8 +11,8 @@ import numpy as np
 
 from cli.engines import REPLAY_ENGINE
 from jobs.cache import write_atomically
+from schemas.arrays import FloatArray
 from schemas.diagnostics import InvalidInput, finding
-from schemas.model import FloatArray
 from sim.dynamics.mechanism import rollout
 from simgap.case import Case, case_of, cut_windows, replay_engine
 from simgap.extension.extension import read_extension, terms_of
@@ -23,7 +23,7 @@ from simgap.problem import Model, View
 from simgap.recording.read import Measurement
 from simgap.report.pictures.events import outcomes
 from simgap.report.pictures.overlay import overlay
-from simgap.report.side_by_side import SideBySide, joint_windows, most_telling, replay
+from simgap.report.side_by_side import SideBySide, joint_windows, largest_improvement, side_by_side
 
 _VIEWS: tuple[View, ...] = ("short_horizon", "full_rollout")
 _ENGINE_S = 3.0  # of each trial that is replayed in the engine too
@@ -41,12 +41,12 @@ def simulate(measurement: Measurement, extension: Path | None, out: Path) -> dic
         _refuse_strange_places(case, models["extended"])
     if isinstance(case.problem, EventProblem):
         return _events(case, case.problem, models, out)
-    runs = {name: [replay(case.problem, t, model) for t in measurement.trials] for name, model in models.items()}
+    runs = {name: [side_by_side(case.problem, t, model) for t in measurement.trials] for name, model in models.items()}
     for k, trial in enumerate(measurement.trials):
         write_atomically(out / "trajectories" / f"{_file(trial.id)}.csv", _csv([(n, r[k]) for n, r in runs.items()]))
     ids = case.problem.trial_ids
     floor = case.problem.noise_floor(ids, "full_rollout")
-    at, channel = most_telling(runs["declared"], runs.get("extended", runs["declared"]), floor)
+    at, channel = largest_improvement(runs["declared"], runs.get("extended", runs["declared"]), floor)
     extended = runs["extended"][at] if "extended" in runs else None
     slides = not isinstance(case.problem, MechanismProblem) or case.problem.declared.tree[channel].prismatic
     picture = overlay(runs["declared"][at], extended, channel, "m" if slides else "rad")

@@ -14,7 +14,7 @@ import numpy as np
 from geom.convex.hull import convex_hull
 from geom.mass.inertia import combine, of_closed_surface
 from geom.pose import apply, inverse
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.physics import MassProperties
 
 _FLAT = 1e-9  # A volume below this share of the cubed diagonal counts as flat.

@@ -12,7 +12,7 @@ import numpy as np
 from pxr import Tf, UsdGeom
 
 from gate.subject.values import TIME
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 _FALLBACK_METERS = 0.01  # UsdGeomLinearUnits: a stage without metersPerUnit is in centimetres.
 

@@ -12,7 +12,7 @@ from gate.subject.body import Body
 from gate.subject.subject import Subject
 from gate.subject.values import quaternion, vector
 from geom.mass.principal_axes import inertia_from_principal
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 def stated_inertia(body: Body, subject: Subject) -> FloatArray | None:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from gate.subject.body import Body
 from geom.pose import shortest_rotation
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
 ONE_DOF_KINDS = ("revolute", "prismatic")

@@ -16,7 +16,7 @@ from gate.subject.frames import Frames
 from gate.subject.joint import Joint, JointSide
 from gate.subject.values import authored, flag, number, quaternion, text, vector
 from geom.pose import matrix_of
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 _KINDS = {
     "PhysicsRevoluteJoint": "revolute",

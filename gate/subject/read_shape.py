@@ -17,7 +17,7 @@ from gate.subject.values import integers, number, rows, text
 from geom.mesh import primitives
 from geom.mesh.polygon_triangulation import triangulate_polygons
 from geom.pose import apply
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 SHAPES = ("Mesh", "Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1", "Plane")
 CONVEX_APPROXIMATIONS = ("convexHull", "boundingCube", "boundingSphere")

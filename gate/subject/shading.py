@@ -11,7 +11,7 @@ import numpy as np
 from pxr import UsdShade
 
 from gate.subject.values import TIME, text
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 def shader_id(prim: Any) -> str:

@@ -21,8 +21,8 @@ from gate.subject.read_joint import is_joint, read_joint
 from gate.subject.read_shape import SHAPES, approximation_of, collider_points, is_convex, surface_of
 from gate.subject.values import TIME, flag, number
 from gate.subject.whole_surface import EdgeCounts, count_edges
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Severity
-from schemas.model import FloatArray
 
 METADATA = "SimReady_Metadata"
 _SHOWN = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Usd
 
+from schemas.arrays import FloatArray, IntArray
 from schemas.diagnostics import Location
-from schemas.model import FloatArray
 
 TIME = Usd.TimeCode.EarliestTime()  # The default value, or the first sample where there is nothing else.
 
@@ -83,7 +83,7 @@ def rows(prim: Usd.Prim, name: str, width: int) -> FloatArray:
         return np.zeros((0, width))
 
 
-def integers(prim: Usd.Prim, name: str) -> FloatArray:
+def integers(prim: Usd.Prim, name: str) -> IntArray:
     """(n,) int64 values of an array attribute; empty when absent or of another type."""
     value = raw(prim, name)
     try:

@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 
 from geom.pose import apply
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 CIRCLE_CORNERS = 32  # of the polygon around a circle: it extends 0.5 % beyond

@@ -11,7 +11,7 @@ from geom.convex.hull import face_planes
 from geom.convex.support_function import surface
 from geom.mesh.farthest_points import farthest_points
 from geom.mesh.surface_distance import sample_surface
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 _AXES = 64
@@ -53,7 +53,7 @@ class ConvexUnion:
         outer = ~self.inside(points + 2.0 * _JOINED * self.size * normals)
         return points[outer], normals[outer]
 
-    def inside(self, points: FloatArray) -> FloatArray:
+    def inside(self, points: FloatArray) -> BoolArray:
         """(k,) True where points (k, 3) lie in any shape."""
         is_inside = np.zeros(len(points), dtype=bool)
         for part in self._parts:

@@ -6,7 +6,7 @@ import numpy as np
 from manifold3d import Manifold
 from scipy.spatial import ConvexHull, QhullError
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 MAX_POINTS = 64
@@ -127,7 +127,7 @@ def thickness(points: FloatArray, triangles: IntArray) -> float:
     return float((offsets - (points @ normals.T).min(axis=0)).min())
 
 
-def contains(points: FloatArray, triangles: IntArray, queries: FloatArray, margin: float = 0.0) -> FloatArray:
+def contains(points: FloatArray, triangles: IntArray, queries: FloatArray, margin: float = 0.0) -> BoolArray:
     """(k,) True where a query (k, 3) lies inside the hull or less than `margin` outside one of its planes."""
     return beyond_planes(points, triangles, queries) <= margin
 

@@ -6,7 +6,7 @@ import numpy as np
 from manifold3d import Manifold
 from scipy.spatial import ConvexHull, QhullError
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 MOST_PAIRS = 4096  # of points; beyond, only extreme points are used, which can only lessen the depth
 _DIRECTIONS = 64

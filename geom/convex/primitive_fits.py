@@ -16,7 +16,7 @@ from geom.convex.hull import centroid, convex_hull
 from geom.mass.inertia import of_closed_surface
 from geom.mass.principal_axes import principal_axes
 from geom.pose import matrix_of, pose, rotation_to_z
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 # An axis-aligned box is preferred up to this ratio of volumes to the smallest box: its frame has a meaning.
@@ -43,7 +43,7 @@ def fit_box(points: FloatArray) -> CollisionShape | None:
     to_box, oriented = trimesh.bounds.oriented_bounds((points - centre) / scale, ordered=False)
     if np.prod(size / scale) <= ALIGNED_PREFERENCE * np.prod(oriented):
         return CollisionShape("box", _floats(size), pose(None, centre))
-    X_AB = np.linalg.inv(to_box)
+    X_AB = np.asarray(np.linalg.inv(to_box), dtype=np.float64)
     X_AB[:3, 3] = X_AB[:3, 3] * scale + centre
     return CollisionShape("box", _floats(oriented * scale), X_AB)
 

@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from geom.mesh import primitives
 from geom.pose import apply, shortest_rotation
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 _AZIMUTHS = 720  # A long rod rolls in one direction only: the nearest of these is within a quarter of a degree.
@@ -84,7 +84,7 @@ def facet_directions(shapes: Sequence[CollisionShape]) -> FloatArray:
     return directions / np.linalg.norm(directions, axis=1)[:, None]
 
 
-def surface(shape: CollisionShape) -> tuple[FloatArray, FloatArray]:
+def surface(shape: CollisionShape) -> tuple[FloatArray, IntArray]:
     """Points (n, 3) and triangles (m, 3) of one shape in the asset frame, curved shapes inscribed."""
     if shape.kind == "hull":
         points, triangles = shape.points, shape.triangles

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 STEPS = 3  # planes across each axis, at even steps
 FACE_PLANES, BISECTORS = 16, 8

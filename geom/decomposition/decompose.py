@@ -15,7 +15,7 @@ from geom.decomposition.trim_hulls import FAR, trim_hulls
 from geom.features.cavities import Cavity, keeps_cavity
 from geom.mesh.manifold_arrays import manifold_arrays
 from geom.mesh.surface_distance import SignedDistance, sample_surface
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 # Empty volume in all hulls, as a share of the body's: left by cutting; added by merging below the allowed number, where

@@ -15,7 +15,7 @@ from geom.features.leaks import leaks
 from geom.mesh.components import components_of
 from geom.mesh.surface_distance import closest_on_surface, sample_surface
 from geom.mesh.weld import diagonal
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.physics import CollisionShape, Fidelity, Solid
 
 SAMPLES = 4000
@@ -134,7 +134,7 @@ def _distances(queries: FloatArray, points: FloatArray, triangles: IntArray) -> 
     return np.linalg.norm(queries - closest_on_surface(queries, points, triangles)[0], axis=1)
 
 
-def _within(shapes: Sequence[CollisionShape], queries: FloatArray) -> FloatArray:
+def _within(shapes: Sequence[CollisionShape], queries: FloatArray) -> BoolArray:
     """(k,) True where a query lies inside some shape."""
     inside = np.zeros(len(queries), dtype=bool)
     for shape in shapes:
@@ -142,7 +142,7 @@ def _within(shapes: Sequence[CollisionShape], queries: FloatArray) -> FloatArray
     return inside
 
 
-def _holds(shape: CollisionShape, queries: FloatArray) -> FloatArray:
+def _holds(shape: CollisionShape, queries: FloatArray) -> BoolArray:
     """(k,) True where a query lies inside one shape, whose curved faces count as round."""
     if shape.kind == "hull":
         return contains(*convex_hull(surface(shape)[0]), queries)

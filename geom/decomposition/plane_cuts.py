@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import connected_components
 
 from geom.decomposition.candidate_planes import STEPS, candidate_planes
 from geom.mesh.manifold_arrays import manifold_arrays
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 # A cut that lowers the balanced excess by less than this share is not worth a hull.
 LEAST_GAIN = 0.02
@@ -186,7 +186,7 @@ def excess_after(piece: Piece, normal: FloatArray, offset: float) -> FloatArray:
 
 
 def _volumes(
-    local: FloatArray, height: FloatArray, triangles: IntArray, above: FloatArray, part: IntArray, count: int
+    local: FloatArray, height: FloatArray, triangles: IntArray, above: BoolArray, part: IntArray, count: int
 ) -> FloatArray:
     """Volume (k,) of the cones from the origin, on the plane, to the faces of each part, cut faces shared out."""
     over = above[triangles]
@@ -215,7 +215,7 @@ def _cone(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
 
 
 def _with_inner_surfaces(
-    groups: list[FloatArray], volumes: FloatArray, side: FloatArray
+    groups: list[FloatArray], volumes: FloatArray, side: BoolArray
 ) -> tuple[list[FloatArray], FloatArray]:
     """The parts with those of negative volume joined to the smallest enclosing part on the same side."""
     volumes, remains = volumes.copy(), np.ones(len(groups), dtype=bool)

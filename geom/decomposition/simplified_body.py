@@ -9,7 +9,7 @@ from manifold3d import Error, Manifold, Mesh64, OpType
 
 from geom.mesh.manifold_arrays import manifold_arrays
 from geom.mesh.surface_distance import SignedDistance
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 # Simplification errors tried, coarse to fine, in units of half the largest extent.
 ERRORS = (0.01, 0.005, 0.0025, 0.00125)

@@ -14,7 +14,7 @@ from manifold3d import Manifold
 
 from geom.mesh.manifold_arrays import manifold_arrays
 from geom.mesh.surface_distance import SignedDistance, triangle_areas
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 SIDES, BISECTIONS = 8, 7
 # Faces within this cosine of each other are one side.

@@ -12,7 +12,7 @@ import numpy as np
 
 from geom.features.regions import FaceGeometry, Role, SurfaceRegion
 from geom.mesh.surface_distance import sample_surface
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 _SAMPLES, _SLICES = 8000, 48
 _LONG = 2.0  # times as long as wide: shorter objects have no clear axis

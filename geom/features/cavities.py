@@ -23,7 +23,7 @@ from geom.features.necked_cavities import find_necked_cavities
 from geom.mesh.rays import Rays
 from geom.mesh.surface_distance import NearestOnSurface, closest_on_surface
 from geom.pose import rotation_to_z
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.physics import CollisionShape, Solid
 
 DIRECTIONS = np.array([[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]], dtype=np.float64)
@@ -216,7 +216,7 @@ def _cavities_along(
     depth[~drain] = fill_depressions(ground)[~drain] - ground[~drain]
     size = float(np.linalg.norm(np.ptp(local, axis=0)))
 
-    def cavity_in(pool: FloatArray) -> Cavity | None:
+    def cavity_in(pool: BoolArray) -> Cavity | None:
         water = float(depth[pool].sum()) * step * step
         through = bool((open_floor & ~drain)[pool].mean() > THROUGH_SHARE)
         if not through and water < least_volume_m3:
@@ -251,7 +251,7 @@ def _cavities_along(
     return [cavity for cavity in cavities if cavity is not None]
 
 
-def _patches(mask: FloatArray) -> Iterator[FloatArray]:
+def _patches(mask: BoolArray) -> Iterator[BoolArray]:
     """Each connected patch of True cells as a mask of its own."""
     labels, count = _label(mask)
     for k in range(1, count + 1):
@@ -272,7 +272,7 @@ def _ball_centres(opening: FloatArray, direction: FloatArray, radius: float, bot
     return opening + (radius - bottoms)[:, None] * direction
 
 
-def _label(mask: FloatArray) -> tuple[IntArray, int]:
+def _label(mask: BoolArray) -> tuple[IntArray, int]:
     """Number (rows, columns) of each cell's patch of True cells, from 1, and how many there are."""
     labels = np.zeros(mask.shape, dtype=np.int32)
     return labels, int(ndimage.label(mask, output=labels))  # pyright: ignore[reportArgumentType]  # an int with `output`

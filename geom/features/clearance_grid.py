@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.mesh.surface_distance import NearestOnSurface
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 GRID_CELLS = 64
 
@@ -22,7 +22,7 @@ class ClearanceGrid:
     cell: float
 
     @property
-    def border(self) -> FloatArray:
+    def border(self) -> BoolArray:
         """(n,) True for the outermost nodes, at least a cell beyond the box of all points."""
         border = np.ones(self.shape, dtype=bool)
         border[1:-1, 1:-1, 1:-1] = False

@@ -17,7 +17,7 @@ from shapely.geometry.base import BaseGeometry
 from geom.features.cavities import Cavity
 from geom.mesh.cross_sections import CrossSections
 from geom.mesh.rays import Rays
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
 # Cosine: an opening faces up within 25 degrees.
@@ -77,7 +77,7 @@ def _inside(cuts: CrossSections, rays: Rays, cavity: Cavity) -> Containment | No
         return None
     floor_m += 0.5 * (solid.wall_thickness_m or 0.0)
     thickness = (rim_m - floor_m) / LAYERS
-    heights = floor_m + thickness * (np.arange(LAYERS) + 0.5)
+    heights = floor_m + thickness * (np.arange(LAYERS, dtype=np.float64) + 0.5)
     layers, before = list[BaseGeometry]([opening]), top - step * depth_m
     for height_m in heights[::-1].tolist():
         layers.append(_free_below(cuts, rays, height_m, layers[-1], max(before - height_m, 0.0)))

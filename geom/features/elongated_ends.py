@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.mesh.surface_distance import sample_surface
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
 SAMPLES, SLICES = 6000, 40

@@ -8,7 +8,7 @@ import numpy as np
 
 from geom.mesh.rays import Rays
 from geom.mesh.surface_distance import sample_surface
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 GRID_CELLS = 64
 WALL_SAMPLES = 40_000

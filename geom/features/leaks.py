@@ -8,7 +8,7 @@ import numpy as np
 from scipy import ndimage, sparse
 
 from geom.features.clearance_grid import ClearanceGrid, clearance_grid
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 # The grid resolves a gap only where nodes lie in it: a ball smaller by this factor is used.
 SMALLER = 0.9
@@ -66,7 +66,7 @@ def _below(around: ClearanceGrid, mouth_m: FloatArray, outward: FloatArray) -> C
     return replace(around, distance=np.where((around.nodes - mouth_m) @ outward < 0.0, around.distance, 0.0))
 
 
-def _free(clearance: ClearanceGrid, radius_m: float) -> FloatArray:
+def _free(clearance: ClearanceGrid, radius_m: float) -> BoolArray:
     """(n,) True at the nodes where a ball of that radius fits."""
     return clearance.distance >= max(SMALLER * radius_m, LEAST_CELLS * clearance.cell)
 

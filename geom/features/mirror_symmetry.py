@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from geom.mesh.surface_distance import NearestOnSurface, sample_surface
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 _SAMPLES = 600
 _STEP_RAD = np.radians(3.0)

@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from geom.features.clearance_grid import ClearanceGrid
 from geom.mesh.surface_distance import NearestOnSurface
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 # Balls from one cell on, which no wall of this grid lets through (half a cell's diagonal would do), by this factor.
 RADIUS_STEP = 1.15
@@ -77,7 +77,7 @@ def _clearance(nearest: NearestOnSurface, queries: FloatArray) -> FloatArray:
     return np.linalg.norm(nearest(queries)[0] - queries, axis=1)
 
 
-def _closed_off(clearance: FloatArray, cell: float, least_volume: float) -> Iterator[tuple[FloatArray, float]]:
+def _closed_off(clearance: FloatArray, cell: float, least_volume: float) -> Iterator[tuple[BoolArray, float]]:
     """Each set of grid nodes that a growing ball can no longer leave: its mask, and the last radius that could."""
     radius, before = cell, None
     limit = float(clearance[np.isfinite(clearance)].max())

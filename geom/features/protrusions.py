@@ -14,7 +14,7 @@ from geom.mesh.decimate import decimate
 from geom.mesh.edges import Edges, edges_of
 from geom.mesh.surface_distance import NearestOnSurface
 from geom.mesh.topology import repeats_point
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray
 
 _FACES = 3000  # Thickness needs no more; the regions are carried back to all triangles.
 _THINNER = np.log(2.0)  # A hand closes around a protrusion, and not around the body.
@@ -40,7 +40,7 @@ def find_protrusions(surface: FaceGeometry, openings: Sequence[FloatArray] = ())
     if bound is None:
         return ()
     thin = (thick < bound) & ~inner
-    protrusions: list[tuple[float, SurfaceRegion, IntArray]] = []
+    protrusions: list[tuple[float, SurfaceRegion, BoolArray]] = []
     for part in light.pieces(thin):
         share = light.area[part].sum() / light.area.sum()
         long = float(np.linalg.norm(np.ptp(light.middle[part], axis=0)))
@@ -81,7 +81,7 @@ def _threshold(thick: FloatArray, weight: FloatArray) -> float | None:
     return float(0.5 * (low[best] + high[best])) if high[best] - low[best] >= _THINNER else None
 
 
-def _joints(surface: FaceGeometry, part: IntArray, edges: Edges) -> int:
+def _joints(surface: FaceGeometry, part: BoolArray, edges: Edges) -> int:
     """Number of separate places where a part joins the rest, by the rings of edges between them."""
     inside = np.bincount(edges.of_face[part].ravel(), minlength=len(edges.uses))
     ring = edges.points[(inside > 0) & (inside < edges.uses)]

@@ -19,7 +19,7 @@ from geom.mesh.edges import edges_of, face_components
 from geom.mesh.surface_distance import sample_surface, triangle_areas
 from geom.mesh.topology import repeats_point
 from geom.mesh.weld import weld_points
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 # loop, arm: protrusions of a round upright body that return to it, or do not. slab: a level plate, post: a support
 # under it, upright: a part above it. boss: a small body on top of a level face. `geom.features.axial_regions` has the
@@ -55,7 +55,7 @@ class SurfaceRegion:
     """`faces` (m,) True at the triangles of the region, and its role by shape."""
 
     role: Role
-    faces: IntArray
+    faces: BoolArray
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class FaceGeometry:
         """(3,) edge lengths of the bounding box."""
         return np.ptp(self.points, axis=0)
 
-    def pieces(self, chosen: IntArray) -> Iterator[IntArray]:
+    def pieces(self, chosen: BoolArray) -> Iterator[BoolArray]:
         """Masks (m,) of the edge-connected pieces of the triangles `chosen` (m,), the largest first."""
         indices = np.flatnonzero(chosen & ~repeats_point(self.triangles))
         if len(indices) == 0:
@@ -90,7 +90,7 @@ class FaceGeometry:
             mask[indices[label == piece]] = True
             yield mask
 
-    def box(self, chosen: IntArray) -> tuple[FloatArray, FloatArray]:
+    def box(self, chosen: BoolArray) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest corner (3,) of the triangles `chosen` (m,), at least one."""
         points = self.points[np.unique(self.triangles[chosen])]
         return points.min(axis=0), points.max(axis=0)
@@ -195,7 +195,7 @@ def _levels(surface: FaceGeometry, *, up: bool) -> Iterator[float]:
             yield float(np.average(surface.middle[in_level, 2], weights=surface.area[in_level]))
 
 
-def _carries(surface: FaceGeometry, piece: IntArray, under: float) -> bool:
+def _carries(surface: FaceGeometry, piece: BoolArray, under: float) -> bool:
     """Whether a piece is slender and extends from the ground up to the plate."""
     low, high = surface.box(piece)
     height = under - surface.low[2]
@@ -211,7 +211,7 @@ def _sector(ring: FloatArray) -> tuple[float, float]:
     return middle, float(np.abs(angles).max()) + 0.05
 
 
-def _within(away: FloatArray, sector: tuple[float, float]) -> IntArray:
+def _within(away: FloatArray, sector: tuple[float, float]) -> BoolArray:
     angles = (np.arctan2(away[:, 1], away[:, 0]) - sector[0] + np.pi) % (2.0 * np.pi) - np.pi
     return np.abs(angles) <= sector[1]
 
@@ -231,7 +231,9 @@ def _widths(surface: FaceGeometry, centre: FloatArray, radius: float, sectors: l
     return np.minimum(maximum_filter1d(widths, 3, mode="nearest"), _PROTRUDING * radius)
 
 
-def _comes_back(surface: FaceGeometry, chosen: IntArray, widths: FloatArray, centre: FloatArray, radius: float) -> bool:
+def _comes_back(
+    surface: FaceGeometry, chosen: BoolArray, widths: FloatArray, centre: FloatArray, radius: float
+) -> bool:
     """Whether a region and the body together enclose a hole, seen from the side."""
     out = surface.middle[chosen][:, :2].mean(axis=0) - centre
     out /= np.linalg.norm(out) or 1.0

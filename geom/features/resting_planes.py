@@ -14,7 +14,7 @@ from manifold3d import Manifold
 from geom.convex.hull import MAX_POINTS, convex_hull, hull_shape
 from geom.mesh.manifold_arrays import manifold_arrays
 from geom.mesh.surface_distance import triangle_areas
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 # Faces of the convex hull within this cosine are one facet; it counts as a resting facet from this share of the

@@ -13,13 +13,13 @@ from geom.features.heightfield import fill_depressions, heightfield, wall_points
 from geom.features.regions import FaceGeometry
 from geom.mesh.rays import Rays
 from geom.pose import rotation_to_z
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray
 
 _RAYS, _CONE_RAD = 24, np.radians(45.0)
 _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 
 
-def shape_diameter(surface: FaceGeometry, inner: IntArray) -> FloatArray:
+def shape_diameter(surface: FaceGeometry, inner: BoolArray) -> FloatArray:
     """(m,) lengths from each triangle inward to the far side: median over a cone, the diagonal where nothing is hit.
 
     Triangles where `inner` (m,) is True stop no ray; they get the diagonal. Directions follow each triangle's own
@@ -47,7 +47,7 @@ def shape_diameter(surface: FaceGeometry, inner: IntArray) -> FloatArray:
     return result
 
 
-def faces_in_openings(surface: FaceGeometry, directions: Sequence[FloatArray]) -> IntArray:
+def faces_in_openings(surface: FaceGeometry, directions: Sequence[FloatArray]) -> BoolArray:
     """(m,) True at the triangles inside openings: below the filling level with one of `directions` (3,) up."""
     result = np.zeros(len(surface.triangles), dtype=bool)
     rays = Rays(surface.points, surface.triangles)

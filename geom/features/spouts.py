@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray, IntArray
 
 RAYS = 72
 MIN_BULGE = 0.06  # least bulge of a spout, as a share of the mean radius
@@ -47,7 +47,7 @@ def find_spout(loop_m: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray] 
     outward = np.array([np.cos(angles[top]), np.sin(angles[top]), 0.0])
     height = float(loop_m[:, 2].mean())
 
-    def at(index: FloatArray) -> FloatArray:
+    def at(index: IntArray) -> FloatArray:
         flat = centre + radius[index, None] * np.stack([np.cos(angles[index]), np.sin(angles[index])], axis=1)
         return np.column_stack([flat, np.full(len(index), height)])
 

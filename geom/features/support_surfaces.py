@@ -12,14 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from shapely.geometry.base import BaseGeometry
 
 from geom.mesh.cross_sections import CrossSections
 from geom.mesh.rays import Rays
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray, ObjectArray
 from schemas.physics import Solid
 
 # Largest tilt of a single face, and of a whole surface.
@@ -151,7 +150,7 @@ def _closed_union(corners: FloatArray, gap: float) -> BaseGeometry:
     return merged.buffer(gap, join_style="mitre").buffer(-gap, join_style="mitre")
 
 
-def _side_by_side(faces: NDArray[np.object_]) -> BaseGeometry | None:
+def _side_by_side(faces: ObjectArray) -> BaseGeometry | None:
     """The union of faces that do not overlap, by a fast method; None where some overlap.
 
     GEOS rejects most faces that overlap; for others its result is invalid or of another area.
@@ -221,7 +220,7 @@ def _plane_of(corners: FloatArray, polygon: shapely.Polygon) -> _Plane | None:
     slopes = np.linalg.lstsq(weighted.T @ local[:, :2], weighted.T @ local[:, 2], rcond=None)[0]
     over = local[:, 2] - local[:, :2] @ slopes
     rough_m = _quantile(np.abs(over - _quantile(over, weights, 0.5)), weights, 0.5)
-    return _Plane(middle, slopes, rough_m, _quantile(centres[:, 2], areas, 0.9))
+    return _Plane(middle, np.asarray(slopes, dtype=np.float64), rough_m, _quantile(centres[:, 2], areas, 0.9))
 
 
 def _quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
@@ -260,7 +259,7 @@ def _clear_parts(polygon: shapely.Polygon, plane: _Plane, rays: Rays, scale: _Sc
 class _Cells:
     """Pieces of a polygon on a square grid, and the grid index (k, 2) of each."""
 
-    geometries: FloatArray
+    geometries: ObjectArray
     index: IntArray
 
 
@@ -289,7 +288,7 @@ def _box_axes(polygon: shapely.Polygon) -> FloatArray:
     return np.array([x, y, -x, -y])
 
 
-def _patches(index: IntArray, clearance: FloatArray, is_clear: FloatArray) -> tuple[int, IntArray]:
+def _patches(index: IntArray, clearance: FloatArray, is_clear: BoolArray) -> tuple[int, IntArray]:
     """Number of patches of similar clearance, and the patch (k,) of each cell, -1 where it is not clear."""
     number = {(i, j): k for k, (i, j) in enumerate(index.tolist()) if is_clear[k]}
     pairs = [

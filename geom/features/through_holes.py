@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from geom.mesh.rays import Rays
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.physics import Solid
 
 CELLS = 144
@@ -83,7 +83,7 @@ def genus(triangles: IntArray) -> int:
 
 def _holes_along(points: FloatArray, rays: Rays, direction: FloatArray) -> list[ThroughHole]:
     axis = int(np.abs(direction).argmin())
-    u = np.eye(3)[axis] - direction[axis] * direction
+    u: FloatArray = np.eye(3)[axis] - direction[axis] * direction
     u /= np.linalg.norm(u)
     R_VA = np.stack([u, np.cross(direction, u), direction])
     local = points @ R_VA.T
@@ -113,8 +113,8 @@ def _holes_along(points: FloatArray, rays: Rays, direction: FloatArray) -> list[
 
 
 def _hole(
-    hole: FloatArray,
-    empty: FloatArray,
+    hole: BoolArray,
+    empty: BoolArray,
     middle: tuple[int, int],
     radius: float,
     place: tuple[FloatArray, float, float],
@@ -138,7 +138,8 @@ def _hole(
         within = from_ + (first + 1e-4 * step)[:, None] * R_VA[2]
         return start + first, rays.hit_distances(np.where(np.isfinite(within), within, 0.0), R_VA[2])
 
-    ring = np.argwhere(ndimage.binary_dilation(hole, iterations=2) & ~empty).astype(float)
+    around = np.asarray(ndimage.binary_dilation(hole, iterations=2), dtype=np.bool_)
+    ring = np.argwhere(around & ~empty).astype(float)
     begin, thick = depths(ring)
     solid_there = np.isfinite(begin) & np.isfinite(thick)
     mids = (begin + 0.5 * thick)[solid_there]
@@ -167,7 +168,7 @@ def _hole(
     )
 
 
-def _bar(hole: FloatArray, empty: FloatArray, middle: FloatArray, away: FloatArray) -> tuple[float, float]:
+def _bar(hole: BoolArray, empty: BoolArray, middle: FloatArray, away: FloatArray) -> tuple[float, float]:
     """Where the bar begins and ends, in cells from the middle of a hole on the line out of the silhouette."""
     distance = np.arange(0.0, float(np.hypot(*empty.shape)), 0.5)
     cells = np.rint(middle + distance[:, None] * away).astype(int)
@@ -183,6 +184,6 @@ def _bar(hole: FloatArray, empty: FloatArray, middle: FloatArray, away: FloatArr
     return float(distance[first]), float(distance[first + int(after[0])])
 
 
-def _label(mask: FloatArray) -> tuple[IntArray, int]:
+def _label(mask: BoolArray) -> tuple[IntArray, int]:
     labels = np.zeros(mask.shape, dtype=np.int32)
     return labels, int(ndimage.label(mask, output=labels))  # pyright: ignore[reportArgumentType]  # an int with `output`

@@ -19,7 +19,7 @@ from geom.features.resting_planes import resting_planes
 from geom.mesh.rays import Rays
 from geom.mesh.surface_distance import sample_surface
 from geom.pose import rotation_to_z
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
 SAME_RAD = np.radians(4.0)  # Directions closer than this are one; the coordinate axes come first.

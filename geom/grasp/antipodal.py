@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.convex.convex_union import ConvexUnion
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray, IntArray
 
 SAMPLES = 1000
 LEAST_M = 0.0005
@@ -40,7 +40,7 @@ class AntipodalPairs:
         """(k, 3) midpoints."""
         return 0.5 * (self.first_m + self.second_m)
 
-    def take(self, index: FloatArray) -> AntipodalPairs:
+    def take(self, index: IntArray) -> AntipodalPairs:
         """The pairs at `index`."""
         return AntipodalPairs(self.first_m[index], self.second_m[index], self.angle_rad[index])
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from geom.convex.convex_union import ConvexUnion
 from geom.grasp.gripper import Gripper
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 GIVES_M = 0.001  # Compliance of the rubber: points this far behind the first contact are still touched.
 _GRID = 3  # points along an edge of a pad

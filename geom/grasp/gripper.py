@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.pose import pose
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from geom.mesh.surface_distance import triangle_areas
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.physics import MassProperties
 
 TRIANGLE_INEQUALITY_TOLERANCE = 1e-9

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 def rms_distance_and_bound(inertia_m2: FloatArray, points: FloatArray, slack_m: float = 0.0) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from geom.mass.inertia_bounds import rms_distance_and_bound
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 # The contracted mass may have this share of the RMS distance that fits inside the shape (`rms_distance_and_bound`).
 MAX_RMS_SHARE = 0.8

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import polar
 
 from geom.pose import matrix_of, quat_of
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 def principal_axes(inertia_kgm2: FloatArray) -> tuple[FloatArray, FloatArray]:

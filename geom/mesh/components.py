@@ -12,7 +12,7 @@ import numpy as np
 from geom.mesh.edges import Edges, edges_of, face_components
 from geom.mesh.surface_distance import NearestOnSurface, triangle_areas
 from geom.mesh.winding_number import winding_numbers
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 # Points of a component that are tested for lying inside another one.
 INSIDE_PROBES = 8
@@ -42,8 +42,8 @@ class Components:
     volume: FloatArray
     low: FloatArray
     high: FloatArray
-    closed: FloatArray
-    consistent: FloatArray
+    closed: BoolArray
+    consistent: BoolArray
     boundary: IntArray
 
     @property
@@ -52,12 +52,12 @@ class Components:
         return len(self.faces)
 
     @property
-    def solid(self) -> FloatArray:
+    def solid(self) -> BoolArray:
         """(k,) True where closed and consistently wound, so that `volume` is defined."""
         return self.closed & self.consistent
 
     @property
-    def inside_out(self) -> FloatArray:
+    def inside_out(self) -> BoolArray:
         """(k,) True where solid with a negative volume beyond rounding; a double-sided sheet has none."""
         return self.solid & (self.volume < -MIN_COMPACTNESS * self.area**1.5)
 
@@ -80,7 +80,7 @@ def components_of(points: FloatArray, triangles: IntArray, edges: Edges | None =
     centred = corners - (0.5 * (low + high))[label][:, None, :]
     volumes = np.einsum("ij,ij->i", centred[:, 0], np.cross(centred[:, 1], centred[:, 2])) / 6.0
 
-    def per_component(marked_edges: FloatArray) -> IntArray:
+    def per_component(marked_edges: BoolArray) -> IntArray:
         return np.bincount(edge_label[marked_edges], minlength=count)
 
     closed = per_component(edges.uses % 2 == 1) == 0
@@ -89,8 +89,8 @@ def components_of(points: FloatArray, triangles: IntArray, edges: Edges | None =
     return Components(
         label=label,
         faces=np.bincount(label, minlength=count),
-        area=np.bincount(label, triangle_areas(corners), count),
-        volume=np.bincount(label, volumes, count),
+        area=np.bincount(label, triangle_areas(corners), count).astype(np.float64, copy=False),
+        volume=np.bincount(label, volumes, count).astype(np.float64, copy=False),
         low=low,
         high=high,
         closed=closed,
@@ -138,7 +138,7 @@ def _spread(points: IntArray) -> IntArray:
     return points[np.linspace(0, len(points) - 1, min(INSIDE_PROBES, len(points))).astype(np.int64)]
 
 
-def _inside(probes: FloatArray, points: FloatArray, triangles: IntArray) -> FloatArray:
+def _inside(probes: FloatArray, points: FloatArray, triangles: IntArray) -> BoolArray:
     """(k,) True for probes (k, 3) inside the surface, by winding numbers or, where these are slow, by ray parity."""
     if len(probes) * len(triangles) <= MAX_SOLID_ANGLES:
         return np.abs(winding_numbers(probes, points[triangles])) > 0.5

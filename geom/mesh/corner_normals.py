@@ -6,12 +6,12 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import Float32Array, FloatArray, IntArray
 
 CREASE_RAD = float(np.radians(40.0))  # A 12-sided cylinder (30 degrees) looks round, a cube stays sharp.
 
 
-def corner_normals(points: FloatArray, triangles: IntArray, crease_rad: float = CREASE_RAD) -> FloatArray:
+def corner_normals(points: FloatArray, triangles: IntArray, crease_rad: float = CREASE_RAD) -> Float32Array:
     """(m, 3, 3) float32 unit normals per triangle corner, smooth across edges flatter than `crease_rad`.
 
     Corners at one position belong together when a chain of faces around it is joined by edges shared by exactly two
@@ -27,7 +27,7 @@ def corner_normals(points: FloatArray, triangles: IntArray, crease_rad: float = 
     vectors = face_vectors(points, triangles)
     labels = _smooth_groups(corners, _unit(vectors, fallback=None), crease_rad)
     sums = np.stack([np.bincount(labels, weights=np.repeat(vectors[:, k], 3)) for k in range(3)], axis=1)
-    normals = _unit(sums, fallback=np.array([0.0, 0.0, 1.0]))
+    normals = _unit(sums.astype(np.float64, copy=False), fallback=np.array([0.0, 0.0, 1.0]))
     return normals[labels].reshape(count, 3, 3).astype(np.float32)
 
 
@@ -37,7 +37,7 @@ def face_vectors(points: FloatArray, triangles: IntArray) -> FloatArray:
     return np.cross(b - a, c - a)
 
 
-def face_normals(points: FloatArray, triangles: IntArray) -> FloatArray:
+def face_normals(points: FloatArray, triangles: IntArray) -> Float32Array:
     """(m, 3) float32 unit face normals; +z for faces without area."""
     return _unit(face_vectors(points, triangles), fallback=np.array([0.0, 0.0, 1.0])).astype(np.float32)
 

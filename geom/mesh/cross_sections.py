@@ -10,7 +10,7 @@ import trimesh
 from shapely.geometry.base import BaseGeometry
 
 from geom.mesh.surface_distance import NearestOnSurface
-from schemas.model import FloatArray
+from schemas.arrays import BoolArray
 from schemas.physics import Solid
 
 ROUNDING = 1e-7  # of the extent: ends of the cuts through two neighbouring faces coincide
@@ -39,7 +39,7 @@ class CrossSections:
         if len(faces) == 0:
             return shapely.Polygon()
         middles = shapely.get_coordinates(shapely.point_on_surface(faces))
-        inside: FloatArray = self._nearest.inside(np.column_stack([middles, np.full(len(middles), height_m)]))
+        inside: BoolArray = self._nearest.inside(np.column_stack([middles, np.full(len(middles), height_m)]))
         return shapely.union_all(faces[inside])
 
     @cached_property

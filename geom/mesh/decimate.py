@@ -10,7 +10,8 @@ import numpy as np
 from geom.mesh.surface_distance import closest_on_surface, two_way_distance
 from geom.mesh.topology import degenerate_faces
 from geom.mesh.weld import weld_points
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import Float32Array, FloatArray, IntArray
+from schemas.model import Mesh
 
 Figures = dict[str, float]
 DISTANCE_SAMPLES = 4000
@@ -29,7 +30,7 @@ def decimate(points: FloatArray, triangles: IntArray, target_faces: int) -> tupl
     centre = 0.5 * (welded.min(axis=0) + welded.max(axis=0))
     scale = float(np.ptp(welded, axis=0).max()) or 1.0
     unit = ((welded - centre) / scale).astype(np.float32)
-    simplified = fast_simplification.simplify(unit, faces, target_count=max(4, target_faces))
+    simplified = fast_simplification.simplify(unit, faces.astype(np.int32), target_count=max(4, target_faces))
     return np.asarray(simplified[0], dtype=np.float64) * scale + centre, np.asarray(simplified[1], dtype=np.int32)
 
 
@@ -47,7 +48,7 @@ def decimate_mesh(mesh: Mesh, target_faces: int) -> tuple[Mesh, Figures]:
     nearest, source = closest_on_surface(inward.reshape(-1, 3), mesh.points, mesh.triangles)
     weights = _barycentric(nearest, mesh.points[mesh.triangles[source]])
 
-    def interpolated(values: FloatArray) -> FloatArray:
+    def interpolated(values: Float32Array) -> Float32Array:
         mixed = np.einsum("kc,kcx->kx", weights, values[source].astype(np.float64))
         return mixed.reshape(len(triangles), 3, -1).astype(values.dtype)
 

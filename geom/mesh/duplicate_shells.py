@@ -6,13 +6,13 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from geom.mesh.components import Components
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 # Copies may differ by export rounding: this share of the shell's own diagonal.
 COPY_TOLERANCE = 1e-4
 
 
-def surplus_shells(points: FloatArray, triangles: IntArray, parts: Components) -> tuple[int, FloatArray]:
+def surplus_shells(points: FloatArray, triangles: IntArray, parts: Components) -> tuple[int, BoolArray]:
     """Number of surplus copies of closed shells, and a mask (m,) of their faces; the first copy stays.
 
     Two cases: copies whose points were welded, so that every face of a closed component occurs k times, wound the same
@@ -24,7 +24,7 @@ def surplus_shells(points: FloatArray, triangles: IntArray, parts: Components) -
     return welded_count + int(apart.sum()), welded | apart[parts.label]
 
 
-def later_copies(keys: IntArray) -> FloatArray:
+def later_copies(keys: IntArray) -> BoolArray:
     """(m,) True where an earlier row of `keys` (m, k) is equal."""
     later = np.ones(len(keys), dtype=bool)
     later[np.unique(row_numbers(keys), return_index=True)[1]] = False
@@ -37,7 +37,7 @@ def oriented_keys(triangles: IntArray) -> IntArray:
     return np.take_along_axis(triangles, turn % 3, axis=1)
 
 
-def has_reverse(triangles: IntArray) -> FloatArray:
+def has_reverse(triangles: IntArray) -> BoolArray:
     """(m,) True for faces whose reverse, the same points in opposite winding, is also among them."""
     both = row_numbers(np.concatenate([oriented_keys(triangles), oriented_keys(triangles[:, [0, 2, 1]])]))
     forward, reverse = np.split(both, 2)
@@ -53,7 +53,7 @@ def row_numbers(rows: IntArray) -> IntArray:
     return (a * base + b) * base + c
 
 
-def _welded_copies(triangles: IntArray, parts: Components) -> tuple[int, FloatArray]:
+def _welded_copies(triangles: IntArray, parts: Components) -> tuple[int, BoolArray]:
     later = later_copies(oriented_keys(triangles))
     extra = np.bincount(parts.label[later], minlength=parts.count)
     first = parts.faces - extra
@@ -61,7 +61,7 @@ def _welded_copies(triangles: IntArray, parts: Components) -> tuple[int, FloatAr
     return int((extra // np.maximum(first, 1))[whole].sum()), later & whole[parts.label]
 
 
-def _separate_copies(points: FloatArray, triangles: IntArray, parts: Components) -> FloatArray:
+def _separate_copies(points: FloatArray, triangles: IntArray, parts: Components) -> BoolArray:
     surplus = np.zeros(parts.count, dtype=bool)
     solids = np.flatnonzero(parts.solid)
     tolerance = COPY_TOLERANCE * parts.extent

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Edges:
 
     points: IntArray
     of_face: IntArray
-    upward: FloatArray
+    upward: BoolArray
     uses: IntArray
 
     @property
@@ -46,7 +46,7 @@ def edges_of(triangles: IntArray) -> Edges:
     return Edges(np.stack([keys // base, keys % base], axis=1), of_half.reshape(-1, 3), start < end, uses)
 
 
-def face_components(edges: Edges, through: FloatArray | None = None) -> tuple[int, IntArray]:
+def face_components(edges: Edges, through: BoolArray | None = None) -> tuple[int, IntArray]:
     """Number of edge-connected components and the component (m,) of each face, numbered by first face.
 
     Only edges where `through` (e,) is True connect; all by default.
@@ -89,7 +89,7 @@ def corners_at(triangles: IntArray, points: IntArray) -> list[tuple[IntArray, In
     return [(corners[a:b] // 3, corners[a:b] % 3) for a, b in zip(first, last, strict=True)]
 
 
-def consistent_flips(edges: Edges) -> tuple[FloatArray, FloatArray]:
+def consistent_flips(edges: Edges) -> tuple[BoolArray, BoolArray]:
     """Masks (m,): faces to flip so that neighbours agree, and faces on a one-sided (non-orientable) sheet.
 
     Winding spreads across edges with exactly two faces. In each sheet the minority by count is flipped. Method: a face

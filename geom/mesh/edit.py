@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import AnyFloatArray, BoolArray, Float32Array, FloatArray, IntArray
+from schemas.model import Mesh
+
+_Number = TypeVar("_Number", bound=np.generic)
 
 
-def keep_faces(mesh: Mesh, selected: FloatArray) -> Mesh:
+def keep_faces(mesh: Mesh, selected: BoolArray | IntArray) -> Mesh:
     """The faces where `selected` (m,) is True, or listed by index in that order; points are unchanged."""
     if selected.dtype == np.bool_:
         selected = np.flatnonzero(selected)
@@ -34,7 +39,7 @@ def only_used_points(mesh: Mesh) -> Mesh:
     return replace(mesh, points=mesh.points[used], triangles=triangles.reshape(-1, 3).astype(np.int32))
 
 
-def flip_faces(mesh: Mesh, flipped: FloatArray) -> Mesh:
+def flip_faces(mesh: Mesh, flipped: BoolArray) -> Mesh:
     """`mesh` with the faces where `flipped` (m,) is True reversed: corners 1 and 2 swap.
 
     Normals change sign where they would point away from the reversed face; a file may have correct normals on faces of
@@ -44,7 +49,7 @@ def flip_faces(mesh: Mesh, flipped: FloatArray) -> Mesh:
     if not flipped.any():
         return mesh
 
-    def swap(corners: FloatArray) -> FloatArray:
+    def swap(corners: NDArray[_Number]) -> NDArray[_Number]:
         return np.where(
             flipped[:, None, None] if corners.ndim == 3 else flipped[:, None], corners[:, [0, 2, 1]], corners
         )
@@ -63,14 +68,14 @@ def flip_faces(mesh: Mesh, flipped: FloatArray) -> Mesh:
     )
 
 
-def turn_normals(mesh: Mesh, turned: FloatArray) -> Mesh:
+def turn_normals(mesh: Mesh, turned: BoolArray) -> Mesh:
     """`mesh` with the normals of the faces where `turned` (m,) is True negated; a mesh without normals is unchanged."""
     if mesh.normals is None:
         return mesh
     return replace(mesh, normals=np.where(turned[:, None, None], -mesh.normals, mesh.normals))
 
 
-def normal_cosines(points: FloatArray, triangles: IntArray, normals: FloatArray) -> FloatArray:
+def normal_cosines(points: FloatArray, triangles: IntArray, normals: AnyFloatArray) -> FloatArray:
     """(m, 3) cosine between each corner normal (m, 3, 3) and the normal of its face; zero for faces without area."""
     corners = points[triangles]
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -90,7 +95,7 @@ def append_faces(mesh: Mesh, points: FloatArray, triangles: IntArray, mix: csr_a
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), np.finfo(float).tiny)
 
-    def grown(values: FloatArray) -> FloatArray:
+    def grown(values: Float32Array) -> Float32Array:
         new = mix @ values.reshape(-1, values.shape[-1])
         return np.concatenate([values, new.reshape(len(triangles), 3, -1).astype(values.dtype)])
 
@@ -112,7 +117,7 @@ def remix_faces(mesh: Mesh, triangles: IntArray, source: IntArray, weights: Floa
     `weights` (k, 3, 3): the attributes of new corner i are the sum over j of weights[:, i, j] times those of corner j.
     """
 
-    def mixed(values: FloatArray) -> FloatArray:
+    def mixed(values: Float32Array) -> FloatArray:
         return np.einsum("kij,kjx->kix", weights, values[source].astype(np.float64))
 
     normals = None if mesh.normals is None else mixed(mesh.normals)

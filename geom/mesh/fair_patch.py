@@ -10,7 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
 from geom.mesh.edges import edges_of
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 # A triangle is split while its middle is further from its corners than this many times their spacing (Liepa: sqrt 2).
 DENSITY = float(np.sqrt(2.0))

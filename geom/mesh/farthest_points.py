@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 def farthest_points(features: FloatArray, first: int, most: int, least: float) -> list[int]:

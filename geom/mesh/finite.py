@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from schemas.arrays import FloatArray, IntArray
 from schemas.diagnostics import InvalidInput, Location, finding
-from schemas.model import FloatArray, IntArray
 
 
 def require_finite(

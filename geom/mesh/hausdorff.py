@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.mesh.surface_distance import NearestOnSurface, triangle_areas
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 # Parts examined before the search stops and leaves a wider gap; the first examination of each triangle is free.
 BUDGET = 400_000

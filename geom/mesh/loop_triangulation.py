@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 # Cubic in the number of points: this many cost a quarter of a second.
 MOST_POINTS = 150

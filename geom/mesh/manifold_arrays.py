@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from manifold3d import Manifold
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 
 def manifold_arrays(body: Manifold) -> tuple[FloatArray, IntArray]:

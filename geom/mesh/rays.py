@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from geom.mesh.surface_distance import triangle_areas
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 
 class Rays:

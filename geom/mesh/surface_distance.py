@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.spatial  # noqa: F401  # Loaded before Open3D and CoACD, which otherwise clash when CoACD comes first.
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 P95 = 95.0
 
@@ -113,7 +113,7 @@ class NearestOnSurface:
         nearest = answer["points"].numpy().astype(np.float64) * self._scale + self._centre
         return nearest, self._kept[answer["primitive_ids"].numpy().astype(np.int64)]
 
-    def inside(self, queries: FloatArray) -> FloatArray:
+    def inside(self, queries: FloatArray) -> BoolArray:
         """(k,) True for queries (k, 3) inside the surface, which must be closed: majority of three ray parities.
 
         The three directions differ widely and lie in no plane that is usual in shapes. The occupancy test of Open3D

@@ -8,8 +8,8 @@ from geom.mesh.components import Components, components_of, opposite_container
 from geom.mesh.duplicate_shells import later_copies, surplus_shells
 from geom.mesh.edges import Edges, corner_fans, edges_of
 from geom.mesh.weld import diagonal, weld_points
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.asset import Topology
-from schemas.model import FloatArray, IntArray
 
 # A face whose height is below this share of its longest edge has no area in single precision.
 FLAT_HEIGHT_PER_EDGE = 1e-6
@@ -65,13 +65,13 @@ def is_all_degenerate(topology: Topology) -> bool:
     return topology.triangles > 0 and topology.degenerate_faces == topology.triangles
 
 
-def repeats_point(triangles: IntArray) -> FloatArray:
+def repeats_point(triangles: IntArray) -> BoolArray:
     """(m,) True where a face repeats a point."""
     a, b, c = triangles.T
     return (a == b) | (b == c) | (c == a)
 
 
-def degenerate_faces(points: FloatArray, triangles: IntArray) -> FloatArray:
+def degenerate_faces(points: FloatArray, triangles: IntArray) -> BoolArray:
     """(m,) True where a face repeats a point or is flatter than 1e-6 of its longest edge."""
     corners = points[triangles]
     sides = np.roll(corners, -1, axis=1) - corners
@@ -80,7 +80,7 @@ def degenerate_faces(points: FloatArray, triangles: IntArray) -> FloatArray:
     return repeats_point(triangles) | (twice_area <= FLAT_HEIGHT_PER_EDGE * longest)
 
 
-def duplicate_faces(triangles: IntArray) -> FloatArray:
+def duplicate_faces(triangles: IntArray) -> BoolArray:
     """(m,) True where an earlier face has the same three points, in any order."""
     return later_copies(np.sort(triangles, axis=1))
 
@@ -93,7 +93,7 @@ def bow_ties(triangles: IntArray, edges: Edges) -> IntArray:
     return np.flatnonzero(np.bincount(point_of_fan) > 1)
 
 
-def fragments(parts: Components, whole_diagonal: float) -> FloatArray:
+def fragments(parts: Components, whole_diagonal: float) -> BoolArray:
     """(k,) True for components with < 0.1 % of the area and < 2 % of the diagonal; never all of them."""
     small = (parts.area < FRAGMENT_AREA_SHARE * parts.area.sum()) & (
         parts.extent < FRAGMENT_EXTENT_SHARE * whole_diagonal

@@ -9,7 +9,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import FloatArray, IntArray
+from schemas.model import Mesh
 
 # Single-precision files round at 6e-8 of their extent; anything closer than this was one point.
 TOLERANCE_PER_DIAGONAL = 1e-7

@@ -7,7 +7,8 @@ import numpy as np
 from geom.mesh.components import components_of
 from geom.mesh.duplicate_shells import later_copies
 from geom.mesh.edit import keep_faces
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import BoolArray, IntArray
+from schemas.model import Mesh
 
 # A component is double-sided when at least this share of its faces are reversed copies of others (half at most).
 DOUBLE_SIDED_SHARE = 0.4
@@ -24,6 +25,6 @@ def drop_back_faces(mesh: Mesh) -> Mesh:
     return keep_faces(mesh, ~(back & (share >= DOUBLE_SIDED_SHARE)[parts.label]))
 
 
-def reversed_copies(triangles: IntArray) -> FloatArray:
+def reversed_copies(triangles: IntArray) -> BoolArray:
     """(m,) True where an earlier face has the same points; copies with the same winding are gone beforehand."""
     return later_copies(np.sort(triangles, axis=1))

@@ -12,7 +12,7 @@ from geom.mesh.components import Components
 from geom.mesh.edges import Edges
 from geom.mesh.loop_triangulation import continued_faces, triangulate_loop, unit_normals
 from geom.mesh.surface_distance import triangle_areas
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 OpeningKind = Literal["holes", "container", "sheet"]
 

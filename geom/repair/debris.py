@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import connected_components
 
 from geom.mesh.surface_distance import NearestOnSurface, triangle_areas
 from geom.mesh.topology import FRAGMENT_AREA_SHARE, FRAGMENT_EXTENT_SHARE
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 # Area of all debris together; with more, the surface is made of patches or the object of many parts.
 MOST_AREA_SHARE = 0.01
@@ -16,7 +16,7 @@ MOST_AREA_SHARE = 0.01
 MOST_PIECES = 2000
 
 
-def loose_debris(points: FloatArray, triangles: IntArray) -> FloatArray:
+def loose_debris(points: FloatArray, triangles: IntArray) -> BoolArray:
     """(m,) True for the faces of floating debris on a welded surface.
 
     Pieces are connected through points. A piece is tiny with less than 0.1 % of the area and 2 % of the diagonal of

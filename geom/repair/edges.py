@@ -9,7 +9,8 @@ import numpy as np
 from geom.mesh.edges import Edges, corner_fans, edges_of
 from geom.mesh.weld import weld
 from geom.repair.vertices import CONTACT_ANGLE, split_fans
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import BoolArray, FloatArray, IntArray
+from schemas.model import Mesh
 
 Figures = dict[str, float]
 # With more such edges the mesh is a voxel model and stays as it is.
@@ -59,7 +60,7 @@ def _apart(points: FloatArray, triangles: IntArray, edges: Edges, crowded: IntAr
     return replace(edges, points=first, of_face=of_face, uses=uses)
 
 
-def _wedges(points: FloatArray, triangles: IntArray, upward: FloatArray, halves: IntArray) -> list[IntArray]:
+def _wedges(points: FloatArray, triangles: IntArray, upward: BoolArray, halves: IntArray) -> list[IntArray]:
     """The half-edges (k,) around one edge as pairs that bound one wedge of solid each; one group when they do not."""
     face, side = halves // 3, halves % 3
     tail, head = triangles[face, side], triangles[face, (side + 1) % 3]

@@ -11,7 +11,8 @@ from geom.mesh.edit import keep_faces
 from geom.mesh.surface_distance import triangle_areas
 from geom.mesh.topology import degenerate_faces, duplicate_faces, repeats_point
 from geom.repair.back_faces import reversed_copies
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import BoolArray, FloatArray, IntArray
+from schemas.model import Mesh
 
 Figures = dict[str, float]
 # Fins larger than this share of their component are parts of the design.
@@ -108,7 +109,7 @@ def drop_fins(mesh: Mesh) -> tuple[Mesh, Figures]:
     return keep_faces(mesh, ~fins), {"fin_faces": int(fins.sum())}
 
 
-def fin_faces(points: FloatArray, triangles: IntArray) -> FloatArray:
+def fin_faces(points: FloatArray, triangles: IntArray) -> BoolArray:
     """(m,) True for the faces `drop_fins` removes."""
     none = np.zeros(len(triangles), dtype=bool)
     edges = edges_of(triangles)
@@ -133,7 +134,7 @@ def fin_faces(points: FloatArray, triangles: IntArray) -> FloatArray:
     return candidate & whole[label]
 
 
-def _odd_copies(triangles: IntArray) -> FloatArray:
+def _odd_copies(triangles: IntArray) -> BoolArray:
     """(m,) True for later copies all of whose edges have an odd number, three or more, of faces."""
     later = duplicate_faces(triangles)
     if not later.any():
@@ -143,7 +144,7 @@ def _odd_copies(triangles: IntArray) -> FloatArray:
     return later & (((uses > 2) & (uses % 2 == 1)).all(axis=1) | _surplus_sheets(later, edges))
 
 
-def _exchanged(triangles: IntArray, remaining: IntArray, dropped: IntArray, flips: FloatArray) -> IntArray:
+def _exchanged(triangles: IntArray, remaining: IntArray, dropped: IntArray, flips: BoolArray) -> IntArray:
     """`remaining` (k,) faces, replaced by their reverses in `dropped` where `flips` (k,) is True."""
     if len(dropped) == 0:
         return remaining
@@ -154,7 +155,7 @@ def _exchanged(triangles: IntArray, remaining: IntArray, dropped: IntArray, flip
     return np.where(flips & (of_dropped[place] == of_remaining), dropped[place], remaining)
 
 
-def _surplus_sheets(later: FloatArray, edges: Edges) -> FloatArray:
+def _surplus_sheets(later: BoolArray, edges: Edges) -> BoolArray:
     """(m,) True for later copies in sheets without which every edge of theirs has exactly two faces.
 
     Neighbouring copies share edges with an even number of faces. A body that touches another has its own faces beside
@@ -173,7 +174,7 @@ def _surplus_sheets(later: FloatArray, edges: Edges) -> FloatArray:
     return later & whole[sheet] & ~double_sided[label]
 
 
-def _folded_flaps(points: FloatArray, triangles: IntArray) -> FloatArray:
+def _folded_flaps(points: FloatArray, triangles: IntArray) -> BoolArray:
     """(m,) True for sheets made of faces and their reverses only, at crowded edges, with at most 5 % of the area."""
     twin = has_reverse(triangles)
     if not twin.any():
@@ -189,7 +190,7 @@ def _folded_flaps(points: FloatArray, triangles: IntArray) -> FloatArray:
     return folded[sheet] & ((share <= FIN_AREA_SHARE) & ~double_sided)[label]
 
 
-def _hanging_slivers(points: FloatArray, triangles: IntArray) -> FloatArray:
+def _hanging_slivers(points: FloatArray, triangles: IntArray) -> BoolArray:
     """(m,) True for flat faces with three points on an edge that has not exactly two faces."""
     flat = degenerate_faces(points, triangles)
     if not flat.any():

@@ -10,7 +10,7 @@ from geom.mesh.edges import edges_of
 from geom.mesh.loop_triangulation import continued_faces, unit_normals
 from geom.mesh.surface_distance import triangle_areas
 from geom.repair.boundary_loops import Opening
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 # A face steeper than this against the cap is a side of the design and no evidence about the missing piece.
 STEEP_COSINE = 0.5

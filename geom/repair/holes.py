@@ -18,7 +18,8 @@ from geom.mesh.surface_distance import triangle_areas
 from geom.mesh.weld import diagonal
 from geom.repair.boundary_loops import OpenBody, Opening
 from geom.repair.fill_uncertainty import ShapeUncertainty, fill_uncertainty
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import FloatArray, IntArray
+from schemas.model import Mesh
 
 Figures = dict[str, float]
 # A cap that may be off by more than this share of the diagonal is bent to continue the surface, where that helps.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 RAYS_PER_SIDE = 48
 # Not the middle of the cells: rays through points and edges of regular models are ambiguous.

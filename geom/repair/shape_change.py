@@ -9,7 +9,7 @@ import numpy as np
 from geom.mesh.hausdorff import ZERO_DISTANCE, DistanceBounds, one_sided_hausdorff
 from geom.mesh.surface_distance import triangle_areas
 from geom.mesh.weld import diagonal
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 Surface = tuple[FloatArray, IntArray]
 # The search for the largest distance ends within this share of the diagonal.
@@ -55,7 +55,7 @@ def shape_change(before: Surface, after: Surface) -> ShapeChange:
     return ShapeChange(_reach(removed, before, after, size), _reach(added, after, before, size), size)
 
 
-def changed_faces(before: Surface, after: Surface) -> tuple[FloatArray, FloatArray]:
+def changed_faces(before: Surface, after: Surface) -> tuple[BoolArray, BoolArray]:
     """(m,) True for faces of `before` that `after` lacks, and the other way round; winding does not matter."""
     faces_before, faces_after = _face_numbers(*before), _face_numbers(*after)
     return ~np.isin(faces_before, faces_after), ~np.isin(faces_after, faces_before)
@@ -78,7 +78,7 @@ def _mixed(bits: IntArray) -> IntArray:
     return bits ^ (bits >> np.uint64(31))
 
 
-def _reach(moved: FloatArray, mine: Surface, theirs: Surface, size: float) -> DistanceBounds:
+def _reach(moved: BoolArray, mine: Surface, theirs: Surface, size: float) -> DistanceBounds:
     if not moved.any():
         return ZERO_DISTANCE
     if not triangle_areas(theirs[0][theirs[1]]).any():

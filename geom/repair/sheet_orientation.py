@@ -16,7 +16,7 @@ from geom.mesh.surface_distance import sample_surface, triangle_areas
 from geom.mesh.topology import repeats_point
 from geom.mesh.weld import weld_points
 from geom.repair.boundary_loops import MIN_AREA_SHARE
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 # A sheet is inside out when its front sees less of the sky than this share of what its back sees. A half ball has 1/2,
 # a gutter of half a pipe 0.64, two walls at a right angle 0.71, a card 1: from there on either side may be meant.
@@ -55,7 +55,7 @@ class FlippedSheet(NamedTuple):
 class SheetFlips(NamedTuple):
     """A mask (m,) of the faces to flip, and the sheets that contain them."""
 
-    flips: FloatArray
+    flips: BoolArray
     sheets: tuple[FlippedSheet, ...]
 
 

@@ -9,7 +9,8 @@ from geom.mesh.components import components_of
 from geom.mesh.edges import Edges, edges_of
 from geom.mesh.edit import remix_faces
 from geom.mesh.weld import diagonal
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import FloatArray, IntArray
+from schemas.model import Mesh
 
 Figures = dict[str, float]
 # Single-precision files round at 6e-8 of their extent.

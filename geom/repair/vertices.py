@@ -12,7 +12,8 @@ from geom.mesh.surface_distance import closest_on_surface
 from geom.mesh.topology import bow_ties
 from geom.mesh.weld import diagonal
 from geom.mesh.winding_number import winding_numbers
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import FloatArray, IntArray
+from schemas.model import Mesh
 
 Figures = dict[str, float]
 # Two cones that come closer than this angle (radians) share a face or an edge: the parts lie against each other.

@@ -8,12 +8,13 @@ from geom.mesh.components import Components, components_of, opposite_container
 from geom.mesh.edges import consistent_flips, edges_of
 from geom.mesh.edit import flip_faces
 from geom.repair.boundary_loops import classify_open_bodies
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import BoolArray, FloatArray, IntArray
+from schemas.model import Mesh
 
 Figures = dict[str, float]
 
 
-def orient(mesh: Mesh, fixed: FloatArray | None = None) -> tuple[Mesh, Figures]:
+def orient(mesh: Mesh, fixed: BoolArray | None = None) -> tuple[Mesh, Figures]:
     """`mesh` (welded, no repeated points) with its solids wound outwards. Figures: `flipped_faces`.
 
     Components with a face where `fixed` (m,) is True are unchanged.
@@ -25,7 +26,7 @@ def orient(mesh: Mesh, fixed: FloatArray | None = None) -> tuple[Mesh, Figures]:
     return flip_faces(mesh, flips), {"flipped_faces": int(flips.sum())}
 
 
-def outward_flips(points: FloatArray, triangles: IntArray) -> FloatArray:
+def outward_flips(points: FloatArray, triangles: IntArray) -> BoolArray:
     """(m,) True where a face must be flipped.
 
     First neighbours are made to agree, spreading across edges with two faces, by flipping the minority. Then closed
@@ -57,9 +58,9 @@ def outward_flips(points: FloatArray, triangles: IntArray) -> FloatArray:
     return (flips ^ outward[parts.label]) & keep[parts.label]
 
 
-def _solid_or(parts: Components, nearly_closed: FloatArray) -> FloatArray:
+def _solid_or(parts: Components, nearly_closed: BoolArray) -> BoolArray:
     return (parts.closed & parts.consistent) | nearly_closed
 
 
-def _turned(triangles: IntArray, flips: FloatArray) -> IntArray:
+def _turned(triangles: IntArray, flips: BoolArray) -> IntArray:
     return np.where(flips[:, None], triangles[:, [0, 2, 1]], triangles)

@@ -18,7 +18,8 @@ from geom.repair.faces import drop_fins, drop_surplus_faces
 from geom.repair.holes import capped_body
 from geom.repair.shells import drop_duplicate_shells, drop_fragments
 from geom.repair.winding import orient
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import FloatArray, IntArray
+from schemas.model import Mesh
 
 Surface = tuple[FloatArray, IntArray]
 # In an asset of several parts, a part with at most half the area whose caps are at most this share of its closed area

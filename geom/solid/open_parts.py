@@ -16,7 +16,7 @@ from geom.repair.boundary_loops import OpenBody
 from geom.repair.holes import capped_body
 from geom.solid.closed_bodies import Bodies, Surface, as_manifold, outward
 from geom.solid.thicken import thicken
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.physics import MassProperties
 
 # Open parts that extend less than this share of the diagonal beyond the bodies are decoration: labels, decals, trim.
@@ -108,7 +108,7 @@ def _spread(surface: Surface, faces: IntArray) -> FloatArray:
     return np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1)])
 
 
-def _outside(nearest: NearestOnSurface, points: FloatArray, slack: float) -> FloatArray:
+def _outside(nearest: NearestOnSurface, points: FloatArray, slack: float) -> BoolArray:
     """(n,) True for points outside the closed surface and further than `slack` away from it."""
     away = np.linalg.norm(nearest(points)[0] - points, axis=1) > slack
     return away & ~nearest.inside(points)

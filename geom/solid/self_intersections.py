@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from geom.mesh.surface_distance import triangle_areas
 from geom.repair.self_overlap import self_overlap
 from geom.solid.closed_bodies import Bodies, Surface, as_manifold
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 # Share of the enclosed volume; clean meshes have 0, and the grid of rays resolves no less.
 MISCOUNTED_SHARE = 1e-3

@@ -9,7 +9,7 @@ import numpy as np
 
 from geom.convex.hull import convex_hull, thickness
 from geom.mass.inertia import is_physical, moved, of_box, of_closed_surface, of_sheet
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import MassProperties, Solid
 
 # A hull thinner than this share of its diagonal says nothing about volume; a plate of the assumed wall does.

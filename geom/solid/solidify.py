@@ -17,7 +17,8 @@ from geom.solid.closed_bodies import Bodies, Surface, signed_volume, sort_bodies
 from geom.solid.nested_shells import enclosed_matter
 from geom.solid.open_parts import additions, matter_of_wall
 from geom.solid.voxel_hull import voxel_hull
-from schemas.model import FloatArray, IntArray, Mesh
+from schemas.arrays import FloatArray, IntArray
+from schemas.model import Mesh
 from schemas.physics import MassProperties, Solid
 
 Figures = dict[str, float | int | str]

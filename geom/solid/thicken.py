@@ -7,7 +7,7 @@ from manifold3d import Manifold, OpType
 
 from geom.mesh.surface_distance import triangle_areas
 from geom.mesh.weld import weld_points
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 MITRE_LIMIT = 3.0
 

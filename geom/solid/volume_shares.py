@@ -15,7 +15,8 @@ from geom.repair.holes import capped_body
 from geom.solid.closed_bodies import Bodies, Surface, as_manifold, outward, sort_bodies
 from geom.solid.open_parts import wall_bodies
 from geom.solid.solid_mass import mass_properties
-from schemas.model import FloatArray, Mesh
+from schemas.arrays import FloatArray
+from schemas.model import Mesh
 from schemas.physics import MassProperties, Solid
 
 # The bodies of the groups must add up to the solid within this share of it; else the division is by area.

@@ -8,7 +8,7 @@ import manifold3d
 import numpy as np
 from scipy import ndimage
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 CELLS = 56
 LEAST_PIECE_SHARE = 0.01
@@ -62,7 +62,7 @@ def voxel_hull(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, Int
     return np.array(mesh.vert_properties)[:, :3] + centre, np.array(mesh.tri_verts).astype(np.int32), cell
 
 
-def _links(scene: Any, nodes: FloatArray, shape: IntArray, cell: float) -> list[FloatArray]:
+def _links(scene: Any, nodes: FloatArray, shape: IntArray, cell: float) -> list[BoolArray]:
     """Per axis: True where no face lies between a node and the next one along the axis."""
     import open3d as o3d
 
@@ -74,7 +74,7 @@ def _links(scene: Any, nodes: FloatArray, shape: IntArray, cell: float) -> list[
     return free
 
 
-def _flooded(clear: FloatArray, off: FloatArray, free: list[FloatArray]) -> FloatArray:
+def _flooded(clear: BoolArray, off: BoolArray, free: list[BoolArray]) -> BoolArray:
     """The nodes reached from a corner of the grid through `clear` nodes, then by `free` links between those `off`."""
     label = np.empty(clear.shape, dtype=np.int32)
     ndimage.label(clear, output=label)
@@ -91,7 +91,7 @@ def _flooded(clear: FloatArray, off: FloatArray, free: list[FloatArray]) -> Floa
     return outside
 
 
-def _without_specks(inside: FloatArray) -> FloatArray:
+def _without_specks(inside: BoolArray) -> BoolArray:
     """The occupied cells without sheets and specks one cell thick, and with enclosed gaps closed."""
     return np.asarray(ndimage.binary_fill_holes(ndimage.binary_opening(inside)))
 

@@ -17,7 +17,7 @@ import numpy as np
 from replay.envelope.trajectory import Trajectory
 from replay.recording.episode import Robot
 from replay.recording.kinematics import link_poses
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 @dataclass(frozen=True)

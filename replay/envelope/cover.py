@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from geom.convex.circumscribed_hull import circumscribed_hull
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 _FINEST = 0.03  # least protrusion over the size of a solid: balls needed grow with its inverse square on thin plates

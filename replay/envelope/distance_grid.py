@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from replay.envelope.envelope import Envelope
-from schemas.model import FloatArray
+from schemas.arrays import Float32Array, FloatArray
 
 FAR_M = 0.05  # the field is no larger than this
 _MOST_CELLS = 4_000_000
 
 
-def signed_distance(envelope: Envelope, step_m: float) -> tuple[FloatArray, FloatArray, float]:
+def signed_distance(envelope: Envelope, step_m: float) -> tuple[Float32Array, FloatArray, float]:
     """Field (x, y, z) of distances in metres, negative inside; the position (3,) of its first point; its step.
 
     The step is coarser than `step_m` where the grid would be too large. Each capsule is stamped into its own box.

@@ -19,7 +19,7 @@ from replay.envelope.simplify import simplify
 from replay.envelope.trajectory import Trajectory, as_robot, recorded_trajectory, refined_trajectories
 from replay.recording.episode import Episode, Robot, link_names
 from replay.recording.kinematics import moving_links
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 _SAMPLE_BALLS = 8  # balls of a link by which the division of intervals is chosen
 _MOST_PARTS = 1000  # of an interval; a leap that would need more makes wide capsules, not many

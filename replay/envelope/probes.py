@@ -15,7 +15,7 @@ from geom.pose import angle_between, quat_of
 from replay.envelope.trajectory import Trajectory, at_fractional_rows
 from replay.recording.episode import Robot
 from replay.recording.kinematics import link_poses
-from schemas.model import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 
 _PROBES = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 _DEEPEST = 12  # halvings of an interval
@@ -47,7 +47,7 @@ def refine_by_probes(robot: Robot, t_s: FloatArray, points: list[FloatArray], to
 
 def _within(
     robot: Robot, t_s: FloatArray, points: list[FloatArray], first: FloatArray, last: FloatArray, tolerances: Tolerances
-) -> FloatArray:
+) -> BoolArray:
     """(k,) whether intervals from `first` to `last` (fractional rows) are within tolerance."""
     at = first[:, None] + (last - first)[:, None] * _PROBES
     states = at_fractional_rows(robot, t_s, at.reshape(-1))

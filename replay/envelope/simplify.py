@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,9 @@ def simplify(points: FloatArray, tolerance_m: float) -> PolylineSpans:
         done.append((line[kept], first[kept], last[kept], deviation[kept]))
         line, first, worst, last = line[split], first[split], worst[split], last[split]
         line, first, last = np.tile(line, 2), np.concatenate([first, worst]), np.concatenate([worst, last])
-    line, first, last = (np.concatenate([part[k] for part in done]) for k in range(3))
+    line, first, last, deviation = (np.concatenate(column) for column in zip(*done, strict=True))
     order = np.lexsort((first, line))
-    return PolylineSpans(line[order], first[order], last[order], np.concatenate([part[3] for part in done])[order])
+    return PolylineSpans(line[order], first[order], last[order], deviation[order])
 
 
 def _farthest(points: FloatArray, line: IntArray, first: IntArray, last: IntArray) -> tuple[FloatArray, IntArray]:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from replay.recording.episode import FreeBody, Link, Robot
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

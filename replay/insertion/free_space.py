@@ -17,7 +17,7 @@ from replay.envelope.trajectory import as_robot
 from replay.insertion.supports import Support
 from replay.recording.episode import Episode
 from replay.recording.kinematics import link_poses, moving_links
-from schemas.model import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 
 SLICE_M = 0.02  # the envelope is cut into slices this thick, each projected once
 _MERGED = 1.0 + 1e-5  # GEOS merges corners of an outline that are nearer than a millionth of its distance
@@ -111,7 +111,7 @@ def buffered(outline: BaseGeometry, by_m: float) -> BaseGeometry:
     return outline.buffer(by_m * _CIRCUMSCRIBED_CORNER, quad_segs=_CORNER_SEGMENTS)
 
 
-def _projection(envelope: Envelope, is_included: FloatArray, low_m: float, high_m: float) -> BaseGeometry:
+def _projection(envelope: Envelope, is_included: BoolArray, low_m: float, high_m: float) -> BaseGeometry:
     """Projection to x and y of the capsules between the heights `low_m` and `high_m`, or more; never less.
 
     The part of a segment within its radius of the slab, as wide as the ball is where the segment comes nearest to it.

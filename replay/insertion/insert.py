@@ -22,7 +22,7 @@ from replay.insertion.candidates import InsertionCandidate, outlines
 from replay.insertion.free_space import FreeSpace, buffered
 from replay.recording.episode import Camera
 from replay.views.visible_area import area_in_view
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.replay import Inserted
 from schemas.scene.runtime_plan import PlanBody
 

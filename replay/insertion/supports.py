@@ -12,7 +12,7 @@ from shapely.geometry import MultiPoint, Point, Polygon
 from geom.convex.circumscribed_hull import CIRCLE_CORNERS, circumscribed_hull
 from geom.pose import apply
 from replay.recording.episode import Episode, Fixture
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 LEVEL_M = 1e-4  # corners of a top face lie this close to its highest

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic
-from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
 JointKind = Literal["fixed", "revolute", "prismatic"]

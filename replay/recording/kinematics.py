@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from replay.recording.episode import Link, Robot
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 def link_poses(robot: Robot, q: FloatArray, X_WR: FloatArray) -> FloatArray:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
-from schemas.model import FloatArray
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import trimesh
 from geom.convex.hull import convex_hull
 from geom.pose import apply, pose
 from replay.recording.recorded_numbers import invalid_recording
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 MESH_FILES = (".obj", ".stl", ".ply", ".dae", ".glb")

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from geom.pose import inverse
 from replay.recording.episode import Episode, Robot, link_names
 from replay.recording.kinematics import link_poses
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 SUB_TIMES = 16

@@ -9,7 +9,7 @@ import numpy as np
 
 from geom.pose import pose_from_quat
 from runtime_plan.bodies import PhysicalBody, physical_body
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import RigidBody
 from schemas.replay import Inserted
 from schemas.scene.runtime_plan import PlanBody

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict
 from replay.recording.episode import Episode
 from replay.recording.files.tables import column_poses, read_columns
 from replay.recording.kinematics import link_poses
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 LINK_POSES = "links_fk.parquet"
 MOST_M, MOST_DEG = 1e-4, 0.1

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from replay.verification.separation import DistanceShape, box_W, centre_and_radius, separation_m
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray, IntArray
 
 BRANCHES = 8
 
@@ -67,7 +67,7 @@ def _spread(X_WB: FloatArray, centres: FloatArray, radius: float, size: int) -> 
     return np.maximum.reduceat(shift + radius * turn, np.arange(0, n, size))
 
 
-def _middle(block: FloatArray, size: int, n: int) -> FloatArray:
+def _middle(block: IntArray, size: int, n: int) -> IntArray:
     first = block * size
     return first + (np.minimum(first + size, n) - first) // 2
 

@@ -12,7 +12,7 @@ import fcl
 import numpy as np
 
 from geom.pose import pose
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 TRUSTED_GAP_M = 1e-6  # Where the slab is narrower than this against FCL's answer, the query is repeated with a nudge.

@@ -10,7 +10,7 @@ import numpy as np
 from geom.pose import angle_between, quat_of
 from replay.recording.episode import Episode
 from replay.verification.inserted_bodies import InsertedBody
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, MassProperties, RigidBody
 from schemas.replay import Moved
 from sim.port import PlacedBody

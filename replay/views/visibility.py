@@ -16,7 +16,7 @@ from geom.convex.support_function import surface
 from geom.pose import apply
 from replay.recording.episode import Camera, Episode
 from replay.recording.kinematics import link_poses
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 ROWS = 12  # rows of a recording that are tested, evenly spread
@@ -96,7 +96,8 @@ def _convex(shape: CollisionShape) -> ConvexPolyhedron:
     length = np.linalg.norm(normals, axis=1)
     normals = normals[length > 0.0] / length[length > 0.0, None]
     offsets = np.einsum("ij,ij->i", normals, first[length > 0.0])
-    planes = np.unique(np.round(np.column_stack([normals, offsets]), 9), axis=0)  # one for the triangles of a face
+    rounded = np.round(np.column_stack([normals, offsets]), 9)
+    planes = np.asarray(np.unique(rounded, axis=0), dtype=np.float64)  # One for the triangles of a face.
     return ConvexPolyhedron(planes[:, :3], planes[:, 3], corners)
 
 
@@ -131,7 +132,7 @@ def _seen(
         )
 
 
-def _directions(X_WC: FloatArray, x: FloatArray, y: FloatArray, slope: float, width: int, height: int) -> FloatArray:
+def _directions(X_WC: FloatArray, x: IntArray, y: IntArray, slope: float, width: int, height: int) -> FloatArray:
     """(r, 3) rays in W through the middles of pixels, of length 1 along the optical axis; y counts down."""
     right, up = (x + 0.5 - width / 2.0) * slope, (height / 2.0 - y - 0.5) * slope
     return np.column_stack([right, up, np.full(len(x), -1.0)]) @ X_WC[:3, :3].T

@@ -8,7 +8,7 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from replay.recording.episode import Camera
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 _ROWS = 12  # of a moving camera, evenly spread
 _NEAR_M = 0.01

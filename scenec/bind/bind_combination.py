@@ -22,7 +22,6 @@ from scenec.ir.problem import (
     Body,
     Domain,
     FixedPose,
-    FloatArray,
     KeepOutIR,
     Path,
     Problem,
@@ -34,6 +33,7 @@ from scenec.ir.problem import (
 )
 from scenec.ir.single_assets import SingleAsset
 from scenec.source.tree import Spans
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Label, any_error, finding
 from schemas.scene.program import (
     BACKGROUND,

@@ -16,7 +16,8 @@ import shapely
 from geom.convex.circumscribed_hull import CIRCUMSCRIBED_CIRCLE, circumscribed_hull
 from geom.convex.support_function import support
 from geom.pose import matrix_of
-from scenec.ir.problem import FloatArray, Slab, Stance
+from scenec.ir.problem import Slab, Stance
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 SECTIONS = np.array([0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0])  # shares of a shape's height

@@ -7,7 +7,7 @@ import numpy as np
 from scene_check.batch import WORLD, BatchPoses, SceneRules, StanceGeometry
 from scene_check.check_batch import check_batch
 from scene_check.from_plan import scene_rules
-from scenec.ir.problem import FloatArray
+from schemas.arrays import FloatArray
 from schemas.scene.runtime_plan import PlanCombination, PlanPool, RuntimePlan
 
 EACH = 4  # scenes in which a case appears at least

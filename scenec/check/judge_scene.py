@@ -22,7 +22,8 @@ from scene_check import (
 )
 from scenec.emit.scene import world_frames
 from scenec.ir.derivation_cache import DerivationCache
-from scenec.ir.problem import FixedPose, FloatArray, Placement, Problem, RelationIR, Slab, Surface, Thing, Volume
+from scenec.ir.problem import FixedPose, Placement, Problem, RelationIR, Slab, Surface, Thing, Volume
+from schemas.arrays import FloatArray
 
 LevelPose = tuple[FloatArray, float]  # origin (3,) in W and yaw: supports are level
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from geom.pose import pose
 from scenec.ir.derivation_cache import DerivationCache
-from scenec.ir.problem import WORLD_PARENT, Body, FloatArray, Placement, Problem, Stance, Thing
+from scenec.ir.problem import WORLD_PARENT, Body, Placement, Problem, Stance, Thing
+from schemas.arrays import FloatArray
 from schemas.scene.compiled import CompiledScene, PlacedObject, Prism
 from schemas.scene.program import BoxAsset, CylinderAsset, Inline, SphereAsset
 

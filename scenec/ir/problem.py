@@ -12,10 +12,10 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import Polygon
 
-FloatArray = NDArray[np.float64]
+from schemas.arrays import FloatArray
+
 Path = tuple[str | int, ...]
 WORLD_PARENT = "background"
 LEVEL_SHARE = 0.25  # of a floor that things stand on

@@ -8,7 +8,8 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import Exhausted, FloatArray, Placement, Problem, Result, Surface, Thing
+from scenec.ir.problem import Exhausted, Placement, Problem, Result, Surface, Thing
+from schemas.arrays import FloatArray
 
 
 def owner_parts(problem: Problem, parent: str, anchor: str) -> list[BaseGeometry]:

@@ -16,7 +16,7 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from render.figure import figure
-from scenec.ir.problem import FloatArray
+from schemas.arrays import FloatArray
 
 INK, PAPER, SUPPORT, EDGE, CLEAR, WRONG, FREE = (
     "#1b1f24",

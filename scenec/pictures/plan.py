@@ -13,9 +13,10 @@ from shapely.geometry.base import BaseGeometry
 from geom.pose import matrix_of
 from render.figure import png
 from scenec.emit.scene import world_frames
-from scenec.ir.problem import WORLD_PARENT, FloatArray, Placement, Problem, Slab, Stance, Surface, Thing, Volume
+from scenec.ir.problem import WORLD_PARENT, Placement, Problem, Slab, Stance, Surface, Thing, Volume
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations
+from schemas.arrays import FloatArray
 
 _MOST_NAMES = 24
 

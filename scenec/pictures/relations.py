@@ -7,8 +7,9 @@ from itertools import pairwise
 
 from matplotlib.axes import Axes
 
-from scenec.ir.problem import FloatArray, RelationIR
+from scenec.ir.problem import RelationIR
 from scenec.pictures.canvas import arrow
+from schemas.arrays import FloatArray
 
 
 def draw_relations(

@@ -12,9 +12,10 @@ import networkx as nx
 import numpy as np
 from scipy.spatial.distance import pdist
 
-from scenec.ir.problem import FloatArray, Problem, Proof, RelationIR, Thing
+from scenec.ir.problem import Problem, Proof, RelationIR, Thing
 from scenec.proofs.outlines import SLACK_M, hull, resting_orientations
 from scenec.proofs.places import area_hull
+from schemas.arrays import FloatArray
 
 
 def near_and_far(problem: Problem) -> Proof | None:

@@ -13,9 +13,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from geom.planar import turned
-from scenec.ir.problem import WORLD_PARENT, FloatArray, Path, Problem, Proof, RelationIR, Thing
+from scenec.ir.problem import WORLD_PARENT, Path, Problem, Proof, RelationIR, Thing
 from scenec.proofs.outlines import SLACK_M, YawCell, hull, least_width, resting_orientations, support_bounds
 from scenec.proofs.places import area_hull, background_yaw
+from schemas.arrays import FloatArray
 
 BEGIN, ORIGIN, END = 0, 1, 2
 

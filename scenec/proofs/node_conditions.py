@@ -17,9 +17,10 @@ import shapely
 from shapely import Polygon
 
 from geom.planar import turned
-from scenec.ir.problem import FloatArray, Problem, RelationIR, Stance, Thing
+from scenec.ir.problem import Problem, RelationIR, Stance, Thing
 from scenec.proofs.outlines import SLACK_M, TURN, YawCell, half_planes, hull, kernel, support_bounds
 from scenec.proofs.places import PlacementBounds, forbidden, linear_bounds, minkowski, ring_of
+from schemas.arrays import FloatArray
 
 DISC_SIDES = 8
 FAR_M = 1e3

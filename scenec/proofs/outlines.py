@@ -14,7 +14,8 @@ import shapely
 from shapely import MultiPoint
 
 from geom.planar import inner_radius, turned
-from scenec.ir.problem import FloatArray, Slab, Stance, Thing
+from scenec.ir.problem import Slab, Stance, Thing
+from schemas.arrays import FloatArray
 
 TURN = 2.0 * np.pi
 SLACK_M = 2e-6

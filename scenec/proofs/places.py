@@ -14,8 +14,9 @@ import shapely
 from shapely import Polygon
 
 from geom.planar import turned
-from scenec.ir.problem import WORLD_PARENT, FloatArray, Problem, Stance, Surface, Thing, Volume
+from scenec.ir.problem import WORLD_PARENT, Problem, Stance, Surface, Thing, Volume
 from scenec.proofs.outlines import SLACK_M, YawCell, half_planes, hull, kernel, support_bounds
+from schemas.arrays import FloatArray
 
 RING_SIDES = 24
 LEAST_AREA_M2 = 1e-8

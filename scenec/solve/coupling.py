@@ -10,12 +10,12 @@ from math import cos, hypot, inf, pi, sin
 
 import networkx as nx
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from scenec.ir.problem import WORLD_PARENT, RelationIR, Volume
 from scenec.solve.model import Limit, SolverModel
+from schemas.arrays import BoolArray, FloatArray
 
 YAW_SAMPLES = 64
 
@@ -77,7 +77,7 @@ def overlapping(model: SolverModel) -> list[tuple[str, str]]:
     ]
 
 
-def _near_by_owner(model: SolverModel) -> list[tuple[list[str], NDArray[np.bool_]]]:
+def _near_by_owner(model: SolverModel) -> list[tuple[list[str], BoolArray]]:
     # For each owner: names of the things on it, and which of them may meet, (n, n).
     siblings: dict[str, list[str]] = defaultdict(list)
     for name, thing in model.things.items():
@@ -92,7 +92,7 @@ def _near_by_owner(model: SolverModel) -> list[tuple[list[str], NDArray[np.bool_
     return owners
 
 
-def boxes_may_meet(low_m: NDArray[np.float64], high_m: NDArray[np.float64], clearance_m: float) -> NDArray[np.bool_]:
+def boxes_may_meet(low_m: FloatArray, high_m: FloatArray, clearance_m: float) -> BoolArray:
     """(n, n) which boxes (n, 3) have a common height and are closer than the clearance in the plane."""
     near = np.ones((len(low_m), len(low_m)), dtype=bool)
     for axis, room in ((0, clearance_m), (1, clearance_m), (2, 0.0)):

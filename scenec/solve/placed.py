@@ -7,10 +7,11 @@ from functools import cached_property
 import shapely
 from shapely import Polygon
 
-from scenec.ir.problem import FloatArray, Placement
+from scenec.ir.problem import Placement
 from scenec.solve.planar import ROUND_OUT, SEGMENTS, outline_of, polygon
 from scenec.solve.resting import ContactGeometry
 from scenec.solve.shapes import ShapeAtYaw
+from schemas.arrays import FloatArray
 
 
 class Placed:

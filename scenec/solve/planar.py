@@ -11,7 +11,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import FloatArray
+from schemas.arrays import FloatArray
 
 SEGMENTS = 6  # sides per quarter turn of round corners
 ROUND_OUT = 1.0 / cos(pi / (4 * SEGMENTS))  # a polygon of this radius contains the unit circle

@@ -17,7 +17,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import WORLD_PARENT, FloatArray, RelationIR, Slab
+from scenec.ir.problem import WORLD_PARENT, RelationIR, Slab
 from scenec.solve.check import Assignment
 from scenec.solve.frames import Pose2, pose_of, turned_direction
 from scenec.solve.model import SLACK_M, Site, SolverModel
@@ -25,6 +25,7 @@ from scenec.solve.placed import Placed
 from scenec.solve.planar import ROUND_OUT, SEGMENTS, hulls, outline_of, polygon
 from scenec.solve.relations import direction_B, extent, front_B, origin_B, outlines_B
 from scenec.solve.shapes import ShapeAtYaw
+from schemas.arrays import FloatArray
 
 NOWHERE = Polygon()
 FEW_PIECES = 16  # product of the piece counts of two footprints below which no-fit polygons are not cached

@@ -7,10 +7,11 @@ from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 
-from scenec.ir.problem import FloatArray, RelationIR
+from scenec.ir.problem import RelationIR
 from scenec.solve.frames import pose_of, turned_direction
 from scenec.solve.placed import Placed, footprint_distance
 from scenec.solve.planar import polygon
+from schemas.arrays import FloatArray
 
 NEAREST_M = 1e-5  # origins closer than this define no direction
 SLACK = 1e-9  # metres or radians, for rounding

@@ -16,8 +16,9 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.ir.problem import FloatArray, Slab, Stance, Surface, Thing, Volume
+from scenec.ir.problem import Slab, Stance, Surface, Thing, Volume
 from scenec.solve.planar import hull_of, outline_of
+from schemas.arrays import FloatArray
 
 AREA_NOISE = 1e-7  # share of a hull's area by which a union may miss it and still count as convex
 COARSE_SHARE = 1e-3  # share of a footprint's hull that joining two pieces of it may add

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 import pybullet
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import MassProperties
 from sim.bullet.shapes import PARKED_M
 from sim.bullet.windows import (

@@ -14,7 +14,7 @@ import pybullet
 from geom import pose
 from geom.convex.support_function import diagonal
 from geom.grasp.gripper import boxes
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import RigidBody
 from sim.bullet.world import dynamic_body, private_client, scaled
 from sim.port import GRAVITY_MPS2, GraspOutcome, GraspTask, model_scale

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from geom import pose
 from geom.mass.principal_axes import principal_axes
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 from sim.bullet.shapes import PARKED_M, clear_margins, compound
 from sim.bullet.windows import (

@@ -16,7 +16,7 @@ import pybullet
 from scipy.spatial.transform import Rotation
 
 from geom.mass.principal_axes import principal_axes
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque
 from sim.dynamics.joint_dynamics import joint_dynamics
 from sim.dynamics.mechanism import Law, MechanismModel, Windows, commanded_effort

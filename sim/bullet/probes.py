@@ -12,7 +12,7 @@ import pybullet
 from scipy.spatial.transform import Rotation
 
 from geom.convex.support_function import diagonal
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 from sim.bullet.shapes import clear_margins, compound
 from sim.bullet.world import private_client

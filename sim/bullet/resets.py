@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from geom import pose
 from geom.convex.support_function import diagonal
 from geom.mass.principal_axes import principal_axes
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import Contact, MassProperties, RigidBody
 from sim.bullet.scene import SPINNING_RESISTANCE, STEP_S
 from sim.bullet.shapes import PARKED_M

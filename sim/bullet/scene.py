@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from geom import pose
 from geom.convex.support_function import diagonal
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.bullet.world import DynamicBody, dynamic_body, private_client, scaled, static_body
 from sim.port import GRAVITY_MPS2, ROLLING_RESISTANCE, PlacedBody
 

@@ -11,7 +11,7 @@ import pybullet
 from scipy.spatial.transform import Rotation
 
 from geom.convex.support_function import surface
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
 _SLOTS = 16  # of createCollisionShapeArray

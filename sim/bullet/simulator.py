@@ -29,7 +29,7 @@ from scipy.spatial.transform import Rotation
 from geom import pose
 from geom.convex.support_function import bounds, diagonal, heights
 from geom.mass.principal_axes import principal_axes
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, RigidBody
 from sim.bullet.grasp import grasp_and_lift
 from sim.bullet.probes import drop_probes
@@ -254,7 +254,7 @@ def _result(loaded: _Loaded, rows: list[Any], settings: DropSettings, contacts: 
     R_WA = R_WI @ X_IA[:3, :3]
     origins = (positions + R_WI @ X_IA[:3, 3]) / scale
     return DropResult(
-        times_s=np.arange(len(rows)) * (settings.world.timestep_s / root),
+        times_s=np.arange(len(rows), dtype=np.float64) * (settings.world.timestep_s / root),
         positions_m=origins,
         quats_wxyz=pose.quat_of(R_WA),
         linear_mps=linear / root,

@@ -12,7 +12,7 @@ import numpy as np
 import pybullet
 from scipy.spatial.transform import Rotation
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyWindows
 
 LARGEST_STEP_S = 1.0 / 480.0
@@ -103,7 +103,7 @@ def measured_motion(rows: FloatArray, X_BI: FloatArray) -> BodyMotion:
     flat = rows.reshape(-1, 13)
     R_WI = Rotation.from_quat(flat[:, 3:7])
     R_WB = R_WI * Rotation.from_matrix(X_BI[:3, :3]).inv()
-    lever = R_WB.apply(X_BI[:3, 3])
+    lever: FloatArray = R_WB.apply(X_BI[:3, 3])
     quats = np.roll(R_WB.as_quat(), 1, axis=1)
     return BodyMotion(
         p=(flat[:, :3] - lever).reshape(*shape, 3),

@@ -13,7 +13,7 @@ import pybullet
 
 from geom import pose
 from geom.mass.principal_axes import principal_axes
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, MassProperties
 from sim.bullet.shapes import PARKED_M, clear_margins, compound
 

@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 from sim.dynamics.hooks import BodyWrench, Params
 

@@ -16,9 +16,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from schemas.arrays import FloatArray
 from schemas.gap import Place
 from schemas.measurement import Kind
-from schemas.model import FloatArray
 
 Params = Mapping[str, float]
 

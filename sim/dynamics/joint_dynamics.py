@@ -7,13 +7,11 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from schemas.model import FloatArray
+from schemas.arrays import ComplexArray, FloatArray
 from sim.dynamics.tree import Tree, inverse_dynamics, mass_matrix
 
 _SWEEPS = 12
-ComplexArray = NDArray[np.complex128]
 
 
 class Configuration(Protocol):

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyWindows
 from sim.dynamics.hooks import BodyWrench, Params

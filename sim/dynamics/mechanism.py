@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import EffortMap, Hook, JointFriction, JointState, JointTorque, Params
 from sim.dynamics.joint_dynamics import JointDynamics, joint_dynamics
 from sim.dynamics.tree import Tree

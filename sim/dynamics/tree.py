@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 @dataclass(frozen=True)

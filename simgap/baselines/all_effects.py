@@ -1,4 +1,4 @@
-"""The baseline without a choice: every candidate switched on at once, fitted by CMA-ES within a budget.
+"""Baseline without selection: all candidates fitted at once by CMA-ES within a budget; losses of the test trials.
 
 N. Hansen, The CMA evolution strategy: a tutorial, arXiv 1604.00772. This is what identification tools do with the
 parameters that a user lists; it names nothing, and with as many parameters it may follow noise.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.inference.losses import trial_losses
 from simgap.problem import Candidate, Model, Problem, Term, View
 from simgap.recording.train_test_split import Trials

@@ -1,4 +1,4 @@
-"""A model without names: ridge regression of the error on random Fourier features (Rahimi and Recht, NIPS 2007).
+"""Black-box baseline: ridge regression of the residual on random Fourier features (Rahimi and Recht, NIPS 2007).
 
 It is a rival for the gain, and the judge of "something is left": what it can predict on unseen trials is structure
 that no accepted effect accounts for.
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 _FEATURES = 120
 _RIDGE = 1e-2

@@ -1,4 +1,4 @@
-"""Which effects of an extension an asset's files can hold, as numbers in the asset's frame; the others, and why not."""
+"""Numbers for a package or URDF from an extension, in the asset's frame; for the effects left out, the reason."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.asset import Matrix3, PhysicsSection, Vec3, matrix3, vec3
 from schemas.diagnostics import InvalidInput, finding
 from schemas.evidence import Evidence, measured
 from schemas.gap import AppliedEffect, Estimate, ModelExtension
 from schemas.measured_physics import MeasuredJoint, MeasuredPhysics
-from schemas.model import FloatArray
 from sim.effects.library import effect
 
 CONFIDENCE = 0.95  # that of the interval

@@ -1,4 +1,4 @@
-"""`extension.json` as terms of a model: what `find` wrote can be applied again, to the same mechanism or another."""
+"""Reads `extension.json` and turns its effects into terms of a model, for the same mechanism or another."""
 
 from __future__ import annotations
 

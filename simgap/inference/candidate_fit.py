@@ -13,10 +13,9 @@ from simgap.problem import Candidate, DirectEstimate
 
 ALPHA = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
 _SINGLED_OUT = 0.5  # of the loss that the direct route leaves with the next best candidate
-_LEAST_GAIN = 0.04  # a share of the loss (half of it of the error), or of the noise, below which nothing has a name
-_CONFIRMED_LEAST_GAIN = (
-    0.01  # the same of what a route without simulator surely tells: it may hardly help beside other causes
-)
+_LEAST_GAIN = 0.04  # minimum gain of a named effect, share of the loss (half of it of the error) or of the noise
+# Minimum gain of effects that a direct estimate confirms: beside other causes they may hardly lower the loss.
+_CONFIRMED_LEAST_GAIN = 0.01
 
 
 def least_gain(candidate: Candidate) -> float:
@@ -119,7 +118,7 @@ def warm_start(fitted: Fit) -> list[Candidate]:
 
 
 def warm_start_without(fitted: Fit, removed: Sequence[Candidate], nuisances: Sequence[Candidate]) -> list[Candidate]:
-    """`warm` without some effects; a declared number that one of them had taken over is free in its tolerance again."""
+    """`warm_start` without some effects; a declared number that one of them had replaced is a nuisance again."""
     keys = {c.key for c in removed}
     remaining = [c for c in warm_start(fitted) if c.key not in keys]
     present = {c.key for c in remaining}

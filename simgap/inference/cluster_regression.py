@@ -1,4 +1,4 @@
-"""Parameters from equations that each event or push must obey: one regression, trials as independent clusters."""
+"""Instrumental-variable regression over trials as clusters: parameters, jackknife errors, p-value of the null."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.problem import DirectEstimate
 
 _LEAST_TRIALS = 4

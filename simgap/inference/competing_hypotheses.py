@@ -1,4 +1,4 @@
-"""Which candidates are no worse than an accepted effect, and which does the work of another.
+"""Competing hypotheses: candidates that fit no worse than an accepted effect, or make it vanish beside them.
 
 Two of them are compared by what they leave of training trials held out in turn. A lead counts if it is beyond chance
 and beyond what readings and roll-outs may differ by on the way to a residual.
@@ -32,11 +32,11 @@ _CONFUSABLE_AHEAD = 0.15
 _SMOOTHED = 0.002  # share of what the best takes away by which it must be ahead
 _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
 _LITTLE_MORE = 2.0  # times what the best leaves: what leaves more was no match for it
-_MOST_RIVALS = 5  # that are asked again beside the other effects
+_MOST_RIVALS = 5  # that are fitted again beside the other effects
 _REPLACED = 0.25  # share of its strength at which an accepted effect counts as gone
 _RICHER = 1  # parameters more that a rival of another kind may have: a spring has a rest beside its stiffness
-# Two causes that stand for two others have two laws' shapes to be wrong in: more is asked before they are refuted; and
-# of more parameters than the best's, that they leave a quarter less.
+# Pairs of causes have two laws that may be wrong: a smaller level refutes them; a pair with more parameters than
+# the best is dropped at once where the best's loss is more than a fifth smaller.
 _BEATEN_TOGETHER, _TOGETHER = 0.01, 0.8
 
 

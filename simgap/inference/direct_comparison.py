@@ -1,4 +1,4 @@
-"""What the direct route says between two candidates: which balances motion better, and beside the other."""
+"""Comparison of two candidates by their direct estimates: held-out losses, and p-values beside each other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parameter values that make a model agree with trials, on roll-outs and on equations of motion alike."""
+"""Fits of model terms to residuals of roll-outs or of equations of motion: values, losses, intervals, p-values."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from itertools import accumulate, pairwise, product
 import numpy as np
 from scipy import stats
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.inference.robust_least_squares import (
     CAUCHY_SCALE,
     Prior,

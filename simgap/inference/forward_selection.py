@@ -13,7 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.inference.candidate_fit import ALPHA, CandidateFit, Map, Screening, least_gain, warm_start_without
 from simgap.inference.competing_hypotheses import (
     RIVAL_ALPHA,
@@ -47,7 +47,7 @@ class Accepted:
 
     p_adjusted   of it among all candidates of its `screening`.
     rivals       inseparable from it.
-    made_up      what the method finds of it where it is not.
+    method_bias  estimate of it on data simulated without it.
     removed      loss that comes back without it, as a share of what is left in the end.
     """
 

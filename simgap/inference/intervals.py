@@ -1,4 +1,4 @@
-"""How far values reach: intervals of a fit, of both routes and of rivals, which need not be even."""
+"""Intervals of an effect's parameters from its fit, its direct estimate and its rivals, possibly asymmetric; SI."""
 
 from __future__ import annotations
 

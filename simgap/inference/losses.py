@@ -1,4 +1,4 @@
-"""How wrong a model is per trial, and whether one model is better than another beyond chance.
+"""Robust losses per trial from residuals, and paired tests between two models over the same trials.
 
 A trial is the unit: samples within one are not independent. Large residuals count by their logarithm (Cauchy's loss),
 so that one toss that lands on another face does not outvote fifty that do not.
@@ -10,11 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
+from schemas.arrays import BoolArray, FloatArray
 from schemas.gap import Interval
-from schemas.model import FloatArray
 from simgap.inference.robust_least_squares import mean_loss
 
 _DRAWS = 2000
@@ -74,7 +73,7 @@ def log_loss_change(before: FloatArray, after: FloatArray) -> FloatArray:
     return np.abs(np.log((before + _TINY) / (after + _TINY)))
 
 
-def affected_trials(before: FloatArray, after: FloatArray) -> NDArray[np.bool_]:
+def affected_trials(before: FloatArray, after: FloatArray) -> BoolArray:
     """(n,) trials whose losses differ by no small part of the largest difference: those that meet a threshold."""
     size = log_loss_change(before, after)
     return size > LITTLE * min(float(size.max()), CLEAR)

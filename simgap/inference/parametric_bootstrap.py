@@ -1,4 +1,4 @@
-"""How far an effect must stand out to be more than what the method itself makes of readings without it.
+"""Bias of the method by parametric bootstrap: what fit and direct estimate give on data simulated without an effect.
 
 A parametric bootstrap (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 6): the accepted model gives
 readings with the same stamps, inputs and noise, in finer steps; whatever both routes then find of the effect comes

@@ -1,4 +1,4 @@
-"""Robust least squares on the unit box, and what its solution says about a trial that it has not seen.
+"""Robust least squares on the unit box, with leave-one-out losses and cluster-robust intervals from the solution.
 
 Residual functions map shares x (p,) of the parameters' ranges to residuals in noise levels, one array per trial.
 Large residuals count by Cauchy's loss, solved by reweighting (Holland and Welsch, Comm. Stat. A6, 1977).
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from schemas.model import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 
 CAUCHY_SCALE = 5.0  # noise levels at which a residual stops counting by its square
 _STEP = 2e-3
@@ -192,7 +192,7 @@ def _bounded_step(H: FloatArray, g: FloatArray, x: FloatArray) -> FloatArray:
     return step
 
 
-def _newton_step(H: FloatArray, g: FloatArray, free: FloatArray) -> FloatArray:
+def _newton_step(H: FloatArray, g: FloatArray, free: BoolArray) -> FloatArray:
     """-H^-1 g over the free parameters, each scaled to its own curvature; blind directions stay put."""
     root = np.sqrt(np.maximum(np.diag(H), 0.0))
     seen = free & (root > 1e-12 * max(float(root.max()), 1e-300))

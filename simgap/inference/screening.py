@@ -1,4 +1,4 @@
-"""One round of a search: every candidate alone on top of a base, quickly, and the promising ones to the end."""
+"""Screening: every candidate fitted alone on top of a base in a few steps, the promising ones until convergence."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from simgap.problem import Candidate, LongHorizonProblem
 
 _FINALISTS = 6
 _DIRECT_FINALISTS = 3  # finalists by direct estimates
-_PROMISING_P = 0.3  # chance below which a quick look is followed by a long one
+_PROMISING_P = 0.3  # p-value below which a candidate is fitted to the end
 _SCREEN_STEPS = 2
-_REFITS = 2  # times that a threshold's fit is taken up again with starts seen from it
+_REFITS = 2  # of a threshold, each with initial states taken at its last fit
 _NOT_JUDGED = Comparison(0.0, (0.0, 0.0), 1.0)
 
 
@@ -47,7 +47,7 @@ def _base_on_short_horizons(state: SearchState) -> tuple[Errors, Fit]:
 
 
 def _quick_fit(state: SearchState, errors: Errors, base: Fit) -> Callable[[Candidate], CandidateFit]:
-    """A quick trial of one candidate: from where the direct estimate points, a step or two."""
+    """The quick fit of one candidate: a step or two from the direct estimate."""
 
     def tried(candidate: Candidate) -> CandidateFit:
         direct = state.problem.direct(candidate, base.model, state.trials.train)
@@ -64,14 +64,16 @@ def _quick_fit(state: SearchState, errors: Errors, base: Fit) -> Callable[[Candi
 
 
 def _fit_finalists(state: SearchState, screened: list[CandidateFit], farther: bool, each: Map) -> Screening:
-    """The most promising ones, by their quick trial or by their direct estimate, fitted to the end; best first.
+    """The most promising ones, by their quick fit or by their direct estimate, fitted to the end; best first.
 
     Where both say that chance does as well, no more is tested. What was screened on shorter horizons than it is judged
     on (`farther`) and is no finalist has not been judged: it counts as no gain.
     """
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
-    told = sorted(order, key=direct_held_out_loss)
-    finalists = {t.candidate.key: t for t in (*order[:_FINALISTS], *told[:_DIRECT_FINALISTS]) if _is_promising(t)}
+    by_direct_loss = sorted(order, key=direct_held_out_loss)
+    finalists = {
+        t.candidate.key: t for t in (*order[:_FINALISTS], *by_direct_loss[:_DIRECT_FINALISTS]) if _is_promising(t)
+    }
 
     def tried(candidate: Candidate) -> CandidateFit:
         quick = finalists[candidate.key]
@@ -107,10 +109,10 @@ def _final_starts(candidate_fit: CandidateFit) -> list[dict[str, float]]:
 
 
 def _finalists_refitted(state: SearchState, finalists: list[CandidateFit]) -> list[CandidateFit]:
-    """Finalists, thresholds among them seen from their own models, and so are all that come near one of those.
+    """Finalists, with thresholds and all that gain nearly as much refitted with initial states of their own models.
 
-    After a blow nothing of what a start does is as it was without one: starts that were taken where nothing was met
-    would blame the threshold for what noise does. Where others compete, they are owed the same.
+    An impact changes how an initial state acts on what follows: initial states taken without it would count their own
+    noise against the threshold. Its competitors get the same treatment.
     """
     near = [_refitted_from_own_starts(state, t) if t.candidate.extra_starts else t for t in finalists]
     best = max((t.comparison.gain for t in near if t.candidate.extra_starts), default=1.0)
@@ -119,7 +121,7 @@ def _finalists_refitted(state: SearchState, finalists: list[CandidateFit]) -> li
 
 
 def _refitted_from_own_starts(state: SearchState, candidate_fit: CandidateFit) -> CandidateFit:
-    """A candidate's fit taken up again, with starts as they are where its own model leads."""
+    """A candidate's fit continued with initial states taken at its own model."""
     fitted = candidate_fit.fit
     for _ in range(_REFITS):
         again = fit(state.errors_at(fitted.model), warm_start(fitted))

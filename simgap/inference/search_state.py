@@ -1,10 +1,10 @@
-"""Where a search stands: a fitted model, the problem as seen from it, and how what is left is measured there."""
+"""State of forward selection: base fit, problem with initial states taken there, error scale, training errors."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.inference.candidate_fit import warm_start
 from simgap.inference.fit import Errors, Fit, fit, robust_scale, rollout_errors
 from simgap.inference.losses import trial_losses
@@ -14,10 +14,10 @@ from simgap.recording.train_test_split import Trials
 
 @dataclass(frozen=True)
 class SearchState:
-    """A base model and what further effects are judged by beside it.
+    """A base model, and what fits of further effects on top of it need.
 
-    problem   with what starts do taken at the model where the search came to stand here.
-    level     (c,) typical error per channel of that model, SI; errors and losses are in these.
+    problem   with initial states taken at the base model.
+    scale     (c,) robust scale of the error per channel under that model, SI; errors and losses are in these units.
     errors    of the training trials.
     base      the model and its fit; accepted effects may have changed since.
     """
@@ -30,7 +30,7 @@ class SearchState:
     base: Fit
 
     def errors_at(self, model: Model) -> Errors:
-        """Errors of roll-outs whose starts are taken at another model."""
+        """Training errors with initial states taken at another model."""
         return rollout_errors(with_initial_states_at(self.problem, model), self.trials.train, self.view, self.scale)
 
     def test_losses(self, fitted: Fit) -> FloatArray:
@@ -38,17 +38,17 @@ class SearchState:
         return trial_losses(self.problem.residuals(fitted.model, self.trials.test, self.view), self.scale)
 
     def test_losses_at_own_fit(self, fitted: Fit) -> FloatArray:
-        """(n,) losses of the test trials, seen from the fit's own model."""
-        seen = with_initial_states_at(self.problem, fitted.model)
-        return trial_losses(seen.residuals(fitted.model, self.trials.test, self.view), self.scale)
+        """(n,) losses of the test trials, with initial states taken at the fit's own model."""
+        problem_at_fit = with_initial_states_at(self.problem, fitted.model)
+        return trial_losses(problem_at_fit.residuals(fitted.model, self.trials.test, self.view), self.scale)
 
 
 def refit_at(problem: Problem, trials: Trials, view: View, base: Fit) -> SearchState:
-    """The search at `base`, which is fitted again there.
+    """The state at `base`, fitted again with initial states and error scale taken there.
 
-    What was an outlier to a poor model is evidence to a better one: the level follows the base.
+    What was an outlier to a poor model is evidence to a better one: the scale follows the base.
     """
-    state = with_initial_states_at(problem, base.model)
-    scale = robust_scale(state, base.model, trials.train, view)
-    errors = rollout_errors(state, trials.train, view, scale)
-    return SearchState(state, trials, view, scale, errors, fit(errors, warm_start(base)))
+    problem_at_base = with_initial_states_at(problem, base.model)
+    scale = robust_scale(problem_at_base, base.model, trials.train, view)
+    errors = rollout_errors(problem_at_base, trials.train, view, scale)
+    return SearchState(problem_at_base, trials, view, scale, errors, fit(errors, warm_start(base)))

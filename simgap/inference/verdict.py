@@ -1,4 +1,4 @@
-"""From evidence to an answer: an effect is named only when held-out gain and direct estimate agree."""
+"""The verdict from a selection: an effect is named only when its held-out gain and its direct estimate agree."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from simgap.inference.losses import Comparison
 from simgap.inference.verdict_text import NAMED, STRANGE, experiment, statement, status
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
 
-_DIRECT_RIVALS = 3  # candidates that the direct route is asked about besides
+_DIRECT_RIVALS = 3  # further candidates that are compared by direct estimates
 LEFTOVER = 0.1  # what a model without names may still explain before we say that something else is there
 
 
@@ -46,7 +46,7 @@ def judge(
     unexplained = leftover.p_value < ALPHA and leftover.gain > LEFTOVER
     single = math.isinf(gains[0].ci95[0])
     nameless = max(leftover.gain if unexplained else 0.0, tails)
-    doubted = [_doubted(problem, selection, candidate_fit, trials) for candidate_fit in selection.accepted]
+    doubted = [_doubted(problem, selection, accepted, trials) for accepted in selection.accepted]
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
     in_doubt: list[Candidate] = []
@@ -57,13 +57,15 @@ def judge(
         candidate_fit = accepted.candidate_fit
         others = _without(selection.final.model, candidate_fit)
         same = [*alike, *_preferred_by_direct(problem, candidate_fit, alike, others, accepted.screening.fits, trials)]
-        verdict_words, agreed = direct_agreement(
+        direct_estimate, agreed = direct_agreement(
             problem, candidate_fit, term, widths, others, trials, alone=len(doubted) == 1
         )
-        direct = agreed and verdict_words is not None and exceeds_method_bias(term, verdict_words, accepted.method_bias)
+        direct = (
+            agreed and direct_estimate is not None and exceeds_method_bias(term, direct_estimate, accepted.method_bias)
+        )
         wide = wider(
             wider(symmetric(widths), symmetric(threshold_excess(term))),
-            distance_to_alternatives(term, widths, verdict_words, doubted),
+            distance_to_alternatives(term, widths, direct_estimate, doubted),
         )
         # What may be nothing, by the interval that is reported, has no sure name; nor has what took a place of another
         # and would not have passed among all candidates by itself.
@@ -75,7 +77,7 @@ def judge(
         effect = NamedEffect(
             name=candidate_fit.candidate.effect.name,
             where=candidate_fit.candidate.where,
-            confidence=_confidence(p, verdict_words, direct, bool(same) or drowned),
+            confidence=_confidence(p, direct_estimate, direct, bool(same) or drowned),
             routes={"heldout": True, "direct": direct},
             parameters=parameters(term, wide),
         )

@@ -1,12 +1,12 @@
-"""What kinds of measurement without time series share: every row is an event with a state before and one after."""
+"""Base protocol of event measurements (impacts, pushes): rows with a state before and after, no time series."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
+from schemas.arrays import FloatArray
 from schemas.gap import ConventionCheck
-from schemas.model import FloatArray
 from simgap.problem import Problem
 
 
@@ -15,7 +15,7 @@ class EventProblem(Problem, Protocol):
     """A problem whose rows have no time; short horizon and full roll-out are the same."""
 
     @property
-    def traps(self) -> tuple[ConventionCheck, ...]:
+    def convention_checks(self) -> tuple[ConventionCheck, ...]:
         """Conventions of the record that were checked."""
         ...
 

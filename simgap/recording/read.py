@@ -1,4 +1,4 @@
-"""A measurement folder as values: `read(folder)` gives the trials, checked and in our units, or says what is wrong."""
+"""Reads a measurement folder: checked trials in SI units and canonical frames, or the findings that prevent it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was recorded in one trial, in our names, SI units and frames, whatever the files called it."""
+"""Recorded trials and their columns in canonical names, SI units and frames."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Trial:
         """Whether anything was measured for that field, e.g. `has("v_W")`."""
         return bool(np.isfinite(getattr(self, column)).any())
 
-    def rows(self, keep: FloatArray) -> Trial:
+    def rows(self, keep: BoolArray | IntArray) -> Trial:
         """The trial with the rows of a mask or an order of row numbers."""
         columns = {name: getattr(self, name)[keep] for name in COLUMNS}
         gone = len(self) - len(self.t_s[keep])

@@ -1,4 +1,4 @@
-"""Which trials teach and which judge; always whole trials."""
+"""Split of a measurement into training and test trials, by declaration or by rule; always whole trials."""
 
 from __future__ import annotations
 

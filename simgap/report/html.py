@@ -1,4 +1,4 @@
-"""`report.html`: the answer first, then pictures, then its evidence; one file that needs no other."""
+"""Renders `report.html` from a report and its pictures as one file: verdict first, then pictures, then evidence."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from schemas.gap import GapReport
 from simgap.inference.verdict_text import share
-from simgap.report.pictures.ablation import ladder
+from simgap.report.pictures.ablation import ablation
 
 REPORT, PAGE, PICTURES = "report.json", "report.html", "pictures"
 # Order on the page; those that are absent are left out.
@@ -26,7 +26,7 @@ def render_page(report: GapReport, folder: Path) -> str:
     for name, title in _TITLES.items():
         file = folder / PICTURES / name
         if name == "ladder.png" and report.ladder:
-            data = ladder(report.ladder)
+            data = ablation(report.ladder)
         elif file.is_file():
             data = file.read_bytes()
         else:

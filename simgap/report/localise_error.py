@@ -1,4 +1,4 @@
-"""Where the error is: by phase, speed, position, effort and axis, from residuals and the measured state beside them."""
+"""Shares of the error by phase, speed, position, effort and axis, from residuals and the measured state."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.gap import Localisation
-from schemas.model import FloatArray
 from simgap.kinds.event_problem import EventProblem
 from simgap.problem import Model, Problem
 

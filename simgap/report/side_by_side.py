@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.mechanism import Windows
 from simgap.kinds.mechanism.apply_model import Applied
 from simgap.kinds.mechanism.logs import log_of
@@ -35,7 +35,7 @@ class SideBySide:
     errors: FloatArray
 
 
-def replay(problem: Problem, trial: Trial, model: Model) -> SideBySide:
+def side_by_side(problem: Problem, trial: Trial, model: Model) -> SideBySide:
     """The full roll-out of `model` from the first row of `trial`."""
     errors = problem.residuals(model, [trial.id], "full_rollout")[0]
     if isinstance(problem, MechanismProblem):
@@ -65,7 +65,7 @@ def _joint_rows(trial: Trial) -> tuple[FloatArray, FloatArray]:
     return log.series.t_s[rows], log.series.columns["q"][rows]
 
 
-def most_telling(declared: list[SideBySide], extended: list[SideBySide], floor: FloatArray) -> tuple[int, int]:
+def largest_improvement(declared: list[SideBySide], extended: list[SideBySide], floor: FloatArray) -> tuple[int, int]:
     """Trial and channel where the extension removes most of the error; with none, where the error is greatest.
 
     Errors count by their logarithm over the noise, so that one roll-out that diverged does not hide the others.

@@ -1,4 +1,4 @@
-"""Conventions that look like physics: what the reader found, and experiments that any engine must pass.
+"""Convention checks from the reader's findings, and by experiments that any engine must pass; relative errors.
 
 No check reads an engine's settings back: bodies are pushed, dropped and slid, and numbers are read off the motion.
 """
@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic
 from schemas.gap import ConventionCheck
-from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyRollout, BodyWindows
 from sim.dynamics.hooks import BodyState, BodyWrench, Params
@@ -73,19 +73,19 @@ _OF_POSES = ("quaternion_order", "gravity_axis")
 
 def reader_checks(measurement: Measurement, findings: Sequence[Diagnostic]) -> tuple[ConventionCheck, ...]:
     """What reading and checking the folder says about conventions."""
-    traps = []
-    for trap in _READ:
-        if trap.name in _OF_POSES and measurement.spec.kind == "mechanism":
+    checks = []
+    for check in _READ:
+        if check.name in _OF_POSES and measurement.spec.kind == "mechanism":
             continue
-        told = [d for d in findings if d.code in (*trap.fixed, *trap.suspect)]
-        suspect = any(d.code in trap.suspect for d in told)
-        evidence = "; ".join(dict.fromkeys(d.headline for d in told)) or trap.fine
-        traps.append(
+        told = [d for d in findings if d.code in (*check.fixed, *check.suspect)]
+        suspect = any(d.code in check.suspect for d in told)
+        evidence = "; ".join(dict.fromkeys(d.headline for d in told)) or check.fine
+        checks.append(
             ConventionCheck(
-                name=trap.name, status="suspect" if suspect else "fixed" if told else "ok", evidence=evidence
+                name=check.name, status="suspect" if suspect else "fixed" if told else "ok", evidence=evidence
             )
         )
-    return tuple(traps)
+    return tuple(checks)
 
 
 def rate_frame_check(measurement: Measurement) -> ConventionCheck | None:
@@ -123,10 +123,10 @@ def step_size_check(problem: Problem, finer: Problem, trials: Sequence[str]) -> 
 
 def body_engine_checks(engine: BodyRollout, model: BodyModel) -> tuple[ConventionCheck, ...]:
     """Whether an engine holds the numbers of a free body: mass, inertia, gravity, no damping, friction."""
-    traps = [_mass(engine, model), _inertia(engine, model), _damping(engine, model), _gravity(engine, model)]
+    checks = [_mass(engine, model), _inertia(engine, model), _damping(engine, model), _gravity(engine, model)]
     if model.has_support:
-        traps.append(_friction(engine, model))
-    return tuple(traps)
+        checks.append(_friction(engine, model))
+    return tuple(checks)
 
 
 def joint_engine_checks(engine: JointReplay, model: MechanismModel) -> tuple[ConventionCheck, ...]:

@@ -1,4 +1,4 @@
-"""Whether the inputs of a recording belong to its motions: files paired wrongly look like physics.
+"""Checks by permutation whether the inputs of a recording belong to its motions: paired tests of roll-out losses.
 
 Driven by the inputs of its own trial a model must come nearer to the motion than driven by those of another trial.
 Where those of another do better from the start, there is nothing to search; where they do as well in the end, whatever
@@ -12,8 +12,8 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.gap import ConventionCheck
-from schemas.model import FloatArray
 from simgap.inference.losses import paired_p, trial_losses
 from simgap.problem import Model, Problem, View
 
@@ -62,7 +62,7 @@ def other_inputs_check(problem: Problem, view: View) -> ConventionCheck | None:
 def _halves(problem: Problem, trials: Sequence[str], view: View, scale: FloatArray) -> FloatArray:
     """(n, 2) mean squared error of the declared model over the first and second half of each trial's roll-outs."""
     parts = [np.array_split(r / scale, 2) for r in problem.residuals((), trials, view)]
-    return np.array([[np.nanmean(np.square(half)) for half in halves] for halves in parts])
+    return np.array([[float(np.nanmean(np.square(half))) for half in halves] for halves in parts])
 
 
 def pairing_check(problem: Problem, model: Model, trials: Sequence[str], view: View) -> ConventionCheck | None:

@@ -95,7 +95,7 @@ def test_friction_of_a_support_follows_its_material():
 
 
 def test_a_paired_material_brings_its_restitution():
-    """A cube falls 30 cm on a slab; both wear the material, and the rebound tells."""
+    """A cube falls 30 cm on a slab; both have the material, and the rebound shows it."""
 
     def rebound_m(restitution: float) -> float:
         rubber = PairedMaterial(id="rubber", objects=("cube", "slab"), restitution=restitution)

@@ -14,8 +14,8 @@ from pxr import Usd, UsdGeom, UsdPhysics
 
 from geom.mass.principal_axes import inertia_from_principal
 from geom.pose import apply, shortest_rotation
+from schemas.arrays import FloatArray, IntArray
 from schemas.diagnostics import InvalidInput, Location, finding
-from schemas.model import FloatArray, IntArray
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 from usdio.contact_material import bound_contact_material
 from usdio.stage import open_stage

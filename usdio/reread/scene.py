@@ -12,7 +12,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics
 
 from geom.convex.scaling import scaled_body
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import MassProperties, RigidBody
 from usdio.read.gprim_placement import column_matrix
 from usdio.reread.body import body_of, contact_of, shapes_of

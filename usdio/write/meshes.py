@@ -12,7 +12,8 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdShade, Vt
 
 from geom.mesh.corner_normals import corner_normals, face_vectors
-from schemas.model import FloatArray, IntArray, Mesh, Model
+from schemas.arrays import AnyFloatArray, Float32Array, FloatArray, IntArray
+from schemas.model import Mesh, Model
 from schemas.parts import Part
 from usdio.names import prim_names
 from usdio.write.mesh_materials import MeshMaterial, uv_primvar
@@ -66,7 +67,7 @@ def define_mesh(stage: Usd.Stage, path: Sdf.Path, points: FloatArray, triangles:
     return mesh
 
 
-def author_normals(mesh: UsdGeom.Mesh, normals: FloatArray, interpolation: str) -> None:
+def author_normals(mesh: UsdGeom.Mesh, normals: AnyFloatArray, interpolation: str) -> None:
     """`primvars:normals` (never the plain `normals` attribute: VG.027 allows one of the two)."""
     primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("normals", Sdf.ValueTypeNames.Normal3fArray, interpolation)
     primvar.Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(normals, dtype=np.float32).reshape(-1, 3)))
@@ -129,7 +130,7 @@ def _author_colors(prim: UsdGeom.Mesh, mesh: Mesh, mesh_material: MeshMaterial) 
     prim.CreateDisplayColorPrimvar(interpolation).Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(color)))
 
 
-def _outward_normals(mesh: Mesh) -> FloatArray:
+def _outward_normals(mesh: Mesh) -> AnyFloatArray:
     """(m, 3, 3) unit normals that agree with the winding, which is the authority on outside (VG.029)."""
     if mesh.normals is None:
         return corner_normals(mesh.points, mesh.triangles)
@@ -165,7 +166,7 @@ def distinct_corner_order(points: FloatArray, triangles: IntArray, taken: set[by
 def _with_corner_order(mesh: Mesh, corners: IntArray) -> Mesh:
     """`mesh` with its corners, and all corner attributes, in the order `corners` (3 m,)."""
 
-    def reordered(values: FloatArray) -> FloatArray:
+    def reordered(values: Float32Array) -> Float32Array:
         return values.reshape(-1, values.shape[2])[corners].reshape(values.shape)
 
     return replace(

@@ -31,7 +31,7 @@ from assetkit.taxonomy.category_masses import masses_of_kind
 from assetkit.taxonomy.tables import categories
 from benchmarks.assets.masses import everyday, named_masses
 from geom.convex.hull import convex_hull, volume
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
 HELD, SPAN = 0.9, 10.0

@@ -16,7 +16,7 @@ from geom.convex.support_function import surface
 from geom.decomposition.fidelity import measure_fidelity, union_surface
 from geom.mesh.surface_distance import two_way_distance
 from geom.pose import matrix_of
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.physics import CollisionShape, Solid
 from usdio.reread.body import reread_body
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import trimesh
 
 from benchmarks.running import Cost, run
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 PINNED = ("obj2mjcf==0.0.25", "coacd==1.0.14", "trimesh==5.2.0", "mujoco==4.0.0", "numpy==2.4.6")
 

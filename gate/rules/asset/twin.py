@@ -14,8 +14,8 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.inertial import mass_centre, stated_inertia
 from gate.subject.values import at, format_numbers
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Location, finding
-from schemas.model import FloatArray
 
 CODE = "asset/gate-twin"
 RELATIVE = 1e-3  # USD keeps single precision.

@@ -10,8 +10,8 @@ from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.body import diagonal, hull_of, stacked
 from gate.subject.values import at, vector
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Severity, finding
-from schemas.model import FloatArray
 
 CODE = "asset/gate-mass-centre-outside"
 _TOLERANCE = 0.01  # of the diagonal: colliders may be tighter than the solid by their fidelity

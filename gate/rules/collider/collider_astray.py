@@ -11,8 +11,8 @@ from gate.rules.rule import Rule
 from gate.subject import Body, Collider, Subject
 from gate.subject.body import diagonal
 from gate.subject.values import at
+from schemas.arrays import BoolArray, FloatArray
 from schemas.diagnostics import Diagnostic, finding
-from schemas.model import FloatArray
 
 CODE = "asset/gate-collider-astray"
 # Shares of the diagonal. The mean over the points of a collider, because one corner of a fitted sliver may reach far.
@@ -42,7 +42,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 yield finding(CODE, headline, where=at(collider.prim), value=mean_m, bound=bound_m, unit="m")
 
 
-def _covered(points: FloatArray, collider: Collider, body: Body) -> FloatArray:
+def _covered(points: FloatArray, collider: Collider, body: Body) -> BoolArray:
     """(n,) True for points inside another collider, where there is contact anyway."""
     covered = np.zeros(len(points), dtype=bool)
     for other in body.active_colliders:

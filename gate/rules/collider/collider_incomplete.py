@@ -10,8 +10,8 @@ from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.body import diagonal, stacked
 from gate.subject.values import at
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Severity, finding
-from schemas.model import FloatArray
 
 CODE = "asset/gate-collider-incomplete"
 REACH = 0.05  # of the diagonal

@@ -23,8 +23,8 @@ from replay.recording.mjcf.meshes import MeshFiles
 from replay.recording.mjcf.read import read_mjcf
 from replay.recording.recorded_numbers import RecordedStates, checked_numbers, checked_stamps, invalid_recording
 from replay.recording.shapes import hull, locate_mesh, mesh_points
+from schemas.arrays import FloatArray
 from schemas.episode import EpisodeDescription, MeshShape, Posed, RobotEntry, RoundShape, Shape, SphereShape
-from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
 

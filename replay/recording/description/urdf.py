@@ -15,7 +15,7 @@ from replay.recording.episode import JointKind, Link
 from replay.recording.mjcf.text import numbers, parse_xml
 from replay.recording.recorded_numbers import invalid_recording
 from replay.recording.shapes import hull, locate_mesh, mesh_points
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 _KINDS: dict[str, JointKind] = {

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from replay.recording.recorded_numbers import invalid_recording
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.zip_damage import ZIP_DAMAGE
 
 MAX_ENTRIES, MAX_BYTES = 20_000, 2**30

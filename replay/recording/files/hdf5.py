@@ -14,7 +14,7 @@ from jobs.cache import file_sha256
 from jobs.cell import Limits
 from jobs.warm import run_module
 from replay.recording.recorded_numbers import invalid_recording
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 MAX_VALUES = 100_000_000
 PATIENCE_S = 60.0  # and a second for each MB, to read a file once

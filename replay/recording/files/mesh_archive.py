@@ -7,7 +7,7 @@ from pathlib import Path
 from replay.recording.files.archives import read_arrays
 from replay.recording.mjcf.read import MjBody, MjGeom
 from replay.recording.recorded_numbers import checked_numbers, invalid_recording
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 MESHES = "meshes_body_frame.npz"
 

@@ -10,7 +10,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from replay.recording.recorded_numbers import invalid_recording, poses
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 Columns = dict[str, FloatArray]
 

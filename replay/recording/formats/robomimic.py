@@ -20,7 +20,7 @@ from replay.recording.mjcf.meshes import MeshFiles
 from replay.recording.mjcf.read import MjModel, model_of, read_mjcf
 from replay.recording.mjcf.text import mjcf_of_text
 from replay.recording.recorded_numbers import RecordedStates, checked_numbers, checked_stamps, invalid_recording, poses
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 PICTURE_PX = (256, 256)
 

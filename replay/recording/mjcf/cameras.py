@@ -8,7 +8,7 @@ from replay.recording.episode import Camera
 from replay.recording.kinematics import link_poses
 from replay.recording.mjcf.episode_parts import Parts
 from replay.recording.mjcf.read import MjModel
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 def model_cameras(model: MjModel, parts: Parts, n: int, size_px: tuple[int, int]) -> tuple[Camera, ...]:

@@ -15,8 +15,8 @@ from replay.recording.episode import Fixture, FreeBody, Link, Robot
 from replay.recording.mjcf.read import MjBody, MjGeom, MjModel
 from replay.recording.recorded_numbers import RecordedStates, invalid_recording
 from replay.recording.shapes import ellipsoid, hull, plane
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
-from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 
 MeshPoints = Callable[[MjBody, MjGeom], FloatArray]  # Vertices (n, 3) in the frame of the body.

@@ -8,7 +8,7 @@ from geom.pose import apply
 from replay.recording.mjcf.read import MjBody, MjGeom, MjModel
 from replay.recording.recorded_numbers import invalid_recording
 from replay.recording.shapes import locate_mesh, mesh_points
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 class MeshFiles:

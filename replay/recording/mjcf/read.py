@@ -17,7 +17,7 @@ import numpy as np
 from geom.pose import pose
 from replay.recording.mjcf.text import Attributes, Orientations, defaults_of, numbers, parse_mjcf
 from replay.recording.recorded_numbers import invalid_recording
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 _NOT_READ = ("composite", "flexcomp", "replicate", "attach", "plugin")
 _GEOMS = ("plane", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh")

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from geom.pose import matrix_of, pose, shortest_rotation
 from replay.recording.recorded_numbers import invalid_recording
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 MAX_BYTES, MAX_INCLUDES = 50_000_000, 64
 Attributes = dict[str, str]

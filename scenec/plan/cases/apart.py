@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenec.ir.problem import FloatArray
-from scenec.plan.cases.feasible import BoolArray
 from scenec.plan.cases.pool_model import Layouts, PoolModel
+from schemas.arrays import BoolArray, FloatArray
 
 ROUNDING_M = 1e-9
 

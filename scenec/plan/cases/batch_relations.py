@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenec.ir.problem import FloatArray, RelationIR
-from scenec.plan.cases.feasible import BoolArray
+from scenec.ir.problem import RelationIR
 from scenec.solve.shelf import AXIS
+from schemas.arrays import BoolArray, FloatArray
 
 SLACK = 1e-9
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import FloatArray, ReachIR
+from scenec.ir.problem import ReachIR
 from scenec.plan.cases.apart import clashes
 from scenec.plan.cases.clip_cells import Freedom, clip_cells, freedom_of
-from scenec.plan.cases.feasible import BoolArray
 from scenec.plan.cases.grow_cells import grow_cells
-from scenec.plan.cases.pool_model import GRAIN_M, IntArray, Layouts, Member, PoolModel
+from scenec.plan.cases.pool_model import GRAIN_M, Layouts, Member, PoolModel
 from scenec.plan.cases.yaws import fitting, intervals
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.scene.runtime_plan import Bounds_um, Interval_urad, PlanCase
 
 SPARE_M = 3 * GRAIN_M  # margin around pinned footprints, so that rounding never empties their cells

@@ -14,13 +14,13 @@ from functools import partial
 import numpy as np
 
 from geom.planar import inner_radius
-from scenec.ir.problem import FloatArray, ReachIR, RelationIR
+from scenec.ir.problem import ReachIR, RelationIR
 from scenec.plan.cases.batch_relations import axis_of, wrapped_all
-from scenec.plan.cases.feasible import BoolArray
 from scenec.plan.cases.pool_model import Layouts, PoolModel
 from scenec.plan.cases.rejection import front_of
 from scenec.solve.planar import polygon
 from scenec.solve.shapes import Shape
+from schemas.arrays import BoolArray, FloatArray
 
 STEPS_M = (
     np.inf,

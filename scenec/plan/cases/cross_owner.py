@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import FloatArray, RelationIR
+from scenec.ir.problem import RelationIR
 from scenec.plan.cases.cells import GrownCells, grown_cells, plan_cases
 from scenec.plan.cases.clip_cells import STEPS_M, clip_cells
 from scenec.plan.cases.cross_owner_relations import (
@@ -22,7 +22,6 @@ from scenec.plan.cases.cross_owner_relations import (
     holds_across_owners,
     relation_values,
 )
-from scenec.plan.cases.feasible import BoolArray
 from scenec.plan.cases.pool import SURPLUS, PoolRequest, reach_P, solved_layout
 from scenec.plan.cases.pool_model import Layouts, PoolModel, joined, pool_model_of
 from scenec.plan.cases.quality import quality
@@ -31,6 +30,7 @@ from scenec.plan.cases.select import selected
 from scenec.plan.cases.signature import distinct
 from scenec.solve.model import SolverModel
 from scenec.solve.streams import stream
+from schemas.arrays import BoolArray, FloatArray
 from schemas.scene.runtime_plan import PlanCase
 
 LOT = 4096  # layouts of each owner, and combinations tested at once

@@ -15,12 +15,12 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from scenec.ir.problem import WORLD_PARENT, FloatArray, RelationIR
+from scenec.ir.problem import WORLD_PARENT, RelationIR
 from scenec.plan.cases.clip_cells import ROUND_M, ROUNDING, Freedom, between_kept, facing_kept, shift_of, unevenness
-from scenec.plan.cases.feasible import BoolArray
-from scenec.plan.cases.pool_model import IntArray, Layouts, PoolModel
+from scenec.plan.cases.pool_model import Layouts, PoolModel
 from scenec.solve.model import SolverModel
 from scenec.solve.shapes import Shape
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)

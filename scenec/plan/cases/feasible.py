@@ -9,14 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import FloatArray
 from scenec.solve.model import SLACK_M, Site
 from scenec.solve.planar import outline_of
+from schemas.arrays import BoolArray, FloatArray
 
-BoolArray = NDArray[np.bool_]
 MOST_TRIANGLES = 24  # above this, notches of a place are replaced by their hulls: safe, but less area
 
 

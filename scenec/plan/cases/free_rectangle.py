@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import FloatArray
 from scenec.plan.cases.slots import SlotOptions
+from schemas.arrays import FloatArray
 
 MOST_FREE = 160
 LEAN = 3.0  # weight of the bias by relations against the fit

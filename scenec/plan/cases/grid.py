@@ -7,8 +7,8 @@ from math import ceil
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import FloatArray
 from scenec.plan.cases.slots import SlotOptions
+from schemas.arrays import FloatArray
 
 UNEVEN = 0.5  # share of the even size that is distributed at random
 

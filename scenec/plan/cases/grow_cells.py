@@ -10,11 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import FloatArray
 from scenec.plan.cases.apart import meeting
 from scenec.plan.cases.batch_relations import axis_orders
-from scenec.plan.cases.feasible import BoolArray
 from scenec.plan.cases.pool_model import Layouts, PoolModel
+from schemas.arrays import BoolArray, FloatArray
 
 STEPS_M = (0.04, 0.04, 0.02, 0.02, 0.01, 0.01, 0.005, np.inf)  # the last one closes the remaining gaps
 

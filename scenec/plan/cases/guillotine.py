@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import FloatArray
-from scenec.plan.cases.pool_model import IntArray
 from scenec.plan.cases.slots import SlotOptions, ordered_by_bias
+from schemas.arrays import FloatArray, IntArray
 
 ASKEW = 0.3  # largest random shift of a cut away from the share of the areas
 SQUARE = 0.8  # chance that the longer side is cut

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import WORLD_PARENT, FloatArray, Placement, ReachIR
+from scenec.ir.problem import WORLD_PARENT, Placement, ReachIR
 from scenec.plan.cases.cells import cases_of
 from scenec.plan.cases.free_rectangle import free_rectangle
 from scenec.plan.cases.grid import grid
@@ -23,6 +23,7 @@ from scenec.plan.cases.slots import layouts_in_slots, slot_options_of
 from scenec.plan.cases.strip import strips
 from scenec.solve.model import SolverModel
 from scenec.solve.streams import stream
+from schemas.arrays import FloatArray
 from schemas.scene.runtime_plan import PlanCase
 
 FAMILIES = (("grid", grid), ("guillotine", guillotine), ("free_rectangle", free_rectangle), ("shelf", shelf))

@@ -15,14 +15,14 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from scenec.ir.problem import FloatArray, Placement, RelationIR, Thing
+from scenec.ir.problem import Placement, RelationIR, Thing
 from scenec.plan.cases.feasible import Feasible, feasible_on
 from scenec.solve.model import SLACK_M, Site, SolverModel
 from scenec.solve.planar import hull_of, polygon
 from scenec.solve.search import fixed_pose_placements
 from scenec.solve.shapes import Shape
+from schemas.arrays import FloatArray, IntArray
 
-IntArray = NDArray[np.int64]
 YAW_STEP = pi / 360.0
 GRAIN_M, GRAIN_RAD = 1e-6, 1e-6  # cells are stored in whole micrometres and microradians (schemas.scene.runtime_plan)
 

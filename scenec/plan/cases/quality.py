@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenec.ir.problem import FloatArray
 from scenec.plan.cases.pool_model import PoolModel
+from schemas.arrays import FloatArray
 from schemas.scene.runtime_plan import PlanCase
 
 SHORT_EDGE_M = 0.02  # room beside a footprint that counts as plenty

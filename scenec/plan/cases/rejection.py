@@ -13,10 +13,10 @@ from math import ceil
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import FloatArray
 from scenec.plan.cases.apart import apart
 from scenec.plan.cases.batch_relations import may_hold
-from scenec.plan.cases.pool_model import IntArray, Layouts, Member, PoolModel, around, joined
+from scenec.plan.cases.pool_model import Layouts, Member, PoolModel, around, joined
+from schemas.arrays import FloatArray, IntArray
 
 LOT = 4096  # layouts or candidates evaluated at once
 MOST_LOTS = 48

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from scenec.ir.problem import FloatArray
-from scenec.plan.cases.pool_model import IntArray, PoolModel
+from scenec.plan.cases.pool_model import PoolModel
+from schemas.arrays import FloatArray, IntArray
 from schemas.scene.runtime_plan import PlanCase
 
 FLOOR = 0.35  # of the best quality

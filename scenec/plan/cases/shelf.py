@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import FloatArray
 from scenec.plan.cases.slots import SlotOptions, ordered_by_bias
+from schemas.arrays import FloatArray
 
 NOISE = 0.15
 

@@ -11,12 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import FloatArray
 from scenec.plan.cases.apart import clashes
 from scenec.plan.cases.batch_relations import axis_orders, may_hold
-from scenec.plan.cases.feasible import BoolArray
-from scenec.plan.cases.pool_model import GRAIN_M, IntArray, Layouts, PoolModel, around
+from scenec.plan.cases.pool_model import GRAIN_M, Layouts, PoolModel, around
 from scenec.plan.cases.rejection import front_of, inside
+from schemas.arrays import BoolArray, FloatArray, IntArray
 
 WAYS = 4  # options per thing at least: two for each stance
 SWAY = 0.4  # standard deviation of the noise on the order by bias

@@ -14,7 +14,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from geom.planar import inner_radius
-from scenec.ir.problem import FloatArray, ReachIR
+from scenec.ir.problem import ReachIR
 from scenec.plan.cases.cells import SPARE_M
 from scenec.plan.cases.pool_model import GRAIN_M, GRAIN_RAD, Member, PoolModel
 from scenec.solve.model import Site
@@ -22,6 +22,7 @@ from scenec.solve.planar import ROUND_OUT, SEGMENTS, hull_of
 from scenec.solve.regions import eroded, no_fit_polygons
 from scenec.solve.shapes import Shape
 from scenec.solve.shelf import free_intervals
+from schemas.arrays import FloatArray
 from schemas.scene.runtime_plan import PlanCase
 
 SECTOR_RAD = pi / 8.0

@@ -6,9 +6,8 @@ from math import ceil, floor
 
 import numpy as np
 
-from scenec.ir.problem import FloatArray
-from scenec.plan.cases.feasible import BoolArray
 from scenec.plan.cases.pool_model import GRAIN_RAD, YawExtents
+from schemas.arrays import BoolArray, FloatArray
 
 MOST_INTERVALS = 4
 LEAST_RAD = 1e-3  # narrower intervals are dropped

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
 
 

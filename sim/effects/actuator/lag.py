@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import solve_banded
 
+from schemas.arrays import FloatArray
 from schemas.gap import Place
-from schemas.model import FloatArray
 from sim.dynamics.hooks import CommandMap, Confusable, Effect, Parameter, Params, Series
 from sim.effects.common.series import with_columns
 

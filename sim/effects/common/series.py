@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
 
 

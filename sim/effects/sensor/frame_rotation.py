@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from schemas.arrays import FloatArray
 from schemas.gap import Place
-from schemas.model import FloatArray
 from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
 from sim.effects.common.series import with_columns
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.gap import Place
-from schemas.model import FloatArray
 from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
 from sim.effects.common.series import read_at, with_columns
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import BodyState, BodyWrench, Confusable, Effect, Parameter, Params
 
 

@@ -1,4 +1,4 @@
-"""Readings that a model itself would have given, to see what the method makes of them."""
+"""Bootstrap samples of tosses: motion simulated by a model from the measured starts, with sensor noise; SI."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from schemas.arrays import FloatArray
 from schemas.measurement import SensorNoise
-from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.kinds.free_body.tossed_body import BodySimulator

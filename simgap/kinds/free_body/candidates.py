@@ -1,4 +1,4 @@
-"""Which effects the log of a free body could show, and within which bounds."""
+"""Candidate effects of a free body with bounds from its shapes, its motion and direct estimates; SI."""
 
 from __future__ import annotations
 
@@ -21,10 +21,8 @@ FRICTION_TOLERANCE = 0.15
 # Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
 STEP, _NUISANCE_STEP = 0.02, 0.2
 _COARSEST = 0.2
-_DIRECT_ALPHA, _BEYOND = (
-    0.01,
-    0.25,
-)  # level at which falls and rest have the last word; share beyond what they say elsewhere
+_DIRECT_ALPHA = 0.01  # level at which a direct estimate sets the bounds
+_BEYOND = 0.25  # share of a direct estimate above that level by which bounds exceed it
 _SEEN, _SMALL = 0.05, 0.02  # level of "something is there"; share of the bounds that is little
 _NEED_SUPPORT = ("contact", "body.size")
 _NEED_JOINTS = ("joint", "sensor.bias")
@@ -44,9 +42,8 @@ def candidates_of(
 ) -> tuple[Candidate, ...]:
     """Every effect of the library that poses of a free body can reveal, in library order.
 
-    `told`: direct estimates of a number from the motion, without an engine. What they surely show to be absent is not
-    tried; fits to
-    contacts may not stray far from what falls and rest say.
+    An effect whose direct estimate is clearly zero is left out; bounds of the others stay near their direct estimates,
+    because fits to contacts stray.
     """
     out = []
     for each in EFFECTS:

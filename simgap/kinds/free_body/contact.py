@@ -1,4 +1,4 @@
-"""What contact says: impulses from the motion before and after an impact, forces while sliding, the height at rest.
+"""Direct estimates from contact: impulses of impacts, forces while sliding, height at rest.
 
 The force on the body is its mass times what gravity does not explain; mass cancels everywhere.
 """

@@ -1,4 +1,4 @@
-"""The body as its owner believes it, from the subject of a measurement."""
+"""The declared body of a `free_body` measurement, built from its subject; SI, body frame B."""
 
 from __future__ import annotations
 

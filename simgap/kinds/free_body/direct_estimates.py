@@ -1,4 +1,4 @@
-"""Direct estimates without an engine: every estimator reads one toss; tosses are independent, so they give the error.
+"""Direct estimates without an engine, from normal equations of single tosses; errors by jackknife over tosses.
 
 A toss gives normal equations `H x = g` of least squares about the parameters (and sometimes a nuisance behind them):
 one that shows only some directions adds only those. No toss counts more than a few others, and tosses that disagree
@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from scipy import stats
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.kinds.free_body import contact, flight, readings
 from simgap.kinds.free_body.evidence import NormalEquations
 from simgap.kinds.free_body.toss import Toss
@@ -29,7 +29,7 @@ _BLIND = 1e-6
 _KNOWN = 0.003  # share to which lengths, masses and shapes are what their file says
 _ONE_ERRORS = 3.0  # errors within which readings of one number agree
 
-# A length scale shows in falls and in the height at rest: both must tell the same.
+# A length scale shows in falls and in the height at rest: both must give the same value.
 ESTIMATORS: Routes = {
     "contact.friction": (contact.friction,),
     "contact.restitution": (contact.restitution,),

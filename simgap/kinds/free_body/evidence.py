@@ -1,4 +1,4 @@
-"""What one toss says about some numbers."""
+"""Normal equations of one toss about some parameters, from values or from rows of a linear model."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What free flight says: the mass centre falls on a parabola but for forces that are not gravity.
+"""Direct estimates from free flight: the mass centre falls on a parabola but for forces that are not gravity.
 
 Positions are compared with double integrals of accelerations, less a straight line per flight: nothing is
 differentiated. Terms of the model that are forces are integrated along.
@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import BodyState
 from simgap.kinds.free_body.evidence import NormalEquations, of_values
 from simgap.kinds.free_body.toss import FLIGHT_ROWS, Toss

@@ -1,4 +1,4 @@
-"""A `free_body` measurement as a problem for the statistics (`simgap.problem.Problem`)."""
+"""A `free_body` measurement as a `simgap.problem.Problem`: candidates, residuals, direct estimates, noise."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.kinds.free_body.bootstrap import bootstrap_sample, simulated_motion
@@ -24,9 +24,9 @@ from simgap.recording.train_test_split import split_trials
 
 HORIZON_S = 0.081
 _COMPARED = 4  # rows per short window that are compared
-_IN_FLIGHT, _AT_REST, _IN_CONTACT = 3, 1, 6  # most windows per trial; where nothing is met, few tell all
-_FEW, _FINER = 12, 4.0  # trials that tell the error of a step; how much finer steps must be
-_DIRECT_ALPHA, _ALIKE = 0.01, 0.5  # a number is as falls and rest tell it if they are so sure, and so near to the fit
+_IN_FLIGHT, _AT_REST, _IN_CONTACT = 3, 1, 6  # most windows per trial; without contact a few suffice
+_FEW, _FINER = 12, 4.0  # trials that show the error of a step; how much finer steps must be
+_DIRECT_ALPHA, _ALIKE = 0.01, 0.5  # level, and share of the fit, within which a direct estimate replaces it
 _CLEAR, _MOVED = 0.1, 0.01  # shares of the body's size: this far from the support all along, moved less than this
 
 
@@ -131,7 +131,7 @@ class FreeBodyProblem:
         return self._estimate_directly(candidate, self._with_direct_values(model, tuple(trials)), tuple(trials))
 
     def _estimate_directly(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate | None:
-        """What trials say of a number where the model is true of them."""
+        """The direct estimate of a candidate, given the terms of `model`."""
         if candidate.key not in self._biases:
             self._biases[candidate.key] = biases_of(candidate, self._simulated, self.mover.routes(candidate))
         read = self._tosses(model, trials)
@@ -143,13 +143,17 @@ class FreeBodyProblem:
         Beside a scale that is off by a hundredth, a body would look too small by as much. One after another, each
         beside all others, those before it as estimated: two of them must not undo the same error.
         """
-        asked = _asked(model, trials)
-        if asked not in self._direct_models:
-            told = model
+        key = _cache_key(model, trials)
+        if key not in self._direct_models:
+            with_direct = model
             for k, term in enumerate(model):
-                told = (*told[:k], self._with_direct_value(term, (*told[:k], *told[k + 1 :]), trials), *told[k + 1 :])
-            self._direct_models[asked] = told
-        return self._direct_models[asked]
+                with_direct = (
+                    *with_direct[:k],
+                    self._with_direct_value(term, (*with_direct[:k], *with_direct[k + 1 :]), trials),
+                    *with_direct[k + 1 :],
+                )
+            self._direct_models[key] = with_direct
+        return self._direct_models[key]
 
     def _with_direct_value(self, term: Term, others: Model, trials: tuple[str, ...]) -> Term:
         candidate = term.candidate
@@ -199,10 +203,10 @@ class FreeBodyProblem:
 
     def _tosses(self, model: Model, trials: tuple[str, ...]) -> list[Toss]:
         """Trials as they truly are under the model; those of the last call are kept."""
-        asked = _asked(model, trials)
-        if self._read[0] != asked:
+        key = _cache_key(model, trials)
+        if self._read[0] != key:
             applied = self.mover.apply(model)
-            self._read = (asked, [self.mover.toss(applied, applied.recovered(self._series[t])) for t in trials])
+            self._read = (key, [self.mover.toss(applied, applied.recovered(self._series[t])) for t in trials])
         return self._read[1]
 
     def _cut(self, trial: str, view: View) -> tuple[np.ndarray, np.ndarray]:
@@ -232,7 +236,7 @@ class FreeBodyProblem:
         return np.sort(np.concatenate([_spread(starts[of], most) for of, most in kinds]))
 
 
-def _asked(model: Model, trials: tuple[str, ...]) -> object:
+def _cache_key(model: Model, trials: tuple[str, ...]) -> object:
     return tuple((t.candidate.key, tuple(t.values.items())) for t in model), trials
 
 

@@ -1,4 +1,4 @@
-"""What poses say about the sensor beside them."""
+"""Direct estimates of sensor errors from poses: age of velocities (s), rotation of the body frame (rad)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One rigid body as something that is tossed (`simgap.kinds.free_body.tossed_body.BodySimulator`)."""
+"""Simulation of one tossed rigid body (`simgap.kinds.free_body.tossed_body.BodySimulator`)."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from geom.convex.support_function import heights
+from schemas.arrays import FloatArray
 from schemas.measurement import SensorNoise
-from schemas.model import FloatArray
 from sim.dynamics.body_rollout import BodyModel, BodyRollout, BodyWindows
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody, apply_terms

@@ -1,4 +1,4 @@
-"""A recorded toss with its contact geometry: flights, impacts, slides and rest, read off poses alone.
+"""A recorded toss with contact geometry: flights, impacts, slides and rest as row ranges, from poses alone.
 
 Velocities are slopes of fits to poses, never the reported rates: what a rate sensor does wrong cannot leak into them.
 """
@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from geom.convex.support_function import facet_directions, surface
-from schemas.model import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 from schemas.physics import CollisionShape
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
@@ -21,7 +21,7 @@ from simgap.kinds.free_body.apply_model import AppliedBody
 FLIGHT_ROWS = 7
 _NEAR = 0.02  # share of the body's length: a point closer than this to the support may touch it
 _PATCH = 0.15  # share of the body's length: a contact within this is one corner
-_SIDE = 5  # rows that tell the motion on one side of an impact
+_SIDE = 5  # rows that give the motion on one side of an impact
 _LONGEST_S = 0.03  # from touching down to moving up
 _INSTANTS = 60
 _SLIDE_ROWS = 7
@@ -218,7 +218,8 @@ class Toss:
         """Velocity (2,) of the lowest corners along the support, its size, and how much it differs between them."""
         reach = self.matrices[row] @ self.corners.T
         near = reach[2] < reach[2].min() + 0.5 * _NEAR * self.size
-        slip = (motion.v + np.cross(motion.w, reach[:, near].mean(axis=1)))[:2]
+        middle: FloatArray = reach[:, near].mean(axis=1)
+        slip = (motion.v + np.cross(motion.w, middle))[:2]
         spread = float(np.linalg.norm(motion.w)) * float(np.ptp(reach[:, near], axis=1).max())
         return slip, float(np.linalg.norm(slip)), spread
 
@@ -248,6 +249,6 @@ def corners(shapes: Sequence[CollisionShape]) -> FloatArray:
     return np.concatenate([surface(shape)[0] for shape in shapes])
 
 
-def _stretches(mask: FloatArray, least: int) -> list[slice]:
+def _stretches(mask: BoolArray, least: int) -> list[slice]:
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
     return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a >= least]

@@ -1,4 +1,4 @@
-"""What roll-outs and direct estimates ask of a tossed thing: one rigid body, or bodies with joints.
+"""Protocol of a simulated tossed body, one rigid body or bodies with joints, for roll-outs and direct estimates.
 
 State columns: p, v_W of the base's origin, quat_wxyz, w_B as in `simgap.recording.recording.Trial`, and for joints q,
 qd.
@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
+from schemas.arrays import FloatArray
 from schemas.measurement import SensorNoise
-from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.kinds.free_body.direct_estimates import Routes

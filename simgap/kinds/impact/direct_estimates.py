@@ -1,4 +1,4 @@
-"""Parameters read off impulses, event by event, with no impact law behind them.
+"""Direct estimates from measured impulses, event by event, without an impact law.
 
 Restitution is parting over approaching speed; friction the ratio of impulses where the contact slides all the way;
 inertia and mass centre follow from the balance of angular momentum.
@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 from sim.dynamics.body_rollout import BodyModel
 from simgap.inference.cluster_regression import Equations, regress
 from simgap.kinds.impact.model import Impulses, impulses
@@ -50,7 +50,7 @@ def _friction(body: BodyModel, events: Impacts) -> Equations:
     return _ones((-np.sign(seen.slip[:, 0]) * seen.along)[sliding], seen.normal[sliding])
 
 
-def slides(seen: Impulses) -> FloatArray:
+def slides(seen: Impulses) -> BoolArray:
     """(n,) mask of events that slip one way from beginning to end: there the impulses' ratio is the coefficient."""
     before, after = seen.slip.T
     return (before * after > 0.0) & (np.abs(after) > _KEEPS_SLIDING * np.abs(before)) & (seen.normal > 0.0)

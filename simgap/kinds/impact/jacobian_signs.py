@@ -1,4 +1,4 @@
-"""Whether the Jacobians turn the body the way it turned: a convention, checked before any physics is blamed.
+"""Convention check: sign of the recorded contact Jacobians against the measured change of rotation.
 
 Jacobians are often written by hand from a drawing whose angles run the other way. Angular momentum decides: the moment
 of the impulses must equal the change of spin, whatever the law of friction.

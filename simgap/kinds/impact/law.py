@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 _TINY = 1e-12
 

@@ -1,4 +1,4 @@
-"""The declared body of an impact measurement, and events as its mass centre sees them."""
+"""The declared body of an impact measurement, and its events transformed to the declared mass centre; SI."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.measurement import MeasurementSpec
-from schemas.model import FloatArray
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import ModelChange
 from simgap.kinds.impact.law import mobility, velocity_after

@@ -1,4 +1,4 @@
-"""An `impact` measurement as a problem for the statistics (`simgap.problem.Problem`).
+"""An `impact` measurement as a `simgap.problem.Problem`: candidates, residuals, direct estimates, noise.
 
 Events have no duration: short horizon and full roll-out are the same. Neighbouring events count as one trial, so that a
 camera that was moved between sessions is not a thousand independent witnesses.
@@ -12,8 +12,8 @@ from dataclasses import fields, replace
 import numpy as np
 from scipy.spatial import KDTree
 
+from schemas.arrays import FloatArray, IntArray
 from schemas.gap import ConventionCheck, Place
-from schemas.model import FloatArray, IntArray
 from sim.dynamics.body_rollout import BodyModel
 from sim.effects.library import effect
 from simgap.kinds.impact.direct_estimates import estimate
@@ -54,7 +54,7 @@ class ImpactProblem:
         return tuple(self._groups)
 
     @property
-    def traps(self) -> tuple[ConventionCheck, ...]:
+    def convention_checks(self) -> tuple[ConventionCheck, ...]:
         """What was checked of the Jacobians."""
         return (self.trap,)
 

@@ -1,4 +1,4 @@
-"""Which effects a tossed linkage could show, at which links and joints, within which bounds."""
+"""Candidate effects of a tossed linkage by link and joint, with bounds from its motion and direct estimates; SI."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def candidates_of(
 ) -> tuple[Candidate, ...]:
     """Every effect of the library that poses and joints of a linkage can reveal, in library order.
 
-    `told` is as for single bodies: what the motion surely shows to be absent is not tried.
+    As for single bodies, an effect whose direct estimate is clearly zero is left out.
     """
     out = []
     for each in EFFECTS:

@@ -1,4 +1,4 @@
-"""Conventions of an engine about jointed bodies, judged by what mechanics keeps.
+"""Convention checks of an engine with jointed bodies: conserved momentum and energy, joint inertia and damping.
 
 The declared masses, centres and tensors give mass centre, angular momentum and energy of the simulated motion. An
 engine that holds other numbers, brakes joints or has other frames does not keep them.
@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.gap import ConventionCheck
-from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.linkage.apply_model import AppliedLinkage
 from simgap.kinds.linkage.toss import LinkageToss

@@ -1,4 +1,4 @@
-"""The jointed body as its owner believes it, from the URDF of a measurement's subject."""
+"""The declared linkage of a measurement, built from the URDF of its subject; SI."""
 
 from __future__ import annotations
 

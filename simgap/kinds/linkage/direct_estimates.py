@@ -1,4 +1,4 @@
-"""What the motion of a linkage says without an engine; mostly its free flights.
+"""Direct estimates for a linkage without an engine, mostly from momenta of its free flights.
 
 Joints act inside: they move neither the mass centre of the whole nor its angular momentum, whatever their friction.
 What they transmit is the change of momentum of the links beyond them, about the joint (Newton, Euler).
@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.kinds.free_body import contact, flight
 from simgap.kinds.free_body.direct_estimates import Estimator, Routes
 from simgap.kinds.free_body.evidence import NormalEquations, of_rows, of_values
@@ -19,7 +19,7 @@ from simgap.kinds.linkage.toss import LinkageToss
 from simgap.problem import Candidate
 
 _ROWS = 11  # of a window over which accelerations are read
-_LEAST = 9  # rows of a flight that tells of momenta
+_LEAST = 9  # minimum rows of a flight for estimates of momenta
 _STILL_RADPS = 0.5  # a joint that turns slower than this has no sure direction
 
 

@@ -1,4 +1,4 @@
-"""A recorded toss of a linkage: the whole falls and slides as one, its links turn each in their own way."""
+"""A recorded toss of a linkage with contact geometry: the whole system's flights and slides, motion of each link."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
 from sim.dynamics.linkage_rollout import link_body, link_poses
 from simgap.kinds.free_body.toss import FLIGHT_ROWS, Impact, Slide, Toss, corners

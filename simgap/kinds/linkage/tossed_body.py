@@ -1,4 +1,4 @@
-"""A body with joints as something that is tossed (`simgap.kinds.free_body.tossed_body.BodySimulator`)."""
+"""Simulation of one tossed linkage (`simgap.kinds.free_body.tossed_body.BodySimulator`)."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from geom.convex.support_function import heights
+from schemas.arrays import FloatArray
 from schemas.measurement import SensorNoise
-from schemas.model import FloatArray
 from sim.dynamics.body_rollout import BodyWindows
 from sim.dynamics.hooks import Series
 from sim.dynamics.linkage_rollout import LinkageModel, LinkageRollout, LinkageWindows, link_body, link_poses

@@ -1,4 +1,4 @@
-"""Readings that a model itself would have given, to see what the method makes of them."""
+"""Bootstrap samples of a mechanism's trials: readings simulated by a model with the same stamps, inputs and noise."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import MechanismModel, rollout
 from simgap.kinds.mechanism.apply_model import apply_terms
@@ -29,7 +29,7 @@ def bootstrap_sample(
 ) -> tuple[Trial, ...]:
     """The trials as `model` would have moved from their starts under their inputs, read with their noise.
 
-    `beat` is that of `logs`. Steps are at most `step_s` long; noise is white, of the size that each log shows.
+    `timing` is that of `logs`. Steps are at most `step_s` long; noise is white, of the size that each log shows.
     """
     applied = apply_terms(declared, model)
     true = [applied.recovered(_as_read(with_timing(t, timing), g)) for t, g in zip(trials, logs, strict=True)]

@@ -1,4 +1,4 @@
-"""Which effects a mechanism's log could show, at which joints, within which bounds.
+"""Candidate effects of a mechanism by joint, with bounds from the magnitudes in its logs; SI.
 
 Bounds follow from the log itself: torques of the size that moved the joint, speeds and positions that were reached.
 """
@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.gap import Place
-from schemas.model import FloatArray
 from sim.dynamics.hooks import Effect, Series
 from sim.dynamics.mechanism import MechanismModel
 from sim.dynamics.tree import inverse_dynamics, mass_matrix
@@ -29,7 +29,7 @@ _STEP_S = 5e-3
 _MOST_LOSS = 3.0  # of a stop's force on the way in beyond that at rest, at the speeds that were reached
 SHAPES = ("velocity_radps", "count_per_rad", "phase_rad", "rest_rad", "nominal_V", "gap_rad")
 _GAP, _LIGHT_DRIVE = (5e-3, 0.5), 0.2  # of the range that was reached; of the inertia that a drive moves
-_NOMINAL = (0.9, 1.6)  # of the supply's median: where a drive gives what it is asked for
+_NOMINAL = (0.9, 1.6)  # of the supply's median: where a drive gives the commanded effort
 _WHOLE_LOG = ("sensor.clock_skew", "joint.axis_tilt")
 
 

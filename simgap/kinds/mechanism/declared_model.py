@@ -1,4 +1,4 @@
-"""The mechanism as its owner believes it, from the joint table of a measurement or from a URDF.
+"""The declared mechanism of a measurement, built from its joint table or its URDF; SI.
 
 World: z up. Revolute axes are horizontal (along y); a link hangs along -z of its own frame at joint angle `zero_rad`.
 Sliding joints move along x. Joints with a parent offset form a chain, others stand side by side. The root of a URDF
@@ -15,8 +15,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from geom.pose import pose_from_quat
+from schemas.arrays import FloatArray
 from schemas.measurement import Actuation, Joint, MeasurementSpec
-from schemas.model import FloatArray
 from sim.dynamics.mechanism import Drive, MechanismModel
 from sim.dynamics.tree import Link, Tree
 from simgap.recording.reading.subject import read_subject

@@ -1,4 +1,4 @@
-"""Direct estimates: which parameters balance the equations of motion on smoothed readings, without simulating.
+"""Direct estimates by equation error: parameters that balance the equations of motion on smoothed readings.
 
 The unexplained effort of a joint is its inverse dynamics minus everything that is modelled (Gautier and Khalil, IEEE
 T-RA 6(3), 1990, for robots), averaged over short blocks: a balance of momentum, in which the noise of accelerations
@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy import sparse
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque, Series
 from sim.dynamics.joint_dynamics import joint_dynamics
 from sim.dynamics.mechanism import Drive, Law, MechanismModel

@@ -1,4 +1,4 @@
-"""Roll-outs with their starts left free: what a wrong start does to a window is no error of the model.
+"""Roll-outs with free initial states: residuals with the first-order effect of each window's start projected out.
 
 A start is read off noisy positions, its rate worst of all: over a second that noise outgrows what most causes do. Each
 window's start may move by what its readings say (output error with free initial conditions: Ljung, System
@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import Windows, rollout, windows_from_starts
 from simgap.kinds.mechanism.apply_model import Applied
@@ -21,7 +21,7 @@ from simgap.kinds.mechanism.smooth import Smooth
 from simgap.kinds.mechanism.windows import Cut, windows_of
 
 _SEARCHED = 3  # steps towards where a window began
-_EXPLAINED = 3.0  # noise levels that a window may leave to be told where it began
+_EXPLAINED = 3.0  # noise levels that a window's residual may have if its start is to be estimated
 _HELD = 0.01  # precision with which a start is held, of its noise's: smoothing rounds it besides
 # Of motions with the step, half of it and a quarter: errors of first and second order in the step cancel (Richardson).
 _TO_NO_STEP = (1.0 / 3.0, -2.0, 8.0 / 3.0)
@@ -55,6 +55,7 @@ def linearised_initial_states(changes: FloatArray, noise: FloatArray, step_error
     start_sensitivity = changes.reshape(windows, compared * joints, numbers)
     weighted = np.swapaxes(start_sensitivity, 1, 2) / np.tile(noise**2, compared)[:, None]
     start_gain = np.linalg.solve(weighted @ start_sensitivity + _HELD * np.eye(numbers), weighted)
+    start_gain = start_gain.astype(np.float64, copy=False)
     return FreeInitialStates(start_sensitivity, start_gain, step_error, *np.zeros((2, windows, joints)))
 
 

@@ -1,4 +1,4 @@
-"""When inputs act and readings are taken: at their stamps, or at an even beat that the stamps only blur.
+"""Times at which inputs act and readings are taken: the stamps, or an even clock that stamps follow with jitter.
 
 A control loop that wakes late reads and sends late. A logger that stamps what it receives is late by itself: neither
 readings nor inputs are. Which of the two made a recording is not written in it, but a model that explains it shows it.
@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.recording.recording import Trial
 
 InputTiming = Literal["stamps", "even_inputs", "even"]
@@ -44,7 +44,7 @@ def even_stamps(t_s: FloatArray) -> FloatArray | None:
     if len(t_s) < 3:
         return None
     numbers = _numbers(t_s)
-    return np.polyval(np.polyfit(numbers, t_s, 1), numbers)
+    return np.asarray(np.polyval(np.polyfit(numbers, t_s, 1), numbers), dtype=np.float64)
 
 
 def with_timing(trial: Trial, timing: InputTiming) -> Trial:

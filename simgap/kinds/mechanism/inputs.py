@@ -1,4 +1,4 @@
-"""Inputs of one trial under the motion of another."""
+"""Permutation of inputs: each trial's motion with the commands and efforts of another trial."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.recording.recording import Trial
 
 _ALIKE = 0.3  # share of the inputs' size; trials that differ by less are driven alike

@@ -1,4 +1,4 @@
-"""A trial as the statistics use it: smoothed motion beside its inputs, at no more rows than roll-outs need."""
+"""Logs for roll-outs and direct estimates: smoothed motion beside inputs, at no more rows than roll-outs need."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray, IntArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.mechanism.smooth import Smooth, smooth
 from simgap.recording.recording import Trial
@@ -48,6 +48,6 @@ def log_of(trial: Trial, known: Smooth | None = None) -> Log:
     return Log(Series(trial.t_s[rows], columns), smoothed, max(1, round(smoothed.rows / every)))
 
 
-def _held(values: FloatArray, rows: FloatArray) -> FloatArray:
+def _held(values: FloatArray, rows: IntArray) -> FloatArray:
     counts = np.diff(np.append(rows, len(values)))
     return np.add.reduceat(values, rows, axis=0) / counts[:, None]

@@ -1,4 +1,4 @@
-"""A `mechanism` measurement as a problem for the statistics (`simgap.problem.Problem`)."""
+"""A `mechanism` measurement as a `simgap.problem.Problem`: candidates, residuals, direct estimates, noise."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.gap import ConventionCheck
-from schemas.model import FloatArray
 from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout
 from sim.dynamics.tree import mass_matrix
@@ -33,7 +33,7 @@ HORIZON_S = 0.2  # jointed things move less per time than tossed ones: 80 ms wou
 _LONG = 5  # short horizons that a long one lasts
 _MEANS = 16  # of a long horizon that are compared: 60 ms each
 _LARGEST = 1e6
-_SURE = 0.01  # chance below which another beat than that of the stamps is believed
+_SURE = 0.01  # chance below which another input timing than the stamps is accepted
 _LARGEST_STEP_S = 5e-3
 _STEP_SWING = 0.15  # of a radian of the fastest controlled swing per step; what that leaves is taken out (`starts`)
 _FINER = 0.25  # steps of repeats, of those of roll-outs
@@ -57,7 +57,7 @@ class MechanismProblem:
         known: Mapping[str, Smooth] | None = None,
         timing: InputTiming = "stamps",
     ) -> None:
-        """`known` smoothed motions by trial id are taken as they are; `beat` says when inputs act and rows are read."""
+        """`known` smoothed motions by trial id are taken as they are; `timing` is when inputs act and rows are read."""
         self.measurement = measurement
         self.declared: MechanismModel = build_mechanism(measurement.spec, measurement.root)
         self.horizon_s = horizon_s
@@ -117,7 +117,7 @@ class MechanismProblem:
             error = np.nan_to_num(error, nan=_LARGEST)
             if view == self.search_view:
                 error = self._starts_of(trials)[trial].without(np.clip(error, -_LARGEST, _LARGEST))
-            # As the sensor would say it: a scale that shrinks the truth must not shrink the error.
+            # In units of the sensor: a scale that shrinks the truth must not shrink the error.
             if applied.sensors:
                 error = error * _magnification(self._logs[trial].series, series)
             out.append(np.clip(error, -_LARGEST, _LARGEST).reshape(-1, q.shape[2]))
@@ -154,7 +154,7 @@ class MechanismProblem:
         return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s).with_initial_states_at(model)
 
     def with_permuted_inputs(self, by: int = 1) -> MechanismProblem | None:
-        """See `simgap.sanity.input_pairing.Driven`."""
+        """See `simgap.sanity.input_pairing.PermutableInputs`."""
         trials = permuted_inputs(self.measurement.trials, by)
         if trials is None:
             return None
@@ -165,16 +165,14 @@ class MechanismProblem:
         return other
 
     def with_initial_states_at(self, model: Model) -> MechanismProblem:
-        """See `simgap.problem.LongHorizonProblem`. The beat is the one by which the model leaves least, beyond
-        chance.
-        """
-        own = self._seen_from(model)
-        level = own.noise_floor(self.trial_ids, self.search_view)
-        best, losses = own, own._losses(model, level)
+        """See `simgap.problem.LongHorizonProblem`; with the input timing of the significantly smallest loss."""
+        at_stamps = self._seen_from(model)
+        level = at_stamps.noise_floor(self.trial_ids, self.search_view)
+        best, losses = at_stamps, at_stamps._losses(model, level)
         for timing in () if self._settled else self._open:
             other = self._by_timing(timing)._seen_from(model)
-            if own._cuts_alike(other):
-                other._starts = own._starts  # to the order of a row's jitter the same
+            if at_stamps._cuts_alike(other):
+                other._starts = at_stamps._starts  # to the order of a row's jitter the same
             theirs = other._losses(model, level)
             if paired_p(losses, theirs) < _SURE and theirs.sum() < losses.sum():
                 best, losses = other, theirs
@@ -194,7 +192,7 @@ class MechanismProblem:
         )
 
     def _by_timing(self, timing: InputTiming) -> MechanismProblem:
-        """The same measurement by another beat, made once."""
+        """The same measurement with another input timing, built once."""
         if timing not in self._by_timing_cache:
             same = {name: log.smooth for name, log in self._logs.items()} if timing != "even" else None
             self._by_timing_cache[timing] = MechanismProblem(self.measurement, self.horizon_s, same, timing)
@@ -252,7 +250,7 @@ class MechanismProblem:
         return np.sum([np.nanmean((judged(start) - plain) ** 2, axis=0) for start in moved], axis=0)
 
     def _starts_of(self, trials: Sequence[str]) -> Mapping[str, FreeInitialStates]:
-        """What starts do to long horizons of these trials, by the model that the problem is `around`."""
+        """What starts do to long horizons of these trials, by the model that initial states are taken at."""
         new = [t for t in trials if t not in self._starts]
         if new:
             declared, model = (apply_terms(self.declared, m) for m in ((), self._around))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import savgol_coeffs, savgol_filter
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 _SPAN_S = 0.06  # of the local cubic; at least 7 rows, at most 61
 _ORDER = 3

@@ -1,4 +1,4 @@
-"""Stretches of trials that roll-outs start from, as arrays over all windows."""
+"""Windows of trials that roll-outs start from, as arrays over all windows; SI."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.model import FloatArray, IntArray
+from schemas.arrays import FloatArray, IntArray
 from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import Windows
 from simgap.kinds.mechanism.apply_model import Applied

@@ -1,4 +1,4 @@
-"""Parameters read off measured forces and moves, push by push: no path is followed and no contact is solved.
+"""Direct estimates from measured forces and displacements, push by push, without roll-outs or contact solver.
 
 While a body slides, its force lies on the limit surface and its twist along the normal there. The level of the force
 gives friction; the direction of the mass centre's move against the force gives its place and the anisotropy; turning
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.inference.cluster_regression import Equations, regress
 from simgap.kinds.push.footprint import nearest
 from simgap.kinds.push.model import SUPPORT, PushModel

@@ -1,4 +1,4 @@
-"""Where a pushed body stands and where it can be touched, both in the plane of the support."""
+"""Contact points and outline of a pushed body in the plane of the support, m, from its shapes."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import trimesh
 from scipy.spatial import ConvexHull, Delaunay, QhullError
 
+from schemas.arrays import FloatArray
 from schemas.measurement import Subject
-from schemas.model import FloatArray
 
 _LOW = 0.02  # share of the height within which vertices count as of the lowest face
 _GRID = 24

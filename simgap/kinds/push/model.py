@@ -1,4 +1,4 @@
-"""What a pushed body is: a limit surface under it, an outline around it, a pusher that touches it."""
+"""Model of a pushed body: limit surface of its support, convex outline, contact with the pusher; SI."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import ModelChange
 from simgap.problem import Model

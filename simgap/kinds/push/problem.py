@@ -1,4 +1,4 @@
-"""A `push` measurement as a problem for the statistics (`simgap.problem.Problem`).
+"""A `push` measurement as a `simgap.problem.Problem`: candidates, residuals, direct estimates, noise.
 
 Poses are known before and after only: short horizon and full roll-out are the same.
 """
@@ -10,8 +10,8 @@ from dataclasses import fields, replace
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.gap import ConventionCheck, Place
-from schemas.model import FloatArray
 from sim.dynamics.body_rollout import BodyModel
 from sim.effects.library import effect
 from simgap.kinds.push.direct_estimates import estimate
@@ -49,7 +49,7 @@ class PushProblem:
         return tuple(self._records)
 
     @property
-    def traps(self) -> tuple[ConventionCheck, ...]:
+    def convention_checks(self) -> tuple[ConventionCheck, ...]:
         """What was checked of the forces."""
         return (self._force_check(),)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.kinds.push.footprint import nearest
 from simgap.kinds.push.sliding import plane_rotations
 from simgap.recording.recording import Push

@@ -1,4 +1,4 @@
-"""Quasi-static pushing at a point: which way a body slides and turns, and how hard it must be pushed.
+"""Quasi-static pushing at a point: twist of the body and pushing force, from an ellipsoidal limit surface.
 
 The wrench lies on the limit surface, the twist along its normal (Goyal, Ruina, Papadopoulos, Wear 143, 1991); the
 contact sticks while its force is inside the friction cone, else it slides along the edge (Lynch, Maekawa, Tanie,
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.kinds.push.footprint import nearest
 from simgap.kinds.push.model import PushModel
 

@@ -1,1 +1,1 @@
-"""What can be wrong with a recording: one concern per file, each `(setting, trials) -> (trials, findings)`."""
+"""Checks of a recording, one concern per file, each `(setting, trials) -> (trials, findings)`."""

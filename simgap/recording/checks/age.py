@@ -1,4 +1,4 @@
-"""How old a recorded velocity is when it is stamped: differences and filters look back."""
+"""Check of the age of recorded velocities (s): differences and filters lag behind the stamp."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Location, finding
-from schemas.model import FloatArray
 from simgap.recording.checks.check import Checked, Setting
 from simgap.recording.checks.frames import AGREES
 from simgap.recording.checks.rates import Slopes, fast_rows, linear_slopes, mismatch, turning_slopes

@@ -1,4 +1,4 @@
-"""Joint angles: wraps removed, degrees found."""
+"""Checks of joint angles: removes wraps, converts degrees to radians."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.recording.checks.check import Checked, Hit, Setting, over_trials
 from simgap.recording.recording import Trial
 

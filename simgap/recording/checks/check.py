@@ -1,4 +1,4 @@
-"""What a check is, and how findings over many trials become one diagnostic."""
+"""Types of a check, and the summary of findings over many trials as one diagnostic."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Label, Location, Severity, finding
 from schemas.measurement import MeasurementSpec
-from schemas.model import FloatArray
 from simgap.recording.reading.subject import JointInfo
 from simgap.recording.recording import Trial
 

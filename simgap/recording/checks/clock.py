@@ -1,4 +1,4 @@
-"""Stamps: their order, unit, gaps, jitter and rate."""
+"""Checks of stamps: order, unit (s), gaps, jitter and rate."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import median_filter
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Severity
-from schemas.model import FloatArray
 from simgap.recording.checks.check import Checked, Hit, Setting, mapped, over_trials
 from simgap.recording.checks.finite import MIN_ROWS
 from simgap.recording.recording import Trial

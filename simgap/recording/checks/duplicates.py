@@ -1,4 +1,4 @@
-"""One recording under two ids: it leaks from training to test, and counts one experiment twice."""
+"""Check for one recording under two ids, which would leak from training to test and count twice."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from geom.pose import to_xyzw
+from schemas.arrays import FloatArray
 from schemas.measurement import SensorNoise
-from schemas.model import FloatArray
 from simgap.recording.checks.check import Checked, Hit, Setting, over_trials
 from simgap.recording.recording import Trial
 

@@ -1,4 +1,4 @@
-"""Rows that hold no number where one is needed, and trials with nothing in them."""
+"""Removes rows without finite numbers where they are needed, and trials that become empty."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from schemas.arrays import BoolArray
 from schemas.diagnostics import Severity
-from schemas.model import FloatArray
 from simgap.recording.checks.check import Checked, Hit, Setting, over_trials
 from simgap.recording.recording import COLUMNS, Trial
 
@@ -50,7 +50,7 @@ def drop_non_finite_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked
     return Checked(tuple(finite_trials), findings)
 
 
-def _whole_rows(setting: Setting, trial: Trial) -> FloatArray:
+def _whole_rows(setting: Setting, trial: Trial) -> BoolArray:
     declared = setting.spec.columns
     keep = np.isfinite(trial.t_s)
     if "p" in declared:

@@ -1,4 +1,4 @@
-"""How a tossed body falls: units and axes show in it before any model does."""
+"""Check of units and axes by the acceleration of tossed bodies in free fall."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Location, finding
-from schemas.model import FloatArray
 from simgap.recording.checks.check import Checked, Setting
 from simgap.recording.checks.stack import owners, stacked, windows
 from simgap.recording.recording import Trial

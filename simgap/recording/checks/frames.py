@@ -1,4 +1,4 @@
-"""Axes and order that a file got wrong: which reading of orientation and velocity agrees with the motion."""
+"""Checks of quaternion order and velocity frame: the reading that agrees with the motion is taken."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geom.pose import matrix_of
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Location, finding
-from schemas.model import FloatArray
 from simgap.recording.checks.check import Checked, Setting, mapped
 from simgap.recording.checks.quaternions import one_sign
 from simgap.recording.checks.rates import fast_rows, linear_slopes, mismatch, turning_slopes

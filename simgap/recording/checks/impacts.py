@@ -1,4 +1,4 @@
-"""Impacts that no contact could make: they part before, meet after, or gain energy."""
+"""Checks of impact events: approach before, separation after, no gain of energy."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from dataclasses import fields, replace
 
 import numpy as np
 
+from schemas.arrays import IntArray
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
 from schemas.measurement import Subject
-from schemas.model import FloatArray
 from simgap.recording.recording import Impacts
 
 _TABLE = Location(file="trajectories")
@@ -68,7 +68,7 @@ def _mechanics(impacts: Impacts, subject: Subject) -> list[Diagnostic]:
     return findings
 
 
-def _take(impacts: Impacts, rows: FloatArray) -> Impacts:
+def _take(impacts: Impacts, rows: IntArray) -> Impacts:
     arrays = {f.name: getattr(impacts, f.name)[rows] for f in fields(impacts) if f.name != "ids"}
     return replace(impacts, ids=tuple(impacts.ids[i] for i in rows), **arrays)
 

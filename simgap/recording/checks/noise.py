@@ -1,4 +1,4 @@
-"""Sensor noise where the file declares none: what is left of short windows after a smooth curve."""
+"""Estimate of sensor noise where none is declared: residual of short windows from a smooth curve, SI."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from geom.pose import to_xyzw
+from schemas.arrays import FloatArray, IntArray
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.measurement import SensorNoise
-from schemas.model import FloatArray
 from simgap.recording.checks.check import Setting
 from simgap.recording.checks.stack import owners, stacked, windows
 from simgap.recording.recording import Trial
@@ -52,7 +52,7 @@ def estimate_noise(setting: Setting, trials: Sequence[Trial]) -> tuple[SensorNoi
     )
 
 
-def channel_noise(values: FloatArray, owner: FloatArray) -> float | None:
+def channel_noise(values: FloatArray, owner: IntArray) -> float | None:
     """One standard deviation per component of stacked series (N, k), None where no window holds finite numbers.
 
     At least a millionth of the channel's spread, so that noise-free data do not divide by zero.

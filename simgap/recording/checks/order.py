@@ -1,4 +1,4 @@
-"""The checks of time series, in the one order in which each can rely on those before it."""
+"""Sequence of the checks of time series, each after those that it relies on."""
 
 from __future__ import annotations
 

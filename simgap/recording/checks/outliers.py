@@ -1,10 +1,10 @@
-"""Single rows that leave the path and come back: a corrupted line, a tag seen in a mirror."""
+"""Removes single rows that leave the path and come back, as corrupted lines and mirrored tags do."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 from simgap.recording.checks.check import Checked, Hit, Setting, over_trials
 from simgap.recording.checks.quaternions import one_sign
 from simgap.recording.recording import Trial
@@ -34,7 +34,7 @@ def drop_corrupted_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
     return Checked(tuple(cleaned), over_trials("gap/corrupted-rows", "rows off the path dropped", hits, len(trials)))
 
 
-def spikes(values: FloatArray, factor: float = _SPIKE) -> FloatArray:
+def spikes(values: FloatArray, factor: float = _SPIKE) -> BoolArray:
     """(n,) inner rows of (n, k) that differ from both neighbours in one direction, while the neighbours agree.
 
     The detour over the row must exceed `factor` times the largest step of its surroundings and of the trial's

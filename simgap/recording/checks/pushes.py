@@ -1,4 +1,4 @@
-"""Pushes: finite and ordered series, unit orientations, a body that moved, a tip that came near."""
+"""Checks of pushes: finite, ordered series, unit quaternions, a body that moved, a tip near the body."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from schemas.arrays import FloatArray, IntArray
 from schemas.diagnostics import Diagnostic, Label, Location, Severity, finding
-from schemas.model import FloatArray
 from simgap.recording.checks.quaternions import NEAR
 from simgap.recording.recording import Push
 
@@ -74,7 +74,7 @@ def _clean(push: Push) -> tuple[Push, int]:
     return clean, len(push.tip_t_s) - len(tip) + len(push.force_t_s) - len(force)
 
 
-def _order(t_s: FloatArray, values: FloatArray) -> FloatArray:
+def _order(t_s: FloatArray, values: FloatArray) -> IntArray:
     rows = np.flatnonzero(np.isfinite(t_s) & np.isfinite(values).all(axis=1))
     _, first = np.unique(t_s[rows], return_index=True)
     return rows[first]

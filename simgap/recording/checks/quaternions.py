@@ -1,4 +1,4 @@
-"""Orientations: unit length and one sign."""
+"""Normalises orientations to unit quaternions with one sign over time."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Severity
-from schemas.model import FloatArray
 from simgap.recording.checks.check import Checked, Hit, Setting, over_trials
 from simgap.recording.recording import Trial
 
-ROUNDING = 1e-4  # Five printed digits; nothing to tell anyone.
+ROUNDING = 1e-4  # Five printed digits; not worth a finding.
 NEAR = 0.05  # A sloppy filter; farther off it is no quaternion.
 FEW = 0.1  # of a trial's rows: lost tracking, not a wrong column
 

@@ -1,4 +1,4 @@
-"""Velocities that the positions themselves imply, for all trials at once; the yardstick for recorded ones."""
+"""Velocities implied by the positions of all trials at once, to compare recorded velocities with; SI."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from geom.pose import to_xyzw
-from schemas.model import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 from simgap.recording.checks.stack import owners, stacked
 from simgap.recording.recording import Trial
 
@@ -50,7 +50,7 @@ def _slopes(trials: Sequence[Trial], change: FloatArray) -> Slopes:
     return Slopes(np.concatenate([gap, slope]), np.concatenate([slope, gap]))
 
 
-def fast_rows(implied: FloatArray, recorded: FloatArray) -> FloatArray:
+def fast_rows(implied: FloatArray, recorded: FloatArray) -> BoolArray:
     """(n,) the faster half of the rows in which both velocities are known: the informative ones."""
     speed = np.linalg.norm(implied, axis=1)
     known = np.isfinite(speed) & np.isfinite(recorded).all(axis=1)
@@ -59,7 +59,7 @@ def fast_rows(implied: FloatArray, recorded: FloatArray) -> FloatArray:
     return known & (speed >= np.quantile(speed[known], 1.0 - _FAST_SHARE)) & (speed > 0.0)
 
 
-def mismatch(recorded: FloatArray, implied: FloatArray, rows: FloatArray) -> float:
+def mismatch(recorded: FloatArray, implied: FloatArray, rows: BoolArray) -> float:
     """Median distance between two velocities over `rows`, as a fraction of the median implied speed; 0 is agreement."""
     if not rows.any():
         return 0.0
@@ -67,7 +67,7 @@ def mismatch(recorded: FloatArray, implied: FloatArray, rows: FloatArray) -> flo
     return float(np.nanmedian(off) / np.nanmedian(np.linalg.norm(implied[rows], axis=1)))
 
 
-def ratio(recorded: FloatArray, implied: FloatArray, rows: FloatArray) -> float:
+def ratio(recorded: FloatArray, implied: FloatArray, rows: BoolArray) -> float:
     """Median recorded speed per implied speed over `rows`, whatever the axes; negative when a scalar runs backward."""
     if not rows.any():
         return 1.0

@@ -1,4 +1,4 @@
-"""Which trials the file gives to training and test: known, disjoint, enough."""
+"""Check of the declared split into training and test trials: known ids, disjoint, enough trials."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All trials under one another, so that a check runs once instead of once per trial."""
+"""Concatenates all trials with their offsets, so that a check runs once instead of once per trial."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray, IntArray
 from simgap.recording.recording import Trial
 
 
@@ -16,12 +16,12 @@ def stacked(trials: Sequence[Trial], values: Callable[[Trial], FloatArray]) -> F
     return np.concatenate([values(trial) for trial in trials])
 
 
-def owners(trials: Sequence[Trial]) -> FloatArray:
+def owners(trials: Sequence[Trial]) -> IntArray:
     """(N,) index of the trial that a stacked row belongs to."""
     return np.repeat(np.arange(len(trials)), [len(trial) for trial in trials])
 
 
-def windows(values: FloatArray, owner: FloatArray, width: int) -> FloatArray:
+def windows(values: FloatArray, owner: IntArray, width: int) -> FloatArray:
     """(m, k, width) all runs of `width` rows of stacked values (N, k) that lie in one trial."""
     if len(values) < width:
         return np.empty((0, *values.shape[1:], width))

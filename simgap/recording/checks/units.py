@@ -1,4 +1,4 @@
-"""Units that a file got wrong: a velocity and the slope of its position must be the same number."""
+"""Checks of length and angle units: a velocity and the slope of its position must agree."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Location, finding
-from schemas.model import FloatArray
 from simgap.recording.checks.check import Checked, Setting, mapped
 from simgap.recording.checks.flight import flight_acceleration
 from simgap.recording.checks.rates import Slopes, fast_rows, linear_slopes, ratio, turning_slopes

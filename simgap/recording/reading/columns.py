@@ -1,4 +1,4 @@
-"""Our names for columns: which exist, what each kind of measurement needs, and a table's columns under our names."""
+"""Canonical columns: which each kind of measurement needs, and a table's columns under canonical names."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 from schemas.measurement import Kind, MeasurementSpec
-from schemas.model import FloatArray
 from simgap.recording.reading.tables import Table
 from simgap.recording.reading.yaml_text import YamlDocument
 

@@ -1,4 +1,4 @@
-"""Files of a measurement folder: found, named, kept inside the folder, hashed."""
+"""Finds the files of a measurement folder, names them, keeps paths inside the folder, hashes contents."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Impacts: every table in the folder holds events, one per row."""
+"""Reads impact events: every table in the folder holds one event per row."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import InvalidInput, Location, finding
-from schemas.model import FloatArray
 from simgap.recording.reading.columns import IMPACT, Column, take
 from simgap.recording.reading.tables import Table
 from simgap.recording.recording import Impacts

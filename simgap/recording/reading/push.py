@@ -1,4 +1,4 @@
-"""Pushes: `<id>.pose`, `<id>.tip` and `<id>.force` tables, or all of them as arrays of one `<id>.npz`."""
+"""Reads pushes: `<id>.pose`, `<id>.tip` and `<id>.force` tables, or all of them as arrays of one `<id>.npz`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.recording.reading.columns import Column, take
 from simgap.recording.reading.tables import Table, unreadable
 from simgap.recording.recording import Push

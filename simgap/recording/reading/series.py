@@ -1,4 +1,4 @@
-"""Time series: one table per trial becomes a `Trial`, as recorded; checks come later."""
+"""Reads time series: one table per trial becomes a `Trial`, as recorded; checks come later."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from geom.pose import matrix_of
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
-from schemas.model import FloatArray
 from simgap.recording.reading.columns import Column, take
 from simgap.recording.reading.tables import Table, unreadable
 from simgap.recording.recording import Trial

@@ -1,4 +1,4 @@
-"""`measurement.yaml` as a checked `MeasurementSpec`; every finding points at line and column."""
+"""Reads `measurement.yaml` as a checked `MeasurementSpec`; every finding points at line and column."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The subject's files and joints, as far as reading a measurement needs them."""
+"""Reads the subject of a measurement: its files and the names and types of its joints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One table file (`.csv`, `.parquet`, `.npz`) as named float64 arrays; nothing in it is executed, sizes are bounded."""
+"""Reads one table (`.csv`, `.parquet`, `.npz`) as named float64 arrays; executes nothing, bounds sizes."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import InvalidInput, Location, finding
-from schemas.model import FloatArray
 from schemas.zip_damage import ZIP_DAMAGE
 
 MAX_BYTES = 512_000_000  # of one file, and of its arrays when unpacked

@@ -1,4 +1,4 @@
-"""Tables of a folder by trial, and what is built from them; one bad file does not end the others."""
+"""Groups the tables of a folder by trial and builds one value per trial; a bad file costs only its own trial."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A URDF as bodies and joints for simulation: links joined by fixed joints become one, meshes become convex hulls.
+"""Reads a URDF as links and joints for simulation, SI: fixed joints merged, meshes as convex hulls.
 
 Format: wiki.ros.org/urdf/XML. Nothing outside the folder of the measurement is opened.
 """
@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from geom.convex.hull import hull_shape
 from geom.mass.inertia import combine, moved
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, MassProperties
 
 MOVABLE = ("revolute", "continuous", "prismatic")

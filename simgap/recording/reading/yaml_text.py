@@ -1,4 +1,4 @@
-"""YAML as plain values that remember where they stood, so that a finding can point at line and column."""
+"""Reads YAML as plain values with their line and column, so that a finding can point at them."""
 
 from __future__ import annotations
 

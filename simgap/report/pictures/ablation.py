@@ -1,4 +1,4 @@
-"""How the held-out error falls step by step: declared, refitted, each effect, noise."""
+"""Picture of the ablation: held-out rms error as declared, refitted, with each effect added, and of noise."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from simgap.report.pictures.colours import DECLARED, EXTENDED, NOISE
 _WORDS = {"declared": "model as declared", "null_refit": "declared numbers refitted", "noise_floor": "noise alone"}
 
 
-def ladder(steps: Sequence[Rival]) -> bytes:
+def ablation(steps: Sequence[Rival]) -> bytes:
     """PNG of horizontal bars, one per step, in noise levels (logarithmic when they span more than a decade)."""
     canvas = figure(8.0, 1.2 + 0.5 * len(steps))
     axes = canvas.subplots()

@@ -1,4 +1,4 @@
-"""Measured against simulated outcomes of events, one point each: on the diagonal the model is right."""
+"""Picture of simulated against measured outcomes of events, one point each, SI; a right model is on the diagonal."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from render.figure import figure, png, style_axes
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from simgap.kinds.event_problem import EventProblem
 from simgap.problem import Model
 from simgap.report.pictures.colours import DECLARED, EXTENDED, MEASURED

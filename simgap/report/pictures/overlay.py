@@ -1,4 +1,4 @@
-"""Measured motion with both simulations on top, and the error of each below."""
+"""Picture of one channel over time: measured and simulated, with the errors below."""
 
 from __future__ import annotations
 

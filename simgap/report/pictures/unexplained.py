@@ -1,4 +1,4 @@
-"""What acts on a joint and is not in the model, against the state that the named effect depends on, with its law."""
+"""Picture of the unexplained joint effort against the state that an effect depends on, with the fitted law."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from render.figure import figure, png, style_axes
+from schemas.arrays import FloatArray
 from schemas.gap import Place
-from schemas.model import FloatArray
 from simgap.kinds.mechanism.equation_error import balance
 from simgap.kinds.mechanism.logs import Log, log_of
 from simgap.kinds.mechanism.problem import MechanismProblem

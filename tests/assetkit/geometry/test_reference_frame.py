@@ -15,7 +15,7 @@ from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.intake import ReadSource
 from assetkit.stages.semantics import DescribeObject
 from jobs.cache import Cache
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.fake import FakeSimulator
 from tests.support.bad_inputs.assets import LYING_CUP, obj_text
 

@@ -21,7 +21,8 @@ from assetkit.mass.estimate import MassEvidence
 from assetkit.options import Options
 from assetkit.stage import Canonical
 from geom.mass.inertia import combine, inertia_about, is_physical
-from schemas.model import FloatArray, Material, Mesh
+from schemas.arrays import FloatArray
+from schemas.model import Material, Mesh
 from schemas.physics import MassProperties
 from tests.support.mass_samples import (
     NOWHERE,

@@ -18,8 +18,9 @@ from benchmarks.assets.made_things import things
 from geom.features.mirror_symmetry import mirror_plane_heading
 from geom.pose import matrix_of
 from jobs.cache import Cache
+from schemas.arrays import FloatArray
 from schemas.evidence import declared, default, inferred, measured
-from schemas.model import FloatArray, Mesh, Model
+from schemas.model import Mesh, Model
 from sim.fake import FakeSimulator
 
 MADE = {t.name: t for t in things(seed=3, draws=1)}

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 from assetkit.pose.upright import TURN, rank_upright
 from assetkit.taxonomy.tables import categories
 from geom.features.upright_directions import UprightFeatures, upright_features
+from schemas.arrays import FloatArray
 from schemas.evidence import declared, default
-from schemas.model import FloatArray
 from schemas.physics import Solid
 
 Z_BY_HABIT = default("z", "OBJ declares no up axis")

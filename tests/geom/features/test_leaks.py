@@ -8,7 +8,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from geom.features.leaks import leaks
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 
 UP = np.array([0.0, 0.0, 1.0])
 BALL_M = 0.02

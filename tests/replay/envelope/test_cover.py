@@ -67,7 +67,7 @@ def test_all_of_any_hull_lies_in_its_balls(seed, count, size):
 
 @pytest.mark.parametrize("size_m", [(0.1, 0.1, 1e-13), (0.1, 1e-13, 1e-13)])
 def test_what_is_all_but_flat_is_covered_at_any_angle(size_m):
-    """Qhull refused its cuts, or the cover asked for 96 GiB."""
+    """Qhull refused its cuts, or the cover allocated 96 GiB."""
     X = pose(Rotation.from_rotvec([0.3, 0.5, 0.2]).as_matrix(), np.array([1.0, 2.0, 3.0]))
     for X_BS in (np.eye(4), X):
         shape = CollisionShape("box", size_m, X_BS)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from geom.mass.inertia import combine, moved
 from geom.pose import angle_between
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, MassProperties
 from sim.bullet.body import BulletBodyRollout
 from sim.bullet.linkage import BulletLinkageRollout

@@ -1,4 +1,4 @@
-"""A model extension is applied as it stands, or refused with the reason."""
+"""Model extensions are applied unchanged, or refused with the reason."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands in the place of what, asked of causes whose traces are known columns."""
+"""Competing hypotheses and replacements among causes whose residuals are known columns."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from schemas.arrays import FloatArray
 from schemas.gap import Gain, Place
-from schemas.model import FloatArray
 from sim.effects.library import effect
 from simgap.inference.agreement import agree
 from simgap.inference.candidate_fit import ALPHA, CandidateFit, Screening, candidate_fit_on, ranked_screening
@@ -79,7 +79,7 @@ def test_a_fit_at_the_end_of_a_range_is_as_sure_as_the_route_that_set_it():
     assert not alone.strength_exceeds({})
     assert told.half_widths[wall.key]["torque_Nm"] == pytest.approx(0.4)
     assert told.strength_exceeds({})
-    assert told.p_value == 1.0  # Trials have not been asked: an end of a range is no agreement.
+    assert told.p_value == 1.0  # No test over trials: an end of a range is no agreement.
     free = fit(errors, [replace(COULOMB, direct_half_width={"torque_Nm": 0.4})])
     assert free.half_widths == fit(errors, [COULOMB]).half_widths
 
@@ -103,9 +103,9 @@ def test_a_fit_at_the_far_end_of_a_told_range_does_not_stand_out_by_rounding(kno
 
 def test_an_interval_of_a_fit_at_an_end_that_was_told_covers_what_tells_it():
     told = Term(replace(COULOMB, direct_half_width={"torque_Nm": 0.4}), {"torque_Nm": 2.0})
-    assert distance_to_alternatives(told, {"torque_Nm": 0.4}, _told(1.6, 0.1), [])["torque_Nm"] == pytest.approx(
-        (0.4 + 0.196, 0.0)
-    )
+    assert distance_to_alternatives(told, {"torque_Nm": 0.4}, _direct_estimate(1.6, 0.1), [])[
+        "torque_Nm"
+    ] == pytest.approx((0.4 + 0.196, 0.0))
 
 
 def test_what_makes_an_accepted_effect_vanish_is_tried_in_its_place():
@@ -134,7 +134,7 @@ def test_only_doubles_and_what_left_little_more_is_asked_again():
     unjudged = replace(other, comparison=replace(other.comparison, gain=0.0))
     assert alternatives(mimic, replace(this, fits=(mimic, unjudged)), (), mimic.fit) == []
     assert alternatives(mimic, replace(this, fits=(mimic, unjudged)), (VISCOUS.key,), mimic.fit) == [unjudged]
-    # A double is asked even if it leaves far more than twice as much: beside another cause it may not.
+    # A confusable cause is refitted even if it leaves far more than twice as much: beside another cause it may not.
     assert alternatives(other, this, (), other.fit) == [mimic]
     stranger = replace(mimic, candidate=replace(COULOMB, effect=effect("sensor.bias")))
     assert alternatives(other, replace(this, fits=(stranger, other)), (), other.fit) == []
@@ -250,30 +250,32 @@ def test_what_may_be_nothing_by_its_own_interval_has_no_sure_name(error: float, 
     assert low < 2.0 < high
 
 
-def _told(value: float, error: float, p_value: float = 1e-3, trials: int = TRIALS) -> DirectEstimate:
+def _direct_estimate(value: float, error: float, p_value: float = 1e-3, trials: int = TRIALS) -> DirectEstimate:
     return DirectEstimate({"torque_Nm": value}, {"torque_Nm": error}, p_value, trials)
 
 
 def test_an_interval_reaches_to_what_the_other_route_says_and_no_further_the_other_way():
     """Twice as much, said directly, is no reason to take the effect for none."""
     term = Term(COULOMB, {"torque_Nm": 2.0})
-    sides = distance_to_alternatives(term, {"torque_Nm": 0.1}, _told(3.9, 0.2), [])
+    sides = distance_to_alternatives(term, {"torque_Nm": 0.1}, _direct_estimate(3.9, 0.2), [])
     assert sides["torque_Nm"] == pytest.approx((0.0, 1.9 + 1.96 * 0.2))
     assert differs_from_none(term, wider(sides, symmetric({"torque_Nm": 0.1})))
-    assert not differs_from_none(term, distance_to_alternatives(term, {"torque_Nm": 0.1}, _told(0.3, 0.2), []))
-    assert distance_to_alternatives(term, {"torque_Nm": 0.1}, _told(2.05, 0.2), [])["torque_Nm"] == pytest.approx(
-        (0.0, 0.05)
+    assert not differs_from_none(
+        term, distance_to_alternatives(term, {"torque_Nm": 0.1}, _direct_estimate(0.3, 0.2), [])
     )
+    assert distance_to_alternatives(term, {"torque_Nm": 0.1}, _direct_estimate(2.05, 0.2), [])[
+        "torque_Nm"
+    ] == pytest.approx((0.0, 0.05))
 
 
 def test_a_direct_estimate_is_heard_by_its_error_where_losses_drown_it():
     """Noise times an effect stands beside its square in a loss; an estimate over its error sees twenty deviations."""
     term, widths = Term(COULOMB, {"torque_Nm": 2.0}), {"torque_Nm": 0.1}
-    assert agree(term, widths, _told(2.1, 0.1, p_value=0.1))
-    assert not agree(term, widths, _told(2.1, 1.2, p_value=0.1))
-    assert not agree(term, widths, _told(2.1, 0.1, p_value=0.1, trials=1))
+    assert agree(term, widths, _direct_estimate(2.1, 0.1, p_value=0.1))
+    assert not agree(term, widths, _direct_estimate(2.1, 1.2, p_value=0.1))
+    assert not agree(term, widths, _direct_estimate(2.1, 0.1, p_value=0.1, trials=1))
     threshold = Term(replace(COULOMB, extra_starts=({"torque_Nm": 1.0},)), {"torque_Nm": 2.0})
-    assert not agree(threshold, widths, _told(2.1, 0.1, p_value=0.1))
+    assert not agree(threshold, widths, _direct_estimate(2.1, 0.1, p_value=0.1))
 
 
 def test_test_trials_that_stay_away_from_a_threshold_do_not_confirm_what_harms_them():
@@ -289,7 +291,7 @@ def test_test_trials_that_stay_away_from_a_threshold_do_not_confirm_what_harms_t
 
 
 def test_what_a_single_trial_judges_has_no_sure_name():
-    """A gain without an interval may be chance; more trials are asked for."""
+    """A gain without an interval may be chance; the verdict recommends more trials."""
 
     class Told:
         def direct(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate:

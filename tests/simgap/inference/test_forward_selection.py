@@ -1,4 +1,4 @@
-"""What a search must not forget: rivals, declared numbers, and how many trials there were."""
+"""Forward selection keeps rivals, declared numbers and the count of trials."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from schemas.arrays import FloatArray
 from schemas.gap import Gain, Place
 from schemas.measurement import MeasurementSpec
-from schemas.model import FloatArray
 from sim.effects.library import effect
 from simgap.inference.candidate_fit import CandidateFit, candidate_fit_on, ranked_screening, warm_start_without
 from simgap.inference.fit import Errors, extend, fit, resampling_units
@@ -31,7 +31,7 @@ def _cause(number: int, nuisance: bool = False) -> Candidate:
 
 
 class _Columns:
-    """Causes whose traces are the same column, with noise of their own: none of them can be told from another."""
+    """Causes whose traces are the same column, with noise of their own: none of them can be distinguished."""
 
     def __init__(self, count: int, alike: float) -> None:
         rng = np.random.default_rng(4)

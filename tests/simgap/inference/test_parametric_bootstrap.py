@@ -1,4 +1,4 @@
-"""What the method makes of readings without an effect, asked of readings that a model gave."""
+"""Bias of the method on readings simulated without an effect."""
 
 from __future__ import annotations
 

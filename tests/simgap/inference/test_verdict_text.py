@@ -1,4 +1,4 @@
-"""What a report says in words: one gain everywhere, and no interval where one trial judges."""
+"""Texts of a verdict: one gain everywhere, and no interval with a single test trial."""
 
 import numpy as np
 import pytest

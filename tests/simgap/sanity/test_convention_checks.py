@@ -22,7 +22,7 @@ BOX = BodyModel(
     friction=0.36,
     restitution=0.25,
 )
-FINE_S = 1.0 / 960.0  # as `mana gap find` asks: coefficients are blurred by the engine's usual step
+FINE_S = 1.0 / 960.0  # as in `mana gap find`: coefficients are blurred by the engine's usual step
 NAMES = {
     "mass_held",
     "inertia_held",

@@ -19,7 +19,7 @@ class Case:
     family    control: nothing hidden; single, two: that many effects; pair: an effect with a double; outside: an effect
               that no file of the library describes.
     truth     hidden effects as `name@place`; empty for controls and outside.
-    doubles   names that these very data cannot tell from a hidden one, itself included; empty where they can.
+    doubles   names that these very data cannot distinguish from a hidden one, itself included; empty where they can.
     checked   true values by effect name and parameter, where the library's parameter means the same number.
     size      `small`, `middle`, `large` by power; "" without a sized effect.
     ideal     share of the null refit's rms error that a perfect model would take away (1 - without / with the effect).

@@ -30,7 +30,7 @@ class HiddenEffect:
     """An effect that a case can hide.
 
     name      the library's.
-    scenes    where data can show it, with the names that cannot be told from it there (none: it can be told).
+    scenes    where data can show it, with the names that cannot be distinguished from it there.
     made      truth numbers at a strength; `most` is the largest strength, `guess` the first one tried.
     checked   the library's parameter that is the same number, and its value.
     whole     acts on the whole log, not on one joint.

@@ -25,7 +25,7 @@ TRIALS = 12
 
 @dataclass(frozen=True)
 class Toss:
-    """An effect: its hidden numbers, what the library calls it, what these data cannot tell from it."""
+    """An effect: its hidden numbers, its names in the library, and those that these data cannot distinguish from it."""
 
     hidden: Mapping[str, float]
     truth: tuple[str, ...] = ()

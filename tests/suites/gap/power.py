@@ -60,8 +60,8 @@ def sized(problem_at: Callable[[float], Problem], guess: float, most: float, aim
 def chance(hidden: Problem, plain: Problem, trials: Sequence[str]) -> float:
     """p-value of a perfect model against the null refit: Student's test, as the tool's, over its training trials.
 
-    One second per roll-out. Where an effect acts in one or two trials only, no test over trials can tell it from an
-    accident of those, however much it does there.
+    One second per roll-out. Where an effect acts in one or two trials only, no test over trials can distinguish it from
+    an accident of those, however much it does there.
     """
     view = "long_horizon"
 

@@ -1,4 +1,4 @@
-"""Tosses simulated in MuJoCo: what the direct estimates read off them, and what the whole search says."""
+"""Tosses simulated in MuJoCo: direct estimates and whole searches against the hidden values."""
 
 from __future__ import annotations
 
@@ -57,16 +57,17 @@ def test_a_box_that_is_declared_a_hair_off_is_no_smaller_beside_a_scale(declared
 
 
 def test_a_scale_on_which_falls_and_rest_differ_is_left_as_it_was_fitted():
-    """What rest tells beside a scale is no scale: replaced by the mean of both, it would vanish."""
+    """What shows at rest beside a scale is no scale: replaced by the mean of both, it would vanish."""
     problem = free_body_case(28).problem()
     assert isinstance(problem, FreeBodyProblem)
     scale, size = (next(c for c in problem.candidates() if c.effect.name == n) for n in ("sensor.scale", "body.size"))
-    shrunk = Term(size, {"factor": 0.95})  # Not told yet where the scale is asked: then rest says another scale.
+    # Not replaced yet when the scale is estimated: then rest shows another scale.
+    shrunk = Term(size, {"factor": 0.95})
     alone, both = ((Term(scale, {"factor": 0.95}),), (Term(scale, {"factor": 0.95}), shrunk))
-    told = [problem._with_direct_values(model, problem.trial_ids) for model in (alone, both)]  # pyright: ignore[reportPrivateUsage]
-    assert told[0][0].values["factor"] == pytest.approx(0.95, abs=0.002)
-    assert told[0][0].values["factor"] != 0.95
-    assert told[1][0].values["factor"] == 0.95
+    with_direct = [problem._with_direct_values(model, problem.trial_ids) for model in (alone, both)]  # pyright: ignore[reportPrivateUsage]
+    assert with_direct[0][0].values["factor"] == pytest.approx(0.95, abs=0.002)
+    assert with_direct[0][0].values["factor"] != 0.95
+    assert with_direct[1][0].values["factor"] == 0.95
 
 
 def test_a_trial_as_long_as_a_window_leaves_the_others_as_they_are():

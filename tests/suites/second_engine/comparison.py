@@ -18,8 +18,8 @@ from assetkit.library.validate import main_usd_files
 from assetkit.package.record import read_record
 from geom.convex.support_function import diagonal
 from geom.pose import matrix_of, quat_of
+from schemas.arrays import FloatArray
 from schemas.asset import AssetRecord
-from schemas.model import FloatArray
 from schemas.physics import MassProperties, RigidBody
 from sim.bullet.simulator import BulletSimulator
 from sim.port import GRAVITY_MPS2, DropSettings, natural_time_s, pair_value, stillness_for, world_for

@@ -14,7 +14,7 @@ from assetkit.acceptance.stable_poses import pose_families, spread_directions
 from geom.convex.support_function import centre_heights, diagonal, stability_margin
 from geom.mass.principal_axes import principal_axes
 from geom.pose import matrix_of
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from schemas.physics import RigidBody
 
 _SMALL_FOOT = 0.03  # of the size

@@ -18,7 +18,7 @@ import pytest
 
 from assetkit.acceptance.stable_poses import trial_starts
 from assetkit.sources.discover import discover
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from tests.suites.second_engine import comparison, mujoco_drops
 from tests.suites.second_engine.comparison import Package, Pair, Rest
 from tests.suites.second_engine.objects import INSTALLED, MADE, SHARED, release, write_generated

@@ -1,4 +1,4 @@
-"""Draws of PyTorch and resets as Isaac Lab asks for them, by an interpreter that has PyTorch; answers are arrays.
+"""Samples drawn by PyTorch and resets as Isaac Lab calls them, in an interpreter that has PyTorch; results are arrays.
 
 `make peers` makes that interpreter (`tools/torch-environment.sh`). As a script: `torch_draws.py FOLDER` answers each
 `NAME.json` (a plan) with `NAME.npz`.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from schemas.model import FloatArray
+from schemas.arrays import FloatArray
 from sim.dynamics.mechanism import Drive, Law, MechanismModel, Windows, rollout
 from sim.dynamics.tree import Link
 from sim.effects.library import effect

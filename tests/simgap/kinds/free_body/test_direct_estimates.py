@@ -40,13 +40,13 @@ def _toss(t, p, R: Rotation, v=None, w_B=None, body: BodyModel = CUBE) -> Toss:
     return Toss(AppliedBody(body, (), ()), Series(t, columns))
 
 
-def _told(name: str, tosses: list[Toss]) -> DirectEstimate | None:
+def _estimate_or_none(name: str, tosses: list[Toss]) -> DirectEstimate | None:
     series = [toss.series for toss in tosses]
     return estimate(next(c for c in candidates_of(CUBE, series) if c.effect.name == name), tosses)
 
 
-def _said(name: str, tosses: list[Toss]) -> DirectEstimate:
-    estimate = _told(name, tosses)
+def _estimated(name: str, tosses: list[Toss]) -> DirectEstimate:
+    estimate = _estimate_or_none(name, tosses)
     assert estimate is not None
     return estimate
 
@@ -77,7 +77,7 @@ def _flight(acceleration, com=(0.0, 0.0, 0.0), drag: float = 0.0):
     ],
 )
 def test_a_parabola_gives_the_pull(name, acceleration, expected):
-    found = _said(name, [_toss(*_flight(np.array(acceleration))[:3]) for _ in range(8)])
+    found = _estimated(name, [_toss(*_flight(np.array(acceleration))[:3]) for _ in range(8)])
     for parameter, value in expected.items():
         assert found.values[parameter] == pytest.approx(value, abs=4.0 * found.standard_errors[parameter] + 2e-3)
     assert found.p_value < 1e-4
@@ -86,22 +86,22 @@ def test_a_parabola_gives_the_pull(name, acceleration, expected):
 
 def test_drag_is_what_changes_with_speed_whatever_the_pull():
     down = np.array([0.0, 0.0, -9.5])
-    with_drag = _said("world.quadratic_drag", [_toss(*_flight(down, drag=0.05)[:3]) for _ in range(10)])
-    without = _said("world.quadratic_drag", [_toss(*_flight(down)[:3]) for _ in range(10)])
+    with_drag = _estimated("world.quadratic_drag", [_toss(*_flight(down, drag=0.05)[:3]) for _ in range(10)])
+    without = _estimated("world.quadratic_drag", [_toss(*_flight(down)[:3]) for _ in range(10)])
     assert with_drag.values["drag_Ns2pm2"] == pytest.approx(0.05, rel=0.1)
     assert abs(without.values["drag_Ns2pm2"]) < 5e-3
 
 
 def test_the_mass_centre_is_the_point_that_does_not_wobble():
     com = (0.01, -0.004, 0.002)
-    found = _said("body.com_offset", [_toss(*_flight(np.array([0.0, 0.0, -G]), com)[:3]) for _ in range(8)])
+    found = _estimated("body.com_offset", [_toss(*_flight(np.array([0.0, 0.0, -G]), com)[:3]) for _ in range(8)])
     assert list(found.values.values()) == pytest.approx(com, abs=5e-4)
 
 
 def test_old_velocities_show_their_age():
     made = [_flight(np.array([0.0, 0.0, -G])) for _ in range(6)]
     late = [_toss(t, p, R, v + np.array([0.0, 0.0, G * 0.004])) for t, p, R, v in made]
-    assert _said("sensor.velocity_age", late).values["age_s"] == pytest.approx(0.004, abs=3e-4)
+    assert _estimated("sensor.velocity_age", late).values["age_s"] == pytest.approx(0.004, abs=3e-4)
 
 
 def _bounce(restitution: float, mu: float, inertia: float):
@@ -124,9 +124,9 @@ def _bounce(restitution: float, mu: float, inertia: float):
 
 def test_impulses_give_bounce_friction_and_inertia():
     tosses = [_toss(*_bounce(0.6, 0.1, 1.5 * INERTIA)) for _ in range(12)]
-    assert _said("contact.restitution", tosses).values["restitution"] == pytest.approx(0.6, abs=0.08)
-    assert _said("body.inertia", tosses).values["factor"] == pytest.approx(1.5, rel=0.08)
-    assert _said("contact.friction", tosses).values["mu"] == pytest.approx(0.1, abs=0.01)
+    assert _estimated("contact.restitution", tosses).values["restitution"] == pytest.approx(0.6, abs=0.08)
+    assert _estimated("body.inertia", tosses).values["factor"] == pytest.approx(1.5, rel=0.08)
+    assert _estimated("contact.friction", tosses).values["mu"] == pytest.approx(0.1, abs=0.01)
 
 
 def _sliding(mu: float, height: float = EDGE / 2.0, tilted: float = 0.0):
@@ -140,27 +140,27 @@ def _sliding(mu: float, height: float = EDGE / 2.0, tilted: float = 0.0):
 
 
 def test_deceleration_gives_friction():
-    assert _said("contact.friction", [_toss(*_sliding(0.35)) for _ in range(6)]).values["mu"] == pytest.approx(
+    assert _estimated("contact.friction", [_toss(*_sliding(0.35)) for _ in range(6)]).values["mu"] == pytest.approx(
         0.35, abs=0.02
     )
 
 
 def test_the_height_at_rest_gives_the_size_and_its_tilt_the_mounting():
-    low = _said("body.size", [_toss(*_sliding(0.5, 0.96 * EDGE / 2.0)) for _ in range(6)])
+    low = _estimated("body.size", [_toss(*_sliding(0.5, 0.96 * EDGE / 2.0)) for _ in range(6)])
     assert low.values["factor"] == pytest.approx(0.96, abs=1e-3)
     on_faces = []
     for face in range(12):
         t, p, R = _sliding(0.5)
         turn = Rotation.from_euler("x", 90.0 * face, degrees=True) * Rotation.from_euler("y", 90.0 * (face % 3), True)
         on_faces.append(_toss(t, p, R * turn * Rotation.from_rotvec([0.03, 0.0, -0.02])))
-    mounting = _said("sensor.frame_rotation", on_faces)
+    mounting = _estimated("sensor.frame_rotation", on_faces)
     assert list(mounting.values.values()) == pytest.approx([0.03, 0.0, -0.02], abs=3e-3)
 
 
 def test_a_scale_that_falls_and_heights_do_not_share_is_not_sure():
     flights = [_toss(*_flight(np.array([0.0, 0.0, -0.95 * G]))[:3]) for _ in range(6)]
     rests = [_toss(*_sliding(0.5)) for _ in range(6)]
-    found = _said("sensor.scale", flights + rests)
+    found = _estimated("sensor.scale", flights + rests)
     for told in (0.95, 1.0):
         assert abs(found.values["factor"] - told) < 3.0 * found.standard_errors["factor"]
 
@@ -202,15 +202,15 @@ def test_fits_go_no_further_than_what_motion_tells_errs(p_value: float, highest:
 
 def test_accepted_terms_leave_nothing_to_find():
     heavy = replace(CUBE, gravity_W=np.array([0.0, 0.0, -9.4]))
-    found = _said("world.constant_force", [_toss(*_flight(heavy.gravity_W)[:3], body=heavy) for _ in range(8)])
+    found = _estimated("world.constant_force", [_toss(*_flight(heavy.gravity_W)[:3], body=heavy) for _ in range(8)])
     assert found.p_value > 1e-3
 
 
 def test_what_was_not_seen_is_not_estimated():
     flights = [_toss(*_flight(np.array([0.0, 0.0, -G]))[:3]) for _ in range(4)]
-    assert _told("contact.friction", flights) is None
-    assert _told("body.size", flights) is None
-    assert _told("contact.compliance", flights) is None
+    assert _estimate_or_none("contact.friction", flights) is None
+    assert _estimate_or_none("body.size", flights) is None
+    assert _estimate_or_none("contact.compliance", flights) is None
 
 
 @pytest.mark.parametrize("freedom", [3, 30], ids=["some tosses far off", "nearly normal"])

@@ -1,4 +1,4 @@
-"""What flights of a hinged body say without an engine: motion made by MuJoCo, which shares nothing with it."""
+"""Direct estimates for a hinged body in flight, on motion simulated by MuJoCo, which shares no code with them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from schemas.arrays import FloatArray
 from schemas.gap import Place
-from schemas.model import FloatArray
 from schemas.physics import CollisionShape
 from sim.bullet.linkage import BulletLinkageRollout
 from sim.dynamics.body_rollout import BodyModel
@@ -77,7 +77,7 @@ def read(rows: FloatArray, rng: np.random.Generator) -> Series:
     return Series(np.arange(n) / RATE_HZ, columns)
 
 
-def told(
+def estimated(
     name: str, where: Place, null: dict[str, float], series: list[Series], believed: LinkageModel | None = None
 ) -> DirectEstimate:
     """The estimate, its error with what the estimator makes of a motion in which nothing is hidden."""
@@ -107,7 +107,7 @@ CASES = [
 def test_flights_tell_a_hidden_number_within_its_error(
     name: str, where: Place, number: str, null: float, hidden: dict[str, float], truth: float
 ) -> None:
-    found = told(name, where, {number: null}, tosses(**hidden))
+    found = estimated(name, where, {number: null}, tosses(**hidden))
     assert found.p_value < 0.01
     assert abs(found.values[number] - truth) < 3.0 * found.standard_errors[number]
     assert found.standard_errors[number] < 0.15 * abs(truth - null)
@@ -117,7 +117,7 @@ def test_flights_tell_a_hidden_number_within_its_error(
 def test_flights_of_what_is_declared_tell_nothing(
     name: str, where: Place, number: str, null: float, hidden: dict[str, float], truth: float
 ) -> None:
-    found = told(name, where, {number: null}, tosses())
+    found = estimated(name, where, {number: null}, tosses())
     assert found.p_value > 0.01
     assert abs(found.values[number] - null) < 0.1 * abs(truth - null)
 
@@ -126,7 +126,7 @@ def test_mass_centre_of_a_link() -> None:
     shifted = hinge()
     link = replace(shifted.joints.tree[0], com_J=np.array([0.03, 0.0, 0.0]))
     believed = replace(shifted, joints=replace(shifted.joints, tree=(link,)))
-    found = told("body.com_offset", LINK, {"x_m": 0.03, "y_m": 0.0, "z_m": 0.0}, tosses(), believed)
+    found = estimated("body.com_offset", LINK, {"x_m": 0.03, "y_m": 0.0, "z_m": 0.0}, tosses(), believed)
     for name, truth in (("x_m", 0.035), ("y_m", 0.0), ("z_m", 0.0)):
         assert abs(found.values[name] - truth) < 4.0 * found.standard_errors[name]
     assert abs(found.values["x_m"] - 0.035) < 5e-4

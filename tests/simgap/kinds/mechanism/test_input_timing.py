@@ -130,7 +130,7 @@ def test_the_motion_tells_when_inputs_act_and_readings_were_taken(late_loop: boo
 
 
 def test_inputs_that_no_motion_hears_of_leave_the_stamps():
-    """Half the readings replaced by noise: nothing can be told, nothing is changed."""
+    """Half the readings replaced by noise: no timing is better, nothing is changed."""
     problem = _servo(True, True)
     rng = np.random.default_rng(2)
     trials = tuple(replace(t, q=rng.normal(size=t.q.shape)) for t in problem.measurement.trials)
