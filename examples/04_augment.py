@@ -2,9 +2,8 @@
 
     python examples/04_augment.py OUT    (after 01_ingest.py)
 
-The recording is a smooth motion of the Franka arm of pybullet_data, written here as an episode folder. Packages of 01
-are put on the table outside the proven swept volume of the arm; recorded states and stamps are copied bit for bit. Then
-an independent verifier measures all distances again. Format: docs/reference/episode-folder.md.
+The recording is a smooth motion of the Franka arm of pybullet_data. Packages of 01 are put on the table outside the
+proven swept volume of the arm; recorded states are copied bit for bit. Then a verifier measures all distances again.
 """
 
 from __future__ import annotations
@@ -53,8 +52,8 @@ def main(out: Path) -> None:
         print(f"{source.name} refused: {reason.headline}")
     for check in replay.check_output(folder, library, None, meshes=arm):
         least_m = check.nearest.distance_m if check.nearest is not None else np.inf
-        print(f"{check.variant}: {check.objects_inserted} new objects, least distance {least_m:.3f} m", end="; ")
-        print("recording unchanged" if check.states_identical else "recording changed")
+        recording = "recording unchanged" if check.states_identical else "recording changed"
+        print(f"{check.variant}: {check.objects_inserted} new objects, least distance {least_m:.3f} m; {recording}")
 
 
 if __name__ == "__main__":

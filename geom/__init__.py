@@ -11,7 +11,7 @@ from schemas.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from geom.convex.hull import convex_hull
     from geom.decomposition.decompose import convex_parts
-    from geom.mass.inertia import of_closed_surface
+    from geom.mass.inertia import enclosed_volume
     from geom.mesh.topology import observe
     from geom.mesh.weld import weld_points
     from geom.pose import pose_from_quat
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 __all__ = [
     "convex_hull",
     "convex_parts",
+    "enclosed_volume",
     "fill_openings",
     "observe",
-    "of_closed_surface",
     "pose_from_quat",
     "weld_points",
 ]
@@ -31,9 +31,9 @@ __getattr__, __dir__ = lazy_exports(
     {
         "convex_hull": "geom.convex.hull",
         "convex_parts": "geom.decomposition.decompose",
+        "enclosed_volume": "geom.mass.inertia",
         "fill_openings": "geom.repair.holes",
         "observe": "geom.mesh.topology",
-        "of_closed_surface": "geom.mass.inertia",
         "pose_from_quat": "geom.pose",
         "weld_points": "geom.mesh.weld",
     },

@@ -7,6 +7,10 @@ from scipy.spatial.transform import Rotation
 
 from schemas.arrays import FloatArray
 
+UP, DOWN = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, -1.0])  # of the world and of asset frames
+UP.setflags(write=False)
+DOWN.setflags(write=False)
+
 
 def to_xyzw(quat_wxyz: FloatArray) -> FloatArray:
     """The same quaternions (..., 4) in xyzw order, the order of SciPy and PyBullet."""

@@ -22,7 +22,7 @@ from schemas.diagnostics import Diagnostic, finding
 from schemas.replay import Variant
 from schemas.scene.runtime_plan import PlanBody
 
-TRIES = 6  # draws of a variant that hides too much
+VARIANT_DRAWS = 6  # draws of a variant that hides too much
 REFERENCE_TOP_M = 0.1  # height at which free area is reported
 
 
@@ -82,7 +82,7 @@ def variants(
     """A variant for each number; `choices(seed, number)` gives its candidates. Each depends on its number alone.
 
     No variant hides more than the share `most_hidden` of the task objects' pixels from a camera: it is drawn again, up
-    to `TRIES` times, and then loses the objects that hide most. `packages` holds the packages that candidates name.
+    to `VARIANT_DRAWS` times, then loses the objects that hide most. `packages` holds the packages of the candidates.
     """
     pixels = task_pixels(prepared.episode)
 
@@ -100,7 +100,7 @@ def variants(
     for number in numbers:
         chosen = choices(seed, number)
         attempts: list[tuple[dict[str, float], tuple[PlacedCandidate, ...]]] = []
-        while len(attempts) < TRIES and (not attempts or _largest_share(attempts[-1][0]) > most_hidden):
+        while len(attempts) < VARIANT_DRAWS and (not attempts or _largest_share(attempts[-1][0]) > most_hidden):
             rng = np.random.default_rng([seed, number, 1 + len(attempts)])
             placed = insert(prepared.sites, chosen.candidates, objects_requested, rng)
             attempts.append((hides(placed), placed))

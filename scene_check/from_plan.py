@@ -9,9 +9,8 @@ from geom.planar import front_of
 from scene_check import CheckPlace, CheckPrism, CheckReach
 from scene_check.batch import WORLD, KeepOutRule, PlaceRule, RelationRule, SceneRules, StanceGeometry, ThingRule
 from schemas.scene.compiled import Prism
+from schemas.scene.program import BACKGROUND
 from schemas.scene.runtime_plan import PlanBody, PlanCombination, PlanPlace, PlanPolygon, PlanThing, RuntimePlan
-
-BACKGROUND = "background"
 
 
 def scene_rules(plan: RuntimePlan, combination: PlanCombination) -> SceneRules:

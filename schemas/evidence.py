@@ -7,6 +7,7 @@ from typing import Generic, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field
 
 T = TypeVar("T")
+BY_STANDARD = 0.5  # confidence of a value that the standard of a format gives because the file leaves it out
 Source = Literal["declared", "measured", "inferred", "default"]
 
 

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from schemas.asset import Vec3
+from schemas.physical_constants import GRAVITY_MPS2
 
 Kind = Literal["free_body", "mechanism", "tracking", "impact", "push"]
 KINDS: tuple[Kind, ...] = ("free_body", "mechanism", "tracking", "impact", "push")
@@ -149,7 +150,7 @@ class Support(Strict):
 class WorldModel(Strict):
     """Gravity and the support; no `support` means free space."""
 
-    gravity_mps2: Vec3 = (0.0, 0.0, -9.81)
+    gravity_mps2: Vec3 = (0.0, 0.0, -GRAVITY_MPS2)
     support: Support | None = None
 
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict
 from schemas.diagnostics import Diagnostic, Severity
 
 T = TypeVar("T")
+INTAKE = "intake"  # the stage under which readers record their repairs
 
 
 class ItemOutcome(StrEnum):

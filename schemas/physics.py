@@ -45,6 +45,29 @@ class MassProperties:
     inertia_kgm2: FloatArray
 
 
+@dataclass(frozen=True)
+class VolumeProperties:
+    """Volume, centre and second moment of a region of space without density, in axes of the asset frame.
+
+    `second_moment_m5` (3, 3) is the integral of |r|^2 1 - r r^T over the region, r from its centre: its inertia per
+    density.
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    volume_m3: float
+    centre_m: FloatArray
+    second_moment_m5: FloatArray
+
+    def filled(self, density_kgm3: float) -> MassProperties:
+        """The mass properties of the region filled evenly."""
+        return MassProperties(self.volume_m3 * density_kgm3, self.centre_m, self.second_moment_m5 * density_kgm3)
+
+    def share(self, share: float) -> VolumeProperties:
+        """`share` of the region, taken evenly from everywhere in it."""
+        return VolumeProperties(self.volume_m3 * share, self.centre_m, self.second_moment_m5 * share)
+
+
 class Contact(BaseModel):
     """Contact parameters of one body against a class of counterparts (`any` = all others)."""
 
@@ -99,10 +122,10 @@ class Solid:
     kind  `closed`: watertight, outward, overlaps united, inner cavities kept as inward shells.
           `shell`: an open sheet with a significant opening; `wall_thickness_m` is the assumed thickness.
           `hull`: neither; the convex hull replaces it, with low confidence.
-    walls `closed` only: what walls of `wall_thickness_m` hold (at 1 kg/m3) that were grown from sheets beside the
-          closed bodies, without what these hold already. None without any.
-    core  what shells inside hold (at 1 kg/m3) that are wound like the surface around them: taken as filled, but they
-          may be cavities whose winding was lost. None without any.
+    walls `closed` only: volume of the walls of `wall_thickness_m` that were grown from sheets beside the closed
+          bodies, without what these contain already. None without any.
+    core  volume inside inner shells that are wound like the surface around them: taken as filled, but they may be
+          cavities whose winding was lost. None without any.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -111,8 +134,8 @@ class Solid:
     triangles: IntArray  # (m, 3) int32
     kind: Literal["closed", "shell", "hull"]
     wall_thickness_m: float | None = None
-    core: MassProperties | None = None
-    walls: MassProperties | None = None
+    core: VolumeProperties | None = None
+    walls: VolumeProperties | None = None
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,9 @@ import numpy as np
 
 from geom.grasp.gripper import Gripper
 from schemas.arrays import FloatArray
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 
-GRAVITY_MPS2 = 9.81
 ROLLING_RESISTANCE = 0.003  # of the size, see `world_for`
 SMALLEST_M, LARGEST_M, MODEL_M = 0.02, 5.0, 0.3
 Combine = Literal["average", "multiply", "minimum", "maximum"]

@@ -54,12 +54,14 @@ def find_effects(
     *,
     measurement: str,
     horizon_s: float,
-    traps: tuple[ConventionCheck, ...] = (),
+    checks: tuple[ConventionCheck, ...] = (),
     localisation: tuple[Localisation, ...] = (),
     each: Map | None = None,
     quick: bool = False,
 ) -> SearchResult:
-    """What `mana gap find` reports; `measurement` is its content hash. Deterministic: wall time is 0 here.
+    """The report, extension and selection of a problem. `measurement` is the content hash of its recording.
+
+    Deterministic; the caller sets the wall time, which is 0 here.
 
     `quick` leaves out the baseline with all effects at once.
     """
@@ -70,13 +72,15 @@ def find_effects(
     box = _black_box(last, selection, trials)
     leftover = compare(selection.final_losses, box)
     pairing = pairing_check(last, selection.final.model, trials.train, search_view(problem))
-    doubts = [trap for trap in (others, pairing) if trap is not None]
+    pairing_checks = [check for check in (others, pairing) if check is not None]
     timing_check = last.timing_check() if isinstance(last, InputTimingProblem) else None
-    traps = (*traps, *doubts, *([timing_check] if timing_check else []))
-    strange = any(trap.status == "suspect" for trap in doubts)
+    checks = (*checks, *pairing_checks, *([timing_check] if timing_check else []))
+    mispaired = any(check.status == "suspect" for check in pairing_checks)
     short = _gain(last, selection, trials, "short_horizon", horizon_s)
     gains = (short, _gain(last, selection, trials, "full_rollout", 0.0))
-    verdict = judge(problem, selection, trials.train, gains, leftover, _in_tails(last, selection, trials), strange)
+    verdict = judge(
+        problem, selection, trials.train, gains, leftover, _heavy_tail_share(last, selection, trials), mispaired
+    )
     named = [e for e in verdict.effects if e.confidence >= NAMED]
     extension = ModelExtension(
         measurement=measurement,
@@ -87,7 +91,7 @@ def find_effects(
         n_train=len(trials.train),
         n_test=len(trials.test),
         wall_s=0.0,
-        traps=traps,
+        traps=checks,
         baseline=_baseline(problem, trials),
         localisation=localisation,
         hypotheses=_hypotheses(selection),
@@ -124,7 +128,7 @@ def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatA
     return trial_losses(better, selection.scale)
 
 
-def _in_tails(problem: Problem, selection: Selection, trials: Trials) -> float:
+def _heavy_tail_share(problem: Problem, selection: Selection, trials: Trials) -> float:
     """Share of the final model's held-out loss that lies in tails longer than those of noise; 0 with contacts.
 
     Contacts make even correct roll-outs diverge: there, long tails are no evidence.
@@ -194,30 +198,30 @@ def _ablation(problem: Problem, selection: Selection, trials: Trials) -> tuple[R
     accepted = [a.key for a in selection.accepted]
     steps = [step("declared", ()), step("null_refit", selection.null.model)]
     for k in range(1, len(accepted) + 1):
-        kept = tuple(t for t in final if t.candidate.key not in accepted[k:])
-        found = selection.accepted[k - 1].candidate_fit.candidate
-        steps.append(step(f"{found.effect.name} at {found.where}", kept))
+        remaining = tuple(t for t in final if t.candidate.key not in accepted[k:])
+        last_added = selection.accepted[k - 1].candidate_fit.candidate
+        steps.append(step(f"{last_added.effect.name} at {last_added.where}", remaining))
     return (*steps, Rival(name="noise_floor", heldout=1.0))
 
 
 def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
     """All candidates of the first round, and those of later rounds that were accepted there; best first."""
     rows = []
-    for number, this in enumerate(selection.screenings):
+    for number, screening in enumerate(selection.screenings):
         accepted = {a.key for a in selection.accepted[number : number + 1]}
-        for trial, p in zip(this.fits, this.p_adjusted, strict=True):
-            if number > 0 and trial.candidate.key not in accepted:
+        for candidate_fit, p in zip(screening.fits, screening.p_adjusted, strict=True):
+            if number > 0 and candidate_fit.candidate.key not in accepted:
                 continue
-            units = {q.name: q.unit for q in trial.candidate.effect.parameters}
-            direct = trial.direct
+            units = {q.name: q.unit for q in candidate_fit.candidate.effect.parameters}
+            direct = candidate_fit.direct
             rows.append(
                 Hypothesis(
-                    name=trial.candidate.effect.name,
-                    where=trial.candidate.where,
-                    heldout_gain=trial.comparison.gain,
-                    ci95=trial.comparison.ci95,
+                    name=candidate_fit.candidate.effect.name,
+                    where=candidate_fit.candidate.where,
+                    heldout_gain=candidate_fit.comparison.gain,
+                    ci95=candidate_fit.comparison.ci95,
                     p_adjusted=p,
-                    delta_bic=trial.delta_bic,
+                    delta_bic=candidate_fit.delta_bic,
                     direct={
                         n: Estimate(
                             value=v,
@@ -228,7 +232,7 @@ def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
                     }
                     if direct
                     else {},
-                    direct_agrees=agrees(trial),
+                    direct_agrees=agrees(candidate_fit),
                 )
             )
     return tuple(rows)

@@ -30,7 +30,7 @@ _THEIRS = {
 
 @dataclass(frozen=True)
 class ResultStore:
-    """Below an output folder; `key` says what went in: measurement, options, code."""
+    """The store below an output folder; `key` is a hash of measurement, options and code."""
 
     out: Path
     key: str

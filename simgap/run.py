@@ -100,7 +100,7 @@ def search(
         return GapReport.model_validate_json((out / REPORT).read_bytes())
     case = case_of(measurement, engine)
     tick("checking the simulator's conventions")
-    traps = store.part("traps", lambda: convention_checks_of(case, findings))
+    checks = store.part("traps", lambda: convention_checks_of(case, findings))
     tick("localising the error")
     ids = (*case.trials.train, *case.trials.test)
     where = store.part("localise", lambda: localise_error(case.problem, (), ids, case.joints))
@@ -109,7 +109,7 @@ def search(
         case.trials,
         measurement=measurement.content_hash,
         horizon_s=case.problem.horizon_s,
-        traps=traps,
+        checks=checks,
         localisation=where,
         each=_each(jobs, tick, store),
         quick=quick,
@@ -130,12 +130,12 @@ def search(
 
 
 def answer_key(measurement: Measurement, quick: bool) -> str:
-    """What an answer depends on: the measurement, the options, our code and the libraries below it."""
+    """Hash of the inputs of an answer: the measurement, the options, our code and the libraries below it."""
     return content_key("gap find", measurement.content_hash, quick, library_versions(), code_hash(("simgap",)))
 
 
 def _target(measurement: Measurement) -> dict[str, str]:
-    """What the extension is for, as the subject names it."""
+    """The package or URDF that the extension applies to, as the subject names it."""
     subject = measurement.spec.subject
     given = {"package": subject.package, "urdf": subject.urdf}
     return {key: path for key, path in given.items() if path is not None}

@@ -15,13 +15,13 @@ import numpy as np
 
 from assetkit.acceptance.stable_poses import LEAN_RAD, displacement, leaning, recovers, resting_pose
 from geom.convex.support_function import bounds, diagonal, stability_margin
-from geom.pose import matrix_of
+from geom.pose import DOWN, matrix_of
 from schemas.asset import Check
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import RigidBody
-from sim.port import GRAVITY_MPS2, DropResult, DropSettings, Simulator, natural_time_s, stillness_for, world_for
+from sim.port import DropResult, DropSettings, Simulator, natural_time_s, stillness_for, world_for
 
 TOPPLED_RAD = math.radians(5.0)
-_DOWN = np.array([0.0, 0.0, -1.0])
 _PATCH = 100.0  # of the size
 _LARGE_M = 5.0  # From here on SimReady's absolute bounds (0.1 m, 8 s) grow with the size and its square root.
 
@@ -45,7 +45,7 @@ def settle_and_drop(body: RigidBody, simulator: Simulator) -> Settling:
     A body that balances on a point or an edge is set down leaning by two degrees, as no hand is exact.
     """
     size = diagonal(body.shapes)
-    lean_rad = 0.0 if recovers(body, simulator, _DOWN) else LEAN_RAD
+    lean_rad = 0.0 if recovers(body, simulator, DOWN) else LEAN_RAD
     low, high = bounds(body.shapes)
     set_down = _release(body, simulator, size, gap_m=0.002 * size, lean_rad=lean_rad)
     dropped = _release(body, simulator, size, gap_m=2.0 * float(high[2] - low[2]), lean_rad=0.0)
@@ -73,7 +73,7 @@ def _release(body: RigidBody, simulator: Simulator, size: float, *, gap_m: float
     fall_s = math.sqrt(2.0 * gap_m / GRAVITY_MPS2)
     duration_s = fall_s + max(10.0 * math.sqrt(max(1.0, size / _LARGE_M)), 20.0 * natural_time_s(size))
     settings = DropSettings(duration_s, world_for(size), stillness_for(size), patch_radius_m=_PATCH * size)
-    return simulator.drop(body, resting_pose(body, leaning(_DOWN, lean_rad), gap_m=gap_m), settings)
+    return simulator.drop(body, resting_pose(body, leaning(DOWN, lean_rad), gap_m=gap_m), settings)
 
 
 def _resting_penetration_m(result: DropResult, size: float) -> float:
@@ -123,7 +123,7 @@ def _energy_m2ps2(body: RigidBody, result: DropResult) -> np.ndarray:
 
 def _rolls(body: RigidBody, size: float) -> bool:
     """Whether the support polygon of the body is smaller than 1 % of its size: a point or a line."""
-    return stability_margin(body.shapes, np.asarray(body.mass.centre_of_mass_m), _DOWN)[0] < 0.01 * size
+    return stability_margin(body.shapes, np.asarray(body.mass.centre_of_mass_m), DOWN)[0] < 0.01 * size
 
 
 def _check(name: str, value: float, bound: float, unit: str) -> Check:

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 
 from geom.convex.support_function import centre_heights, diagonal, facet_directions, stability_margin, support
 from geom.mass.principal_axes import principal_axes
-from geom.pose import matrix_of, pose, quat_of, shortest_rotation
+from geom.pose import DOWN, matrix_of, pose, quat_of, shortest_rotation
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.asset import StablePose
 from schemas.physics import RigidBody
@@ -21,7 +21,6 @@ from sim.port import DropResult, DropSettings, Simulator, natural_time_s, stilln
 
 TRIALS = 32
 LEAN_RAD = math.radians(2.0)
-_DOWN = np.array([0.0, 0.0, -1.0])
 _SAME_POSE_RAD = math.radians(5.0)
 _SAME_POSE_BARRIER = 0.06  # of the height of the mass centre: a prism of ten sides or more rolls, a cube does not
 _SNAP_RAD = math.radians(2.0)
@@ -80,14 +79,14 @@ def find_stable_poses(body: RigidBody, simulator: Simulator, *, trials: int = TR
 
 def trial_starts(body: RigidBody, trials: int = TRIALS) -> list[FloatArray]:
     """X_WA (4, 4) of each trial: 1 % of the size above the ground, the reference orientation first."""
-    directions = np.concatenate([_DOWN[None], spread_directions(trials - 1)])
+    directions = np.concatenate([DOWN[None], spread_directions(trials - 1)])
     return [resting_pose(body, down_A, gap_m=0.01 * diagonal(body.shapes)) for down_A in directions]
 
 
 def resting_pose(body: RigidBody, down_A: FloatArray, *, gap_m: float) -> FloatArray:
     """X_WA (4, 4) without yaw: the unit direction `down_A` (3,) faces down, the lowest point is at z = `gap_m`."""
     offset = float(support(body.shapes, down_A[None])[0])
-    return pose(shortest_rotation(down_A, _DOWN), (0.0, 0.0, offset + gap_m))
+    return pose(shortest_rotation(down_A, DOWN), (0.0, 0.0, offset + gap_m))
 
 
 def holds(body: RigidBody, simulator: Simulator, down_A: FloatArray) -> bool:
@@ -126,7 +125,7 @@ def recovers(body: RigidBody, simulator: Simulator, down_A: FloatArray) -> bool:
 def leaning(down_A: FloatArray, lean_rad: float) -> FloatArray:
     """The direction (3,) that faces down when a body with `down_A` facing down leans, oblique to its axes."""
     tipped = np.array([0.8 * math.sin(lean_rad), 0.6 * math.sin(lean_rad), -math.cos(lean_rad)])
-    return shortest_rotation(_DOWN, down_A) @ tipped
+    return shortest_rotation(DOWN, down_A) @ tipped
 
 
 def displacement(result: DropResult) -> tuple[float, float]:

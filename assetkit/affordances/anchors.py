@@ -22,7 +22,7 @@ from schemas.anchors import (
 from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
-DIGITS = 7  # of lengths in metres: a tenth of a micrometre
+ANCHOR_DIGITS = 7  # of lengths in metres: a tenth of a micrometre
 # The floor of a volume deeper than this many times its width is no surface to set things on.
 DEEPEST = 1.0
 
@@ -60,7 +60,7 @@ def _surface(anchor_id: str, support: SupportFace) -> SupportSurface:
         polygon=_polygon(support.polygon, x, y),
         normal=_point(support.normal),
         area_m2=float(support.polygon.area),
-        clearance_m=None if support.clearance_m is None else round(support.clearance_m, DIGITS),
+        clearance_m=None if support.clearance_m is None else round(support.clearance_m, ANCHOR_DIGITS),
         load_directions=tuple(_point(side) for side in support.load_directions),
     )
 
@@ -72,12 +72,12 @@ def _volume(anchor_id: str, inside: Containment) -> ContainmentVolume:
         position_m=_point((x, y, inside.floor_m)),
         opening=_polygon(inside.opening, x, y),
         direction=_point(inside.cavity.direction),
-        height_m=round(inside.rim_m - inside.floor_m, DIGITS),
+        height_m=round(inside.rim_m - inside.floor_m, ANCHOR_DIGITS),
         volume_m3=inside.volume_m3,
-        passes_m=round(2.0 * inside.cavity.probe_m, DIGITS),
+        passes_m=round(2.0 * inside.cavity.probe_m, ANCHOR_DIGITS),
         slices=tuple(
             VolumeSlice(
-                height_m=round(float(height) - inside.floor_m, DIGITS),
+                height_m=round(float(height) - inside.floor_m, ANCHOR_DIGITS),
                 polygons=tuple(_polygon(part, x, y) for part in shapely.get_parts(layer) if part.area > 0.0),
             )
             for height, layer in zip(inside.heights_m, inside.layers, strict=True)
@@ -98,16 +98,16 @@ def _middle(polygon: shapely.Polygon) -> tuple[float, float]:
 
 def _polygon(polygon: shapely.Polygon, x: float, y: float) -> AnchorPolygon:
     """In the frame whose origin is at x, y, rounded so that it stays simple; each ring starts at its lowest corner."""
-    rounded = shapely.set_precision(translate(polygon.buffer(0.0), -x, -y), 10.0**-DIGITS)
+    rounded = shapely.set_precision(translate(polygon.buffer(0.0), -x, -y), 10.0**-ANCHOR_DIGITS)
     largest = max(shapely.get_parts(rounded), key=shapely.area)
     turned = shapely.orient_polygons(shapely.normalize(largest))
     return AnchorPolygon(outline_m=_ring(turned.exterior), holes_m=tuple(_ring(hole) for hole in turned.interiors))
 
 
 def _ring(ring: shapely.LinearRing) -> Ring:
-    return tuple((round(x, DIGITS) + 0.0, round(y, DIGITS) + 0.0) for x, y in ring.coords[:-1])
+    return tuple((round(x, ANCHOR_DIGITS) + 0.0, round(y, ANCHOR_DIGITS) + 0.0) for x, y in ring.coords[:-1])
 
 
 def _point(values: FloatArray | Sequence[float]) -> Point3:
-    x, y, z = (round(float(v), DIGITS) + 0.0 for v in values)
+    x, y, z = (round(float(v), ANCHOR_DIGITS) + 0.0 for v in values)
     return x, y, z

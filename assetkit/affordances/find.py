@@ -24,7 +24,7 @@ from schemas.physics import RigidBody
 from sim.port import Simulator
 
 # A grasp holds a rim or a bar when its middle is within this distance of its line, and it is about as wide.
-ON_RIM_M, NEAR = 0.02, 1.5
+ON_RIM_M, MOST_WIDTH_RATIO = 0.02, 1.5
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def with_grasps(region: Evidence[Region], grasps: Sequence[Evidence[Grasp]]) -> 
         g.value.affordance_id
         for g in grasps
         if g.value.trial != "not_held"
-        and g.value.width_m <= NEAR * max(region.value.size_m, ON_RIM_M)
+        and g.value.width_m <= MOST_WIDTH_RATIO * max(region.value.size_m, ON_RIM_M)
         and float(np.linalg.norm(line - np.mean(g.value.contacts_m, axis=0), axis=1).min()) <= ON_RIM_M
     ]
     return region.model_copy(update={"value": region.value.model_copy(update={"held_by": tuple(near)})})

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assetkit.affordances.named_regions import DIGITS
 from geom.convex.convex_union import ConvexUnion
 from geom.grasp.antipodal import AntipodalPairs, antipodal_pairs
 from geom.grasp.contact_patches import contact_patches, holding_force
@@ -17,8 +18,9 @@ from geom.pose import matrix_of, quat_of
 from schemas.affordances import Grasp
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.asset import StablePose, vec3
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import Contact, RigidBody
-from sim.port import GRAVITY_MPS2, pair_value
+from sim.port import pair_value
 
 MOST = 16
 PAIRS = 96  # that are tried with every approach
@@ -31,8 +33,7 @@ LEAST_FORCE_N = 0.5
 GROUND_M = 0.001
 LEAST_QUALITY = 0.1
 APART = 0.12  # Two grasps differ by this share of the size, or by a turn of 30 degrees.
-TURN = 0.25  # weight of directions beside places
-DIGITS = 6
+DIRECTION_WEIGHT = 0.25  # weight of directions beside places
 PAD = Contact(static_friction=0.9, dynamic_friction=0.7, restitution=0.0)  # rubber of materials.csv
 
 
@@ -125,13 +126,17 @@ def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Grippe
 def _spread_pairs(pairs: AntipodalPairs, quality: FloatArray, size: float) -> tuple[AntipodalPairs, FloatArray]:
     """The pairs that are tried further, spread over the body from the best one on."""
     sign = np.sign(np.round(pairs.axis, DIGITS) @ np.array([1.0, 1e-3, 1e-6]))
-    features = np.hstack([pairs.middle_m / size, TURN * pairs.axis * np.where(sign == 0.0, 1.0, sign)[:, None]])
+    features = np.hstack(
+        [pairs.middle_m / size, DIRECTION_WEIGHT * pairs.axis * np.where(sign == 0.0, 1.0, sign)[:, None]]
+    )
     chosen = np.array(farthest_points(features, int(np.round(quality, DIGITS).argmax()), PAIRS, 1e-3))
     return pairs.take(chosen), quality[chosen]
 
 
 def _spread_grasps(X_AG: FloatArray, size: float) -> list[int]:
-    features = np.hstack([X_AG[:, :3, 3] / size, TURN * X_AG[:, :3, 2], TURN * np.abs(X_AG[:, :3, 0])])
+    features = np.hstack(
+        [X_AG[:, :3, 3] / size, DIRECTION_WEIGHT * X_AG[:, :3, 2], DIRECTION_WEIGHT * np.abs(X_AG[:, :3, 0])]
+    )
     return farthest_points(features, 0, MOST, APART)
 
 

@@ -12,7 +12,7 @@ from schemas.asset import vec3
 from schemas.evidence import Evidence, inferred
 from schemas.parts import UNLABELLED, Part
 
-DIGITS = 6
+DIGITS = 6  # of recorded lengths in metres: a micrometre
 BY_NAME = 0.9  # of the confidence of the part's label
 WITHIN_M = 0.003
 # Label of a part, kind of region, task, interaction.

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from assetkit.affordances.named_regions import named_regions, part_at
+from assetkit.affordances.named_regions import DIGITS, named_regions, part_at
 from geom.features.elongated_ends import ElongatedEnd, find_elongated_end
 from geom.features.spouts import find_spout
 from geom.features.through_holes import ThroughHole, find_through_holes
@@ -22,7 +22,6 @@ from schemas.evidence import Evidence, inferred, measured
 from schemas.parts import Part
 from schemas.physics import Solid
 
-DIGITS = 6
 HOOK_M = 0.004  # the thinnest hook
 FINGERS_M, ARM_M = 0.018, 0.2  # Least and greatest loop of a handle: fingers pass it; an arm's width is no handle.
 BAR_M = (0.003, 0.05)  # thickness of a bar that fingers close around

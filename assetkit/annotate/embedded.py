@@ -23,7 +23,7 @@ METHOD = "names and geometry against the taxonomy"
 TITLE, FOLDER, FOLDER_OF_NAMED, NODES, MATERIALS = 0.95, 0.85, 0.4, 0.7, 0.35
 # Names of a file count for all objects in it together. In a file named otherwise, nodes name parts and other things.
 SHARED, NODES_OF_OTHER = 0.5, 0.5
-_MAX_NODES = 200
+_MAX_NODE_NAMES = 200
 # Default names of new objects in modelling tools.
 _PRIMITIVES = frozenset(
     ("cube", "box", "sphere", "cylinder", "cone", "torus", "circle", "disc", "plane", "line", "pipe", "tube", "block")
@@ -98,7 +98,7 @@ def _named(place: str, name: str, reading: NameReading, weight: float) -> Iterat
 
 def _agreed(place: str, names: Iterable[str], weight: float) -> Iterator[_NameEvidence]:
     """The evidence of several names together: each category by its share among the things named."""
-    chosen = [n for n in dict.fromkeys(names) if n.lower().rstrip("_.0123456789") not in _PRIMITIVES][:_MAX_NODES]
+    chosen = [n for n in dict.fromkeys(names) if n.lower().rstrip("_.0123456789") not in _PRIMITIVES][:_MAX_NODE_NAMES]
     read = [(name, read_name(name)) for name in chosen]
     telling = [(name, reading) for name, reading in read if reading.category or reading.other]
     for category in dict.fromkeys(r.category for _, r in telling if r.category):

@@ -23,12 +23,12 @@ from jobs.cell import Limits
 from jobs.warm import run_module
 
 KEY_VARIABLE = "MANA_ANNOTATOR_KEY"
-MAX_BYTES = 2**20  # An answer is some hundred bytes.
+MAX_ANSWER_BYTES = 2**20  # An answer is some hundred bytes.
 ATTEMPTS = 3
 MAX_WAIT_S = 20.0
 _BUSY = frozenset((408, 425, 429, 500, 502, 503, 504, 529))
 _CLOSED = frozenset((401, 403, 404))
-_SPARE_S, _MEMORY_MB = 10.0, 2048
+_SPARE_S, _EXCHANGE_MEMORY_MB = 10.0, 2048
 _CHUNK = 2**16
 
 
@@ -122,12 +122,12 @@ def _attempt(post: Post, key: str) -> tuple[Reply, float | None]:
 
 
 def _read(response: Any, status: int, key: str, deadline: float) -> Reply:
-    """At most `MAX_BYTES`, until `deadline`. Raises TimeoutError after it."""
+    """At most `MAX_ANSWER_BYTES`, until `deadline`. Raises TimeoutError after it."""
     data = b""
     while chunk := response.read1(_CHUNK):
         data += chunk
-        if len(data) > MAX_BYTES:
-            return Reply(status=status, failure=f"the answer is larger than {MAX_BYTES} bytes")
+        if len(data) > MAX_ANSWER_BYTES:
+            return Reply(status=status, failure=f"the answer is larger than {MAX_ANSWER_BYTES} bytes")
         if time.monotonic() > deadline:
             raise TimeoutError
     text = _blotted(data.decode(errors="replace"), key)
@@ -153,7 +153,7 @@ def exchange_in_cell(post: Post, work_dir: Path) -> Reply:
     with tempfile.TemporaryDirectory(dir=work_dir) as folder:
         post_file, reply_file = Path(folder) / "post.json", Path(folder) / "reply.json"
         post_file.write_text(post.model_dump_json())
-        limits = Limits(worst_seconds(post.seconds) + _SPARE_S, _MEMORY_MB)
+        limits = Limits(worst_seconds(post.seconds) + _SPARE_S, _EXCHANGE_MEMORY_MB)
         result = run_module("assetkit.annotate.exchange", [str(post_file), str(reply_file)], limits)
         if result.status != "ok" or not reply_file.is_file():
             return Reply(failure=f"asking {result.status.replace('_', ' ')}", attempts=1)

@@ -12,7 +12,7 @@ from assetkit.taxonomy.tables import categories
 from schemas.asset import Role
 
 PROMPT_VERSION = 1  # Bumped with any change of what this module or `dialects` sends: answers are stored by it.
-MAX_NAMES, MAX_NAME = 20, 80
+MAX_NAMES, MAX_NAME_LENGTH = 20, 80
 _MAX_ALIASES = 4
 _INSTRUCTION = """You label 3D objects for robot simulation. You are shown four pictures of one object on a floor.
 categories: which categories of the vocabulary it may be, best first, each with the chance from 0 to 1 that it is right.
@@ -39,7 +39,7 @@ def prompt_for(observation: Observation, embedded: Annotation) -> Prompt:
     lines = (f"{c.id}: {', '.join(c.aliases[:_MAX_ALIASES])}" for c in categories().values())
     context = {
         "box_edges_m": [float(f"{edge:.3g}") for edge in observation.shape.extents_m],
-        "file": cleaned(observation.file, MAX_NAME),
+        "file": cleaned(observation.file, MAX_NAME_LENGTH),
         "folders": _names(observation.folders),
         "titles": _names(observation.titles),
         "nodes": _names(observation.nodes),
@@ -67,7 +67,7 @@ def cleaned(text: str, length: int) -> str:
 
 
 def _names(names: Iterable[str]) -> list[str]:
-    return [cleaned(name, MAX_NAME) for name in names][:MAX_NAMES]
+    return [cleaned(name, MAX_NAME_LENGTH) for name in names][:MAX_NAMES]
 
 
 def _ranked(key: str, values: tuple[str, ...]) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from geom.decomposition.simplified_body import SimplifiedBody, simplify_body
 from geom.features.cavities import Cavity, find_cavities
 from geom.features.resting_planes import hull_within, resting_planes
 from geom.mesh.decimate import decimate
-from geom.solid.solid_mass import PLATE_WALL_M
+from geom.solid.solid_volume import PLATE_WALL_M
 from geom.solid.thicken import thicken
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, finding

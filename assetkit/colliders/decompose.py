@@ -35,10 +35,10 @@ from schemas.physics import CollisionShape
 # Hulls below these shares of the diagonal (and of its cube) are slivers: engines reject or mishandle them.
 LEAST_THICKNESS, LEAST_VOLUME = 2e-4, 1e-7
 # More parts than this are too many for 32 hulls; CoACD does not run on more faces than this.
-MOST_PARTS, MOST_FACES = 200, 6000
+MOST_SEPARATE_PARTS, MOST_FACES = 200, 6000
 # The work is bounded in processor time, so that a busy machine gives the same answer as an idle one.
-CPU_SECONDS = 20  # twice what the dev assets need alone on a machine: a busy one must not change the outcome
-CELL = Limits(seconds=10.0 * CPU_SECONDS, memory_mb=4096)
+DECOMPOSITION_CPU_S = 20  # twice what the dev assets need alone on a machine: a busy one must not change the outcome
+CELL = Limits(seconds=10.0 * DECOMPOSITION_CPU_S, memory_mb=4096)
 
 
 @dataclass(frozen=True)
@@ -103,14 +103,14 @@ def decompose(
     Raises OSError when files on the way could not be written or read.
     """
     seeds = body.simplified.decompose()
-    if len(seeds) > MOST_PARTS:
-        return Decomposition((), f"{len(seeds)} separate parts, more than {MOST_PARTS}")
+    if len(seeds) > MOST_SEPARATE_PARTS:
+        return Decomposition((), f"{len(seeds)} separate parts, more than {MOST_SEPARATE_PARTS}")
     if settings.method != "cuts":
         hulls = _in_cell(body.simplified, settings, work_dir, limits)
         if isinstance(hulls, str):
             return Decomposition((), hulls)
         seeds = _inside(body.simplified, hulls)
-        if not seeds or len(seeds) > MOST_PARTS:
+        if not seeds or len(seeds) > MOST_SEPARATE_PARTS:
             return Decomposition((), f"{settings.method} left {len(seeds)} parts")
     if settings.sector_planes and cavities:
         main = max(cavities, key=lambda cavity: cavity.volume_m3)
@@ -146,7 +146,7 @@ def _in_cell(
             "assetkit.colliders.coacd_worker",
             str(source),
             str(target),
-            str(CPU_SECONDS),
+            str(DECOMPOSITION_CPU_S),
         ]
         cell = run_cell(argv, limits, env={"OMP_NUM_THREADS": "1"})
         require_storage(cell)
@@ -162,7 +162,7 @@ def _in_cell(
 def _ending(cell: CellResult, limits: Limits) -> str:
     """Why a cell ended without a result, in words."""
     if cell.returncode == -signal.SIGXCPU:
-        return f"took more than {CPU_SECONDS} s of processor time"
+        return f"took more than {DECOMPOSITION_CPU_S} s of processor time"
     return f"timeout after {limits.seconds:g} s" if cell.status == "timeout" else cell.status.replace("_", " ")
 
 

@@ -15,14 +15,14 @@ from jobs.cell import Limits, run_cell
 from schemas.arrays import FloatArray, IntArray
 
 # Bounded in processor time, so that a busy machine gives the same answer as an idle one. 80,000 faces take a second.
-CPU_SECONDS = 30
-CELL = Limits(seconds=10.0 * CPU_SECONDS, memory_mb=4096)
+UNION_CPU_S = 30
+CELL = Limits(seconds=10.0 * UNION_CPU_S, memory_mb=4096)
 
 
 def self_union(points: FloatArray, triangles: IntArray) -> Resolved | None:
     """The closed outward surface around everything that `points`, `triangles` wind about at least once.
 
-    None when the exact union fails or takes longer than `CPU_SECONDS`. Deterministic.
+    None when the exact union fails or takes longer than `UNION_CPU_S`. Deterministic.
     Raises OSError when files on the way could not be written or read.
     """
     low, high = points.min(axis=0), points.max(axis=0)
@@ -37,7 +37,7 @@ def self_union(points: FloatArray, triangles: IntArray) -> Resolved | None:
             "assetkit.colliders.self_union_worker",
             str(source),
             str(target),
-            str(CPU_SECONDS),
+            str(UNION_CPU_S),
         ]
         result = run_cell(argv, CELL, env={"OMP_NUM_THREADS": "1"})
         require_storage(result)

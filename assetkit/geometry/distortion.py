@@ -17,7 +17,7 @@ from assetkit.geometry.edit import Counts, Edit
 from geom.mesh.edit import merge_surfaces
 from geom.mesh.hausdorff import ZERO_DISTANCE, one_sided_hausdorff
 from geom.mesh.weld import diagonal
-from geom.repair.shape_change import TOLERANCE_SHARE, changed_faces, shape_change
+from geom.repair.shape_change import EDIT_TOLERANCE_SHARE, changed_faces, shape_change
 from geom.solid.self_intersections import SelfIntersection
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Location, finding
@@ -83,7 +83,7 @@ def crossing_distortion(crossings: Sequence[SelfIntersection], meshes: Sequence[
             (points, triangles), surface = crossing.body, crossing.resolved.surface
             dropped_faces = changed_faces(crossing.body, surface)[0]
             dropped = one_sided_hausdorff(
-                points[triangles[dropped_faces]], *surface, TOLERANCE_SHARE * size, solid=True
+                points[triangles[dropped_faces]], *surface, EDIT_TOLERANCE_SHARE * size, solid=True
             )
             worst = max(worst, dropped, key=lambda found: found.attained)
     return Distortion("self_intersection", worst.attained, worst.attained, size, None, worst.at)

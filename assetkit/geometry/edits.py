@@ -25,7 +25,7 @@ from geom.repair.debris import loose_debris
 from geom.repair.edges import split_touching_edges
 from geom.repair.faces import drop_backs_of_solids, drop_fins, drop_surplus_faces, fin_faces, true_degenerates
 from geom.repair.fill_uncertainty import ShapeUncertainty
-from geom.repair.shape_change import TOLERANCE_SHARE
+from geom.repair.shape_change import EDIT_TOLERANCE_SHARE
 from geom.repair.sheet_orientation import sheet_flips
 from geom.repair.shells import drop_duplicate_shells
 from geom.repair.t_junctions import stitch_t_junctions
@@ -146,7 +146,7 @@ def _loss(mesh: Mesh, gone: BoolArray, left: Mesh) -> ShapeUncertainty:
     parts = components_of(mesh.points, removed)
     meant = (parts.faces > 1) & (parts.area > MEANT_AREA_SHARE * triangle_areas(mesh.points[mesh.triangles]).sum())
     corners = mesh.points[removed[meant[parts.label]]]
-    far = one_sided_hausdorff(corners, left.points, left.triangles, TOLERANCE_SHARE * diagonal(mesh.points))
+    far = one_sided_hausdorff(corners, left.points, left.triangles, EDIT_TOLERANCE_SHARE * diagonal(mesh.points))
     return ShapeUncertainty(far.attained, far.at)
 
 

@@ -64,7 +64,7 @@ def _overlapping(meshes: Sequence[Mesh], bodies: Bodies) -> PhysicalDefect | Non
         headline, other = "closed parts of one mesh overlap", {}
     else:
         headline = "a closed part lies inside another one, wound alike: filled, or a cavity that lost its winding?"
-        other = {"cavity_reading_m3": united - core.mass_kg}
+        other = {"cavity_reading_m3": united - core.volume_m3}
     return PhysicalDefect(
         "self_intersection",
         "asset/overlapping-bodies",

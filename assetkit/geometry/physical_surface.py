@@ -117,7 +117,7 @@ def _sheet_findings(solid: Solid, wall: Evidence[float], volume_m3: float) -> tu
     """The finding where open sheets are beside closed bodies."""
     if solid.walls is None:
         return ()
-    share = solid.walls.mass_kg / volume_m3
+    share = solid.walls.volume_m3 / volume_m3
     headline = (
         f"open sheets beside closed bodies count as walls of {1e3 * wall.value:.3g} mm ({wall.source}), "
         f"{share:.0%} of the volume"
@@ -127,8 +127,8 @@ def _sheet_findings(solid: Solid, wall: Evidence[float], volume_m3: float) -> tu
 
 def _moved(solid: Solid, shift: FloatArray) -> Solid:
     core, walls = (
-        None if held is None else replace(held, centre_of_mass_m=held.centre_of_mass_m + shift)
-        for held in (solid.core, solid.walls)
+        None if inner is None else replace(inner, centre_m=inner.centre_m + shift)
+        for inner in (solid.core, solid.walls)
     )
     return replace(solid, points=solid.points + shift, core=core, walls=walls)
 

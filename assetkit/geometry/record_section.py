@@ -87,15 +87,15 @@ def _volume(physical: PhysicalSurface, unit_confidence: float) -> Evidence[float
     volume, core = physical.volume_m3, physical.solid.core
     if core is not None:
         method = f"{physical.method}; {CORE_TEXT}"
-        return inferred(volume, method, CORE_CONFIDENCE * unit_confidence, bounds=(volume - core.mass_kg, volume))
+        return inferred(volume, method, CORE_CONFIDENCE * unit_confidence, bounds=(volume - core.volume_m3, volume))
     if physical.method == "union":
         return measured(volume, physical.method, confidence=unit_confidence)
     walls, wall = physical.solid.walls, physical.wall
     if walls is not None and wall is not None:
-        share = walls.mass_kg / volume
+        share = walls.volume_m3 / volume
         trust = 1.0 - share + share * _VOLUME_CONFIDENCE[physical.method]
         least, most = (bound / wall.value - 1.0 for bound in wall.bounds or (wall.value, wall.value))
-        bounds = (volume + least * walls.mass_kg, volume + most * walls.mass_kg)
+        bounds = (volume + least * walls.volume_m3, volume + most * walls.volume_m3)
         return inferred(volume, physical.method, trust * unit_confidence, bounds=bounds)
     return inferred(volume, physical.method, _VOLUME_CONFIDENCE[physical.method] * unit_confidence)
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from assetkit.mass.substances import STATED_TOLERANCE, Substance
+from assetkit.mass.wall_thickness import SHEET_WALL_FACTORS
 from assetkit.taxonomy.material_classes import UNKNOWN
 from geom.convex.hull import convex_hull, volume
 from geom.features.cavities import Cavity
@@ -21,17 +22,16 @@ from schemas.physics import Solid
 
 # Mass bounds further apart than this factor are useless to a randomiser.
 MAX_SPAN = 30.0
-# A stated density weighs whatever shape the engine at hand fills with it, so that the volume counts as known to 5 %.
+# A stated density weighs the shape that the engine fills with it, so the volume counts as known to 5 %.
 STATED_VOLUME_TOLERANCE = 0.05
-# Walls of hollow things: this share of the diagonal, within these limits, of nothing lighter than cardboard.
-WALL_PER_DIAGONAL, LEAST_WALL_M, MOST_WALL_M = 0.005, 0.3e-3, 3e-3
+# The thinnest walls of hollow things: share of the diagonal and its limits; nothing is lighter than cardboard.
+HOLLOW_WALL_PER_DIAGONAL, LEAST_HOLLOW_WALL_M, MOST_HOLLOW_WALL_M = 0.005, 0.3e-3, 3e-3
 LEAST_WALL_KGM3 = 400.0
 # A cavity this large (share of the hull) behind walls this thin (share of the diagonal): the model shows the walls.
 CAVITY_SHARE, MODELLED_WALL_SHARE = 0.2, 0.06
 # A solid whose mean thickness is below this share of its diagonal has no room to be hollow.
-THIN_SHARE = 0.03
-# The wall of a sheet is a guess by this much; a hull holds at most its own volume and often a third of it.
-SHEET_WALL_FACTORS = (0.4, 2.5)
+SOLID_THROUGHOUT_SHARE = 0.03
+# A hull holds at most its own volume and often a third of it.
 HULL_FILL = 0.3
 # Two bounds agree when they share this much (in the logarithm) of the narrower.
 AGREEMENT, MODELLED_WALL_FACTOR = 0.5, 1.5
@@ -168,16 +168,16 @@ def fill_factors(solid: Solid, wall: Evidence[float] | None, cavities: Sequence[
     full = volume(solid.points, solid.triangles)
     low, high, causes = 1.0, 1.0, ()
     if solid.core is not None:
-        low = 1.0 - solid.core.mass_kg / full
+        low = 1.0 - solid.core.volume_m3 / full
         causes = ("an inner shell may be a cavity that lost its winding",)
     thinnest = 0.0
     if solid.walls is not None:
-        share, (thinner, thicker) = solid.walls.mass_kg / full, wall_factors(wall)
+        share, (thinner, thicker) = solid.walls.volume_m3 / full, wall_factors(wall)
         low, high, thinnest = low - share * (1.0 - thinner), 1.0 + share * (thicker - 1.0), share * thinner
         causes = (*causes, *wall_causes(wall))
     if _shows_walls(solid, cavities):
         return FillFactors(low, high, causes=causes)
-    wall_m = min(max(WALL_PER_DIAGONAL * diagonal(solid.points), LEAST_WALL_M), MOST_WALL_M)
+    wall_m = min(max(HOLLOW_WALL_PER_DIAGONAL * diagonal(solid.points), LEAST_HOLLOW_WALL_M), MOST_HOLLOW_WALL_M)
     least = _bodies(solid)[1] * wall_m / full + thinnest
     return FillFactors(low, high, hollow=min(1.0, least / low), causes=causes)
 
@@ -203,7 +203,7 @@ def is_solid_throughout(solid: Solid, cavities: Sequence[Cavity]) -> bool:
     """
     if solid.kind != "closed":
         return solid.kind == "shell"
-    return mean_thickness(solid) <= THIN_SHARE * diagonal(solid.points) or _shows_walls(solid, cavities)
+    return mean_thickness(solid) <= SOLID_THROUGHOUT_SHARE * diagonal(solid.points) or _shows_walls(solid, cavities)
 
 
 def mean_thickness(solid: Solid) -> float:
@@ -220,7 +220,7 @@ def _bodies(solid: Solid) -> tuple[float, float]:
     full, area = volume(solid.points, solid.triangles), float(triangle_areas(solid.points[solid.triangles]).sum())
     if solid.walls is None or solid.wall_thickness_m is None:
         return full, area
-    held, bare = full - solid.walls.mass_kg, area - 2.0 * solid.walls.mass_kg / solid.wall_thickness_m
+    held, bare = full - solid.walls.volume_m3, area - 2.0 * solid.walls.volume_m3 / solid.wall_thickness_m
     return (held, bare) if held > 0.0 and bare > 0.0 else (full, area)
 
 
@@ -228,7 +228,7 @@ def _sheet_filling(solid: Solid, area: float, wall: Evidence[float] | None) -> F
     low, high = wall_factors(wall)
     if wall is not None and wall.source != "default":
         return FillFactors(low, high, causes=wall_causes(wall))
-    sheet = area * (solid.wall_thickness_m or LEAST_WALL_M)
+    sheet = area * (solid.wall_thickness_m or LEAST_HOLLOW_WALL_M)
     try:
         full = volume(*convex_hull(solid.points)) / sheet
     except ValueError:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assetkit.mass.bounds import mean_thickness
+from assetkit.mass.bounds import MODELLED_WALL_SHARE, mean_thickness
 from assetkit.mass.normal_mixture import NormalMixture
 from assetkit.taxonomy.category_masses import Basis, CategoryMass, masses_of_kind
 from assetkit.taxonomy.words import singulars, words_of
@@ -21,7 +21,7 @@ from schemas.physics import Solid
 # The bounds hold this share of the mixture at most; what is left is as likely below as above.
 COVERAGE = 0.95
 # Bounds further apart than this are of little use to a planner: they cover less of the mixture instead, and record it.
-MAX_SPAN = 10.0
+MAX_CATEGORY_SPAN = 10.0
 # A range of the table holds 95 % of its kind, so that it is this many standard deviations wide.
 RANGE_SIGMAS = 3.92
 # Standard deviations in ln(mass): how well a size on a basis is known, scans being larger than the thing, and how much
@@ -30,7 +30,6 @@ SIZE_SIGMA: dict[Basis, float] = {"hull": 0.1, "wall": 0.15, "length": 0.1}
 SINGLE_SIGMA = 0.25
 # A surface this much larger than its hull has an inside too; a vessel without has about this share of its hull's area.
 TWO_SIDED, VESSEL_SHARE = 1.25, 0.75
-THIN_SHARE = 0.06
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ def category_mass(solid: Solid, category: str, names: Sequence[str], without: st
     mixed = mixture_of(solid, kinds)
     if mixed is None:
         return None
-    coverage = mixed.coverage_within(math.log(MAX_SPAN), COVERAGE)
+    coverage = mixed.coverage_within(math.log(MAX_CATEGORY_SPAN), COVERAGE)
     low, high = mixed.central_interval(coverage)
     return CategoryMassEstimate(coverage, math.exp(low), math.exp(mixed.quantile(0.5)), math.exp(high), category, kinds)
 
@@ -113,7 +112,7 @@ def _wall_area(solid: Solid, hull_m2: float) -> float:
     if solid.kind == "shell":
         return area / 2.0 if area > TWO_SIDED * hull_m2 else area
     if solid.kind == "closed" and (
-        area > TWO_SIDED * hull_m2 or mean_thickness(solid) <= THIN_SHARE * diagonal(solid.points)
+        area > TWO_SIDED * hull_m2 or mean_thickness(solid) <= MODELLED_WALL_SHARE * diagonal(solid.points)
     ):
         return area / 2.0
     return VESSEL_SHARE * hull_m2

@@ -9,12 +9,12 @@ import numpy as np
 
 from assetkit.mass.bounds import MassBounds, bounds_around, elementwise, fill_factors, mass_bounds, wall_factors
 from assetkit.mass.category_mass import CategoryMassEstimate, category_mass
-from assetkit.mass.parts import STATED_CONFIDENCE, MassEvidenceInputs, SubstanceBody, substance_bodies
+from assetkit.mass.parts import MassEvidenceInputs, SubstanceBody, substance_bodies
 from assetkit.mass.source_inertials import applicable_statements
-from assetkit.mass.substances import STATED_TOLERANCE
+from assetkit.mass.substances import STATED_CONFIDENCE, STATED_TOLERANCE
 from assetkit.taxonomy.material_classes import UNKNOWN
-from geom.mass.inertia import combine, of_sheet, scaled
-from geom.solid.solid_mass import mass_properties
+from geom.mass.inertia import combine, combine_volumes, scaled, sheet_volume
+from geom.solid.solid_volume import volume_properties
 from schemas.arrays import FloatArray
 from schemas.asset import MassPart, Matrix3, Vec3, matrix3, vec3
 from schemas.diagnostics import Diagnostic, finding
@@ -59,21 +59,21 @@ def mass_evidence(solid: Solid, whole: Sequence[str], mass_inputs: MassEvidenceI
     unknown material leaves mass and inertia `default` with confidence 0; their bounds still hold. The value is never
     clamped to usual masses. Raises ValueError when all points of `solid` coincide.
     """
-    _, method, trust = mass_properties(solid, 1.0)
+    _, method, trust = volume_properties(solid)
     if solid.core is not None:
         method, trust = f"{method}, inner shells filled", trust * CORE_TRUST
     masses, notes = applicable_statements(mass_inputs.masses, mass_inputs.as_read)
     parts, exact, checked = substance_bodies(solid, whole, mass_inputs, masses)
     total = combine([part.body for part in parts if part.body.mass_kg > 0.0])
     filling = fill_factors(solid, mass_inputs.wall, mass_inputs.cavities)
-    substances, volumes = [part.substance for part in parts], [part.at_unit_density.mass_kg for part in parts]
+    substances, volumes = [part.substance for part in parts], [part.volume.volume_m3 for part in parts]
     value = total.mass_kg
     bounds = mass_bounds(
         substances, volumes, [part.body.mass_kg for part in parts], filling, mass_inputs.unit, exact=exact
     )
     if all(part.alternative is not None for part in parts):
         alternative_kg = [part.alternative_body.mass_kg for part in parts]
-        alternative_m3 = [(part.alternative or part.at_unit_density).mass_kg for part in parts]
+        alternative_m3 = [(part.alternative or part.volume).volume_m3 for part in parts]
         bounds = bounds.union(
             mass_bounds(substances, alternative_m3, alternative_kg, filling, mass_inputs.unit, exact=exact),
             "what parts share may be of either",
@@ -93,7 +93,7 @@ def mass_evidence(solid: Solid, whole: Sequence[str], mass_inputs: MassEvidenceI
     if solid.kind == "shell":
         trust = wall_trust
     elif solid.walls is not None:
-        share = solid.walls.mass_kg / mass_properties(solid, 1.0)[0].mass_kg
+        share = solid.walls.volume_m3 / volume_properties(solid)[0].volume_m3
         method, trust = f"{method}, walls grown from sheets", (1.0 - share) * trust + share * wall_trust
     mass_trust = trust if of_category is None else 1.0  # It follows from the outer size alone.
     return MassEvidence(
@@ -219,8 +219,8 @@ def _inertia(
     spread = "spread evenly"
     if any(p.squeeze is not None for p in parts):  # Anything from half of it to the even filling.
         spread = "squeezed to fit about the stated mass centre"
-        at_unit_density = combine([p.unsqueezed_body for p in parts if p.at_unit_density.mass_kg > 0.0]).inertia_kgm2
-        narrow, wide = elementwise(total.inertia_kgm2, 0.5, 1.0), elementwise(at_unit_density, *ratios)
+        unsqueezed_kgm2 = combine([p.unsqueezed_body for p in parts if p.volume.volume_m3 > 0.0]).inertia_kgm2
+        narrow, wide = elementwise(total.inertia_kgm2, 0.5, 1.0), elementwise(unsqueezed_kgm2, *ratios)
         low, high = np.minimum.reduce([low, *narrow, *wide]), np.maximum.reduce([high, *narrow, *wide])
     return Evidence(
         value=matrix3(total.inertia_kgm2),
@@ -234,16 +234,9 @@ def _inertia(
 
 def _hollow_factor(solid: Solid) -> float:
     """Ratio of the inertia of the surface to that of the evenly filled body of the same mass; at least 1."""
-    at_unit_density, sheet = mass_properties(solid, 1.0)[0], of_sheet(solid.points, solid.triangles, 1.0, 1.0)
-    return max(
-        1.0,
-        float(
-            np.trace(sheet.inertia_kgm2)
-            / sheet.mass_kg
-            * at_unit_density.mass_kg
-            / np.trace(at_unit_density.inertia_kgm2)
-        ),
-    )
+    filled, sheet = volume_properties(solid)[0], sheet_volume(solid.points, solid.triangles, 1.0)
+    per_volume = np.trace(sheet.second_moment_m5) / sheet.volume_m3
+    return max(1.0, float(per_volume * filled.volume_m3 / np.trace(filled.second_moment_m5)))
 
 
 def _centre(
@@ -275,17 +268,17 @@ def _centre(
             bounds=bounds,
             inputs=_inputs(parts),
         )
-    surface = of_sheet(solid.points, solid.triangles, 1.0, 1.0).centre_of_mass_m
-    at_unit_density = combine([p.at_unit_density for p in parts if p.at_unit_density.mass_kg > 0.0]).centre_of_mass_m
+    surface = sheet_volume(solid.points, solid.triangles, 1.0).centre_m
+    even = combine_volumes([p.volume for p in parts if p.volume.volume_m3 > 0.0]).centre_m
     alternative = combine([p.alternative_body for p in parts if p.alternative_body.mass_kg > 0.0]).centre_of_mass_m
-    extremes = [_with_walls(solid, at_unit_density, factor) for factor in wall_factors(mass_inputs.wall)]
+    extremes = [_with_walls(solid, even, factor) for factor in wall_factors(mass_inputs.wall)]
     centres = np.stack(
         [
             total.centre_of_mass_m,
-            at_unit_density,
+            even,
             surface,
             alternative,
-            _without_core(solid, at_unit_density),
+            _without_core(solid, even),
             *extremes,
         ]
     )
@@ -307,27 +300,26 @@ def _without_core(solid: Solid, filled_centre_m: FloatArray) -> FloatArray:
     """The mass centre (3,) when what inner shells hold is empty."""
     if solid.core is None:
         return filled_centre_m
-    whole, core = mass_properties(solid, 1.0)[0], solid.core
-    return (whole.mass_kg * whole.centre_of_mass_m - core.mass_kg * core.centre_of_mass_m) / (
-        whole.mass_kg - core.mass_kg
-    )
+    whole, core = volume_properties(solid)[0], solid.core
+    moment_m4 = whole.volume_m3 * whole.centre_m - core.volume_m3 * core.centre_m
+    return moment_m4 / (whole.volume_m3 - core.volume_m3)
 
 
 def _with_walls(solid: Solid, centre_m: FloatArray, factor: float) -> FloatArray:
     """The mass centre (3,) when the walls grown from sheets are thicker by a factor."""
     if solid.walls is None:
         return centre_m
-    whole, walls = mass_properties(solid, 1.0)[0], solid.walls
-    more_kg = (factor - 1.0) * walls.mass_kg
-    moment = whole.mass_kg * whole.centre_of_mass_m + more_kg * walls.centre_of_mass_m
-    return moment / (whole.mass_kg + more_kg)
+    whole, walls = volume_properties(solid)[0], solid.walls
+    more_m3 = (factor - 1.0) * walls.volume_m3
+    moment_m4 = whole.volume_m3 * whole.centre_m + more_m3 * walls.centre_m
+    return moment_m4 / (whole.volume_m3 + more_m3)
 
 
 def _density(parts: Sequence[SubstanceBody], total: MassProperties, bounds: MassBounds) -> Evidence[float]:
     """That of the substance; with several, or a stated mass, total mass over total volume."""
     if len(parts) == 1 and parts[0].substance.stated is None:
         return parts[0].substance.density_kgm3
-    volume = sum(p.at_unit_density.mass_kg for p in parts)
+    volume = sum(p.volume.volume_m3 for p in parts)
     return Evidence(
         value=total.mass_kg / volume,
         source="inferred",
@@ -342,13 +334,13 @@ def _recorded(part: SubstanceBody, volume_m3: float, mass_kg: float) -> MassPart
     density = part.substance.density_kgm3
     stated = part.substance.stated
     if stated is not None:
-        effective = part.body.mass_kg / part.at_unit_density.mass_kg
+        effective = part.body.mass_kg / part.volume.volume_m3
         density = declared(effective, f"{stated.method} over volume", inputs=(str(stated.where),))
     return MassPart(
         meshes=part.substance.names,
         material=part.substance.material,
         density_kgm3=density,
-        volume_share=part.at_unit_density.mass_kg / volume_m3,
+        volume_share=part.volume.volume_m3 / volume_m3,
         mass_share=part.body.mass_kg / mass_kg,
     )
 

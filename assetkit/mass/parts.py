@@ -9,21 +9,19 @@ import numpy as np
 
 from assetkit.mass.bounds import is_solid_throughout
 from assetkit.mass.source_inertials import CheckedStatement, check_statement
-from assetkit.mass.substances import Substance, substances_of, uniform
+from assetkit.mass.substances import STATED_CONFIDENCE, Substance, substances_of, uniform
 from assetkit.mass.unknown_density import unknown_density
 from assetkit.taxonomy.material_classes import UNKNOWN
 from geom.features.cavities import Cavity
-from geom.mass.inertia import scaled
 from geom.mass.offset_centre import contracted_inertia
-from geom.solid.solid_mass import mass_properties
+from geom.solid.solid_volume import volume_properties
 from geom.solid.volume_shares import VolumeShares, divide_volume
 from schemas.arrays import FloatArray, IntArray
 from schemas.evidence import Evidence, declared
 from schemas.model import Mesh
-from schemas.physics import MassProperties, Solid
+from schemas.physics import MassProperties, Solid, VolumeProperties
 from schemas.stated_physics import StatedMass
 
-STATED_CONFIDENCE = 0.95
 METRES: Evidence[float] = declared(1.0, "metres")
 
 
@@ -65,16 +63,16 @@ class MassEvidenceInputs:
 
 @dataclass(frozen=True)
 class SubstanceBody:
-    """A substance with the body that it fills, at 1 kg/m3 (`at_unit_density`) and at its mass (`body`).
+    """A substance with the volume that it fills and the `body` that this makes.
 
-    `alternative` is the body at 1 kg/m3 when volume that the parts share goes to the others; `overlap_reason` is the
-    reason why it does not. `squeeze` is that of its checked statement (`CheckedStatement`).
+    `alternative` is the volume when what the parts share goes to the others; `overlap_reason` is the reason why it does
+    not. `squeeze` is that of its checked statement (`CheckedStatement`).
     """
 
     substance: Substance
-    at_unit_density: MassProperties
+    volume: VolumeProperties
     body: MassProperties
-    alternative: MassProperties | None = None
+    alternative: VolumeProperties | None = None
     overlap_reason: str = ""
     squeeze: FloatArray | None = None
 
@@ -86,7 +84,7 @@ class SubstanceBody:
     @property
     def unsqueezed_body(self) -> MassProperties:
         """The body with its tensor as evenly filled, whether it fits about the mass centre or not."""
-        return _weighed(self.substance, self.at_unit_density, None)
+        return _weighed(self.substance, self.volume, None)
 
     @property
     def confidence(self) -> float:
@@ -99,22 +97,22 @@ def substance_bodies(
 ) -> tuple[list[SubstanceBody], bool, list[CheckedStatement]]:
     """The substances with their bodies, whether the volumes of these are exact, and the checked statements."""
     full = is_solid_throughout(solid, mass_inputs.cavities)
-    at_unit_density = mass_properties(solid, 1.0)[0]
+    solid_volume = volume_properties(solid)[0]
     sure = solid.kind == "closed" and solid.walls is None
-    checked = [check_statement(s, solid.points, at_unit_density, exact=sure) for s in masses if s.mass_kg is None]
+    checked = [check_statement(s, solid.points, solid_volume, exact=sure) for s in masses if s.mass_kg is None]
     statements = [s for s in masses if s.mass_kg is not None] + [c.stated for c in checked if c.stated is not None]
     substances = substances_of(mass_inputs.meshes, mass_inputs.render_materials, whole, statements, full=full)
     if not mass_inputs.meshes:
         substances = (uniform(whole, full=full),)
     if not full:
         substances = _sized(substances, solid, mass_inputs.dense_reason)
-    volumes = VolumeShares((at_unit_density,), True)
+    volumes = VolumeShares((solid_volume,), True)
     if len(substances) > 1:
         groups = [[mass_inputs.meshes[i] for i in substance.meshes] for substance in substances]
         volumes = divide_volume(solid, groups, [s.density_kgm3.value for s in substances])
     exact, parts = volumes.exact, list[SubstanceBody]()
     alternatives = volumes.alternative or [None] * len(substances)
-    for substance, body, alternative in zip(substances, volumes.shares, alternatives, strict=True):
+    for substance, volume, alternative in zip(substances, volumes.shares, alternatives, strict=True):
         stated, squeeze = substance.stated, None
         if stated is not None:
             points = solid.points
@@ -124,11 +122,11 @@ def substance_bodies(
                 stated = replace(
                     stated, centre=None, inertia=None
                 )  # Without exact volumes there is nothing to check them against.
-            result = check_statement(stated, points, body, exact=exact and sure)
+            result = check_statement(stated, points, volume, exact=exact and sure)
             checked.append(result)
             substance, squeeze = replace(substance, stated=result.stated), result.squeeze
-        weighed = _weighed(substance, body, squeeze)
-        parts.append(SubstanceBody(substance, body, weighed, alternative, volumes.reason, squeeze))
+        weighed = _weighed(substance, volume, squeeze)
+        parts.append(SubstanceBody(substance, volume, weighed, alternative, volumes.reason, squeeze))
     return parts, exact, checked
 
 
@@ -143,12 +141,12 @@ def _sized(substances: Sequence[Substance], solid: Solid, dense_reason: str) -> 
     )
 
 
-def _weighed(substance: Substance, at_unit_density: MassProperties, squeeze: FloatArray | None) -> MassProperties:
-    """`even` as heavy as the source states, with its mass centre and tensor if stated, else as dense as known."""
+def _weighed(substance: Substance, volume: VolumeProperties, squeeze: FloatArray | None) -> MassProperties:
+    """`volume` as heavy as the source states, with its mass centre and tensor if stated, else as dense as known."""
     stated = substance.stated
     if stated is None or stated.mass_kg is None:
-        return scaled(at_unit_density, substance.density_kgm3.value)
-    body = scaled(at_unit_density, stated.mass_kg / at_unit_density.mass_kg)
+        return volume.filled(substance.density_kgm3.value)
+    body = volume.filled(stated.mass_kg / volume.volume_m3)
     if squeeze is not None:
         body = replace(body, inertia_kgm2=contracted_inertia(body.inertia_kgm2, squeeze))
     return MassProperties(

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from geom.convex.hull import contains, convex_hull, volume
-from geom.mass.inertia import is_physical, scaled
+from geom.mass.inertia import is_physical
 from geom.mass.inertia_bounds import rms_distance_and_bound
 from geom.mass.offset_centre import contracted_inertia, contraction_about, relative_depth
 from geom.mesh.surface_distance import closest_on_surface
@@ -18,7 +18,7 @@ from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Severity, finding
 from schemas.model import Mesh
 from schemas.outcome import Repair
-from schemas.physics import MassProperties
+from schemas.physics import MassProperties, VolumeProperties
 from schemas.stated_physics import StatedMass
 
 CODE = "asset/source-inertia-implausible"
@@ -102,18 +102,20 @@ def applicable_statements(
     return statements, notes
 
 
-def check_statement(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact: bool) -> CheckedStatement:
+def check_statement(
+    stated: StatedMass, points: FloatArray, part_volume: VolumeProperties, *, exact: bool
+) -> CheckedStatement:
     """`stated` (asset frame) checked against the geometry that it covers.
 
-    points  (n, 3) of its surface; the mass centre must lie in their hull, with 0.5 % of the diagonal to spare.
-    even    the same geometry filled with 1 kg/m3: bounds of the implied density, of the size and axes of the tensor.
-    exact   `even` is the volume of a closed surface of its own; otherwise its wall is a guess.
+    points       (n, 3) of its surface; the mass centre must lie in their hull, with 0.5 % of the diagonal to spare.
+    part_volume  of the same geometry: bounds of the implied density, of the size and axes of the tensor.
+    exact        `part_volume` is that of a closed surface of its own; otherwise its wall is a guess.
 
     An objection to the mass drops everything, one to the mass centre also the inertia, which is about it. A mass centre
     left without a tensor must lie below the skin, and the even filling is squeezed where it does not fit. The bounds
     are narrower than those of the static gate, so that a statement that is used here passes the gate.
     """
-    objections = list(_objections(stated, points, even, exact=exact))
+    objections = list(_objections(stated, points, part_volume, exact=exact))
     plausible = _without(stated, {o.quantity for o in objections})
     squeeze: FloatArray | None = None
     if (
@@ -122,7 +124,8 @@ def check_statement(stated: StatedMass, points: FloatArray, even: MassProperties
         and plausible.centre is not None
         and plausible.inertia is None
     ):
-        squeeze, contradicted = _squeeze(plausible.centre, points, scaled(even, plausible.mass_kg / even.mass_kg))
+        filled = part_volume.filled(plausible.mass_kg / part_volume.volume_m3)
+        squeeze, contradicted = _squeeze(plausible.centre, points, filled)
         if contradicted is not None:
             objections, plausible = [*objections, contradicted], replace(plausible, centre=None)
     notes = [
@@ -142,7 +145,8 @@ def check_statement(stated: StatedMass, points: FloatArray, even: MassProperties
         )
     if squeeze is not None:
         headline = "no usable tensor is stated and an even filling does not fit about the stated mass centre: squeezed"
-        share = float(np.trace(contracted_inertia(even.inertia_kgm2, squeeze)) / np.trace(even.inertia_kgm2))
+        even = part_volume.second_moment_m5
+        share = float(np.trace(contracted_inertia(even, squeeze)) / np.trace(even))
         unit = "of the evenly filled"
         notes.append(
             finding(CODE, headline, where=stated.where, value=share, bound=1.0, unit=unit, severity=Severity.INFO)
@@ -189,7 +193,9 @@ def _squeeze(
     return None, _Objection("centre", headline, doubt.value, doubt.bound, doubt.unit)
 
 
-def _objections(stated: StatedMass, points: FloatArray, even: MassProperties, *, exact: bool) -> Iterator[_Objection]:
+def _objections(
+    stated: StatedMass, points: FloatArray, part_volume: VolumeProperties, *, exact: bool
+) -> Iterator[_Objection]:
     """The implausible quantities, the gravest first; later quantities are only checked while earlier ones hold."""
     mass = stated.mass_kg
     what, unit, value = ("density", "kg/m3", stated.density) if mass is None else ("mass", "kg", mass)
@@ -198,7 +204,7 @@ def _objections(stated: StatedMass, points: FloatArray, even: MassProperties, *,
     if not (np.isfinite(value) and value > 0.0):
         yield _Objection("mass", f"the stated {what} is not positive and finite", float(value), 0.0, unit)
         return
-    filled, hull = even.mass_kg, max(even.mass_kg, _hull_volume(points))
+    filled, hull = part_volume.volume_m3, max(part_volume.volume_m3, _hull_volume(points))
     most = MOST_KGM3 if exact or mass is None else GUESSED_VOLUME * MOST_KGM3
     densest = value if mass is None else mass / filled if filled > 0.0 else np.inf
     lightest = value * filled / hull if mass is None else mass / hull if hull > 0.0 else np.inf
@@ -217,8 +223,8 @@ def _objections(stated: StatedMass, points: FloatArray, even: MassProperties, *,
             yield _Objection("centre", headline, outside, CENTRE_SLACK * size, "m")
             return
     if stated.inertia is not None:
-        centre = even.centre_of_mass_m if stated.centre is None else stated.centre
-        yield from _about_inertia(stated.inertia, scaled(even, mass / filled), points - centre)
+        centre = part_volume.centre_m if stated.centre is None else stated.centre
+        yield from _about_inertia(stated.inertia, part_volume.filled(mass / filled), points - centre)
 
 
 def _about_inertia(inertia: FloatArray, even: MassProperties, points: FloatArray) -> Iterator[_Objection]:

@@ -13,7 +13,8 @@ from schemas.model import Mesh
 from schemas.stated_physics import StatedMass
 
 # What the source states is used as it is; files give no tolerance.
-STATED_TOLERANCE = 0.1
+# A number that the source states: true within this share, with this confidence.
+STATED_TOLERANCE, STATED_CONFIDENCE = 0.1, 0.95
 FROM_FILE_NAME = 0.6  # A part that names no material is more likely of the file's than not.
 
 

@@ -8,7 +8,8 @@ from geom.solid.solidify import assumed_wall_m
 from schemas.evidence import Evidence, declared, default, inferred
 from schemas.model import Material
 
-GUESS_FACTORS = (0.4, 2.5)
+# The true wall of a sheet is within these factors of the guess by size (`assumed_wall_m`).
+SHEET_WALL_FACTORS = (0.4, 2.5)
 # KHR_materials_volume gives the thickness that light passes through, for rendering; often that of the whole body.
 HINT_FACTORS, HINT_CONFIDENCE = (0.5, 2.0), 0.4
 LEAST_M, MOST_SHARE = 1e-4, 0.05  # A hint outside these is no wall: metres, share of the diagonal.
@@ -28,7 +29,7 @@ def wall_evidence(
         bounds = (HINT_FACTORS[0] * hint_m, HINT_FACTORS[1] * hint_m)
         return inferred(hint_m, "KHR_materials_volume thicknessFactor", HINT_CONFIDENCE, bounds=bounds)
     guess = assumed_wall_m(size)
-    bounds = (GUESS_FACTORS[0] * guess, GUESS_FACTORS[1] * guess)
+    bounds = (SHEET_WALL_FACTORS[0] * guess, SHEET_WALL_FACTORS[1] * guess)
     return default(guess, "1 % of the diagonal, within 0.5 and 5 mm", bounds=bounds)
 
 

@@ -23,7 +23,7 @@ _OWN_NAME, _FILE_NAME, _FOLDER_NAME = 0.85, 0.8, 0.5
 # Exponents of likelihoods: pixels of one surface are not independent, and one colour for all is weaker than a picture.
 _PAINTED, _PLAIN, _MAPS = 1.0, 0.5, 0.7
 _MIN_LIKELIHOOD_RATIO = 1.2  # least likelihood ratio of a clue that the method names
-_MIN_SHARE = 0.01  # least probability of any appearance, whatever the tables hold
+_LEAST_PROBABILITY = 0.01  # least probability of any appearance, whatever the tables hold
 MIN_CHANCE, MIN_CHANCE_BY_APPEARANCE, MIN_LEAD, ONE_METAL = 0.5, 0.65, 1.5, 0.65
 _MAX_CONFIDENCE = 0.95
 
@@ -174,7 +174,7 @@ def _likelihood(shares: FloatArray, columns: Sequence[str]) -> FloatArray:
 
 
 def _column(name: str) -> FloatArray:
-    return np.array([max(row[name], _MIN_SHARE) for row in appearance_table().values()])
+    return np.array([max(row[name], _LEAST_PROBABILITY) for row in appearance_table().values()])
 
 
 def _most(shares: FloatArray, names: Sequence[str]) -> str:

@@ -15,9 +15,9 @@ from schemas.model import Material, Mesh, Model
 TONES = ("dark", "grey", "white", "earthy", "muted", "vivid")
 ROUGHNESSES = ("smooth", "satin", "rough")
 METALNESSES = ("dielectric", "half_metallic", "metallic")
-_MAX_SAMPLES = 1000  # per region and mesh: a share is known to 3 percent
+_APPEARANCE_SAMPLES = 1000  # per region and mesh: a share is known to 3 percent
 _INPUTS = ("base_color_texture", "metallic_texture", "roughness_texture", "opacity_texture")
-_CLEAR = 0.6  # of the opacity, below which light gets through
+_SEE_THROUGH_OPACITY = 0.6  # of the opacity, below which light gets through
 _DEFAULT_MAX_CHROMA, _DEFAULT_MIN_LIGHTNESS = 3.0, 50.0
 
 
@@ -64,7 +64,7 @@ class AppearanceSampler:
         )
 
     def _shares(self, mesh: Mesh, material: Material | None, faces: IntArray) -> tuple[float, Mapping, bool]:
-        points = sample_surface(mesh, _MAX_SAMPLES, faces)
+        points = sample_surface(mesh, _APPEARANCE_SAMPLES, faces)
         if not len(points.faces) or points.area <= 0.0:
             return 0.0, {}, False
         shares: dict[str, FloatArray] = {}
@@ -89,7 +89,7 @@ class AppearanceSampler:
         opacity = scalars(mesh, material.opacity, material.opacity_texture, points, self._pixels)
         opaque = np.full(1, material.opacity * (1.0 - material.transmission)) if opacity is None else opacity
         if material.alpha_mode == "blend" or material.transmission > 0.0:
-            shares["see_through"] = np.array([float(np.mean(opaque < _CLEAR))])
+            shares["see_through"] = np.array([float(np.mean(opaque < _SEE_THROUGH_OPACITY))])
         return points.area, shares, painted
 
 

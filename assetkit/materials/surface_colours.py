@@ -10,8 +10,8 @@ from assetkit.materials.colour_names import basic_terms
 from assetkit.materials.surface_samples import base_colours, pixels_of, sample_surface
 from schemas.model import Model
 
-MIN_SHARE = 0.05  # Colours of less of the surface are labels and seams.
-_MAX_SAMPLES = 4000  # per mesh, faces drawn evenly by area; a share is then known to about a percent.
+MIN_AREA_SHARE = 0.05  # Colours of less of the surface are labels and seams.
+_COLOUR_SAMPLES = 4000  # per mesh, faces drawn evenly by area; a share is then known to about a percent.
 
 
 def surface_colours(model: Model) -> dict[str, float]:
@@ -24,7 +24,7 @@ def surface_colours(model: Model) -> dict[str, float]:
     area_of: dict[str, float] = defaultdict(float)
     for mesh in model.meshes:
         material = None if mesh.material is None else model.materials[mesh.material]
-        points = sample_surface(mesh, _MAX_SAMPLES)
+        points = sample_surface(mesh, _COLOUR_SAMPLES)
         colours = base_colours(mesh, material, points, pixels)
         if colours is None:
             continue
@@ -32,5 +32,5 @@ def surface_colours(model: Model) -> dict[str, float]:
         for term, count in zip(terms, counts, strict=True):
             area_of[str(term)] += points.area * float(count) / len(points.faces)
     total = sum(area_of.values())
-    shares = {term: round(area / total, 3) for term, area in area_of.items() if area >= MIN_SHARE * total > 0.0}
+    shares = {term: round(area / total, 3) for term, area in area_of.items() if area >= MIN_AREA_SHARE * total > 0.0}
     return dict(sorted(shares.items(), key=lambda pair: (-pair[1], pair[0])))

@@ -24,8 +24,8 @@ from jobs.cell import Limits, run_cell
 MOST_BYTES = 16 * 2**20
 MOST_PARTS = 64
 MAX_OUTPUT_CHARACTERS = 200
-MEMORY_MB = 8192
-LIMITS = Limits(seconds=60.0, memory_mb=MEMORY_MB)
+SEGMENTER_MEMORY_MB = 8192
+LIMITS = Limits(seconds=60.0, memory_mb=SEGMENTER_MEMORY_MB)
 MODEL_TRUST = 0.8  # of the confidence of a model counts, as for categories
 
 

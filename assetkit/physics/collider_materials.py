@@ -23,7 +23,7 @@ from schemas.outcome import Repair
 from schemas.physics import CollisionShape, Contact, Solid, SurfaceMaterial
 from schemas.stated_physics import StatedContact
 
-SAMPLES = 4000
+TOUCH_SAMPLES = 4000
 # A shape of which less than this share of the surface is of another material stands for one part.
 MIXED_SHARE = 0.1
 LEAST_REGION = 0.05  # of a part's surface; smaller regions go to the largest
@@ -146,7 +146,7 @@ def surface_shares(shapes: Sequence[CollisionShape], solid: Solid, groups: Seque
     Points spread evenly over the surface of `solid` belong to the group whose faces lie nearest, and to the shape whose
     side lies nearest. A shape that no point belongs to, inside others, has a row of zeros.
     """
-    touched, _ = sample_surface(solid.points, solid.triangles, SAMPLES, 0)
+    touched, _ = sample_surface(solid.points, solid.triangles, TOUCH_SAMPLES, 0)
     group = np.argmin([_distance(touched, meshes) for meshes in groups], axis=0)
     shape = np.argmin([np.abs(_height_over(shape, touched)) for shape in shapes], axis=0)
     counts = np.zeros((len(shapes), len(groups)))

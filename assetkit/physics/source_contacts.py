@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assetkit.mass.substances import STATED_CONFIDENCE, STATED_TOLERANCE
 from assetkit.taxonomy.material_classes import ANY, contacts_of, materials
 from geom.mesh.surface_distance import triangle_areas
 from schemas.diagnostics import Diagnostic, finding
@@ -19,8 +20,6 @@ from schemas.stated_physics import StatedContact
 CODE = "asset/source-friction-implausible"
 # Soft rubber on a rough surface; glue is no friction.
 MOST_FRICTION = 5.0
-STATED_CONFIDENCE = 0.95
-STATED_TOLERANCE = 0.1
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from schemas.parts import Part
 
 LabelledFaces = tuple[Evidence[str], IntArray]  # label of a part, and the mask of its triangles (m,)
 FULL = 0  # symmetry of an object that looks the same in every heading
-_SAMPLES = 1500
+_FRONT_SAMPLES = 1500
 _SAME = 0.01  # of the extent: mean distance of a turned surface from itself; scans are no better
 _NOWHERE = 3.0  # times that for 95 % of the surface: a thin spout is little surface but distinguishes the headings
 _FOLDS = (6, 5, 4, 3, 2)
@@ -101,7 +101,7 @@ def turn_to_front(front: Front) -> tuple[FloatArray, Front] | None:
 
 def heading_symmetry(surface: FaceGeometry) -> int:
     """In how many headings about the upright axis the surface looks the same: 0 for all, else 6, 5, 4, 3, 2 or 1."""
-    points, _ = sample_surface(surface.points, surface.triangles, _SAMPLES, 0)
+    points, _ = sample_surface(surface.points, surface.triangles, _FRONT_SAMPLES, 0)
     centre = _middle(surface)
     nearest = NearestOnSurface(surface.points - centre, surface.triangles)
     slack = _SAME * float(surface.extent.max())

@@ -22,9 +22,9 @@ from schemas.model import Axis
 # file or format), stated in the texts, default of the format. A wrong default mostly means that y is up.
 DECLARED, STATED_IN_TEXTS, DEFAULT_AXIS = 0.95, 0.9, 0.5
 DEFAULT_AXIS_Y = 0.3
-TURN = 0.8  # From this probability on an object of a known category is turned upright ...
+TURN_NAMED = 0.8  # From this probability on an object of a known category is turned upright ...
 TURN_UNNAMED = 0.97  # ... and from this one on an object of unknown category.
-NEAR = 0.999  # cosine from which a direction is that axis
+ALONG_AXIS_COSINE = 0.999  # cosine from which a direction is that axis
 CLEARLY = 3.0  # From this ratio of probabilities on, two directions that look the same are distinguished.
 FIRM_RAD = np.radians(20.0)  # Tipping angle from which a stance counts as fully stable.
 
@@ -47,7 +47,7 @@ class UprightCandidate:
     @property
     def keeps_z(self) -> bool:
         """Whether +z is this way up, or one that looks the same."""
-        return any(up[2] > NEAR for up in (self.up, *self.alike))
+        return any(up[2] > ALONG_AXIS_COSINE for up in (self.up, *self.alike))
 
 
 def rank_upright(
@@ -86,8 +86,8 @@ def least_probability(best: UprightCandidate, category: Category | None, up_axis
     """Probability from which the object is turned to the most likely direction; it is lower for y where z is only the
     default of the format.
     """
-    against_default = up_axis is not None and up_axis.source == "default" and best.up[1] > NEAR
-    return TURN_UNNAMED if category is None and not against_default else TURN
+    against_default = up_axis is not None and up_axis.source == "default" and best.up[1] > ALONG_AXIS_COSINE
+    return TURN_UNNAMED if category is None and not against_default else TURN_NAMED
 
 
 def _indistinguishable(
@@ -105,8 +105,8 @@ def _prior(ups: np.ndarray, up_axis: Evidence[Axis] | None) -> np.ndarray:
     if up_axis.source == "default":
         given = (DEFAULT_AXIS, DEFAULT_AXIS_Y)
     prior = np.full(len(ups), (1.0 - sum(given)) / len(ups))
-    prior[ups[:, 2] > NEAR] += given[0]
-    prior[ups[:, 1] > NEAR] += given[1]
+    prior[ups[:, 2] > ALONG_AXIS_COSINE] += given[0]
+    prior[ups[:, 1] > ALONG_AXIS_COSINE] += given[1]
     return prior / prior.sum()
 
 

@@ -26,7 +26,7 @@ USUAL_M = (5e-3, 5.0)  # Outside, a size deserves a look.
 # Below, plausibility does not decide. A wrong unit is wrong by 2.5 in size and by 16 in mass at least, so that a guess
 # must be clearly more probable than all other units together (3 : 2); habits are known no better than that.
 MIN_POSTERIOR = 0.6
-MIN_SHARE = 0.05  # Units less probable than this are left out of the bounds.
+LEAST_UNIT_PROBABILITY = 0.05  # Units less probable than this are left out of the bounds.
 
 _NAME = {0.001: "mm", 0.01: "cm", 0.0254: "in", 1.0: "m", 0.3048: "ft", 0.1: "dm", 1e-6: "um"}
 _REPAIR_NAME = {0.001: "unit_mm", 0.01: "unit_cm", 0.0254: "unit_inch", 1.0: "unit_m"}
@@ -176,7 +176,7 @@ def _by_size(stated: Evidence[float], format_: str, hints: Sequence[str], extent
     holds = by_standard and _within(largest * stated.value, CREDIBLE_M)
     unit = implied if holds else _most_credible(share, implied)
     scale = METERS_PER_UNIT[unit]
-    candidates = {u: p for u, p in share.items() if p >= MIN_SHARE or u == unit}
+    candidates = {u: p for u, p in share.items() if p >= LEAST_UNIT_PROBABILITY or u == unit}
     spanned = [METERS_PER_UNIT[u] for u in candidates]
     bounds = (min(spanned), max(spanned)) if len(spanned) > 1 else None
     usual = _within(largest * scale, USUAL_M)
@@ -202,7 +202,7 @@ def _by_size(stated: Evidence[float], format_: str, hints: Sequence[str], extent
 def _most_credible(share: dict[str, float], implied: str) -> str:
     """The most probable unit; else the implied unit, unless that is too improbable as a placeholder."""
     best = max(share, key=lambda u: share[u])
-    return implied if share[best] < MIN_POSTERIOR and share[implied] >= MIN_SHARE else best
+    return implied if share[best] < MIN_POSTERIOR and share[implied] >= LEAST_UNIT_PROBABILITY else best
 
 
 def _ambiguous(

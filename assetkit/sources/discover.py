@@ -37,7 +37,7 @@ _REFERENCE_SCAN_BYTES = 4_000_000
 _MAX_SLUG = 78  # Names of files and folders are made from it, and they may have 255 bytes.
 _NAME_END = re.compile(r"\.(?:obj|glb|gltf|stl|ply|dae|usd[acz]?|xml)(?![a-z0-9])", re.IGNORECASE)
 _NAME_BREAK = re.compile(r"""[\s"'@<>|*?=]""")
-_MAX_NAME = 1024  # Longer names exist in no file system; a data URI of megabytes is no name.
+_MAX_FILE_NAME = 1024  # Longer names exist in no file system; a data URI of megabytes is no name.
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ def _names_in(text: str) -> set[str]:
     """File names in `text`: a known extension and all before it, back to the last quote, blank or bracket."""
     names: set[str] = set()
     for match in _NAME_END.finditer(text):
-        before = _NAME_BREAK.split(text[max(0, match.start() - _MAX_NAME) : match.start()])[-1]
+        before = _NAME_BREAK.split(text[max(0, match.start() - _MAX_FILE_NAME) : match.start()])[-1]
         if before:
             names.add(before + match[0])
     return names

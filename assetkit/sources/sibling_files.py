@@ -11,7 +11,7 @@ from assetkit.sources.source_file import SourceFile
 
 _DESCRIPTIONS = {".urdf", ".xacro", ".xml", ".mjcf", ".sdf"}
 _NOTES = (".json", ".txt", ".yaml", ".yml", ".md")
-_MAX_BYTES, _MAX_FILES = 1_000_000, 32
+_MAX_SIBLING_BYTES, _MAX_FILES = 1_000_000, 32
 _ELEMENT = re.compile(r"<(?:\w+:)?mesh\b[^<>]*>(?:(?!</mesh>|<mesh\b).){0,400}", re.DOTALL)
 _SCALE = re.compile(r"""\bscale\s*=\s*["']([^"']*)["']|<scale>([^<]*)</scale>""")
 _UNIT = re.compile(r"\bunits?\b", re.IGNORECASE)
@@ -65,7 +65,7 @@ def _followed(path: Path) -> Path | None:
 def _text(path: Path) -> str:
     try:
         with path.open("rb") as file:
-            return file.read(_MAX_BYTES).decode("utf-8", "ignore")
+            return file.read(_MAX_SIBLING_BYTES).decode("utf-8", "ignore")
     except OSError:
         return ""
 

@@ -7,7 +7,7 @@ from assetkit.materials.part_materials import part_materials
 from assetkit.options import Options
 from assetkit.parts.find import find_parts
 from assetkit.parts.human_labels import dispute_findings, disputed_parts, outdated_regions, with_human_labels
-from assetkit.parts.segmenter import MEMORY_MB, CommandSegmenter
+from assetkit.parts.segmenter import SEGMENTER_MEMORY_MB, CommandSegmenter
 from assetkit.pose.front import front_of
 from assetkit.stage import Canonical, Draft, Interaction, Stage, Tools, need
 from geom.features.cavities import find_cavities
@@ -53,4 +53,4 @@ class ProposeParts(Stage):
 
 def _segmenter(options: Options) -> CommandSegmenter | None:
     stated = options.segmenter
-    return None if stated is None else CommandSegmenter(stated.command, Limits(stated.seconds, MEMORY_MB))
+    return None if stated is None else CommandSegmenter(stated.command, Limits(stated.seconds, SEGMENTER_MEMORY_MB))

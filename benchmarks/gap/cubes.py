@@ -58,7 +58,7 @@ def errors(problem: FreeBodyProblem, model: Model, trials: Sequence[str], view: 
 
 def by_cma(problem: FreeBodyProblem, trials: Sequence[str], view: View, evaluations: int) -> Model:
     """The contact parameters with the least loss on `trials` that so many roll-outs of them find."""
-    declared = problem.mover.apply(()).body
+    declared = problem.simulator.apply(()).body
     series = [Series(t.t_s, {"v_W": t.v_W}) for t in problem.measurement.trials if t.id in trials]
     contact = [c for c in candidates_of(declared, series) if c.effect.name in {f"contact.{n}" for n in CONTACT}]
 
@@ -115,7 +115,7 @@ def main() -> None:
     case = case_of(subset(measurement, asked.tosses, asked.first), REPLAY_ENGINE)
     problem = case.problem
     assert isinstance(problem, FreeBodyProblem), "tosses are free bodies"
-    unit = {"position": 1.0 / problem.mover.size_m, "rotation": 180.0 / np.pi}
+    unit = {"position": 1.0 / problem.simulator.size_m, "rotation": 180.0 / np.pi}
 
     def timed(work: Callable[[], Model]) -> tuple[Model, float]:
         since = time.process_time()

@@ -6,7 +6,7 @@ import json
 import shlex
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Annotated, cast, get_args
 
@@ -171,16 +171,19 @@ def segmenter_stated(command: str, seconds: float, timeout: float) -> SegmenterC
 
 @contextmanager
 def shown_progress(*, quiet: bool) -> Iterator[Progress]:
-    """A progress bar with a tally of outcomes, to be called by the batch as items finish."""
-    with text.progress(TextColumn("{task.fields[tally]}"), quiet=quiet) as bar:
-        task = bar.add_task("ingest", total=None, tally="")
-        tally = dict.fromkeys(ItemOutcome, 0)
+    """A progress bar with a tally of outcomes, which the batch calls as items finish; it appears at the first call."""
+    bar = text.progress(TextColumn("{task.fields[tally]}"), quiet=quiet)
+    task = bar.add_task("ingest", total=None, tally="")
+    tally = dict.fromkeys(ItemOutcome, 0)
+    with ExitStack() as shown:
 
         def show(done: int, total: int, item: ReportItem | None) -> None:
-            if item is not None:
+            if item is None:
+                shown.enter_context(bar)
+            else:
                 tally[item.outcome] += 1
-            shown = " ".join(f"[{text.STYLE[o]}]{n} {o.value}[/]" for o, n in tally.items() if n)
-            bar.update(task, total=total, completed=done, tally=shown)
+            outcomes = " ".join(f"[{text.STYLE[o]}]{n} {o.value}[/]" for o, n in tally.items() if n)
+            bar.update(task, total=total, completed=done, tally=outcomes)
 
         yield show
 

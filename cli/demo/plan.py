@@ -12,7 +12,7 @@ from runtime_plan import load, sample
 from runtime_plan.verify import Judge
 
 SHEET = "samples.png"
-_JUDGED, _BATCH, _DRAWN = 10_000, 4096, 6
+_JUDGED, _SAMPLED, _SHEET_CASES = 10_000, 4096, 6
 
 
 @dataclass(frozen=True)
@@ -28,12 +28,12 @@ class PlanDemo:
 def plan_demo(file: Path) -> PlanDemo:
     """Sample the plan `file`, judge the samples, and write `samples.png` beside it."""
     plan = load(file)
-    sample(plan, _BATCH, 1)
+    sample(plan, _SAMPLED, 1)
     since = time.process_time()
-    sample(plan, _BATCH, 2)
+    sample(plan, _SAMPLED, 2)
     seconds = time.process_time() - since
     wrong = {row["index"] for row in Judge(plan).violations(sample(plan, _JUDGED, 0))}
     with text.progress(quiet=True) as progress:
-        draw_sheet(plan, file.parent, _DRAWN, 0, file.parent / SHEET, progress)
+        draw_sheet(plan, file.parent, _SHEET_CASES, 0, file.parent / SHEET, progress)
     cases = sum(len(pool.cases) for one in plan.document.combinations for pool in one.pools)
-    return PlanDemo(cases, _JUDGED, len(wrong), int(_BATCH / seconds))
+    return PlanDemo(cases, _JUDGED, len(wrong), int(_SAMPLED / seconds))

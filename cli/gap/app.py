@@ -209,9 +209,9 @@ def _show(report: GapReport) -> None:
     text.console.print(escape(report.verdict.statement), soft_wrap=True)
     for group in report.verdict.ambiguous_groups:
         text.console.print(f"  {' or '.join(group.effects)}: {escape(group.experiment)}", soft_wrap=True)
-    for trap in report.traps:
-        if trap.status != "ok":
-            text.console.print(f"  convention {trap.status}: {trap.name}: {escape(trap.evidence)}", soft_wrap=True)
+    for check in report.traps:
+        if check.status != "ok":
+            text.console.print(f"  convention {check.status}: {check.name}: {escape(check.evidence)}", soft_wrap=True)
     rows = [
         {"view": g.view, "before": g.heldout_before, "after": g.heldout_after, "gain": share(g.reduction, g.ci95)}
         for g in report.gains

@@ -6,9 +6,8 @@ from collections import Counter
 from statistics import median
 from typing import Any
 
+from runtime_plan.tables import MICRO
 from schemas.scene.runtime_plan import PlanPool, RuntimePlan
-
-_MICRO = 1e-6
 
 
 def choices(plan: RuntimePlan) -> dict[str, object]:
@@ -59,8 +58,8 @@ def things(plan: RuntimePlan) -> list[dict[str, Any]]:
                         "combination": index,
                         "thing": name,
                         "tags": tags[name],
-                        "cell_m": [_MICRO * median(cell[a + 1] - cell[a] for cell in cells) for a in (0, 2)],
-                        "yaw_rad": _MICRO * median(sum(b - a for a, b in case.yaws_urad[k]) for case in pool.cases),
+                        "cell_m": [MICRO * median(cell[a + 1] - cell[a] for cell in cells) for a in (0, 2)],
+                        "yaw_rad": MICRO * median(sum(b - a for a, b in case.yaws_urad[k]) for case in pool.cases),
                         "stances": len({case.stances[k] for case in pool.cases}),
                     }
                 )

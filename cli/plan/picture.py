@@ -10,6 +10,7 @@ from matplotlib.patches import Rectangle
 
 from render.figure import png
 from runtime_plan import Plan, sample
+from runtime_plan.tables import MICRO
 from schemas.scene.runtime_plan import PlanCombination, PlanPlace, PlanPool, PlanThing
 
 _COLOURS = (
@@ -24,8 +25,7 @@ _COLOURS = (
     "#eeca3b",
     "#8c8c8c",
 )
-_CASES, _DRAWN, _MOST_NAMES = 4, 400, 12
-_MICRO = 1e-6
+_CASES, _DRAWN_SAMPLES, _MOST_LEGEND_NAMES = 4, 400, 12
 
 
 def picture(plan: Plan, seed: int = 0) -> bytes:
@@ -48,11 +48,11 @@ def picture(plan: Plan, seed: int = 0) -> bytes:
             for k, (low_x, high_x, low_y, high_y) in enumerate(case.cells_um):
                 if homes[pool.things[k]] != home:
                     continue
-                corner = (low_x * _MICRO, low_y * _MICRO)
-                size = ((high_x - low_x) * _MICRO, (high_y - low_y) * _MICRO)
+                corner = (low_x * MICRO, low_y * MICRO)
+                size = ((high_x - low_x) * MICRO, (high_y - low_y) * MICRO)
                 colour = _COLOURS[k % len(_COLOURS)]
                 axes.add_patch(Rectangle(corner, *size, facecolor=colour, edgecolor=colour, alpha=0.45))
-                if len(pool.things) <= _MOST_NAMES:
+                if len(pool.things) <= _MOST_LEGEND_NAMES:
                     middle = (corner[0] + size[0] / 2, corner[1] + size[1] / 2)
                     axes.text(*middle, pool.things[k], ha="center", va="center", fontsize=6)
             axes.set_title(f"{case.family.replace('_', ' ')}, on {owner}", fontsize=8)
@@ -77,7 +77,7 @@ def _outline(axes: Axes, place: PlanPlace) -> None:
 
 def _origins(axes: Axes, plan: Plan, one: PlanCombination, pool: PlanPool, home: int, seed: int) -> None:
     """Where the asset origins of samples of the combination lie, in A of one place."""
-    drawn = sample(plan, _DRAWN, seed)
+    drawn = sample(plan, _DRAWN_SAMPLES, seed)
     rows = drawn.combination == 0
     for k, name in enumerate(pool.things):
         thing = _thing(one, name)

@@ -13,9 +13,10 @@ from runtime_plan.materials import is_paired, with_material
 from runtime_plan.samples_file import sampled_lighting
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.scene.compiled import CompiledScene, Point3, Quat_wxyz
+from schemas.scene.program import BACKGROUND
 from usdio.write.sample import SampleEdit, write_sample
 
-PACKAGES, BACKGROUND = "packages", "background"
+PACKAGES = "packages"
 
 
 class Layers:

@@ -15,8 +15,8 @@ from runtime_plan import Plan, load, read_samples, sample
 from runtime_plan.verify import Judge, Row
 from schemas.scene.plan_report import PlanVerdict, SampleViolation
 
-BATCH = 8192
-MOST_LISTED = 1000
+VERIFIED_AT_ONCE = 8192
+MOST_LISTED_VIOLATIONS = 1000
 
 
 def judge_file(plan: Path, samples: Path) -> PlanVerdict:
@@ -29,7 +29,7 @@ def judge_file(plan: Path, samples: Path) -> PlanVerdict:
 def judge_drawn(plan: Path, n: int, seed: int, jobs: int, progress: Progress) -> PlanVerdict:
     """The verdict on the first n samples of a stream, which are drawn again by each process that judges them."""
     load(plan)  # a plan that cannot be used is refused here, not in a process of its own
-    batches = [(plan, seed, start, min(BATCH, n - start)) for start in range(0, n, BATCH)]
+    batches = [(plan, seed, start, min(VERIFIED_AT_ONCE, n - start)) for start in range(0, n, VERIFIED_AT_ONCE)]
     task = progress.add_task("judging", total=n)
     violations: list[Row] = []
     pool = ProcessPoolExecutor(jobs, get_context("spawn")) if jobs > 1 else nullcontext()
@@ -54,5 +54,5 @@ def _judge(path: Path) -> tuple[Plan, Judge]:
 
 
 def _verdict(checked: int, rows: list[Row]) -> PlanVerdict:
-    listed = tuple(SampleViolation.model_validate(row) for row in rows[:MOST_LISTED])
+    listed = tuple(SampleViolation.model_validate(row) for row in rows[:MOST_LISTED_VIOLATIONS])
     return PlanVerdict(checked=checked, invalid=len({row["index"] for row in rows}), violations=listed)

@@ -11,7 +11,7 @@ import typer
 from cli import text
 from schemas.replay import VariantCheck
 
-MOST_LISTED = 20
+MOST_LISTED_ROWS = 20
 
 
 def verify_command(
@@ -40,7 +40,7 @@ def verify_command(
     figures = summary(rows)
     if as_json:
         bad = [row.model_dump() for row in rows if not row.sound]
-        print(json.dumps({**figures, "unsound": bad[:MOST_LISTED]}, indent=1))
+        print(json.dumps({**figures, "unsound": bad[:MOST_LISTED_ROWS]}, indent=1))
     else:
         _show(rows, figures)
     if figures["sound"] < len(rows):
@@ -50,7 +50,7 @@ def verify_command(
 def _show(rows: list[VariantCheck], figures: dict[str, object]) -> None:
     table: list[dict[str, object]] = [{"what": name, "value": text.figure(value)} for name, value in figures.items()]
     text.show_rows(table, {"what": "", "value": ""})
-    for row in [row for row in rows if not row.sound][:MOST_LISTED]:
+    for row in [row for row in rows if not row.sound][:MOST_LISTED_ROWS]:
         for pair in row.near:
             when = f" at t = {pair.t_s:.3f} s" if pair.t_s is not None else ""
             distance = f"{pair.distance_m * 1000:.1f} mm of {row.clearance_m * 1000:.1f} mm"

@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from geom.convex.hull import convex_hull
-from geom.mass.inertia import combine, of_closed_surface
+from geom.mass.inertia import combine_volumes, enclosed_volume
 from geom.pose import apply, inverse
 from schemas.arrays import FloatArray, IntArray
-from schemas.physics import MassProperties
+from schemas.physics import VolumeProperties
 
+SKIN_M = 1e-3  # by which a mesh may be tighter than the thing
 _FLAT = 1e-9  # A volume below this share of the cubed diagonal counts as flat.
 
 
@@ -42,9 +43,9 @@ class Hull:
         return float((offsets - (self.points @ normals.T).min(axis=0)).min())
 
     @cached_property
-    def solid(self) -> MassProperties:
-        """Mass properties at 1 kg/m3, so that the mass is the volume."""
-        return of_closed_surface(self.points, self.triangles, 1.0)
+    def volume(self) -> VolumeProperties:
+        """The volume inside."""
+        return enclosed_volume(self.points, self.triangles)
 
 
 def hull_of(points: FloatArray) -> Hull | None:
@@ -55,7 +56,7 @@ def hull_of(points: FloatArray) -> Hull | None:
         hull = Hull(*convex_hull(points))
     except ValueError:
         return None
-    return hull if hull.solid.mass_kg > _FLAT * float(np.linalg.norm(np.ptp(points, axis=0))) ** 3 else None
+    return hull if hull.volume.volume_m3 > _FLAT * float(np.linalg.norm(np.ptp(points, axis=0))) ** 3 else None
 
 
 @dataclass(frozen=True)
@@ -131,15 +132,15 @@ class Body:
         return hull_of(self.collider_points_W)
 
     @cached_property
-    def filled(self) -> MassProperties | None:
-        """Mass properties of the enabled colliders' hulls filled at 1 kg/m3, in the body frame; overlaps count twice.
+    def collider_volume(self) -> VolumeProperties | None:
+        """The volume of the enabled colliders' hulls, in the body frame; overlaps count twice.
 
         None when no collider has volume.
         """
         hulls = [c.hull_W for c in self.active_colliders]
         X_BW = inverse(self.X_WB)
-        solids = [of_closed_surface(apply(X_BW, h.points), h.triangles, 1.0) for h in hulls if h is not None]
-        return combine(solids) if solids else None
+        volumes = [enclosed_volume(apply(X_BW, h.points), h.triangles) for h in hulls if h is not None]
+        return combine_volumes(volumes) if volumes else None
 
     @cached_property
     def diagonal_m(self) -> float:

@@ -13,8 +13,7 @@ from pxr import Tf, UsdGeom
 
 from gate.subject.values import TIME
 from schemas.arrays import FloatArray
-
-_FALLBACK_METERS = 0.01  # UsdGeomLinearUnits: a stage without metersPerUnit is in centimetres.
+from usdio.read.stage_metadata import FALLBACK_METERS
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,7 @@ class Frames:
     def of(cls, stage: Any) -> Frames:
         """The frames of a composed stage."""
         root = stage.GetRootLayer().pseudoRoot
-        stated = root.GetInfo("metersPerUnit") if root.HasInfo("metersPerUnit") else _FALLBACK_METERS
+        stated = root.GetInfo("metersPerUnit") if root.HasInfo("metersPerUnit") else FALLBACK_METERS
         try:
             meters = float(stated)
         except (TypeError, ValueError):

@@ -13,6 +13,8 @@ from pxr import Gf, Usd
 from schemas.arrays import FloatArray, IntArray
 from schemas.diagnostics import Location
 
+EXTENT_TOLERANCE = 0.01  # of its longest edge: authored extents are rounded or of another tessellation
+STATED_TOLERANCE = 1e-3  # relative, between two statements of one quantity: USD keeps single precision
 TIME = Usd.TimeCode.EarliestTime()  # The default value, or the first sample where there is nothing else.
 
 

@@ -12,7 +12,7 @@ from geom.mesh.edges import edges_of
 from geom.mesh.topology import repeats_point
 from geom.mesh.weld import weld_points
 
-MOST_TRIANGLES = 500_000  # A heavier file is not counted.
+MOST_COUNTED_TRIANGLES = 500_000  # A heavier file is not counted.
 
 
 class EdgeCounts(NamedTuple):
@@ -30,7 +30,7 @@ class EdgeCounts(NamedTuple):
 def count_edges(surfaces: Sequence[VisibleSurface]) -> EdgeCounts | None:
     """The counts; None when nothing is visible or there is too much of it."""
     drawn = [s for s in surfaces if len(s.triangles) and np.all(np.isfinite(s.points_W))]
-    if not drawn or sum(len(s.triangles) for s in drawn) > MOST_TRIANGLES:
+    if not drawn or sum(len(s.triangles) for s in drawn) > MOST_COUNTED_TRIANGLES:
         return None
     first = np.cumsum([0, *(len(s.points_W) for s in drawn)])
     points = np.concatenate([s.points_W for s in drawn])

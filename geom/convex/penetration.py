@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull, QhullError
 from schemas.arrays import FloatArray
 
 MOST_PAIRS = 4096  # of points; beyond, only extreme points are used, which can only lessen the depth
-_DIRECTIONS = 64
+_CORNER_DIRECTIONS = 64
 
 
 def penetration_depth(points_a: FloatArray, points_b: FloatArray) -> float:
@@ -54,4 +54,4 @@ def even_directions(count: int) -> FloatArray:
 
 
 def _outermost(points: FloatArray) -> FloatArray:
-    return points[np.unique((points @ even_directions(_DIRECTIONS).T).argmax(axis=0))]
+    return points[np.unique((points @ even_directions(_CORNER_DIRECTIONS).T).argmax(axis=0))]

@@ -13,7 +13,7 @@ import trimesh
 from scipy.spatial import ConvexHull, QhullError
 
 from geom.convex.hull import centroid, convex_hull
-from geom.mass.inertia import of_closed_surface
+from geom.mass.inertia import enclosed_volume
 from geom.mass.principal_axes import principal_axes
 from geom.pose import matrix_of, pose, rotation_to_z
 from schemas.arrays import FloatArray
@@ -24,7 +24,7 @@ ALIGNED_PREFERENCE = 1.02
 # The outline of a projection is resampled to this many points, so that dense corners do not weigh more.
 OUTLINE_SAMPLES = 180
 # Thinner than this share of their spread, points have only rounding as thickness.
-FLAT_SHARE = 1e-7
+FLAT_ROUNDING_SHARE = 1e-7
 
 
 def fit_box(points: FloatArray) -> CollisionShape | None:
@@ -38,7 +38,7 @@ def fit_box(points: FloatArray) -> CollisionShape | None:
     centre = 0.5 * (low + high)
     scale = float(size.max())
     across = np.linalg.svd((points - centre) / max(scale, 1e-300), compute_uv=False)
-    if not across[-1] > FLAT_SHARE * across[0]:  # The thickness of a rotated plane is rounding.
+    if not across[-1] > FLAT_ROUNDING_SHARE * across[0]:  # The thickness of a rotated plane is rounding.
         return None
     to_box, oriented = trimesh.bounds.oriented_bounds((points - centre) / scale, ordered=False)
     if np.prod(size / scale) <= ALIGNED_PREFERENCE * np.prod(oriented):
@@ -93,7 +93,7 @@ def _tubes(points: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, float, 
         corners, triangles = convex_hull(points)
     except ValueError:
         return
-    _, quat_wxyz = principal_axes(of_closed_surface(corners, triangles, 1.0).inertia_kgm2)
+    _, quat_wxyz = principal_axes(enclosed_volume(corners, triangles).second_moment_m5)
     middle = centroid(corners, triangles)
     for axis in (*np.eye(3), *matrix_of(quat_wxyz).T):
         R_AC = rotation_to_z(axis).T

@@ -18,12 +18,12 @@ from geom.mesh.weld import diagonal
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.physics import CollisionShape, Fidelity, Solid
 
-SAMPLES = 4000
+FIDELITY_SAMPLES = 4000
 # Hulls that share a cut plane leave a slit of rounding width between them, whose walls are no outer surface. Grown by
 # this share of the diagonal they merge; the distances below are too large by at most 1.7 times that.
-SLIT_SHARE = 5e-4
+SLIT_GROWTH_SHARE = 5e-4
 # A gap that lets a ball through is wider than this share of its radius at the middle.
-GAP_SHARE = 0.7
+GAP_RADIUS_SHARE = 0.7
 _CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
@@ -45,7 +45,7 @@ class ReferenceSurface:
     volume_m3: float | None
 
 
-def reference_surface(solid: Solid, samples: int = SAMPLES) -> ReferenceSurface:
+def reference_surface(solid: Solid, samples: int = FIDELITY_SAMPLES) -> ReferenceSurface:
     """The outer surface of `solid` with its probes. Deterministic."""
     outer = outer_surface(solid)
     inside = volume(*outer) if solid.kind == "closed" else None
@@ -65,7 +65,7 @@ def measure_fidelity(
     if not shapes:
         raise ValueError("no shapes to measure")
     target = against if isinstance(against, ReferenceSurface) else reference_surface(against)
-    union = union_surface(shapes, SLIT_SHARE * target.size)
+    union = union_surface(shapes, SLIT_GROWTH_SHARE * target.size)
     outside = _distances(_probes(*union, target.samples), target.points, target.triangles)
     missing = np.zeros(len(target.probes))
     uncovered = ~_within(shapes, target.probes)
@@ -92,7 +92,7 @@ def _holds_ball(union: tuple[FloatArray, IntArray], target: ReferenceSurface, ca
 
     Where a ball gets out through a wall, that wall is about its radius away from the shapes.
     """
-    if cavity.through or gap_m <= GAP_SHARE * cavity.probe_m:
+    if cavity.through or gap_m <= GAP_RADIUS_SHARE * cavity.probe_m:
         return True
     place = (cavity.way_m[-1], cavity.opening_m, cavity.direction, cavity.probe_m)
     return not leaks(*union, *place) or leaks(target.points, target.triangles, *place)

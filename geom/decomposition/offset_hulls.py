@@ -17,7 +17,7 @@ from geom.mesh.surface_distance import SignedDistance, sample_surface
 
 # Candidate offsets, as shares of the distance of the hollow side from the wall; the nearest hull is taken.
 SHARES = (0.0, 0.2, 0.35, 0.5)
-SAMPLES, NEAR_PERCENT = 200, 90.0
+HULL_SAMPLES, NEAR_PERCENT = 200, 90.0
 
 
 def offset_hulls(
@@ -43,5 +43,5 @@ def _raised(hull: Manifold, distance: SignedDistance, far: float, allowed: Calla
 
 
 def _off(hull: Manifold, distance: SignedDistance) -> float:
-    samples = sample_surface(*manifold_arrays(hull), SAMPLES, 0)[0]
+    samples = sample_surface(*manifold_arrays(hull), HULL_SAMPLES, 0)[0]
     return float(np.percentile(np.abs(distance(samples)), NEAR_PERCENT))

@@ -14,7 +14,7 @@ from geom.features.regions import FaceGeometry, Role, SurfaceRegion
 from geom.mesh.surface_distance import sample_surface
 from schemas.arrays import FloatArray
 
-_SAMPLES, _SLICES = 8000, 48
+_AXIAL_SAMPLES, _AXIAL_SLICES = 8000, 48
 _LONG = 2.0  # times as long as wide: shorter objects have no clear axis
 _END = 0.1  # of the length: a working end or a grip is no shorter
 _CONTRAST = np.log(1.5)  # The two sides of a split differ in width or thickness by half or more ...
@@ -41,12 +41,12 @@ class SectionProfile(NamedTuple):
 def section_profile(surface: FaceGeometry) -> SectionProfile | None:
     """The section along the axis of largest variance; None when the surface has no length or is a line."""
     axes = _principal(surface)
-    points = sample_surface(surface.points, surface.triangles, _SAMPLES, 0)[0] @ axes.T
+    points = sample_surface(surface.points, surface.triangles, _AXIAL_SAMPLES, 0)[0] @ axes.T
     low, size = points.min(axis=0), np.ptp(points, axis=0)
     if size[0] <= 0.0 or size[1] <= 0.0:
         return None
-    slices = np.clip(((points[:, 0] - low[0]) / size[0] * _SLICES).astype(np.int64), 0, _SLICES - 1)
-    least, most = np.full((_SLICES, 2), np.inf), np.full((_SLICES, 2), -np.inf)
+    slices = np.clip(((points[:, 0] - low[0]) / size[0] * _AXIAL_SLICES).astype(np.int64), 0, _AXIAL_SLICES - 1)
+    least, most = np.full((_AXIAL_SLICES, 2), np.inf), np.full((_AXIAL_SLICES, 2), -np.inf)
     np.minimum.at(least, slices, points[:, 1:])
     np.maximum.at(most, slices, points[:, 1:])
     across = np.maximum(most - least, 1e-3 * size[1])  # A slice that no sample met, or a sheet on edge.
@@ -70,7 +70,7 @@ def _split(section: SectionProfile, values: FloatArray, roles: tuple[Role, Role]
     cut = _step(np.log(values)) if section.long >= _LONG else None
     if cut is None:
         return ()
-    larger = section.along < cut / _SLICES
+    larger = section.along < cut / _AXIAL_SLICES
     if np.log(values[:cut]).mean() < np.log(values[cut:]).mean():
         larger = ~larger
     return SurfaceRegion(roles[0], larger), SurfaceRegion(roles[1], ~larger)
@@ -89,9 +89,9 @@ def neck_regions(surface: FaceGeometry) -> tuple[SurfaceRegion, ...]:
     for values, place in ((width, section.along), (width[::-1], 1.0 - section.along)):
         slices = _even_end(values)
         if slices:
-            length = slices / _SLICES * section.long * max(section.width.max(), section.thickness.max())
+            length = slices / _AXIAL_SLICES * section.long * max(section.width.max(), section.thickness.max())
             across = float(np.median(values[1:slices]))
-            ends.append(SurfaceRegion("neck" if length > 1.5 * across else "stopper", place < slices / _SLICES))
+            ends.append(SurfaceRegion("neck" if length > 1.5 * across else "stopper", place < slices / _AXIAL_SLICES))
     return tuple(ends) if len(ends) == 1 else ()
 
 
@@ -102,11 +102,13 @@ def stem_regions(surface: FaceGeometry) -> tuple[SurfaceRegion, ...]:
         return ()
     width = np.sqrt(section.width * section.thickness)
     slim = width < _STEM * width.max()
-    runs = [run for run in np.split(np.arange(_SLICES), np.flatnonzero(np.diff(slim.astype(int))) + 1) if slim[run[0]]]
-    inner = [run for run in runs if run[0] > 0 and run[-1] < _SLICES - 1]
-    if len(inner) != 1 or not _END < len(inner[0]) / _SLICES < _LONGEST_STEM:
+    runs = [
+        run for run in np.split(np.arange(_AXIAL_SLICES), np.flatnonzero(np.diff(slim.astype(int))) + 1) if slim[run[0]]
+    ]
+    inner = [run for run in runs if run[0] > 0 and run[-1] < _AXIAL_SLICES - 1]
+    if len(inner) != 1 or not _END < len(inner[0]) / _AXIAL_SLICES < _LONGEST_STEM:
         return ()
-    along, ends = section.along, (inner[0][0] / _SLICES, 1.0 - (inner[0][-1] + 1) / _SLICES)
+    along, ends = section.along, (inner[0][0] / _AXIAL_SLICES, 1.0 - (inner[0][-1] + 1) / _AXIAL_SLICES)
     if ends[0] > ends[1]:
         along, ends = 1.0 - along, ends[::-1]
     if ends[0] > 0.5 * ends[1]:  # Two ends alike: a dumb-bell, an hourglass.

@@ -26,7 +26,7 @@ from geom.pose import rotation_to_z
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.physics import CollisionShape, Solid
 
-DIRECTIONS = np.array([[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]], dtype=np.float64)
+OPENING_DIRECTIONS = np.array([[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]], dtype=np.float64)
 
 # A cavity matters when its water is at least this share of the hull: upward, and in any other direction, where things
 # are seldom put in and most furniture has a recess.
@@ -99,7 +99,7 @@ def find_cavities(solid: Solid) -> tuple[Cavity, ...]:
     surface_of = solid.points, solid.triangles
     walls, rays = wall_points(*surface_of), Rays(*surface_of)
     cavities: list[Cavity] = []
-    for direction in (*DIRECTIONS, *_oblique_axes(hull[0])):
+    for direction in (*OPENING_DIRECTIONS, *_oblique_axes(hull[0])):
         share = UPWARD_SHARE if direction[2] > ALIGNED else OTHER_SHARE
         for cavity in _cavities_along(solid, rays, walls, direction, share * hull_volume):
             before = [other for other in cavities if _is_same(cavity, other)]

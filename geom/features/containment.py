@@ -17,19 +17,19 @@ from shapely.geometry.base import BaseGeometry
 from geom.features.cavities import Cavity
 from geom.mesh.cross_sections import CrossSections
 from geom.mesh.rays import Rays
+from geom.planar import DETAIL_SHARE
+from geom.pose import DOWN
 from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
 # Cosine: an opening faces up within 25 degrees.
-UPRIGHT = 0.9
+UPWARD_COSINE = 0.9
 LAYERS = 12
 # The rim is known to a grid cell: the topmost closed section is searched from there down, at these shares of the depth.
 RIM_STEPS = (0.005, 0.02, 0.05, 0.1, 0.2, 0.3)
 # The opening is at least this share of the largest disc that fits, as the grid of `geom.features.cavities` sees it.
 LEAST_OPENING = 0.5
-GRID = 24
-DOWN = np.array([0.0, 0.0, -1.0])
-DETAIL_SHARE = 2e-3  # of the diameter of the opening, simplified away
+FLOOR_GRID = 24
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Containment:
 
 def find_containments(solid: Solid, cavities: Sequence[Cavity]) -> tuple[Containment, ...]:
     """The containment volumes of those `cavities` that face up, the largest first."""
-    upright = [c for c in cavities if not c.through and c.direction[2] >= UPRIGHT]
+    upright = [c for c in cavities if not c.through and c.direction[2] >= UPWARD_COSINE]
     if not upright:
         return ()
     cuts, rays = CrossSections(solid), Rays(solid.points, solid.triangles)
@@ -137,7 +137,7 @@ def _floor(rays: Rays, opening: shapely.Polygon, height_m: float) -> float | Non
 def _places(region: BaseGeometry) -> FloatArray:
     """x and y (k, 2) of places spread over a region, at least one."""
     low, high = np.array(region.bounds).reshape(2, 2)
-    shares = (np.arange(GRID) + 0.5) / GRID
+    shares = (np.arange(FLOOR_GRID) + 0.5) / FLOOR_GRID
     grid = low + np.stack(np.meshgrid(shares, shares, indexing="ij"), axis=-1).reshape(-1, 2) * (high - low)
     within = grid[shapely.contains_xy(region, grid[:, 0], grid[:, 1])]
     return np.concatenate([within, shapely.get_coordinates(region.point_on_surface())])

@@ -10,11 +10,11 @@ from geom.mesh.surface_distance import sample_surface
 from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
-SAMPLES, SLICES = 6000, 40
+END_SAMPLES, END_SLICES = 6000, 40
 # Widths that a hand can close around, the shortest length, and how much thinner than the rest.
 THICKEST_M, THINNEST_M, SHORTEST_M = 0.05, 0.005, 0.06
-LEAST_SHARE, MOST_SHARE = 0.25, 0.93
-THINNER = 0.55
+HANDLE_LEAST_SHARE, HANDLE_MOST_SHARE = 0.25, 0.93
+HANDLE_WIDTH_SHARE = 0.55
 EVEN = 2.0  # the widest slice over the narrowest: a cone is no grip
 
 
@@ -30,7 +30,7 @@ def find_elongated_end(solid: Solid) -> ElongatedEnd | None:
     """The thin, even end along the longest principal axis, the longer one of two; None without any."""
     if solid.kind == "hull":
         return None
-    points, _ = sample_surface(solid.points, solid.triangles, SAMPLES, 0)
+    points, _ = sample_surface(solid.points, solid.triangles, END_SAMPLES, 0)
     centred = points - points.mean(axis=0)
     axes = np.linalg.eigh(centred.T @ centred)[1].T[::-1]
     local = centred @ axes.T
@@ -38,9 +38,9 @@ def find_elongated_end(solid: Solid) -> ElongatedEnd | None:
     length = float(np.ptp(along))
     if length < SHORTEST_M:
         return None
-    slot = np.minimum(((along - along.min()) / length * SLICES).astype(int), SLICES - 1)
-    widths, middles = np.zeros(SLICES), np.zeros((SLICES, 3))
-    for k in range(SLICES):
+    slot = np.minimum(((along - along.min()) / length * END_SLICES).astype(int), END_SLICES - 1)
+    widths, middles = np.zeros(END_SLICES), np.zeros((END_SLICES, 3))
+    for k in range(END_SLICES):
         in_slice = local[slot == k]
         if len(in_slice) < 8:
             return None
@@ -48,14 +48,14 @@ def find_elongated_end(solid: Solid) -> ElongatedEnd | None:
         widths[k] = float((high - low)[1:].max())
         middles[k] = 0.5 * (low + high)
     body = float(widths.max())
-    thin = (widths <= min(THICKEST_M, THINNER * body)) & (widths >= THINNEST_M)
+    thin = (widths <= min(THICKEST_M, HANDLE_WIDTH_SHARE * body)) & (widths >= THINNEST_M)
     ends = []
-    for order in (np.arange(SLICES), np.arange(SLICES)[::-1]):
+    for order in (np.arange(END_SLICES), np.arange(END_SLICES)[::-1]):
         # The outermost slice may be rounded off.
-        run = int((~thin[order[1:]]).argmax()) + 1 if not thin[order[1:]].all() else SLICES
+        run = int((~thin[order[1:]]).argmax()) + 1 if not thin[order[1:]].all() else END_SLICES
         inner = order[1:run]
-        share = run / SLICES
-        long_enough = run * length / SLICES >= SHORTEST_M and LEAST_SHARE <= share <= MOST_SHARE
+        share = run / END_SLICES
+        long_enough = run * length / END_SLICES >= SHORTEST_M and HANDLE_LEAST_SHARE <= share <= HANDLE_MOST_SHARE
         if long_enough and len(inner) and widths[inner].max() <= EVEN * widths[inner].min():
             ends.append((share, inner[::-1]))
     if not ends:

@@ -13,7 +13,7 @@ from schemas.arrays import BoolArray, FloatArray, IntArray
 # The grid resolves a gap only where nodes lie in it: a ball smaller by this factor is used.
 SMALLER = 0.9
 # Half a cell is the least distance from a wall that no step between two nodes crosses.
-LEAST_CELLS = 0.5
+WALL_CLEAR_CELLS = 0.5
 
 
 def leaks(
@@ -68,7 +68,7 @@ def _below(around: ClearanceGrid, mouth_m: FloatArray, outward: FloatArray) -> C
 
 def _free(clearance: ClearanceGrid, radius_m: float) -> BoolArray:
     """(n,) True at the nodes where a ball of that radius fits."""
-    return clearance.distance >= max(SMALLER * radius_m, LEAST_CELLS * clearance.cell)
+    return clearance.distance >= max(SMALLER * radius_m, WALL_CLEAR_CELLS * clearance.cell)
 
 
 def _gets_out(clearance: ClearanceGrid, inside_m: FloatArray, radius_m: float) -> bool:

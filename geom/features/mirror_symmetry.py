@@ -8,7 +8,7 @@ from scipy.optimize import minimize_scalar
 from geom.mesh.surface_distance import NearestOnSurface, sample_surface
 from schemas.arrays import FloatArray, IntArray
 
-_SAMPLES = 600
+_MIRROR_SAMPLES = 600
 _STEP_RAD = np.radians(3.0)
 _XATOL_RAD = np.radians(0.02)
 
@@ -21,7 +21,7 @@ def mirror_plane_heading(
 
     Only headings within `within_rad` of `near_rad` are tried; None when the best of them is at the border.
     """
-    places, _ = sample_surface(points, triangles, _SAMPLES, 0)
+    places, _ = sample_surface(points, triangles, _MIRROR_SAMPLES, 0)
     places = places - centre
     nearest = NearestOnSurface(points - centre, triangles)
 

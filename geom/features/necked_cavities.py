@@ -27,7 +27,7 @@ ENCLOSED_SHARE, RAY_COUNT = 0.75, 400
 MOUTH_WALLS, FLARE = 1.3, 1.05
 MOUTH_NODES, MOUTH_STEPS = 3, (0.15, 0.05, 0.02)
 CENTRINGS = 8
-RIM_STEP, RIM_STEPS = 0.1, 400
+RIM_STEP, RIM_SEARCH_STEPS = 0.1, 400
 
 
 @dataclass(frozen=True)
@@ -145,6 +145,6 @@ def _mouth(nearest: NearestOnSurface, way: FloatArray, walls: FloatArray) -> tup
         to_walls = to_walls[near] / far[near, None]
         axis = np.linalg.eigh(to_walls.T @ to_walls)[1][:, 0]
     outward = axis if axis @ outward > 0.0 else -axis
-    along = middle + RIM_STEP * radius * np.arange(RIM_STEPS)[:, None] * outward
+    along = middle + RIM_STEP * radius * np.arange(RIM_SEARCH_STEPS)[:, None] * outward
     within = np.logical_and.accumulate(_clearance(nearest, along) <= FLARE * radius)
     return along[within][-1], outward, radius

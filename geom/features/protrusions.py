@@ -17,7 +17,7 @@ from geom.mesh.topology import repeats_point
 from schemas.arrays import BoolArray, FloatArray
 
 _FACES = 3000  # Thickness needs no more; the regions are carried back to all triangles.
-_THINNER = np.log(2.0)  # A hand closes around a protrusion, and not around the body.
+_LEAST_LOG_STEP = np.log(2.0)  # A hand closes around a protrusion, and not around the body.
 _LEAST, _MOST = 0.01, 0.5  # share of one protrusion in the surface: a larger part is the body
 _LONGER = 2.0  # times as long as thick: a stub is no protrusion
 _MAX_COUNT = 4
@@ -78,7 +78,7 @@ def _threshold(thick: FloatArray, weight: FloatArray) -> float | None:
     low = np.cumsum(counts * middles)[:-1] / np.maximum(below, 1e-300)
     high = np.cumsum((counts * middles)[::-1])[::-1][1:] / np.maximum(above, 1e-300)
     best = int(np.argmax(below * above * (high - low) ** 2))
-    return float(0.5 * (low[best] + high[best])) if high[best] - low[best] >= _THINNER else None
+    return float(0.5 * (low[best] + high[best])) if high[best] - low[best] >= _LEAST_LOG_STEP else None
 
 
 def _joints(surface: FaceGeometry, part: BoolArray, edges: Edges) -> int:

@@ -42,10 +42,10 @@ Role = Literal[
     "over",
     "foot",
 ]
-_OUTLINE_FACES, _SAMPLES = 1000, 4000
+_OUTLINE_FACES, _WIDTH_SAMPLES = 1000, 4000
 _ROUND = 0.6  # of all directions, in which the outline of a round body is a circle
 _PROTRUDING = 1.06  # times the radius of the body: points further out belong to protrusions
-_LAYERS = 24
+_WIDTH_LAYERS = 24
 _LEVEL = 0.9  # vertical component of the normal of a level face
 _PLATE_SHARE = 0.35  # of the footprint's box that the face of a plate covers
 
@@ -218,15 +218,15 @@ def _within(away: FloatArray, sector: tuple[float, float]) -> BoolArray:
 
 def _layer(surface: FaceGeometry, points: FloatArray) -> IntArray:
     share = (points[:, 2] - surface.low[2]) / max(float(surface.extent[2]), np.finfo(float).tiny)
-    return np.clip((share * _LAYERS).astype(np.int64), 0, _LAYERS - 1)
+    return np.clip((share * _WIDTH_LAYERS).astype(np.int64), 0, _WIDTH_LAYERS - 1)
 
 
 def _widths(surface: FaceGeometry, centre: FloatArray, radius: float, sectors: list[tuple[float, float]]) -> FloatArray:
-    """(_LAYERS,) radius of the body by height, from its surface in the directions without protrusions."""
-    points = sample_surface(surface.points, surface.triangles, _SAMPLES, 0)[0]
+    """(_WIDTH_LAYERS,) radius of the body by height, from its surface in the directions without protrusions."""
+    points = sample_surface(surface.points, surface.triangles, _WIDTH_SAMPLES, 0)[0]
     away = points[:, :2] - centre
     free = ~np.any([_within(away, s) for s in sectors], axis=0)
-    widths = np.zeros(_LAYERS)
+    widths = np.zeros(_WIDTH_LAYERS)
     np.maximum.at(widths, _layer(surface, points[free]), np.linalg.norm(away[free], axis=1))
     return np.minimum(maximum_filter1d(widths, 3, mode="nearest"), _PROTRUDING * radius)
 
@@ -239,7 +239,7 @@ def _comes_back(
     out /= np.linalg.norm(out) or 1.0
     light, triangles = decimate(surface.points, surface.triangles[chosen], _OUTLINE_FACES)
     flat = np.stack([(light[:, :2] - centre) @ out, light[:, 2]], axis=1)
-    heights = surface.low[2] + surface.extent[2] * np.arange(_LAYERS + 1) / _LAYERS
+    heights = surface.low[2] + surface.extent[2] * np.arange(_WIDTH_LAYERS + 1) / _WIDTH_LAYERS
     layers = zip(widths + 0.12 * radius, heights[:-1], heights[1:], strict=True)
     body = shapely.union_all([shapely.box(-radius, low, width, high) for width, low, high in layers])
     shape = shapely.union_all([shapely.Polygon(t).buffer(0.005 * radius, 2) for t in flat[triangles]])

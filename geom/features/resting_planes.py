@@ -22,7 +22,7 @@ from schemas.physics import CollisionShape
 SAME_FACET, LEAST_AREA = 0.9999, 0.03
 BIN = 0.01  # of the components of a normal
 # An excess below this share of the hull's size is rounding.
-ROUNDING = 1e-9
+EXCESS_ROUNDING = 1e-9
 
 
 class HalfSpaces(NamedTuple):
@@ -64,7 +64,7 @@ def hull_within(points: FloatArray, half_spaces: HalfSpaces, max_points: int = M
     if shape is None or shape.points is None:
         return shape
     corners = shape.points
-    rounding = ROUNDING * float(np.ptp(corners, axis=0).max())
+    rounding = EXCESS_ROUNDING * float(np.ptp(corners, axis=0).max())
     beyond = (corners @ half_spaces.normals.T - half_spaces.offsets).max(axis=0, initial=-np.inf) > rounding
     if not beyond.any():
         return shape

@@ -15,8 +15,8 @@ from geom.mesh.rays import Rays
 from geom.pose import rotation_to_z
 from schemas.arrays import BoolArray, FloatArray
 
-_RAYS, _CONE_RAD = 24, np.radians(45.0)
-_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
+_CONE_RAYS, _CONE_RAD = 24, np.radians(45.0)
+_GOLDEN_ANGLE_RAD = np.pi * (3.0 - np.sqrt(5.0))
 
 
 def shape_diameter(surface: FaceGeometry, inner: BoolArray) -> FloatArray:
@@ -36,11 +36,11 @@ def shape_diameter(surface: FaceGeometry, inner: BoolArray) -> FloatArray:
     side = corners[:, 1] - corners[:, 0]
     side /= np.linalg.norm(side, axis=1, keepdims=True)
     across = np.cross(inward, side)
-    lean = _CONE_RAD * np.sqrt((np.arange(_RAYS) + 0.5) / _RAYS)
-    turn = _GOLDEN * np.arange(_RAYS)
+    lean = _CONE_RAD * np.sqrt((np.arange(_CONE_RAYS) + 0.5) / _CONE_RAYS)
+    turn = _GOLDEN_ANGLE_RAD * np.arange(_CONE_RAYS)
     starts = surface.middle[outer] + 1e-4 * diagonal * inward
-    lengths = np.empty((_RAYS, len(outer)))
-    for k in range(_RAYS):
+    lengths = np.empty((_CONE_RAYS, len(outer)))
+    for k in range(_CONE_RAYS):
         aim = np.cos(lean[k]) * inward + np.sin(lean[k]) * (np.cos(turn[k]) * side + np.sin(turn[k]) * across)
         lengths[k] = rays.hit_distances(starts, aim)
     result[outer] = np.minimum(np.median(lengths, axis=0), diagonal)

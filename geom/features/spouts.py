@@ -7,7 +7,7 @@ import shapely
 
 from schemas.arrays import FloatArray, IntArray
 
-RAYS = 72
+LIP_RAYS = 72
 MIN_BULGE = 0.06  # least bulge of a spout, as a share of the mean radius
 MIN_CONCAVITY = 0.001  # of the area: the flanks of a spout are concave, those of a triangle's corner are not
 MAX_OTHER_BULGE = 0.5  # of the largest bulge, for every other one: a square has four corners
@@ -23,12 +23,12 @@ def find_spout(loop_m: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray] 
     if outline.convex_hull.area < (1.0 + MIN_CONCAVITY) * outline.area:
         return None
     centre = np.array(outline.centroid.coords[0])
-    angles = 2.0 * np.pi * np.arange(RAYS) / RAYS
+    angles = 2.0 * np.pi * np.arange(LIP_RAYS) / LIP_RAYS
     far = 2.0 * float(np.linalg.norm(loop_m[:, :2] - centre, axis=1).max())
     ends = centre + far * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     cuts = [outline.intersection(shapely.LineString([centre, end])).length for end in ends]
     radius = np.array(cuts)
-    basis = np.stack([np.ones(RAYS), *(f(k * angles) for k in (1, 2) for f in (np.cos, np.sin))], axis=1)
+    basis = np.stack([np.ones(LIP_RAYS), *(f(k * angles) for k in (1, 2) for f in (np.cos, np.sin))], axis=1)
     # Fitted to the rest of the rim: the spout itself must not bend the ellipse.
     smooth = basis @ np.linalg.lstsq(basis, radius, rcond=None)[0]
     for _ in range(4):
@@ -38,12 +38,12 @@ def find_spout(loop_m: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray] 
     top = int(bulge.argmax())
     if bulge[top] < MIN_BULGE * radius.mean():
         return None
-    within = np.abs((np.arange(RAYS) - top + RAYS // 2) % RAYS - RAYS // 2)
+    within = np.abs((np.arange(LIP_RAYS) - top + LIP_RAYS // 2) % LIP_RAYS - LIP_RAYS // 2)
     raised = bulge > MAX_OTHER_BULGE * bulge[top]
-    if raised[within > RAYS // 8].any():
+    if raised[within > LIP_RAYS // 8].any():
         return None
     lip = np.flatnonzero(raised)
-    lip = lip[np.argsort((lip - top + RAYS // 2) % RAYS, kind="stable")]
+    lip = lip[np.argsort((lip - top + LIP_RAYS // 2) % LIP_RAYS, kind="stable")]
     outward = np.array([np.cos(angles[top]), np.sin(angles[top]), 0.0])
     height = float(loop_m[:, 2].mean())
 

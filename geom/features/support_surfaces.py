@@ -18,6 +18,8 @@ from shapely.geometry.base import BaseGeometry
 
 from geom.mesh.cross_sections import CrossSections
 from geom.mesh.rays import Rays
+from geom.planar import DETAIL_SHARE
+from geom.pose import UP
 from schemas.arrays import BoolArray, FloatArray, IntArray, ObjectArray
 from schemas.physics import Solid
 
@@ -36,10 +38,7 @@ ROUGH_SHARE = 0.016
 SAME_CLEARANCE = 0.2
 # A side is open if the rays from this share of the samples leave through it.
 OPEN_SHARE = 0.6
-# Tolerance of the simplification of outlines, as a share of the breadth.
-DETAIL_SHARE = 2e-3
 MAIN_SHARE = 0.5
-UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)

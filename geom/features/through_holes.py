@@ -17,16 +17,16 @@ from geom.mesh.rays import Rays
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.physics import Solid
 
-CELLS = 144
+SILHOUETTE_CELLS = 144
 # The 13 directions through the faces, edges and corners of a cube, one of each pair.
-DIRECTIONS = np.array(
+VIEW_DIRECTIONS = np.array(
     [
         *([1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, -1, 0], [1, 0, 1], [1, 0, -1], [0, 1, 1], [0, 1, -1]),
         *([1, 1, 1], [1, 1, -1], [1, -1, 1], [-1, 1, 1]),
     ],
     dtype=np.float64,
 )
-LEAST_CELLS = 1.0  # inscribed radius of a hole, in cells
+LEAST_RADIUS_CELLS = 1.0  # inscribed radius of a hole, in cells
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def find_through_holes(solid: Solid) -> tuple[ThroughHole, ...]:
     if solid.kind == "hull" or (solid.kind == "closed" and genus(solid.triangles) == 0):
         return ()
     rays = Rays(solid.points, solid.triangles)
-    directions = DIRECTIONS / np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
+    directions = VIEW_DIRECTIONS / np.linalg.norm(VIEW_DIRECTIONS, axis=1, keepdims=True)
     candidates = [hole for direction in directions for hole in _holes_along(solid.points, rays, direction)]
     candidates.sort(key=lambda h: (-round(h.diameter_m, 9), *np.round(h.centre_m, 9).tolist()))
     distinct: list[ThroughHole] = []
@@ -88,7 +88,7 @@ def _holes_along(points: FloatArray, rays: Rays, direction: FloatArray) -> list[
     R_VA = np.stack([u, np.cross(direction, u), direction])
     local = points @ R_VA.T
     low, high = local.min(axis=0), local.max(axis=0)
-    step = float((high - low)[:2].max()) / CELLS or 1.0
+    step = float((high - low)[:2].max()) / SILHOUETTE_CELLS or 1.0
     cells = np.ceil((high - low)[:2] / step).astype(int) + 2
     corner = 0.5 * (low + high)[:2] - 0.5 * (cells - 1) * step
     x, y = (corner[i] + step * np.arange(cells[i]) for i in range(2))
@@ -101,12 +101,12 @@ def _holes_along(points: FloatArray, rays: Rays, direction: FloatArray) -> list[
     holes = []
     for k in range(1, count + 1):
         hole = labels == k
-        if k in outside or hole.sum() < LEAST_CELLS**2 * np.pi:
+        if k in outside or hole.sum() < LEAST_RADIUS_CELLS**2 * np.pi:
             continue
         clearance = np.asarray(ndimage.distance_transform_edt(hole))
         row, column = np.unravel_index(int(clearance.argmax()), hole.shape)
         radius = float(clearance[row, column]) - 0.5
-        if radius < LEAST_CELLS:
+        if radius < LEAST_RADIUS_CELLS:
             continue
         holes.append(_hole(hole, empty, (int(row), int(column)), radius, (corner, step, low[2] - step), rays, R_VA))
     return holes

@@ -26,7 +26,7 @@ SAME_RAD = np.radians(4.0)  # Directions closer than this are one; the coordinat
 MAX_FACETS = 8
 FOOT_SHARE = 0.03  # of the height: points this low touch the ground, since the bottom of a scan is uneven
 END_SHARE = 0.15  # of the height: the top and the bottom of an object
-SAMPLES = 20_000  # enough that thin walls, which rays may miss, appear in every cell of the heightfield
+UPRIGHT_SAMPLES = 20_000  # enough that thin walls, which rays may miss, appear in every cell of the heightfield
 FALLS_RAD = np.radians(-3.0)  # An object that falls by itself is not upright; one that rolls may be.
 PROFILE = (8, 5)
 ALIKE_SHARE = 0.2  # of the surface, half of the area that must move; sampling alone makes 0.05
@@ -65,7 +65,7 @@ def upright_features(solid: Solid) -> tuple[UprightFeatures, ...]:
         hull = convex_hull(solid.points)
     except ValueError:
         return ()
-    samples, _ = sample_surface(solid.points, solid.triangles, SAMPLES, 0)
+    samples, _ = sample_surface(solid.points, solid.triangles, UPRIGHT_SAMPLES, 0)
     middle = centroid(solid.points, solid.triangles) if solid.kind == "closed" else samples.mean(axis=0)
     rays, hull_rays = Rays(solid.points, solid.triangles), Rays(*hull)
     hull_volume = volume(*hull)

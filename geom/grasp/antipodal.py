@@ -13,7 +13,7 @@ import numpy as np
 from geom.convex.convex_union import ConvexUnion
 from schemas.arrays import FloatArray, IntArray
 
-SAMPLES = 1000
+GRASP_SAMPLES = 1000
 LEAST_M = 0.0005
 
 
@@ -51,7 +51,7 @@ def antipodal_pairs(union: ConvexUnion, cone_rad: float, widest_m: float) -> Ant
     From samples of the surface along the inward normal: to the first exit (the wall of a mug) and to the last one (the
     whole mug).
     """
-    starts, normals = union.outer_samples(SAMPLES)
+    starts, normals = union.outer_samples(GRASP_SAMPLES)
     exits = [union.first_exit(starts, -normals), union.last_exit(starts, -normals)]
     width = np.concatenate([r for r, _ in exits])
     outward = np.concatenate([n for _, n in exits])

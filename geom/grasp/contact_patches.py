@@ -15,7 +15,7 @@ from geom.grasp.gripper import Gripper
 from schemas.arrays import FloatArray
 
 GIVES_M = 0.001  # Compliance of the rubber: points this far behind the first contact are still touched.
-_GRID = 3  # points along an edge of a pad
+_PAD_GRID = 3  # points along an edge of a pad
 LEAST_ARM_M = 0.001  # of friction about the normal: no contact is a point
 
 
@@ -32,7 +32,7 @@ class ContactPatches:
 
 def contact_patches(union: ConvexUnion, X_AG: FloatArray, width_m: FloatArray, gripper: Gripper) -> ContactPatches:
     """Contact patches of pads in poses X_AG (k, 4, 4) on a body that is `width_m` (k,) wide between them."""
-    steps = (np.arange(_GRID) + 0.5) / _GRID - 0.5
+    steps = (np.arange(_PAD_GRID) + 0.5) / _PAD_GRID - 0.5
     y, z = (axis.ravel() for axis in np.meshgrid(gripper.pad_m[0] * steps, gripper.pad_m[1] * steps, indexing="ij"))
     share, arm, middle = np.full(len(X_AG), np.inf), np.zeros(len(X_AG)), np.zeros((len(X_AG), 3))
     for side in (-1.0, 1.0):

@@ -13,7 +13,7 @@ from geom.mesh.surface_distance import NearestOnSurface
 from schemas.arrays import BoolArray
 from schemas.physics import Solid
 
-ROUNDING = 1e-7  # of the extent: ends of the cuts through two neighbouring faces coincide
+CUT_ROUNDING = 1e-7  # of the extent: ends of the cuts through two neighbouring faces coincide
 
 
 class CrossSections:
@@ -22,7 +22,7 @@ class CrossSections:
     def __init__(self, solid: Solid) -> None:
         self.solid = solid
         self._mesh = trimesh.Trimesh(solid.points, solid.triangles, process=False)
-        self._grid = ROUNDING * float(np.ptp(solid.points, axis=0).max())
+        self._grid = CUT_ROUNDING * float(np.ptp(solid.points, axis=0).max())
 
     def outline_at(self, height_m: float) -> BaseGeometry:
         """The lines (x, y) in which the plane z = `height_m` cuts the faces, joined where they meet; may be empty."""

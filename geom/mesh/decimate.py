@@ -14,7 +14,7 @@ from schemas.arrays import Float32Array, FloatArray, IntArray
 from schemas.model import Mesh
 
 Figures = dict[str, float]
-DISTANCE_SAMPLES = 4000
+FIGURE_SAMPLES = 4000
 
 
 def decimate(points: FloatArray, triangles: IntArray, target_faces: int) -> tuple[FloatArray, IntArray]:
@@ -64,7 +64,7 @@ def decimate_mesh(mesh: Mesh, target_faces: int) -> tuple[Mesh, Figures]:
         uvs=tuple(interpolated(uv) for uv in mesh.uvs),
         colors=None if mesh.colors is None else interpolated(mesh.colors),
     )
-    d = two_way_distance(mesh.points, mesh.triangles, points, triangles, DISTANCE_SAMPLES, 0)
+    d = two_way_distance(mesh.points, mesh.triangles, points, triangles, FIGURE_SAMPLES, 0)
     return decimated, _figures(len(mesh.triangles), len(triangles), max(d.a_to_b_p95, d.b_to_a_p95), d.hausdorff)
 
 

@@ -10,6 +10,8 @@ from schemas.arrays import BoolArray, FloatArray, IntArray
 
 # Copies may differ by export rounding: this share of the shell's own diagonal.
 COPY_TOLERANCE = 1e-4
+# A component is drawn double-sided on purpose where this share of its faces has a reverse: half as many are the copies.
+DOUBLE_SIDED_SHARE = 0.8
 
 
 def surplus_shells(points: FloatArray, triangles: IntArray, parts: Components) -> tuple[int, BoolArray]:

@@ -14,7 +14,7 @@ from schemas.arrays import FloatArray, IntArray
 
 # A triangle is split while its middle is further from its corners than this many times their spacing (Liepa: sqrt 2).
 DENSITY = float(np.sqrt(2.0))
-ROUNDS = 12
+REFINE_ROUNDS = 12
 MOST_NEW_POINTS = 1500
 
 
@@ -41,7 +41,7 @@ def fair_patch(points: FloatArray, around: IntArray, cap: IntArray) -> tuple[Flo
 def _refined(points: FloatArray, outside: IntArray, inside: IntArray) -> tuple[FloatArray, IntArray]:
     """Points with the new ones appended, and the refined triangles."""
     spacing = _spacing(points, outside)
-    for _ in range(ROUNDS):
+    for _ in range(REFINE_ROUNDS):
         corners = points[inside]
         middle = corners.mean(axis=1)
         corner_distance = np.linalg.norm(corners - middle[:, None], axis=2)

@@ -13,7 +13,7 @@ from geom.mesh.surface_distance import NearestOnSurface, triangle_areas
 from schemas.arrays import FloatArray, IntArray
 
 # Parts examined before the search stops and leaves a wider gap; the first examination of each triangle is free.
-BUDGET = 400_000
+SEARCH_BUDGET = 400_000
 _TINY = float(np.finfo(float).tiny)
 
 
@@ -40,7 +40,7 @@ def one_sided_hausdorff(
     tolerance: float,
     *,
     solid: bool = False,
-    budget: int = BUDGET,
+    budget: int = SEARCH_BUDGET,
 ) -> DistanceBounds:
     """The largest distance from the triangles `corners` (k, 3, 3) to the surface `points`, `triangles`.
 

@@ -5,13 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from geom.mesh.components import components_of
-from geom.mesh.duplicate_shells import later_copies
+from geom.mesh.duplicate_shells import DOUBLE_SIDED_SHARE, later_copies
 from geom.mesh.edit import keep_faces
 from schemas.arrays import BoolArray, IntArray
 from schemas.model import Mesh
-
-# A component is double-sided when at least this share of its faces are reversed copies of others (half at most).
-DOUBLE_SIDED_SHARE = 0.4
 
 
 def drop_back_faces(mesh: Mesh) -> Mesh:
@@ -22,7 +19,7 @@ def drop_back_faces(mesh: Mesh) -> Mesh:
     parts = components_of(mesh.points, mesh.triangles)
     back = reversed_copies(mesh.triangles)
     share = np.bincount(parts.label[back], minlength=parts.count) / np.maximum(parts.faces, 1)
-    return keep_faces(mesh, ~(back & (share >= DOUBLE_SIDED_SHARE)[parts.label]))
+    return keep_faces(mesh, ~(back & (share >= 0.5 * DOUBLE_SIDED_SHARE)[parts.label]))
 
 
 def reversed_copies(triangles: IntArray) -> BoolArray:

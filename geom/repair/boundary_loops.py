@@ -20,7 +20,7 @@ OpeningKind = Literal["holes", "container", "sheet"]
 PINHOLE_SHARE = 0.02
 # Up to this share a loop is a hole when the surface around it lies in its plane (a gap in a wall) ...
 HOLE_SHARE = 0.25
-SLIT_SHARE = 2e-4
+SLIT_AREA_SHARE = 2e-4
 # ... which is measured as the mean cosine between the loop's normal and the normals of the faces along it.
 FLUSH_COSINE = 0.5
 MIN_AREA_SHARE = 1e-3
@@ -184,7 +184,7 @@ def _judge(points: FloatArray, triangles: IntArray, edges: Edges, faces: IntArra
 def _is_hole(opening: Opening, closed_area: float, compact: bool) -> bool:
     one_triangle = len(opening.points) == 3 and opening.area <= TRIANGLE_AREA_SHARE * closed_area
     flush = opening.section_share <= HOLE_SHARE and opening.flush_cosine >= FLUSH_COSINE
-    pinhole = opening.section_share <= PINHOLE_SHARE and (compact or opening.area <= SLIT_SHARE * closed_area)
+    pinhole = opening.section_share <= PINHOLE_SHARE and (compact or opening.area <= SLIT_AREA_SHARE * closed_area)
     return one_triangle or flush or pinhole
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from geom.mesh.components import MIN_COMPACTNESS, components_of
-from geom.mesh.duplicate_shells import has_reverse, later_copies, oriented_keys, row_numbers
+from geom.mesh.duplicate_shells import DOUBLE_SIDED_SHARE, has_reverse, later_copies, oriented_keys, row_numbers
 from geom.mesh.edges import Edges, consistent_flips, edges_of, face_components
 from geom.mesh.edit import keep_faces
 from geom.mesh.surface_distance import triangle_areas
@@ -19,8 +19,6 @@ Figures = dict[str, float]
 FIN_AREA_SHARE = 0.05
 # A single triangle is a stray, not a part: up to this share.
 STRAY_TRIANGLE_SHARE = 0.15
-# Where this share of the faces has a reverse, the component is drawn double-sided on purpose.
-DOUBLE_SIDED_SHARE = 0.8
 
 
 def drop_surplus_faces(mesh: Mesh) -> tuple[Mesh, Figures]:

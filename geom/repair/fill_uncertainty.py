@@ -16,7 +16,7 @@ from schemas.arrays import FloatArray, IntArray
 STEEP_COSINE = 0.5
 # A cap of so few triangles, not much larger than the largest face beyond the rim, may be the original surface.
 FEW_TRIANGLES, SAME_SIZE = 8, 1.33
-CREASE_RAD, MINUTE_RAD = float(np.radians(60.0)), float(np.radians(0.5))
+SHARP_BEND_RAD, MINUTE_RAD = float(np.radians(60.0)), float(np.radians(0.5))
 # Flat sides are sought in caps of up to this many triangles; more are a curved surface.
 MOST_SIDES = 60
 CLEARLY_FLAT = 0.25
@@ -66,7 +66,7 @@ def _looks_alike(points: FloatArray, beyond: FloatArray, opening: Opening, cap: 
     first = (np.cumsum(edges.uses) - edges.uses)[edges.uses == 2]
     cosines = np.einsum("ij,ij->i", normals[pairs[first] // 3], normals[pairs[first + 1] // 3])
     bends = np.arccos(np.clip(cosines, -1.0, 1.0))
-    most = bends[bends < CREASE_RAD].max(initial=0.0)
+    most = bends[bends < SHARP_BEND_RAD].max(initial=0.0)
     return bool(continued_faces(points, unit_normals(beyond), opening.points, cap)[1].max() <= 1.1 * most + MINUTE_RAD)
 
 

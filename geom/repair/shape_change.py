@@ -13,7 +13,7 @@ from schemas.arrays import BoolArray, FloatArray, IntArray
 
 Surface = tuple[FloatArray, IntArray]
 # The search for the largest distance ends within this share of the diagonal.
-TOLERANCE_SHARE = 1e-4
+EDIT_TOLERANCE_SHARE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -83,4 +83,4 @@ def _reach(moved: BoolArray, mine: Surface, theirs: Surface, size: float) -> Dis
         return ZERO_DISTANCE
     if not triangle_areas(theirs[0][theirs[1]]).any():
         return DistanceBounds(np.inf, np.inf, mine[0][mine[1][moved][0, 0]])
-    return one_sided_hausdorff(mine[0][mine[1][moved]], *theirs, TOLERANCE_SHARE * size)
+    return one_sided_hausdorff(mine[0][mine[1][moved]], *theirs, EDIT_TOLERANCE_SHARE * size)

@@ -23,9 +23,9 @@ from schemas.arrays import BoolArray, FloatArray, IntArray
 CLEAR_RATIO = 2.0 / 3.0
 # A sheet that sees hardly any sky, hidden in other parts, has no decidable side.
 MIN_VISIBLE_SHARE = 0.02
-SAMPLES, DIRECTIONS = 256, 32
+SKY_SAMPLES, SKY_DIRECTIONS = 256, 32
 _LIFT = 1e-5  # of the size: where rays start above the face
-_GOLDEN = 0.5 * (5.0**0.5 - 1.0)
+_GOLDEN_FRACTION = 0.5 * (5.0**0.5 - 1.0)
 
 
 class SideVisibility(NamedTuple):
@@ -112,7 +112,7 @@ class SkyVisibility:
 
     def of_sheet(self, triangles: IntArray) -> SideVisibility:
         """Visible sky of both sides of the sheet of `triangles` (k, 3), which must have area, by rays from samples."""
-        starts, face = sample_surface(self._points, triangles, SAMPLES, 0)
+        starts, face = sample_surface(self._points, triangles, SKY_SAMPLES, 0)
         corners = self._points[triangles[face]]
         along = corners[:, 1] - corners[:, 0]
         normals = np.cross(along, corners[:, 2] - corners[:, 0])
@@ -136,9 +136,9 @@ def _cosine_directions(count: int) -> FloatArray:
 
     Even points of a disc, lifted onto the half ball (Malley's method).
     """
-    k = np.arange(DIRECTIONS)
-    radius = np.sqrt((k + 0.5) / DIRECTIONS)
-    turn = 2.0 * np.pi * (k * _GOLDEN + np.arange(count)[:, None] * _GOLDEN**2)
+    k = np.arange(SKY_DIRECTIONS)
+    radius = np.sqrt((k + 0.5) / SKY_DIRECTIONS)
+    turn = 2.0 * np.pi * (k * _GOLDEN_FRACTION + np.arange(count)[:, None] * _GOLDEN_FRACTION**2)
     height = np.broadcast_to(np.sqrt(1.0 - radius**2), turn.shape)
     return np.stack([radius * np.cos(turn), radius * np.sin(turn), height], axis=2)
 

@@ -16,7 +16,7 @@ Figures = dict[str, float]
 # Single-precision files round at 6e-8 of their extent.
 ON_SIDE_PER_DIAGONAL = 1e-6
 # A face is split at one side at a time; chains of small triangles need a few rounds.
-ROUNDS = 8
+SPLIT_ROUNDS = 8
 
 
 def stitch_t_junctions(mesh: Mesh) -> tuple[Mesh, Figures]:
@@ -26,7 +26,7 @@ def stitch_t_junctions(mesh: Mesh) -> tuple[Mesh, Figures]:
     new corners get the interpolated attributes of the side. Figures: `t_junctions` stitched.
     """
     stitched, count = mesh, 0
-    for _ in range(ROUNDS):
+    for _ in range(SPLIT_ROUNDS):
         stitched, split_points = _split_once(stitched)
         if not split_points:
             break

@@ -6,18 +6,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geom.mass.inertia import of_closed_surface
+from geom.mass.inertia import enclosed_volume
 from geom.solid.closed_bodies import Surface, as_manifold, signed_volume, unite
-from schemas.physics import MassProperties
+from schemas.physics import VolumeProperties
 
 # Bodies below this share of the largest are negligible; this also bounds their number.
-LEAST_SHARE = 1e-3
+LEAST_BODY_SHARE = 1e-3
 # Volume that may lie outside the surrounding body by rounding, as a share of the inner body.
 SLACK_SHARE = 1e-6
 
 
-def enclosed_matter(bodies: Sequence[Surface]) -> MassProperties | None:
-    """Mass properties at 1 kg/m3 of the union of those `bodies` (closed, outward) wholly inside another one.
+def nested_volume(bodies: Sequence[Surface]) -> VolumeProperties | None:
+    """The volume of the union of those `bodies` (closed, outward) wholly inside another one.
 
     None when there are none. Inside means in the material: a ball in the cavity of a hollow box is not.
     """
@@ -25,11 +25,11 @@ def enclosed_matter(bodies: Sequence[Surface]) -> MassProperties | None:
     free: list[Surface] = []
     cores: list[Surface] = []
     for k in np.argsort(-volumes, kind="stable"):
-        if volumes[k] < LEAST_SHARE * volumes.max() or any(_lies_within(bodies[k], core) for core in cores):
+        if volumes[k] < LEAST_BODY_SHARE * volumes.max() or any(_lies_within(bodies[k], core) for core in cores):
             continue
         (cores if any(_lies_within(bodies[k], other) for other in free) else free).append(bodies[k])
     together = unite(cores) if cores else None
-    return None if together is None else of_closed_surface(*together, 1.0)
+    return None if together is None else enclosed_volume(*together)
 
 
 def _lies_within(inner: Surface, outer: Surface) -> bool:

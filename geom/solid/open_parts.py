@@ -9,7 +9,7 @@ import numpy as np
 from manifold3d import Manifold
 
 from geom.convex.hull import convex_hull
-from geom.mass.inertia import of_closed_surface
+from geom.mass.inertia import enclosed_volume
 from geom.mesh.decimate import decimate
 from geom.mesh.surface_distance import NearestOnSurface, triangle_areas
 from geom.repair.boundary_loops import OpenBody
@@ -17,7 +17,7 @@ from geom.repair.holes import capped_body
 from geom.solid.closed_bodies import Bodies, Surface, as_manifold, outward
 from geom.solid.thicken import thicken
 from schemas.arrays import BoolArray, FloatArray, IntArray
-from schemas.physics import MassProperties
+from schemas.physics import VolumeProperties
 
 # Open parts that extend less than this share of the diagonal beyond the bodies are decoration: labels, decals, trim.
 DECORATION_SHARE = 0.01
@@ -79,15 +79,15 @@ def wall_bodies(bodies: Bodies, wall_m: float) -> tuple[Surface, ...]:
     return (thicken(points, triangles, wall_m),)
 
 
-def matter_of_wall(wall: Surface, united: Surface) -> MassProperties | None:
-    """Mass properties at 1 kg/m3 of a `wall` outside the `united` bodies; None where it is empty."""
+def volume_of_wall(wall: Surface, united: Surface) -> VolumeProperties | None:
+    """The volume of a `wall` outside the `united` bodies; None where it is empty."""
     centre = united[0].mean(axis=0)
     rest: Manifold = as_manifold(wall[0] - centre, wall[1]) - as_manifold(united[0] - centre, united[1])
     if rest.is_empty():
         return None
     mesh = rest.to_mesh64()
     points = np.asarray(mesh.vert_properties)[:, :3] + centre
-    return of_closed_surface(points, np.asarray(mesh.tri_verts).astype(np.int32), 1.0)
+    return enclosed_volume(points, np.asarray(mesh.tri_verts).astype(np.int32))
 
 
 def _with_hidden_faces(bodies: Bodies, part: OpenBody, nearest: NearestOnSurface, slack: float) -> Surface | None:

@@ -13,8 +13,8 @@ from schemas.model import Mesh
 from schemas.physics import Solid
 
 # Wider than for edits: united bodies cross the visible surface along whole curves.
-TOLERANCE_SHARE = 1e-3
-BUDGET = 50_000
+SOLID_TOLERANCE_SHARE = 1e-3
+SOLID_SEARCH_BUDGET = 50_000
 
 
 @dataclass(frozen=True)
@@ -42,16 +42,18 @@ class SolidDistance:
 def solid_distance(meshes: Sequence[Mesh], solid: Solid) -> SolidDistance:
     """The distances between the visible `meshes` and their `solid`; faces that both have are skipped."""
     points, triangles, _ = merge_surfaces(meshes)
-    tolerance = TOLERANCE_SHARE * diagonal(points)
+    tolerance = SOLID_TOLERANCE_SHARE * diagonal(points)
     left_out, added = changed_faces((points, triangles), (solid.points, solid.triangles))
     return SolidDistance(
-        one_sided_hausdorff(solid.points[solid.triangles[added]], points, triangles, tolerance, budget=BUDGET),
+        one_sided_hausdorff(
+            solid.points[solid.triangles[added]], points, triangles, tolerance, budget=SOLID_SEARCH_BUDGET
+        ),
         one_sided_hausdorff(
             points[triangles[left_out]],
             solid.points,
             solid.triangles,
             tolerance,
             solid=solid.kind != "shell",
-            budget=BUDGET,
+            budget=SOLID_SEARCH_BUDGET,
         ),
     )

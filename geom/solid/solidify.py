@@ -8,30 +8,30 @@ from dataclasses import replace
 import numpy as np
 
 from geom.convex.hull import convex_hull
-from geom.mass.inertia import combine
+from geom.mass.inertia import combine_volumes
 from geom.mesh.edit import merge_surfaces
 from geom.mesh.surface_distance import P95, NearestOnSurface, closest_on_surface, sample_surface, triangle_areas
 from geom.mesh.weld import diagonal, weld_points
 from geom.repair.boundary_loops import HOLE_SHARE
 from geom.solid.closed_bodies import Bodies, Surface, signed_volume, sort_bodies, unite
-from geom.solid.nested_shells import enclosed_matter
-from geom.solid.open_parts import additions, matter_of_wall
+from geom.solid.nested_shells import nested_volume
+from geom.solid.open_parts import additions, volume_of_wall
 from geom.solid.voxel_hull import voxel_hull
 from schemas.arrays import FloatArray, IntArray
 from schemas.model import Mesh
-from schemas.physics import MassProperties, Solid
+from schemas.physics import Solid, VolumeProperties
 
 Figures = dict[str, float | int | str]
 
 # The closed bodies represent the asset when they have at least this share of the visible area.
 CLOSED_AREA_SHARE = 0.5
 LEADING_SHARE = 0.5
-WALL_PER_DIAGONAL = 0.01
-LEAST_WALL_M, MOST_WALL_M = 0.5e-3, 5e-3
+SHEET_WALL_PER_DIAGONAL = 0.01
+LEAST_SHEET_WALL_M, MOST_SHEET_WALL_M = 0.5e-3, 5e-3
 # A flat asset: its hull holds less than this share of the ball with the same diagonal.
-FLAT_SHARE = 1e-3
+FLAT_BOX_SHARE = 1e-3
 VOXEL_TOLERANCE_CELLS = 2.0
-DISTANCE_SAMPLES = 2000
+PROXY_SAMPLES = 2000
 # Inner shells with a smaller share of the volume are negligible, filled or empty.
 CORE_SHARE = 0.01
 
@@ -82,7 +82,7 @@ def solidify(
             if united is not None:
                 solid, method = _with_open_parts(bodies, united, wall_m, sheets=sheets)
     if method.startswith("union") and (core := core_of(meshes, bodies)) is not None:
-        solid = replace(solid, core=core if core.mass_kg >= CORE_SHARE * _volume(solid) else None)
+        solid = replace(solid, core=core if core.volume_m3 >= CORE_SHARE * _volume(solid) else None)
     figures: Figures = {
         "method": method,
         "volume_m3": _volume(solid),
@@ -97,16 +97,16 @@ def solidify(
     return solid, figures
 
 
-def core_of(meshes: Sequence[Mesh], bodies: Bodies) -> MassProperties | None:
-    """Mass properties at 1 kg/m3 of the bodies inside others of the same render material (`enclosed_matter`).
+def core_of(meshes: Sequence[Mesh], bodies: Bodies) -> VolumeProperties | None:
+    """The volume of the bodies inside others of the same render material (`nested_volume`).
 
     A body of another material is a separate part, not a lost cavity.
     """
     by_material: dict[int | None, list[Surface]] = {}
     for mesh, mesh_bodies in zip(meshes, bodies.by_mesh, strict=True):
         by_material.setdefault(mesh.material, []).extend(mesh_bodies)
-    cores = [core for group in by_material.values() if (core := enclosed_matter(group)) is not None]
-    return combine(cores) if cores else None
+    cores = [core for group in by_material.values() if (core := nested_volume(group)) is not None]
+    return combine_volumes(cores) if cores else None
 
 
 def _of_open(bodies: Bodies, points: FloatArray, triangles: IntArray, *, sheets: bool) -> tuple[Solid, str]:
@@ -130,11 +130,11 @@ def _voxel_solid(points: FloatArray, triangles: IntArray) -> Solid | None:
     if proxy is None:
         return None
     solid = NearestOnSurface(proxy[0], proxy[1])
-    surface_samples, _ = sample_surface(points, triangles, DISTANCE_SAMPLES, 0)
+    surface_samples, _ = sample_surface(points, triangles, PROXY_SAMPLES, 0)
     missing = np.where(
         solid.inside(surface_samples), 0.0, np.linalg.norm(solid(surface_samples)[0] - surface_samples, axis=1)
     )
-    proxy_samples, _ = sample_surface(proxy[0], proxy[1], DISTANCE_SAMPLES, 0)
+    proxy_samples, _ = sample_surface(proxy[0], proxy[1], PROXY_SAMPLES, 0)
     added = np.linalg.norm(closest_on_surface(proxy_samples, points, triangles)[0] - proxy_samples, axis=1)
     if max(np.percentile(missing, P95), np.percentile(added, P95)) > VOXEL_TOLERANCE_CELLS * proxy[2]:
         return None
@@ -151,7 +151,7 @@ def _with_open_parts(bodies: Bodies, united: Surface, wall_m: float, *, sheets: 
         return Solid(*united, kind="closed"), "union"
     if added.wall is None:
         return Solid(*full, kind="closed"), "union_and_hulls" if added.hulls else "union"
-    whole, walls = unite([full, added.wall]), matter_of_wall(added.wall, full)
+    whole, walls = unite([full, added.wall]), volume_of_wall(added.wall, full)
     if whole is None or walls is None:
         return Solid(*full, kind="closed"), "union"
     return Solid(*whole, kind="closed", wall_thickness_m=wall_m, walls=walls), "union_and_walls"
@@ -159,14 +159,14 @@ def _with_open_parts(bodies: Bodies, united: Surface, wall_m: float, *, sheets: 
 
 def assumed_wall_m(size: float) -> float:
     """The thickness assumed of a sheet in an asset with this diagonal."""
-    return min(max(WALL_PER_DIAGONAL * size, LEAST_WALL_M), MOST_WALL_M)
+    return min(max(SHEET_WALL_PER_DIAGONAL * size, LEAST_SHEET_WALL_M), MOST_SHEET_WALL_M)
 
 
 def _is_flat(points: FloatArray) -> bool:
     centred = points - points.mean(axis=0)
     axes = np.linalg.eigh(centred.T @ centred)[1]
     size = np.ptp(centred @ axes, axis=0)
-    return bool(size.prod() < FLAT_SHARE * diagonal(points) ** 3)
+    return bool(size.prod() < FLAT_BOX_SHARE * diagonal(points) ** 3)
 
 
 def _volume(solid: Solid) -> float:

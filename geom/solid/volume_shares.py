@@ -8,28 +8,28 @@ from dataclasses import dataclass, replace
 import manifold3d
 import numpy as np
 
-from geom.mass.inertia import of_closed_surface, of_sheet, scaled
+from geom.mass.inertia import enclosed_volume, sheet_volume
 from geom.mesh.edit import merge_surfaces
 from geom.mesh.surface_distance import triangle_areas
 from geom.repair.holes import capped_body
 from geom.solid.closed_bodies import Bodies, Surface, as_manifold, outward, sort_bodies
 from geom.solid.open_parts import wall_bodies
-from geom.solid.solid_mass import mass_properties
+from geom.solid.solid_volume import volume_properties
 from schemas.arrays import FloatArray
 from schemas.model import Mesh
-from schemas.physics import MassProperties, Solid
+from schemas.physics import Solid, VolumeProperties
 
 # The bodies of the groups must add up to the solid within this share of it; else the division is by area.
 SUM_TOLERANCE = 0.02
 # Shared volume below this share of the whole is ignored; a body left with less than this share of its own volume counts
 # as vanished.
 LEAST_SHARED, VANISHING = 1e-3, 1e-2
-NOTHING = MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
+NOTHING = VolumeProperties(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 @dataclass(frozen=True)
 class VolumeShares:
-    """One body of 1 kg/m3 per group (its mass is its volume in m3), together as large as the solid.
+    """One volume per group, together as large as the solid.
 
     exact        the bodies are separate regions; else they are shares by visible area.
     alternative  the bodies when shared volume goes to the other group; None when the groups share none, or when
@@ -37,9 +37,9 @@ class VolumeShares:
     reason       why the shared volume was assigned so; "" when there is none.
     """
 
-    shares: tuple[MassProperties, ...]
+    shares: tuple[VolumeProperties, ...]
     exact: bool
-    alternative: tuple[MassProperties, ...] | None = None
+    alternative: tuple[VolumeProperties, ...] | None = None
     reason: str = ""
 
 
@@ -54,20 +54,20 @@ def divide_volume(solid: Solid, groups: Sequence[Sequence[Mesh]], densities_kgm3
     the share of the whole body that it has of the visible area, spread evenly. Raises ValueError when all points
     coincide.
     """
-    whole = mass_properties(solid, 1.0)[0]
+    whole = volume_properties(solid)[0]
     bodies = [sort_bodies(meshes) for meshes in groups]
     for attempt in _attempts(solid, bodies, densities_kgm3):
-        total = sum(share.mass_kg for share in attempt.shares)
-        if abs(total - whole.mass_kg) <= SUM_TOLERANCE * whole.mass_kg:
-            factor = whole.mass_kg / total
+        total = sum(share.volume_m3 for share in attempt.shares)
+        if abs(total - whole.volume_m3) <= SUM_TOLERANCE * whole.volume_m3:
+            factor = whole.volume_m3 / total
             alternative = (
-                None if attempt.alternative is None else tuple(scaled(share, factor) for share in attempt.alternative)
+                None if attempt.alternative is None else tuple(share.share(factor) for share in attempt.alternative)
             )
             return replace(
-                attempt, shares=tuple(scaled(share, factor) for share in attempt.shares), alternative=alternative
+                attempt, shares=tuple(share.share(factor) for share in attempt.shares), alternative=alternative
             )
     areas = np.array([group.closed_area + group.open_area for group in bodies])
-    return VolumeShares(tuple(scaled(whole, float(share)) for share in areas / areas.sum()), False)
+    return VolumeShares(tuple(whole.share(float(share)) for share in areas / areas.sum()), False)
 
 
 def _attempts(solid: Solid, groups: Sequence[Bodies], densities_kgm3: Sequence[float]) -> Iterator[VolumeShares]:
@@ -92,8 +92,8 @@ def _volumes(groups: Sequence[Sequence[Surface]], densities_kgm3: Sequence[float
     ]
     dense_first = sorted(range(len(groups)), key=lambda i: -densities_kgm3[i])
     shares, alternative = (_in_order(solids, order, centre) for order in (dense_first, dense_first[::-1]))
-    shared = sum(abs(a.mass_kg - b.mass_kg) for a, b in zip(shares, alternative, strict=True))
-    if shared <= LEAST_SHARED * sum(share.mass_kg for share in shares):
+    shared = sum(abs(a.volume_m3 - b.volume_m3) for a, b in zip(shares, alternative, strict=True))
+    if shared <= LEAST_SHARED * sum(share.volume_m3 for share in shares):
         return VolumeShares(shares, True)
     full, alternative_full = (_nothing_vanishes(solids, division) for division in (shares, alternative))
     if alternative_full and not full:
@@ -103,7 +103,7 @@ def _volumes(groups: Sequence[Sequence[Surface]], densities_kgm3: Sequence[float
 
 def _in_order(
     solids: Sequence[manifold3d.Manifold], order: Sequence[int], centre: FloatArray
-) -> tuple[MassProperties, ...]:
+) -> tuple[VolumeProperties, ...]:
     """Per solid the part outside those before it in `order`; empty where it is no manifold."""
     shares, taken = [NOTHING] * len(solids), manifold3d.Manifold()
     for index in order:
@@ -112,21 +112,21 @@ def _in_order(
     return tuple(shares)
 
 
-def _nothing_vanishes(solids: Sequence[manifold3d.Manifold], shares: Sequence[MassProperties]) -> bool:
+def _nothing_vanishes(solids: Sequence[manifold3d.Manifold], shares: Sequence[VolumeProperties]) -> bool:
     return all(
-        share.mass_kg >= VANISHING * solid.volume()
+        share.volume_m3 >= VANISHING * solid.volume()
         for solid, share in zip(solids, shares, strict=True)
         if solid.volume() > 0.0
     )
 
 
-def _integrated(body: manifold3d.Manifold, centre: FloatArray) -> MassProperties:
+def _integrated(body: manifold3d.Manifold, centre: FloatArray) -> VolumeProperties:
     if body.is_empty():
         return NOTHING
     mesh = body.to_mesh64()
     points, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64)
-    local = of_closed_surface(points, triangles, 1.0)
-    return MassProperties(local.mass_kg, local.centre_of_mass_m + centre, local.inertia_kgm2)
+    local = enclosed_volume(points, triangles)
+    return replace(local, centre_m=local.centre_m + centre)
 
 
 def _capped_sheets(bodies: Bodies) -> Iterator[Surface]:
@@ -136,6 +136,6 @@ def _capped_sheets(bodies: Bodies) -> Iterator[Surface]:
             yield outward(*capped_body(*bodies.open_surface, part))
 
 
-def _sheet(bodies: Bodies, wall_m: float) -> MassProperties:
+def _sheet(bodies: Bodies, wall_m: float) -> VolumeProperties:
     points, triangles, _ = merge_surfaces(bodies.tidied)
-    return of_sheet(points, triangles, wall_m, 1.0) if triangle_areas(points[triangles]).any() else NOTHING
+    return sheet_volume(points, triangles, wall_m) if triangle_areas(points[triangles]).any() else NOTHING

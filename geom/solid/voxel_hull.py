@@ -10,7 +10,7 @@ from scipy import ndimage
 
 from schemas.arrays import BoolArray, FloatArray, IntArray
 
-CELLS = 56
+VOXEL_CELLS = 56
 LEAST_PIECE_SHARE = 0.01
 # The flood keeps this many cells away from the surface, so that gaps of twice the width let nothing through ...
 BERTH_CELLS = 0.75
@@ -32,7 +32,7 @@ def voxel_hull(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, Int
     import open3d as o3d  # Costs a second and 200 MB: loaded only when needed.
 
     low, high = points[triangles].reshape(-1, 3).min(axis=0), points[triangles].reshape(-1, 3).max(axis=0)
-    cell = float((high - low).max()) / CELLS
+    cell = float((high - low).max()) / VOXEL_CELLS
     shape = np.ceil((high - low) / cell).astype(int) + 5
     start = 0.5 * (low + high) - 0.5 * (shape - 1) * cell
     centre, scale = 0.5 * (low + high), float((high - low).max())

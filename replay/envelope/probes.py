@@ -18,7 +18,7 @@ from replay.recording.kinematics import link_poses
 from schemas.arrays import BoolArray, FloatArray
 
 _PROBES = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
-_DEEPEST = 12  # halvings of an interval
+_MOST_HALVINGS = 12  # halvings of an interval
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ def refine_by_probes(robot: Robot, t_s: FloatArray, points: list[FloatArray], to
     """The linear trajectory, refined by probing points[l] (k, 3) of every link l."""
     first = np.arange(max(len(t_s) - 1, 0), dtype=float)
     last, places = first + 1.0, [first]
-    for _ in range(_DEEPEST):
+    for _ in range(_MOST_HALVINGS):
         wide = ~_within(robot, t_s, points, first, last, tolerances)
         if not wide.any():
             break

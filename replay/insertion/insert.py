@@ -26,10 +26,10 @@ from schemas.arrays import FloatArray
 from schemas.replay import Inserted
 from schemas.scene.runtime_plan import PlanBody
 
-TRIES = 2  # of a body in a stance, at other yaws each time
+YAW_TRIES = 2  # of a body in a stance, at other yaws each time
 YAWS = 6  # yaws tried for a candidate on a support before the next one is tried
 VISIBLE_SHARE = 0.8  # of objects are put where a camera sees them, if space is free
-LEAST_AREA_M2 = 1e-7  # regions smaller than a third of a millimetre square are rounding
+ROUNDING_AREA_M2 = 1e-7  # regions smaller than a third of a millimetre square are rounding
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def insert(
 ) -> tuple[PlacedCandidate, ...]:
     """Up to `count` objects; fewer where no candidate finds free space at any heading tried.
 
-    Free space only shrinks, so a body without any in a stance and a place `TRIES` times is not tried so again.
+    Free space only shrinks, so a body without any in a stance and a place `YAW_TRIES` times is not tried so again.
     """
     placed: list[PlacedCandidate] = []
     refused: Counter[tuple[str, float, str, str]] = Counter()
@@ -79,7 +79,7 @@ def insert(
         kind = (candidate.body.asset_id, candidate.body.scale, candidate.stance.name, candidate.place)
         if len(placed) == count:
             break
-        if refused[kind] == TRIES:
+        if refused[kind] == YAW_TRIES:
             continue
         placement = _place(places, candidate, placed, rng)
         if placement is None:
@@ -116,9 +116,9 @@ def _place(
                 shapely.union_all([minkowski_difference(other, outline) for other in occupied])
             )
             in_view = region.intersection(site.visible) if prefers_visible else region
-            if in_view.area > LEAST_AREA_M2:
+            if in_view.area > ROUNDING_AREA_M2:
                 return _placed_at(site, candidate, points, in_view, yaw, len(placed), rng)
-            if region.area > LEAST_AREA_M2 and fallback is None:
+            if region.area > ROUNDING_AREA_M2 and fallback is None:
                 fallback = (site, region, yaw)
     if fallback is None:
         return None

@@ -16,7 +16,7 @@ from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
 LEVEL_M = 1e-4  # corners of a top face lie this close to its highest
-LEAST_AREA_M2 = 1e-3
+LEAST_SUPPORT_M2 = 1e-3
 _TOUCH_M = 1e-6  # faces of one height this close are one
 _REST_M = 0.01  # an object this close over a face rests on it
 
@@ -46,7 +46,7 @@ def _of_fixture(fixture: Fixture) -> list[Support]:
     by_height: defaultdict[int, list[tuple[str, float, Polygon]]] = defaultdict(list)
     for name, shape in zip(fixture.shape_names, fixture.shapes, strict=True):
         height, face = _top(shape, fixture.X_WB)
-        if face.area >= LEAST_AREA_M2:
+        if face.area >= LEAST_SUPPORT_M2:
             by_height[round(height / LEVEL_M)].append((name, height, face))
     supports_of_fixture = []
     for faces in by_height.values():

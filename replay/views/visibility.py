@@ -16,10 +16,10 @@ from geom.convex.support_function import surface
 from geom.pose import apply
 from replay.recording.episode import Camera, Episode
 from replay.recording.kinematics import link_poses
+from replay.views.visible_area import ROWS
 from schemas.arrays import FloatArray, IntArray
 from schemas.physics import CollisionShape
 
-ROWS = 12  # rows of a recording that are tested, evenly spread
 LONGEST_PX = 128  # larger pictures are tested at this size
 
 

@@ -10,7 +10,7 @@ from shapely.geometry.base import BaseGeometry
 from replay.recording.episode import Camera
 from schemas.arrays import FloatArray
 
-_ROWS = 12  # of a moving camera, evenly spread
+ROWS = 12  # of a recording, evenly spread, at which views are tested
 _NEAR_M = 0.01
 
 
@@ -32,7 +32,7 @@ def in_picture(camera: Camera, points_W: FloatArray) -> bool:
 
 def _poses(camera: Camera) -> FloatArray:
     moving = bool(np.ptp(camera.X_WC, axis=0).any())
-    rows = np.unique(np.linspace(0, len(camera.X_WC) - 1, _ROWS).astype(int)) if moving else [0]
+    rows = np.unique(np.linspace(0, len(camera.X_WC) - 1, ROWS).astype(int)) if moving else [0]
     return camera.X_WC[rows]
 
 

@@ -11,6 +11,7 @@ import shapely
 from shapely.affinity import scale as stretch
 from shapely.affinity import translate
 
+from geom.pose import UP
 from scenec.bind.prisms import slabs_between
 from scenec.ir.problem import Slab, Surface, Volume
 from schemas.anchors import AnchorPolygon, ContainmentVolume, SupportSurface
@@ -18,8 +19,7 @@ from schemas.physics import CollisionShape
 from schemas.scene.program import AuthoredPolygon
 
 # Collision shapes differ slightly from the visible surface: those that rise at most this far over a floor belong to it.
-STEP_M = 0.004
-UP = np.array([0.0, 0.0, 1.0])
+FLOOR_STEP_M = 0.004
 DRAWN_LAYERS = 8  # of a volume drawn by hand, so that parts of its owner inside count at their heights only
 
 
@@ -42,7 +42,7 @@ def with_owner(surface: Surface, shapes: Sequence[CollisionShape]) -> Surface:
     floor."""
     above = _over(shapes, surface.origin_P_m)
     rise = _rise(above, surface.polygon)
-    above = tuple(_lowered(slab, rise) for slab in above if slab.high_m > max(STEP_M, rise))
+    above = tuple(_lowered(slab, rise) for slab in above if slab.high_m > max(FLOOR_STEP_M, rise))
     origin = surface.origin_P_m + rise * UP
     return replace(surface, origin_P_m=origin, clearance_m=surface.clearance_m - rise, above=above)
 
@@ -99,7 +99,7 @@ def _over(shapes: Sequence[CollisionShape], origin_P_m: np.ndarray, height_m: fl
 
 def _rise(over: Sequence[Slab], polygon: shapely.Polygon) -> float:
     """Height over the floor of the collision shapes that belong to it."""
-    floor = [s.high_m for s in over if s.high_m <= STEP_M and shapely.Polygon(s.outline_m).intersects(polygon)]
+    floor = [s.high_m for s in over if s.high_m <= FLOOR_STEP_M and shapely.Polygon(s.outline_m).intersects(polygon)]
     return max(floor, default=0.0)
 
 

@@ -11,7 +11,7 @@ from schemas.arrays import FloatArray
 from schemas.scene.runtime_plan import PlanCombination, PlanPool, RuntimePlan
 
 EACH = 4  # scenes in which a case appears at least
-LOT = 2_000  # scenes judged at once
+JUDGED_AT_ONCE = 2_000  # scenes judged at once
 EMPTY_M = 2e-6  # by which a cell may be too small for its footprint, from rounding
 
 
@@ -20,8 +20,8 @@ def judge(plan: RuntimePlan) -> None:
     for combination in plan.combinations:
         rules = scene_rules(plan, combination)
         count = EACH * max((len(pool.cases) for pool in combination.pools), default=0)
-        for begin in range(0, count, LOT):
-            scenes = np.arange(begin, min(begin + LOT, count))
+        for begin in range(0, count, JUDGED_AT_ONCE):
+            scenes = np.arange(begin, min(begin + JUDGED_AT_ONCE, count))
             for k, violations in check_batch(rules, extremes(rules, combination, scenes)):
                 cases = {pool.things[0]: int(scenes[k]) % len(pool.cases) for pool in combination.pools}
                 raise RuntimeError(f"{plan.scene}: the checker refuses cases {cases}: {violations[0]}")

@@ -22,7 +22,7 @@ from schemas.scene.compiled import Suggestion
 
 MOST_SUGGESTIONS = 5
 MOST_SOLVES = 80
-STEP_M = 0.001
+SUGGESTION_STEP_M = 0.001
 WIDEST_M = 1.28
 
 
@@ -101,7 +101,7 @@ def _lower_clearance(problem: Problem, oracle: FeasibilityOracle) -> Iterator[Pr
     def at(value: float, of: Problem) -> Problem:
         return replace(of, clearance_m=value)
 
-    value = _least_change(problem.clearance_m, 0.0, STEP_M / 10.0, lambda v: oracle.works(at(v, problem)))
+    value = _least_change(problem.clearance_m, 0.0, SUGGESTION_STEP_M / 10.0, lambda v: oracle.works(at(v, problem)))
     if value is not None:
         yield ProgramEdit(f"lower clearance to {value:.4g}", partial(at, value), 1.0 - value / problem.clearance_m)
 
@@ -115,10 +115,12 @@ def _relax_relation(problem: Problem, relation: RelationIR, oracle: FeasibilityO
         return replace(of, relations=tuple(changed))
 
     if relation.kind in ("before", "far_from") and relation.gap_m > 0.0:
-        end = 0.0 if relation.kind == "before" else STEP_M
-        value = _least_change(relation.gap_m, end, STEP_M, lambda v: oracle.works(at(v, problem)))
+        end = 0.0 if relation.kind == "before" else SUGGESTION_STEP_M
+        value = _least_change(relation.gap_m, end, SUGGESTION_STEP_M, lambda v: oracle.works(at(v, problem)))
     elif relation.kind == "near":
-        value = _least_change(relation.gap_m, relation.gap_m + WIDEST_M, STEP_M, lambda v: oracle.works(at(v, problem)))
+        value = _least_change(
+            relation.gap_m, relation.gap_m + WIDEST_M, SUGGESTION_STEP_M, lambda v: oracle.works(at(v, problem))
+        )
     elif relation.kind in ("aligned", "between"):
         name = "tolerance"
 
@@ -127,7 +129,7 @@ def _relax_relation(problem: Problem, relation: RelationIR, oracle: FeasibilityO
             return replace(of, relations=tuple(changed))
 
         start = relation.tolerance
-        value = _least_change(start, start + WIDEST_M, STEP_M, lambda v: oracle.works(at(v, problem)))
+        value = _least_change(start, start + WIDEST_M, SUGGESTION_STEP_M, lambda v: oracle.works(at(v, problem)))
     else:
         return
     if value is not None:
@@ -144,7 +146,9 @@ def _farther_reach(problem: Problem, oracle: FeasibilityOracle) -> Iterator[Prog
     def at(value: float, of: Problem) -> Problem:
         return replace(of, reach=None if of.reach is None else replace(of.reach, most_m=value))
 
-    value = _least_change(reach.most_m, reach.most_m + WIDEST_M, STEP_M, lambda v: oracle.works(at(v, problem)))
+    value = _least_change(
+        reach.most_m, reach.most_m + WIDEST_M, SUGGESTION_STEP_M, lambda v: oracle.works(at(v, problem))
+    )
     if value is not None:
         yield ProgramEdit(
             f"set radius of {written(reach.path)} to {value:.4g}", partial(at, value), value - reach.most_m
@@ -157,7 +161,9 @@ def _widen(problem: Problem, path: Path, oracle: FeasibilityOracle) -> Iterator[
     for sides, words in (((1, 0), "downward"), ((0, 1), "upward"), ((1, 1), "at both ends")):
         if sum(sides) > 1 and widenings:
             return
-        by = _least_change(0.0, WIDEST_M, STEP_M, lambda v, s=sides: oracle.works(_widened(problem, path, v, s)))
+        by = _least_change(
+            0.0, WIDEST_M, SUGGESTION_STEP_M, lambda v, s=sides: oracle.works(_widened(problem, path, v, s))
+        )
         if by is not None:
             widenings += 1
             text = f"widen {path[-1]} of {written(_owner(path))} by {by:.4g} m {words}"

@@ -15,9 +15,10 @@ import numpy as np
 from shapely import Polygon
 
 from schemas.arrays import FloatArray
+from schemas.scene.program import BACKGROUND
 
 Path = tuple[str | int, ...]
-WORLD_PARENT = "background"
+WORLD_PARENT = BACKGROUND
 LEVEL_SHARE = 0.25  # of a floor that things stand on
 RelationKind = Literal["before", "near", "far_from", "aligned", "facing", "between"]
 

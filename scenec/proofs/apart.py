@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.distance import pdist
 
 from scenec.ir.problem import Problem, Proof, RelationIR, Thing
-from scenec.proofs.outlines import SLACK_M, hull, resting_orientations
+from scenec.proofs.outlines import OUTLINE_SLACK_M, hull, resting_orientations
 from scenec.proofs.places import area_hull
 from schemas.arrays import FloatArray
 
@@ -48,7 +48,7 @@ def _by_chain(relation: RelationIR, graph: nx.Graph, by_name: dict[str, Thing]) 
     chain = nx.shortest_path(graph.to_directed(), one, two, weight=length)
     steps = list(pairwise(chain))
     most = sum(length(u, v, graph.edges[u, v]) for u, v in steps)
-    if relation.gap_m <= most + len(steps) * SLACK_M:
+    if relation.gap_m <= most + len(steps) * OUTLINE_SLACK_M:
         return None
     paths = (relation.path, *(graph.edges[u, v]["path"] for u, v in steps))
     through = ", ".join(chain)
@@ -62,7 +62,7 @@ def _by_place(relation: RelationIR, by_name: dict[str, Thing]) -> Proof | None:
         return None
     # Points of both footprints lie on the place, so that their distance is at most its diameter.
     most = _widest(area_hull(one.place))
-    if relation.gap_m <= most + SLACK_M:
+    if relation.gap_m <= most + OUTLINE_SLACK_M:
         return None
     text = f"{one.name} must be {relation.gap_m:.4g} m from {two.name}; {one.place.name} is {most:.4g} m across"
     return Proof("empty-domain", text, relation.gap_m, most, "m", (relation.path,))

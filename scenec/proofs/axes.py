@@ -14,7 +14,7 @@ import numpy as np
 
 from geom.planar import turned
 from scenec.ir.problem import WORLD_PARENT, Path, Problem, Proof, RelationIR, Thing
-from scenec.proofs.outlines import SLACK_M, YawCell, hull, least_width, resting_orientations, support_bounds
+from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, hull, least_width, resting_orientations, support_bounds
 from scenec.proofs.places import area_hull, background_yaw
 from schemas.arrays import FloatArray
 
@@ -44,7 +44,7 @@ class DifferenceConstraints:
         if np.isfinite(w):
             self.u.append(u)
             self.v.append(v)
-            self.w.append(w - SLACK_M)
+            self.w.append(w - OUTLINE_SLACK_M)
             self.reasons.append(reason)
 
 
@@ -245,7 +245,7 @@ def positive_cycle(system: DifferenceConstraints) -> list[int] | None:
 
 
 def _proof(system: DifferenceConstraints, cycle: list[int], direction: FloatArray) -> Proof:
-    reasons, weights = [system.reasons[k] for k in cycle], np.array([system.w[k] + SLACK_M for k in cycle])
+    reasons, weights = [system.reasons[k] for k in cycle], np.array([system.w[k] + OUTLINE_SLACK_M for k in cycle])
     kinds = {reason.kind for reason in reasons}
     needed, room = float(weights[weights > 0.0].sum()), -float(weights[weights < 0.0].sum())
     axis = f"({direction[0]:g}, {direction[1]:g})"

@@ -20,7 +20,7 @@ from scipy.optimize import linprog
 from scenec.ir.problem import Problem, Proof, Stance, Thing
 from scenec.proofs.fits import fixed_pose_usable
 from scenec.proofs.node_conditions import FAR_M, BranchNode, Disjunction, LinearConstraint, NodeConditions, NodePose
-from scenec.proofs.outlines import SLACK_M, YawCell, hull, period
+from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, hull, period
 from scenec.proofs.places import PlacementBounds, fits_height, free_region, max_base_height, placement_bounds
 from schemas.arrays import FloatArray
 
@@ -176,7 +176,7 @@ class BranchAndBound:
 
     def _broken(self, node: BranchNode, point: FloatArray) -> Disjunction | None:
         """The disjunction most violated at the point, among those not yet chosen at the node."""
-        worst, most_broken = SLACK_M, None
+        worst, most_broken = OUTLINE_SLACK_M, None
         for disjunction in self.conditions.disjunctions(node):
             if disjunction.key in node.chosen:
                 continue

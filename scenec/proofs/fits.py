@@ -12,7 +12,7 @@ from shapely import Polygon
 
 from geom.planar import turned
 from scenec.ir.problem import FixedPose, Path, Problem, Proof, Stance, Surface, Thing
-from scenec.proofs.outlines import SLACK_M, YawCell, hull
+from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, hull
 from scenec.proofs.places import PlacementBounds, area, fits_height, free_region, headroom, placement_bounds
 
 SMALLEST_CELL_RAD = np.radians(0.5)
@@ -105,23 +105,23 @@ def fixed_pose_usable(problem: Problem, thing: Thing, fixed_pose: FixedPose) -> 
     """Whether one fixed pose is valid without all other things. True when in doubt."""
     stance = thing.body.resting_orientations[fixed_pose.stance]
     base = fixed_pose.z_m - stance.origin_height_m
-    if base + stance.height_m > headroom(thing.place) + SLACK_M:
+    if base + stance.height_m > headroom(thing.place) + OUTLINE_SLACK_M:
         return False
     origin = np.array([fixed_pose.x_m, fixed_pose.y_m])
     outlines = [Polygon(turned(slab.outline_m, fixed_pose.yaw_rad) + origin) for slab in stance.slabs]
-    if isinstance(thing.place, Surface) and abs(base) <= SLACK_M:
-        allowed = thing.place.polygon.buffer(SLACK_M, join_style="mitre")
+    if isinstance(thing.place, Surface) and abs(base) <= OUTLINE_SLACK_M:
+        allowed = thing.place.polygon.buffer(OUTLINE_SLACK_M, join_style="mitre")
         if not all(allowed.covers(outline) for outline in outlines):
             return False
     for rule in problem.keep_outs:
         if (rule.parent, rule.place.name) == (thing.parent, thing.place.name):
-            inner = rule.polygon.buffer(-SLACK_M, join_style="mitre")
+            inner = rule.polygon.buffer(-OUTLINE_SLACK_M, join_style="mitre")
             for slab, outline in zip(stance.slabs, outlines, strict=True):
-                entered = min(base + slab.high_m, rule.height_m) - max(base + slab.low_m, 0.0) > SLACK_M
-                if entered and outline.intersection(inner).area > SLACK_M:
+                entered = min(base + slab.high_m, rule.height_m) - max(base + slab.low_m, 0.0) > OUTLINE_SLACK_M
+                if entered and outline.intersection(inner).area > OUTLINE_SLACK_M:
                     return False
     ring = placement_bounds(problem, thing, stance).ring
     if ring is not None:
         centre, least, most = ring
-        return least - SLACK_M <= float(np.hypot(*(origin - centre))) <= most + SLACK_M
+        return least - OUTLINE_SLACK_M <= float(np.hypot(*(origin - centre))) <= most + OUTLINE_SLACK_M
     return True

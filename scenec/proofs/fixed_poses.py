@@ -14,7 +14,7 @@ import numpy as np
 from geom.planar import turned
 from scenec.ir.problem import FixedPose, Problem, Proof, Thing
 from scenec.proofs.fits import fixed_pose_usable
-from scenec.proofs.outlines import SLACK_M, hull, resting_orientations
+from scenec.proofs.outlines import OUTLINE_SLACK_M, hull, resting_orientations
 
 Position = tuple[str, str, float, float, float]
 
@@ -74,7 +74,7 @@ def _overlap(one: Thing, two: Thing, position: Position, usable: dict[str, dict[
         for thing in (one, two)
         for stance in resting_orientations(thing)
     ]
-    if min(high for _, high in spans) - max(low for low, _ in spans) <= SLACK_M:
+    if min(high for _, high in spans) - max(low for low, _ in spans) <= OUTLINE_SLACK_M:
         return False
     return all(
         _covers_origin(hull(thing.body.resting_orientations[k].slabs), fixed_pose.yaw_rad)
@@ -88,7 +88,7 @@ def _overlap(one: Thing, two: Thing, position: Position, usable: dict[str, dict[
 def _covers_origin(outline: np.ndarray, yaw_rad: float) -> bool:
     ring = turned(outline, yaw_rad)
     edges = np.roll(ring, -1, axis=0) - ring
-    return bool((edges[:, 1] * ring[:, 0] - edges[:, 0] * ring[:, 1] > SLACK_M * np.hypot(*edges.T)).all())
+    return bool((edges[:, 1] * ring[:, 0] - edges[:, 0] * ring[:, 1] > OUTLINE_SLACK_M * np.hypot(*edges.T)).all())
 
 
 def _alternating(graph: nx.Graph[int], matching: dict[int, int], start: int) -> set[int]:

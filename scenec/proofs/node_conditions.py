@@ -18,7 +18,7 @@ from shapely import Polygon
 
 from geom.planar import turned
 from scenec.ir.problem import Problem, RelationIR, Stance, Thing
-from scenec.proofs.outlines import SLACK_M, TURN, YawCell, half_planes, hull, kernel, support_bounds
+from scenec.proofs.outlines import OUTLINE_SLACK_M, TURN, YawCell, half_planes, hull, kernel, support_bounds
 from scenec.proofs.places import PlacementBounds, forbidden, linear_bounds, minkowski, ring_of
 from schemas.arrays import FloatArray
 
@@ -94,7 +94,7 @@ class NodeConditions:
                 at = pose.at + self.corner[k]
                 for sign, axis in product((1.0, -1.0), (0, 1)):
                     normal = (sign, 0.0) if axis == 0 else (0.0, sign)
-                    rows.append(LinearConstraint(-1, k, normal, sign * float(at[axis]) + SLACK_M))
+                    rows.append(LinearConstraint(-1, k, normal, sign * float(at[axis]) + OUTLINE_SLACK_M))
                 continue
             key = (k, pose.key)
             if key not in self.walls:
@@ -122,11 +122,13 @@ class NodeConditions:
         if relation.kind == "before":
             front = support_bounds(hull(node.poses[at[0]].stance.slabs), along, node.poses[at[0]].yaw)[0]
             back = support_bounds(hull(node.poses[at[1]].stance.slabs), along, node.poses[at[1]].yaw)[2]
-            return [LinearConstraint(at[0], at[1], (-along[0], -along[1]), SLACK_M - relation.gap_m - front - back)]
+            return [
+                LinearConstraint(at[0], at[1], (-along[0], -along[1]), OUTLINE_SLACK_M - relation.gap_m - front - back)
+            ]
         if relation.kind == "aligned":
             across = (-float(along[1]), float(along[0]))
             both = [(one, two) for one in at for two in at if one != two]
-            return [LinearConstraint(one, two, across, relation.tolerance + SLACK_M) for one, two in both]
+            return [LinearConstraint(one, two, across, relation.tolerance + OUTLINE_SLACK_M) for one, two in both]
         return []
 
     def _frame(self, node: BranchNode, frame: str) -> float | None:
@@ -142,21 +144,21 @@ class NodeConditions:
         normal = np.array([np.cos(angle), np.sin(angle)])
         front = support_bounds(hull(node.poses[one].stance.slabs), normal, node.poses[one].yaw)[1]
         back = support_bounds(hull(node.poses[two].stance.slabs), normal, node.poses[two].yaw)[3]
-        return LinearConstraint(one, two, (float(normal[0]), float(normal[1])), gap_m + front + back + SLACK_M)
+        return LinearConstraint(one, two, (float(normal[0]), float(normal[1])), gap_m + front + back + OUTLINE_SLACK_M)
 
     def _facing(self, node: BranchNode, one: int, two: int, tolerance: float) -> list[LinearConstraint]:
         """The second origin lies in the wedge swept by the front of the first, if that is narrower than pi."""
         w, x, y, z = node.poses[one].stance.quat_wxyz
         low, high = node.poses[one].yaw
         front = np.arctan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
-        half = (high - low) / 2.0 + tolerance + SLACK_M
+        half = (high - low) / 2.0 + tolerance + OUTLINE_SLACK_M
         if half >= np.pi / 2.0:
             return []
         middle = front + (low + high) / 2.0
         rows = []
         for sign in (1.0, -1.0):
             angle = middle + sign * (half + np.pi / 2.0)
-            rows.append(LinearConstraint(one, two, (float(np.cos(angle)), float(np.sin(angle))), SLACK_M))
+            rows.append(LinearConstraint(one, two, (float(np.cos(angle)), float(np.sin(angle))), OUTLINE_SLACK_M))
         return rows
 
     def disjunctions(self, node: BranchNode) -> list[Disjunction]:
@@ -206,7 +208,7 @@ class NodeConditions:
         if self.things[one].place.name != self.things[two].place.name:
             return False
         top, other_top = first.base_m[0] + first.stance.height_m, second.base_m[0] + second.stance.height_m
-        return first.base_m[1] < other_top - SLACK_M and second.base_m[1] < top - SLACK_M
+        return first.base_m[1] < other_top - OUTLINE_SLACK_M and second.base_m[1] < top - OUTLINE_SLACK_M
 
     def _beyond(
         self, key: tuple, first: FloatArray, one: int, second: FloatArray, two: int, ring: FloatArray
@@ -225,9 +227,9 @@ class NodeConditions:
         within: list[LinearConstraint] = []
         for k in np.argsort(-lengths[lengths > 0.0], kind="stable"):
             x, y, offset = float(normals[k, 0]), float(normals[k, 1]), float(offsets[k])
-            if farthest[k] >= offset - SLACK_M:
-                options.append((LinearConstraint(one, two, (-x, -y), SLACK_M - offset), *within))
-                within.append(LinearConstraint(one, two, (x, y), offset + SLACK_M))
+            if farthest[k] >= offset - OUTLINE_SLACK_M:
+                options.append((LinearConstraint(one, two, (-x, -y), OUTLINE_SLACK_M - offset), *within))
+                within.append(LinearConstraint(one, two, (x, y), offset + OUTLINE_SLACK_M))
         return Disjunction(key, (two,) if one < 0 else (one, two), tuple(options))
 
     def _alone(self, k: int, pose: NodePose) -> FloatArray:
@@ -249,9 +251,9 @@ class NodeConditions:
             rows = []
             for normal in ((-x, 0.0), (0.0, -y)):
                 rows += [
-                    LinearConstraint(b, c, normal, SLACK_M),
-                    LinearConstraint(b, a, normal, tolerance + SLACK_M),
-                    LinearConstraint(a, c, normal, tolerance + SLACK_M),
+                    LinearConstraint(b, c, normal, OUTLINE_SLACK_M),
+                    LinearConstraint(b, a, normal, tolerance + OUTLINE_SLACK_M),
+                    LinearConstraint(a, c, normal, tolerance + OUTLINE_SLACK_M),
                 ]
             options.append(tuple(rows))
         return Disjunction(("between", n), tuple(at), tuple(options))

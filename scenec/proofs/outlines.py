@@ -18,7 +18,7 @@ from scenec.ir.problem import Slab, Stance, Thing
 from schemas.arrays import FloatArray
 
 TURN = 2.0 * np.pi
-SLACK_M = 2e-6
+OUTLINE_SLACK_M = 2e-6
 """Every bound is weakened by this much: twice what the independent judge tolerates."""
 YawCell = tuple[float, float]
 
@@ -129,6 +129,6 @@ def period(outline: FloatArray) -> float:
     for parts in range(len(outline), 1, -1):
         if len(outline) % parts == 0:
             moved = turned(outline, TURN / parts)
-            if np.abs(np.roll(outline, -(len(outline) // parts), axis=0) - moved).max() < SLACK_M / 4.0:
+            if np.abs(np.roll(outline, -(len(outline) // parts), axis=0) - moved).max() < OUTLINE_SLACK_M / 4.0:
                 return TURN / parts
     return TURN

@@ -15,7 +15,7 @@ from shapely import Polygon
 
 from geom.planar import turned
 from scenec.ir.problem import WORLD_PARENT, Problem, Stance, Surface, Thing, Volume
-from scenec.proofs.outlines import SLACK_M, YawCell, half_planes, hull, kernel, support_bounds
+from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, half_planes, hull, kernel, support_bounds
 from schemas.arrays import FloatArray
 
 RING_SIDES = 24
@@ -62,7 +62,7 @@ def headroom(place: Surface | Volume) -> float:
 
 def fits_height(thing: Thing, stance: Stance) -> bool:
     """Whether an orientation is low enough for the clearance or rim."""
-    return stance.height_m <= headroom(thing.place) + SLACK_M
+    return stance.height_m <= headroom(thing.place) + OUTLINE_SLACK_M
 
 
 def max_base_height(thing: Thing, stance: Stance) -> float:
@@ -84,7 +84,7 @@ def placement_bounds(problem: Problem, thing: Thing, stance: Stance) -> Placemen
             (slab.outline_m, part.outline_m)
             for slab in pieces
             for part in thing.place.above
-            if min(slab.high_m, part.high_m) - max(slab.low_m, part.low_m) > SLACK_M
+            if min(slab.high_m, part.high_m) - max(slab.low_m, part.low_m) > OUTLINE_SLACK_M
         ]
     else:
         for slab in pieces:
@@ -96,7 +96,7 @@ def placement_bounds(problem: Problem, thing: Thing, stance: Stance) -> Placemen
             obstacles += [(slab.outline_m, part) for part in _parts(shapely.difference(around, container))]
     for rule in problem.keep_outs:
         if (rule.parent, rule.place.name) == (thing.parent, thing.place.name):
-            entered = [slab for slab in pieces if slab.low_m + lift < rule.height_m - SLACK_M]
+            entered = [slab for slab in pieces if slab.low_m + lift < rule.height_m - OUTLINE_SLACK_M]
             obstacles += [(slab.outline_m, part) for slab in entered for part in _parts(rule.polygon)]
     (x0, x1), (y0, y1) = thing.domain.x_m, thing.domain.y_m
     return PlacementBounds(
@@ -107,7 +107,7 @@ def placement_bounds(problem: Problem, thing: Thing, stance: Stance) -> Placemen
 def _layers(place: Volume, low_m: float, high_m: float) -> shapely.Geometry:
     """Container of a slab that spans at least these heights: the intersection of these layers, else the union of
     all."""
-    spanned = [polygon for low, high, polygon in place.layers if min(high, high_m) - max(low, low_m) > SLACK_M]
+    spanned = [polygon for low, high, polygon in place.layers if min(high, high_m) - max(low, low_m) > OUTLINE_SLACK_M]
     return shapely.intersection_all(spanned) if spanned else area(place)
 
 
@@ -147,7 +147,7 @@ def linear_bounds(placement_bounds: PlacementBounds, yaw: YawCell) -> tuple[Floa
         outward = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         normals.append(outward)
         bounds.append(outward @ placement_bounds.ring[0] + placement_bounds.ring[2])
-    stacked, limits = np.concatenate(normals), np.concatenate(bounds) + SLACK_M
+    stacked, limits = np.concatenate(normals), np.concatenate(bounds) + OUTLINE_SLACK_M
     return stacked[np.isfinite(limits)], limits[np.isfinite(limits)]
 
 
@@ -180,5 +180,5 @@ def free_region(placement_bounds: PlacementBounds, yaw: YawCell) -> shapely.Geom
     if len(region) < 3:
         return Polygon()
     left: shapely.Geometry = Polygon(region)
-    blocked = [Polygon(ring).buffer(-SLACK_M, join_style="mitre") for ring in forbidden(placement_bounds, yaw)]
+    blocked = [Polygon(ring).buffer(-OUTLINE_SLACK_M, join_style="mitre") for ring in forbidden(placement_bounds, yaw)]
     return left.difference(shapely.union_all(blocked)) if blocked else left

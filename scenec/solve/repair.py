@@ -12,7 +12,7 @@ from scenec.solve.placed import Placed
 from scenec.solve.search import SearchBudget, search
 from scenec.solve.stacks import without
 
-ROUNDS = 3  # each also removes obstacles of the last
+REPAIR_ROUNDS = 3  # each also removes obstacles of the last
 STEPS_PER_THING = 40
 
 
@@ -47,10 +47,10 @@ def repaired(
     search_budget: SearchBudget,
     suspects: Iterable[str] | None = None,
 ) -> dict[str, Placed] | None:
-    """An assignment of `names` that keeps as much of the proposal as possible; None when ROUNDS do not suffice."""
+    """An assignment of `names` that keeps as much of the proposal as possible; None after REPAIR_ROUNDS."""
     valid = largest_valid_subset(model, proposal, suspects)
     missing = [name for name in names if name not in valid]
-    for _ in range(ROUNDS):
+    for _ in range(REPAIR_ROUNDS):
         if not missing:
             return valid
         before = search_budget.failures.copy()

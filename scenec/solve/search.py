@@ -28,7 +28,7 @@ from scenec.solve.regions import facing_yaw, feasible_region, region_alone
 from scenec.solve.stacks import stack_levels
 from scenec.solve.streams import stream
 
-TRIES = 8  # orientations and yaws tried for one thing at one node
+POSE_TRIES = 8  # orientations and yaws tried for one thing at one node
 COLUMN_TRIES = 4  # of these, straight over the middle of each thing that may support it
 LOOK_AHEAD = 6  # related things checked after a choice
 DENSE = 0.3  # share of the place's area above which extreme points are tried before random ones
@@ -194,7 +194,7 @@ def _on_contents(
     # Poses on contents of its volume: first its foot over the middle of one top, which is cheap; then anywhere.
     ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
     levels = stack_levels(model, assignment, thing.name)
-    poses = poses_to_try(model, thing, rng, dense=True)[:TRIES] if levels else []
+    poses = poses_to_try(model, thing, rng, dense=True)[:POSE_TRIES] if levels else []
     middle_of = {
         pose: model.put(thing.name, Placement(-ox, -oy, pose[1], pose[0])).contact.foot.centroid for pose in poses
     }
@@ -228,11 +228,13 @@ def poses_to_try(model: SolverModel, thing: Thing, rng: Generator, dense: bool) 
     if high - low < 1e-12:
         yaws = [low]
     else:
-        free = (low + (high - low) * rng.random(TRIES)).tolist()
+        free = (low + (high - low) * rng.random(POSE_TRIES)).tolist()
         straight = [quarters[i] for i in rng.permutation(len(quarters)).tolist()]
         yaws = [*straight, low, high, *free] if dense else [free[0], *straight, *free[1:]]
     picked = [orientations[i] for i in rng.permutation(len(orientations)).tolist()]
-    return [(picked[k % len(picked)], yaws[k % len(yaws)]) for k in range(max(len(yaws), len(picked)))][: 2 * TRIES]
+    return [(picked[k % len(picked)], yaws[k % len(yaws)]) for k in range(max(len(yaws), len(picked)))][
+        : 2 * POSE_TRIES
+    ]
 
 
 def _fixed_pose_candidates(
@@ -274,7 +276,7 @@ def _forward_check(
         if thing.domain.fixed_poses or not set(model.chains[other][:-1]).issubset(trial):
             continue
         blamed: set[str] = set()
-        for stance, yaw in poses_to_try(model, thing, stream(seed, "ahead", other), dense=True)[:TRIES]:
+        for stance, yaw in poses_to_try(model, thing, stream(seed, "ahead", other), dense=True)[:POSE_TRIES]:
             turned = model.shapes[other][stance].turned(yaw)
             region, cut = feasible_region(model, other, turned, trial, regions.region_alone(other, stance, yaw))
             if not region.is_empty:

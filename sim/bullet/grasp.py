@@ -15,11 +15,12 @@ from geom import pose
 from geom.convex.support_function import diagonal
 from geom.grasp.gripper import boxes
 from schemas.arrays import FloatArray
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import RigidBody
 from sim.bullet.world import dynamic_body, private_client, scaled
-from sim.port import GRAVITY_MPS2, GraspOutcome, GraspTask, model_scale
+from sim.port import GraspOutcome, GraspTask, model_scale
 
-STEP_S = 1.0 / 240.0
+GRASP_STEP_S = 1.0 / 240.0
 # Seconds until each phase ends.
 REST_S, CLOSED_S, LIFTED_S, HELD_S, SHAKEN_S, RELEASED_S = 0.05, 0.35, 1.15, 2.15, 3.65, 4.0
 LIFT_M, DROP_M = 0.3, 0.1
@@ -44,7 +45,7 @@ class _Trial:
         self._scale = model_scale(diagonal(body.shapes))
         self._time_scale = math.sqrt(self._scale)
         pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=STEP_S,
+            fixedTimeStep=GRASP_STEP_S,
             numSolverIterations=60,
             enableFileCaching=0,
             deterministicOverlappingPairs=1,
@@ -95,9 +96,9 @@ class _Trial:
                 force=force + HAND_FORCE_FACTOR * self._weight_n * (closing <= 0.0),
                 physicsClientId=client,
             )
-        while self._steps * STEP_S < end_s * self._time_scale - 1e-9:
+        while self._steps * GRASP_STEP_S < end_s * self._time_scale - 1e-9:
             self._steps += 1
-            place, moving = _hand_at(self._steps * STEP_S / self._time_scale)
+            place, moving = _hand_at(self._steps * GRASP_STEP_S / self._time_scale)
             pybullet.setJointMotorControlArray(
                 self._hand,
                 [_X, _Y, _Z],

@@ -32,9 +32,8 @@ from sim.bullet.windows import (
 from sim.dynamics.body_rollout import BodyMotion
 from sim.dynamics.hooks import BodyState, BodyWrench, JointFriction, JointState, JointTorque, Params
 from sim.dynamics.linkage_rollout import LinkageModel, LinkageMotion, LinkageWindows
-from sim.dynamics.mechanism import Law
+from sim.dynamics.mechanism import LARGEST_RATE, Law
 
-_LARGEST_RATE = 1e4
 _STATE = 13  # columns of the base before those of the joints
 
 
@@ -110,7 +109,7 @@ class BulletLinkageRollout(WindowsClient):
             -1,
             linearDamping=0.0,
             angularDamping=0.0,
-            maxJointVelocity=_LARGEST_RATE,
+            maxJointVelocity=LARGEST_RATE,
             activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
             physicsClientId=client,
         )

@@ -22,12 +22,12 @@ from sim.dynamics.joint_dynamics import joint_dynamics
 from sim.dynamics.mechanism import Law, MechanismModel, Windows, commanded_effort
 from sim.dynamics.tree import Link, Tree
 
-LARGEST_STEP_S = 1e-3
+MECHANISM_STEP_S = 1e-3
 _BASE = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
 
 def rollout(
-    model: MechanismModel, windows: Windows, laws: Sequence[Law] = (), *, largest_step_s: float = LARGEST_STEP_S
+    model: MechanismModel, windows: Windows, laws: Sequence[Law] = (), *, largest_step_s: float = MECHANISM_STEP_S
 ) -> tuple[FloatArray, FloatArray]:
     """Joint positions and rates (w, k, j) at the stamps of `windows`, as `sim.dynamics.mechanism.rollout`.
 

@@ -13,14 +13,15 @@ from scipy.spatial.transform import Rotation
 
 from geom.convex.support_function import diagonal
 from schemas.arrays import FloatArray
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape
 from sim.bullet.shapes import clear_margins, compound
-from sim.bullet.world import private_client
-from sim.port import GRAVITY_MPS2, ProbeResult
+from sim.bullet.world import STEP_S, private_client
+from sim.port import ProbeResult
 
 # Everything is simulated as a model of this diagonal (Froude similarity, see `sim.port.model_scale`), so that an
 # outcome does not depend on size.
-MODEL_M, STEP_S = 1.0, 1.0 / 480.0
+FIXED_MODEL_M = 1.0
 FRICTION = math.sqrt(0.5)  # The engine multiplies both sides.
 ROLLING, DAMPING = 0.02, 0.2  # lever arm as a share of the probe's size; share of the speed lost in a second
 _FIXED_GROUP, _PROBE_GROUP = 1, 2
@@ -30,7 +31,7 @@ def drop_probes(fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape
     """See `sim.port.Simulator`. All probes fall in one world, filtered so that they only touch the fixed body."""
     if not probes:
         return ProbeResult(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
-    scale = MODEL_M / diagonal(fixed)
+    scale = FIXED_MODEL_M / diagonal(fixed)
     with private_client() as client:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=STEP_S, enableFileCaching=0, deterministicOverlappingPairs=1, physicsClientId=client

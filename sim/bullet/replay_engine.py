@@ -5,13 +5,13 @@ from __future__ import annotations
 from sim.bullet import mechanism
 from sim.bullet.body import BulletBodyRollout
 from sim.bullet.linkage import BulletLinkageRollout
-from sim.bullet.windows import LARGEST_STEP_S
+from sim.bullet.windows import BODY_STEP_S
 
 
 class BulletReplayEngine:
     """Makes the roll-outs; holds no state of its own. `largest_step_s` is the step of a search."""
 
-    largest_step_s = LARGEST_STEP_S
+    largest_step_s = BODY_STEP_S
     mechanism_rollout = staticmethod(mechanism.rollout)
 
     def body_rollout(self, step_s: float) -> BulletBodyRollout:

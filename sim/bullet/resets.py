@@ -12,11 +12,12 @@ from geom import pose
 from geom.convex.support_function import diagonal
 from geom.mass.principal_axes import principal_axes
 from schemas.arrays import FloatArray
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import Contact, MassProperties, RigidBody
-from sim.bullet.scene import SPINNING_RESISTANCE, STEP_S
+from sim.bullet.scene import SPINNING_RESISTANCE
 from sim.bullet.shapes import PARKED_M
-from sim.bullet.world import DynamicBody, dynamic_body, static_body
-from sim.port import GRAVITY_MPS2, ROLLING_RESISTANCE
+from sim.bullet.world import STEP_S, DynamicBody, dynamic_body, static_body
+from sim.port import ROLLING_RESISTANCE
 
 
 class BulletResets:

@@ -12,12 +12,13 @@ from scipy.spatial.transform import Rotation
 from geom import pose
 from geom.convex.support_function import diagonal
 from schemas.arrays import FloatArray
-from sim.bullet.world import DynamicBody, dynamic_body, private_client, scaled, static_body
-from sim.port import GRAVITY_MPS2, ROLLING_RESISTANCE, PlacedBody
+from schemas.physical_constants import GRAVITY_MPS2
+from sim.bullet.world import STEP_S, DynamicBody, dynamic_body, private_client, scaled, static_body
+from sim.port import ROLLING_RESISTANCE, PlacedBody
 
 # The smallest thing is simulated as a model of this diagonal (Froude similarity, see `sim.port.model_scale`), because
 # the engine's tolerances are absolute.
-MODEL_M, LARGEST_SCALE, STEP_S = 0.15, 10.0, 1.0 / 480.0
+SMALLEST_MODEL_M, LARGEST_SCALE = 0.15, 10.0
 # Lever arm, as a share of the size, of the moment that opposes turning on the spot: two thirds of the radius of a patch
 # (Coulomb), here of 1.5 % of the size. Without it the few points to which the engine reduces a flat foot let it creep.
 SPINNING_RESISTANCE = 0.01
@@ -30,7 +31,7 @@ def settle_scene(things: Sequence[PlacedBody], duration_s: float) -> FloatArray:
     geometric mean. Nothing bounces. Equal calls give equal results. Raises RuntimeError when PyBullet has no client.
     """
     dynamic = [diagonal(thing.body.shapes) for thing in things if thing.moves]
-    scale = min(max(MODEL_M / min(dynamic, default=MODEL_M), 1.0), LARGEST_SCALE)
+    scale = min(max(SMALLEST_MODEL_M / min(dynamic, default=SMALLEST_MODEL_M), 1.0), LARGEST_SCALE)
     with private_client() as client:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=STEP_S,

@@ -13,14 +13,15 @@ import pybullet
 from scipy.spatial.transform import Rotation
 
 from schemas.arrays import FloatArray
+from sim.bullet.world import STEP_S
 from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyWindows
 
-LARGEST_STEP_S = 1.0 / 480.0
+BODY_STEP_S = STEP_S
 HOLD_S = 1.0 / 120.0  # forces of effects are held at most so long: they follow speed and position, not contacts
 # Share of a penetration that is undone per second. The engine takes it per step (0.2 at 240 steps a second): finer
 # steps would throw out harder what starts a little inside the support.
 _RECOVERY_PER_S = 0.2 * 240.0
-_LARGEST_M = 1e3
+_ESCAPED_M = 1e3
 
 
 class WindowsClient:
@@ -29,7 +30,7 @@ class WindowsClient:
     `_handle` is the engine's body, `_X_BI` (4, 4) its inertial frame in the measured frame.
     """
 
-    def __init__(self, largest_step_s: float = LARGEST_STEP_S) -> None:
+    def __init__(self, largest_step_s: float = BODY_STEP_S) -> None:
         self._client = pybullet.connect(pybullet.DIRECT)
         self._usual_step_s = self._largest_step_s = largest_step_s
         self._handle = -1
@@ -115,6 +116,6 @@ def measured_motion(rows: FloatArray, X_BI: FloatArray) -> BodyMotion:
 
 def hold_last_valid(rows: FloatArray) -> FloatArray:
     """Rows (w, k, n); rows that are not finite or far away are replaced by the last valid row before them."""
-    sound = np.isfinite(rows).all(axis=2) & (np.abs(rows[..., :3]).max(axis=2) < _LARGEST_M)
+    sound = np.isfinite(rows).all(axis=2) & (np.abs(rows[..., :3]).max(axis=2) < _ESCAPED_M)
     latest = np.maximum.accumulate(np.where(sound, np.arange(rows.shape[1]), 0), axis=1)
     return np.take_along_axis(rows, latest[..., None], axis=1)

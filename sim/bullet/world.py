@@ -17,6 +17,8 @@ from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, MassProperties
 from sim.bullet.shapes import PARKED_M, clear_margins, compound
 
+STEP_S = 1.0 / 480.0  # of the engine, at model size
+
 
 @contextmanager
 def private_client() -> Iterator[int]:

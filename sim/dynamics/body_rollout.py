@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from schemas.arrays import FloatArray
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape
 from sim.dynamics.hooks import BodyWrench, Params
 
@@ -37,7 +38,7 @@ class BodyModel:
     friction_ratio_B: FloatArray = field(default_factory=lambda: np.ones(3))
     stiffness_Npm: float | None = None
     damping_Nspm: float | None = None
-    gravity_W: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
+    gravity_W: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, -GRAVITY_MPS2]))
     plane_normal_W: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     plane_height_m: float = 0.0
     has_support: bool = True

@@ -21,7 +21,7 @@ from sim.dynamics.joint_dynamics import JointDynamics, joint_dynamics
 from sim.dynamics.tree import Tree
 
 _JITTER = 0.1  # steps by which an interval may be longer: else half the rows of a jittery clock would take one more.
-_LARGEST_RATE = 1e4  # rad/s or m/s: beyond, a roll-out has diverged and is held there.
+LARGEST_RATE = 1e4  # rad/s or m/s: beyond, a roll-out has diverged and is held there.
 
 
 @dataclass(frozen=True)
@@ -219,4 +219,4 @@ class _Forces:
                     largest[column] += hook.limit(now, law.params, direction[column])
             free = configuration.with_dry_friction(free, h * np.maximum(largest, 0.0), model.damping, h)
         # NaN counts as beyond the bound, too.
-        return np.fmin(np.fmax(free, -_LARGEST_RATE), _LARGEST_RATE)
+        return np.fmin(np.fmax(free, -LARGEST_RATE), LARGEST_RATE)

@@ -13,16 +13,16 @@ from simgap.inference.losses import trial_losses
 from simgap.problem import Candidate, Model, Problem, Term, View
 from simgap.recording.train_test_split import Trials
 
-_PER_PARAMETER, _MOST = 6, 150  # roll-outs of the training trials: about a third of what the search takes
-_STEP = 0.05  # of each parameter's range
+_PER_PARAMETER, _MOST_ROLLOUTS = 6, 150  # roll-outs of the training trials: about a third of what the search takes
+_CMA_STEP = 0.05  # of each parameter's range
 _SEED = 1
 
 
 def all_effects_losses(problem: Problem, base: Model, trials: Trials, view: View, scale: FloatArray) -> FloatArray:
     """(n,) losses of the test trials under all candidates on top of `base`, fitted on the training trials.
 
-    The search starts from no effect, where parameters that only shape an effect stand at their start. A term of `base`
-    that is the same number as a candidate leaves. Deterministic.
+    The search starts from no effect, with shape parameters at their initial values. A term of `base` that is the same
+    number as a candidate is left out. Deterministic.
     """
     candidates = problem.candidates()
     same = {(c.effect.name, c.where) for c in candidates}
@@ -37,14 +37,14 @@ def all_effects_losses(problem: Problem, base: Model, trials: Trials, view: View
     rng = np.random.default_rng(_SEED)
     options = {
         "bounds": [0.0, 1.0],
-        "maxfevals": min(_PER_PARAMETER * len(start), _MOST),
+        "maxfevals": min(_PER_PARAMETER * len(start), _MOST_ROLLOUTS),
         "randn": lambda *shape: rng.standard_normal(shape),
         "seed": np.nan,  # else it seeds the generator that everyone shares
         "verbose": -9,
     }
     import cma  # Takes a second, which `--quick` saves.
 
-    strategy = cma.CMAEvolutionStrategy(start, _STEP, options)
+    strategy = cma.CMAEvolutionStrategy(start, _CMA_STEP, options)
     best, least = start, float(losses(start, trials.train).mean())
     while not strategy.stop():
         proposals = strategy.ask()

@@ -13,7 +13,7 @@ import numpy as np
 from schemas.arrays import FloatArray
 
 _FEATURES = 120
-_RIDGE = 1e-2
+_REGRESSION_RIDGE = 1e-2
 
 
 def corrected(
@@ -39,7 +39,7 @@ def corrected(
 
     # Rare large errors must not decide what the many say.
     A, B = lifted(X), np.clip(Y / level, -6.0, 6.0)
-    weights = np.linalg.solve(A.T @ A + _RIDGE * len(A) * np.eye(A.shape[1]), A.T @ B)
+    weights = np.linalg.solve(A.T @ A + _REGRESSION_RIDGE * len(A) * np.eye(A.shape[1]), A.T @ B)
     return [
         r - np.nan_to_num(lifted(np.nan_to_num(x)) @ weights) * level
         for x, r in zip(test_features, test_residuals, strict=True)

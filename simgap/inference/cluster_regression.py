@@ -33,7 +33,7 @@ def regress(trials: Sequence[Equations], names: Sequence[str], null: Mapping[str
     """The parameters with jackknife errors over trials, and the chance of `null`; None where the rows do not
     determine them.
 
-    Equations far off what the others say are left out of the fit.
+    Outlying equations are left out of the fit.
     """
     used = [t for t in trials if len(t.y)]
     if len(used) < _LEAST_TRIALS or sum(len(t.y) for t in used) < _ROWS_PER_PARAMETER * len(names):

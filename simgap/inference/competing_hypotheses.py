@@ -1,7 +1,7 @@
 """Competing hypotheses: candidates that fit no worse than an accepted effect, or make it vanish beside them.
 
-Two of them are compared by what they leave of training trials held out in turn. A lead counts if it is beyond chance
-and beyond what readings and roll-outs may differ by on the way to a residual.
+Two candidates are compared by cross-validated losses of the training trials. A difference counts if it is significant
+and larger than the errors of smoothing readings and inputs.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from simgap.problem import Candidate, Term
 RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
 RIVAL_ALPHA = 0.05  # level at which the best beats another
 AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
-# The same of a known double: declared numbers that stay free beside one of the two, and not beside the other, do more.
+# The same share against a confusable effect: nuisances that are free beside one of the two only add to the difference.
 _CONFUSABLE_AHEAD = 0.15
 _SMOOTHED = 0.002  # share of what the best takes away by which it must be ahead
 _NEARLY = 0.9  # share of the gain with which fewer parameters are preferred
@@ -43,9 +43,9 @@ _BEATEN_TOGETHER, _TOGETHER = 0.01, 0.8
 def refit_beside_others(
     state: SearchState, accepted: CandidateFit, others: Sequence[CandidateFit], each: Map
 ) -> tuple[Fit, CandidateFit, list[CandidateFit]]:
-    """The model without one accepted effect, the best in its place, and it and `others` tried there, best first.
+    """The model without one accepted effect, the best effect in its place, and all fits there, best first.
 
-    Another takes the place of what was found only if it is better beyond chance, or simpler and no worse.
+    Another effect replaces the accepted one only if it is significantly better, or simpler and no worse.
     """
     without = fit(state.errors, warm_start_without(state.base, [accepted.candidate], state.problem.nuisances()))
     now = {t.candidate.key: t.values for t in state.base.model}
@@ -68,30 +68,30 @@ def refit_beside_others(
 def alternatives(
     accepted: CandidateFit, screening: Screening, rivals: Collection[str], base: Fit
 ) -> list[CandidateFit]:
-    """What may stand in the place of an accepted effect: its rivals, then its doubles and all that left little more.
+    """Candidates to fit in the place of an accepted effect: its rivals, confusable effects, and close runners-up.
 
-    Two causes together may be mimicked by a double of one of them, which leaves far less than that one alone.
+    An effect that is confusable with one of two causes may mimic both, with a far smaller loss than either cause alone.
     """
     taken = {c.key for c in base.free}
     most = _LITTLE_MORE * float(accepted.fit.held_out.sum())
     free = [t for t in screening.fits if t.candidate.key not in taken]
     known = [t for t in free if t.candidate.key in rivals]
     judged = [t for t in free if t.comparison.gain > 0.0 and t.candidate.key not in rivals]
-    doubles = [t for t in judged if are_confusable(t.candidate, accepted.candidate)]
+    confusables = [t for t in judged if are_confusable(t.candidate, accepted.candidate)]
     near = (
         t for t in judged if float(t.fit.held_out.sum()) < most and not are_confusable(t.candidate, accepted.candidate)
     )
-    return [*known, *doubles, *near][:_MOST_RIVALS]
+    return [*known, *confusables, *near][:_MOST_RIVALS]
 
 
 def are_confusable(one: Candidate, other: Candidate) -> bool:
-    """Whether the library says of either that it looks like the other."""
+    """Whether the library lists either effect as a look-alike of the other."""
     named = {c.effect for c in one.effect.confusables}
     return other.effect.name in named or one.effect.name in {c.effect for c in other.effect.confusables}
 
 
 def replacement(screening: Screening, base: Fit, accepted: Sequence[CandidateFit]) -> tuple[int, CandidateFit] | None:
-    """The best of a round where an accepted effect all but vanishes beside it, and the place of that effect."""
+    """The best candidate of a screening if it makes an accepted effect vanish, with the index of that effect."""
     if not screening.fits:
         return None
     best = screening.fits[0]
@@ -105,7 +105,7 @@ def replacement(screening: Screening, base: Fit, accepted: Sequence[CandidateFit
 
 
 def replaces_an_effect(extended: Fit, base: Fit) -> bool:
-    """Whether an effect accepted before all but vanishes beside the new one: that is another name, not one more."""
+    """Whether an effect of the base vanishes beside the new one: the new one is then a replacement, not an addition."""
     return any(vanishes(term, extended) for term in base.model)
 
 
@@ -123,7 +123,7 @@ def vanishes(term: Term, extended: Fit) -> bool:
 def possible_replacements(
     screening: Screening, base: Fit, accepted: CandidateFit, known: Sequence[CandidateFit]
 ) -> list[CandidateFit]:
-    """Significant candidates beside which what was found before all but vanishes: they may be what it is."""
+    """Significant candidates beside which an accepted effect vanishes: each may be the true cause instead."""
     term = next(t for t in base.model if t.candidate.key == accepted.candidate.key)
     taken = {t.candidate.key for t in known}
     return [
@@ -138,23 +138,23 @@ def as_good_with_confusable(
     base: Fit,
     nuisances: Sequence[Candidate],
     accepted: CandidateFit,
-    doubles: Sequence[CandidateFit],
+    confusables: Sequence[CandidateFit],
     best: CandidateFit,
     others: Sequence[CandidateFit],
 ) -> list[CandidateFit]:
-    """Which of `others` do as well in the place of `best` once `accepted` gives way to one of its doubles.
+    """Which of `others` do as well in the place of `best` once a confusable effect replaces `accepted`.
 
-    Two causes may stand for two others where neither does alone: friction by load and a weight for dry friction and a
-    spring. Without the double the spring would look refuted.
+    Two causes may mimic two others where neither does alone: friction by load and a weight mimic dry friction and a
+    spring. Without the confusable effect the spring would be refuted.
     """
     remaining = warm_start_without(base, [accepted.candidate, best.candidate], nuisances)
     out: list[CandidateFit] = []
-    for double in doubles:
-        others_remaining = [c for c in remaining if not is_twin(c, double.candidate)]
-        near = fit(errors, [*others_remaining, replace(double.candidate, start=double.fit.model[-1].values)])
+    for confusable in confusables:
+        others_remaining = [c for c in remaining if not is_twin(c, confusable.candidate)]
+        near = fit(errors, [*others_remaining, replace(confusable.candidate, start=confusable.fit.model[-1].values)])
         for other in others:
             richer = len(other.candidate.null) > len(best.candidate.null) + _RICHER
-            if richer or other.candidate.key in {double.candidate.key, *(t.candidate.key for t in out)}:
+            if richer or other.candidate.key in {confusable.candidate.key, *(t.candidate.key for t in out)}:
                 continue
             both = extend(errors, near, other.candidate, [other.fit.model[-1].values, other.candidate.start])
             more = len(other.candidate.null) > len(best.candidate.null)
@@ -203,11 +203,11 @@ def inseparable(errors: Errors, best: CandidateFit, tried: Sequence[CandidateFit
             continue
         # A richer law that does no better has had its chance, as has a much richer one of another kind; known doubles
         # stay in doubt.
-        doubles = {c.effect for c in best.candidate.effect.confusables}
+        confusable_names = {c.effect for c in best.candidate.effect.confusables}
         kin = rival.candidate.effect.family == best.candidate.effect.family
         richer = len(rival.candidate.null) > len(best.candidate.null) + (0 if kin else _RICHER)
         does_better = _NEARLY * rival.comparison.gain > best.comparison.gain
-        if richer and not does_better and rival.candidate.effect.name not in doubles:
+        if richer and not does_better and rival.candidate.effect.name not in confusable_names:
             continue
         both = extend(errors, rival.fit, best.candidate, [best.fit.model[-1].values, best.candidate.start])
         over_rival = compare(rival.fit.held_out, both.held_out)

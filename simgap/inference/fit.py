@@ -23,9 +23,9 @@ from simgap.problem import Candidate, Model, Problem, Term, View
 
 Errors = Callable[[Model], Sequence[FloatArray]]  # one array per trial, in noise levels
 ROUNDING_MARGIN = 1.0 + 1e-9  # an end of a range lies as far from none as it is known: rounding must not decide
-_FEW = 9  # values of a strength tried before the local search
-_MANY = 24  # values of one shape parameter; of two: _GRID
-_GRID = (48, 6)
+_STRENGTHS = 9  # values of a strength tried before the local search
+_MANY = 24  # values of one shape parameter; of two: _SHAPE_GRID
+_SHAPE_GRID = (48, 6)
 _PHASE = "phase_rad"
 _WAVES = 120  # waves over a position: neighbours differ by about a radian at its ends
 _PROBE = 0.05  # share of a strength's range at which its signature is read off
@@ -119,7 +119,7 @@ def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: F
 
 
 def resampling_units(by_trial: Sequence[FloatArray]) -> list[FloatArray]:
-    """Rows (k, c) of trials as flat arrays, one per trial; few trials are cut into stretches, which stand for them."""
+    """Residual rows (k, c) as flat arrays, one per trial; few trials are cut into stretches as units instead."""
     parts = -(-_FEWEST_UNITS // len(by_trial))
     if parts <= 1:
         return [r.ravel() for r in by_trial]
@@ -157,8 +157,7 @@ def extend(
 ) -> Fit:
     """`base` with one term more, from the best of several starts of that term; the others move along.
 
-    The Jacobian of the base's own terms is taken over from it. A nuisance that is the same number as the candidate
-    leaves: the candidate says it better.
+    The Jacobian of the base's terms is reused. A nuisance that is the same number as the candidate is left out.
     """
     keep = [k for k, c in enumerate(base.free) if not is_twin(c, candidate)]
     free = (*(base.free[k] for k in keep), candidate)
@@ -196,7 +195,7 @@ def promising_starts(errors: Errors, base: Fit, candidate: Candidate) -> list[di
         return [*starts, *_best_shapes(errors, base, model, candidate, shapes)]
     scanned = [(_cost(errors((*model, Term(candidate, values)))), values) for values in candidate.extra_starts]
     for name, (low, high) in candidate.bounds.items():
-        for share in np.linspace(0.02, 0.98, _FEW):
+        for share in np.linspace(0.02, 0.98, _STRENGTHS):
             values = {**candidate.start, name: low + float(share) * (high - low)}
             scanned.append((_cost(errors((*model, Term(candidate, values)))), values))
     return [*starts, min(scanned, key=lambda s: s[0])[1]]
@@ -228,7 +227,7 @@ def _best_shapes(
 
     y = beyond_base(r0)
     wave = shapes[-1] == _PHASE
-    counts = (_WAVES,) if wave else (_MANY,) if len(shapes) == 1 else _GRID
+    counts = (_WAVES,) if wave else (_MANY,) if len(shapes) == 1 else _SHAPE_GRID
     grids = [np.linspace(*candidate.bounds[n], k + 2)[1:-1] for n, k in zip(shapes, counts, strict=False)]
     scored = []
     for at in product(*grids):

@@ -29,7 +29,7 @@ from simgap.inference.competing_hypotheses import (
 )
 from simgap.inference.direct_comparison import distinguishes
 from simgap.inference.fit import Errors, Fit, extend, fit, robust_scale, rollout_errors
-from simgap.inference.losses import CLEAR, LITTLE, log_loss_change, paired_p, trial_losses
+from simgap.inference.losses import LARGEST_LOG_CHANGE, LITTLE, log_loss_change, paired_p, trial_losses
 from simgap.inference.parametric_bootstrap import MethodBias, estimate_method_bias
 from simgap.inference.screening import screen
 from simgap.inference.search_state import SearchState, refit_at
@@ -45,8 +45,8 @@ _TINY = 1e-12
 class Accepted:
     """An effect that was taken.
 
-    p_adjusted   of it among all candidates of its `screening`.
-    rivals       inseparable from it.
+    p_adjusted   its p-value, adjusted over all candidates of its `screening`.
+    rivals       candidates that the trials do not separate from it.
     method_bias  estimate of it on data simulated without it.
     removed      loss that comes back without it, as a share of what is left in the end.
     """
@@ -66,7 +66,7 @@ class Accepted:
 
 @dataclass(frozen=True)
 class Selection:
-    """The null, the accepted effects in order, the last round in which none was taken, and the model of all.
+    """The null, the accepted effects in order, the last screening if it added none, and the final model.
 
     Losses are those of the test trials, in errors of `scale`.
     """
@@ -88,9 +88,9 @@ class Selection:
 def select(
     problem: Problem, trials: Trials, view: View, each: Map | None = None, most: int = MOST_EFFECTS
 ) -> Selection:
-    """Null refit, then the best candidate of each round as long as it gains beyond chance and beyond the noise.
+    """Null refit, then the best candidate of each screening while its gain is significant and above the least gain.
 
-    At most so many effects are taken: 0 for the null alone.
+    At most `most` effects are accepted: 0 gives the null alone.
     """
     each = each or (lambda work, items: map(work, items))
     level = robust_scale(problem, (), trials.train, view)
@@ -137,7 +137,7 @@ def select(
 def _tested_again(state: SearchState, accepted: Accepted, each: Map) -> tuple[SearchState, Accepted]:
     """What was chosen before the others were known, fitted again beside them; the base follows a better one.
 
-    What was accepted since is no rival any more; rivals that there is no time to ask stay.
+    Effects accepted since are no rivals any more; rivals that are not fitted again stay.
     """
     taken = {c.key for c in state.base.free}
     accepted = replace(accepted, rivals=tuple(r for r in accepted.rivals if r.candidate.key not in taken))
@@ -151,11 +151,11 @@ def _tested_again(state: SearchState, accepted: Accepted, each: Map) -> tuple[Se
         method_bias = estimate_method_bias(state.problem, state.trials.train, state.view, without.model, best.fit.model)
         if not _exceeds(best, method_bias):
             best = next(t for t in tried if t.candidate.key == accepted.key)
-    asked = {t.candidate.key for t in tried}
-    unasked = (r for r in accepted.rivals if r.candidate.key not in asked)
+    tried_keys = {t.candidate.key for t in tried}
+    untried = (r for r in accepted.rivals if r.candidate.key not in tried_keys)
     still = (t for t in tried if t.candidate.key in before and t is not best and not is_beaten(t, best))
     fresh = (t for t in inseparable(state.errors, best, tried) if t.candidate.key not in before)
-    accepted = replace(accepted, rivals=(*unasked, *still, *fresh))
+    accepted = replace(accepted, rivals=(*untried, *still, *fresh))
     if best.candidate.key == accepted.key:
         return state, accepted
     return replace(state, base=best.fit), _in_place(accepted, best, method_bias)
@@ -164,7 +164,7 @@ def _tested_again(state: SearchState, accepted: Accepted, each: Map) -> tuple[Se
 def _swapped(
     state: SearchState, screening: Screening, accepted: Sequence[Accepted], each: Map
 ) -> tuple[int, Accepted] | None:
-    """What does the work of an accepted effect, and more, in its place: tried before anything is added."""
+    """The replacement of an accepted effect by a candidate that makes it vanish; tried before an effect is added."""
     instead = replacement(screening, state.base, [a.candidate_fit for a in accepted])
     if instead is None:
         return None
@@ -180,7 +180,7 @@ def _swapped(
 def _in_place(replaced: Accepted, best: CandidateFit, method_bias: MethodBias) -> Accepted:
     """Another effect in the place of an accepted one, and no longer among its rivals.
 
-    What would not have passed in that round by itself is no surer for it.
+    Its p-value is that of its own screening: a replacement is no more certain than it was there.
     """
     key = best.candidate.key
     tried = tuple(best if t.candidate.key == key else t for t in replaced.screening.fits)
@@ -189,7 +189,7 @@ def _in_place(replaced: Accepted, best: CandidateFit, method_bias: MethodBias) -
 
 
 def _next_accepted(state: SearchState, screening: Screening) -> Accepted | None:
-    """The first of a round that test trials confirm and that exceeds what the method makes up."""
+    """The first significant candidate that the test trials confirm and that exceeds the method's bias."""
     losses_before = state.test_losses(state.base)
     for trial in _best_pair_first(state.errors, _significant_candidates(screening, state.base)):
         if not _confirmed(state.base, trial, losses_before, state.test_losses_at_own_fit(trial.fit)):
@@ -213,7 +213,7 @@ def _removed(state: SearchState, accepted: Accepted) -> float:
 
 
 def _with_rivals_beside_confusable(state: SearchState, accepted: Sequence[Accepted]) -> list[Accepted]:
-    """`accepted` with those among their rivals that become such beside a double of another accepted effect."""
+    """`accepted` with the further rivals that appear once a confusable effect replaces another accepted effect."""
     out = list(accepted)
     nuisances = state.problem.nuisances()
     for doubted in accepted:
@@ -289,9 +289,9 @@ def _exceeds(candidate_fit: CandidateFit, method_bias: MethodBias) -> bool:
 def _confirmed(base: Fit, candidate_fit: CandidateFit, before: FloatArray, after: FloatArray) -> bool:
     """Whether the test trials do better with it, in sum or typically: one cause of two may leave one trial worse.
 
-    If all of them stay away from a threshold they have nothing to say.
+    If no test trial reaches a threshold, none of them can contradict it.
     """
-    largest = min(float(log_loss_change(base.held_out, candidate_fit.fit.held_out).max()), CLEAR)
+    largest = min(float(log_loss_change(base.held_out, candidate_fit.fit.held_out).max()), LARGEST_LOG_CHANGE)
     if candidate_fit.candidate.extra_starts and float(log_loss_change(before, after).max()) < LITTLE * largest:
         return bool(after.sum() < (1.0 + LITTLE) * before.sum())
     typical = np.exp(np.mean(np.log((after + _TINY) / (before + _TINY))))

@@ -18,8 +18,8 @@ from simgap.inference.robust_least_squares import mean_loss
 
 _DRAWS = 2000
 LITTLE = 0.1  # of the largest change of a trial's loss, as its logarithm: other parameters move along a little
-CLEAR = 2.0  # change of a trial's loss, as its logarithm, beyond which one that changes more says no more
-_FEWEST = 3
+LARGEST_LOG_CHANGE = 2.0  # change of a trial's loss, as its logarithm, beyond which one that changes more says no more
+_FEWEST_CHANGED = 3
 _TINY = 1e-12
 
 
@@ -76,17 +76,17 @@ def log_loss_change(before: FloatArray, after: FloatArray) -> FloatArray:
 def affected_trials(before: FloatArray, after: FloatArray) -> BoolArray:
     """(n,) trials whose losses differ by no small part of the largest difference: those that meet a threshold."""
     size = log_loss_change(before, after)
-    return size > LITTLE * min(float(size.max()), CLEAR)
+    return size > LITTLE * min(float(size.max()), LARGEST_LOG_CHANGE)
 
 
 def paired_p_where_affected(before: FloatArray, after: FloatArray) -> float:
     """`paired_p` over the trials that `after` changes, for better or worse; 1 where those are fewer than three.
 
-    A threshold says nothing of trials that stay away from it: by their number alone they would hide what it does to
-    the others. Which trials are left out is no matter of which model does better in them.
+    Trials that stay away from a threshold carry no information on it, and their number would hide its effect on the
+    others. The choice of trials does not depend on which model does better in them.
     """
     changed = affected_trials(before, after)
-    return paired_p(before[changed], after[changed]) if changed.sum() >= _FEWEST else 1.0
+    return paired_p(before[changed], after[changed]) if changed.sum() >= _FEWEST_CHANGED else 1.0
 
 
 def holm_adjusted(p_values: Sequence[float]) -> FloatArray:

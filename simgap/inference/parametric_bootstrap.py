@@ -19,7 +19,7 @@ from simgap.inference.losses import compare
 from simgap.problem import Model, Problem, View
 
 _REPEATS = 3
-_STEPS = 4  # of a descent that begins where the truth is
+_DESCENT_STEPS = 4  # of a descent that begins where the truth is
 
 
 @runtime_checkable
@@ -44,7 +44,7 @@ class MethodBias:
 
 
 def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, base: Model, model: Model) -> MethodBias:
-    """What is found of the last term of `model` in repeats by `base`; nothing where a problem cannot be repeated."""
+    """Bias on the last term of `model`, from samples simulated by `base`; empty for a problem without bootstrap."""
     if not isinstance(problem, Bootstrappable):
         return MethodBias()
     term = model[-1]
@@ -61,7 +61,7 @@ def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, ba
     for seed in range(_REPEATS):
         again = problem.bootstrap_sample(base, seed)
         errors = rollout_errors(again, trials, view, robust_scale(again, given, trials, view))
-        null = fit(errors, known, _STEPS)
+        null = fit(errors, known, _DESCENT_STEPS)
         direct_estimate = again.direct(term.candidate, null.model, trials)
         # Nothing is hidden here: a descent from the found values alone may be stuck where the loss is higher.
         starts = [
@@ -69,7 +69,7 @@ def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, ba
             term.values,
             *([direct_estimate.values] if direct_estimate is not None else []),
         ]
-        extended = extend(errors, null, term.candidate, starts, _STEPS)
+        extended = extend(errors, null, term.candidate, starts, _DESCENT_STEPS)
         fitted.append(extended.model[-1].values)
         gains.append({"gain": max(compare(null.held_out, extended.held_out).gain, 0.0)})
         if direct_estimate is not None:

@@ -15,9 +15,9 @@ from scipy import stats
 from schemas.arrays import BoolArray, FloatArray
 
 CAUCHY_SCALE = 5.0  # noise levels at which a residual stops counting by its square
-_STEP = 2e-3
+_DIFFERENCE_STEP = 2e-3
 _ENOUGH = 1e-4  # relative decrease of the cost below which the search ends
-_RIDGE = 1e-9
+_HESSIAN_RIDGE = 1e-9
 _WALL = 1e-6
 # Share of a step and its damping, one after another. What is hardly seen where a search stands, as the rest of a spring
 # that is still weak, must not drag all others along (Levenberg, Quart. Appl. Math. 2, 1944).
@@ -28,9 +28,9 @@ Residuals = Callable[[FloatArray], Sequence[FloatArray]]
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of the parameters beforehand: shares `centre` (p,), each with `precision` (p,) = 1 / deviation^2.
+    """Gaussian prior on the parameters: shares `centre` (p,), each with `precision` (p,) = 1 / deviation^2.
 
-    Without it, numbers that these trials cannot distinguish would drift to their walls together.
+    Without it, parameters that the trials cannot separate would drift to their bounds together.
     """
 
     centre: FloatArray
@@ -46,7 +46,7 @@ class Prior:
 
 
 def flat_prior(count: int) -> Prior:
-    """A prior that says nothing of so many parameters."""
+    """An uninformative prior of `count` parameters."""
     return Prior(np.zeros(count), np.zeros(count))
 
 
@@ -79,7 +79,7 @@ def minimise(
     at: Sequence[FloatArray] | None = None,
     most: int = 8,
     starting: int = 0,
-    steps: FloatArray | float = _STEP,
+    steps: FloatArray | float = _DIFFERENCE_STEP,
     prior: Prior | None = None,
 ) -> Solution:
     """The nearest minimum from x, by Gauss-Newton steps that never raise the cost.
@@ -199,7 +199,7 @@ def _newton_step(H: FloatArray, g: FloatArray, free: BoolArray) -> FloatArray:
     out = np.zeros(len(g))
     if seen.any():
         s = root[seen]
-        A = H[np.ix_(seen, seen)] / np.outer(s, s) + _RIDGE * np.eye(len(s))
+        A = H[np.ix_(seen, seen)] / np.outer(s, s) + _HESSIAN_RIDGE * np.eye(len(s))
         out[seen] = -np.linalg.lstsq(A, g[seen] / s, rcond=1e-8)[0] / s
     return out
 

@@ -33,9 +33,9 @@ def screen(state: SearchState, free: Iterable[Candidate], each: Map) -> Screenin
 
     Where effects are judged on long horizons, short ones are enough to see which are worth those.
     """
-    farther = state.view != "short_horizon"
-    errors, base = _base_on_short_horizons(state) if farther else (state.errors, state.base)
-    return _fit_finalists(state, list(each(_quick_fit(state, errors, base), free)), farther, each)
+    on_long_horizon = state.view != "short_horizon"
+    errors, base = _base_on_short_horizons(state) if on_long_horizon else (state.errors, state.base)
+    return _fit_finalists(state, list(each(_quick_fit(state, errors, base), free)), on_long_horizon, each)
 
 
 def _base_on_short_horizons(state: SearchState) -> tuple[Errors, Fit]:
@@ -63,11 +63,11 @@ def _quick_fit(state: SearchState, errors: Errors, base: Fit) -> Callable[[Candi
     return tried
 
 
-def _fit_finalists(state: SearchState, screened: list[CandidateFit], farther: bool, each: Map) -> Screening:
+def _fit_finalists(state: SearchState, screened: list[CandidateFit], on_long_horizon: bool, each: Map) -> Screening:
     """The most promising ones, by their quick fit or by their direct estimate, fitted to the end; best first.
 
-    Where both say that chance does as well, no more is tested. What was screened on shorter horizons than it is judged
-    on (`farther`) and is no finalist has not been judged: it counts as no gain.
+    A candidate with neither a significant quick fit nor a significant direct estimate is no finalist. On long horizons
+    (`on_long_horizon`) the others count as no gain, because they were screened on short ones only.
     """
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
     by_direct_loss = sorted(order, key=direct_held_out_loss)
@@ -83,8 +83,8 @@ def _fit_finalists(state: SearchState, screened: list[CandidateFit], farther: bo
 
     fits = list(each(tried, [t.candidate for t in order if t.candidate.key in finalists]))
     others = [t for t in order if t.candidate.key not in finalists]
-    unjudged = [replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if farther else t for t in others]
-    return ranked_screening([*(_finalists_refitted(state, fits) if farther else fits), *unjudged])
+    unjudged = [replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if on_long_horizon else t for t in others]
+    return ranked_screening([*(_finalists_refitted(state, fits) if on_long_horizon else fits), *unjudged])
 
 
 def _is_promising(candidate_fit: CandidateFit) -> bool:

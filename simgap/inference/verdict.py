@@ -114,7 +114,7 @@ def _preferred_by_direct(
     tried: Sequence[CandidateFit],
     trials: Sequence[str],
 ) -> list[CandidateFit]:
-    """Other candidates of the round that the direct route prefers beyond chance: the two routes name different causes.
+    """Other candidates of the screening with a significantly better direct estimate: the two routes disagree.
 
     One law that does the work of two on roll-outs seldom balances the equations of motion as well.
     """
@@ -138,7 +138,7 @@ def _preferred_by_direct(
 
 
 def _term_and_half_widths(selection: Selection, accepted: Accepted) -> tuple[Term, dict[str, float]]:
-    """An accepted effect in the final model, and half the width of its intervals, numerics included."""
+    """An accepted effect in the final model, and the half widths of its intervals, method bias included."""
     term = next(t for t in selection.final.model if t.candidate.key == accepted.key)
     least = accepted.method_bias.fitted
     return term, {n: max(w, least.get(n, 0.0)) for n, w in selection.final.half_widths.get(accepted.key, {}).items()}

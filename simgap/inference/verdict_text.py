@@ -10,7 +10,7 @@ from schemas.gap import AmbiguousGroup, Gain, Interval, NamedEffect
 from simgap.inference.candidate_fit import CandidateFit
 
 NAMED = 0.8  # the confidence from which a name is sure
-_SMALL = 0.0095  # share that whole per cent would hide
+_SMALL_SHARE = 0.0095  # share that whole per cent would hide
 _FAR = 2.0  # noise levels of error beyond which a model without effects is no good one
 STRANGE = (
     "The inputs do not belong to these motions: another trial's do as well or better. Check which file goes with which."
@@ -57,7 +57,7 @@ def statement(
 
 
 def gained(gain: Gain) -> str:
-    """How much error goes away; where none does, a name says what is there, not what it is worth."""
+    """The reduction of held-out error as text, or that there is none."""
     how_much = share(gain.reduction, gain.ci95)
     return f"{how_much} less held-out error" if gain.reduction > 0.0 else f"no less held-out error, {how_much}"
 
@@ -71,7 +71,7 @@ def share(value: float, ci95: Interval) -> str:
 
 def _percent(value: float) -> str:
     """Whole, with one digit more below one; nothing has no sign."""
-    text = f"{value:.1%}" if abs(value) < _SMALL else f"{value:.0%}"
+    text = f"{value:.1%}" if abs(value) < _SMALL_SHARE else f"{value:.0%}"
     return text.removeprefix("-") if float(text.rstrip("%")) == 0.0 else text
 
 
@@ -81,7 +81,7 @@ def _figures(effect: NamedEffect) -> str:
 
 
 def experiment(accepted: CandidateFit, rivals: Sequence[CandidateFit], single: bool = False) -> str:
-    """What would distinguish the effect from its rivals, from their own files; beside a `single` trial more of them."""
+    """The library's experiments that distinguish the effect from its rivals; for a `single` trial, more trials."""
     names = {r.candidate.effect.name for r in rivals}
     experiments = [c.experiment for c in accepted.candidate.effect.confusables if c.effect in names]
     experiments += [

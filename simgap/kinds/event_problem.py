@@ -24,5 +24,5 @@ class EventProblem(Problem, Protocol):
         ...
 
     def slices(self, features: FloatArray) -> dict[str, FloatArray]:
-        """(k,) masks of rows by the words that say what they have in common."""
+        """(k,) masks of rows by the words of the report for their common property."""
         ...

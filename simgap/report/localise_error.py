@@ -8,12 +8,13 @@ import numpy as np
 
 from schemas.arrays import FloatArray
 from schemas.gap import Localisation
+from schemas.physical_constants import GRAVITY_MPS2
+from simgap.inference.robust_least_squares import CAUCHY_SCALE
 from simgap.kinds.event_problem import EventProblem
 from simgap.problem import Model, Problem
 
-_KNEE = 5.0  # noise levels from which on an error counts by its logarithm
 _DIVERGED = 5.0  # noise levels
-_MOST = 8
+_MOST_ROWS = 8
 _NEAR_M = 0.004  # lowest point this close to the support: touching
 _SLOW_MPS, _SLOW_RADPS = 0.02, 0.2
 _ROLLS = 0.25  # slip over speed below which contact rolls
@@ -32,7 +33,7 @@ def localise_error(
     error = np.concatenate(problem.residuals(model, trials, view)) / floor
     features = np.concatenate(problem.features(trials, view))
     seen = np.isfinite(error)
-    loss = np.where(seen, _KNEE**2 * np.log1p((np.nan_to_num(error) / _KNEE) ** 2), 0.0)
+    loss = np.where(seen, CAUCHY_SCALE**2 * np.log1p((np.nan_to_num(error) / CAUCHY_SCALE) ** 2), 0.0)
     total = max(float(loss.sum()), 1e-300)
     if isinstance(problem, EventProblem):
         slices, starts = _event_slices(problem, features), [None] * len(floor)
@@ -59,7 +60,7 @@ def localise_error(
             )
         )
     rows.sort(key=lambda r: (r.share_of_time - r.share_of_error, r.what))
-    return tuple(rows[:_MOST])
+    return tuple(rows[:_MOST_ROWS])
 
 
 def _first_divergence(problem: Problem, model: Model, trials: Sequence[str]) -> list[float | None]:
@@ -138,7 +139,7 @@ def body_phases(features: FloatArray) -> FloatArray:
     A body that would fall below the support before the compared row meets it: that row is an impact.
     """
     v, w, gap, since = features[:, :3], features[:, 3:6], features[:, 6], features[:, -1]
-    ahead = gap + v[:, 2] * since - 0.5 * 9.81 * since**2
+    ahead = gap + v[:, 2] * since - 0.5 * GRAVITY_MPS2 * since**2
     touching = gap <= _NEAR_M
     level, turning = np.linalg.norm(v[:, :2], axis=1), np.linalg.norm(w[:, :2], axis=1)
     # Rolling ties the directions: the axis of turning stands across the velocity.

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic
 from schemas.gap import ConventionCheck
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape
 from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyRollout, BodyWindows
 from sim.dynamics.hooks import BodyState, BodyWrench, Params
@@ -24,7 +25,7 @@ from simgap.problem import Problem
 from simgap.recording.read import Measurement
 
 JointReplay = Callable[[MechanismModel, Windows, Sequence[Law]], tuple[FloatArray, FloatArray]]
-AGREES = 0.02  # relative error up to which an engine holds what it was given
+ENGINE_TOLERANCE = 0.02  # relative error up to which an engine holds what it was given
 COEFFICIENT = 0.03  # absolute, of friction
 CONVERGED = 0.05  # relative change of the error under steps four times smaller
 _STEP_TRIALS = 4
@@ -32,7 +33,7 @@ _STEP_TRIALS = 4
 
 @dataclass(frozen=True)
 class _Read:
-    """A trap that the reader looks for, and the findings that mean it was repaired or is only suspected."""
+    """A convention that the reader checks, and the findings that mean it was repaired or is only suspected."""
 
     name: str
     fixed: tuple[str, ...]
@@ -72,17 +73,17 @@ _OF_POSES = ("quaternion_order", "gravity_axis")
 
 
 def reader_checks(measurement: Measurement, findings: Sequence[Diagnostic]) -> tuple[ConventionCheck, ...]:
-    """What reading and checking the folder says about conventions."""
+    """Convention checks from the findings of reading and checking a folder."""
     checks = []
     for check in _READ:
         if check.name in _OF_POSES and measurement.spec.kind == "mechanism":
             continue
-        told = [d for d in findings if d.code in (*check.fixed, *check.suspect)]
-        suspect = any(d.code in check.suspect for d in told)
-        evidence = "; ".join(dict.fromkeys(d.headline for d in told)) or check.fine
+        matching = [d for d in findings if d.code in (*check.fixed, *check.suspect)]
+        suspect = any(d.code in check.suspect for d in matching)
+        evidence = "; ".join(dict.fromkeys(d.headline for d in matching)) or check.fine
         checks.append(
             ConventionCheck(
-                name=check.name, status="suspect" if suspect else "fixed" if told else "ok", evidence=evidence
+                name=check.name, status="suspect" if suspect else "fixed" if matching else "ok", evidence=evidence
             )
         )
     return tuple(checks)
@@ -154,8 +155,8 @@ def joint_engine_checks(engine: JointReplay, model: MechanismModel) -> tuple[Con
     )
 
 
-def held(name: str, error: float, what: str, bound: float = AGREES) -> ConventionCheck:
-    """A trap that is avoided when a relative error stays below its bound."""
+def held(name: str, error: float, what: str, bound: float = ENGINE_TOLERANCE) -> ConventionCheck:
+    """A check that passes when a relative error stays below its bound."""
     return ConventionCheck(name=name, status="ok" if error < bound else "suspect", evidence=f"{what}: {error:.2%}")
 
 
@@ -215,7 +216,7 @@ def _gravity(engine: BodyRollout, model: BodyModel) -> ConventionCheck:
 
 def _friction(engine: BodyRollout, model: BodyModel) -> ConventionCheck:
     """The pair's friction from a flat plate that slides."""
-    mu, g = (model.friction or 0.3), 9.81
+    mu, g = (model.friction or 0.3), GRAVITY_MPS2
     size = (0.2, 0.2, 0.02)
     plate = _probe(CollisionShape("box", size, np.eye(4)), np.diag([0.0034, 0.0034, 0.0067]), mu)
     t = np.linspace(0.0, 0.5 / (mu * g), 13)[None]

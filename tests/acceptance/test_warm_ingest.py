@@ -14,7 +14,7 @@ from assetkit.options import Options
 from assetkit.sources.discover import discover
 from cli.engines import SIMULATOR
 from geom.mesh.primitives import cylinder
-from jobs import warm_start
+from jobs import warm
 from jobs.cell import Limits
 from schemas.outcome import ItemOutcome
 from schemas.report import ReportItem
@@ -35,8 +35,8 @@ print(len(os.listdir("/proc/self/task")))
 def test_libraries_of_a_warm_cell_keep_to_one_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "count_threads.py").write_text(THREADS)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), *sys.path]))
-    with warm_start.warm_cells(PRELOAD, env={"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1"}):
-        result = warm_start.run_module("count_threads", [], Limits(60.0, 8192))
+    with warm.warm_cells(PRELOAD, env={"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1"}):
+        result = warm.run_module("count_threads", [], Limits(60.0, 8192))
     assert (result.status, result.output.strip()) == ("ok", "1")
 
 
@@ -51,7 +51,7 @@ def test_warm_and_cold_packages_are_equal(tmp_path: Path):
         batch = Batch(tmp_path / (preload or "cold"), Options(units="m"), SIMULATOR, preload=preload)
         for item in run_items(discover([source]), batch):
             items[preload] = item
-            served = warm_start._server is not None and warm_start._server.requests is not None
+            served = warm._server is not None and warm._server.requests is not None
             assert served == bool(preload)
     assert items[PRELOAD].outcome is items[""].outcome is not ItemOutcome.REJECTED
     assert items[PRELOAD].codes == items[""].codes

@@ -20,7 +20,7 @@ from pxr import Usd, UsdGeom, UsdPhysics
 from gate.rules.collider import collider_cavity
 from gate.static_gate import RULES, gate
 from geom.convex.penetration import box_overlap, penetration_depth, shared_volume
-from geom.solid.solid_mass import mass_properties
+from geom.solid.solid_volume import volume_properties
 from schemas.diagnostics import Diagnostic
 from schemas.package import PackageContent
 from schemas.physics import Solid
@@ -38,7 +38,7 @@ def convex_package(shape: trimesh.Trimesh, density_kgm3: float) -> PackageConten
     low, high = shape.bounds
     shape.apply_translation([*(-0.5 * (low + high)[:2]), -low[2]])
     mesh = samples.mesh_from(shape, "solid")
-    mass, _, _ = mass_properties(Solid(mesh.points, mesh.triangles, "closed"), density_kgm3)
+    mass = volume_properties(Solid(mesh.points, mesh.triangles, "closed"))[0].filled(density_kgm3)
     content = samples.content(samples.model([mesh]), [samples.hull_shape(mesh)])
     return samples.replace(content, mass=mass, density_kgm3=density_kgm3)
 
@@ -88,7 +88,7 @@ def test_hollow_things_pass(tmp_path: Path) -> None:
         part.apply_translation((0.0, 0.0, 0.125))
     wall = trimesh.util.concatenate([outer, inner])
     mesh = samples.mesh_from(wall, "wall")
-    mass, _, _ = mass_properties(Solid(mesh.points, mesh.triangles, "closed"), 150.0)
+    mass = volume_properties(Solid(mesh.points, mesh.triangles, "closed"))[0].filled(150.0)
     content = samples.content(samples.model([mesh]), [samples.hull_shape(samples.mesh_from(outer))])
     content = samples.replace(content, mass=mass, density_kgm3=150.0)
     assert gate(write_package(content, tmp_path / content.asset_id)) == ()

@@ -48,7 +48,7 @@ def hull(mesh: trimesh.Trimesh, touch: Contact | None = None) -> RigidBody:
     points = np.array(mesh.vertices) - [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]]
     triangles = np.array(mesh.faces, dtype=np.int32)
     shape = CollisionShape("hull", (), np.eye(4), points, triangles)
-    return RigidBody("hull", (shape,), inertia.of_closed_surface(points, triangles, DENSITY), touch or contact())
+    return RigidBody("hull", (shape,), inertia.enclosed_volume(points, triangles).filled(DENSITY), touch or contact())
 
 
 def hull_box(size_m: Sequence[float], touch: Contact | None = None) -> RigidBody:

@@ -17,7 +17,7 @@ from pxr import Pcp, Tf, Usd, UsdGeom, UsdPhysics
 
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.model import Mesh, Model, Node
-from schemas.outcome import Outcome, Repair
+from schemas.outcome import INTAKE, Outcome, Repair
 from usdio.quiet import quiet
 from usdio.read import stage_metadata
 from usdio.read.gprim_mesh import GprimMesh, submesh, transformed
@@ -27,7 +27,6 @@ from usdio.read.materials import LoadTexture, MaterialTable
 from usdio.read.meshes import IMPLICIT_SHAPES, UNSUPPORTED, read_implicit_shape, read_mesh
 from usdio.read.physics import stated_physics
 
-_STAGE: Final = "intake"
 _CYCLES: Final = (Pcp.ErrorType_ArcCycle, Pcp.ErrorType_SublayerCycle)
 
 
@@ -124,7 +123,7 @@ def _composition(stage: Usd.Stage, layers: PinnedLayers) -> Outcome[None]:
             notes[headline] = finding("asset/missing-dependency", headline, where=where, severity=Severity.WARNING)
     diagnostics = tuple(notes[key] for key in sorted(notes, key=lambda k: (notes[k].headline, k)))
     repairs = tuple(
-        Repair(name="missing_dependency", code=d.code, stage=_STAGE, before={"reference": str(d.value or d.headline)})
+        Repair(name="missing_dependency", code=d.code, stage=INTAKE, before={"reference": str(d.value or d.headline)})
         for d in diagnostics
     )
     return Outcome(None, diagnostics, repairs)
@@ -152,7 +151,7 @@ def _shapes(gprims: StageGprims, table: MaterialTable, where: Location) -> Outco
             headline = f"{replaced} of {corners} corner normals are zero or not finite"
             notes.append(finding("asset/bad-normals", headline, where=at, value=replaced, bound=0, unit="corners"))
             before: dict[str, float | int | str] = {"prim": path, "corners": corners, "bad_corners": replaced}
-            repairs.append(Repair(name="bad_normals", code="asset/bad-normals", stage=_STAGE, before=before))
+            repairs.append(Repair(name="bad_normals", code="asset/bad-normals", stage=INTAKE, before=before))
         meshes += _split(item, moved, table)
     return Outcome(tuple(meshes), tuple(notes), tuple(repairs))
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 import posixpath
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any
 
 from pxr import Usd, UsdShade
 
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Material, Texture
-from schemas.outcome import Repair
+from schemas.outcome import INTAKE, Repair
 from schemas.references import tile_references
 from usdio.read.layer_guard import PinnedLayers
 from usdio.read.pbr import Color, MaterialConversion
@@ -31,7 +31,6 @@ from usdio.read.shader_graph import (
 )
 
 LoadTexture = Callable[..., tuple[Texture | None, tuple[Diagnostic, ...]]]
-_STAGE: Final = "intake"
 
 
 @dataclass(frozen=True)
@@ -114,7 +113,7 @@ class MaterialTable:
 
     def _repaired(self, diagnostic: Diagnostic, name: str, **before: str) -> None:
         self.diagnostics.append(diagnostic)
-        self.repairs.append(Repair(name=name, code=diagnostic.code, stage=_STAGE, before=dict(before)))
+        self.repairs.append(Repair(name=name, code=diagnostic.code, stage=INTAKE, before=dict(before)))
 
     def _where(self, prim: Usd.Prim) -> Location:
         return self._layers.location_of(self._layers.root).where(prim=str(prim.GetPath()))

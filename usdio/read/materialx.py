@@ -17,7 +17,7 @@ from pxr import Sdf, Tf, Usd, UsdShade
 from schemas.diagnostics import InvalidInput, finding
 from usdio.read.asset_location import AssetLocation
 
-MAX_DEPTH: Final = 16
+MAX_MATERIALX_DEPTH: Final = 16
 _INCLUDE: Final = "{http://www.w3.org/2001/XInclude}include"
 _TYPES: Final = {
     "float": Sdf.ValueTypeNames.Float,
@@ -55,7 +55,7 @@ def material_x_layer(location: AssetLocation) -> Sdf.Layer:
 
 
 def _document(location: AssetLocation, depth: int) -> etree._Element:
-    if depth > MAX_DEPTH:
+    if depth > MAX_MATERIALX_DEPTH:
         raise InvalidInput(
             finding("asset/cyclic-reference", "MaterialX files include each other without end", where=location.where())
         )
@@ -94,7 +94,7 @@ def _source(
         chosen = next((o for o in ports if o.get("name") == port.get("output")), ports[0] if ports else None)
         return None if chosen is None else _source(stage, document, graph, inside, chosen, depth + 1)
     node = _named(scope, port.get("nodename", ""))
-    if node is None or depth > MAX_DEPTH:
+    if node is None or depth > MAX_MATERIALX_DEPTH:
         return None
     inside = path.AppendChild(_identifier(node))
     shader = UsdShade.Shader.Get(stage, inside)

@@ -15,7 +15,7 @@ from pxr import Gf, Sdf, Usd, UsdShade
 from schemas.model import Channel
 
 EARLIEST: Final = Usd.TimeCode.EarliestTime()
-MAX_DEPTH: Final = 32
+MAX_SHADER_DEPTH: Final = 32
 _FILE_INPUTS: Final = ("file", "filename", "texture")
 _PASS_THROUGH_INPUTS: Final = ("in", "in1", "input", "fg", "default")
 _CHANNELS: Final[dict[str, Channel]] = {"r": "r", "g": "g", "b": "b", "a": "a", "outr": "r", "outg": "g", "outb": "b"}
@@ -86,7 +86,7 @@ def shader_identifier(shader: UsdShade.Shader) -> str:
 
 
 def _input_source(port: UsdShade.Input, depth: int) -> InputSource:
-    if depth > MAX_DEPTH:
+    if depth > MAX_SHADER_DEPTH:
         return None
     node = source_node(port)
     if node is not None:
@@ -181,7 +181,7 @@ def _image_source(shader: UsdShade.Shader, file: Usd.Attribute, kind: str, outpu
 def _texture_coordinates(port: UsdShade.Input) -> dict[str, Any]:
     """Primvar name and transform of the texture coordinates that feed `port`, as fields of `ImageSource`."""
     fields: dict[str, Any] = {}
-    for _ in range(MAX_DEPTH):
+    for _ in range(MAX_SHADER_DEPTH):
         node = source_node(port) if port else None
         if node is None:
             return fields

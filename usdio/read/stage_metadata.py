@@ -13,19 +13,17 @@ from typing import Any, Final, Generic, NamedTuple, TypeVar
 from pxr import Sdf, Tf, Usd, UsdGeom
 
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
-from schemas.evidence import Evidence, declared, default, inferred
+from schemas.evidence import BY_STANDARD, Evidence, declared, default, inferred
 from schemas.model import Axis
-from schemas.outcome import Repair
+from schemas.outcome import INTAKE, Repair
 from usdio.read.layer_guard import PinnedLayers
 from usdio.read.meshes import IMPLICIT_SHAPES
 from usdio.read.shader_graph import to_json
 
 T = TypeVar("T")
-_STAGE: Final = "intake"
-_FALLBACK_METERS: Final = 0.01  # UsdGeomLinearUnits: a stage without metersPerUnit is in centimetres.
+FALLBACK_METERS: Final = 0.01  # UsdGeomLinearUnits: a stage without metersPerUnit is in centimetres.
 _SURFACES: Final = ("Mesh", *IMPLICIT_SHAPES)
 _FALLBACK_AXIS: Final[Axis] = "y"
-_BY_STANDARD: Final = 0.5  # confidence of a value that holds only because the file leaves it out
 # our key -> words that name it in customLayerData, assetInfo or SimReady_Metadata, compared without case and marks.
 _KEYS: Final = {
     "author": ("author", "authors", "artist", "createdby"),
@@ -56,7 +54,7 @@ def meters_per_unit(stage: Usd.Stage, where: Location) -> MetadataReading[Eviden
     key = UsdGeom.Tokens.metersPerUnit
     if not stage.HasAuthoredMetadata(key):
         return MetadataReading(
-            declared(_FALLBACK_METERS, "USD fallback, metersPerUnit is not authored", confidence=_BY_STANDARD)
+            declared(FALLBACK_METERS, "USD fallback, metersPerUnit is not authored", confidence=BY_STANDARD)
         )
     authored = _raw(stage, key)
     try:
@@ -86,9 +84,7 @@ def up_axis(stage: Usd.Stage, where: Location) -> MetadataReading[Evidence[Axis]
     """Evidence for the up axis: Y or Z as declared; X or another spelling inferred and repaired; USD's Y if absent."""
     key = UsdGeom.Tokens.upAxis
     if not stage.HasAuthoredMetadata(key):
-        return MetadataReading(
-            declared(_FALLBACK_AXIS, "USD fallback, upAxis is not authored", confidence=_BY_STANDARD)
-        )
+        return MetadataReading(declared(_FALLBACK_AXIS, "USD fallback, upAxis is not authored", confidence=BY_STANDARD))
     authored = str(_raw(stage, key))
     if authored in (UsdGeom.Tokens.y, UsdGeom.Tokens.z):
         return MetadataReading(declared(_axis(authored) or _FALLBACK_AXIS, "upAxis"))
@@ -196,5 +192,5 @@ def _texts(tree: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
 
 def _repaired(value: T, note: Diagnostic, authored: float | str) -> MetadataReading[T]:
     name = note.code.removeprefix("asset/").replace("-", "_")
-    repair = Repair(name=name, code=note.code, stage=_STAGE, before={"authored": authored})
+    repair = Repair(name=name, code=note.code, stage=INTAKE, before={"authored": authored})
     return MetadataReading(value, (note,), (repair,))

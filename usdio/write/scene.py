@@ -15,6 +15,7 @@ from pathlib import Path
 
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics
 
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.scene.compiled import CompiledScene, PlacedObject
 from usdio.names import prim_names
 from usdio.write.package import USD_FOLDER
@@ -22,7 +23,6 @@ from usdio.write.physics import author_contact_material
 from usdio.write.primitive import CONTACT, DENSITY_KGM3, author_primitive
 
 PACKAGES = "packages"
-GRAVITY_MPS2 = 9.81
 LAMP_INTENSITY = 1200.0
 _ROOT = Sdf.Path("/World")
 _PREVIEWS = "previews"

@@ -14,17 +14,15 @@ from assetkit.readers.collada.geometry import TriangleSet, read_geometry
 from assetkit.readers.collada.material import read_material
 from assetkit.readers.collada.scene import Placement, read_scene
 from assetkit.readers.collada.xml import Document, Element, parse
-from assetkit.readers.common.corners import Notes
+from assetkit.readers.common.corners import MAX_TRIANGLES, Notes
 from assetkit.readers.common.sniff import screen
 from assetkit.readers.common.texture_table import TextureTable
 from assetkit.sources.source_file import SourceFile
 from schemas.diagnostics import InvalidInput, Location, Severity, finding
-from schemas.evidence import Evidence, declared
+from schemas.evidence import BY_STANDARD, Evidence, declared
 from schemas.model import Axis, Material, Mesh, Model, Node
 from schemas.outcome import Outcome
 
-MAX_TRIANGLES = 20_000_000
-_BY_STANDARD = 0.5  # confidence of a value that holds only because the file leaves it out
 _UP: dict[str, Axis] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
 
 
@@ -71,7 +69,7 @@ def _unit(document: Document) -> Evidence[float]:
     element = document.root.find("asset/unit")
     text = None if element is None else element.get("meter")
     if element is None or text is None:
-        return declared(1.0, "COLLADA default unit, 1 m", confidence=_BY_STANDARD)
+        return declared(1.0, "COLLADA default unit, 1 m", confidence=BY_STANDARD)
     try:
         value = float(text.replace(",", "."))
     except ValueError:
@@ -95,7 +93,7 @@ def _up_axis(document: Document) -> Evidence[Axis]:
     if element is not None and text:
         headline = f"<up_axis> is '{text}', not X_UP, Y_UP or Z_UP; y is assumed"
         document.report(finding("asset/invalid-up-axis", headline, where=document.place(element), value=text))
-    return declared("y", "COLLADA default up axis, Y_UP", confidence=_BY_STANDARD)
+    return declared("y", "COLLADA default up axis, Y_UP", confidence=BY_STANDARD)
 
 
 def _meshes(

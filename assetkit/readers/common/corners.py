@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
-from schemas.outcome import Repair
+from schemas.outcome import INTAKE, Repair
 
-STAGE = "intake"
 STRAY_SHARE = 0.1
+MAX_TRIANGLES = 20_000_000  # of one file
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Notes:
 
 def repaired(diagnostic: Diagnostic, name: str, **before: float | int | str) -> Notes:
     """One finding with its repair, as an intake step records it."""
-    return Notes((diagnostic,), (Repair(name=name, code=diagnostic.code, stage=STAGE, before=before),))
+    return Notes((diagnostic,), (Repair(name=name, code=diagnostic.code, stage=INTAKE, before=before),))
 
 
 def srgb_to_linear(values: np.ndarray) -> np.ndarray:

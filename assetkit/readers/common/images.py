@@ -21,7 +21,7 @@ from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 from schemas.model import Texture
 
 MAX_PIXELS: Final = 8192 * 8192
-MAX_DECODED_BYTES: Final = 256 * 2**20
+MAX_IMAGE_BYTES: Final = 256 * 2**20
 
 # Plugins are called directly: `Image.open` would try fifty formats and run its own, weaker, bomb check first.
 _DECODERS: tuple[tuple[bytes, type[ImageFile.ImageFile]], ...] = (
@@ -93,7 +93,7 @@ def _check_size(image: ImageFile.ImageFile, name: str, where: Location) -> None:
     width, height = image.size
     sixteen_bit = any("16" in str(tile[3]) for tile in image.tile)
     decoded_bytes = width * height * (8 if sixteen_bit else 4)
-    if width * height <= MAX_PIXELS and decoded_bytes <= MAX_DECODED_BYTES:
+    if width * height <= MAX_PIXELS and decoded_bytes <= MAX_IMAGE_BYTES:
         return
     raise _too_large(f"texture '{name}' has {width} x {height} pixels", where, decoded_bytes)
 
@@ -105,7 +105,7 @@ def _too_large(headline: str, where: Location, decoded_bytes: int | None) -> Inv
             headline,
             where=where,
             value=decoded_bytes,
-            bound=MAX_DECODED_BYTES,
+            bound=MAX_IMAGE_BYTES,
             unit="bytes decoded",
         )
     )

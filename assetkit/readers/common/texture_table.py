@@ -12,10 +12,8 @@ from assetkit.readers.common.images import load_texture
 from assetkit.sources.source_file import SourceFile
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Texture
-from schemas.outcome import Repair
+from schemas.outcome import INTAKE, Repair
 from schemas.references import tile_references
-
-STAGE = "intake"
 
 
 class TextureTable:
@@ -73,7 +71,7 @@ class TextureTable:
     def _drop(self, uri: str, diagnostic: Diagnostic) -> None:
         name = diagnostic.code.removeprefix("asset/").replace("-", "_")
         self.diagnostics.append(diagnostic)
-        self.repairs.append(Repair(name=name, code=diagnostic.code, stage=STAGE, before={"texture": uri}))
+        self.repairs.append(Repair(name=name, code=diagnostic.code, stage=INTAKE, before={"texture": uri}))
 
     def _free_name(self, stem: str) -> str:
         taken = {t.name for t in self.textures}

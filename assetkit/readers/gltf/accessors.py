@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from assetkit.readers.gltf.buffers import MAX_DECODED_BYTES, Buffers
+from assetkit.readers.gltf.buffers import MAX_BUFFER_BYTES, Buffers
 from assetkit.readers.gltf.json import Json
 from schemas.diagnostics import InvalidInput, finding
 
@@ -110,7 +110,7 @@ def _dtype(described: Json, allowed: dict[int, str]) -> np.dtype:
 
 def _zeros(accessor: Json, dtype: np.dtype, count: int, components: int) -> np.ndarray:
     size = count * components * dtype.itemsize
-    if size > MAX_DECODED_BYTES:
+    if size > MAX_BUFFER_BYTES:
         headline = f"the accessor stands for {size} bytes of zeros"
         raise InvalidInput(
             finding(
@@ -118,7 +118,7 @@ def _zeros(accessor: Json, dtype: np.dtype, count: int, components: int) -> np.n
                 headline,
                 where=accessor.where,
                 value=size,
-                bound=MAX_DECODED_BYTES,
+                bound=MAX_BUFFER_BYTES,
                 unit="bytes",
             )
         )

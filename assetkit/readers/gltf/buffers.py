@@ -16,7 +16,7 @@ from assetkit.readers.gltf.json import Json
 from assetkit.sources.source_file import SourceFile
 from schemas.diagnostics import InvalidInput, finding
 
-MAX_DECODED_BYTES: Final = 2**30
+MAX_BUFFER_BYTES: Final = 2**30
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ def _meshopt(packed: Json, data: memoryview) -> memoryview:
     """The decoded bytes of an EXT_meshopt_compression view: `count` elements of `byteStride` bytes."""
     count, stride = packed.integer("count"), packed.integer("byteStride", minimum=1)
     mode, filter_ = packed.require("mode").as_string(), packed.string("filter", "NONE")
-    if count * stride > MAX_DECODED_BYTES:
+    if count * stride > MAX_BUFFER_BYTES:
         headline = f"the compressed view expands to {count * stride} bytes"
         raise InvalidInput(
             finding(
@@ -135,7 +135,7 @@ def _meshopt(packed: Json, data: memoryview) -> memoryview:
                 headline,
                 where=packed.where,
                 value=count * stride,
-                bound=MAX_DECODED_BYTES,
+                bound=MAX_BUFFER_BYTES,
                 unit="bytes",
             )
         )

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
 
 import numpy as np
 
-from assetkit.readers.common.corners import Notes
+from assetkit.readers.common.corners import MAX_TRIANGLES, Notes
 from assetkit.readers.gltf.accessors import Accessors
 from assetkit.readers.gltf.buffers import Buffers
 from assetkit.readers.gltf.instances import instances
@@ -17,8 +16,6 @@ from assetkit.readers.gltf.primitives import Primitive, draws_triangles, read_pr
 from assetkit.readers.gltf.skins import Skins, posed
 from schemas.diagnostics import InvalidInput, Location, Severity, finding
 from schemas.model import Mesh, Node
-
-MAX_TRIANGLES: Final = 20_000_000
 
 
 class Geometry:

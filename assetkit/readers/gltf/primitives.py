@@ -17,7 +17,7 @@ from schemas.diagnostics import InvalidInput, Location, finding
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 # Quantised normals miss unit length by up to sqrt(3)/254; a bad normal misses it by far more.
-_UNIT_TOLERANCE: Final = 0.02
+_NORMAL_LENGTH_TOLERANCE: Final = 0.02
 
 
 @dataclass(frozen=True)
@@ -219,7 +219,7 @@ def _normals(
         return None, Notes()
     stored = attributes.values["NORMAL"][corners].astype(np.float32)
     with np.errstate(all="ignore"):
-        bad = ~(np.abs(np.linalg.norm(stored, axis=2) - 1.0) <= _UNIT_TOLERANCE)
+        bad = ~(np.abs(np.linalg.norm(stored, axis=2) - 1.0) <= _NORMAL_LENGTH_TOLERANCE)
     if bad.any():
         headline = f"{bad.sum()} of {bad.size} corner normals of mesh '{where.mesh}' are not unit length"
         diagnostic = finding("asset/bad-normals", headline, where=where, value=int(bad.sum()), bound=0, unit="corners")

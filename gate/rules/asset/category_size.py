@@ -13,7 +13,7 @@ from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-category-size"
-_FAR = 3.0  # times beyond the range: the unit or the label is wrong; below, it may be a toy or a giant
+_FAR_FACTOR = 3.0  # times beyond the range: the unit or the label is wrong; below, it may be a toy or a giant
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -25,7 +25,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     longest_m = float(np.ptp(points, axis=0).max())
     least_m, most_m = category_sizes()[category]
     if not least_m <= longest_m <= most_m:
-        far = not least_m / _FAR <= longest_m <= most_m * _FAR
+        far = not least_m / _FAR_FACTOR <= longest_m <= most_m * _FAR_FACTOR
         yield finding(
             CODE,
             f"a {category} has another size",

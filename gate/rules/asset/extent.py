@@ -8,14 +8,13 @@ import numpy as np
 
 from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.values import at, format_numbers
+from gate.subject.values import EXTENT_TOLERANCE, at, format_numbers
 from geom.pose import apply, inverse
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-extent"
-LEAST_M, MOST_M = 1e-4, 1e4  # as `asset/scale-implausible`
+POSSIBLE_LEAST_M, POSSIBLE_MOST_M = 1e-4, 1e4  # as `asset/scale-implausible`
 USUAL_LEAST_M, USUAL_MOST_M = 0.999e-3, 50.0  # A grain of rice has 6 mm, an articulated bus 18 m.
-_RELATIVE = 0.01
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -28,9 +27,9 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     longest_m = float(extent_m.max())
     where = at(subject.root)
     if not USUAL_LEAST_M <= longest_m <= USUAL_MOST_M:
-        possible = LEAST_M <= longest_m <= MOST_M
+        possible = POSSIBLE_LEAST_M <= longest_m <= POSSIBLE_MOST_M
         small = longest_m < USUAL_LEAST_M
-        least, most = (USUAL_LEAST_M, USUAL_MOST_M) if possible else (LEAST_M, MOST_M)
+        least, most = (USUAL_LEAST_M, USUAL_MOST_M) if possible else (POSSIBLE_LEAST_M, POSSIBLE_MOST_M)
         yield finding(
             CODE,
             "the visible size is unusual: is the unit right?" if possible else "the visible size is impossible",
@@ -48,7 +47,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _close(stated: np.ndarray, extent_m: np.ndarray) -> bool:
-    return float(np.abs(stated - extent_m).max()) <= _RELATIVE * float(extent_m.max())
+    return float(np.abs(stated - extent_m).max()) <= EXTENT_TOLERANCE * float(extent_m.max())
 
 
 RULE = Rule(

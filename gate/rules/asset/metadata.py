@@ -9,11 +9,10 @@ import numpy as np
 
 from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.values import at
+from gate.subject.values import STATED_TOLERANCE, at
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-metadata"
-_RELATIVE = 1e-3
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -22,7 +21,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     stated, count = _number(subject.metadata.get("mass")), _number(subject.metadata.get("rigid_body_count"))
     if stated is not None and masses and None not in masses:
         total = float(sum(m for m in masses if m is not None))
-        if not abs(stated - total) <= _RELATIVE * total:
+        if not abs(stated - total) <= STATED_TOLERANCE * total:
             headline = "the metadata state another mass than the bodies have"
             yield finding(CODE, headline, where=at(subject.root), value=total, bound=stated, unit="kg")
     if count is not None and count != len(subject.bodies):

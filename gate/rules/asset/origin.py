@@ -13,7 +13,7 @@ from gate.subject.values import at, format_numbers
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-origin"
-_TOLERANCE = 0.01  # of the diagonal
+_ORIGIN_SHARE = 0.01  # of the diagonal
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -30,7 +30,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         return
     low, high = points.min(axis=0), points.max(axis=0)
     bottom = np.array([*(0.5 * (low + high)[:2]), low[2]])
-    bound_m = _TOLERANCE * diagonal(points)
+    bound_m = _ORIGIN_SHARE * diagonal(points)
     off_m = float(np.abs(bottom).max())
     if not off_m <= bound_m:
         yield finding(

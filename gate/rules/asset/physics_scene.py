@@ -17,7 +17,7 @@ from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-physics-scene"
 LEAST_MPS2, MOST_MPS2 = 1.0, 30.0  # The Moon has 1.6, Jupiter 24.8.
-_UPRIGHT = 0.99  # cosine of about 8 degrees
+_DOWNWARD_COSINE = 0.99  # cosine of about 8 degrees
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -42,7 +42,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             )
         direction = vector(prim, "physics:gravityDirection", (0.0, 0.0, 0.0))
         length = float(np.linalg.norm(direction))
-        if not np.isfinite(length) or (length > 0.0 and -(up @ direction) < _UPRIGHT * length):
+        if not np.isfinite(length) or (length > 0.0 and -(up @ direction) < _DOWNWARD_COSINE * length):
             yield finding(
                 CODE,
                 "gravity does not point down",

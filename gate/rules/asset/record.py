@@ -12,12 +12,11 @@ import numpy as np
 from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.category import UNKNOWN, labels, words
-from gate.subject.values import at, format_numbers, number, quaternion, vector
+from gate.subject.values import STATED_TOLERANCE, at, format_numbers, number, quaternion, vector
 from geom.mass.principal_axes import inertia_from_principal
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-record"
-RELATIVE = 1e-3  # USD keeps single precision.
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -27,7 +26,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     where = at(subject.root)
     for quantity, unit, authored, stated in _figures(subject):
         scale = float(np.abs(stated).max())
-        if authored.shape != stated.shape or not float(np.abs(authored - stated).max()) <= RELATIVE * scale:
+        if authored.shape != stated.shape or not float(np.abs(authored - stated).max()) <= STATED_TOLERANCE * scale:
             headline = f"{quantity} is not that of the record"
             yield finding(
                 CODE, headline, where=where, value=format_numbers(authored), bound=format_numbers(stated), unit=unit
@@ -76,7 +75,7 @@ def _one_body(subject: Subject, body: Body) -> Iterator[tuple[str, str, np.ndarr
     if centre is not None and body.diagonal_m > 0.0:
         # Lengths near zero are judged against the size of the body, not against themselves.
         authored = vector(body.prim, "physics:centerOfMass", (0.0, 0.0, 0.0))
-        if float(np.abs(authored - centre).max()) > RELATIVE * body.diagonal_m:
+        if float(np.abs(authored - centre).max()) > STATED_TOLERANCE * body.diagonal_m:
             yield "the mass centre", "m", authored, centre
     shapes = _shapes(subject)
     if shapes is not None:

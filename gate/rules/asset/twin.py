@@ -13,12 +13,11 @@ from scipy.spatial.transform import Rotation
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.inertial import mass_centre, stated_inertia
-from gate.subject.values import at, format_numbers
+from gate.subject.values import STATED_TOLERANCE, at, format_numbers
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Location, finding
 
 CODE = "asset/gate-twin"
-RELATIVE = 1e-3  # USD keeps single precision.
 
 
 class Twin(NamedTuple):
@@ -55,7 +54,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if value is None:
             continue  # Reported by the mass and inertia rules.
         authored, stated = np.asarray(value, dtype=np.float64), np.asarray(bound, dtype=np.float64)
-        if not float(np.abs(authored - stated).max()) <= RELATIVE * scale:
+        if not float(np.abs(authored - stated).max()) <= STATED_TOLERANCE * scale:
             headline = f"the {quantity} is not that of the URDF twin"
             yield finding(
                 CODE,

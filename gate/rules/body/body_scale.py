@@ -12,7 +12,7 @@ from gate.subject.values import at, format_numbers
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-body-scale"
-_TOLERANCE = 1e-4
+_SCALE_TOLERANCE = 1e-4
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -21,7 +21,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if not np.all(np.isfinite(body.linear)):
             continue  # Reported by the transform rule.
         deviation = float(np.abs(body.linear.T @ body.linear - np.eye(3)).max())
-        if deviation > _TOLERANCE or np.linalg.det(body.linear) < 0.0:
+        if deviation > _SCALE_TOLERANCE or np.linalg.det(body.linear) < 0.0:
             yield finding(
                 CODE,
                 "the body is scaled, sheared or mirrored",

@@ -8,14 +8,13 @@ import numpy as np
 
 from gate.rules.rule import Rule
 from gate.subject import Body, Subject
-from gate.subject.body import hull_of, stacked
+from gate.subject.body import SKIN_M, hull_of, stacked
 from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-density"
 LEAST_KGM3, MOST_KGM3 = 1.0, 25000.0  # A balloon; a little above osmium, the densest element.
 USUAL_LEAST_KGM3, USUAL_MOST_KGM3 = 4.0, 12000.0  # A lampshade; a little above lead.
-_SKIN_M = 1e-3
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -55,10 +54,10 @@ def _volumes(body: Body) -> tuple[float, float]:
     edges = np.ptp(cloud, axis=0)
     box_area = 2.0 * float(edges[0] * edges[1] + edges[1] * edges[2] + edges[2] * edges[0])
     if hull is None:
-        return float(np.prod(edges)) + _SKIN_M * box_area, float(np.prod(edges))
-    hull_m3 = hull.solid.mass_kg
-    filled_m3 = body.filled.mass_kg if body.filled is not None else hull_m3
-    return min(filled_m3, hull_m3) + _SKIN_M * box_area, hull_m3
+        return float(np.prod(edges)) + SKIN_M * box_area, float(np.prod(edges))
+    hull_m3 = hull.volume.volume_m3
+    filled_m3 = body.collider_volume.volume_m3 if body.collider_volume is not None else hull_m3
+    return min(filled_m3, hull_m3) + SKIN_M * box_area, hull_m3
 
 
 RULE = Rule(CODE, "4 .. 12000 kg/m3 (error beyond 1 .. 25000)", "densities of materials, hollow things allowed", check)

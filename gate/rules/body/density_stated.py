@@ -9,13 +9,13 @@ import numpy as np
 from gate.rules.body.density import LEAST_KGM3, MOST_KGM3
 from gate.rules.rule import Rule
 from gate.subject import Body, Subject
+from gate.subject.body import SKIN_M
 from gate.subject.contact import contact_material
 from gate.subject.values import at, number
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-density-stated"
-MOST_RATIO = 1.5  # Colliders may be a little smaller than the solid.
-_SKIN_M = 1e-3
+MOST_MASS_RATIO = 1.5  # Colliders may be a little smaller than the solid.
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -38,13 +38,13 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     densest = max(listed, default=0.0) if subject.released and len(listed) > 1 else 0.0
     for body in subject.active_bodies:
         most_kg = _most_kg(body, to_si, densest)
-        if body.mass_kg is not None and body.mass_kg > MOST_RATIO * most_kg:
+        if body.mass_kg is not None and body.mass_kg > MOST_MASS_RATIO * most_kg:
             yield finding(
                 CODE,
                 "the body is heavier than its colliders full of their material",
                 where=at(body.prim),
                 value=body.mass_kg,
-                bound=MOST_RATIO * most_kg,
+                bound=MOST_MASS_RATIO * most_kg,
                 unit="kg",
                 severity=subject.suspect_severity,
             )
@@ -62,8 +62,8 @@ def _most_kg(body: Body, to_si: float, least_kgm3: float) -> float:
         if not density > 0.0:
             return np.inf
         x, y, z = np.ptp(collider.points_W, axis=0) if len(collider.points_W) else np.zeros(3)
-        volume_m3 = collider.hull_W.solid.mass_kg if collider.hull_W is not None else float(x * y * z)
-        total += max(density, least_kgm3) * (volume_m3 + 2.0 * _SKIN_M * float(x * y + y * z + z * x))
+        volume_m3 = collider.hull_W.volume.volume_m3 if collider.hull_W is not None else float(x * y * z)
+        total += max(density, least_kgm3) * (volume_m3 + 2.0 * SKIN_M * float(x * y + y * z + z * x))
     return total if total > 0.0 else np.inf
 
 

@@ -17,7 +17,7 @@ from gate.subject.values import at, format_numbers, quaternion, vector
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-inertia"
-_RELATIVE = 1e-4  # Moments and axes are stored in single precision.
+_PRINCIPAL_TOLERANCE = 1e-4  # Moments and axes are stored in single precision.
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -46,14 +46,14 @@ def _moments(prim: Any, moments: np.ndarray) -> Iterator[Diagnostic]:
     if not np.all(np.isfinite(moments)) or moments[0] <= 0.0:
         headline = "a principal moment of inertia is not positive"
         yield finding(CODE, headline, where=where, value=format_numbers(moments), bound=0.0, unit="kg m2")
-    elif moments[0] + moments[1] < moments[2] * (1.0 - _RELATIVE):
+    elif moments[0] + moments[1] < moments[2] * (1.0 - _PRINCIPAL_TOLERANCE):
         headline = "the moments of inertia break the triangle inequality"
         largest, others = float(moments[2]), float(moments[0] + moments[1])
         yield finding(CODE, headline, where=where, value=largest, bound=others, unit="kg m2")
 
 
 def _axes(prim: Any, length: float) -> Iterator[Diagnostic]:
-    if not abs(length - 1.0) <= 10.0 * _RELATIVE:
+    if not abs(length - 1.0) <= 10.0 * _PRINCIPAL_TOLERANCE:
         headline = "the principal axes are no unit quaternion"
         yield finding(CODE, headline, where=at(prim), value=length, bound=1.0)
 

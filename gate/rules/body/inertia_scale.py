@@ -10,13 +10,13 @@ from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.inertial import shows_one_material, stated_inertia
 from gate.subject.values import at
-from geom.mass.inertia import of_sheet
+from geom.mass.inertia import sheet_volume
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-inertia-scale"
 # Against the colliders filled evenly with the same mass: a hollow box has 5/3, a box of edges alone 7/3 of its
 # inertia, a lamp with a lead foot a fifth. One order of magnitude is out either way.
-LEAST_RATIO, MOST_RATIO = 0.125, 4.0
+LEAST_INERTIA_RATIO, MOST_INERTIA_RATIO = 0.125, 4.0
 # Suspicious in a package: further out than a thin shell, or, of one material, far more compact than evenly filled.
 SHELL_FACTOR, ONE_MATERIAL_LEAST = 1.15, 0.5
 MOST_APART = 0.25  # of the trace; a rod turned by 90 degrees is 0.5 off
@@ -30,18 +30,18 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     """
     for body in subject.active_bodies:
         stated = stated_inertia(body, subject)
-        if stated is None or body.filled is None or body.mass_kg is None:
+        if stated is None or body.collider_volume is None or body.mass_kg is None:
             continue
-        even = body.filled.inertia_kgm2 * (body.mass_kg / body.filled.mass_kg)
+        even = body.collider_volume.filled(body.mass_kg / body.collider_volume.volume_m3).inertia_kgm2
         ratio = float(np.trace(stated) / np.trace(even))
         slack = 1.0 if subject.released else ELSEWHERE
-        if not LEAST_RATIO / slack <= ratio <= MOST_RATIO * slack:
+        if not LEAST_INERTIA_RATIO / slack <= ratio <= MOST_INERTIA_RATIO * slack:
             yield finding(
                 CODE,
                 f"the inertia is {ratio:.3g} times that of its colliders filled evenly",
                 where=at(body.prim),
                 value=ratio,
-                bound=LEAST_RATIO / slack if ratio < 1.0 else MOST_RATIO * slack,
+                bound=LEAST_INERTIA_RATIO / slack if ratio < 1.0 else MOST_INERTIA_RATIO * slack,
                 severity=subject.suspect_severity,
             )
             continue
@@ -62,7 +62,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
 def _unusual(body: Body, ratio: float) -> Iterator[Diagnostic]:
     most = SHELL_FACTOR * max(1.0, _shell_ratio(body))
-    least = ONE_MATERIAL_LEAST if shows_one_material(body) else LEAST_RATIO
+    least = ONE_MATERIAL_LEAST if shows_one_material(body) else LEAST_INERTIA_RATIO
     if not least <= ratio <= most:
         headline = "the mass lies further out than a hollow shell" if ratio > most else "the mass lies close together"
         bound, severity = most if ratio > most else least, Severity.WARNING
@@ -71,13 +71,13 @@ def _unusual(body: Body, ratio: float) -> Iterator[Diagnostic]:
 
 def _shell_ratio(body: Body) -> float:
     """`trace(I)` of a thin shell in the form of the colliders' common hull, against the colliders filled evenly."""
-    if body.filled is None or body.hull_W is None:
+    if body.collider_volume is None or body.hull_W is None:
         return np.inf
     points, triangles = body.in_body(body.hull_W.points), body.hull_W.triangles
     thin_m = 1e-6 * body.diagonal_m
-    shell = of_sheet(points, triangles, thin_m, 1.0)
-    even = body.filled.inertia_kgm2 / body.filled.mass_kg
-    return float(np.trace(shell.inertia_kgm2) / shell.mass_kg / np.trace(even))
+    shell = sheet_volume(points, triangles, thin_m)
+    even = body.collider_volume.second_moment_m5 / body.collider_volume.volume_m3
+    return float(np.trace(shell.second_moment_m5) / shell.volume_m3 / np.trace(even))
 
 
 RULE = Rule(

@@ -46,7 +46,7 @@ def _authored(subject: Subject, prim: Any) -> Iterator[Diagnostic]:
 
 def _absent(subject: Subject, body: Body) -> Iterator[Diagnostic]:
     """Zero means "not stated" (UsdPhysicsMassAPI): the engine takes volume times density, or invents a mass."""
-    computable = body.filled is not None
+    computable = body.collider_volume is not None
     headline = "the mass is left to the engine" if computable else "there is no mass and no volume to compute it from"
     if subject.released:
         headline = "the body has no mass"

@@ -14,7 +14,7 @@ from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-mass-centre-outside"
-_TOLERANCE = 0.01  # of the diagonal: colliders may be tighter than the solid by their fidelity
+_OUTSIDE_SHARE = 0.01  # of the diagonal: colliders may be tighter than the solid by their fidelity
 _UNSTATED = -np.inf  # UsdPhysicsMassAPI: the engine computes it
 
 
@@ -33,7 +33,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         # Where the file claims nothing, visible parts without a collider may carry mass too.
         cloud = points if subject.released else stacked([points, body.visible_points_W])
         outside_m = _distance_outside(matrix[:3, :3] @ centre + matrix[:3, 3], cloud, body, subject.released)
-        bound_m = _TOLERANCE * diagonal(cloud)
+        bound_m = _OUTSIDE_SHARE * diagonal(cloud)
         if not outside_m <= bound_m:
             yield finding(
                 CODE,

@@ -14,17 +14,17 @@ from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-mass-centre-far"
 # Shares of the diagonal. A hammer with a steel head reaches 0.25; packages that show one material stay below 0.07.
-MOST_SHARE, ONE_MATERIAL_SHARE = 0.3, 0.12
+MOST_OFFSET_SHARE, ONE_MATERIAL_SHARE = 0.3, 0.12
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """In a package: a finding per body whose mass centre is far from that of its colliders filled evenly."""
     for body in subject.active_bodies if subject.released else ():
         centre = mass_centre(body, subject)
-        if body.filled is None or body.mass_kg is None or centre is None:
+        if body.collider_volume is None or body.mass_kg is None or centre is None:
             continue
-        off_m = float(np.linalg.norm(centre - body.filled.centre_of_mass_m))
-        bound_m = (ONE_MATERIAL_SHARE if shows_one_material(body) else MOST_SHARE) * body.diagonal_m
+        off_m = float(np.linalg.norm(centre - body.collider_volume.centre_m))
+        bound_m = (ONE_MATERIAL_SHARE if shows_one_material(body) else MOST_OFFSET_SHARE) * body.diagonal_m
         if off_m > bound_m:
             headline = "the mass centre is far from the middle of the colliders"
             where, severity = at(body.prim), Severity.WARNING

@@ -13,7 +13,7 @@ from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-transform"
 _LEAST_SCALE = 1e-9
-_UNIT_TOLERANCE = 1e-3
+_QUATERNION_LENGTH_TOLERANCE = 1e-3
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -34,7 +34,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     for attribute in subject.attributes:
         if attribute.GetName().startswith("xformOp:orient") and attribute.GetNumTimeSamples() == 0:
             length = float(np.linalg.norm(quaternion(attribute.GetPrim(), attribute.GetName())))
-            if not abs(length - 1.0) <= _UNIT_TOLERANCE:  # Some readers normalise it, others scale by it.
+            if not abs(length - 1.0) <= _QUATERNION_LENGTH_TOLERANCE:  # Some readers normalise it, others scale by it.
                 headline, where = "an orientation is no unit quaternion", at(attribute.GetPrim())
                 yield finding(CODE, headline, where=where, value=length, bound=1.0, severity=subject.suspect_severity)
 

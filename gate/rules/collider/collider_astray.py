@@ -17,7 +17,7 @@ from schemas.diagnostics import Diagnostic, finding
 CODE = "asset/gate-collider-astray"
 # Shares of the diagonal. The mean over the points of a collider, because one corner of a fitted sliver may reach far.
 NEAR, MOST_MEAN = 0.02, 0.025
-_SAMPLES = 6000
+_CLOUD_SAMPLES = 6000
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -60,12 +60,12 @@ def _samples(body: Body) -> FloatArray:
     corners = np.concatenate(faces)
     a, b, c = np.moveaxis(corners, 1, 0)
     area = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
-    order = np.arange(_SAMPLES) + 0.5
-    chosen = np.minimum(np.searchsorted(area, order / _SAMPLES * area[-1]), len(area) - 1)
+    order = np.arange(_CLOUD_SAMPLES) + 0.5
+    chosen = np.minimum(np.searchsorted(area, order / _CLOUD_SAMPLES * area[-1]), len(area) - 1)
     u, v = np.mod(order * 0.7548776662466927, 1.0), np.mod(order * 0.5698402909980532, 1.0)
     u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
     inside = a[chosen] + u[:, None] * (b - a)[chosen] + v[:, None] * (c - a)[chosen]
-    return np.concatenate([inside, corners.reshape(-1, 3)[:: max(1, corners.size // (3 * _SAMPLES))]])
+    return np.concatenate([inside, corners.reshape(-1, 3)[:: max(1, corners.size // (3 * _CLOUD_SAMPLES))]])
 
 
 RULE = Rule(

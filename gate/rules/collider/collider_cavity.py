@@ -19,7 +19,7 @@ from schemas.diagnostics import Diagnostic, finding
 from schemas.physics import CollisionShape, Solid
 
 CODE = "asset/gate-collider-cavity"
-MOST_TRIANGLES = 100_000  # Pouring takes about a second for so many.
+MOST_POURED_TRIANGLES = 100_000  # Pouring takes about a second for so many.
 FULL = 0.95  # A body that fills its hull by this share has no cavity worth testing.
 
 
@@ -57,14 +57,14 @@ def _visible_solid(body: Body) -> Solid | None:
     """The visible surface in the body frame, one mesh; None when it is open, heavy, or as full as its hull."""
     edges, hull = count_edges(body.surfaces), hull_of(body.visible_points_W)
     drawn = [s for s in body.surfaces if len(s.triangles)]
-    if edges is None or edges.open or hull is None or sum(len(s.triangles) for s in drawn) > MOST_TRIANGLES:
+    if edges is None or edges.open or hull is None or sum(len(s.triangles) for s in drawn) > MOST_POURED_TRIANGLES:
         return None
     first = np.cumsum([0, *(len(s.points_W) for s in drawn)])
     points, triangles = weld_points(
         body.in_body(np.concatenate([s.points_W for s in drawn])),
         np.concatenate([s.triangles + start for s, start in zip(drawn, first[:-1], strict=True)]),
     )
-    if volume(points, triangles) > FULL * hull.solid.mass_kg:
+    if volume(points, triangles) > FULL * hull.volume.volume_m3:
         return None
     return Solid(points, triangles.astype(np.int32), "closed")
 

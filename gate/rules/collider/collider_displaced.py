@@ -18,7 +18,7 @@ CODE = "asset/gate-collider-displaced"
 MOST_GAP, MOST_SHIFT, MOST_GROWTH = 0.1, 0.025, 0.06
 SUSPICIOUS_SHIFT = 0.0125  # packages of real assets stay below 0.007
 ELSEWHERE_GAP = 0.25
-_DIRECTIONS = 128
+_SUPPORT_DIRECTIONS = 128
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -62,10 +62,10 @@ def _compare(subject: Subject, body: Body, colliders: np.ndarray, visible: np.nd
 
 def _shift_and_growth(colliders: np.ndarray, visible: np.ndarray) -> tuple[float, float]:
     """Least-squares shift in metres, and the median ratio of extents about the visible centre."""
-    directions = even_directions(_DIRECTIONS)
+    directions = even_directions(_SUPPORT_DIRECTIONS)
     centre = 0.5 * (visible.min(axis=0) + visible.max(axis=0))
     outer, inner = (((cloud - centre) @ directions.T).max(axis=0) for cloud in (colliders, visible))
-    columns = np.concatenate([directions, np.ones((_DIRECTIONS, 1))], axis=1)
+    columns = np.concatenate([directions, np.ones((_SUPPORT_DIRECTIONS, 1))], axis=1)
     shift = np.linalg.lstsq(columns, outer - inner, rcond=None)[0][:3]
     return float(np.linalg.norm(shift)), float(np.median(outer / np.maximum(inner, 1e-12)))
 

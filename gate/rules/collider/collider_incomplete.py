@@ -15,8 +15,8 @@ from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-collider-incomplete"
 REACH = 0.05  # of the diagonal
-MOST_SHARE, ELSEWHERE_SHARE = 0.02, 0.5
-_SAMPLES = 1000
+MOST_UNCOVERED_SHARE, ELSEWHERE_SHARE = 0.02, 0.5
+_FACE_SAMPLES = 1000
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -31,7 +31,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             normals, offsets = hull.planes
             away = np.minimum(away, (faces @ normals.T - offsets).max(axis=1))
         share = float((away > REACH * diagonal(body.visible_points_W)).mean())
-        bound = MOST_SHARE if subject.released else ELSEWHERE_SHARE
+        bound = MOST_UNCOVERED_SHARE if subject.released else ELSEWHERE_SHARE
         if share > bound:
             yield finding(
                 CODE,
@@ -46,7 +46,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 def _face_centres(body: Body) -> FloatArray:
     """(n, 3) centres of the visible faces, every k-th so that there are at most 1000."""
     centres = stacked([s.points_W[s.triangles].mean(axis=1) for s in body.surfaces if len(s.triangles)])
-    return centres[:: max(1, -(-len(centres) // _SAMPLES))]
+    return centres[:: max(1, -(-len(centres) // _FACE_SAMPLES))]
 
 
 RULE = Rule(

@@ -20,7 +20,7 @@ CODE = "asset/gate-collider-shape"
 USUAL_POINTS, MOST_POINTS = 64, 255  # PhysX on a GPU, PhysX at all
 MOST_COLLIDERS = 128
 ROUND = ("Sphere", "Capsule", "Capsule_1", "Cylinder", "Cylinder_1", "Cone")
-_RELATIVE = 1e-3  # Single precision and tessellation stay well below.
+_SHAPE_TOLERANCE = 1e-3  # Single precision and tessellation stay well below.
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -52,7 +52,7 @@ def _shape(subject: Subject, collider: Collider) -> Iterator[Diagnostic]:
         return  # Reported by the mesh-values and transform rules.
     if collider.prim.GetTypeName() in ROUND:
         scale = np.linalg.norm(subject.frames.matrix(collider.prim)[:3, :3], axis=0) / subject.frames.meters_per_unit
-        if np.ptp(scale) > _RELATIVE * scale.max():
+        if np.ptp(scale) > _SHAPE_TOLERANCE * scale.max():
             headline = "a round collider is scaled unevenly"
             yield finding(CODE, headline, where=where, value=format_numbers(scale), severity=subject.suspect_severity)
     if collider.approximation != "convexHull":
@@ -68,7 +68,7 @@ def _shape(subject: Subject, collider: Collider) -> Iterator[Diagnostic]:
             yield finding(CODE, headline, where=where, value=count, bound=USUAL_POINTS, severity=severity)
         normals, offsets = collider.hull_W.planes
         dent_m = float(-np.max(points @ normals.T - offsets, axis=1).min())
-        bound_m = _RELATIVE * diagonal(points)
+        bound_m = _SHAPE_TOLERANCE * diagonal(points)
         if dent_m > bound_m:
             headline = "the collider mesh is dented: engines fill it up to its hull"
             yield finding(CODE, headline, where=where, value=dent_m, bound=bound_m, unit="m")

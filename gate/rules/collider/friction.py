@@ -11,8 +11,8 @@ from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-friction"
 USUAL_MOST, MOST = 2.0, 10.0  # Rubber on dry concrete reaches 1.2, racing tyres 2.
-LEAST_RATIO = 0.2  # Dry pairs keep 0.6 to 0.95 of their friction once they slide.
-_ROUNDING = 1e-6
+LEAST_DYNAMIC_SHARE = 0.2  # Dry pairs keep 0.6 to 0.95 of their friction once they slide.
+_FRICTION_ROUNDING = 1e-6
 NAMES = ("physics:staticFriction", "physics:dynamicFriction")
 
 
@@ -31,12 +31,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 headline = f"{name} is higher than that of any dry pair"
                 severity = Severity.WARNING
                 yield finding(CODE, headline, where=where, value=value, bound=USUAL_MOST, severity=severity)
-        if dynamic - static > _ROUNDING:
+        if dynamic - static > _FRICTION_ROUNDING:
             headline = "static friction is below dynamic"
             yield finding(CODE, headline, where=where, value=static, bound=dynamic)
-        elif 0.0 <= dynamic < LEAST_RATIO * static:
+        elif 0.0 <= dynamic < LEAST_DYNAMIC_SHARE * static:
             headline = "dynamic friction is far below static"
-            bound, severity = LEAST_RATIO * static, Severity.WARNING
+            bound, severity = LEAST_DYNAMIC_SHARE * static, Severity.WARNING
             yield finding(CODE, headline, where=where, value=dynamic, bound=bound, severity=severity)
         if static == dynamic == 0.0:
             # The schema's fallback is 0: a material that states nothing is smoother than ice.

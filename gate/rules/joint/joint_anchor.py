@@ -13,7 +13,7 @@ from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-joint-anchor"
-MOST_SIZES, MOST_SHARE = 1.0, 0.5  # of the body, of the whole asset
+ANCHOR_BODY_SIZES, ANCHOR_ASSET_SIZES = 1.0, 0.5  # of the body, of the whole asset
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -27,7 +27,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             if body is None or body.diagonal_m == 0.0 or not np.all(np.isfinite(side.X_WJ)):
                 continue
             away_m = _distance(side.X_WJ[:3, 3], body)
-            bound_m = max(MOST_SIZES * body.diagonal_m, MOST_SHARE * asset_m)
+            bound_m = max(ANCHOR_BODY_SIZES * body.diagonal_m, ANCHOR_ASSET_SIZES * asset_m)
             if away_m > bound_m:
                 yield finding(
                     CODE,

@@ -13,7 +13,7 @@ from gate.subject.values import at, format_numbers, quaternion, vector
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-joint-axis"
-_TOLERANCE = 1e-3
+_AXIS_LENGTH_TOLERANCE = 1e-3
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -29,7 +29,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                     CODE, f"localPos{index} is not finite", where=where, value=format_numbers(position), unit="m"
                 )
             length = float(np.linalg.norm(quaternion(joint.prim, f"physics:localRot{index}")))
-            if not abs(length - 1.0) <= _TOLERANCE:
+            if not abs(length - 1.0) <= _AXIS_LENGTH_TOLERANCE:
                 yield finding(CODE, f"localRot{index} is no unit quaternion", where=where, value=length, bound=1.0)
 
 

@@ -12,9 +12,9 @@ from gate.subject.values import at
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-joint-motion"
-LEAST_M, LEAST_SHARE = 0.01, 0.05  # of the smaller diagonal
-THROUGH = 0.9  # of the thinner hull
-_SHARES = (0.1, 0.25)  # of the way to each limit; near its limits many a robot can touch itself
+MOTION_LEAST_M, MOTION_LEAST_SHARE = 0.01, 0.05  # of the smaller diagonal
+MOTION_THROUGH = 0.9  # of the thinner hull
+_MOTION_SHARES = (0.1, 0.25)  # of the way to each limit; near its limits many a robot can touch itself
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -30,12 +30,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 def _penetration(joint: Joint) -> Iterator[Diagnostic]:
     first, second = joint.bodies
     hulls_a, hulls_b = hulls_of(first), hulls_of(second)
-    bound_m = max(LEAST_M, LEAST_SHARE * min(first.diagonal_m, second.diagonal_m))
+    bound_m = max(MOTION_LEAST_M, MOTION_LEAST_SHARE * min(first.diagonal_m, second.diagonal_m))
     if deepest_penetration(hulls_a, hulls_b)[0] > 0.1 * bound_m:
         return  # The links-overlap rule looks at these.
-    for coordinate, moved in hulls_along_motion(joint, second, hulls_b, _SHARES):
+    for coordinate, moved in hulls_along_motion(joint, second, hulls_b, _MOTION_SHARES):
         depth_m, thickness_m = deepest_penetration(hulls_a, moved)
-        if depth_m > min(bound_m, THROUGH * thickness_m) and depth_m > LEAST_M:
+        if depth_m > min(bound_m, MOTION_THROUGH * thickness_m) and depth_m > MOTION_LEAST_M:
             yield finding(
                 CODE,
                 f"the joint drives {second.path} through {first.path} at {coordinate:.3g} {joint.unit}",

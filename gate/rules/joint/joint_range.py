@@ -15,7 +15,7 @@ from schemas.diagnostics import Diagnostic, Severity, finding
 CODE = "asset/gate-joint-range"
 MOST_DEG = 1080.0  # Three turns each way; a valve or screw with more has infinite limits.
 RADIANS_LEAST, RADIANS_MOST = 0.7, 2.0 * np.pi * 1.01
-MOST_SIZES = 1.5
+SLIDE_ASSET_SIZES = 1.5
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -41,9 +41,9 @@ def _range(subject: Subject, joint: Joint, asset_m: float) -> Iterator[Diagnosti
         yield finding(
             CODE, headline, where=where, value=value, bound=RADIANS_MOST, unit="deg", severity=Severity.WARNING
         )
-    elif joint.kind == "prismatic" and span > MOST_SIZES * max(asset_m, joint.size_m) > 0.0:
+    elif joint.kind == "prismatic" and span > SLIDE_ASSET_SIZES * max(asset_m, joint.size_m) > 0.0:
         headline = "the joint slides further than the object is large"
-        bound = MOST_SIZES * max(asset_m, joint.size_m)
+        bound = SLIDE_ASSET_SIZES * max(asset_m, joint.size_m)
         yield finding(CODE, headline, where=where, value=span, bound=bound, unit="m", severity=subject.suspect_severity)
 
 

@@ -14,7 +14,7 @@ from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-joint-rest"
 _TOLERANCE = {"revolute": 0.5, "prismatic": 1e-3}  # degrees, metres
-_FAR = 0.5  # of the range: beyond, limits or frames are wrong; below, some robots have such a zero pose
+_FAR_SHARE = 0.5  # of the range: beyond, limits or frames are wrong; below, some robots have such a zero pose
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -29,7 +29,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             coordinate = min(turns, key=lambda angle: max(lower - angle, angle - upper, 0.0))
         outside = max(lower - coordinate, coordinate - upper)
         if not outside <= _TOLERANCE[joint.kind]:
-            far = outside > _FAR * (upper - lower) and np.isfinite(upper - lower)
+            far = outside > _FAR_SHARE * (upper - lower) and np.isfinite(upper - lower)
             yield finding(
                 CODE,
                 "the joint starts outside its limits",

@@ -16,10 +16,10 @@ from geom.convex.penetration import shared_volume
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
 
 CODE = "asset/gate-links-overlap"
-LEAST_M, LEAST_SHARE = 2e-3, 0.01  # of the smaller diagonal: what fitted hulls are off by
+REST_LEAST_M, REST_LEAST_SHARE = 2e-3, 0.01  # of the smaller diagonal: what fitted hulls are off by
 SWALLOWED = 0.5  # of the smaller body's volume
-THROUGH = 0.5  # of the thinner hull: a joint housing stays well below, a board stuck in another one does not
-_SHARES = (0.25, 0.5, 1.0)  # of the way to each limit
+REST_THROUGH = 0.5  # of the thinner hull: a joint housing stays well below, a board stuck in another one does not
+_RANGE_SHARES = (0.25, 0.5, 1.0)  # of the way to each limit
 _MOST_TESTS = 20_000  # hull pairs; a heavier file is not judged to the end
 
 
@@ -45,24 +45,24 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
 def _pair(subject: Subject, first: Body, second: Body, joint: Joint | None) -> Iterator[Diagnostic]:
     hulls_a, hulls_b = hulls_of(first), hulls_of(second)
-    bound_m = max(LEAST_M, LEAST_SHARE * min(first.diagonal_m, second.diagonal_m))
+    bound_m = max(REST_LEAST_M, REST_LEAST_SHARE * min(first.diagonal_m, second.diagonal_m))
     depth_m, thickness_m = deepest_penetration(hulls_a, hulls_b)
-    if depth_m <= bound_m or first.filled is None or second.filled is None:
+    if depth_m <= bound_m or first.collider_volume is None or second.collider_volume is None:
         return
-    smaller = min(first.filled.mass_kg, second.filled.mass_kg)
+    smaller = min(first.collider_volume.volume_m3, second.collider_volume.volume_m3)
     share = sum(shared_volume(a.points, b.points) for a in hulls_a for b in hulls_b) / smaller
     swallowed = share > SWALLOWED
     if joint is not None:
         depth_m -= min(
             (
                 deepest_penetration(hulls_a, moved)[0]
-                for _, moved in hulls_along_motion(joint, second, hulls_b, _SHARES)
+                for _, moved in hulls_along_motion(joint, second, hulls_b, _RANGE_SHARES)
             ),
             default=depth_m,
         )
         if depth_m <= bound_m and not swallowed:
             return
-    through = joint is not None and depth_m > THROUGH * thickness_m
+    through = joint is not None and depth_m > REST_THROUGH * thickness_m
     yield finding(
         CODE,
         f"the link {'lies inside or around' if swallowed else 'overlaps'} {second.path} at rest",

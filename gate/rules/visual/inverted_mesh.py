@@ -18,9 +18,9 @@ from geom.repair.sheet_orientation import SkyVisibility
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-inverted-mesh"
-DIRECTIONS = 64
-LEAST_VOTES, LEAST_SHARE = 8, 0.2
-MOST_TRIANGLES, MOST_VOTERS = 300_000, 1_000_000  # for the closedness test, for the vote
+SIGHT_DIRECTIONS = 64
+LEAST_VOTES, LEAST_OUTWARD_SHARE = 8, 0.2
+MOST_VIEWED_TRIANGLES, MOST_VOTERS = 300_000, 1_000_000  # for the closedness test, for the vote
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -35,7 +35,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     if sum(len(s.triangles) for s in surfaces) > MOST_VOTERS:
         return
     for surface, (votes, share) in zip(surfaces, _outward_votes(surfaces), strict=True):
-        outvoted = votes >= LEAST_VOTES and share < LEAST_SHARE
+        outvoted = votes >= LEAST_VOTES and share < LEAST_OUTWARD_SHARE
         if (
             outvoted
             and not SkyVisibility(surface.points_W, surface.triangles).of_sheet(surface.triangles).is_inside_out
@@ -45,7 +45,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 "the mesh may be inside out: its faces look inwards, but neither side is clearly its outside",
                 where=at(surface.prim),
                 value=share,
-                bound=LEAST_SHARE,
+                bound=LEAST_OUTWARD_SHARE,
                 severity=Severity.WARNING,
             )
         elif outvoted or (votes < LEAST_VOTES and _encloses_nothing(surface, surfaces)):
@@ -54,7 +54,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
                 "the mesh is inside out: its faces look inwards",
                 where=at(surface.prim),
                 value=share,
-                bound=LEAST_SHARE,
+                bound=LEAST_OUTWARD_SHARE,
                 severity=subject.suspect_severity,
             )
     edges, released = subject.visible_edges, subject.record_value("geometry", "reobserved", "inconsistent_edges")
@@ -68,7 +68,7 @@ def _outward_votes(surfaces: list[VisibleSurface]) -> list[tuple[int, float]]:
     face outwards."""
     if not surfaces:
         return []
-    directions = even_directions(DIRECTIONS)
+    directions = even_directions(SIGHT_DIRECTIONS)
     heights = [_heights(s, directions) for s in surfaces]
     support = np.stack([height.max(axis=0) for height in heights])
     size = diagonal(np.concatenate([s.points_W for s in surfaces]))
@@ -111,7 +111,7 @@ def _outward_areas(surface: VisibleSurface, touching: np.ndarray, directions: np
 
 def _encloses_nothing(surface: VisibleSurface, surfaces: list[VisibleSurface]) -> bool:
     """True for a closed mesh of negative volume that no other mesh's bounds contain (there it could be a cavity)."""
-    if len(surface.triangles) > MOST_TRIANGLES:
+    if len(surface.triangles) > MOST_VIEWED_TRIANGLES:
         return False
     low, high = surface.points_W.min(axis=0), surface.points_W.max(axis=0)
     for other in surfaces:

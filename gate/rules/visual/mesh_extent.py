@@ -8,11 +8,10 @@ import numpy as np
 
 from gate.rules.rule import Rule
 from gate.subject import Subject
-from gate.subject.values import at, format_numbers, rows
+from gate.subject.values import EXTENT_TOLERANCE, at, format_numbers, rows
 from schemas.diagnostics import Diagnostic, finding
 
 CODE = "asset/gate-mesh-extent"
-_RELATIVE = 0.01
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -22,7 +21,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if len(extent) == 0 or len(points) == 0 or not np.all(np.isfinite(points)):
             continue
         bounds = np.stack([points.min(axis=0), points.max(axis=0)])
-        tolerance = _RELATIVE * float(np.linalg.norm(bounds[1] - bounds[0]))
+        tolerance = EXTENT_TOLERANCE * float(np.linalg.norm(bounds[1] - bounds[0]))
         if extent.shape != (2, 3) or not float(np.abs(extent - bounds).max()) <= tolerance:
             yield finding(
                 CODE,

@@ -20,7 +20,7 @@ from gate.subject.values import at, format_numbers, rows
 from schemas.diagnostics import Diagnostic, Severity, finding
 
 CODE = "asset/gate-shader-value"
-_ROUNDING = 1e-4
+_SHADER_ROUNDING = 1e-4
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -66,7 +66,9 @@ def shader_ranges() -> dict[str, dict[str, tuple[float, float]]]:
 
 
 def _within(values: np.ndarray, least: float, most: float) -> bool:
-    return bool(np.all((values >= least - _ROUNDING) & (values <= most + _ROUNDING) & np.isfinite(values)))
+    return bool(
+        np.all((values >= least - _SHADER_ROUNDING) & (values <= most + _SHADER_ROUNDING) & np.isfinite(values))
+    )
 
 
 RULE = Rule(

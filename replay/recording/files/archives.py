@@ -12,7 +12,7 @@ from replay.recording.recorded_numbers import invalid_recording
 from schemas.arrays import FloatArray
 from schemas.zip_damage import ZIP_DAMAGE
 
-MAX_ENTRIES, MAX_BYTES = 20_000, 2**30
+MAX_ENTRIES, MAX_UNPACKED_BYTES = 20_000, 2**30
 
 
 def read_arrays(path: Path, is_needed: Callable[[str], bool]) -> dict[str, FloatArray]:
@@ -20,7 +20,7 @@ def read_arrays(path: Path, is_needed: Callable[[str], bool]) -> dict[str, Float
     try:
         with zipfile.ZipFile(path) as packed:
             sizes = [entry.file_size for entry in packed.infolist()]
-        if len(sizes) > MAX_ENTRIES or sum(sizes) > MAX_BYTES:
+        if len(sizes) > MAX_ENTRIES or sum(sizes) > MAX_UNPACKED_BYTES:
             raise invalid_recording(
                 "replay/unreadable", f"{path.name}: {len(sizes)} arrays, {sum(sizes)} bytes", path.name
             )

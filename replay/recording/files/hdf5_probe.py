@@ -10,7 +10,7 @@ import sys
 
 import h5py
 
-ROWS = 65536  # of a data set at a time
+ROWS_AT_ONCE = 65536  # of a data set at a time
 
 
 def main(path: str) -> str | None:
@@ -31,8 +31,8 @@ def _read(item: h5py.Group | h5py.Dataset | h5py.Datatype) -> None:
         return
     if item.ndim == 0:
         item[()]
-    for first in range(0, len(item) if item.ndim else 0, ROWS):
-        item[first : first + ROWS]
+    for first in range(0, len(item) if item.ndim else 0, ROWS_AT_ONCE):
+        item[first : first + ROWS_AT_ONCE]
 
 
 if __name__ == "__main__":

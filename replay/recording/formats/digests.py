@@ -14,7 +14,7 @@ from replay.recording.files.hdf5 import child, open_hdf5
 from replay.recording.formats.lerobot import INFO, info_without_videos, is_lerobot
 from replay.recording.recorded_numbers import invalid_recording
 
-DEEPEST = 32  # groups within groups: a hard link to a group above has no end
+DEEPEST_GROUP = 32  # groups within groups: a hard link to a group above has no end
 
 
 def stream_digests(source: Path, part: str = "") -> dict[str, str]:
@@ -56,7 +56,7 @@ def _belongs(path: Path, relative: Path, part: str) -> bool:
 
 
 def _collect(group: Any, at: str, file: str, digests: dict[str, str]) -> None:
-    if at.count("/") > DEEPEST:
+    if at.count("/") > DEEPEST_GROUP:
         raise invalid_recording("replay/unreadable", f"groups within groups without end: '{at[:80]}...'", file)
     for name in sorted(group):
         item = child(group, name, file)

@@ -14,7 +14,7 @@ from geom.pose import matrix_of, pose, shortest_rotation
 from replay.recording.recorded_numbers import invalid_recording
 from schemas.arrays import FloatArray
 
-MAX_BYTES, MAX_INCLUDES = 50_000_000, 64
+MAX_TEXT_BYTES, MAX_INCLUDES = 50_000_000, 64
 Attributes = dict[str, str]
 
 
@@ -32,8 +32,8 @@ def parse_xml(path: Path, root: Path) -> Any:
 
 def _element(data: bytes, file: str) -> Any:
     """The root element; entities are not resolved."""
-    if len(data) > MAX_BYTES:
-        raise invalid_recording("replay/unreadable", f"more than {MAX_BYTES} bytes", file)
+    if len(data) > MAX_TEXT_BYTES:
+        raise invalid_recording("replay/unreadable", f"more than {MAX_TEXT_BYTES} bytes", file)
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
     try:
         return etree.fromstring(data, parser)

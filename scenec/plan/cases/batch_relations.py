@@ -12,10 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from scenec.ir.problem import RelationIR
+from scenec.solve.relations import SLACK
 from scenec.solve.shelf import AXIS
 from schemas.arrays import BoolArray, FloatArray
-
-SLACK = 1e-9
 
 
 def may_hold(

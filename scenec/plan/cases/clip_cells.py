@@ -22,7 +22,7 @@ from scenec.solve.planar import polygon
 from scenec.solve.shapes import Shape
 from schemas.arrays import BoolArray, FloatArray
 
-STEPS_M = (
+CLIP_STEPS_M = (
     np.inf,
     0.4,
     0.25,
@@ -138,10 +138,10 @@ def _axes(rule: RelationIR) -> slice:
 def _lower(
     freedom: Freedom, numbers: list[int], axes: slice, spins: list[int], holds: Callable[[], BoolArray]
 ) -> BoolArray:
-    # Sets the largest of STEPS_M with which the test holds, row by row; returns whether there is any.
+    # Sets the largest of CLIP_STEPS_M with which the test holds, row by row; returns whether there is any.
     steps, turns = freedom.step_m[:, numbers].copy(), freedom.spin_m[:, spins].copy()
     best = np.full(len(steps), -1.0)
-    for step in STEPS_M:
+    for step in CLIP_STEPS_M:
         limited = steps.copy()
         limited[:, :, axes] = np.minimum(steps[:, :, axes], step)
         freedom.step_m[:, numbers] = limited

@@ -14,7 +14,7 @@ from numpy.random import Generator
 
 from scenec.ir.problem import RelationIR
 from scenec.plan.cases.cells import GrownCells, grown_cells, plan_cases
-from scenec.plan.cases.clip_cells import STEPS_M, clip_cells
+from scenec.plan.cases.clip_cells import CLIP_STEPS_M, clip_cells
 from scenec.plan.cases.cross_owner_relations import (
     CrossOwnerRelation,
     OwnerLayouts,
@@ -25,7 +25,7 @@ from scenec.plan.cases.cross_owner_relations import (
 from scenec.plan.cases.pool import SURPLUS, PoolRequest, reach_P, solved_layout
 from scenec.plan.cases.pool_model import Layouts, PoolModel, joined, pool_model_of
 from scenec.plan.cases.quality import quality
-from scenec.plan.cases.rejection import TRIES, rejection_layouts
+from scenec.plan.cases.rejection import CANDIDATE_TRIES, LOT, rejection_layouts
 from scenec.plan.cases.select import selected
 from scenec.plan.cases.signature import distinct
 from scenec.solve.model import SolverModel
@@ -33,8 +33,7 @@ from scenec.solve.streams import stream
 from schemas.arrays import BoolArray, FloatArray
 from schemas.scene.runtime_plan import PlanCase
 
-LOT = 4096  # layouts of each owner, and combinations tested at once
-MOST_LOTS = 24
+MOST_CROSS_OWNER_LOTS = 24
 
 
 def cross_owner_cases(
@@ -72,7 +71,7 @@ def _together(
     layout_count = int(SURPLUS * request.count)
     layouts_by_owner = [[one] for one in solved]
     count = 1
-    for number in range(MOST_LOTS):
+    for number in range(MOST_CROSS_OWNER_LOTS):
         lot = [candidates.take(rng.integers(len(candidates), size=LOT)) for candidates in candidates_of_owner]
         good = np.ones(LOT, dtype=bool)
         for relation in relations:
@@ -86,14 +85,18 @@ def _together(
         count += len(rows)
         for part, chosen in zip(lot, layouts_by_owner, strict=True):
             chosen.append(part.take(rows))
-        if count >= layout_count or (number >= MOST_LOTS // 4 and count == 1):
+        if count >= layout_count or (number >= MOST_CROSS_OWNER_LOTS // 4 and count == 1):
             break
     return [joined(parts) for parts in layouts_by_owner]
 
 
 def _random(pool: PoolModel, rng: Generator) -> Layouts:
     layouts = rejection_layouts(pool, LOT, rng, 1)
-    return layouts if len(layouts) >= LOT // 16 else joined([layouts, rejection_layouts(pool, LOT // 4, rng, TRIES)])
+    return (
+        layouts
+        if len(layouts) >= LOT // 16
+        else joined([layouts, rejection_layouts(pool, LOT // 4, rng, CANDIDATE_TRIES)])
+    )
 
 
 def _shortened(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) -> BoolArray:
@@ -108,7 +111,7 @@ def _shortened(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) 
             _steps(part)[:, i] = np.minimum(step, step_m[:, None])
             _spins(part)[:, i] = np.minimum(spin, step_m) if turns else spin
 
-    for step_m in STEPS_M:
+    for step_m in CLIP_STEPS_M:
         limit(np.full(len(values), step_m))
         best = np.where((best < 0.0) & holds_across_owners(relation, parts, values), step_m, best)
         if (best >= 0.0).all():

@@ -15,7 +15,7 @@ from scenec.plan.cases.batch_relations import axis_orders
 from scenec.plan.cases.pool_model import Layouts, PoolModel
 from schemas.arrays import BoolArray, FloatArray
 
-STEPS_M = (0.04, 0.04, 0.02, 0.02, 0.01, 0.01, 0.005, np.inf)  # the last one closes the remaining gaps
+GROW_STEPS_M = (0.04, 0.04, 0.02, 0.02, 0.01, 0.01, 0.005, np.inf)  # the last one closes the remaining gaps
 
 
 def grow_cells(pool: PoolModel, layouts: Layouts, free: BoolArray, rng: Generator) -> FloatArray:
@@ -23,7 +23,7 @@ def grow_cells(pool: PoolModel, layouts: Layouts, free: BoolArray, rng: Generato
     rect = layouts.rect_m.copy()
     meet, bounds = meeting(pool, layouts), _orders_by_side(pool)
     turns = [(i, side) for i in range(len(pool.members)) for side in range(4) if free[:, i].any()]
-    for step in STEPS_M:
+    for step in GROW_STEPS_M:
         for turn in rng.permutation(len(turns)).tolist():
             i, side = turns[turn]
             out = _limit(pool, layouts, rect, meet, i, side)

@@ -15,7 +15,7 @@ from scenec.plan.cases.grid import grid
 from scenec.plan.cases.guillotine import guillotine
 from scenec.plan.cases.pool_model import GRAIN_M, Layouts, Member, PoolModel, around, joined, pool_model_of
 from scenec.plan.cases.quality import quality
-from scenec.plan.cases.rejection import TRIES, rejection_layouts
+from scenec.plan.cases.rejection import CANDIDATE_TRIES, rejection_layouts
 from scenec.plan.cases.select import FEW, selected
 from scenec.plan.cases.shelf import shelf
 from scenec.plan.cases.signature import distinct
@@ -58,7 +58,7 @@ def pool_cases(model: SolverModel, request: PoolRequest) -> list[PlanCase]:
     if (missing := surplus - sum(map(len, parts))) > 0:
         # Crowded or with relations: no exact distribution to preserve, and structure adds variety.
         orderly = structured(pool, round(STRUCTURED * missing), rng) if len(pool.members) > 2 else []
-        parts.append(rejection_layouts(pool, missing - sum(map(len, orderly)), rng, TRIES))
+        parts.append(rejection_layouts(pool, missing - sum(map(len, orderly)), rng, CANDIDATE_TRIES))
         missing = surplus - sum(map(len, [*parts, *orderly]))
         parts += orderly if missing <= 0 else [*orderly, *structured(pool, missing, rng)]
     cases = cases_of(pool, joined(parts), rng, reach, base, sure=1)
@@ -98,7 +98,7 @@ def _alone(pool: PoolModel, request: PoolRequest, reach: ReachIR | None, base_P_
     if not plain or (reach is not None and member.name in reach.members):
         return strips(pool, reach, base_P_m)
     rng = stream(request.seed, "alone", member.name)
-    layouts = rejection_layouts(pool, 64, rng, TRIES)
+    layouts = rejection_layouts(pool, 64, rng, CANDIDATE_TRIES)
     member_stance = member.stance[layouts.option[:, 0]]
     first = [int(np.flatnonzero(member_stance == s)[0]) for s in sorted(set(member_stance.tolist()))]
     return cases_of(pool, layouts.take(first), rng) if first else []

@@ -21,8 +21,8 @@ from schemas.arrays import FloatArray, IntArray
 LOT = 4096  # layouts or candidates evaluated at once
 MOST_LOTS = 48
 SHARE_M2 = 0.38  # share of a place covered by rectangles above which yaws are restricted
-TRIES = 96
-ROUNDS = 4
+CANDIDATE_TRIES = 96
+REJECTION_ROUNDS = 4
 
 
 def rejection_layouts(pool: PoolModel, layout_count: int, rng: Generator, tries: int) -> Layouts:
@@ -100,9 +100,9 @@ def _lot(
     for i in order:
         pending = np.arange(len(option))
         seated = np.zeros(len(option), dtype=bool)
-        rounds = 1 if tries == 1 else ROUNDS
+        rounds = 1 if tries == 1 else REJECTION_ROUNDS
         for _ in range(rounds):
-            step = max(1, ceil(2 * LOT * TRIES / max(tries * (len(placed) + 1), 1)))
+            step = max(1, ceil(2 * LOT * CANDIDATE_TRIES / max(tries * (len(placed) + 1), 1)))
             for begin in range(0, len(pending), step):
                 rows = pending[begin : begin + step]
                 picked, at, around_m, good = _candidates(

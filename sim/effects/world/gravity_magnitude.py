@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.gap import Place
+from schemas.physical_constants import GRAVITY_MPS2
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
 
@@ -22,7 +23,7 @@ EFFECT = Effect(
     formula="|g| = gravity_mps2",
     source="free fall",
     reveals="free fall is too fast or too slow",
-    parameters=(Parameter("gravity_mps2", "m/s2", 0.1, 30.0, 9.81),),
+    parameters=(Parameter("gravity_mps2", "m/s2", 0.1, 30.0, GRAVITY_MPS2),),
     confusables=(
         Confusable("sensor.scale", "measure a known length"),
         Confusable("sensor.clock_skew", "time the log with a second clock"),

@@ -12,14 +12,14 @@ from simgap.problem import Model
 
 @dataclass(frozen=True)
 class AppliedBody:
-    """What a roll-out needs of a model."""
+    """A model as inputs of a roll-out: the changed body, external wrenches, maps of readings."""
 
     body: BodyModel
     wrenches: tuple[tuple[BodyWrench, Params], ...]
     sensors: tuple[tuple[SensorMap, Params, Place], ...]
 
     def recovered(self, series: Series) -> Series:
-        """Readings as the truth they stand for."""
+        """True motion from readings: the sensor maps inverted."""
         for hook, params, where in reversed(self.sensors):
             series = hook.recover(series, params, where)
         return series

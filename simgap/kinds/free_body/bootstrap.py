@@ -16,14 +16,16 @@ from simgap.kinds.free_body.tossed_body import BodySimulator
 from simgap.recording.recording import Trial
 
 
-def simulated_motion(mover: BodySimulator, applied: AppliedBody, series: Series, finer: float) -> Series:
+def simulated_motion(simulator: BodySimulator, applied: AppliedBody, series: Series, finer: float) -> Series:
     """The motion that the model makes from the first row of true motion `series`, at its stamps."""
-    motion = mover.rollout(applied, series.t_s[None], {name: series.columns[name][:1] for name in mover.state}, finer)
+    motion = simulator.rollout(
+        applied, series.t_s[None], {name: series.columns[name][:1] for name in simulator.state}, finer
+    )
     return Series(series.t_s, {name: values[0] for name, values in motion.items()})
 
 
 def bootstrap_sample(
-    mover: BodySimulator,
+    simulator: BodySimulator,
     applied: AppliedBody,
     trials: Sequence[Trial],
     read: Sequence[Series],
@@ -39,7 +41,7 @@ def bootstrap_sample(
 
     out = []
     for trial, series in zip(trials, read, strict=True):
-        seen = applied.reported(simulated_motion(mover, applied, applied.recovered(series), finer))
+        seen = applied.reported(simulated_motion(simulator, applied, applied.recovered(series), finer))
         shake = Rotation.from_rotvec(rng.normal(0.0, noise.rotation_rad or 0.0, (len(seen.t_s), 3)))
         turned = Rotation.from_quat(np.roll(seen.columns["quat_wxyz"], -1, axis=1)) * shake
         others = {"v_W": noise.v_mps, "w_B": noise.w_radps, "q": noise.q, "qd": noise.qd}

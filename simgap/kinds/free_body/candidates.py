@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.gap import Place
+from schemas.physical_constants import GRAVITY_MPS2
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import Effect, Series
 from sim.effects.library import EFFECTS, effect
@@ -19,11 +20,11 @@ TOLERANCE = 0.05
 # Two engines, and sliding and impacts in one, differ by this much about the friction of a pair.
 FRICTION_TOLERANCE = 0.15
 # Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
-STEP, _NUISANCE_STEP = 0.02, 0.2
+CONTACT_STEP, _NUISANCE_STEP = 0.02, 0.2
 _COARSEST = 0.2
-_DIRECT_ALPHA = 0.01  # level at which a direct estimate sets the bounds
+BOUNDS_ALPHA = 0.01  # level at which a direct estimate sets the bounds or replaces a fit
 _BEYOND = 0.25  # share of a direct estimate above that level by which bounds exceed it
-_SEEN, _SMALL = 0.05, 0.02  # level of "something is there"; share of the bounds that is little
+_SEEN, _LITTLE_OF_BOUNDS = 0.05, 0.02  # level of "something is there"; share of the bounds that is little
 _NEED_SUPPORT = ("contact", "body.size")
 _NEED_JOINTS = ("joint", "sensor.bias")
 DIRECTLY_MEASURED = (
@@ -53,7 +54,7 @@ def candidates_of(
         table = bounds_of(model, series)
         bounds = {p.name: table.get((each.name, p.name), (p.low, p.high)) for p in each.parameters}
         start = {n: float(np.clip(v, *bounds[n])) for n, v in null.items()}
-        wide = Candidate(each, _where(each), null, start, bounds, step=STEP)
+        wide = Candidate(each, _where(each), null, start, bounds, step=CONTACT_STEP)
         direct = estimate_directly(wide) if estimate_directly else None
         if direct is None:
             out.append(wide)
@@ -73,7 +74,7 @@ def absent(wide: Candidate, direct: DirectEstimate) -> bool:
     if direct.p_value < _SEEN:
         return False
     return all(
-        abs(direct.values[n] - wide.null[n]) + 2.0 * direct.standard_errors[n] < _SMALL * (high - low)
+        abs(direct.values[n] - wide.null[n]) + 2.0 * direct.standard_errors[n] < _LITTLE_OF_BOUNDS * (high - low)
         for n, (low, high) in wide.bounds.items()
     )
 
@@ -109,7 +110,7 @@ def with_direct_bounds(wide: Candidate, direct: DirectEstimate) -> Candidate:
     all; where it is not, bounds lie a little further.
     """
     bounds, half_widths, step = {}, {}, wide.step
-    sure = direct.p_value < _DIRECT_ALPHA
+    sure = direct.p_value < BOUNDS_ALPHA
     for name, (low, high) in wide.bounds.items():
         null, value = wide.null[name], direct.values[name]
         beyond = 4.0 * direct.standard_errors[name] + 0.002 * (high - low)
@@ -153,7 +154,7 @@ def declared_of(name: str, model: BodyModel) -> dict[str, float]:
 
 def bounds_of(model: BodyModel, series: Sequence[Series]) -> dict[tuple[str, str], tuple[float, float]]:
     """Bounds that follow from the body's size and speed: forces up to half its weight, offsets up to a third of it."""
-    g = float(np.linalg.norm(model.gravity_W)) or 9.81
+    g = float(np.linalg.norm(model.gravity_W)) or GRAVITY_MPS2
     speed = max(
         float(np.quantile(np.concatenate([np.linalg.norm(s.columns["v_W"], axis=1) for s in series]), 0.95)), 0.1
     )

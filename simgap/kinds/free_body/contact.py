@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from geom.convex.support_function import support
-from simgap.kinds.free_body.evidence import NormalEquations, of_rows, of_values
+from simgap.kinds.free_body.normal_equations import NormalEquations, of_rows, of_values
 from simgap.kinds.free_body.toss import Impact, Toss, resting_facet
 
 _CONSISTENT = 0.25  # share of an impulse's moment that may not turn the body the way it should

@@ -41,7 +41,7 @@ def build_body(spec: MeasurementSpec, root: Path) -> BodyModel:
 
 
 def body_of(spec: MeasurementSpec, link: UrdfLink) -> BodyModel:
-    """A link of the subject's URDF as the body; what `subject` says itself wins. Raises ValueError without mass."""
+    """A link of the subject's URDF as the body; values of `subject` override it. Raises ValueError without mass."""
     subject, mass = spec.subject, link.mass
     if subject.mass_kg is not None:
         known = mass or MassProperties(subject.mass_kg, np.array(subject.com_m), _even_inertia(link.shapes, 1.0))

@@ -16,13 +16,13 @@ from scipy import stats
 
 from schemas.arrays import FloatArray
 from simgap.kinds.free_body import contact, flight, readings
-from simgap.kinds.free_body.evidence import NormalEquations
+from simgap.kinds.free_body.normal_equations import NormalEquations
 from simgap.kinds.free_body.toss import Toss
 from simgap.problem import Candidate, DirectEstimate
 
 Estimator = Callable[[Toss], "NormalEquations | None"]
 Routes = Mapping[str, tuple[Estimator, ...]]
-_LEAST = 3
+_LEAST_EQUATIONS = 3
 _HEAVIEST = 3.0  # times the median toss
 _ROUNDS = 5
 _BLIND = 1e-6
@@ -62,9 +62,9 @@ def estimate(
     estimators, names = routes_to.get(candidate.effect.name, ()), list(candidate.null)
     routes = []
     for estimator, bias in zip(estimators, biases or [np.zeros(len(names))] * len(estimators), strict=True):
-        told = pooled(estimator, tosses)
-        if told is not None:
-            values, errors, n = (told[0][: len(names)], told[1][: len(names)], told[2])
+        pooled_estimate = pooled(estimator, tosses)
+        if pooled_estimate is not None:
+            values, errors, n = (pooled_estimate[0][: len(names)], pooled_estimate[1][: len(names)], pooled_estimate[2])
             routes.append((values, np.hypot(errors, bias), n))
     if not routes:
         return None
@@ -84,7 +84,7 @@ def estimate(
 
 
 def agree_on_one_value(readings: Sequence[DirectEstimate]) -> bool:
-    """Whether readings of one number agree within their errors; each knows what is declared to `_KNOWN` only."""
+    """Whether readings of one number agree within their errors and the tolerance `_KNOWN` of declared values."""
     return all(
         abs(one.values[n] - other.values[n])
         <= _ONE_ERRORS * np.hypot(one.standard_errors[n], other.standard_errors[n]) + _KNOWN * abs(one.values[n])
@@ -123,7 +123,7 @@ def _p_value(values: FloatArray, errors: FloatArray, null: FloatArray, trials: i
 def pooled(estimator: Estimator, tosses: Sequence[Toss]) -> tuple[FloatArray, FloatArray, int] | None:
     """Values, standard errors (jackknife over tosses) and the number of tosses."""
     equations = [e for toss in tosses if (e := estimator(toss)) is not None]
-    if len(equations) < _LEAST:
+    if len(equations) < _LEAST_EQUATIONS:
         return None
     H, g = np.stack([e.H for e in equations]), np.stack([e.g for e in equations])
     n, everyone = len(equations), np.arange(len(equations))

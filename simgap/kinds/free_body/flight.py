@@ -13,7 +13,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from schemas.arrays import FloatArray
 from sim.dynamics.hooks import BodyState
-from simgap.kinds.free_body.evidence import NormalEquations, of_values
+from simgap.kinds.free_body.normal_equations import NormalEquations, of_values
 from simgap.kinds.free_body.toss import FLIGHT_ROWS, Toss
 
 Columns = Callable[[Toss, FloatArray], FloatArray]  # velocity (n, 3) -> accelerations (n, 3, k)

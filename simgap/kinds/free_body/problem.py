@@ -13,7 +13,7 @@ from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.kinds.free_body.bootstrap import bootstrap_sample, simulated_motion
-from simgap.kinds.free_body.candidates import DIRECTLY_MEASURED
+from simgap.kinds.free_body.candidates import BOUNDS_ALPHA, DIRECTLY_MEASURED
 from simgap.kinds.free_body.direct_estimates import agree_on_one_value, biases_of, estimate
 from simgap.kinds.free_body.toss import Toss
 from simgap.kinds.free_body.tossed_body import BodySimulator, Columns
@@ -22,20 +22,20 @@ from simgap.recording.read import Measurement
 from simgap.recording.recording import Trial
 from simgap.recording.train_test_split import split_trials
 
-HORIZON_S = 0.081
-_COMPARED = 4  # rows per short window that are compared
+BODY_HORIZON_S = 0.081
+_BODY_ROWS_COMPARED = 4  # rows per short window that are compared
 _IN_FLIGHT, _AT_REST, _IN_CONTACT = 3, 1, 6  # most windows per trial; without contact a few suffice
-_FEW, _FINER = 12, 4.0  # trials that show the error of a step; how much finer steps must be
-_DIRECT_ALPHA, _ALIKE = 0.01, 0.5  # level, and share of the fit, within which a direct estimate replaces it
-_CLEAR, _MOVED = 0.1, 0.01  # shares of the body's size: this far from the support all along, moved less than this
+_STEP_CHECK_TRIALS, _FINER = 12, 4.0  # trials that show the error of a step; how much finer steps must be
+_DIRECT_TOLERANCE_SHARE = 0.5  # of the fit, within which a direct estimate replaces it
+_CLEAR_SHARE, _MOVED = 0.1, 0.01  # shares of the body's size: this far from the support all along, moved less than this
 
 
 class FreeBodyProblem:
     """Engine roll-outs against poses; direct estimates from flight, impacts, sliding and rest."""
 
-    def __init__(self, measurement: Measurement, mover: BodySimulator, horizon_s: float = HORIZON_S) -> None:
+    def __init__(self, measurement: Measurement, simulator: BodySimulator, horizon_s: float = BODY_HORIZON_S) -> None:
         self.measurement = measurement
-        self.mover = mover
+        self.simulator = simulator
         self.horizon_s = horizon_s
         self._series = {t.id: _series(t) for t in measurement.trials}
         step = float(np.median(np.concatenate([np.diff(s.t_s) for s in self._series.values()])))
@@ -54,11 +54,11 @@ class FreeBodyProblem:
     @cached_property
     def _candidates(self) -> tuple[Candidate, ...]:
         taught = split_trials(self.measurement.spec, self.trial_ids).train
-        return self.mover.candidates([self._series[t] for t in taught], lambda c: self.direct(c, (), taught))
+        return self.simulator.candidates([self._series[t] for t in taught], lambda c: self.direct(c, (), taught))
 
     def channels(self) -> tuple[str, ...]:
         """Position and the rotation vector between simulated and measured, world axes; then joints."""
-        return self.mover.channels
+        return self.simulator.channels
 
     def candidates(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`."""
@@ -66,19 +66,19 @@ class FreeBodyProblem:
 
     def nuisances(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`."""
-        return self.mover.nuisances()
+        return self.simulator.nuisances()
 
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
         """See `simgap.problem.Problem`; m and rad."""
         return self._errors(model, trials, view, 1.0)
 
     def _errors(self, model: Model, trials: Sequence[str], view: View, finer: float) -> list[FloatArray]:
-        applied = self.mover.apply(model)
+        applied = self.simulator.apply(model)
         series = [applied.recovered(self._series[trial]) for trial in trials]
         cuts = [self._cut(trial, view) for trial in trials]
         # Windows that are compared at the same rows are rolled out together, whatever trial they are of.
         kinds = [tuple(compared) for _, compared in cuts]
-        out: list[FloatArray] = [np.zeros((0, len(self.mover.channels)))] * len(series)
+        out: list[FloatArray] = [np.zeros((0, len(self.simulator.channels)))] * len(series)
         for kind in dict.fromkeys(kinds):
             of = [n for n, k in enumerate(kinds) if k == kind]
             errors = self._rolled(applied, [series[n] for n in of], [cuts[n][0] for n in of], cuts[of[0]][1], finer)
@@ -103,11 +103,11 @@ class FreeBodyProblem:
         # Rows that are not compared need not be stopped at.
         rows, compared = [r[:, [0, *compared]] for r in rows], np.arange(1, len(compared) + 1)
         t_s = np.concatenate([s.t_s[r] for s, r in zip(series, rows, strict=True)])
-        start = {name: picked(name, True) for name in self.mover.state}
-        motion = self.mover.rollout(applied, t_s, start, finer)
-        simulated = _reported(applied, t_s, {name: motion[name] for name in self.mover.read})
-        measured = _reported(applied, t_s, {name: picked(name, False) for name in self.mover.read})
-        errors = self.mover.errors(*({n: v[:, compared] for n, v in c.items()} for c in (simulated, measured)))
+        start = {name: picked(name, True) for name in self.simulator.state}
+        motion = self.simulator.rollout(applied, t_s, start, finer)
+        simulated = _reported(applied, t_s, {name: motion[name] for name in self.simulator.read})
+        measured = _reported(applied, t_s, {name: picked(name, False) for name in self.simulator.read})
+        errors = self.simulator.errors(*({n: v[:, compared] for n, v in c.items()} for c in (simulated, measured)))
         return np.split(errors, np.cumsum([len(r) * len(compared) for r in rows])[:-1])
 
     def features(self, trials: Sequence[str], view: View) -> list[FloatArray]:
@@ -118,8 +118,8 @@ class FreeBodyProblem:
             rows, compared = self._cut(trial, view)
             first = rows[:, 0]
             R = Rotation.from_quat(np.roll(series.columns["quat_wxyz"][first], -1, axis=1))
-            gap = self.mover.gaps(series)[first, None]
-            joints = [series.columns[n][first] for n in ("q", "qd") if n in self.mover.state]
+            gap = self.simulator.gaps(series)[first, None]
+            joints = [series.columns[n][first] for n in ("q", "qd") if n in self.simulator.state]
             rates = [series.columns["v_W"][first], R.apply(series.columns["w_B"][first])]
             start = np.concatenate([*rates, gap, *joints], axis=1)
             since = series.t_s[rows[:, compared]] - series.t_s[first][:, None]
@@ -133,9 +133,9 @@ class FreeBodyProblem:
     def _estimate_directly(self, candidate: Candidate, model: Model, trials: tuple[str, ...]) -> DirectEstimate | None:
         """The direct estimate of a candidate, given the terms of `model`."""
         if candidate.key not in self._biases:
-            self._biases[candidate.key] = biases_of(candidate, self._simulated, self.mover.routes(candidate))
+            self._biases[candidate.key] = biases_of(candidate, self._simulated, self.simulator.routes(candidate))
         read = self._tosses(model, trials)
-        return estimate(candidate, read, self._biases[candidate.key], self.mover.routes(candidate))
+        return estimate(candidate, read, self._biases[candidate.key], self.simulator.routes(candidate))
 
     def _with_direct_values(self, model: Model, trials: tuple[str, ...]) -> Model:
         """The model with the values that falls and rest determine precisely: fits to contacts stray from those.
@@ -160,9 +160,12 @@ class FreeBodyProblem:
         if candidate.nuisance or candidate.effect.name not in DIRECTLY_MEASURED:
             return term
         direct = self._estimate_directly(candidate, others, trials)
-        if direct is None or direct.p_value > _DIRECT_ALPHA or not agree_on_one_value(direct.separate_readings):
+        if direct is None or direct.p_value > BOUNDS_ALPHA or not agree_on_one_value(direct.separate_readings):
             return term
-        far = (abs(direct.values[n] - v) > _ALIKE * abs(v - candidate.null[n]) for n, v in term.values.items())
+        far = (
+            abs(direct.values[n] - v) > _DIRECT_TOLERANCE_SHARE * abs(v - candidate.null[n])
+            for n, v in term.values.items()
+        )
         return term if any(far) else replace(term, values=direct.values)
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
@@ -170,8 +173,8 @@ class FreeBodyProblem:
 
         Numerics: what steps four times finer change. Nothing smaller than that is physics.
         """
-        of_readings = self.mover.reading_noise(self.measurement.noise, self._step_s, self.horizon_s)
-        few = tuple(trials)[:_FEW]
+        of_readings = self.simulator.reading_noise(self.measurement.noise, self._step_s, self.horizon_s)
+        few = tuple(trials)[:_STEP_CHECK_TRIALS]
         if (few, view) not in self._numeric:
             usual, fine = (np.concatenate(self._errors((), few, view, finer)) for finer in (1.0, _FINER))
             self._numeric[few, view] = ((fine - usual) ** 2).mean(axis=0)
@@ -180,10 +183,13 @@ class FreeBodyProblem:
     @cached_property
     def _simulated(self) -> list[list[Toss]]:
         """Full roll-outs of the declared model from the first rows of training trials, at two step sizes."""
-        few = split_trials(self.measurement.spec, self.trial_ids).train[:_FEW]
-        declared = self.mover.apply(())
+        few = split_trials(self.measurement.spec, self.trial_ids).train[:_STEP_CHECK_TRIALS]
+        declared = self.simulator.apply(())
         return [
-            [self.mover.toss(declared, simulated_motion(self.mover, declared, self._series[t], finer)) for t in few]
+            [
+                self.simulator.toss(declared, simulated_motion(self.simulator, declared, self._series[t], finer))
+                for t in few
+            ]
             for finer in (1.0, _FINER)
         ]
 
@@ -191,22 +197,22 @@ class FreeBodyProblem:
         """See `simgap.inference.parametric_bootstrap.Bootstrappable`; in finer steps, so that their error shows."""
         here = self.measurement
         trials = bootstrap_sample(
-            self.mover,
-            self.mover.apply(model),
+            self.simulator,
+            self.simulator.apply(model),
             here.trials,
             [self._series[t.id] for t in here.trials],
             here.noise,
             _FINER,
             seed,
         )
-        return FreeBodyProblem(replace(here, trials=trials), self.mover, self.horizon_s)
+        return FreeBodyProblem(replace(here, trials=trials), self.simulator, self.horizon_s)
 
     def _tosses(self, model: Model, trials: tuple[str, ...]) -> list[Toss]:
         """Trials as they truly are under the model; those of the last call are kept."""
         key = _cache_key(model, trials)
         if self._read[0] != key:
-            applied = self.mover.apply(model)
-            self._read = (key, [self.mover.toss(applied, applied.recovered(self._series[t])) for t in trials])
+            applied = self.simulator.apply(model)
+            self._read = (key, [self.simulator.toss(applied, applied.recovered(self._series[t])) for t in trials])
         return self._read[1]
 
     def _cut(self, trial: str, view: View) -> tuple[np.ndarray, np.ndarray]:
@@ -215,7 +221,7 @@ class FreeBodyProblem:
         if view == "full_rollout" or self._rows >= length:
             return np.arange(length)[None], np.arange(1, length)
         k = self._rows
-        compared = np.unique(np.linspace(1, k - 1, _COMPARED).round().astype(int))
+        compared = np.unique(np.linspace(1, k - 1, _BODY_ROWS_COMPARED).round().astype(int))
         return self._starts[trial][:, None] + np.arange(k), compared
 
     @cached_property
@@ -229,9 +235,9 @@ class FreeBodyProblem:
         starts = np.arange(0, len(p) - k + 1, k - 1)
         rows = starts[:, None] + np.arange(k)
         flying = np.ones(len(starts), dtype=bool)
-        resting = np.ptp(p[rows], axis=1).max(axis=1) < _MOVED * self.mover.size_m
-        if self.mover.has_support:
-            flying = self.mover.gaps(series)[rows].min(axis=1) > _CLEAR * self.mover.size_m
+        resting = np.ptp(p[rows], axis=1).max(axis=1) < _MOVED * self.simulator.size_m
+        if self.simulator.has_support:
+            flying = self.simulator.gaps(series)[rows].min(axis=1) > _CLEAR_SHARE * self.simulator.size_m
         kinds = ((flying, _IN_FLIGHT), (~flying & resting, _AT_REST), (~flying & ~resting, _IN_CONTACT))
         return np.sort(np.concatenate([_spread(starts[of], most) for of, most in kinds]))
 

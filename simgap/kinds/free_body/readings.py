@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simgap.kinds.free_body.evidence import NormalEquations, of_rows, of_values
+from simgap.kinds.free_body.normal_equations import NormalEquations, of_rows, of_values
 from simgap.kinds.free_body.toss import FLIGHT_ROWS, Toss, resting_facet
 
 

@@ -19,13 +19,13 @@ from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
 
 FLIGHT_ROWS = 7
-_NEAR = 0.02  # share of the body's length: a point closer than this to the support may touch it
+_TOUCH_SHARE = 0.02  # share of the body's length: a point closer than this to the support may touch it
 _PATCH = 0.15  # share of the body's length: a contact within this is one corner
-_SIDE = 5  # rows that give the motion on one side of an impact
+_IMPACT_SIDE_ROWS = 5  # rows that give the motion on one side of an impact
 _LONGEST_S = 0.03  # from touching down to moving up
 _INSTANTS = 60
 _SLIDE_ROWS = 7
-_STEADY = 0.8  # cosine between the slip at the ends and in the middle of a slide
+_STEADY_COSINE = 0.8  # cosine between the slip at the ends and in the middle of a slide
 _LEVEL_RAD = 0.4  # between a facet and the support; more is another facet
 _STILL = 0.05  # share of sqrt(g * length): slower is rest
 
@@ -105,7 +105,7 @@ class Toss:
         height, step = self.heights, np.abs(np.diff(self.heights, axis=0))
         turns = (height[1:-1] <= height[:-2]) & (height[1:-1] <= height[2:])
         touched = turns & (height[1:-1] < 1.5 * np.maximum(step[:-1], step[1:]))
-        free = self.gap > _NEAR * self.size
+        free = self.gap > _TOUCH_SHARE * self.size
         free[1:-1] &= ~touched.any(axis=1)
         return _stretches(free, 4)
 
@@ -119,7 +119,7 @@ class Toss:
         """Moments in steady contact with slip well over the noise."""
         if not self.body.has_support:
             return []
-        touching = np.abs(self.gap) < 2.0 * _NEAR * self.size
+        touching = np.abs(self.gap) < 2.0 * _TOUCH_SHARE * self.size
         slide_stretches = []
         for part in _stretches(touching, _SLIDE_ROWS):
             for first in range(part.start, part.stop - _SLIDE_ROWS + 1, _SLIDE_ROWS // 2):
@@ -162,14 +162,14 @@ class Toss:
         )
 
     def _impact(self, flight: slice) -> Impact | None:
-        """What ends a flight, if a corner or an edge meets the support and moves up again before another does."""
-        last, before = flight.stop - 1, slice(max(flight.start, flight.stop - _SIDE), flight.stop)
+        """The impact at the end of a flight, if a corner or an edge meets the support and rises before another does."""
+        last, before = flight.stop - 1, slice(max(flight.start, flight.stop - _IMPACT_SIDE_ROWS), flight.stop)
         after_touch = np.flatnonzero(self.t_s > self.t_s[last])
         soon = after_touch[self.t_s[after_touch] < self.t_s[last] + _LONGEST_S]
         if not len(soon) or not self.body.has_support:
             return None
         lowest = int(soon[np.argmin(self.gap[soon])])
-        after = slice(lowest + 1, lowest + 1 + _SIDE)
+        after = slice(lowest + 1, lowest + 1 + _IMPACT_SIDE_ROWS)
         if after.stop > len(self.t_s):
             return None
         touch_s = self._touch(self.motion(before, float(self.t_s[last]), True), last, lowest)
@@ -186,7 +186,7 @@ class Toss:
             after=leaving,
             lever=reach[:, near].mean(axis=1),
             edge=edge,
-            clear=bool((others > _NEAR * self.size).all()),
+            clear=bool((others > _TOUCH_SHARE * self.size).all()),
         )
 
     def _touch(self, falling: Motion, last: int, lowest: int) -> float:
@@ -209,7 +209,7 @@ class Toss:
         for end in (rows.start, rows.stop - 1):
             # What sticks on the way carries less than friction could.
             there, fast, _ = self._slip(self.motion(rows, float(self.t_s[end]), False), end)
-            if fast < self.least_slip or float(there @ slip) < _STEADY * fast * speed:
+            if fast < self.least_slip or float(there @ slip) < _STEADY_COSINE * fast * speed:
                 return None
         along = np.array([*(slip / speed), 0.0])
         return Slide(-float(force @ along) / float(force[2]), self.matrices[at].T @ along, speed)
@@ -217,7 +217,7 @@ class Toss:
     def _slip(self, motion: Motion, row: int) -> tuple[FloatArray, float, float]:
         """Velocity (2,) of the lowest corners along the support, its size, and how much it differs between them."""
         reach = self.matrices[row] @ self.corners.T
-        near = reach[2] < reach[2].min() + 0.5 * _NEAR * self.size
+        near = reach[2] < reach[2].min() + 0.5 * _TOUCH_SHARE * self.size
         middle: FloatArray = reach[:, near].mean(axis=1)
         slip = (motion.v + np.cross(motion.w, middle))[:2]
         spread = float(np.linalg.norm(motion.w)) * float(np.ptp(reach[:, near], axis=1).max())

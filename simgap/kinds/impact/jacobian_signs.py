@@ -16,15 +16,15 @@ from simgap.inference.cluster_regression import Equations, regress
 from simgap.kinds.impact.model import impulses
 from simgap.recording.recording import Impacts
 
-_SURE = 4.0  # standard errors
-_BLOCKS = 20
+_SURE_SIGMAS = 4.0  # standard errors
+_SIGN_BLOCKS = 20
 
 
 def oriented(body: BodyModel, events: Impacts) -> tuple[Impacts, ConventionCheck]:
     """Events whose Jacobians' angular parts agree with the measured spin, and what was found."""
     seen = impulses(body, events)
     X = np.stack([seen.normal_arm * seen.normal, seen.along_arm * seen.along], axis=1)
-    blocks = np.array_split(np.arange(len(events)), min(_BLOCKS, max(len(events) // 3, 1)))
+    blocks = np.array_split(np.arange(len(events)), min(_SIGN_BLOCKS, max(len(events) // 3, 1)))
     names = ("normal", "tangent")
     found = regress([Equations(seen.spin[k], X[k], X[k]) for k in blocks], names, dict.fromkeys(names, 1.0))
     if found is None:
@@ -32,7 +32,7 @@ def oriented(body: BodyModel, events: Impacts) -> tuple[Impacts, ConventionCheck
             name="jacobian_signs", status="ok", evidence="too few events turn the body; the signs stand as given"
         )
     shares = {n: (found.values[n], found.standard_errors[n]) for n in names}
-    wrong = [n for n in names if shares[n][0] < -_SURE * shares[n][1]]
+    wrong = [n for n in names if shares[n][0] < -_SURE_SIGMAS * shares[n][1]]
     figures = "; ".join(f"{n} {v:.2f} +- {1.96 * e:.2f}" for n, (v, e) in shares.items())
     text = f"spin per moment of the impulses (1 is mechanics): {figures}"
     if not wrong:

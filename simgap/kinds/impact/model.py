@@ -58,7 +58,7 @@ def predicted(body: BodyModel, events: Impacts) -> FloatArray:
 
 @dataclass(frozen=True)
 class Impulses:
-    """What the contact did, read off the states alone: no law of friction or restitution is used.
+    """Contact impulses from the states before and after alone, without a law of friction or restitution.
 
     normal, along (n,)      impulses in N s; `spin` (n,) change of angular momentum about the mass centre, N m s.
     normal_arm, along_arm   (n,) m: moment about the mass centre per impulse.

@@ -41,7 +41,7 @@ class ImpactProblem:
             raise ValueError("the measurement holds no impacts")
         self.measurement = measurement
         self.declared: BodyModel = build_body(measurement.spec)
-        self.events, self.trap = oriented(self.declared, measurement.impacts)
+        self.events, self.convention_check = oriented(self.declared, measurement.impacts)
         size = -(-len(self.events) // _MOST_TRIALS)
         train, test = (_grouped(self.events, ids, size) for ids in (events_split.train, events_split.test))
         self.trials = Trials(tuple(train), tuple(test))
@@ -55,8 +55,8 @@ class ImpactProblem:
 
     @property
     def convention_checks(self) -> tuple[ConventionCheck, ...]:
-        """What was checked of the Jacobians."""
-        return (self.trap,)
+        """The check of the Jacobians' signs."""
+        return (self.convention_check,)
 
     def channels(self) -> tuple[str, ...]:
         """Velocity of the tracked point and turning rate after the impact."""

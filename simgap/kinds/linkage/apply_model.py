@@ -18,7 +18,7 @@ _LENGTHS_ONLY = ("sensor.scale",)
 
 @dataclass(frozen=True)
 class AppliedLinkage(AppliedBody):
-    """What a roll-out needs of a model; `body` is the base with the mass of the whole."""
+    """A model as inputs of a roll-out; `body` is the base with the mass of the whole linkage."""
 
     linkage: LinkageModel
     laws: tuple[Law, ...]

@@ -8,13 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.gap import Place
+from schemas.physical_constants import GRAVITY_MPS2
 from sim.dynamics.hooks import Effect, Series
 from sim.dynamics.linkage_rollout import LinkageModel, link_body
 from sim.dynamics.tree import mass_matrix
 from sim.effects.library import EFFECTS
 from simgap.kinds.free_body.candidates import (
+    CONTACT_STEP,
     DIRECTLY_MEASURED,
-    STEP,
     absent,
     bounds_of,
     declared_of,
@@ -80,7 +81,7 @@ def _candidate(each: Effect, where: Place, model: LinkageModel, series: Sequence
     bounds = {p.name: table.get((each.name, p.name), (p.low, p.high)) for p in each.parameters}
     start = {n: float(np.clip(v, *bounds[n])) for n, v in null.items()}
     shapes = ("rest_rad",) if each.name == "joint.spring" else ()
-    return Candidate(each, where, null, start, bounds, shapes=shapes, step=STEP)
+    return Candidate(each, where, null, start, bounds, shapes=shapes, step=CONTACT_STEP)
 
 
 def _joint_bounds(model: LinkageModel, where: Place) -> dict[tuple[str, str], tuple[float, float]]:
@@ -90,7 +91,7 @@ def _joint_bounds(model: LinkageModel, where: Place) -> dict[tuple[str, str], tu
     tree = model.joints.tree
     j = [link.name for link in tree].index(where.joint)
     inertia = float(mass_matrix(tree, np.zeros((1, len(tree))))[0, j, j])
-    weight = model.mass_kg * (float(np.linalg.norm(model.base.gravity_W)) or 9.81)
+    weight = model.mass_kg * (float(np.linalg.norm(model.base.gravity_W)) or GRAVITY_MPS2)
     reach = 1.0 if tree[j].prismatic else float(np.linalg.norm(tree[j].X_PJ[:3, 3]) + np.linalg.norm(tree[j].com_J))
     turn = 0.05 if tree[j].prismatic else np.pi
     return {

@@ -18,17 +18,17 @@ from simgap.kinds.linkage.toss import LinkageToss
 from simgap.kinds.linkage.tossed_body import LinkageSimulator
 from simgap.sanity.convention_checks import held
 
-_STAMPS, _SPAN_S = 201, 0.2
+_STAMPS, _ROLLOUT_S = 201, 0.2
 
 
-def linkage_engine_checks(mover: LinkageSimulator) -> tuple[ConventionCheck, ...]:
+def linkage_engine_checks(simulator: LinkageSimulator) -> tuple[ConventionCheck, ...]:
     """A flight without gravity or joint friction, every joint turning: what should stay and how much it changes."""
-    declared, joints = mover.declared, len(mover.declared.joints.tree)
+    declared, joints = simulator.declared, len(simulator.declared.joints.tree)
     free = replace(declared.joints, friction=np.zeros(joints), damping=np.zeros(joints), limits=None)
     base = replace(declared.base, gravity_W=np.zeros(3), has_support=False)
     bare = replace(declared, base=base, joints=free)
     applied = AppliedLinkage(replace(base, mass_kg=declared.mass_kg), (), (), bare, ())
-    t_s = np.linspace(0.0, _SPAN_S, _STAMPS)
+    t_s = np.linspace(0.0, _ROLLOUT_S, _STAMPS)
     start = {
         "p": np.zeros((1, 3)),
         "quat_wxyz": np.array([[1.0, 0.0, 0.0, 0.0]]),
@@ -37,7 +37,7 @@ def linkage_engine_checks(mover: LinkageSimulator) -> tuple[ConventionCheck, ...
         "q": np.zeros((1, joints)),
         "qd": np.full((1, joints), 3.0),
     }
-    motion = mover.rollout(applied, t_s[None], start, 1.0)
+    motion = simulator.rollout(applied, t_s[None], start, 1.0)
     toss = LinkageToss(applied, Series(t_s, {name: values[0] for name, values in motion.items()}))
     drift, spin, energy = _kept(toss)
     return (

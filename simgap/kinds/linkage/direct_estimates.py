@@ -13,13 +13,13 @@ import numpy as np
 from schemas.arrays import FloatArray
 from simgap.kinds.free_body import contact, flight
 from simgap.kinds.free_body.direct_estimates import Estimator, Routes
-from simgap.kinds.free_body.evidence import NormalEquations, of_rows, of_values
+from simgap.kinds.free_body.normal_equations import NormalEquations, of_rows, of_values
 from simgap.kinds.free_body.toss import Toss
 from simgap.kinds.linkage.toss import LinkageToss
 from simgap.problem import Candidate
 
 _ROWS = 11  # of a window over which accelerations are read
-_LEAST = 9  # minimum rows of a flight for estimates of momenta
+_LEAST_FLIGHT_ROWS = 9  # minimum rows of a flight for estimates of momenta
 _STILL_RADPS = 0.5  # a joint that turns slower than this has no sure direction
 
 
@@ -179,7 +179,7 @@ def joint_effort(toss: LinkageToss, j: int, rows: slice) -> float:
 
 
 def _flights(toss: LinkageToss) -> list[slice]:
-    return [f for f in toss.flights if f.stop - f.start >= _LEAST]
+    return [f for f in toss.flights if f.stop - f.start >= _LEAST_FLIGHT_ROWS]
 
 
 def _linkage(toss: Toss) -> LinkageToss:

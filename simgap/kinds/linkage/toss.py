@@ -17,7 +17,7 @@ from simgap.kinds.linkage.apply_model import AppliedLinkage
 _TOUCHING = 0.01  # share of the size: a corner this close to the lowest one carries too
 _JOLT = 0.05  # share of sqrt(g * size): a change of speed within a few rows that no fall makes
 _CARRIED = 0.4  # share of the weight that something else than gravity carries
-_SIDE = 4
+_JOLT_SIDE_ROWS = 4
 _ALONG = 0.9  # cosine between the slips of the corners that carry
 
 
@@ -64,7 +64,7 @@ class LinkageToss(Toss):
 
     def _jolts(self, flight: slice, jolt: float) -> list[int]:
         """Rows at which the speed of the mass centre, from the rows on either side, changes by more than `jolt`."""
-        side, jolt_rows = _SIDE, []
+        side, jolt_rows = _JOLT_SIDE_ROWS, []
         for row in range(flight.start + side, flight.stop - side):
             slopes = []
             for rows in (slice(row - side, row + 1), slice(row, row + side + 1)):

@@ -24,7 +24,7 @@ from simgap.kinds.linkage.direct_estimates import routes_to
 from simgap.kinds.linkage.toss import LinkageToss
 from simgap.problem import Candidate, Model
 
-_NOISE_RAD, _LARGEST = 1e-3, 1e3
+_NOISE_RAD, _LARGEST_JOINT_ERROR = 1e-3, 1e3
 
 
 class LinkageSimulator:
@@ -60,7 +60,9 @@ class LinkageSimulator:
     def errors(self, simulated: Columns, measured: Columns) -> FloatArray:
         """See `BodySimulator`; joints by the shorter way round."""
         turning = np.array([not link.prismatic for link in self.declared.joints.tree])
-        apart = np.clip((simulated["q"] - measured["q"]).reshape(-1, len(turning)), -_LARGEST, _LARGEST)
+        apart = np.clip(
+            (simulated["q"] - measured["q"]).reshape(-1, len(turning)), -_LARGEST_JOINT_ERROR, _LARGEST_JOINT_ERROR
+        )
         apart[:, turning] = (apart[:, turning] + np.pi) % (2.0 * np.pi) - np.pi
         return np.concatenate([pose_errors(simulated, measured), apart], axis=1)
 

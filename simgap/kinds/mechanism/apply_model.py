@@ -15,7 +15,7 @@ SensorTerm = tuple[SensorMap, Params, Place]
 
 @dataclass(frozen=True)
 class Applied:
-    """What a roll-out needs of a model."""
+    """A model as inputs of a roll-out: the changed mechanism, joint laws, maps of inputs and of readings."""
 
     mechanism: MechanismModel
     laws: tuple[Law, ...]
@@ -34,7 +34,7 @@ class Applied:
         return series
 
     def recovered(self, series: Series) -> Series:
-        """Readings as the truth they stand for."""
+        """True motion from readings: the sensor maps inverted."""
         for hook, params, where in reversed(self.sensors):
             series = hook.recover(series, params, where)
         return series

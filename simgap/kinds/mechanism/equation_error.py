@@ -237,12 +237,14 @@ def _mapped(hook: EffortMap, law: Law, state: JointState, spans: Sequence[tuple[
 
 def _given(drive: Drive, columns: dict[str, FloatArray], q: FloatArray, qd: FloatArray) -> FloatArray:
     if drive.type == "effort":
-        asked = columns["effort"] * drive.effort_per_unit
+        requested = columns["effort"] * drive.effort_per_unit
     elif drive.type == "position_pd":
-        asked = (drive.kp * (columns["command"] - q) - drive.kd * qd) * drive.effort_per_unit
+        requested = (drive.kp * (columns["command"] - q) - drive.kd * qd) * drive.effort_per_unit
     else:
         return np.zeros_like(q)
-    return asked.copy() if drive.effort_limit is None else np.clip(asked, -drive.effort_limit, drive.effort_limit)
+    return (
+        requested.copy() if drive.effort_limit is None else np.clip(requested, -drive.effort_limit, drive.effort_limit)
+    )
 
 
 def _friction(rest: FloatArray, qd: FloatArray, largest: dict[float, FloatArray], qd_noise: FloatArray) -> FloatArray:

@@ -1,9 +1,9 @@
 """Roll-outs with free initial states: residuals with the first-order effect of each window's start projected out.
 
-A start is read off noisy positions, its rate worst of all: over a second that noise outgrows what most causes do. Each
-window's start may move by what its readings say (output error with free initial conditions: Ljung, System
-Identification, 1999, section 7.4), to first order, so that no further roll-out is needed (Golub and Pereyra, SIAM J.
-Numer. Anal. 10, 1973). What steps of finite length leave is taken out in the same way, once for all candidates.
+Initial states come from noisy positions, the rates with the most noise: within a second its effect exceeds that of
+most causes. Each window's initial state is free within that noise (output error with free initial conditions: Ljung,
+System Identification, 1999, section 7.4), to first order, so that no further roll-out is needed (Golub and Pereyra,
+SIAM J. Numer. Anal. 10, 1973). The error of the step length is removed likewise, once for all candidates.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ _TO_NO_STEP = (1.0 / 3.0, -2.0, 8.0 / 3.0)
 
 @dataclass(frozen=True)
 class FreeInitialStates:
-    """Windows (w) whose starts follow their errors (w, c, j), which are flattened to c * j.
+    """Linear estimates of the initial states of windows (w) from their errors (w, c, j), which are flattened to c * j.
 
-    moved     (w, c * j, s) change of the errors by one deviation of each of the s numbers of a start
-    followed  (w, s, c * j) deviations by which a start follows errors; far beyond its noise it is held back
-    by_steps  (w, c, j) what finer steps change
-    q0, qd0   (w, j) by how much roll-outs begin elsewhere than the readings say
+    start_sensitivity  (w, c * j, s) change of the errors per standard deviation of each of s initial values
+    start_gain         (w, s, c * j) least-squares estimate of the initial values from errors, in standard deviations
+    step_error         (w, c, j) change of the compared positions in the limit of small steps
+    q0, qd0            (w, j) offsets of the linearisation point from the readings
     """
 
     start_sensitivity: FloatArray
@@ -44,13 +44,13 @@ class FreeInitialStates:
     qd0: FloatArray
 
     def without(self, errors: FloatArray) -> FloatArray:
-        """(w, c, j) what is left of errors (w, c, j), with finer steps, once each start is where that is least."""
+        """(w, c, j) errors with the step error added and the best initial states projected out."""
         flat = (errors + self.step_error).reshape(len(errors), -1, 1)
         return (flat - self.start_sensitivity @ (self.start_gain @ flat)).reshape(errors.shape)
 
 
 def linearised_initial_states(changes: FloatArray, noise: FloatArray, step_error: FloatArray) -> FreeInitialStates:
-    """From `changes` (w, c, j, s) of what is compared by one deviation of each number of a start, and noise (w, j)."""
+    """From `changes` (w, c, j, s) of compared positions per deviation of each initial value, and their noise (w, j)."""
     windows, compared, joints, numbers = changes.shape
     start_sensitivity = changes.reshape(windows, compared * joints, numbers)
     weighted = np.swapaxes(start_sensitivity, 1, 2) / np.tile(noise**2, compared)[:, None]
@@ -67,11 +67,10 @@ def initial_states_of(
     smooth: Sequence[Smooth],
     step_s: float,
 ) -> list[FreeInitialStates]:
-    """Per trial, what `model` makes of wrong starts of its windows.
+    """Per trial, the initial states of its windows, linearised under `model`.
 
-    A window that it explains, or the declared model does, begins where its readings then say that it began: a blow that
-    is met from a wrong start would not be put right to first order. Elsewhere a start would only make up for what a
-    model lacks.
+    Windows that `model` or the declared model explains are linearised at their estimated initial state, because the
+    first order does not hold across an impact. Elsewhere the estimate would only hide the model's error.
     """
     first, last = (_InitialStates.of(applied, logs, cuts, smooth, step_s) for applied in (declared, model))
     start_offsets = np.zeros((*first.noise_q.shape, 2))
@@ -159,7 +158,7 @@ class _InitialStates:
         return out, reached
 
     def linearised_at(self, start_offsets: FloatArray) -> tuple[FloatArray, FreeInitialStates]:
-        """What is compared, and how it follows starts about there: each joint's place and rate, one after another."""
+        """Compared positions at `start_offsets`, and their linearisation in each joint's position and rate."""
         ones = np.eye(start_offsets[0].size).reshape(-1, 1, *start_offsets.shape[1:])
         plain, *start_sensitivity = self.compared(np.concatenate([start_offsets[None], start_offsets + ones]))
         changes = np.stack(start_sensitivity, axis=-1) - plain[..., None]

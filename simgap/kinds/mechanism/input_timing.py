@@ -17,30 +17,30 @@ from simgap.recording.recording import Trial
 InputTiming = Literal["stamps", "even_inputs", "even"]
 TIMINGS: tuple[InputTiming, ...] = ("stamps", "even_inputs", "even")
 _UNEVEN = 0.3  # of a row: stamps further from an even beat do not follow one
-_LEAST = 1e-4  # of a row: stamps that even need no other beat
+_EVEN_STAMPS = 1e-4  # of a row: stamps that even need no other beat
 _LONGEST = 5  # rows of a gap over which inputs are drawn on
 
 
 def possible_timings(trial: Trial) -> tuple[InputTiming, ...]:
-    """All beats that a trial's stamps leave open: only its own where they are even, or follow none."""
+    """The timings that a trial's stamps allow: "stamps" alone where they are even, or follow no even clock."""
     even = even_stamps(trial.t_s)
     if even is None or not (np.diff(trial.t_s) > 0.0).all():
         return TIMINGS[:1]
     off = float(np.abs(trial.t_s - even).max() / np.median(np.diff(trial.t_s)))
-    if not _LEAST < off < _UNEVEN:
+    if not _EVEN_STAMPS < off < _UNEVEN:
         return TIMINGS[:1]
     driven = trial.has("effort") or trial.has("command")
     return TIMINGS if driven else ("stamps", "even")
 
 
 def stamp_jitter_s(trial: Trial) -> float | None:
-    """Root mean square by which stamps stray from the nearest even beat; None for fewer than three."""
+    """Root mean square deviation of the stamps from the nearest even clock; None for fewer than three."""
     even = even_stamps(trial.t_s)
     return None if even is None else float(np.sqrt(np.mean((trial.t_s - even) ** 2)))
 
 
 def even_stamps(t_s: FloatArray) -> FloatArray | None:
-    """(n,) the even beat nearest to stamps (n,), lost rows left out; None for fewer than three."""
+    """(n,) ticks of the even clock nearest to stamps (n,), lost rows left out; None for fewer than three."""
     if len(t_s) < 3:
         return None
     numbers = _numbers(t_s)
@@ -50,8 +50,8 @@ def even_stamps(t_s: FloatArray) -> FloatArray | None:
 def with_timing(trial: Trial, timing: InputTiming) -> Trial:
     """The trial with the stamps at which it was read, and inputs as means of what acted from each up to the next.
 
-    Inputs are held from beat to beat. Those of lost rows went from one value to the next at an unknown time: a straight
-    line is right on average, for ramps as for steps. The first stamp of an even beat need not be 0.
+    Inputs are held from tick to tick. Those of lost rows went from one value to the next at an unknown time: a straight
+    line is right on average, for ramps as for steps. The first tick of an even clock need not be 0.
     """
     even = even_stamps(trial.t_s) if timing != "stamps" else None
     sent_at = trial.t_s if even is None else even

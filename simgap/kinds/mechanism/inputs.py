@@ -10,7 +10,7 @@ import numpy as np
 from schemas.arrays import FloatArray
 from simgap.recording.recording import Trial
 
-_ALIKE = 0.3  # share of the inputs' size; trials that differ by less are driven alike
+_SAME_INPUT_SHARE = 0.3  # share of the inputs' size; trials that differ by less are driven alike
 
 
 def permuted_inputs(trials: Sequence[Trial], by: int = 1) -> tuple[Trial, ...] | None:
@@ -28,7 +28,7 @@ def permuted_inputs(trials: Sequence[Trial], by: int = 1) -> tuple[Trial, ...] |
         own = {n: np.nan_to_num(getattr(trial, n)) for n in names}
         differ.append(max(_apart(own[n], given[n]) for n in names))
         out.append(replace(trial, **given))
-    return tuple(out) if np.median(differ) > _ALIKE else None
+    return tuple(out) if np.median(differ) > _SAME_INPUT_SHARE else None
 
 
 def _read_at(trial: Trial, name: str, t_s: FloatArray) -> FloatArray:

@@ -29,14 +29,14 @@ from simgap.kinds.mechanism.windows import Cut, cut, windows_of
 from simgap.problem import Candidate, DirectEstimate, Model, View
 from simgap.recording.read import Measurement
 
-HORIZON_S = 0.2  # jointed things move less per time than tossed ones: 80 ms would measure the encoder
+MECHANISM_HORIZON_S = 0.2  # jointed things move less per time than tossed ones: 80 ms would measure the encoder
 _LONG = 5  # short horizons that a long one lasts
 _MEANS = 16  # of a long horizon that are compared: 60 ms each
-_LARGEST = 1e6
-_SURE = 0.01  # chance below which another input timing than the stamps is accepted
+_LARGEST_ROLLOUT_ERROR = 1e6
+_TIMING_ALPHA = 0.01  # chance below which another input timing than the stamps is accepted
 _LARGEST_STEP_S = 5e-3
 _STEP_SWING = 0.15  # of a radian of the fastest controlled swing per step; what that leaves is taken out (`starts`)
-_FINER = 0.25  # steps of repeats, of those of roll-outs
+_BOOTSTRAP_STEP_RATIO = 0.25  # steps of repeats, of those of roll-outs
 _MOST_WINDOWS = 240  # over all trials; each has at least `_LEAST_WINDOWS`
 _LEAST_WINDOWS = 6
 
@@ -53,7 +53,7 @@ class MechanismProblem:
     def __init__(
         self,
         measurement: Measurement,
-        horizon_s: float = HORIZON_S,
+        horizon_s: float = MECHANISM_HORIZON_S,
         known: Mapping[str, Smooth] | None = None,
         timing: InputTiming = "stamps",
     ) -> None:
@@ -114,13 +114,15 @@ class MechanismProblem:
         for trial, (series, piece) in zip(trials, pieces, strict=True):
             count, k = piece.rows.shape
             error = piece.of(q[at : at + count, :k] - series.columns[piece.column][piece.rows])
-            error = np.nan_to_num(error, nan=_LARGEST)
+            error = np.nan_to_num(error, nan=_LARGEST_ROLLOUT_ERROR)
             if view == self.search_view:
-                error = self._starts_of(trials)[trial].without(np.clip(error, -_LARGEST, _LARGEST))
+                error = self._starts_of(trials)[trial].without(
+                    np.clip(error, -_LARGEST_ROLLOUT_ERROR, _LARGEST_ROLLOUT_ERROR)
+                )
             # In units of the sensor: a scale that shrinks the truth must not shrink the error.
             if applied.sensors:
                 error = error * _magnification(self._logs[trial].series, series)
-            out.append(np.clip(error, -_LARGEST, _LARGEST).reshape(-1, q.shape[2]))
+            out.append(np.clip(error, -_LARGEST_ROLLOUT_ERROR, _LARGEST_ROLLOUT_ERROR).reshape(-1, q.shape[2]))
             at += count
         return out
 
@@ -150,7 +152,9 @@ class MechanismProblem:
         """See `simgap.inference.parametric_bootstrap.Bootstrappable`."""
         trials = self.measurement.trials
         logs = [self._logs[t.id] for t in trials]
-        again = bootstrap_sample(self.declared, trials, logs, model, self.timing, _FINER * self._step_s, seed)
+        again = bootstrap_sample(
+            self.declared, trials, logs, model, self.timing, _BOOTSTRAP_STEP_RATIO * self._step_s, seed
+        )
         return MechanismProblem(replace(self.measurement, trials=again), self.horizon_s).with_initial_states_at(model)
 
     def with_permuted_inputs(self, by: int = 1) -> MechanismProblem | None:
@@ -166,15 +170,15 @@ class MechanismProblem:
 
     def with_initial_states_at(self, model: Model) -> MechanismProblem:
         """See `simgap.problem.LongHorizonProblem`; with the input timing of the significantly smallest loss."""
-        at_stamps = self._seen_from(model)
+        at_stamps = self._linearised_at(model)
         level = at_stamps.noise_floor(self.trial_ids, self.search_view)
         best, losses = at_stamps, at_stamps._losses(model, level)
         for timing in () if self._settled else self._open:
-            other = self._by_timing(timing)._seen_from(model)
+            other = self._by_timing(timing)._linearised_at(model)
             if at_stamps._cuts_alike(other):
                 other._starts = at_stamps._starts  # to the order of a row's jitter the same
             theirs = other._losses(model, level)
-            if paired_p(losses, theirs) < _SURE and theirs.sum() < losses.sum():
+            if paired_p(losses, theirs) < _TIMING_ALPHA and theirs.sum() < losses.sum():
                 best, losses = other, theirs
         best._settled = True
         return best
@@ -198,7 +202,7 @@ class MechanismProblem:
             self._by_timing_cache[timing] = MechanismProblem(self.measurement, self.horizon_s, same, timing)
         return self._by_timing_cache[timing]
 
-    def _seen_from(self, model: Model) -> MechanismProblem:
+    def _linearised_at(self, model: Model) -> MechanismProblem:
         other = copy(self)
         other._around, other._starts = model, {}
         return other
@@ -250,7 +254,7 @@ class MechanismProblem:
         return np.sum([np.nanmean((judged(start) - plain) ** 2, axis=0) for start in moved], axis=0)
 
     def _starts_of(self, trials: Sequence[str]) -> Mapping[str, FreeInitialStates]:
-        """What starts do to long horizons of these trials, by the model that initial states are taken at."""
+        """Free initial states of the long horizons of these trials, linearised at this problem's model."""
         new = [t for t in trials if t not in self._starts]
         if new:
             declared, model = (apply_terms(self.declared, m) for m in ((), self._around))

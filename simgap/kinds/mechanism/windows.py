@@ -12,7 +12,7 @@ from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import Windows
 from simgap.kinds.mechanism.apply_model import Applied
 
-_COMPARED = 8  # rows per window that are compared
+_JOINT_ROWS_COMPARED = 8  # rows per window that are compared
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,11 @@ def cut(
     if means:
         ends = np.unique(np.linspace(1, k, means + 1).round().astype(int))
         return Cut(starts[:, None] + np.arange(k), ends[:-1], means=True)
-    compared = np.unique(np.linspace(1, k - 1, _COMPARED if rows_per_window else 40 * _COMPARED).round().astype(int))
+    compared = np.unique(
+        np.linspace(1, k - 1, _JOINT_ROWS_COMPARED if rows_per_window else 40 * _JOINT_ROWS_COMPARED)
+        .round()
+        .astype(int)
+    )
     return Cut(starts[:, None] + np.arange(k), compared)
 
 

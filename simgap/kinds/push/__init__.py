@@ -1,1 +1,1 @@
-"""Planar pushes: quasi-static sliding on a limit surface against poses and forces, and what forces say directly."""
+"""Planar pushes: quasi-static sliding on a limit surface against poses and forces, and direct estimates from forces."""

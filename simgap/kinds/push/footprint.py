@@ -12,7 +12,7 @@ from schemas.arrays import FloatArray
 from schemas.measurement import Subject
 
 _LOW = 0.02  # share of the height within which vertices count as of the lowest face
-_GRID = 24
+_FOOTPRINT_CELLS = 24
 
 
 def vertices_of(subject: Subject, root: Path) -> FloatArray:
@@ -45,7 +45,7 @@ def _hull(points: FloatArray) -> FloatArray:
 def even_points(outline: FloatArray) -> FloatArray:
     """(p, 2) points spread evenly over a convex outline, each for the same share of the load."""
     low, high = outline.min(axis=0), outline.max(axis=0)
-    middles = (np.arange(_GRID) + 0.5) / _GRID
+    middles = (np.arange(_FOOTPRINT_CELLS) + 0.5) / _FOOTPRINT_CELLS
     grid = np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2) * (high - low) + low
     return grid[Delaunay(outline).find_simplex(grid) >= 0]
 

@@ -40,7 +40,7 @@ class PushModel:
 
     @cached_property
     def lever_m(self) -> float:
-        """Moment over force on the limit surface: as spinning friction says, else that of an even pressure."""
+        """Moment over force on the limit surface: from spinning friction, else that of an even pressure."""
         if self.body.spinning_friction_m > 0.0:
             return self.body.spinning_friction_m / self.reference_friction
         return even_lever(self.points - self.body.com_B[:2])

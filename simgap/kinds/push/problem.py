@@ -17,7 +17,7 @@ from sim.effects.library import effect
 from simgap.kinds.push.direct_estimates import estimate
 from simgap.kinds.push.footprint import even_points, outlines, vertices_of
 from simgap.kinds.push.model import PUSHER, SUPPORT, PushModel, changed
-from simgap.kinds.push.records import STEADY, STEPS, Records, end_distance, record, upright
+from simgap.kinds.push.records import PATH_STEPS, STEADY_FROM_SHARE, Records, end_distance, record, upright
 from simgap.kinds.push.sliding import plane_rotations, simulate_pushes
 from simgap.problem import Candidate, DirectEstimate, Model, View
 from simgap.recording.read import Measurement
@@ -50,7 +50,7 @@ class PushProblem:
 
     @property
     def convention_checks(self) -> tuple[ConventionCheck, ...]:
-        """What was checked of the forces."""
+        """The check of the forces' sign."""
         return (self._force_check(),)
 
     def channels(self) -> tuple[str, ...]:
@@ -95,7 +95,7 @@ class PushProblem:
         """See `simgap.problem.Problem`; m, rad and N, one row per push."""
         records = self._joined(trials)
         poses, forces = simulate_pushes(changed(self.declared, model), records.before, records.tips)
-        steady = forces[:, round(STEADY * STEPS) :].mean(axis=1)
+        steady = forces[:, round(STEADY_FROM_SHARE * PATH_STEPS) :].mean(axis=1)
         turned = poses[:, -1, 2] - records.before[:, 2]
         simulated = self._in_channels(records, poses[:, -1, :2], turned, steady)
         return list(
@@ -163,11 +163,11 @@ class PushProblem:
 
     def _noise(self, whole: Records) -> FloatArray:
         """(c,) declared pose noise, else from the tip's distance at the end, which geometry fixes."""
-        told = self.measurement.noise
+        declared_noise = self.measurement.noise
         apart = end_distance(self.declared.outline, whole)
-        seen = 1.4826 * float(np.median(np.abs(apart - np.median(apart))))
-        p = np.sqrt(2.0) * (told.p_m or max(seen, _LEAST_M))
-        turn = np.sqrt(2.0) * told.rotation_rad if told.rotation_rad else p / self.declared.lever_m
+        spread_m = 1.4826 * float(np.median(np.abs(apart - np.median(apart))))
+        p = np.sqrt(2.0) * (declared_noise.p_m or max(spread_m, _LEAST_M))
+        turn = np.sqrt(2.0) * declared_noise.rotation_rad if declared_noise.rotation_rad else p / self.declared.lever_m
         floor = [p, p, turn]
         if self._has_force:
             ripple = max(float(np.nanmedian(whole.ripple_N)), _LEAST_N)

@@ -13,15 +13,15 @@ from simgap.kinds.push.footprint import nearest
 from simgap.kinds.push.sliding import plane_rotations
 from simgap.recording.recording import Push
 
-STEPS = 24  # of a tip's path: many more would follow the jitter of its readings
-STEADY = 0.5  # share of the path after which the force is averaged: contact is made, transients are over
+PATH_STEPS = 24  # of a tip's path: many more would follow the jitter of its readings
+STEADY_FROM_SHARE = 0.5  # share of the path after which the force is averaged: contact is made, transients are over
 
 _CONTACT = 0.3  # share of the steady force from which on the tip touches
 
 
 @dataclass(frozen=True)
 class Records:
-    """before, after (n, 3) x, y, yaw; tips (n, STEPS, 2) world, evenly in time; force (n, 2) on the body, world axes,
+    """before, after (n, 3) x, y, yaw; tips (n, PATH_STEPS, 2), even in time; force (n, 2) on the body, world axes,
     mean over the steady part, NaN where none was measured; ripple_N (n,) of that force within the push;
     force_all (n, 2) its mean over all the time of contact.
     """
@@ -70,7 +70,7 @@ def end_distance(outline: FloatArray, records: Records) -> FloatArray:
 
 
 def _path(push: Push) -> FloatArray:
-    at = np.linspace(push.tip_t_s[0], push.tip_t_s[-1], STEPS)
+    at = np.linspace(push.tip_t_s[0], push.tip_t_s[-1], PATH_STEPS)
     return np.stack([np.interp(at, push.tip_t_s, push.tip_p[:, k]) for k in (0, 1)], axis=1)
 
 
@@ -78,7 +78,7 @@ def _forces(push: Push) -> tuple[FloatArray, float, FloatArray]:
     """Mean steady force (2,), its ripple, and the mean force (2,) while there was contact."""
     first, last = push.tip_t_s[0], push.tip_t_s[-1]
     pushing = (push.force_t_s >= first) & (push.force_t_s <= last)
-    steady = pushing & (push.force_t_s >= first + STEADY * (last - first))
+    steady = pushing & (push.force_t_s >= first + STEADY_FROM_SHARE * (last - first))
     if steady.sum() < 3:
         return np.full(2, np.nan), np.nan, np.full(2, np.nan)
     force = push.force[steady, :2]

@@ -9,7 +9,7 @@ import numpy as np
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Location, finding
 from simgap.recording.checks.check import Checked, Setting
-from simgap.recording.checks.frames import AGREES
+from simgap.recording.checks.frames import RIGHT_MISMATCH
 from simgap.recording.checks.rates import Slopes, fast_rows, linear_slopes, mismatch, turning_slopes
 from simgap.recording.checks.stack import stacked
 from simgap.recording.recording import Trial
@@ -32,7 +32,7 @@ def check_velocity_age(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
             rows = rows & np.isfinite(implied).all(axis=1)
         off = {lag: mismatch(recorded, implied, rows) for lag, implied in candidates.items()}
         lag = min(off, key=lambda k: off[k])
-        if lag > 0.0 and off[lag] < _CLEARER * off[0.0] and off[lag] < AGREES:
+        if lag > 0.0 and off[lag] < _CLEARER * off[0.0] and off[lag] < RIGHT_MISMATCH:
             text = f"'{column}' is the velocity of {lag:g} frames before its stamp"
             text += f" (mismatch {off[0.0]:.2g}, then {off[lag]:.2g})"
             where = Location(file="measurement.yaml")

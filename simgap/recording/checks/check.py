@@ -19,7 +19,7 @@ _SHOWN = 5
 
 @dataclass(frozen=True)
 class Setting:
-    """What a check may know besides the trials. `joints` are the measured ones, in the order of `Trial.q`."""
+    """Inputs of a check besides the trials. `joints` are the measured ones, in the order of `Trial.q`."""
 
     spec: MeasurementSpec
     joints: tuple[JointInfo, ...] = ()

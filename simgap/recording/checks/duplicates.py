@@ -16,7 +16,7 @@ from simgap.recording.checks.check import Checked, Hit, Setting, over_trials
 from simgap.recording.recording import Trial
 
 _KEY = 16  # rows of a fingerprint
-_NEAR = 0.02  # of the typical step: fingerprints closer than this are compared row by row
+_FINGERPRINT_DISTANCE = 0.02  # of the typical step: fingerprints closer than this are compared row by row
 _OVERLAP = 0.6  # of the shorter trial
 _COPY = 0.5  # of the sensor noise: two recordings of one motion differ by 1.4 times the noise, copies by rounding
 
@@ -71,7 +71,7 @@ def _proposed(trials: Sequence[Trial], up: FloatArray) -> Iterator[tuple[int, in
         lively = int(np.argmax(spread))
         if spread[lively] == 0.0:
             continue
-        for hit in tree.query_ball_point(windows[lively], _NEAR * np.sqrt(windows.shape[1])):
+        for hit in tree.query_ball_point(windows[lively], _FINGERPRINT_DISTANCE * np.sqrt(windows.shape[1])):
             other, shift = int(owner[hit]), int(row[hit]) - lively
             pair = (min(k, other), max(k, other))
             if other != k and pair not in seen:

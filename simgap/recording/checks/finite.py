@@ -13,7 +13,7 @@ from simgap.recording.recording import COLUMNS, Trial
 
 MIN_ROWS = 3
 _INPUTS = ("effort", "command", "command_p", "command_quat_wxyz")
-LARGEST = 1e12  # in SI units; no reading is larger, and its square must not overflow
+LARGEST_READING = 1e12  # in SI units; no reading is larger, and its square must not overflow
 _SPARSE = 0.5  # An input that is mostly empty is logged slower than the rest, not broken.
 
 
@@ -68,5 +68,5 @@ def _whole_rows(setting: Setting, trial: Trial) -> BoolArray:
 
 def _without_wild_numbers(trial: Trial) -> Trial:
     """Infinite and absurd readings as missing ones."""
-    wild = {name: np.abs(getattr(trial, name)) > LARGEST for name in COLUMNS[1:]}
+    wild = {name: np.abs(getattr(trial, name)) > LARGEST_READING for name in COLUMNS[1:]}
     return replace(trial, **{k: np.where(bad, np.nan, getattr(trial, k)) for k, bad in wild.items() if bad.any()})

@@ -16,7 +16,7 @@ from simgap.recording.checks.rates import fast_rows, linear_slopes, mismatch, tu
 from simgap.recording.checks.stack import stacked
 from simgap.recording.recording import Trial
 
-AGREES = 0.35  # Mismatch of a right reading: noise and half a frame of age stay below.
+RIGHT_MISMATCH = 0.35  # Mismatch of a right reading: noise and half a frame of age stay below.
 DECISIVE = 2.0  # times better than what the file declares
 
 
@@ -31,7 +31,7 @@ class Reading:
 
 
 def check_orientation(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
-    """Angular velocity against orientation, for both quaternion orders and both frames; the file's own reading stands
+    """Angular velocity against orientation, for both quaternion orders and both frames; the declared reading is kept
     unless another one agrees and is DECISIVE times better.
     """
     declared = set(setting.spec.columns)
@@ -86,18 +86,19 @@ def _decide(
 ) -> Checked:
     """The first reading if it agrees with the motion, else the best one if that agrees and is clearly better."""
     declared_mismatch = off(trials)
-    if declared_mismatch <= AGREES:
+    if declared_mismatch <= RIGHT_MISMATCH:
         return Checked(trials)
     alternatives = [(off(mapped(trials, reading.change)), k) for k, reading in enumerate(readings[1:], 1)]
     best_mismatch, k = min(alternatives)
     where = Location(file="measurement.yaml")
-    if best_mismatch <= AGREES and declared_mismatch >= DECISIVE * best_mismatch:
+    if best_mismatch <= RIGHT_MISMATCH and declared_mismatch >= DECISIVE * best_mismatch:
         text = f"{readings[k].text} (mismatch {declared_mismatch:.2f}, then {best_mismatch:.2f})"
-        diagnostic = finding(readings[k].code, text, where=where, value=declared_mismatch, bound=AGREES)
+        diagnostic = finding(readings[k].code, text, where=where, value=declared_mismatch, bound=RIGHT_MISMATCH)
         return Checked(mapped(trials, readings[k].change), (diagnostic,))
     text = f"recorded {what} does not follow from the motion in any frame or order (mismatch {declared_mismatch:.2f})"
     return Checked(
-        trials, (finding("gap/velocity-inconsistent", text, where=where, value=declared_mismatch, bound=AGREES),)
+        trials,
+        (finding("gap/velocity-inconsistent", text, where=where, value=declared_mismatch, bound=RIGHT_MISMATCH),),
     )
 
 

@@ -12,7 +12,7 @@ from schemas.measurement import Subject
 from simgap.recording.recording import Impacts
 
 _TABLE = Location(file="trajectories")
-_MOST = 0.02  # of the rows; more mean a wrong sign or unit, not a bad event
+_MOST_BAD_SHARE = 0.02  # of the rows; more mean a wrong sign or unit, not a bad event
 _ENERGY = 1.05
 
 
@@ -20,7 +20,7 @@ def check_impacts(impacts: Impacts, subject: Subject) -> tuple[Impacts, tuple[Di
     """Finite events, with a report of those that break mechanics.
 
     Events with a missing number, or listed twice, are left out. Events that approach with a positive normal speed, part
-    with a negative one or gain kinetic energy stay: they are in the record, and say how far to trust it.
+    with a negative one or gain kinetic energy stay: they are in the record, and show how far to trust it.
     """
     state = np.column_stack([impacts.velocity_before, impacts.velocity_after, impacts.normal, impacts.tangent])
     whole = np.isfinite(state).all(axis=1)
@@ -58,11 +58,16 @@ def _mechanics(impacts: Impacts, subject: Subject) -> list[Diagnostic]:
         count = int(odd.sum())
         if count:
             ids = ", ".join(impacts.ids[i] for i in np.flatnonzero(odd)[:5])
-            severity = Severity.WARNING if count > _MOST * n else Severity.INFO
+            severity = Severity.WARNING if count > _MOST_BAD_SHARE * n else Severity.INFO
             headline = f"{count} of {n} events {text}: {ids}"
             findings.append(
                 finding(
-                    "gap/impact-inconsistent", headline, where=_TABLE, value=count, bound=_MOST * n, severity=severity
+                    "gap/impact-inconsistent",
+                    headline,
+                    where=_TABLE,
+                    value=count,
+                    bound=_MOST_BAD_SHARE * n,
+                    severity=severity,
                 )
             )
     return findings

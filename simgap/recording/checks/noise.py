@@ -15,7 +15,7 @@ from simgap.recording.checks.check import Setting
 from simgap.recording.checks.stack import owners, stacked, windows
 from simgap.recording.recording import Trial
 
-WINDOW, DEGREE = 9, 2
+WINDOW, POLYNOMIAL_DEGREE = 9, 2
 _MEDIAN_OF_CHI = 0.944  # sqrt(median(chi2_6) / 6): the median window of Gaussian noise is this much too quiet
 METHOD = f"median residual of parabolas over {WINDOW} rows, at least one count of the sensor over sqrt(12)"
 
@@ -60,7 +60,7 @@ def channel_noise(values: FloatArray, owner: IntArray) -> float | None:
     if not values.size or not np.isfinite(values).any():
         return None
     runs = windows(values, owner, WINDOW)
-    rms = np.sqrt(((runs @ _residual_of_parabola()) ** 2).sum(axis=-1) / (WINDOW - DEGREE - 1))
+    rms = np.sqrt(((runs @ _residual_of_parabola()) ** 2).sum(axis=-1) / (WINDOW - POLYNOMIAL_DEGREE - 1))
     rms = rms[(rms > 0.0) & (runs[..., 0] != runs[..., -1])]  # At rest a coarse sensor shows no noise at all.
     if not len(rms):
         return None
@@ -82,7 +82,7 @@ def sensor_count(steps: FloatArray) -> float:
 
 def _residual_of_parabola() -> FloatArray:
     """(WINDOW, WINDOW) projection onto what a parabola cannot follow."""
-    basis = np.vander(np.linspace(-1.0, 1.0, WINDOW), DEGREE + 1)
+    basis = np.vander(np.linspace(-1.0, 1.0, WINDOW), POLYNOMIAL_DEGREE + 1)
     return np.eye(WINDOW) - basis @ np.linalg.pinv(basis)
 
 

@@ -11,11 +11,11 @@ from simgap.recording.recording import Trial
 
 _SPIKE = 6.0  # times the steps around it; positions of real logs stay below 4
 _SPIKE_RATE = 12.0  # for velocities and efforts, which real logs make rougher: they stay below 10
-_MOST = 0.02  # of the rows; more of them are no accident but the signal
+_MOST_SPIKE_SHARE = 0.02  # of the rows; more of them are no accident but the signal
 
 
 def drop_corrupted_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
-    """Without rows of which a column stands off both neighbours as no motion does."""
+    """Without rows in which a column differs from both neighbours by more than any motion would."""
     hits: list[Hit] = []
     cleaned: list[Trial] = []
     for trial in trials:
@@ -26,7 +26,7 @@ def drop_corrupted_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
             for values in columns:
                 if len(values) >= 7 and np.isfinite(values).all():
                     bad |= spikes(values, factor)
-        if bad.any() and bad.sum() <= max(1.0, _MOST * len(trial)):
+        if bad.any() and bad.sum() <= max(1.0, _MOST_SPIKE_SHARE * len(trial)):
             rows = ", ".join(str(r + 1) for r in np.flatnonzero(bad)[:5])
             hits.append(Hit(trial, float(bad.sum()), f"row {rows}"))
             trial = trial.rows(~bad)

@@ -9,11 +9,11 @@ import numpy as np
 
 from schemas.arrays import FloatArray, IntArray
 from schemas.diagnostics import Diagnostic, Label, Location, Severity, finding
-from simgap.recording.checks.quaternions import NEAR
+from simgap.recording.checks.quaternions import LENGTH_TOLERANCE
 from simgap.recording.recording import Push
 
 _MOVED_M, _TURNED_RAD = 5e-4, 5e-3
-_FAR_M = 1.0
+_MOST_TIP_DISTANCE_M = 1.0
 
 
 def check_pushes(pushes: Sequence[Push]) -> tuple[tuple[Push, ...], tuple[Diagnostic, ...]]:
@@ -30,7 +30,7 @@ def check_pushes(pushes: Sequence[Push]) -> tuple[tuple[Push, ...], tuple[Diagno
             problems.setdefault("gap/non-finite-rows", []).append((push.id, f"{dropped} rows dropped"))
         if _moved(clean) == 0.0:
             problems.setdefault("gap/push-inconsistent", []).append((push.id, "the body did not move"))
-        elif (distance := _nearest(clean)) > _FAR_M:
+        elif (distance := _nearest(clean)) > _MOST_TIP_DISTANCE_M:
             text = f"the tip stays {distance:.3g} m away; unit or frame?"
             problems.setdefault("gap/push-inconsistent", []).append((push.id, text))
         usable.append(clean)
@@ -49,7 +49,7 @@ def _unusable(push: Push) -> tuple[str, str] | None:
     if not (np.isfinite(poses).all() and np.isfinite(quats).all()):
         return "gap/empty-trial", "a pose is missing"
     length = np.linalg.norm(quats, axis=1)
-    if np.abs(length - 1.0).max() > NEAR:
+    if np.abs(length - 1.0).max() > LENGTH_TOLERANCE:
         return "gap/quaternion-not-unit", f"length {length.max():.3g}"
     if np.isfinite(push.tip_t_s).sum() < 2:
         return "gap/empty-trial", "the tip has no path"

@@ -12,12 +12,12 @@ from simgap.recording.checks.check import Checked, Hit, Setting, over_trials
 from simgap.recording.recording import Trial
 
 ROUNDING = 1e-4  # Five printed digits; not worth a finding.
-NEAR = 0.05  # A sloppy filter; farther off it is no quaternion.
-FEW = 0.1  # of a trial's rows: lost tracking, not a wrong column
+LENGTH_TOLERANCE = 0.05  # A sloppy filter; farther off it is no quaternion.
+DROPPED_SHARE = 0.1  # of a trial's rows: lost tracking, not a wrong column
 
 
 def normalise_quaternions(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
-    """Rows within NEAR of length 1 are scaled, a few others dropped; with more of those the trial is left out."""
+    """Rows within LENGTH_TOLERANCE of length 1 are scaled, a few others dropped; with more the trial is left out."""
     unit_trials: list[Trial] = []
     scaled: list[Hit] = []
     dropped: list[Hit] = []
@@ -25,11 +25,11 @@ def normalise_quaternions(setting: Setting, trials: tuple[Trial, ...]) -> Checke
     for trial in trials:
         length = np.linalg.norm(trial.quat_wxyz, axis=1)
         off = np.abs(np.nan_to_num(length, nan=1.0) - 1.0)
-        far = off > NEAR
+        far = off > LENGTH_TOLERANCE
         if far.any():
             row = int(np.argmax(off))
             text = f"length {length[row]:.3g} in row {row + 1}, {int(far.sum())} of {len(trial)} rows off"
-            if far.sum() > FEW * len(trial):
+            if far.sum() > DROPPED_SHARE * len(trial):
                 refused.append(Hit(trial, float(length[row]), text))
                 continue
             dropped.append(Hit(trial, float(length[row]), text))
@@ -39,11 +39,12 @@ def normalise_quaternions(setting: Setting, trials: tuple[Trial, ...]) -> Checke
         unit_trials.append(replace(trial, quat_wxyz=trial.quat_wxyz / length[:, None]))
     code, total = "gap/quaternion-not-unit", len(trials)
     findings = over_trials(code, "quaternions scaled to length 1", scaled, total, bound=ROUNDING)
-    findings += over_trials(code, "rows without a unit quaternion dropped", dropped, total, bound=NEAR)
+    findings += over_trials(code, "rows without a unit quaternion dropped", dropped, total, bound=LENGTH_TOLERANCE)
     severity = Severity.WARNING if unit_trials else Severity.ERROR
     text = "no unit quaternions; these trials are left out"
     return Checked(
-        tuple(unit_trials), findings + over_trials(code, text, refused, total, bound=NEAR, severity=severity)
+        tuple(unit_trials),
+        findings + over_trials(code, text, refused, total, bound=LENGTH_TOLERANCE, severity=severity),
     )
 
 

@@ -8,7 +8,7 @@ from schemas.diagnostics import Diagnostic, Severity, finding
 from schemas.measurement import MeasurementSpec
 from simgap.recording.reading.yaml_text import YamlDocument
 
-FEWEST = 4  # Two to learn from, two to judge by.
+FEWEST_TRIALS = 4  # Two to learn from, two to judge by.
 
 
 def check_split(
@@ -19,10 +19,17 @@ def check_split(
     `usable` are the ids of `in_files` that are left after the other checks.
     """
     findings: list[Diagnostic] = []
-    if len(usable) < FEWEST:
-        text = f"{len(usable)} trial{'s' * (len(usable) != 1)}; intervals by trial need at least {FEWEST}"
+    if len(usable) < FEWEST_TRIALS:
+        text = f"{len(usable)} trial{'s' * (len(usable) != 1)}; intervals by trial need at least {FEWEST_TRIALS}"
         findings.append(
-            finding("gap/too-few-trials", text, where=document.place(), value=len(usable), bound=FEWEST, unit="trials")
+            finding(
+                "gap/too-few-trials",
+                text,
+                where=document.place(),
+                value=len(usable),
+                bound=FEWEST_TRIALS,
+                unit="trials",
+            )
         )
     split = spec.split
     if split is None:

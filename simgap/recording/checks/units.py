@@ -16,10 +16,10 @@ from simgap.recording.checks.stack import stacked
 from simgap.recording.recording import Trial
 
 _CLOSE = 0.1
-_DEGREE = np.pi / 180.0
+_RAD_PER_DEGREE = np.pi / 180.0
 _CLOCKS = {1e3: "ms", 1e6: "us", 1e9: "ns"}
 _SLOW_CLOCK_S = 0.5  # Nobody films a toss or a hinge with fewer frames than this apart.
-_FAR_M = 30.0
+_MOST_SPAN_M = 30.0
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def _is(value: float, factor: float) -> bool:
 
 
 def _clock(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
-    """Stamps in ms, us or ns when no `rate_hz` says so: every angular velocity is too large by that factor."""
+    """Stamps in ms, us or ns without a `rate_hz`: every angular velocity is too large by that factor."""
     step = float(np.median([np.median(np.diff(t.t_s)) for t in trials]))
     if setting.spec.rate_hz is not None or step < _SLOW_CLOCK_S:
         return Checked(trials)
@@ -103,15 +103,15 @@ def _lengths(setting: Setting, trials: tuple[Trial, ...]) -> Checked:
         changed = mapped(trials, lambda t: replace(t, p=t.p / 1e3, v_W=t.v_W / 1e3 if both else t.v_W))
         return Checked(changed, (_found("gap/millimetres", text, fall, _gravity(setting), "m/s2"),))
     span = max(float(np.ptp(t.p, axis=0).max()) for t in trials)
-    if span > _FAR_M:
+    if span > _MOST_SPAN_M:
         text = f"the body travels {span:.4g} m; if that is mm, convert it"
-        return Checked(trials, (_found("gap/millimetres-suspected", text, span, _FAR_M, "m"),))
+        return Checked(trials, (_found("gap/millimetres-suspected", text, span, _MOST_SPAN_M, "m"),))
     return Checked(trials)
 
 
 def _judge(setting: Setting, trials: tuple[Trial, ...], rate: Rate) -> Checked:
     """One factor between a velocity and its position names the unit of one of them."""
-    small, code, unit = (_DEGREE, "gap/degrees", "degrees") if rate.turns else (1e-3, "gap/millimetres", "mm")
+    small, code, unit = (_RAD_PER_DEGREE, "gap/degrees", "degrees") if rate.turns else (1e-3, "gap/millimetres", "mm")
     size = abs(rate.ratio)
     if rate.ratio > 0.0 and _is(size, small):
         text = f"'{rate.position}' is in {unit}: its slope is {1 / size:.4g} times '{rate.column}'; converted"

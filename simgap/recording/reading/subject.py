@@ -52,7 +52,7 @@ def subject_joints(root: Path, subject: Subject, document: YamlDocument) -> tupl
 
 
 def subject_findings(spec: MeasurementSpec, document: YamlDocument) -> tuple[Diagnostic, ...]:
-    """What a simulation of this kind could not do without."""
+    """Errors for missing fields that a simulation of this kind needs, and for repeated joint names."""
     subject, where = spec.subject, document.place(("subject",), of_key=True)
     findings: list[Diagnostic] = []
     if spec.kind == "free_body" and not (subject.box or subject.mesh or subject.urdf or subject.package):

@@ -15,7 +15,7 @@ from schemas.arrays import FloatArray
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.zip_damage import ZIP_DAMAGE
 
-MAX_BYTES = 512_000_000  # of one file, and of its arrays when unpacked
+MAX_TABLE_BYTES = 512_000_000  # of one file, and of its arrays when unpacked
 SUFFIXES = (".csv", ".parquet", ".npz")
 
 
@@ -34,7 +34,7 @@ def read_table(path: Path, file: str, columns: Collection[str] | None = None) ->
     A text cell without a number is NaN and counted. Raises InvalidInput (`gap/unreadable-table`, `gap/file-too-large`).
     """
     size = path.stat().st_size
-    if size > MAX_BYTES:
+    if size > MAX_TABLE_BYTES:
         raise _too_large(file, size)
     readers: dict[str, Callable[[Path, str, Collection[str] | None], Table]] = {
         ".csv": _csv,
@@ -60,7 +60,12 @@ def _too_large(file: str, size: int) -> InvalidInput:
     where = Location(file=file)
     return InvalidInput(
         finding(
-            "gap/file-too-large", f"{file} holds {size} bytes", where=where, value=size, bound=MAX_BYTES, unit="bytes"
+            "gap/file-too-large",
+            f"{file} holds {size} bytes",
+            where=where,
+            value=size,
+            bound=MAX_TABLE_BYTES,
+            unit="bytes",
         )
     )
 
@@ -139,7 +144,7 @@ def _parquet(path: Path, file: str, columns: Collection[str] | None) -> Table:
             groups = source.metadata
             size = sum(groups.row_group(i).total_byte_size for i in range(groups.num_row_groups))
             names = [n for n in source.schema_arrow.names if columns is None or n in columns]
-            if max(size, 8 * groups.num_rows * len(names)) > MAX_BYTES:
+            if max(size, 8 * groups.num_rows * len(names)) > MAX_TABLE_BYTES:
                 raise _too_large(file, size)
             table = source.read(columns=names, use_threads=False)
         return Table({name: _arrow_floats(table.column(name).combine_chunks(), name) for name in names})
@@ -164,7 +169,7 @@ def _arrow_floats(column: object, name: str) -> FloatArray:
 def _npz(path: Path, file: str, columns: Collection[str] | None) -> Table:
     with zipfile.ZipFile(path) as archive:
         size = sum(entry.file_size for entry in archive.infolist())
-    if size > MAX_BYTES:
+    if size > MAX_TABLE_BYTES:
         raise _too_large(file, size)
     with np.load(path, allow_pickle=False) as arrays:
         names = [name for name in arrays.files if columns is None or name in columns]

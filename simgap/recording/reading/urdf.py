@@ -21,7 +21,7 @@ from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, MassProperties
 
 MOVABLE = ("revolute", "continuous", "prismatic")
-_MAX_BYTES = 20_000_000
+_MAX_URDF_BYTES = 20_000_000
 _MESHES = (".obj", ".stl", ".ply")
 
 
@@ -29,7 +29,7 @@ _MESHES = (".obj", ".stl", ".ply")
 class UrdfLink:
     """A rigid body in its own frame: mass (None: a frame without matter) and convex shapes.
 
-    friction, restitution   as the file says (`<contact>` of PyBullet), of the body alone.
+    friction, restitution   from the file (`<contact>` of PyBullet), of the body alone.
     """
 
     name: str
@@ -65,8 +65,8 @@ class UrdfModel:
 def parse_urdf(path: Path) -> Any:
     """The `<robot>` element. Raises ValueError with the reason."""
     try:
-        if path.stat().st_size > _MAX_BYTES:
-            raise ValueError(f"more than {_MAX_BYTES} bytes")
+        if path.stat().st_size > _MAX_URDF_BYTES:
+            raise ValueError(f"more than {_MAX_URDF_BYTES} bytes")
         robot = etree.fromstring(path.read_bytes(), etree.XMLParser(resolve_entities=False, no_network=True))
     except etree.XMLSyntaxError as error:
         raise ValueError(str(error)) from None

@@ -12,7 +12,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from schemas.diagnostics import InvalidInput, Location, finding
 
-MAX_BYTES = 1_000_000
+MAX_YAML_BYTES = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -50,14 +50,14 @@ def parse_yaml(data: bytes, file: str) -> YamlDocument:
 
     Raises InvalidInput (`gap/yaml-syntax`, `gap/file-too-large`).
     """
-    if len(data) > MAX_BYTES:
+    if len(data) > MAX_YAML_BYTES:
         raise InvalidInput(
             finding(
                 "gap/file-too-large",
                 f"{file} has {len(data)} bytes",
                 where=Location(file=file),
                 value=len(data),
-                bound=MAX_BYTES,
+                bound=MAX_YAML_BYTES,
                 unit="bytes",
             )
         )

@@ -12,7 +12,7 @@ from simgap.kinds.event_problem import EventProblem
 from simgap.problem import Model
 from simgap.report.pictures.colours import DECLARED, EXTENDED, MEASURED
 
-_SHOWN = 4.0  # robust spreads of the readings that are shown around their median
+_SHOWN_SPREADS = 4.0  # robust spreads of the readings that are shown around their median
 
 
 def outcomes(problem: EventProblem, trials: Sequence[str], extension: Model) -> bytes:
@@ -48,7 +48,7 @@ def _size(errors: FloatArray) -> FloatArray:
 def _window(values: FloatArray) -> tuple[float, float]:
     middle = float(np.nanmedian(values))
     spread = 1.4826 * float(np.nanmedian(np.abs(values - middle))) + 1e-9
-    low = max(middle - _SHOWN * spread, float(np.nanmin(values)))
-    high = min(middle + _SHOWN * spread, float(np.nanmax(values)))
+    low = max(middle - _SHOWN_SPREADS * spread, float(np.nanmin(values)))
+    high = min(middle + _SHOWN_SPREADS * spread, float(np.nanmax(values)))
     room = 0.15 * max(high - low, 1e-9)
     return low - room, high + room

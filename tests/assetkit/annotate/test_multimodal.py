@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from assetkit.annotate.annotator import UNKNOWN, Annotation, EndpointResult, ObjectShape, Observation
 from assetkit.annotate.answer import MAX_DESCRIPTION, read_answer
 from assetkit.annotate.embedded import EmbeddedAnnotator
-from assetkit.annotate.exchange import ATTEMPTS, KEY_VARIABLE, MAX_BYTES, Post, Reply, exchange
+from assetkit.annotate.exchange import ATTEMPTS, KEY_VARIABLE, MAX_ANSWER_BYTES, Post, Reply, exchange
 from assetkit.annotate.multimodal import MultimodalAnnotator
 from assetkit.annotate.prompt import answer_schema, prompt_for
 from assetkit.annotate.weigh import MODEL_TRUST, weigh
@@ -153,7 +153,7 @@ def test_slow_endpoints_are_left(respond):
 def test_endless_answers_are_cut():
     with endpoint(endless()) as server:
         headline = assert_falls_back(asking(server).annotate(seen()), seen(), FAILED)
-    assert str(MAX_BYTES) in headline
+    assert str(MAX_ANSWER_BYTES) in headline
 
 
 def test_nobody_listens():

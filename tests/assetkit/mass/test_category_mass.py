@@ -8,7 +8,7 @@ import trimesh
 from scipy.stats import norm
 
 from assetkit.mass.bounds import bounds_around
-from assetkit.mass.category_mass import MAX_SPAN, category_mass, reference_size
+from assetkit.mass.category_mass import MAX_CATEGORY_SPAN, category_mass, reference_size
 from assetkit.mass.estimate import mass_evidence
 from assetkit.mass.normal_mixture import NormalMixture
 from assetkit.mass.parts import METRES, MassEvidenceInputs
@@ -90,7 +90,7 @@ def test_names_tell_the_kind_and_the_most_telling_name_decides():
 
 def test_bounds_of_very_different_kinds_hold_less_and_say_so():
     found = category_mass(cup(), "cup", ["cup"])
-    assert found.high_kg / found.low_kg == pytest.approx(MAX_SPAN, rel=1e-4)
+    assert found.high_kg / found.low_kg == pytest.approx(MAX_CATEGORY_SPAN, rel=1e-4)
     assert 0.7 < found.coverage < 0.95
     assert f"{100 * found.coverage:.0f} % of things" in found.text
 
@@ -137,5 +137,5 @@ def test_named_things_weigh_within_their_bounds_without_their_own_rows():
     known = [row for row in rows if row.category]
     assert len(known) >= 120
     assert sum(row.inside for row in known) >= 0.9 * len(known)
-    assert all(row.width <= 1.001 * MAX_SPAN for row in known)
+    assert all(row.width <= 1.001 * MAX_CATEGORY_SPAN for row in known)
     assert np.mean(np.log([row.width for row in known])) <= np.log(4.0)

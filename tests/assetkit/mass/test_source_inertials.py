@@ -16,7 +16,7 @@ from assetkit.mass.estimate import mass_evidence
 from assetkit.mass.parts import MassEvidenceInputs
 from assetkit.mass.source_inertials import applicable_statements, check_statement, in_asset_frame
 from assetkit.pose.up_axis import TO_Z_UP
-from geom.mass.inertia import inertia_about, moved, of_box, of_closed_surface, of_sheet, scaled
+from geom.mass.inertia import box_volume, enclosed_volume, inertia_about, moved, of_box, sheet_volume
 from geom.mass.inertia_bounds import rms_distance_and_bound
 from geom.pose import pose
 from schemas.diagnostics import Location, Severity
@@ -26,7 +26,7 @@ from schemas.stated_physics import StatedMass
 from tests.support.package_samples import box_mesh
 
 SIZE = (0.2, 0.1, 0.06)
-EVEN = moved(of_box(SIZE, 1.0), pose(None, (0.0, 0.0, 0.03)))
+EVEN = box_volume(SIZE, pose(None, (0.0, 0.0, 0.03)))
 MESH = box_mesh(SIZE)
 SOLID = Solid(MESH.points, MESH.triangles, "closed")
 SHAPES = (
@@ -51,13 +51,13 @@ def outcome_of(statement: StatedMass, exact: bool = True) -> tuple[StatedMass | 
 
 
 def test_the_truth_is_believed_as_it_is():
-    truth = of(scaled(EVEN, 700.0))
+    truth = of(EVEN.filled(700.0))
     assert outcome_of(truth) == (truth, [], [])
 
 
 @pytest.mark.parametrize("mass_kg", [-1.0, np.nan, np.inf, 1e-5, 40.0])
 def test_an_impossible_mass_drops_everything(mass_kg):
-    kept, headlines, repairs = outcome_of(replace(of(scaled(EVEN, 700.0)), mass_kg=mass_kg))
+    kept, headlines, repairs = outcome_of(replace(of(EVEN.filled(700.0)), mass_kg=mass_kg))
     assert kept is None
     assert "mass" in headlines[0]
     assert repairs == ["implausible_inertia"]
@@ -87,8 +87,8 @@ def test_a_low_centre_without_a_tensor_is_kept_and_the_filling_squeezed_about_it
     low, high = (np.array(b) for b in evidence.inertia_kgm2.bounds or ())
     assert (low <= evidence.properties.inertia_kgm2 + 1e-15).all()
     assert (evidence.properties.inertia_kgm2 <= high + 1e-15).all()
-    weighted = moved(of_box((0.2, 0.1, 0.0048), 1.0), pose(None, (0.0, 0.0, 0.0024)))  # All in a base plate.
-    truth = scaled(weighted, 0.9 / weighted.mass_kg).inertia_kgm2
+    weighted = box_volume((0.2, 0.1, 0.0048), pose(None, (0.0, 0.0, 0.0024)))  # All in a base plate.
+    truth = weighted.filled(0.9 / weighted.volume_m3).inertia_kgm2
     assert (np.diag(low) <= np.diag(truth)).all()
     assert (np.diag(truth) <= np.diag(high)).all()
 
@@ -114,7 +114,7 @@ def test_a_guessed_volume_is_no_strong_witness():
 
 @pytest.mark.parametrize("centre", [(0.0, 0.0, 0.5), (np.nan, 0.0, 0.0), (0.15, 0.0, 0.03)])
 def test_a_centre_outside_is_dropped_with_the_tensor_about_it(centre):
-    kept, headlines, _ = outcome_of(replace(of(scaled(EVEN, 700.0)), centre=np.array(centre)))
+    kept, headlines, _ = outcome_of(replace(of(EVEN.filled(700.0)), centre=np.array(centre)))
     assert kept is not None
     assert (kept.mass_kg, kept.centre, kept.inertia) == (pytest.approx(0.84), None, None)
     assert "centre" in headlines[0]
@@ -122,8 +122,8 @@ def test_a_centre_outside_is_dropped_with_the_tensor_about_it(centre):
 
 def test_a_centre_on_the_skin_is_kept_with_its_tensor():
     """The visible mesh may be tighter than the thing."""
-    plate = moved(of_box((0.2, 0.1, 0.004), 1.0), pose(None, (0.0, 0.0, -0.001)))
-    kept, headlines, _ = outcome_of(of(scaled(plate, 0.9 / plate.mass_kg)))
+    plate = box_volume((0.2, 0.1, 0.004), pose(None, (0.0, 0.0, -0.001)))
+    kept, headlines, _ = outcome_of(of(plate.filled(0.9 / plate.volume_m3)))
     assert headlines == []
     assert kept is not None
     assert kept.centre is not None
@@ -150,7 +150,7 @@ def test_an_impossible_tensor_is_dropped_and_the_rest_kept(inertia, word):
 
 def test_a_tensor_that_needs_mass_outside_is_dropped():
     """Three times the even body: its trace may be that of a frame of edges, but not of this size."""
-    truth = of(scaled(EVEN, 700.0))
+    truth = of(EVEN.filled(700.0))
     kept, headlines, _ = outcome_of(replace(truth, inertia=3.2 * truth.inertia))
     assert kept is not None
     assert kept.inertia is None
@@ -158,8 +158,8 @@ def test_a_tensor_that_needs_mass_outside_is_dropped():
 
 
 def test_a_rod_whose_long_axis_is_another_is_noticed():
-    rod = moved(of_box((0.01, 0.01, 0.4), 1.0), pose(None, (0.0, 0.0, 0.2)))
-    truth = of(scaled(rod, 1000.0))
+    rod = box_volume((0.01, 0.01, 0.4), pose(None, (0.0, 0.0, 0.2)))
+    truth = of(rod.filled(1000.0))
     points = box_mesh((0.01, 0.01, 0.4)).points
     assert check_statement(truth, points, rod, exact=True).diagnostics == ()
     along_x = replace(truth, inertia=np.roll(truth.inertia, 1, axis=(0, 1)))
@@ -174,9 +174,9 @@ def test_no_true_body_is_ever_doubted(shape, density, seed):
     body = shape.copy()
     body.apply_transform(X)
     points, triangles = np.array(body.vertices), np.array(body.faces)
-    even = of_closed_surface(points, triangles, 1.0)
-    skin = of_sheet(points, triangles, 0.001, max(density, 400.0))
-    for truth in (scaled(even, density), skin):
+    even = enclosed_volume(points, triangles)
+    skin = sheet_volume(points, triangles, 0.001).filled(max(density, 400.0))
+    for truth in (even.filled(density), skin):
         assert check_statement(of(truth), points, even, exact=True).diagnostics == ()
 
 
@@ -217,7 +217,7 @@ def mass_inputs(*masses: StatedMass, meshes: tuple[Mesh, ...] = ()) -> MassEvide
 
 def test_a_mass_alone_scales_the_computed_tensor():
     found = mass_evidence(SOLID, ["wood"], mass_inputs(stated(2.0)))
-    even = scaled(EVEN, 2.0 / EVEN.mass_kg)
+    even = EVEN.filled(2.0 / EVEN.volume_m3)
     assert (found.mass_kg.value, found.mass_kg.source, found.mass_kg.bounds) == (2.0, "declared", (1.8, 2.2))
     assert_allclose(found.properties.inertia_kgm2, even.inertia_kgm2, atol=1e-12)
     assert_allclose(found.properties.centre_of_mass_m, [0, 0, 0.03], atol=1e-12)
@@ -231,7 +231,7 @@ def test_mass_and_centre_without_tensor_keep_the_centre():
     found = mass_evidence(SOLID, [], mass_inputs(stated(2.0, centre=centre)))
     assert_allclose(found.properties.centre_of_mass_m, centre)
     assert found.centre_of_mass_m.source == "declared"
-    assert_allclose(found.properties.inertia_kgm2, scaled(EVEN, 2.0 / EVEN.mass_kg).inertia_kgm2, atol=1e-12)
+    assert_allclose(found.properties.inertia_kgm2, EVEN.filled(2.0 / EVEN.volume_m3).inertia_kgm2, atol=1e-12)
 
 
 def test_a_stated_density_weighs_the_solid():

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from assetkit.pose.upright import TURN, rank_upright
+from assetkit.pose.upright import TURN_NAMED, rank_upright
 from assetkit.taxonomy.tables import categories
 from geom.features.upright_directions import UprightFeatures, upright_features
 from schemas.arrays import FloatArray
@@ -46,7 +46,7 @@ def test_an_object_turned_in_any_way_is_found_upright(mesh: trimesh.Trimesh, cat
     R = Rotation.random(random_state=seed).as_matrix()
     best = rank_upright(upright_features(solid_of(mesh, R)), categories()[category], None)[0]
     assert np.array(best.up) @ R[:, 2] > np.cos(np.radians(6.0))
-    assert best.probability > TURN
+    assert best.probability > TURN_NAMED
 
 
 def test_signs_do_not_depend_on_place_size_or_a_quarter_turn() -> None:

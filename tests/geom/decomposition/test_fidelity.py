@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from geom.decomposition.fidelity import SLIT_SHARE, measure_fidelity, outer_surface, union_surface, union_volume
+from geom.decomposition.fidelity import SLIT_GROWTH_SHARE, measure_fidelity, outer_surface, union_surface, union_volume
 from geom.features.cavities import find_cavities
 from geom.mesh import primitives
 from geom.mesh.manifold_arrays import manifold_arrays
 from geom.pose import pose
 from schemas.physics import CollisionShape, Solid
 
-SLACK = 2.0 * SLIT_SHARE
+SLACK = 2.0 * SLIT_GROWTH_SHARE
 
 
 def box(size, centre=(0.0, 0.0, 0.0)) -> CollisionShape:

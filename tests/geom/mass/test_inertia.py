@@ -13,16 +13,16 @@ from scipy.spatial.transform import Rotation
 from geom.convex.hull import convex_hull
 from geom.mass.inertia import (
     combine,
+    enclosed_volume,
     inertia_about,
     is_physical,
     moved,
     of_box,
     of_capsule,
-    of_closed_surface,
     of_cylinder,
-    of_sheet,
     of_sphere,
     scaled,
+    sheet_volume,
 )
 from geom.mass.principal_axes import inertia_from_principal, principal_axes
 from geom.mesh import primitives
@@ -49,7 +49,7 @@ def assert_same(a, b, rtol=1e-9):
 
 
 def test_the_surface_integral_of_a_box_is_its_closed_form():
-    assert_same(of_closed_surface(*box_surface(), 700.0), of_box(SIZE_M, 700.0))
+    assert_same(enclosed_volume(*box_surface()).filled(700.0), of_box(SIZE_M, 700.0))
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ def test_round_shapes_converge_to_their_closed_forms_with_the_square_of_the_step
     errors = []
     for segments in (48, 96):
         points, triangles, _ = tessellated(segments)
-        got = of_closed_surface(points, triangles, 500.0)
+        got = enclosed_volume(points, triangles).filled(500.0)
         errors.append(np.abs(got.inertia_kgm2 - exact.inertia_kgm2).max() / exact.inertia_kgm2.max())
     assert errors[0] < 0.02
     assert 3.5 < errors[0] / errors[1] < 4.5
@@ -77,18 +77,18 @@ def test_a_capsule_without_a_tube_is_a_sphere():
 
 def test_a_million_metres_away_nothing_changes():
     points, triangles = random_hull(3)
-    near, far = of_closed_surface(points, triangles, 1.0), of_closed_surface(points + 1e6, triangles, 1.0)
+    near, far = enclosed_volume(points, triangles), enclosed_volume(points + 1e6, triangles)
     # The input itself is rounded to 1e-10 m there.
-    assert_allclose(far.mass_kg, near.mass_kg, rtol=1e-8)
-    assert_allclose(far.centre_of_mass_m - 1e6, near.centre_of_mass_m, atol=1e-8)
-    assert_allclose(far.inertia_kgm2, near.inertia_kgm2, rtol=1e-7, atol=1e-8 * near.inertia_kgm2.max())
+    assert_allclose(far.volume_m3, near.volume_m3, rtol=1e-8)
+    assert_allclose(far.centre_m - 1e6, near.centre_m, atol=1e-8)
+    assert_allclose(far.second_moment_m5, near.second_moment_m5, rtol=1e-7, atol=1e-8 * near.second_moment_m5.max())
 
 
 @settings(max_examples=25, deadline=None)
 @given(seeds)
 def test_hulls_agree_with_an_independent_implementation_and_are_physical(seed):
     points, triangles = random_hull(seed)
-    ours = of_closed_surface(points, triangles, 1000.0)
+    ours = enclosed_volume(points, triangles).filled(1000.0)
     theirs = trimesh.Trimesh(points, triangles, process=False)
     theirs.density = 1000.0
     assert_allclose(ours.mass_kg, theirs.mass, rtol=1e-9)
@@ -110,9 +110,11 @@ def test_monte_carlo_agrees():
     mass = len(inside) / len(samples) * np.prod(high - low)
     x = inside - inside.mean(0)
     second = mass * x.T @ x / len(x)
-    ours = of_closed_surface(points, triangles, 1.0)
-    assert_allclose(ours.mass_kg, mass, rtol=0.02)
-    assert_allclose(ours.inertia_kgm2, np.trace(second) * np.eye(3) - second, atol=0.03 * ours.inertia_kgm2.max())
+    ours = enclosed_volume(points, triangles)
+    assert_allclose(ours.volume_m3, mass, rtol=0.02)
+    assert_allclose(
+        ours.second_moment_m5, np.trace(second) * np.eye(3) - second, atol=0.03 * ours.second_moment_m5.max()
+    )
 
 
 @settings(max_examples=20, deadline=None)
@@ -120,8 +122,8 @@ def test_monte_carlo_agrees():
 def test_rotation_covariance_and_rebuild_from_principal_axes(seed, turn):
     points, triangles = random_hull(seed)
     X_AB = pose(Rotation.random(random_state=turn).as_matrix(), (0.3, -2.0, 1.0))
-    body = of_closed_surface(points, triangles, 800.0)
-    turned = of_closed_surface(points @ X_AB[:3, :3].T + X_AB[:3, 3], triangles, 800.0)
+    body = enclosed_volume(points, triangles).filled(800.0)
+    turned = enclosed_volume(points @ X_AB[:3, :3].T + X_AB[:3, 3], triangles).filled(800.0)
     assert_same(turned, moved(body, X_AB), rtol=1e-8)
     rebuilt = inertia_from_principal(*principal_axes(body.inertia_kgm2))
     assert_allclose(rebuilt, body.inertia_kgm2, rtol=1e-9, atol=1e-12 * body.inertia_kgm2.max())
@@ -142,18 +144,20 @@ def test_an_inward_shell_is_hollow():
     outer, inner = box_surface(), box_surface((0.2, 0.1, 0.05))
     points = np.concatenate([outer[0], inner[0]])
     triangles = np.concatenate([outer[1], inner[1][:, ::-1] + len(outer[0])])
-    hollow = of_closed_surface(points, triangles, 700.0)
+    hollow = enclosed_volume(points, triangles).filled(700.0)
     assert_same(combine([hollow, of_box((0.2, 0.1, 0.05), 700.0)]), of_box(SIZE_M, 700.0))
 
 
 def test_mass_is_linear_in_density():
     points, triangles = random_hull(5)
-    assert_same(of_closed_surface(points, triangles, 2000.0), scaled(of_closed_surface(points, triangles, 500.0), 4.0))
+    assert_same(
+        enclosed_volume(points, triangles).filled(2000.0), scaled(enclosed_volume(points, triangles).filled(500.0), 4.0)
+    )
 
 
 def test_a_flat_sheet_is_a_plate_and_its_tensor_is_physical():
     points = np.array([[0, 0, 0], [0.3, 0, 0], [0.3, 0.2, 0], [0, 0.2, 0]], dtype=float)
-    sheet = of_sheet(points, np.array([[0, 1, 2], [0, 2, 3]]), 0.002, 900.0)
+    sheet = sheet_volume(points, np.array([[0, 1, 2], [0, 2, 3]]), 0.002).filled(900.0)
     assert_same(sheet, moved(of_box((0.3, 0.2, 0.002), 900.0), pose(None, (0.15, 0.1, 0.0))))
     assert is_physical(sheet.inertia_kgm2)
 

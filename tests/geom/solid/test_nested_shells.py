@@ -10,8 +10,8 @@ import pytest
 from assetkit.geometry.repair import repair_geometry
 from assetkit.mass.estimate import mass_evidence
 from assetkit.mass.parts import MassEvidenceInputs
-from geom.mass.inertia import of_closed_surface
-from geom.solid.nested_shells import enclosed_matter
+from geom.mass.inertia import enclosed_volume
+from geom.solid.nested_shells import nested_volume
 from geom.solid.solidify import solidify
 from tests.support.sample_surfaces import ball, box, inside_out, mesh_of, together
 
@@ -22,16 +22,16 @@ OFF_CENTRE = box((0.6, 0.6, 0.6), at=(0.15, 0.0, 0.1))
 def test_what_lies_inside_counts_once() -> None:
     inner, beside = box((0.4, 0.2, 0.2)), box((0.4, 0.2, 0.2), at=(0.2, 0.0, 0.0))
     deeper, outside = box((0.1, 0.1, 0.1)), box((0.4, 0.4, 0.4), at=(0.5, 0.0, 0.0))
-    held = enclosed_matter([deeper, OUTER, inner, beside, outside])
+    held = nested_volume([deeper, OUTER, inner, beside, outside])
     assert held is not None
-    assert held.mass_kg == pytest.approx(0.6 * 0.2 * 0.2)
-    assert held.centre_of_mass_m == pytest.approx([0.1, 0.0, 0.0])
-    assert enclosed_matter([OUTER, outside]) is None
+    assert held.volume_m3 == pytest.approx(0.6 * 0.2 * 0.2)
+    assert held.centre_m == pytest.approx([0.1, 0.0, 0.0])
+    assert nested_volume([OUTER, outside]) is None
 
 
 def test_a_ball_in_a_hollow_box_is_not_inside_its_matter() -> None:
     hollow = together(OUTER, inside_out(box((0.8, 0.8, 0.8))))
-    assert enclosed_matter([hollow, ball(0.3)]) is None
+    assert nested_volume([hollow, ball(0.3)]) is None
 
 
 @pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (1e4, -2e3, 5e3)])
@@ -45,7 +45,7 @@ def test_both_readings_of_an_inner_shell_lie_within_the_bounds(shift) -> None:
     assert "inner shell" in bounds.mass_kg.method
     empty = together(OUTER, inside_out(OFF_CENTRE))
     for reading in (OUTER, empty):
-        body = of_closed_surface(reading[0] + np.asarray(shift), reading[1], bounds.density_kgm3.value)
+        body = enclosed_volume(reading[0] + np.asarray(shift), reading[1]).filled(bounds.density_kgm3.value)
         low, high = np.array(bounds.mass_kg.bounds)
         assert low <= body.mass_kg <= high * (1 + 1e-9)
         low, high = np.array(bounds.centre_of_mass_m.bounds)

@@ -14,7 +14,7 @@ from geom.features.cavities import find_cavities
 from geom.mesh.topology import observe
 from geom.mesh.weld import diagonal
 from geom.solid.solid_distance import solid_distance
-from geom.solid.solid_mass import mass_properties
+from geom.solid.solid_volume import volume_properties
 from geom.solid.solidify import assumed_wall_m, solidify
 from tests.support.mass_samples import weighed
 from tests.support.sample_surfaces import box, lidless, mesh_of
@@ -58,7 +58,7 @@ def test_a_sheet_tray_on_a_block_is_the_block_and_its_walls(pose, reverse: bool,
     assert (solid.kind, figures["method"]) == ("closed", "union_and_walls")
     assert figures["volume_m3"] == pytest.approx(0.2 * 0.2 * 0.1 + grown, rel=1e-6)
     assert solid.walls is not None
-    assert solid.walls.mass_kg == pytest.approx(grown, rel=1e-6)
+    assert solid.walls.volume_m3 == pytest.approx(grown, rel=1e-6)
     assert observe(solid.points, solid.triangles, "").watertight
     room = find_cavities(solid)
     assert [c.volume_m3 for c in room if not c.through] == [pytest.approx((0.2 - t) ** 2 * (0.06 - t / 2), rel=0.1)]
@@ -72,15 +72,15 @@ def test_a_lamp_keeps_its_base_solid_and_its_mass_centre_low() -> None:
     shade = (points, triangles[upright])
     parts = [mesh_of(*s, name=f"m{i}") for i, s in enumerate((base, pole, shade))]
     solid, figures = solidify(parts, wall_m=T, sheets=True)
-    held = [mass_properties(solid_of(s)[0], 1.0)[0] for s in (base, pole)]
+    held = [volume_properties(solid_of(s)[0])[0] for s in (base, pole)]
     corners = points[triangles[upright]]
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
-    overlap = held[1].mass_kg * 0.005 / 0.2  # the pole stands 5 mm deep in the base
-    truth = held[0].mass_kg + held[1].mass_kg - overlap + T * area
-    height = (held[0].mass_kg * 0.015 + held[1].mass_kg * 0.125 - overlap * 0.0275 + T * area * 0.26) / truth
+    overlap = held[1].volume_m3 * 0.005 / 0.2  # the pole stands 5 mm deep in the base
+    truth = held[0].volume_m3 + held[1].volume_m3 - overlap + T * area
+    height = (held[0].volume_m3 * 0.015 + held[1].volume_m3 * 0.125 - overlap * 0.0275 + T * area * 0.26) / truth
     assert figures["open_area_share"] > 0.5
     assert figures["volume_m3"] == pytest.approx(truth, rel=1e-3)
-    assert mass_properties(solid, 1.0)[0].centre_of_mass_m[2] == pytest.approx(height, rel=1e-3)
+    assert volume_properties(solid)[0].centre_m[2] == pytest.approx(height, rel=1e-3)
 
 
 def test_a_cup_that_sinks_into_its_saucer_keeps_its_room() -> None:

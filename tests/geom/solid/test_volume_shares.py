@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from assetkit.mass.estimate import mass_evidence
 from assetkit.mass.parts import MassEvidenceInputs
-from geom.mass.inertia import combine, moved, of_box, scaled
+from geom.mass.inertia import combine, combine_volumes, moved, of_box
 from geom.pose import pose
 from geom.solid.solidify import solidify
 from geom.solid.volume_shares import divide_volume
@@ -45,7 +45,7 @@ def without_face(mesh: Mesh, x_m: float) -> Mesh:
 def weighed(groups, densities) -> tuple[list[MassProperties], MassProperties, bool]:
     solid, _ = solidify([mesh for group in groups for mesh in group])
     evidence = divide_volume(solid, groups, densities)
-    bodies = [scaled(share, density) for share, density in zip(evidence.shares, densities, strict=True)]
+    bodies = [share.filled(density) for share, density in zip(evidence.shares, densities, strict=True)]
     return bodies, combine([b for b in bodies if b.mass_kg > 0]), evidence.exact
 
 
@@ -114,8 +114,8 @@ def test_the_other_reading_gives_the_shared_volume_to_the_lighter():
     solid, _ = solidify([mesh for group in cubes for mesh in group])
     made = divide_volume(solid, cubes, [650.0, 7850.0, 2700.0])
     assert made.alternative is not None
-    assert [s.mass_kg for s in made.shares] == pytest.approx([5e-4, 1e-3, 1e-3])
-    assert [s.mass_kg for s in made.alternative] == pytest.approx([1e-3, 5e-4, 1e-3])
+    assert [s.volume_m3 for s in made.shares] == pytest.approx([5e-4, 1e-3, 1e-3])
+    assert [s.volume_m3 for s in made.alternative] == pytest.approx([1e-3, 5e-4, 1e-3])
     assert "denser" in made.reason
     bolt = [[box((0.2, 0.2, 0.2))], [box((0.1, 0.02, 0.02))]]
     assert divide_volume(solidify([m for g in bolt for m in g])[0], bolt, [650.0, 7850.0]).alternative is None
@@ -203,9 +203,9 @@ def test_sheets_divide_by_their_area():
     assert solid.wall_thickness_m is not None
     made = divide_volume(solid, [[parts[0]], [parts[1]]], [1.0, 2.0])
     assert made.exact
-    assert made.shares[0].mass_kg == pytest.approx(0.06 * solid.wall_thickness_m)
-    assert made.shares[1].mass_kg == pytest.approx(0.1 * solid.wall_thickness_m)
-    assert_allclose(made.shares[0].centre_of_mass_m, [0, 0, -0.05], atol=1e-9)
+    assert made.shares[0].volume_m3 == pytest.approx(0.06 * solid.wall_thickness_m)
+    assert made.shares[1].volume_m3 == pytest.approx(0.1 * solid.wall_thickness_m)
+    assert_allclose(made.shares[0].centre_m, [0, 0, -0.05], atol=1e-9)
 
 
 @settings(max_examples=8, deadline=None)
@@ -215,9 +215,9 @@ def test_equal_densities_give_back_the_whole(seed):
     groups = [[box(rng.uniform(0.05, 0.2, 3), rng.uniform(-0.1, 0.1, 3))] for _ in range(3)]
     solid, figures = solidify([mesh for group in groups for mesh in group])
     made = divide_volume(solid, groups, [1.0, 1.0, 1.0])
-    total = combine([share for share in made.shares if share.mass_kg > 0])
+    total = combine_volumes([share for share in made.shares if share.volume_m3 > 0])
     whole = trimesh.Trimesh(solid.points, solid.triangles, process=False)
     assert made.exact
-    assert total.mass_kg == pytest.approx(figures["volume_m3"], rel=1e-9)
-    assert_allclose(total.centre_of_mass_m, whole.center_mass, atol=1e-7)
-    assert_allclose(total.inertia_kgm2, whole.moment_inertia, atol=1e-6 * np.abs(whole.moment_inertia).max())
+    assert total.volume_m3 == pytest.approx(figures["volume_m3"], rel=1e-9)
+    assert_allclose(total.centre_m, whole.center_mass, atol=1e-7)
+    assert_allclose(total.second_moment_m5, whole.moment_inertia, atol=1e-6 * np.abs(whole.moment_inertia).max())

@@ -6,7 +6,7 @@ from shapely.geometry import Polygon, box
 from replay.envelope.envelope import Envelope
 from replay.insertion.candidates import InsertionCandidate
 from replay.insertion.free_space import FreeSpace
-from replay.insertion.insert import TRIES, InsertionSite, insert
+from replay.insertion.insert import YAW_TRIES, InsertionSite, insert
 from replay.insertion.supports import Support
 from schemas.scene.runtime_plan import PlanBody, PlanStance, Prism
 
@@ -27,7 +27,9 @@ def site(name: str, area: Polygon) -> InsertionSite:
 
 def test_what_has_no_room_at_one_place_of_a_plan_is_still_tried_at_another():
     places = [site("shelf", box(0.0, 0.0, 0.05, 0.05)), site("table", box(1.0, 0.0, 2.0, 1.0))]
-    tried = [InsertionCandidate(BOX, STANCE, place="shelf")] * TRIES + [InsertionCandidate(BOX, STANCE, place="table")]
+    tried = [InsertionCandidate(BOX, STANCE, place="shelf")] * YAW_TRIES + [
+        InsertionCandidate(BOX, STANCE, place="table")
+    ]
     (put,) = insert(places, tried, 1, np.random.default_rng(0))
     assert put.stated.support == "table"
     assert box(1.0, 0.0, 2.0, 1.0).contains(put.outline)

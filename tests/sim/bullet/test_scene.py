@@ -7,9 +7,10 @@ import pytest
 
 from geom.mass.inertia import moved, of_box
 from geom.pose import pose
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape, Contact, RigidBody
 from sim.bullet.scene import settle_scene
-from sim.port import GRAVITY_MPS2, PlacedBody
+from sim.port import PlacedBody
 
 CONTACT = Contact(static_friction=0.6, dynamic_friction=0.5, restitution=0.0)
 

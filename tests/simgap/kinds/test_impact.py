@@ -153,10 +153,10 @@ def test_controls_stay_without_a_name(seed: int, tmp_path):
 def test_a_tangent_jacobian_of_the_other_sense_is_found_and_turned(tmp_path):
     right = events(Truth(), 3)
     mirrored = replace(right, tangent=right.tangent * [1.0, 1.0, -1.0])
-    assert problem_of(right, tmp_path).trap.status == "ok"
+    assert problem_of(right, tmp_path).convention_check.status == "ok"
     problem = problem_of(mirrored, tmp_path)
-    assert problem.trap.status == "fixed"
-    assert "tangent Jacobian" in problem.trap.evidence
+    assert problem.convention_check.status == "fixed"
+    assert "tangent Jacobian" in problem.convention_check.evidence
     np.testing.assert_array_equal(problem.events.tangent, right.tangent)
     assert named(problem) == {}
 

@@ -46,8 +46,8 @@ def test_a_box_that_is_declared_a_hair_off_is_no_smaller_beside_a_scale(declared
     """Errors of readings shrink with every toss, that of a file does not: falls and rest still agree."""
     exact = free_body_case(28).problem()
     assert isinstance(exact, FreeBodyProblem)
-    assert isinstance(exact.mover, RigidBodySimulator)
-    body = exact.mover.declared
+    assert isinstance(exact.simulator, RigidBodySimulator)
+    body = exact.simulator.declared
     shapes = tuple(replace(s, size_m=tuple(declared * v for v in s.size_m)) for s in body.shapes)
     problem = FreeBodyProblem(exact.measurement, RigidBodySimulator(replace(body, shapes=shapes), BulletBodyRollout()))
     scale, size = (next(c for c in problem.candidates() if c.effect.name == n) for n in ("sensor.scale", "body.size"))
@@ -75,7 +75,7 @@ def test_a_trial_as_long_as_a_window_leaves_the_others_as_they_are():
     assert isinstance(problem, FreeBodyProblem)
     trials, rows = problem.measurement.trials, problem._rows  # pyright: ignore[reportPrivateUsage]
     short = trials[0].rows(np.arange(rows))
-    mixed = FreeBodyProblem(replace(problem.measurement, trials=(short, *trials[1:3])), problem.mover)
+    mixed = FreeBodyProblem(replace(problem.measurement, trials=(short, *trials[1:3])), problem.simulator)
     alone = mixed.residuals((), problem.trial_ids[1:3], "short_horizon")
     beside = mixed.residuals((), problem.trial_ids[:3], "short_horizon")
     assert len(beside[0]) == rows - 1

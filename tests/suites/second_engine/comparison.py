@@ -20,9 +20,10 @@ from geom.convex.support_function import diagonal
 from geom.pose import matrix_of, quat_of
 from schemas.arrays import FloatArray
 from schemas.asset import AssetRecord
+from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import MassProperties, RigidBody
 from sim.bullet.simulator import BulletSimulator
-from sim.port import GRAVITY_MPS2, DropSettings, natural_time_s, pair_value, stillness_for, world_for
+from sim.port import DropSettings, natural_time_s, pair_value, stillness_for, world_for
 from tests.suites.second_engine import mujoco_drops
 from tests.suites.second_engine.mujoco_drops import Ground
 from tests.suites.second_engine.supports import is_curved, pose_classes, symmetry_axes, tilt_between

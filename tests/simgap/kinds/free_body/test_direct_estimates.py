@@ -16,7 +16,7 @@ from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.kinds.free_body.candidates import absent, candidates_of, with_direct_bounds
 from simgap.kinds.free_body.direct_estimates import estimate, pooled
-from simgap.kinds.free_body.evidence import NormalEquations
+from simgap.kinds.free_body.normal_equations import NormalEquations
 from simgap.kinds.free_body.toss import Toss
 from simgap.problem import DirectEstimate
 

@@ -83,13 +83,14 @@ def estimated(
     """The estimate, its error with what the estimator makes of a motion in which nothing is hidden."""
     candidate = Candidate(effect(name), where, null, null, dict.fromkeys(null, (-10.0, 10.0)))
     with BulletLinkageRollout() as engine:
-        mover = LinkageSimulator(believed or hinge(), engine)
-        applied, routes = mover.apply(()), routes_to(candidate)
+        simulator = LinkageSimulator(believed or hinge(), engine)
+        applied, routes = simulator.apply(()), routes_to(candidate)
         plain = [
-            [mover.toss(applied, simulated_motion(mover, applied, s, finer)) for s in series] for finer in (1.0, 4.0)
+            [simulator.toss(applied, simulated_motion(simulator, applied, s, finer)) for s in series]
+            for finer in (1.0, 4.0)
         ]
     biases = biases_of(candidate, plain, routes)
-    result = estimate(candidate, [mover.toss(applied, s) for s in series], biases, routes)
+    result = estimate(candidate, [simulator.toss(applied, s) for s in series], biases, routes)
     assert result is not None
     return result
 

@@ -1,4 +1,4 @@
-"""Mass properties of a physical surface (`Solid`, metres) filled with one density in kg/m3.
+"""Volume, centre and second moment of a physical surface (`Solid`, metres).
 
 The kind of the surface and its soundness choose the method; `geom.mass.inertia` has the integrals.
 """
@@ -8,40 +8,40 @@ from __future__ import annotations
 import numpy as np
 
 from geom.convex.hull import convex_hull, thickness
-from geom.mass.inertia import is_physical, moved, of_box, of_closed_surface, of_sheet
+from geom.mass.inertia import box_volume, enclosed_volume, is_physical, sheet_volume
 from schemas.arrays import FloatArray
-from schemas.physics import MassProperties, Solid
+from schemas.physics import Solid, VolumeProperties
 
 # A hull thinner than this share of its diagonal says nothing about volume; a plate of the assumed wall does.
-FLAT_SHARE = 1e-3
+FLAT_HULL_SHARE = 1e-3
 PLATE_WALL_M = 1e-3
 
 
-def mass_properties(solid: Solid, density_kgm3: float) -> tuple[MassProperties, str, float]:
-    """Mass properties of a physical surface filled with one density, the method, and a confidence in 0..1.
+def volume_properties(solid: Solid) -> tuple[VolumeProperties, str, float]:
+    """Volume properties of a physical surface, the method, and a confidence in 0..1.
 
     First that applies: volume of the closed surface, open surface times wall thickness, volume of the convex hull,
-    oriented box (flat remains; at least `PLATE_WALL_M` thick). The confidence is about the geometry alone, not about
-    the density or about what is inside. Raises ValueError when the surface has no area and no extent.
+    oriented box (flat remains; at least `PLATE_WALL_M` thick). The confidence is about the outer geometry, not about
+    what is inside. Raises ValueError when the surface has no area and no extent.
     """
     if solid.kind == "closed":
-        closed = of_closed_surface(solid.points, solid.triangles, density_kgm3)
-        if closed.mass_kg > 0.0 and is_physical(closed.inertia_kgm2):
+        closed = enclosed_volume(solid.points, solid.triangles)
+        if closed.volume_m3 > 0.0 and is_physical(closed.second_moment_m5):
             return closed, "volume of the closed surface", 0.95
     if solid.kind == "shell" and solid.wall_thickness_m is not None:
-        sheet = of_sheet(solid.points, solid.triangles, solid.wall_thickness_m, density_kgm3)
-        if sheet.mass_kg > 0.0:
+        sheet = sheet_volume(solid.points, solid.triangles, solid.wall_thickness_m)
+        if sheet.volume_m3 > 0.0:
             return sheet, "area times wall thickness", 0.5
     try:
         points, triangles = convex_hull(solid.points)
-        if thickness(points, triangles) > FLAT_SHARE * np.linalg.norm(np.ptp(points, axis=0)):
-            return of_closed_surface(points, triangles, density_kgm3), "volume of the convex hull", 0.3
+        if thickness(points, triangles) > FLAT_HULL_SHARE * np.linalg.norm(np.ptp(points, axis=0)):
+            return enclosed_volume(points, triangles), "volume of the convex hull", 0.3
     except ValueError:
         pass  # Flat: the box below stands in.
-    return _of_bounding_plate(solid.points, density_kgm3), "oriented box", 0.15
+    return _bounding_plate(solid.points), "oriented box", 0.15
 
 
-def _of_bounding_plate(points: FloatArray, density_kgm3: float) -> MassProperties:
+def _bounding_plate(points: FloatArray) -> VolumeProperties:
     """The box along the principal directions of the points, at least as thick as a plate."""
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     centred = points - middle
@@ -55,4 +55,4 @@ def _of_bounding_plate(points: FloatArray, density_kgm3: float) -> MassPropertie
     X_AB = np.eye(4)
     X_AB[:3, :3] = axes
     X_AB[:3, 3] = middle + axes @ (0.5 * (along.min(axis=0) + along.max(axis=0)))
-    return moved(of_box(np.maximum(size, PLATE_WALL_M), density_kgm3), X_AB)
+    return box_volume(np.maximum(size, PLATE_WALL_M).tolist(), X_AB)
