@@ -20,13 +20,12 @@ from scipy.optimize import linprog
 from scenec.ir.problem import Problem, Proof, Stance, Thing
 from scenec.proofs.fits import fixed_pose_usable
 from scenec.proofs.node_conditions import FAR_M, BranchNode, Disjunction, LinearConstraint, NodeConditions, NodePose
-from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, hull, period
+from scenec.proofs.outlines import OUTLINE_SLACK_M, SMALLEST_CELL_RAD, YawCell, hull, period
 from scenec.proofs.places import PlacementBounds, fits_height, free_region, max_base_height, placement_bounds
 from schemas.arrays import FloatArray
 
 MOST_THINGS = 5
 MOST_START_NODES = 64
-SMALLEST_CELL_RAD = np.radians(0.25)
 COARSE_CELL_RAD = np.radians(15.001)  # slightly more than a whole fraction of a turn
 
 

@@ -12,10 +12,8 @@ from shapely import Polygon
 
 from geom.planar import turned
 from scenec.ir.problem import FixedPose, Path, Problem, Proof, Stance, Surface, Thing
-from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, hull
+from scenec.proofs.outlines import OUTLINE_SLACK_M, SMALLEST_CELL_RAD, YawCell, hull
 from scenec.proofs.places import PlacementBounds, area, fits_height, free_region, headroom, placement_bounds
-
-SMALLEST_CELL_RAD = np.radians(0.5)
 
 
 def no_place_of_its_own(problem: Problem) -> Proof | None:
@@ -71,7 +69,7 @@ def _plainly(problem: Problem, thing: Thing, stance: Stance) -> bool:
 
 
 def any_heading(place: PlacementBounds, yaw: YawCell) -> bool:
-    """False only when no yaw of the interval leaves a region for the origin (halved down to half a degree)."""
+    """False only when no yaw of the interval leaves a region for the origin (halved down to a quarter of a degree)."""
     cells = [yaw]
     while cells:
         low, high = cells.pop()

@@ -17,10 +17,8 @@ PACKAGES = (
     *("assetkit", "cli", "gate", "geom", "jobs", "render", "replay", "runtime_plan", "scene_check", "scenec"),
     *("schemas", "sim", "simgap", "usdio"),
 )
-# Names with several values in one package, each with the reason why they are different notions.
-DIFFERENT_NOTIONS = {
-    ("assetkit", "MAX_NODES"): "limits of readers of different formats",
-}
+# (package, name) that may have several values, and the reason why these are different notions. Rename before adding.
+DIFFERENT_NOTIONS: dict[tuple[str, str], str] = {}
 _KNOWN = {"np": np, "math": math, "float": float, "int": int, "__builtins__": {}}
 
 

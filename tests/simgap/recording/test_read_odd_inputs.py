@@ -127,7 +127,7 @@ CASES: dict[str, tuple[Writer, str]] = {
 
 @pytest.mark.parametrize("case", sorted(CASES))
 def test_odd_inputs_get_a_located_answer(case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(tables, "MAX_BYTES", 1_000_000)  # So that a bomb can be small.
+    monkeypatch.setattr(tables, "MAX_TABLE_BYTES", 1_000_000)  # So that a bomb can be small.
     write, code = CASES[case]
     found = {d.code: d for d in read(write(tmp_path)).diagnostics}
     assert code in found

@@ -213,7 +213,7 @@ def test_archives_of_meshes_are_bounded_and_hold_no_pickles(tmp_path: Path, monk
     folder = replay_samples.staged(tmp_path)
     file = folder / "meshes_body_frame.npz"
     whole = file.read_bytes()
-    monkeypatch.setattr(archives, "MAX_BYTES", 400)
+    monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", 400)
     assert refusal(folder) == "replay/unreadable"
     monkeypatch.undo()
     file.write_bytes(whole[:-30])
