@@ -20,14 +20,16 @@ SOURCES = [
 
 def other_homes(text: str) -> list[str]:
     """Aliases that a module defines itself or imports from elsewhere than `schemas.arrays`."""
-    found: list[str] = []
+    homes_elsewhere: list[str] = []
     for node in ast.parse(text).body:
         if isinstance(node, ast.ImportFrom) and node.module != "schemas.arrays":
-            found += [alias.name for alias in node.names if alias.name in ALIASES]
+            homes_elsewhere += [alias.name for alias in node.names if alias.name in ALIASES]
         elif isinstance(node, ast.Assign | ast.AnnAssign):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            found += [target.id for target in targets if isinstance(target, ast.Name) and target.id in ALIASES]
-    return found
+            homes_elsewhere += [
+                target.id for target in targets if isinstance(target, ast.Name) and target.id in ALIASES
+            ]
+    return homes_elsewhere
 
 
 def test_array_types_come_from_one_module():
