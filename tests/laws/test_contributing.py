@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,7 @@ from tests.support.worked_pages import (
     copy_repository,
     listed,
     new_files,
+    restore,
     run,
 )
 
@@ -71,6 +73,14 @@ make docs
 
 def page(name: str) -> str:
     return (FOLDER / f"{name}.md").read_text()
+
+
+def style_and_laws(new: list[str]) -> list[list[str]]:
+    """Commands that hold new files to the style and the laws of the package that they belong to."""
+    ruff = [[sys.executable, "-m", "ruff", *way, *new] for way in (["check"], ["format", "--check"])]
+    package = new[0].partition("/")[0]
+    laws = ["tests/laws/test_house.py", "tests/laws/test_constants.py"]
+    return [*ruff, [sys.executable, "-m", "pytest", *laws, "-k", f"[{package}]"]]
 
 
 def holds_word(source: str, words: frozenset[str]) -> bool:
@@ -130,22 +140,35 @@ def test_the_list_of_files_is_what_the_blocks_change(name: str) -> None:
     rows = listed(text)
     assert [file.path for file in rows if file.new] == sorted(new_files(text), key=[f.path for f in rows].index)
     changed = {change.path for change in changes(text)}
-    assert {file.path for file in rows if not (file.new or file.prose or file.made)} == changed
+    assert {file.path for file in rows if not (file.new or file.by_hand or file.made)} == changed
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the repository, shared by all pages so that its modules are compiled once."""
+    folder = tmp_path_factory.mktemp("copy") / "mana"
+    copy_repository(folder)
+    return folder
+
+
+@pytest.fixture
+def original(copy: Path) -> Iterator[dict[str, bytes]]:
+    """The files of the copy as they are before a page is applied, and again after the test."""
+    files = contents(copy)
+    yield files
+    restore(copy, files)
 
 
 @pytest.mark.parametrize("name", WORKED)
-def test_the_worked_example_runs(name: str, tmp_path: Path) -> None:
-    text, copy = page(name), tmp_path / "mana"
-    copy_repository(copy)
+def test_the_worked_example_runs(name: str, copy: Path, original: dict[str, bytes]) -> None:
+    text = page(name)
     apply(text, copy)
-    before = contents(copy)
-    style = [[sys.executable, "-m", "ruff", *way, *new_files(text)] for way in (["check"], ["format", "--check"])]
-    for command in [*style, *commands(text)]:
+    for command in [*style_and_laws(list(new_files(text))), *commands(text)]:
         ended = run(command, copy)
         assert ended.returncode == 0, f"{' '.join(command[1:])}\n{ended.stdout[-4000:]}{ended.stderr[-4000:]}"
     after = contents(copy)
-    made = {path for path in before.keys() | after.keys() if before.get(path) != after.get(path)}
-    assert made == {file.path for file in listed(text) if file.made}
+    differing = {path for path in original.keys() | after.keys() if original.get(path) != after.get(path)}
+    assert differing == {file.path for file in listed(text) if not file.by_hand}
 
 
 def test_the_list_of_a_relation_is_every_file_that_holds_its_word() -> None:

@@ -27,11 +27,11 @@ COPIED = ("*.py", "*.md", "*.csv", "*.json", "*.yaml", "*.toml", "*.html", "*.cs
 
 @dataclass(frozen=True)
 class Listed:
-    """A file of the numbered list; `prose` and `made` (by `make docs`) are no blocks of the page."""
+    """A file of the numbered list. Without a block: what is `by_hand`, and what is `made` by `make docs`."""
 
     path: str
     new: bool
-    prose: bool
+    by_hand: bool
     made: bool
 
 
@@ -52,7 +52,12 @@ def listed(text: str) -> list[Listed]:
     """The files that the page tells to touch, in its order."""
     rows = LISTED.findall(text.partition("## Files to touch")[2].partition("\n## ")[0])
     return [
-        Listed(f"{at.rstrip('/')}/{name}" if name else at, bool(name), "prose" in about, "made by `make docs`" in about)
+        Listed(
+            f"{at.rstrip('/')}/{name}" if name else at,
+            bool(name),
+            "prose" in about or "no block here" in about,
+            "made by `make docs`" in about,
+        )
         for name, at, about in rows
     ]
 
@@ -107,9 +112,20 @@ def apply(text: str, root: Path) -> None:
         file.write_text(before.replace(change.old, change.new))
 
 
+def restore(root: Path, original: dict[str, bytes]) -> None:
+    """Make the text files below `root` those of `original`, a result of `contents`."""
+    now = contents(root)
+    for path in now.keys() - original.keys():
+        (root / path).unlink()
+    for path, content in original.items():
+        if now.get(path) != content:
+            (root / path).write_bytes(content)
+
+
 def run(command: list[str], root: Path) -> subprocess.CompletedProcess[str]:
     """A command in a copy of the repository; its own packages go before the installed ones."""
-    environment = {**os.environ, "PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = {**os.environ, "PYTHONPATH": str(root)}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # several commands run in one copy, compiled once
     if command[1:3] == ["-m", "pytest"]:
         command = [*command, "-p", "no:cacheprovider", "-p", "no:xdist"]
     return subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, check=False)
