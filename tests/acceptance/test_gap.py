@@ -174,8 +174,12 @@ def test_effects_are_listed_and_explained():
     assert refused.diagnostic.code == "gap/unknown-effect"
 
 
+def _silent(words: str, done: int = 0, total: int | None = None) -> None:
+    """A Tick that prints nothing."""
+
+
 def test_the_demo_finds_what_it_hides_and_shows_it(tmp_path: Path):
-    gap = gap_demo(tmp_path, jobs=1, tick=lambda *_: None)
+    gap = gap_demo(tmp_path, jobs=1, tick=_silent)
     (named,) = gap.report.verdict.effects
     assert named.name == "joint.coulomb_friction"
     low, high = named.parameters["torque_Nm"].ci95
@@ -220,9 +224,7 @@ def test_an_interrupted_run_continues_with_what_was_finished(answered: tuple[Pat
     store = ResultStore(tmp_path, answer_key(measurement, quick=True))
     assert isinstance(store.part("traps", lambda: pytest.fail("worked out again")), tuple)
     parts[0].write_bytes(b"damaged")
-    resumed = search(
-        measurement, (), tmp_path, engine=REPLAY_ENGINE, jobs=1, tick=lambda *_: None, since=0.0, quick=True
-    )
+    resumed = search(measurement, (), tmp_path, engine=REPLAY_ENGINE, jobs=1, tick=_silent, since=0.0, quick=True)
     assert resumed.hypotheses == report(answered[1]).hypotheses
     assert resumed.verdict == report(answered[1]).verdict
     assert not list(tmp_path.rglob("*.bin"))

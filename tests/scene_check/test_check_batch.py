@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapely import box
+from shapely import Polygon, box
 
 from scene_check import CheckPlace, CheckPrism, CheckReach, check
 from scene_check.batch import (
@@ -38,7 +38,7 @@ def form(*prisms: CheckPrism, stance: int = 0, height: float = 0.0) -> StanceGeo
     return StanceGeometry(prisms, FRONT, height, stance)
 
 
-HOLED = box(-0.5, -0.4, 0.5, 0.4) - box(0.3, 0.2, 0.4, 0.3)
+HOLED = Polygon(box(-0.5, -0.4, 0.5, 0.4).exterior, [box(0.3, 0.2, 0.4, 0.3).exterior])
 TABLE = CheckPlace("background", "top", np.array([0.0, 0.0, 0.7]), 0.0, HOLED)
 TRAY = CheckPlace(
     "tray",

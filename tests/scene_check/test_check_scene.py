@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import MultiPoint, Polygon, box
@@ -13,7 +14,8 @@ from shapely import MultiPoint, Polygon, box
 from scene_check import CheckKeepOut, CheckObject, CheckPlace, CheckPrism, CheckReach, CheckRelation, CheckScene, check
 from scene_check.measures import farthest_outside, outside
 
-TABLE = CheckPlace("background", "top", np.zeros(3), 0.0, box(-0.6, -0.4, 0.6, 0.4))
+TABLE_TOP = box(-0.6, -0.4, 0.6, 0.4)
+TABLE = CheckPlace("background", "top", np.zeros(3), 0.0, TABLE_TOP)
 
 
 def block(name: str, x: float, y: float, *, size=(0.1, 0.1, 0.1), base=0.0, yaw=0.0, place=TABLE, **how) -> CheckObject:
@@ -64,7 +66,7 @@ def test_touching_is_allowed_without_clearance():
 def test_a_footprint_over_the_edge_or_over_a_hole_is_off_the_support():
     (found,) = check(CheckScene((block("a", 0.58, 0.0),), 0.0))
     assert (found.kind, found.value) == ("off_support", pytest.approx(0.03))
-    holed = replace(TABLE, polygon=Polygon(TABLE.polygon.exterior, [box(-0.02, -0.02, 0.02, 0.02).exterior]))
+    holed = replace(TABLE, polygon=Polygon(TABLE_TOP.exterior, [box(-0.02, -0.02, 0.02, 0.02).exterior]))
     (found,) = check(CheckScene((block("a", 0.0, 0.0, place=holed),), 0.0))
     assert (found.kind, found.value) == ("off_support", pytest.approx(0.02, rel=0.02))
 
@@ -98,7 +100,7 @@ def test_inside_a_volume_every_layer_counts_at_its_height():
 
 
 def test_stacked_contents_need_something_under_their_middle():
-    bowl = CheckPlace("background", "inside", np.zeros(3), 0.0, layers=((0.0, 0.5, TABLE.polygon),), height_m=0.5)
+    bowl = CheckPlace("background", "inside", np.zeros(3), 0.0, layers=((0.0, 0.5, TABLE_TOP),), height_m=0.5)
     low = block("low", 0.0, 0.0, place=bowl)
     assert kinds(low, block("high", 0.02, 0.0, base=0.1, place=bowl)) == []
     assert kinds(low, block("high", 0.06, 0.0, base=0.1, place=bowl)) == [("unsupported", ("high", "background"))]
@@ -108,7 +110,7 @@ def test_stacked_contents_need_something_under_their_middle():
 def test_a_pile_stays_whatever_its_parts_weigh():
     """Of three blocks each has its middle over the one below, but the highest presses beyond where the second is held,
     and would tip it if heavy; a block on two needs both; a ball touches in a point and holds nothing."""
-    bin_ = CheckPlace("background", "inside", np.zeros(3), 0.0, layers=((0.0, 0.5, TABLE.polygon),), height_m=0.5)
+    bin_ = CheckPlace("background", "inside", np.zeros(3), 0.0, layers=((0.0, 0.5, TABLE_TOP),), height_m=0.5)
 
     def at(name: str, x: float, level: int, width: float = 0.1) -> CheckObject:
         return block(name, x, 0.0, base=0.1 * level, size=(width, 0.1, 0.1), place=bin_)
@@ -244,8 +246,9 @@ def test_a_rigid_motion_of_the_whole_scene_changes_no_verdict(poses, turn, dx, d
 @pytest.mark.parametrize("seed", range(30))
 def test_outlines_together_stick_out_as_far_as_the_worst_of_them(seed: int):
     rng = np.random.default_rng(seed)
-    place = box(-0.5, -0.4, 0.5, 0.4) - box(*np.sort(rng.uniform(-0.3, 0.3, (2, 2)), axis=0).reshape(-1))
+    west, south, east, north = np.sort(rng.uniform(-0.3, 0.3, (2, 2)), axis=0).reshape(-1).tolist()
+    place = Polygon(box(-0.5, -0.4, 0.5, 0.4).exterior, [box(west, south, east, north).exterior])
     clouds = [rng.uniform(-0.15, 0.15, (6, 2)) + rng.uniform(-0.4, 0.4, 2) for _ in range(4)]
-    outlines = [np.array(MultiPoint(cloud).convex_hull.exterior.coords[:-1]) for cloud in clouds]
+    outlines = [np.array(shapely.get_coordinates(MultiPoint(cloud).convex_hull)[:-1]) for cloud in clouds]
     for some in (outlines, outlines[:1], []):
         assert farthest_outside(some, place) == max((outside(one, place) for one in some), default=0.0)

@@ -13,7 +13,7 @@ from copy import deepcopy
 from random import Random
 from typing import Any
 
-from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
+from lxml import etree
 
 from schemas.zip_damage import ZIP_DAMAGE
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
+from lxml import etree
 from scipy.spatial.transform import Rotation
 
 from geom.pose import matrix_of, pose, shortest_rotation

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
+from lxml import etree
 from scipy.spatial.transform import Rotation
 
 from geom.convex.hull import hull_shape

@@ -118,7 +118,7 @@ def test_trimming_makes_a_bent_plate_as_thin_as_it_is():
 
 
 def test_trimming_leaves_flat_faces_and_joints_alone():
-    wedge = Manifold.hull_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1], [0, 1, 1]])
+    wedge = Manifold.hull_points(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1], [0, 1, 1.0]]))
     hollow = wedge - Manifold.cube((0.2, 0.8, 0.2)).translate((0.1, 0.1, 0.1))
     (kept,) = trim_hulls([wedge], hollow, SignedDistance(*manifold_arrays(hollow)), depth=0.1)
     assert kept.volume() == pytest.approx(wedge.volume())

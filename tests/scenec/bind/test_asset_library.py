@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -19,18 +20,19 @@ from scenec.bind.asset_library import AssetLibrary, swing_and_yaw
 from scenec.bind.prisms import scaled, slabs_between, stance_of
 from scenec.ir.problem import Stance
 from schemas.diagnostics import InvalidInput
-from schemas.physics import CollisionShape
+from schemas.physics import CollisionShape, ShapeKind
 from schemas.scene.program import AuthoredPolygon, BoxAsset, CylinderAsset, FixedAsset
 from tests.support.scene import library as scene_library
 
-QUATS = st.integers(0, 10**6).map(lambda seed: np.roll(Rotation.random(random_state=seed).as_quat(), 1))
+QUATS = st.integers(0, 10**6).map(lambda seed: np.roll(Rotation.random(rng=np.random.default_rng(seed)).as_quat(), 1))
 SIZES = st.floats(0.01, 0.5)
+KINDS: tuple[ShapeKind, ...] = get_args(ShapeKind)
 
 
 @st.composite
 def shapes(draw: st.DrawFn) -> CollisionShape:
     """One shape of any kind anywhere."""
-    kind = draw(st.sampled_from(["box", "sphere", "capsule", "cylinder", "hull"]))
+    kind = draw(st.sampled_from(KINDS))
     X_AS = pose(matrix_of(draw(QUATS)), (draw(SIZES), draw(SIZES), draw(SIZES)))
     if kind == "hull":
         points = np.random.default_rng(draw(st.integers(0, 10**6))).normal(size=(20, 3)) * 0.1
@@ -38,7 +40,7 @@ def shapes(draw: st.DrawFn) -> CollisionShape:
         assert shape is not None
         return shape
     count = {"box": 3, "sphere": 1}.get(kind, 2)
-    return CollisionShape(kind, tuple(draw(SIZES) for _ in range(count)), X_AS)  # pyright: ignore[reportArgumentType]
+    return CollisionShape(kind, tuple(draw(SIZES) for _ in range(count)), X_AS)
 
 
 def quat_of(quat: np.ndarray) -> tuple[float, float, float, float]:
@@ -92,7 +94,7 @@ def test_a_piece_between_two_heights_holds_what_lies_there(shape: CollisionShape
 
 @given(QUATS)
 def test_an_orientation_is_a_swing_and_then_a_heading(quat: np.ndarray):
-    swing, yaw = swing_and_yaw(quat)
+    swing, yaw = swing_and_yaw(quat.tolist())
     about_z = matrix_of(np.array([np.cos(0.5 * yaw), 0.0, 0.0, np.sin(0.5 * yaw)]))
     assert np.allclose(about_z @ matrix_of(np.array(swing)), matrix_of(quat), atol=1e-9)
     assert abs(swing[3]) < 1e-9

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import numpy as np
 
@@ -106,7 +107,7 @@ def grid_plan(n: int, cases: int, seed: int = 0, bodies: tuple[PlanBody, ...] | 
     made = tuple(_grid_case(rng, bodies, columns, rows) for _ in range(cases))
     names = tuple(f"thing{i}" for i in range(n))
     combination = PlanCombination(
-        X_WB=tuple(map(tuple, np.eye(4).tolist())),
+        X_WB=((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)),
         places=(("background", surface("top", 1.2, 0.8, (0.0, 0.0, 0.7))),),
         things=tuple(PlanThing(id=name, bodies=(i,), parent="background", place=0) for i, name in enumerate(names)),
         pools=(PlanPool(things=names, cases=made),),
@@ -136,13 +137,13 @@ def _edges(rng: np.random.Generator, count: int, total_um: int) -> list[int]:
     return [round(edge) for edge in even.tolist()]
 
 
-def single(name: str, cell_um: tuple[int, int, int, int], *, stance: int = 0, **more: object) -> PlanPool:
+def single(name: str, cell_um: tuple[int, int, int, int], *, stance: int = 0, **more: Any) -> PlanPool:
     """A pool of one thing with one cell and free yaw."""
     case = PlanCase(
         family="free_rectangle",
         cells_um=(cell_um,),
-        origins_um=(more.get("origin"),),  # type: ignore[arg-type]
-        yaws_urad=(more.get("yaws", FREE),),  # type: ignore[arg-type]
+        origins_um=(more.get("origin"),),
+        yaws_urad=(more.get("yaws", FREE),),
         stances=(stance,),
         base_um=(0,),
     )

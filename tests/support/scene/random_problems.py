@@ -9,7 +9,7 @@ import numpy as np
 from shapely import box
 
 from scenec.ir.problem import KeepOutIR, Problem, ReachIR, RelationIR
-from tests.support.scene.proof_problems import box_body, problem, table, thing
+from tests.support.scene.proof_problems import ANY, box_body, problem, table, thing
 
 CM = 0.01
 
@@ -61,9 +61,9 @@ def mixed_problem(seed: int) -> Problem:
     place = table(width, area / width)
     things = []
     for k, size in enumerate(sizes):
-        ranges = {"x": (-width / 2, float(rng.uniform(-0.2, 0.5)) * width)} if rng.random() < 0.15 else {}
+        x = (-width / 2, float(rng.uniform(-0.2, 0.5)) * width) if rng.random() < 0.15 else ANY
         yaw = (0.0, 0.0) if rng.random() < 0.3 else (-np.pi, np.pi)
-        things.append(thing(f"o{k}", (float(size[0]), float(size[1])), place, yaw=yaw, **ranges))
+        things.append(thing(f"o{k}", (float(size[0]), float(size[1])), place, x=x, yaw=yaw))
     if rng.random() < 0.33:
         tray = box_body("tray", 0.3, 0.22, 0.02, holds=True)
         big = table(width + 0.45, max(area / width, 0.45))

@@ -77,6 +77,7 @@ def _poses_kept(problem: Problem, grids: list[Grid], relaxed: bool) -> list[np.n
     masks = []
     for grid in grids:
         off = grid.off if relaxed else 0.0
+        assert isinstance(grid.thing.place, Surface)
         west, south, east, north = grid.thing.place.polygon.bounds
         mask = np.ones(len(grid.poses), bool)
         for k, yaw in enumerate(grid.yaws):
@@ -103,7 +104,9 @@ def _poses_kept(problem: Problem, grids: list[Grid], relaxed: bool) -> list[np.n
 
 def _difference(one: np.ndarray, two: np.ndarray) -> Polygon:
     """All p for which `two` moved by p meets `one`."""
-    return shapely.MultiPoint((one[:, None] - two[None]).reshape(-1, 2)).convex_hull
+    hull = shapely.MultiPoint((one[:, None] - two[None]).reshape(-1, 2)).convex_hull
+    assert isinstance(hull, Polygon)
+    return hull
 
 
 def _signed(points: np.ndarray, region: Polygon) -> np.ndarray:

@@ -36,7 +36,7 @@ def test_slots_are_inside_apart_and_large_enough(name: str, family, n: int):
         assert (y1 <= 0.4 + 1e-9).all()
         size = np.stack([x1 - x0, y1 - y0], axis=1)[:, None]
         if name != "grid":  # rows of random depth: who does not fit changes places later
-            assert (slot_options.size_m <= size + 1e-9).all(axis=2).any(axis=1).all()
+            assert np.any((slot_options.size_m <= size + 1e-9).all(axis=2), axis=1).all()
         apart = np.maximum(x0[:, None] - x1, y0[:, None] - y1)
         apart = np.maximum(apart, apart.T)[np.triu_indices(n, 1)]
         assert (apart >= GAP_M - 1e-9).all()

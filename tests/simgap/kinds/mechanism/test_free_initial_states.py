@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -51,8 +52,10 @@ def _swing(
             "actuation": {"type": "none"},
         }
     )
-    t_s = np.arange(ROWS) * ROW_S
-    absent = {n: np.full((ROWS, k), np.nan) for n, k in (("p", 3), ("quat_wxyz", 4), ("v_W", 3), ("w_B", 3))}
+    t_s = np.arange(ROWS, dtype=np.float64) * ROW_S
+    absent: dict[str, Any] = {
+        n: np.full((ROWS, k), np.nan) for n, k in (("p", 3), ("quat_wxyz", 4), ("v_W", 3), ("w_B", 3))
+    }
     absent |= {"command_p": absent["p"], "command_quat_wxyz": absent["quat_wxyz"]}
     absent |= {n: np.full((ROWS, 1), np.nan) for n in ("qd", "effort", "command")}
     starts = np.linspace(0.4, 1.4, 6)[:, None]

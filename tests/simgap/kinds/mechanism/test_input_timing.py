@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +26,9 @@ ROW_S, ROWS = 5e-3, 400
 
 def _trial(name: str, t_s: np.ndarray, command: np.ndarray, q: np.ndarray | None = None) -> Trial:
     n = len(t_s)
-    absent = {k: np.full((n, w), np.nan) for k, w in (("p", 3), ("quat_wxyz", 4), ("v_W", 3), ("w_B", 3))}
+    absent: dict[str, Any] = {
+        k: np.full((n, w), np.nan) for k, w in (("p", 3), ("quat_wxyz", 4), ("v_W", 3), ("w_B", 3))
+    }
     absent |= {"command_p": absent["p"], "command_quat_wxyz": absent["quat_wxyz"]}
     absent |= {k: np.full((n, 1), np.nan) for k in ("qd", "effort")}
     return Trial(id=name, t_s=t_s, q=np.zeros((n, 1)) if q is None else q, command=command, aux={}, **absent)
@@ -96,7 +99,8 @@ def _servo(late_loop: bool, late_reading: bool) -> MechanismProblem:
     for k in range(8):
         timing = np.arange(ROWS) * ROW_S
         stamps = np.clip(timing + rng.normal(0.0, 0.05, ROWS) * ROW_S, 0.0, None)
-        command = sum(a * np.sin(w * timing + p) for a, w, p in rng.uniform((0.1, 4.0, 0.0), (0.4, 15.0, 6.0), (4, 3)))
+        waves = rng.uniform((0.1, 4.0, 0.0), (0.4, 15.0, 6.0), (4, 3))
+        command = np.sum([a * np.sin(w * timing + p) for a, w, p in waves], axis=0)
         sent_at = stamps if late_loop else timing
         held = command[np.clip(np.searchsorted(sent_at, clock, side="right") - 1, 0, ROWS - 1)]
         trials.append((f"t{k}", stamps, command[:, None]))
