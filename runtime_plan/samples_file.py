@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -33,7 +34,7 @@ def _documents(plan: Plan, samples: Samples) -> Iterator[SceneSample]:
 
     for k in range(len(samples)):
         combination = int(samples.combination[k])
-        rows = zip(
+        rows: Iterable[tuple[int, Any, Any, int, int]] = zip(
             samples.asset_index[k].tolist(), samples.position_m[k].tolist(), samples.quat_wxyz[k].tolist(),
             samples.support[k].tolist(), samples.material[k].tolist(), strict=True,
         )  # fmt: skip

@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
+from geom.polygon_measures import distances
 from scene_check import Violation, check
 from scene_check.batch import WORLD, BatchPoses, KeepOutRule, RelationRule, SceneRules, ThingRule, scene_at
 from scene_check.model import TOLERANCE_M, TURN
@@ -63,7 +64,9 @@ def unproven(rules: SceneRules, poses: BatchPoses) -> BoolArray:
 
 
 def _footprint_bounds(rules: SceneRules, poses: BatchPoses) -> FootprintBounds:
-    hulls, low, high = [], [], []
+    hulls: list[FloatArray] = []
+    low: list[FloatArray] = []
+    high: list[FloatArray] = []
     for i, thing in enumerate(rules.things):
         index = poses.form[:, i]
         outlines = [_hull(np.vstack([p.outline_m for p in form.prisms])) for form in thing.forms]
@@ -215,8 +218,8 @@ def _pairs(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds) ->
         for row in np.flatnonzero(near.any(axis=0)):
             scenes = np.flatnonzero(near[:, row] & ~bad)
             outline_a = shapely.polygons(footprints.hulls[i][scenes])
-            outline_b = shapely.polygons(footprints.hulls[others[row]][scenes])
-            bad[scenes[shapely.distance(outline_a, outline_b) < max(bound, SLACK_M)]] = True
+            outline_b = shapely.polygons(footprints.hulls[int(others[row])][scenes])
+            bad[scenes[distances(outline_a, outline_b) < max(bound, SLACK_M)]] = True
     return bad
 
 
@@ -240,10 +243,10 @@ def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, 
         return second.min(axis=1) - first.max(axis=1) >= rule.gap_m - SLACK_M
     if rule.kind == "far_from":
         outline_a, outline_b = (shapely.polygons(footprints.hulls[i]) for i in rule.things[:2])
-        return np.asarray(shapely.distance(outline_a, outline_b)) >= rule.gap_m - SLACK_M
+        return distances(outline_a, outline_b) >= rule.gap_m - SLACK_M
     if rule.kind == "near" and all(len(form.prisms) == 1 for i in rule.things[:2] for form in rules.things[i].forms):
         outline_a, outline_b = (shapely.polygons(footprints.hulls[i]) for i in rule.things[:2])
-        return np.asarray(shapely.distance(outline_a, outline_b)) <= rule.gap_m + SLACK_M
+        return distances(outline_a, outline_b) <= rule.gap_m + SLACK_M
     if rule.kind == "aligned":
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)
         offsets = np.stack([np.einsum("nd,nd->n", at, across) for at in origins])
@@ -270,7 +273,7 @@ def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, 
 def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: KeepOutRule) -> BoolArray:
     """(n,) True where an object may be over a keep-out."""
     owner = rules.places[rule.place].owner
-    exempt = {owner} | (set() if owner == WORLD else _owners(rules, owner))
+    exempt = {owner} if owner == WORLD else {owner} | _owners(rules, owner)
     bad = np.zeros(len(footprints.low_m), dtype=bool)
     for i in range(len(rules.things)):
         if i in exempt:
@@ -279,5 +282,5 @@ def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds,
         meets = np.minimum(footprints.high_m[:, i] - floor, rule.height_m) - np.maximum(
             footprints.low_m[:, i] - floor, 0.0
         )
-        bad |= (meets > SLACK_M) & np.asarray(shapely.distance(rule.polygon, shapely.polygons(hull)) <= 0.0)
+        bad |= (meets > SLACK_M) & (distances(rule.polygon, shapely.polygons(hull)) <= 0.0)
     return bad

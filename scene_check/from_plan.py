@@ -60,7 +60,7 @@ def _thing(plan: RuntimePlan, thing: PlanThing) -> ThingRule:
 
 
 def _forms(body: PlanBody) -> tuple[StanceGeometry, ...]:
-    forms = []
+    forms: list[StanceGeometry] = []
     for number, stance in enumerate(body.stances):
         prisms, front = tuple(map(_prism, stance.prisms)), front_of(stance.quat_wxyz)
         forms.append(StanceGeometry(prisms, front, stance.origin_height_m, number))

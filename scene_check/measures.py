@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
+from geom.polygon_measures import distances
 from scene_check.model import TOLERANCE_M, CheckPlace
 from schemas.arrays import FloatArray, ObjectArray
 
@@ -22,7 +23,7 @@ def outside(outline: FloatArray, polygon: Polygon) -> float:
     if polygon.covers(shape) or polygon.buffer(TOLERANCE_M, join_style="mitre").covers(shape):
         return 0.0
     beyond = shape.difference(polygon)
-    corners = float(shapely.distance(shapely.points(outline), polygon).max())
+    corners = float(distances(shapely.points(outline), polygon).max())
     return max(corners, float(shapely.maximum_inscribed_circle(largest(beyond)).length), TOLERANCE_M)
 
 

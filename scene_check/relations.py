@@ -66,7 +66,7 @@ def entered_keep_out(rule: CheckKeepOut, scene: CheckScene, by_name: dict[str, C
     """Objects that enter a keep-out, each with the depth of its deepest part."""
     floor = float(rule.place.origin_m[2])
     owner = by_name.get(rule.place.owner)
-    exempt = {rule.place.owner} | (set() if owner is None else owners_of(owner, by_name))
+    exempt = {rule.place.owner} if owner is None else {rule.place.owner} | owners_of(owner, by_name)
     inner = rule.polygon.buffer(-TOLERANCE_M, join_style="mitre")
     for item in scene.objects:
         if item.name in exempt:

@@ -18,6 +18,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from geom.polygon_measures import distances
 from scene_check.model import TOLERANCE_M, CheckObject, CheckScene, Violation
 
 CONTACT_M = 2e-4
@@ -73,7 +74,7 @@ def _lift(item: CheckObject) -> float:
 
 def _farthest(load: BaseGeometry, support: BaseGeometry) -> float:
     """Largest distance of a point of a load outside of a support."""
-    return float(shapely.distance(shapely.points(shapely.get_coordinates(load)), support).max())
+    return float(distances(shapely.points(shapely.get_coordinates(load)), support).max())
 
 
 def _foot(item: CheckObject) -> BaseGeometry:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from schemas.zip_damage import ZIP_DAMAGE
@@ -49,25 +51,26 @@ def adapter(type_: type[T]) -> TypeAdapter[T]:
 def _detach(tree: Any, arrays: list[np.ndarray]) -> Any:
     """`tree` with arrays and bytes replaced by references into `arrays`, which grows."""
     if isinstance(tree, np.ndarray):
-        arrays.append(tree)
+        arrays.append(cast(NDArray[Any], tree))
         return {"$array": len(arrays) - 1}
     if isinstance(tree, bytes):
         arrays.append(np.frombuffer(tree, dtype=np.uint8))
         return {"$bytes": len(arrays) - 1}
     if isinstance(tree, dict):
-        return {k: _detach(v, arrays) for k, v in tree.items()}
+        return {k: _detach(v, arrays) for k, v in cast(dict[str, Any], tree).items()}
     if isinstance(tree, list | tuple):
-        return [_detach(v, arrays) for v in tree]
+        return [_detach(v, arrays) for v in cast(Sequence[Any], tree)]
     return tree
 
 
 def _attach(tree: Any, file: Any) -> Any:
     if isinstance(tree, dict):
-        if "$array" in tree:
-            return file[f"a{tree['$array']}"]
-        if "$bytes" in tree:
-            return file[f"a{tree['$bytes']}"].tobytes()
-        return {k: _attach(v, file) for k, v in tree.items()}
+        fields = cast(dict[str, Any], tree)
+        if "$array" in fields:
+            return file[f"a{fields['$array']}"]
+        if "$bytes" in fields:
+            return file[f"a{fields['$bytes']}"].tobytes()
+        return {k: _attach(v, file) for k, v in fields.items()}
     if isinstance(tree, list):
-        return [_attach(v, file) for v in tree]
+        return [_attach(v, file) for v in cast(list[Any], tree)]
     return tree

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 from manifold3d import Manifold
@@ -83,7 +84,9 @@ class CutGoal:
 def cut_apart(seeds: Sequence[Manifold], goal: CutGoal) -> list[Piece]:
     """Nearly convex pieces that fill the bodies `seeds` (unit size), crumbs (`CRUMB_SHARE`) excepted. Deterministic."""
     total = sum(seed.volume() for seed in seeds)
-    open_, done = _pieces(seeds, CRUMB_SHARE * total), list[Piece]()
+    worst: Piece
+    open_: list[Piece] = _pieces(seeds, CRUMB_SHARE * total)
+    done: list[Piece] = []
     violations: dict[Piece, float] = {}
     while open_ and len(open_) + len(done) < goal.most:
         if sum(p.excess for p in [*open_, *done]) > goal.slack * total:
@@ -196,7 +199,8 @@ def _volumes(
     total = np.zeros(count)
     total += np.bincount(part[a], _cone(local[a], local[b], local[c]), count)
     shared, over = triangles[~whole], over[~whole]
-    alone = np.where(corners_above[~whole] == 1, over.argmax(axis=1), (~over).argmax(axis=1))
+    one_above: BoolArray = corners_above[~whole] == 1
+    alone = cast(IntArray, np.where(one_above, over.argmax(axis=1), (~over).argmax(axis=1)))
     row = np.arange(len(shared))
     a, b, c = (shared[row, (alone + k) % 3] for k in range(3))
     to_b = local[a] + (height[a] / (height[a] - height[b]))[:, None] * (local[b] - local[a])
