@@ -33,9 +33,9 @@ def ellipsoid(half_m: tuple[float, ...], X_BG: FloatArray) -> CollisionShape:
     return CollisionShape("hull", (), np.eye(4), apply(X_BG, points), triangles)
 
 
-def plane(half_m: tuple[float, ...], X_BG: FloatArray) -> CollisionShape:
-    """A plane as a slab below its surface; an infinite one ends 10 m from its origin."""
-    x, y = (2.0 * (h if h > 0.0 else PLANE_HALF_M) for h in half_m[:2])
+def plane(size_m: tuple[float, ...], X_BG: FloatArray) -> CollisionShape:
+    """A plane of full lengths as a slab below its surface; an infinite one (0) ends 10 m from its origin."""
+    x, y = (length if length > 0.0 else 2.0 * PLANE_HALF_M for length in size_m[:2])
     down = pose(None, (0.0, 0.0, -PLANE_THICKNESS_M / 2.0))
     return CollisionShape("box", (x, y, PLANE_THICKNESS_M), X_BG @ down)
 
