@@ -37,15 +37,15 @@ def link_poses(
     X_RL: dict[str, FloatArray] = {description.root: np.eye(4)}
     for link in breadth_first(description)[1:]:
         joints = carriers[link]
-        X_PC = joints[0].X_PC
+        placed = joints[0].X_PC  # the child in the parent, moved joint by joint
         for joint in joints:
             q = _position(joint, by_name, positions)
             if joint.kind == "floating" and q is not None:
                 values = np.asarray(q, dtype=np.float64)
-                X_PC = pose(matrix_of(values[3:]), values[:3])
+                placed = pose(matrix_of(values[3:]), values[:3])
             elif q is not None:
-                X_PC = X_PC @ motion(joint, q)
-        X_RL[link] = X_RL[joints[0].parent] @ X_PC
+                placed = placed @ motion(joint, q)
+        X_RL[link] = X_RL[joints[0].parent] @ placed
     return X_RL
 
 
@@ -57,13 +57,12 @@ def motion(joint: DescribedJoint, position: float | Sequence[float] | FloatArray
     if joint.kind == "planar":
         along_x, along_y = _across(joint.axis_C)
         return pose(rotation_about(joint.axis_C, float(values[2])), values[0] * along_x + values[1] * along_y)
-    if joint.kind == "ball":
-        R = matrix_of(values)
-    elif joint.kind in ("revolute", "continuous"):
-        R = rotation_about(joint.axis_C, float(values[0] - joint.reference))
-    else:
+    if joint.kind == "fixed":
         return np.eye(4)
-    return pose(R, joint.anchor_C - R @ joint.anchor_C)
+    turned = (
+        matrix_of(values) if joint.kind == "ball" else rotation_about(joint.axis_C, float(values[0] - joint.reference))
+    )
+    return pose(turned, joint.anchor_C - turned @ joint.anchor_C)
 
 
 def _across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:

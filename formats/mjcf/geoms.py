@@ -54,10 +54,13 @@ def geom_shape(
     if a.get("mesh") and mesh is None:
         headline = f"{place} names the unknown mesh '{a['mesh']}'"
         refuse("robot/unknown-reference", headline, source, value=a["mesh"])
-    X_FG = settings.orientations.pose(a, source)
-    size = numbers(a, "size", None, (), source)
-    if "fromto" in a and kind in ("capsule", "cylinder", "box", "ellipsoid"):
-        X_FG, size = _between(a, size, kind, place, source)
+    stated_size = numbers(a, "size", None, (), source)
+    between = "fromto" in a and kind in ("capsule", "cylinder", "box", "ellipsoid")
+    X_FG, size = (
+        _between(a, stated_size, kind, place, source)
+        if between
+        else (settings.orientations.pose(a, source), stated_size)
+    )
     if mesh is not None and kind != "mesh":
         kind = "fitted"
     size_m, problem = _size(kind, size, place, source)

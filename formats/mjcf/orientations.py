@@ -44,11 +44,11 @@ class Orientations:
             *axis, angle = numbers(a, "axisangle", 4, None, source)
             return rotation_about(unit(axis, "axisangle", source), angle * self.rad_per_unit)
         if "euler" in a:
-            R: FloatArray = np.eye(3)
+            turned: FloatArray = np.eye(3)
             for letter, angle in zip(self.sequence, vector(a, "euler", None, source), strict=True):
                 turn = rotation_about(_AXES[letter.lower()], angle * self.rad_per_unit)
-                R = R @ turn if letter.islower() else turn @ R
-            return R
+                turned = turned @ turn if letter.islower() else turn @ turned
+            return turned
         if "xyaxes" in a:
             values = np.array(numbers(a, "xyaxes", 6, None, source))
             x = unit(values[:3], "xyaxes", source)

@@ -62,7 +62,9 @@ def inertial_element(inertial: Inertial) -> Element:
     if tensor is not None:
         entries = {f"i{'xyz'[i]}{'xyz'[j]}": number_text(tensor[i, j]) for i in range(3) for j in range(i, 3)}
     mass = element("mass", value=number_text(inertial.mass_kg))
-    return element("inertial", _origin(inertial.X_LI, _ZEROS), mass, element("inertia", **entries) if entries else None)
+    return element(
+        "inertial", _origin(inertial.X_LI, "", _ZEROS), mass, element("inertia", **entries) if entries else None
+    )
 
 
 def friction_element(friction: ShapeFriction) -> Element:
@@ -88,7 +90,8 @@ def _link(link: DescribedLink) -> Element:
 
 def _shape(shape: DescribedShape, tag: str) -> Element:
     made = element(tag, **({"name": shape.name} if shape.name else {}))
-    made.children = [_origin(shape.X_LS, _ZEROS if tag == "visual" else ""), element("geometry", _geometry(shape))]
+    zeros = _ZEROS if tag == "visual" else ""
+    made.children = [_origin(shape.X_LS, zeros, zeros), element("geometry", _geometry(shape))]
     if shape.material is not None and tag == "visual":
         made.children.append(_material(shape.material))
     if shape.friction is not None and tag == "collision":
@@ -132,7 +135,7 @@ def _joint(joint: DescribedJoint, lost: list[Diagnostic]) -> Element:
     ]
     made = element(
         "joint",
-        _origin(joint.X_PC, _ZEROS),
+        _origin(joint.X_PC, _ZEROS, _ZEROS),
         element("parent", link=joint.parent),
         element("child", link=joint.child),
         name=joint.name,
@@ -156,9 +159,9 @@ def _stated(**numbers: float | None) -> dict[str, str]:
     return {name: number_text(value) for name, value in numbers.items() if value is not None}
 
 
-def _origin(X: FloatArray, zeros: str) -> Element:
-    """`<origin>` of a pose; vectors of zeros are written as `zeros` where that is given."""
-    return element("origin", xyz=_vector(X[:3, 3], zeros), rpy=_vector(rpy_of_rotation(X[:3, :3]), zeros))
+def _origin(X: FloatArray, no_shift: str, no_turn: str) -> Element:
+    """`<origin>` of a pose; vectors of zeros are written as the texts given."""
+    return element("origin", xyz=_vector(X[:3, 3], no_shift), rpy=_vector(rpy_of_rotation(X[:3, :3]), no_turn))
 
 
 def _vector(values: Iterable[float], zeros: str) -> str:
