@@ -128,7 +128,7 @@ class DescribedRecording:
         recorded = RecordedStates(
             self.t_s, {j: self._position(entry, j) for j in joints}, rates, {model.links[root].name: X_WR}
         )
-        robots, _, _ = episode_parts(model, recorded, MeshFiles(model, path.parent, self.meshes).points)
+        robots, _, _ = episode_parts(model, recorded, MeshFiles(model, self.folder, self.meshes).points)
         free = any(is_free(joint) for joint in model.joints[root])
         return replace(robots[0], name=entry.name, X_WR=X_WR if free else X_WR @ model.X_PB[root])
 

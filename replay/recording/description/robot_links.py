@@ -6,13 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from formats.mesh_points import in_shape_frame
 from formats.tree import breadth_first
 from geom.pose import apply
 from replay.recording.episode import JointKind, Link
 from replay.recording.recorded_numbers import invalid_recording
 from replay.recording.robot_files import as_recording_finding, recorded_urdf
-from replay.recording.shapes import hull, locate_mesh, mesh_points
+from replay.recording.shapes import described_mesh, hull
 from schemas.diagnostics import InvalidInput
 from schemas.physics import CollisionShape
 from schemas.robot_description import DescribedJoint, DescribedLink, DescribedShape, RobotDescription
@@ -23,7 +22,6 @@ _KINDS: dict[str, JointKind] = {
     "prismatic": "prismatic",
     "fixed": "fixed",
 }
-_UNSCALED = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -37,7 +35,7 @@ class RobotLinks:
 def read_robot_links(
     path: Path, root: Path, meshes: Path | None = None, measured: Callable[[str], bool] = lambda joint: False
 ) -> RobotLinks:
-    """The robot of a file; its meshes from its folder, else from `meshes`.
+    """The robot of a file; its meshes from below `root`, else from `meshes`.
 
     A mimic joint that was recorded itself (`measured`) follows its record: many engines and grippers do not keep the
     fingers as equal as the file states. Raises InvalidInput.
@@ -49,7 +47,7 @@ def read_robot_links(
             message = f"joint '{joint.name}' is of type '{joint.kind}': not read"
             raise invalid_recording("replay/unsupported-model", message, joint.source.file, joint.source.line)
     driven = [j.name for j in joints.values() if j.moves and (j.mimic is None or measured(j.name))]
-    return RobotLinks(_links(description, joints, driven, _Meshes(path, meshes)), tuple(driven))
+    return RobotLinks(_links(description, joints, driven, _Meshes(path.name, root, meshes)), tuple(driven))
 
 
 def _links(
@@ -104,10 +102,10 @@ def _shapes_of(link: DescribedLink, moves: bool) -> list[DescribedShape]:
 
 
 class _Meshes:
-    """Shapes of a description at `path`, mesh files from its folder or else from `meshes`."""
+    """Shapes of a description called `file`, with mesh files from below `root` or else from `meshes`."""
 
-    def __init__(self, path: Path, meshes: Path | None) -> None:
-        self.path, self.meshes = path, meshes
+    def __init__(self, file: str, root: Path, meshes: Path | None) -> None:
+        self.file, self.root, self.meshes = file, root, meshes
 
     def shape(self, shape: DescribedShape, link: str) -> CollisionShape:
         """One shape in the frame of its link. Raises InvalidInput for a shape that cannot be used."""
@@ -115,7 +113,5 @@ class _Meshes:
             raise InvalidInput(as_recording_finding(shape.problem))
         if shape.mesh is None:
             return CollisionShape(shape.kind, shape.size_m, shape.X_LS)  # pyright: ignore[reportArgumentType]
-        file = self.path.name
-        path = locate_mesh(shape.mesh.uri, self.path.parent, self.meshes, file)
-        vertices = in_shape_frame(shape.mesh, mesh_points(path, _UNSCALED, file))
-        return hull(apply(shape.X_LS, vertices), link, file)
+        vertices = described_mesh(shape.mesh, self.root, self.meshes, self.file)
+        return hull(apply(shape.X_LS, vertices), link, self.file)
