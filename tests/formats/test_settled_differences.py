@@ -1,4 +1,4 @@
-"""The table that settled the differences of the readers before `formats`: replay's (URDF, MJCF) and the sim gap's (URDF).
+"""The table that settled the differences of the readers before `formats`: replay's (URDF, MJCF), the sim gap's (URDF).
 
 Each case has what each of them did (a code, "read", or what was wrong) and what all of Mana does now: a code, or `None`
 for a file that is read; then `holds` states what the description must say.
