@@ -547,7 +547,8 @@ CASES: Mapping[str, Case] = {
     ),
     "entity of a file": Case(
         {
-            "model.urdf": '<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/hostname">]>\n<robot name="r"><link name="a">&x;</link></robot>'
+            "model.urdf": '<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/hostname">]>\n'
+            '<robot name="r"><link name="a">&x;</link></robot>'
         },
         "read",
         "read",

@@ -34,22 +34,22 @@ def test_what_is_written_reads_back_as_the_same(
 def in_body_axes(description: RobotDescription) -> RobotDescription:
     """Inertials with their frames along the axes of the links: MJCF has full tensors there alone."""
     links = []
-    for link in description.links:
-        given = link.inertial
+    for body in description.links:
+        given = body.inertial
         if given is not None and given.inertia_kgm2 is not None:
             R = given.X_LI[:3, :3]
             turned = dataclasses.replace(
                 given, X_LI=pose(None, given.X_LI[:3, 3]), inertia_kgm2=R @ given.inertia_kgm2 @ R.T
             )
-            link = dataclasses.replace(link, inertial=turned)
-        links.append(link)
+            body = dataclasses.replace(body, inertial=turned)
+        links.append(body)
     return dataclasses.replace(description, links=tuple(links))
 
 
 def test_mujoco_finds_the_links_of_a_urdf_where_it_has_them(tmp_path: Path) -> None:
     """Kuka's arm, a mimic added, without shapes: read from URDF, written as MJCF, loaded by MuJoCo."""
     arm = read_urdf(Path(pybullet_data.getDataPath()) / "kuka_iiwa" / "model.urdf")
-    arm = dataclasses.replace(arm, links=tuple(dataclasses.replace(link, shapes=()) for link in arm.links))
+    arm = dataclasses.replace(arm, links=tuple(dataclasses.replace(part, shapes=()) for part in arm.links))
     written = write_mjcf(arm)
     assert {d.code for d in written.lost} == {"robot/not-expressible"}
     model = mujoco.MjModel.from_xml_string(written.data.decode())
@@ -61,11 +61,11 @@ def test_mujoco_finds_the_links_of_a_urdf_where_it_has_them(tmp_path: Path) -> N
     data.qpos[:] = q
     mujoco.mj_kinematics(model, data)
     X_RL = link_poses(arm, dict(zip([j.name for j in moving], q, strict=True)))
-    for link in arm.links:
-        body = data.body(link.name)
-        np.testing.assert_allclose(X_RL[link.name], pose(body.xmat.reshape(3, 3), body.xpos), atol=1e-9)
-        if link.inertial is not None and link.name != arm.root:
-            assert model.body(link.name).mass[0] == pytest.approx(link.inertial.mass_kg)
+    for part in arm.links:
+        body = data.body(part.name)
+        np.testing.assert_allclose(X_RL[part.name], pose(body.xmat.reshape(3, 3), body.xpos), atol=1e-9)
+        if part.inertial is not None and part.name != arm.root:
+            assert model.body(part.name).mass[0] == pytest.approx(part.inertial.mass_kg)
 
 
 def test_a_mimic_is_an_equality_to_mujoco(tmp_path: Path) -> None:
