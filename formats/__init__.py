@@ -6,7 +6,7 @@ from schemas.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from formats.kinematics import link_poses
-    from formats.link_mass import link_mass
+    from formats.masses import link_mass
     from formats.mjcf.read import parse_mjcf, read_mjcf
     from formats.mjcf.write import write_mjcf
     from formats.urdf.read import read_urdf
@@ -16,7 +16,7 @@ __all__ = ["link_mass", "link_poses", "parse_mjcf", "read_mjcf", "read_urdf", "w
 __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "link_mass": "formats.link_mass",
+        "link_mass": "formats.masses",
         "link_poses": "formats.kinematics",
         "parse_mjcf": "formats.mjcf.read",
         "read_mjcf": "formats.mjcf.read",

@@ -17,7 +17,7 @@ def mesh_file(uri: str, folder: Path, root: Path, source: SourceLine) -> tuple[s
 
     `package://arm/hand.obj` is looked for below a folder `arm` that holds the description or lies beside one that
     does; `file://` and absolute names count if they lie inside the root; other names start from `folder`. Nothing
-    outside the root is opened or asked for.
+    outside the root is opened.
     """
     name = uri.replace("\\", "/")
     match = _SCHEME.match(name)

@@ -12,9 +12,9 @@ _ESCAPE_TABLE = str.maketrans(_ESCAPES)
 
 def element(tag: str, *children: Element | None, **attributes: str) -> Element:
     """A new element; children that are None are left out."""
-    made = synthetic(tag, attributes)
-    made.children = [child for child in children if child is not None]
-    return made
+    xml = synthetic(tag, attributes)
+    xml.children = [child for child in children if child is not None]
+    return xml
 
 
 def to_bytes(top: Element) -> bytes:

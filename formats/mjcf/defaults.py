@@ -56,8 +56,8 @@ class Defaults:
         return merged(self.classes[name].get(element.tag, {}), element.attributes)
 
 
-def merged(outer: dict[str, str], own: dict[str, str]) -> dict[str, str]:
-    """The attributes of both, `own` first; an orientation replaces one that is written in another way."""
-    if any(key in own for key in ORIENTATIONS):
+def merged(outer: dict[str, str], stated: dict[str, str]) -> dict[str, str]:
+    """The attributes of both, `stated` first; an orientation replaces one that is written in another way."""
+    if any(key in stated for key in ORIENTATIONS):
         outer = {key: value for key, value in outer.items() if key not in ORIENTATIONS}
-    return {**outer, **own}
+    return {**outer, **stated}

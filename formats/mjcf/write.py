@@ -41,7 +41,7 @@ def write_mjcf(description: RobotDescription) -> WrittenDescription:
 
 
 class _Writing:
-    """One document: assets are collected while bodies are made."""
+    """One document: assets are collected while bodies are xml."""
 
     def __init__(self, description: RobotDescription) -> None:
         self.description = description
@@ -142,12 +142,12 @@ class _Writing:
         rgba = {"rgba": numbers_text(material.rgba)} if material.rgba is not None else {}
         if not material.name:
             return rgba
-        made = element("material", name=material.name, **rgba)
+        xml = element("material", name=material.name, **rgba)
         if material.texture:
             self.textures[material.name] = element("texture", name=material.name, type="2d", file=material.texture)
-            made.attributes["texture"] = material.name
-        stated = self.materials.setdefault(material.name, made)
-        return {"material": material.name} | (rgba if stated.attributes != made.attributes else {})
+            xml.attributes["texture"] = material.name
+        stated = self.materials.setdefault(material.name, xml)
+        return {"material": material.name} | (rgba if stated.attributes != xml.attributes else {})
 
     def _mesh(self, mesh: MeshReference) -> str:
         """The name of the mesh asset."""

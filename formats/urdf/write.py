@@ -81,22 +81,22 @@ def _link(link: DescribedLink) -> Element:
     if link.inertia_source == "shapes":
         raise not_expressible(f"the mass of link '{link.name}' follows from its shapes", link.source)
     inertial = inertial_element(link.inertial) if link.inertial is not None else None
-    made = element("link", contact_element(link.contact) if link.contact else None, inertial, name=link.name)
+    xml = element("link", contact_element(link.contact) if link.contact else None, inertial, name=link.name)
     for shape in link.shapes:
-        made.children += [_shape(shape, "visual")] if shape.drawn else []
-        made.children += [_shape(shape, "collision")] if shape.collides else []
-    return made
+        xml.children += [_shape(shape, "visual")] if shape.drawn else []
+        xml.children += [_shape(shape, "collision")] if shape.collides else []
+    return xml
 
 
 def _shape(shape: DescribedShape, tag: str) -> Element:
-    made = element(tag, **({"name": shape.name} if shape.name else {}))
+    xml = element(tag, **({"name": shape.name} if shape.name else {}))
     zeros = _ZEROS if tag == "visual" else ""
-    made.children = [_origin(shape.X_LS, zeros, zeros), element("geometry", _geometry(shape))]
+    xml.children = [_origin(shape.X_LS, zeros, zeros), element("geometry", _geometry(shape))]
     if shape.material is not None and tag == "visual":
-        made.children.append(_material(shape.material))
+        xml.children.append(_material(shape.material))
     if shape.friction is not None and tag == "collision":
-        made.children.append(friction_element(shape.friction))
-    return made
+        xml.children.append(friction_element(shape.friction))
+    return xml
 
 
 def _geometry(shape: DescribedShape) -> Element:
@@ -133,7 +133,7 @@ def _joint(joint: DescribedJoint, lost: list[Diagnostic]) -> Element:
         for name, value in unwritten.items()
         if value != 0.0
     ]
-    made = element(
+    xml = element(
         "joint",
         _origin(joint.X_PC, _ZEROS, _ZEROS),
         element("parent", link=joint.parent),
@@ -142,17 +142,17 @@ def _joint(joint: DescribedJoint, lost: list[Diagnostic]) -> Element:
         type="spherical" if joint.kind == "ball" else joint.kind,
     )
     if joint.kind in ("revolute", "continuous", "prismatic", "planar"):
-        made.children.append(element("axis", xyz=numbers_text(joint.axis_C)))
+        xml.children.append(element("axis", xyz=numbers_text(joint.axis_C)))
     limit = _stated(effort=joint.effort, velocity=joint.velocity)
     if joint.limits is not None:
         limit = _stated(lower=joint.limits.lower, upper=joint.limits.upper) | limit
     dynamics = _stated(damping=joint.damping or None, friction=joint.friction or None)
-    made.children += [element("limit", **limit)] if limit else []
-    made.children += [element("dynamics", **dynamics)] if dynamics else []
+    xml.children += [element("limit", **limit)] if limit else []
+    xml.children += [element("dynamics", **dynamics)] if dynamics else []
     if joint.mimic is not None:
         numbers = {"multiplier": number_text(joint.mimic.multiplier), "offset": number_text(joint.mimic.offset)}
-        made.children.append(element("mimic", joint=joint.mimic.joint, **numbers))
-    return made
+        xml.children.append(element("mimic", joint=joint.mimic.joint, **numbers))
+    return xml
 
 
 def _stated(**numbers: float | None) -> dict[str, str]:

@@ -178,7 +178,7 @@ def with_mimics(draw: st.DrawFn, carriers: list[DescribedJoint]) -> list[Describ
 
 @st.composite
 def described_links(draw: st.DrawFn, form: Format, name: str, k: int, root: str) -> DescribedLink:
-    own = tuple(draw(shapes(form, 10 * k + i)) for i in range(draw(st.integers(0, 3))))
+    own_shapes = tuple(draw(shapes(form, 10 * k + i)) for i in range(draw(st.integers(0, 3))))
     inertial = draw(st.none() | inertials())
     cameras: tuple[DescribedCamera, ...] = ()
     if form == "mjcf":
@@ -187,12 +187,12 @@ def described_links(draw: st.DrawFn, form: Format, name: str, k: int, root: str)
             DescribedCamera(f"c{k}_{i}", draw(poses()), draw(st.floats(0.1, 2.0)))
             for i in range(draw(st.integers(0, 1)))
         )
-    weighs = any(shape.mass_kg is not None or shape.density_kgm3 is not None for shape in own) and name != root
+    weighs = any(shape.mass_kg is not None or shape.density_kgm3 is not None for shape in own_shapes) and name != root
     contact = (
         draw(st.dictionaries(st.sampled_from(["lateral_friction", "restitution"]), amounts)) if form == "urdf" else {}
     )
     source = "declared" if inertial is not None else "shapes" if weighs else "missing"
-    return DescribedLink(name, own, inertial, source, contact, cameras)
+    return DescribedLink(name, own_shapes, inertial, source, contact, cameras)
 
 
 def depth_first(description: RobotDescription) -> RobotDescription:
