@@ -47,6 +47,21 @@ def pose(R_AB: FloatArray | None = None, p_AB: FloatArray | tuple[float, float, 
     return X_AB
 
 
+def rotation_of_rpy(rpy_rad: FloatArray | tuple[float, ...]) -> FloatArray:
+    """The rotation matrix (3, 3) of roll, pitch, yaw (3,) as URDF has them: turns about the fixed axes x, y, z."""
+    return np.asarray(Rotation.from_euler("xyz", rpy_rad).as_matrix(), dtype=np.float64)
+
+
+def rpy_of_rotation(R_AB: FloatArray) -> FloatArray:
+    """Roll, pitch, yaw (3,) in radians about the fixed axes x, y, z; yaw is 0 where only their sum is determined."""
+    return np.asarray(Rotation.from_matrix(R_AB).as_euler("xyz"), dtype=np.float64)
+
+
+def rotation_about(axis: FloatArray | tuple[float, ...], angle_rad: float) -> FloatArray:
+    """The rotation matrix (3, 3) of a turn about a unit vector (3,)."""
+    return np.asarray(Rotation.from_rotvec(np.asarray(axis) * angle_rad).as_matrix(), dtype=np.float64)
+
+
 def pose_from_quat(quat_wxyz: FloatArray, p_AB: FloatArray | tuple[float, float, float]) -> FloatArray:
     """X_AB (4, 4) from the orientation of B in A and the position (3,) of B's origin in A."""
     return pose(matrix_of(np.asarray(quat_wxyz)), p_AB)
