@@ -31,7 +31,11 @@ if engine := os.environ.get("MANA_ENGINE"):
 _ball = Manifold.sphere(1.0, 48).hull().to_mesh()
 NearestOnSurface(_ball.vert_properties[:, :3], _ball.tri_verts)(_ball.vert_properties[:, :3])
 
-for _type in (assetkit.pipeline.StoredNotes, RenderRequest, *(stage.result for stage in assetkit.pipeline.STAGES)):
+for _type in (
+    assetkit.pipeline.StoredNotes,
+    RenderRequest,
+    *(step.stage.result for step in assetkit.pipeline.STAGES.steps),
+):
     array_files.adapter(_type)
 
 # Validators load most of what they need with the first file that they see.

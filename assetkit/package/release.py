@@ -8,7 +8,7 @@ from pathlib import Path
 from assetkit.affordances.grasp_trials import grasp_lines
 from assetkit.package.record import RECORD, read_record
 from assetkit.package.write_urdf import write_urdf
-from assetkit.stage import Draft, need
+from assetkit.stage import Acceptance, Appearance, Canonical, Draft, Interaction, Physics, Previews, Semantics
 from assetkit.stage_log import StageLog
 from jobs.cache import file_sha256
 from schemas.asset import AssetRecord, SemanticsSection, SourceSection
@@ -50,7 +50,7 @@ def finish(draft: Draft, log: StageLog, work_dir: Path) -> Path:
     author(draft, work_dir)
     previews = folder / "previews"
     previews.mkdir(exist_ok=True)
-    images = need(draft.previews, "previews").images | need(draft.acceptance, "acceptance").images
+    images = draft[Previews].images | draft[Acceptance].images
     for name, data in sorted(images.items()):
         (previews / f"{name}.png").write_bytes(data)
     hashes = {p.relative_to(folder).as_posix(): file_sha256(p) for p in sorted(folder.rglob("*")) if p.is_file()}
@@ -77,8 +77,8 @@ def publish(folder: Path, target: Path) -> Diagnostic | None:
 
 
 def _content(draft: Draft) -> PackageContent:
-    physics = need(draft.physics, "physics")
-    semantics = need(draft.semantics, "semantics").section
+    physics = draft[Physics]
+    semantics = draft[Semantics].section
     metadata = draft.intake.model.metadata
     return PackageContent(
         asset_id=draft.asset_id,
@@ -93,7 +93,7 @@ def _content(draft: Draft) -> PackageContent:
         license=metadata.get("license", UNKNOWN),
         author=metadata.get("author", UNKNOWN),
         source_file=draft.source_name,
-        thumbnail_png=need(draft.previews, "previews").images["thumbnail"],
+        thumbnail_png=draft[Previews].images["thumbnail"],
         surfaces=physics.surfaces,
         shape_surfaces=physics.shape_surfaces,
         grasp_lines_m=grasp_lines(draft.acceptance.affordances) if draft.acceptance else (),
@@ -103,7 +103,7 @@ def _content(draft: Draft) -> PackageContent:
 
 def _record(draft: Draft, log: StageLog, hashes: dict[str, str]) -> AssetRecord:
     source = draft.intake.model
-    canonical = need(draft.canonicalize, "canonicalize")
+    canonical = draft[Canonical]
     return AssetRecord(
         asset_id=draft.asset_id,
         outcome=log.outcome,
@@ -119,13 +119,13 @@ def _record(draft: Draft, log: StageLog, hashes: dict[str, str]) -> AssetRecord:
             source_names=source_names(draft.model),
         ),
         geometry=canonical.section,
-        appearance=need(draft.appearance, "appearance").section,
+        appearance=draft[Appearance].section,
         semantics=_with_front(draft),
-        parts=need(draft.interaction, "interaction").parts,
-        affordances=need(draft.acceptance, "acceptance").affordances,
-        anchors=need(draft.acceptance, "acceptance").anchors,
-        physics=need(draft.physics, "physics").section,
-        acceptance=need(draft.acceptance, "acceptance").section,
+        parts=draft[Interaction].parts,
+        affordances=draft[Acceptance].affordances,
+        anchors=draft[Acceptance].anchors,
+        physics=draft[Physics].section,
+        acceptance=draft[Acceptance].section,
         diagnostics=log.diagnostics,
         repairs=log.repairs,
         history=log.history,
@@ -135,7 +135,7 @@ def _record(draft: Draft, log: StageLog, hashes: dict[str, str]) -> AssetRecord:
 
 def _with_front(draft: Draft) -> SemanticsSection:
     """The semantics of the draft, with the front that its parts indicate."""
-    section, front = need(draft.semantics, "semantics").section, need(draft.interaction, "interaction").front
+    section, front = draft[Semantics].section, draft[Interaction].front
     if front is None:
         return section
     return section.model_copy(update={"front": front.direction, "heading_symmetry": front.symmetry})

@@ -11,7 +11,18 @@ from assetkit.affordances.grasp_pictures import drawn_grasps
 from assetkit.affordances.grasp_trials import grasp_lines
 from assetkit.package import release
 from assetkit.package.preview_images import render_previews
-from assetkit.stage import Acceptance, Draft, Stage, Tools, need
+from assetkit.stage import (
+    Acceptance,
+    Appearance,
+    Canonical,
+    Draft,
+    Interaction,
+    Physics,
+    Previews,
+    Semantics,
+    Stage,
+    Tools,
+)
 from schemas.outcome import Outcome
 from usdio.reread.body import reread_body
 from usdio.write.source_names import rename_findings, source_names
@@ -23,6 +34,7 @@ class AcceptPackage(Stage):
     name = "acceptance"
     version = 6
     result = Acceptance
+    reads = (Canonical, Appearance, Semantics, Interaction, Physics, Previews)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Acceptance]:
         """Validator verdicts, gate findings, simulator figures of the package on disk; anchors and grasps tried on it.
@@ -30,12 +42,12 @@ class AcceptPackage(Stage):
         What the simulator finds is written into the package before validators and gate judge its bytes.
         """
         main_file = release.author(draft, tools.work_dir)
-        extent_m = need(draft.canonicalize, "canonicalize").section.extent_m.value
-        collider_misses_bounds = need(draft.physics, "physics").section.collider_misses_bounds
+        extent_m = draft[Canonical].section.extent_m.value
+        collider_misses_bounds = draft[Physics].section.collider_misses_bounds
         names = rename_findings(source_names(draft.model))
         simulated = simulate_package(main_file, tools.simulator, extent_m)
         body = reread_body(main_file)
-        proposed = need(draft.interaction, "interaction").anchors
+        proposed = draft[Interaction].anchors
         anchors = verify_anchors(proposed, body.shapes, tools.simulator)
         poses = [pose.value for pose in simulated.section.stable_poses]
         offered = find_affordances(draft, body, poses, anchors.anchors, tools.simulator, sound=simulated.passed)

@@ -202,6 +202,12 @@ INTAKE_CODES: dict[str, CodeInfo] = {
         "Scenes place objects as they stand: a mug on its side would be put down on its side, and its opening missed.",
         "nothing, or state the axis with --up-axis where the object is meant to lie",
     ),
+    "asset/frame-unsettled": CodeInfo(
+        "warning",
+        "The pose or scale of the object does not settle",
+        "Each look at the object in its new frame gives yet another one, so that none of them is sure.",
+        "look at the pictures and state unit, axis or category, or report the file",
+    ),
     "asset/upright-uncertain": CodeInfo(
         "warning",
         "The object probably does not stand as its file has it",
