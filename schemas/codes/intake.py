@@ -9,7 +9,7 @@ INTAKE_CODES: dict[str, CodeInfo] = {
     "asset/format-unsupported": CodeInfo(
         "error",
         "The file type is not one Mana reads",
-        "Only GLB, glTF, OBJ, STL, PLY, DAE and USD files become assets; anything else is reported, not guessed at.",
+        "Only files of a format with a reader become assets; anything else is reported, not guessed at.",
         "convert the file to GLB or USD and ingest that",
     ),
     "asset/format-unsupported-yet": CodeInfo(
