@@ -14,7 +14,6 @@ from schemas.model import Material, Mesh
 from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, RigidBody
 from usdio.write.mesh_materials import MeshMaterial, materials_per_mesh
-from usdio.write.meshes import mesh_prim_names
 
 # The namespace that Drake's own files declare for their additions to URDF.
 DRAKE = "http://drake.mit.edu"
@@ -38,11 +37,9 @@ def write_urdf(body: RigidBody, content: PackageContent, folder: Path, shape_con
     _contact(link, body)
     _inertial(link, body)
     mesh_materials = materials_per_mesh(content.model)
-    for name, mesh, mesh_material in zip(
-        mesh_prim_names(content.model), content.model.meshes, mesh_materials, strict=True
-    ):
+    for mesh, mesh_material in zip(content.model.meshes_by_id.values(), mesh_materials, strict=True):
         if len(mesh.triangles):
-            _visual(link, name, mesh, mesh_material, export)
+            _visual(link, mesh, mesh_material, export)
     contacts = shape_contacts if len(set(shape_contacts)) > 1 else [None] * len(body.shapes)
     for index, (shape, contact) in enumerate(zip(body.shapes, contacts, strict=True)):
         collision = _collision(link, f"collider_{index:02d}", shape, export)
@@ -98,11 +95,12 @@ def _inertial(link: ElementTree.Element, body: RigidBody) -> None:
     ElementTree.SubElement(inertial, "inertia", entries)
 
 
-def _visual(link: ElementTree.Element, name: str, mesh: Mesh, mesh_material: MeshMaterial, export: Path) -> None:
-    visual = ElementTree.SubElement(link, "visual", name=name)
+def _visual(link: ElementTree.Element, mesh: Mesh, mesh_material: MeshMaterial, export: Path) -> None:
+    visual = ElementTree.SubElement(link, "visual", name=mesh.id)
     ElementTree.SubElement(visual, "origin", xyz="0 0 0", rpy="0 0 0")
-    _write_obj(export / "meshes" / f"visual_{name}.obj", mesh.points, mesh.triangles, mesh.uvs[0] if mesh.uvs else None)
-    _mesh_element(visual, f"visual_{name}.obj")
+    file, uvs = f"visual_{mesh.id}.obj", mesh.uvs[0] if mesh.uvs else None
+    _write_obj(export / "meshes" / file, mesh.points, mesh.triangles, uvs)
+    _mesh_element(visual, file)
     material = ElementTree.SubElement(visual, "material", name=mesh_material.prim_name)
     ElementTree.SubElement(
         material, "color", rgba=_texts((*_srgb(mesh_material.material), mesh_material.material.opacity))

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics
 
+from schemas.identifiers import identifier, unique_identifiers
 from schemas.package import PackageContent
 from schemas.physics import SurfaceMaterial
-from usdio.names import identifier, prim_names
 from usdio.write.grasps import author_grasps
 from usdio.write.materials import author_materials, texture_files
 from usdio.write.mesh_materials import materials_per_mesh
@@ -76,7 +76,7 @@ def _contact_materials(stage: Usd.Stage, root: Sdf.Path, content: PackageContent
     """Author the contact materials, the principal one first, and return that of each shape."""
     label = content.physical_material or UNKNOWN
     surfaces = list(dict.fromkeys(content.surfaces)) or [SurfaceMaterial(label, content.density_kgm3, content.contact)]
-    names = prim_names([surface.label for surface in surfaces], UNKNOWN)
+    names = unique_identifiers([surface.label for surface in surfaces], UNKNOWN)
     paths = {
         surface: author_contact_material(stage, root, surface.contact, surface.density_kgm3, surface.label, name)
         for surface, name in zip(surfaces, names, strict=True)

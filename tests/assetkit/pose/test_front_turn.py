@@ -36,7 +36,8 @@ def observed(folder: Path, name: str, yaw_rad: float) -> tuple[FloatArray, Draft
     thing = MADE[name]
     points = thing.points @ about_z(yaw_rad).T
     x, y, z = (float(v) for v in np.ptp(points, axis=0))
-    model = Model((Mesh("m", points, thing.triangles),), (), (), (), declared(1.0, "test"), declared("z", "test"))
+    mesh = Mesh("m", points, thing.triangles, id="m")
+    model = Model((mesh,), (), (), (), declared(1.0, "test"), declared("z", "test"))
     options = Options(units="m", up_axis="z", category=thing.category)
     draft = Draft("part", "part.obj", Intake("obj", (), model, (x, y, z)))
     tools, cache = Tools(FakeSimulator(), folder, options), Cache(folder / f"{yaw_rad:.4f}")
