@@ -143,9 +143,9 @@ def _process_object(draft: Draft, tools: Tools, log: StageLog, out: Path, store:
         log = apply_human_acceptance(log, tools.options)
     if finished is None or log.rejected:
         return log, []
-    folder = release.finish(finished, log, tools.work_dir)
+    package = release.finish(finished, log, tools)
     _require_intact(tools)
-    occupied = release.publish(folder, out / draft.asset_id)
+    occupied = release.publish(package.folder, out / draft.asset_id)
     if occupied is not None:
         log.entries["release"] = Entry((occupied,))
         return log, []
@@ -232,7 +232,7 @@ def _load_or_run(stage: Stage, draft: Draft, tools: Tools, cache: Cache, key: st
         else:
             return Outcome(value, note.diagnostics, note.repairs, note.review), True
     findings = stage.accepts(draft)
-    outcome = stage.run(draft, tools) if not findings else Outcome(None, tuple(findings))
+    outcome: Outcome[StageResult] = stage.run(draft, tools) if not findings else Outcome(None, tuple(findings))
     _require_intact(tools)
     if outcome.value is not None and outcome.outside is None:
         array_files.save(outcome.value, stage.result, value_file)

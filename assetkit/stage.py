@@ -9,6 +9,7 @@ from typing import Protocol, TypeVar
 from pydantic import ConfigDict
 
 from assetkit.options import Options
+from assetkit.package.package import LastPackage
 from assetkit.pose.front import Front
 from assetkit.scale.declared_units import UnitDecision
 from geom.features.cavities import Cavity
@@ -162,7 +163,7 @@ class Acceptance:
     section: AcceptanceSection
     anchors: tuple[Evidence[Anchor], ...] = ()
     affordances: tuple[AffordanceEvidence, ...] = ()
-    images: dict[str, bytes] = field(default_factory=dict)
+    images: dict[str, bytes] = field(default_factory=dict[str, bytes])
 
 
 StageResult = Canonical | Appearance | Semantics | Interaction | Physics | Previews | Acceptance
@@ -238,7 +239,8 @@ class Tools:
     """Resources of the stages: the simulator, a scratch folder, the user's options, a store of models' answers.
 
     With `endpoint_lost` the endpoint was out of reach for another object of the file and is left alone. `mark` is a
-    file beside the scratch folder; results are stored only while it exists.
+    file beside the scratch folder; results are stored only while it exists. `last_package` remembers the package that
+    lies in the scratch folder.
     """
 
     simulator: Simulator
@@ -247,6 +249,7 @@ class Tools:
     answers: Cache | None = None
     endpoint_lost: bool = False
     mark: Path | None = None
+    last_package: LastPackage = field(default_factory=LastPackage)
 
 
 class Stage(Protocol):

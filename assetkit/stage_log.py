@@ -31,7 +31,7 @@ class Entry:
 class StageLog:
     """Entries by stage name, in the order of running. Written by the pipeline only."""
 
-    entries: dict[str, Entry] = field(default_factory=dict)
+    entries: dict[str, Entry] = field(default_factory=dict[str, Entry])
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
