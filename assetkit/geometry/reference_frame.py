@@ -79,7 +79,7 @@ def revise_by_semantics(draft: Draft) -> Revision | None:
     canonical = draft[Canonical]
     reasons: dict[RepeatReason, dict[str, float]] = {}
     if frame.unit is not None:
-        before, after = canonical.meters_per_unit.value, frame.unit.evidence.value
+        before, after = canonical.meters_per_unit.value, frame.unit.meters_per_unit.value
         reasons[RepeatReason.UNIT] = {"meters_per_unit_before": before, "meters_per_unit_after": after}
     if (turn_deg := angle_deg(frame.R_AS @ canonical.R_AS.T)) > 0.0:
         reasons[RepeatReason.WAY_UP] = {"turn_deg": turn_deg}
